@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: MIT */
+/* A test program prints TAP for prove: one line a truth about the program. Each failure shows the
+ * values it saw. A test ends with `return test_end();`. */
+#ifndef TEST_H
+#define TEST_H
+
+#include <math.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+
+static int test_count, test_failures;
+
+/* Prints ok or not ok, and the truth in words. */
+static bool test_truth(bool holds, const char *file, int line, const char *format, ...)
+{
+    va_list arguments;
+    printf("%s %d - ", holds ? "ok" : "not ok", ++test_count);
+    va_start(arguments, format);
+    vprintf(format, arguments);
+    va_end(arguments);
+    putchar('\n');
+    if (!holds) {
+        test_failures++;
+        printf("# %s:%d\n", file, line);
+    }
+    return holds;
+}
+
+#define CHECK(condition, ...) test_truth((condition), __FILE__, __LINE__, __VA_ARGS__)
+
+/* |seen - expected| <= tolerance; NaN never is. The text comes after the numbers. */
+#define CHECK_NEAR(seen, expected, tolerance, ...)                                                 \
+    do {                                                                                           \
+        double seen_ = (seen), expected_ = (expected), tolerance_ = (tolerance);                   \
+        if (!CHECK(fabs(seen_ - expected_) <= tolerance_, __VA_ARGS__))                            \
+            printf("# saw %.17g, expected %.17g within %.3g\n", seen_, expected_, tolerance_);     \
+    } while (0)
+
+#define CHECK_TEXT(seen, expected, ...)                                                            \
+    do {                                                                                           \
+        const char *seen_ = (seen), *expected_ = (expected);                                       \
+        if (!CHECK(strcmp(seen_, expected_) == 0, __VA_ARGS__))                                    \
+            printf("# saw      %s\n# expected %s\n", seen_, expected_);                            \
+    } while (0)
+
+static int test_end(void)
+{
+    printf("1..%d\n", test_count);
+    return test_failures != 0;
+}
+
+#endif
