@@ -1,0 +1,361 @@
+/* SPDX-License-Identifier: MIT */
+/* Reads that fail cleanly, names that resolve, outputs that appear whole or not at all, and the
+ * digests that FIPS 180-4's own examples publish. */
+#include "spectral.h"
+#include "test.h"
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+enum { PATH_SIZE = 512 };
+static const struct place nowhere = {NULL, 0, 0};
+
+/* A path in a folder of this test's own, so that leftovers can be counted. */
+static const char *temporary(const char *name, char path[PATH_SIZE])
+{
+    const char *folder = getenv("TEST_TMP");
+    if (folder == NULL)
+        folder = "build/tmp";
+    mkdir(folder, 0777);
+    snprintf(path, PATH_SIZE, "%s/file", folder);
+    mkdir(path, 0777);
+    snprintf(path, PATH_SIZE, "%s/file/%s", folder, name);
+    return path;
+}
+
+static int count_entries(void)
+{
+    char path[PATH_SIZE];
+    DIR *folder = opendir(temporary(".", path));
+    int count = 0;
+    while (folder != NULL && readdir(folder) != NULL)
+        count++;
+    closedir(folder);
+    return count;
+}
+
+static void put(const char *path, const char *bytes, size_t length)
+{
+    FILE *file = fopen(path, "wb");
+    fwrite(bytes, 1, length, file);
+    fclose(file);
+}
+
+/* True when the file holds just this string. */
+static bool holds(const char *path, const char *string)
+{
+    struct error err = {0};
+    char *bytes;
+    size_t length;
+    bool same = file_read(path, nowhere, &bytes, &length, &err) && length == strlen(string) &&
+                strcmp(bytes, string) == 0;
+    free(bytes);
+    return same;
+}
+
+static bool refuses_read(const char *path, const char *with)
+{
+    struct error err = {0};
+    struct place from = {"scene", 2, 3};
+    char *bytes;
+    size_t length;
+    bool read = file_read(path, from, &bytes, &length, &err);
+    if (!read && bytes == NULL && err.status == EXIT_INPUT && strstr(err.text, with) != NULL)
+        return true;
+    printf("# %s\n", err.text);
+    free(bytes);
+    return false;
+}
+
+static void check_reads(void)
+{
+    char path[PATH_SIZE], folder[PATH_SIZE];
+    char large[200001];
+    temporary("read", path);
+    put(path, "a\nb", 3);
+    CHECK(holds(path, "a\nb"), "a file is read whole");
+    put(path, "", 0);
+    CHECK(holds(path, ""), "an empty file is read");
+    memset(large, 'x', sizeof large - 1);
+    large[sizeof large - 1] = '\0';
+    put(path, large, sizeof large - 1);
+    CHECK(holds(path, large), "a larger file is read");
+    put(path, "ab\0c", 4);
+    CHECK(refuses_read(path, "byte 3 is NUL"), "a NUL byte is refused and told");
+    CHECK(truncate(path, (off_t)1 << 40) == 0 && refuses_read(path, "too long"),
+          "a terabyte is refused before it is read");
+    CHECK(refuses_read("/dev/zero", "byte 1 is NUL"), "an endless file of zeros ends");
+    CHECK(refuses_read(temporary("none", path), "scene:2:3: error: cannot read"),
+          "a missing file is blamed on who names it");
+    CHECK(refuses_read(temporary(".", folder), "folder"), "a folder is no file");
+    CHECK(refuses_read("builtin:none", "built-in"), "an unknown built-in file is refused");
+}
+
+static void check_pipe(void)
+{
+    char path[PATH_SIZE];
+    char large[200001];
+    pid_t child;
+    memset(large, 'y', sizeof large - 1);
+    large[sizeof large - 1] = '\0';
+    mkfifo(temporary("pipe", path), 0600);
+    child = fork();
+    if (child == 0) {
+        put(path, large, sizeof large - 1);
+        _exit(0);
+    }
+    CHECK(holds(path, large), "a pipe is read to its end");
+    waitpid(child, NULL, 0);
+    unlink(path);
+}
+
+static void check_relative(void)
+{
+    static const char *const cases[][3] = {
+        {NULL, "a", "a"},
+        {"--light", "a", "a"},
+        {"b.scene", "a", "a"},
+        {"x/b.scene", "a", "x/a"},
+        {"x/b.scene", "../a", "x/../a"},
+        {"/b", "a", "/a"},
+        {"x/b", "/a", "/a"},
+        {"x/b", "builtin:a", "builtin:a"},
+        {"builtin:b", "a", "builtin:a"},
+        {"builtin:scenes/b", "a", "builtin:scenes/a"},
+        {"builtin:scenes/b", "../tables/d65.csv", "builtin:tables/d65.csv"},
+        {"builtin:scenes/x/b", "../.././tables/./a", "builtin:tables/a"},
+        {"builtin:scenes/b", "../../../a", "builtin:a"},
+        {"builtin:scenes/b", "..a/b..", "builtin:scenes/..a/b.."},
+        {"builtin:scenes/b", "/a", "/a"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        char *path = file_relative(cases[i][0], cases[i][1]);
+        CHECK_TEXT(path, cases[i][2], "%s as seen from %s", cases[i][1],
+                   cases[i][0] != NULL ? cases[i][0] : "the command line");
+        free(path);
+    }
+}
+
+static void check_builtin(void)
+{
+    char path[64], small[16];
+    struct error err = {0};
+    size_t readable = 0;
+    for (size_t i = 0; i < builtin_file_count; i++) {
+        char *bytes, name[PATH_SIZE];
+        size_t length;
+        snprintf(name, sizeof name, "builtin:%s", builtin_files[i].name);
+        readable += file_read(name, nowhere, &bytes, &length, &err) &&
+                    length == builtin_files[i].length && bytes[length] == '\0';
+        free(bytes);
+    }
+    CHECK(builtin_file_count > 0 && readable == builtin_file_count,
+          "every built-in file is found and read");
+    CHECK(builtin_path("tables/", "d65", ".csv", path, sizeof path) &&
+              strcmp(path, "builtin:tables/d65.csv") == 0, "a built-in path is composed");
+    CHECK(!builtin_path("tables/", "d66", ".csv", path, sizeof path), "an unknown one is not");
+    CHECK(!builtin_path("tables/", "d65", ".csv", small, sizeof small), "nor one too long");
+}
+
+static void check_replacement(void)
+{
+    char path[PATH_SIZE], link[PATH_SIZE];
+    struct output output;
+    struct error err = {0};
+    struct stat status;
+    int before;
+    temporary("out", path);
+    temporary("link", link);
+    unlink(path);
+    unlink(link);
+    before = count_entries();
+    CHECK(output_open(&output, path, &err) && access(path, F_OK) != 0,
+          "an open output does not appear under its name");
+    output_discard(&output);
+    output_discard(&output);
+    CHECK(count_entries() == before, "a discarded output leaves nothing");
+    umask(027);
+    CHECK(file_write(path, "old", 3, &err) && holds(path, "old") && stat(path, &status) == 0 &&
+              (status.st_mode & 0777) == 0640, "a new file has the mode that the umask gives");
+    chmod(path, 0606);
+    symlink("out", link);
+    CHECK(output_open(&output, link, &err) && write(output.descriptor, "new", 3) == 3 &&
+              holds(path, "old"), "the old file stands until the commit");
+    CHECK(output_commit(&output, &err) && holds(path, "new"), "then the new one is there");
+    output_discard(&output);
+    CHECK(stat(path, &status) == 0 && (status.st_mode & 0777) == 0606, "with the old one's mode");
+    CHECK(lstat(link, &status) == 0 && S_ISLNK(status.st_mode), "and a link stays a link");
+    CHECK(count_entries() == before + 2, "no temporary is left");
+    unlink(link);
+    umask(022);
+}
+
+static enum exit_status write_status(const char *path)
+{
+    struct error err = {0};
+    return file_write(path, "x", 1, &err) ? EXIT_AGREED : err.status;
+}
+
+static void check_refusals(void)
+{
+    char path[PATH_SIZE], name[PATH_SIZE];
+    int before;
+    CHECK(write_status(temporary(".", path)) == EXIT_INPUT, "a folder cannot be written");
+    before = count_entries();
+    CHECK(write_status(temporary("no/file", path)) == EXIT_INPUT, "nor into a missing folder");
+    CHECK(write_status(temporary("out/file", path)) == EXIT_INPUT, "nor below a file");
+    CHECK(write_status(temporary("new/", path)) == EXIT_INPUT, "nor a name that ends in /");
+    CHECK(write_status("") == EXIT_INPUT, "nor the empty name");
+    CHECK(write_status("builtin:a") == EXIT_INPUT, "nor a built-in file");
+    memset(name, 'n', 300);
+    name[300] = '\0';
+    CHECK(write_status(name) == EXIT_INPUT, "nor a name that is too long");
+    symlink("missing", temporary("dangling", path));
+    CHECK(write_status(path) == EXIT_INPUT, "nor a link to nothing");
+    unlink(path);
+    name[250] = '\0';
+    CHECK(write_status(temporary(name, path)) == EXIT_AGREED, "a long name finds a temporary");
+    unlink(path);
+    if (geteuid() != 0) {
+        put(temporary("locked", path), "x", 1);
+        chmod(path, 0400);
+        CHECK(write_status(path) == EXIT_INPUT, "a write-protected file is kept");
+        unlink(path);
+    }
+    CHECK(count_entries() == before, "refusals leave nothing");
+}
+
+static void check_devices(void)
+{
+    char path[PATH_SIZE], seen[8] = "";
+    struct stat status;
+    pid_t child;
+    int ended, before = count_entries();
+    setenv("TMPDIR", temporary(".", path), 1);
+    CHECK(write_status("/dev/null") == EXIT_AGREED, "a device receives a copy");
+    if (access("/dev/full", W_OK) == 0)
+        CHECK(write_status("/dev/full") == EXIT_SYSTEM && stat("/dev/full", &status) == 0 &&
+                  S_ISCHR(status.st_mode), "a full device is the system's failure");
+    mkfifo(temporary("pipe", path), 0600);
+    child = fork();
+    if (child == 0)
+        _exit((int)write_status(path));
+    FILE *pipe = fopen(path, "r");
+    CHECK(pipe != NULL && fread(seen, 1, sizeof seen, pipe) == 1 && seen[0] == 'x',
+          "a pipe receives a copy");
+    fclose(pipe);
+    waitpid(child, &ended, 0);
+    CHECK(WIFEXITED(ended) && WEXITSTATUS(ended) == 0 && stat(path, &status) == 0 &&
+              S_ISFIFO(status.st_mode), "and stays a pipe");
+    unlink(path);
+    setenv("TMPDIR", "/none", 1);
+    CHECK(write_status("/dev/null") == EXIT_SYSTEM, "without TMPDIR's folder it cannot");
+    unsetenv("TMPDIR");
+    CHECK(count_entries() == before, "copies leave no temporary");
+}
+
+static void check_signals(void)
+{
+    char path[PATH_SIZE];
+    struct output output;
+    struct error err = {0};
+    pid_t child;
+    int ended, before = count_entries();
+    CHECK(output_open(&output, temporary("signal", path), &err) && !output_interrupted(),
+          "no signal waits at first");
+    raise(SIGTERM);
+    CHECK(output_interrupted(), "a signal waits while an output is open");
+    signal(SIGTERM, SIG_IGN); /* forgets the one that waits */
+    raise(SIGTERM);
+    CHECK(!output_interrupted(), "an ignored signal does not count");
+    output_discard(&output);
+    signal(SIGTERM, SIG_DFL);
+    child = fork();
+    if (child == 0) {
+        output_open(&output, path, &err);
+        raise(SIGINT);
+        output_discard(&output);
+        _exit(0);
+    }
+    waitpid(child, &ended, 0);
+    CHECK(WIFSIGNALED(ended) && WTERMSIG(ended) == SIGINT, "it comes when the output is gone");
+    CHECK(count_entries() == before, "and leaves nothing behind");
+}
+
+/* The exit status of a child that writes where only 4096 bytes fit. */
+static int write_full(const char *path)
+{
+    static char large[1 << 20];
+    struct error err = {0};
+    struct rlimit limit = {4096, 4096};
+    pid_t child = fork();
+    int ended;
+    if (child == 0) {
+        dup2(open("/dev/full", O_WRONLY), 1);
+        signal(SIGXFSZ, SIG_IGN);
+        setrlimit(RLIMIT_FSIZE, &limit);
+        _exit(file_write(path, large, sizeof large, &err) ? 0 : (int)err.status);
+    }
+    waitpid(child, &ended, 0);
+    return WIFEXITED(ended) ? WEXITSTATUS(ended) : -1;
+}
+
+static void check_full(void)
+{
+    char path[PATH_SIZE];
+    int before;
+    put(temporary("kept", path), "kept", 4);
+    before = count_entries();
+    CHECK(write_full("-") == EXIT_SYSTEM, "a standard output that is full is noticed");
+    CHECK(write_full(path) == EXIT_SYSTEM && holds(path, "kept") && count_entries() == before,
+          "when the bytes do not fit, the old file stands and the temporary is gone");
+}
+
+static void check_digest(void)
+{
+    /* FIPS 180-4's examples (NIST, "Examples with Intermediate Values"): one block, two blocks;
+     * and those of one million a and of the empty message from the same source. */
+    static const char two_blocks[] = "abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq";
+    static char million[1000000];
+    char path[PATH_SIZE], out[65];
+    struct error err = {0};
+    temporary("digest", path);
+    put(path, "abc", 3);
+    digest_file(path, out, &err);
+    CHECK_TEXT(out, "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad", "abc");
+    put(path, two_blocks, strlen(two_blocks));
+    digest_file(path, out, &err);
+    CHECK_TEXT(out, "248d6a61d20638b8e5c026930c3e6039a33ce45964ff2167f6ecedd419db06c1",
+               "56 bytes, whose end takes a block of its own");
+    put(path, "", 0);
+    digest_file(path, out, &err);
+    CHECK_TEXT(out, "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855", "nothing");
+    memset(million, 'a', sizeof million);
+    put(path, million, sizeof million);
+    digest_file(path, out, &err);
+    CHECK_TEXT(out, "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0",
+               "a million a");
+    CHECK(!digest_file(temporary(".", path), out, &err) && err.status == EXIT_SYSTEM,
+          "a folder has no digest");
+}
+
+int main(void)
+{
+    check_reads();
+    check_pipe();
+    check_relative();
+    check_builtin();
+    check_replacement();
+    check_refusals();
+    check_devices();
+    check_signals();
+    check_full();
+    check_digest();
+    return test_end();
+}
