@@ -1,0 +1,367 @@
+/* SPDX-License-Identifier: MIT */
+/* Spectra against closed forms and physical constants: readers share no code with the check of
+ * pictures, so that an error here would go unseen there. */
+#include "spectral.h"
+#include "test.h"
+
+#include <float.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+
+enum { PATH_SIZE = 512 };
+
+static const char *temporary(const char *name, char path[PATH_SIZE])
+{
+    const char *folder = getenv("TEST_TMP");
+    if (folder == NULL)
+        folder = "build/tmp";
+    mkdir(folder, 0777);
+    snprintf(path, PATH_SIZE, "%s/spectrum-%s", folder, name);
+    return path;
+}
+
+/* Reads the first word of a line; an absent spectrum stands for an error. */
+static struct spectrum read_between(const char *line, double lowest, double highest,
+                                    struct error *err)
+{
+    struct spectrum out = {0};
+    struct text text;
+    struct word word;
+    *err = (struct error){0};
+    text_open_string(&text, "line", line, err);
+    text_next_line(&text);
+    text_word(&text, &word);
+    if (!spectrum_read(&word, lowest, highest, &out, err))
+        CHECK(out.kind == SPECTRUM_NONE && out.name == NULL && out.value == NULL,
+              "a refused spectrum is left empty");
+    out.place.path = NULL; /* the text goes */
+    text_free(&text);
+    return out;
+}
+
+static struct spectrum read_word(const char *line)
+{
+    struct error err;
+    struct spectrum out = read_between(line, -HUGE_VAL, HUGE_VAL, &err);
+    if (err.text[0] != '\0')
+        printf("# %s\n", err.text);
+    return out;
+}
+
+static double value_of(const char *line, double nm)
+{
+    struct spectrum spectrum = read_word(line);
+    double value = spectrum.kind != SPECTRUM_NONE ? spectrum_at(&spectrum, nm, SPECTRUM_HOLD)
+                                                  : (double)NAN;
+    spectrum_free(&spectrum);
+    return value;
+}
+
+/* The message that refuses a reflectance. */
+static const char *refusal(const char *line, struct error *err)
+{
+    struct spectrum spectrum = read_between(line, 0, 1, err);
+    spectrum_free(&spectrum);
+    return err->text;
+}
+
+/* Writes a file and reads it as a spectrum's word. */
+static struct spectrum read_content(const char *content)
+{
+    char path[PATH_SIZE], line[PATH_SIZE + 2];
+    FILE *file = fopen(temporary("content", path), "w");
+    fputs(content, file);
+    fclose(file);
+    snprintf(line, sizeof line, "\"%s\"", path);
+    return read_word(line);
+}
+
+/* How the file is refused: the message from its line number on, or as it is. */
+static const char *refused_content(const char *content, const char *column, struct error *err)
+{
+    char path[PATH_SIZE], line[PATH_SIZE + 16];
+    const char *from;
+    FILE *file = fopen(temporary("content", path), "w");
+    fputs(content, file);
+    fclose(file);
+    snprintf(line, sizeof line, "%s%s", path, column);
+    refusal(line, err);
+    from = strstr(err->text, path);
+    return from == err->text ? from + strlen(path) : err->text;
+}
+
+static void check_words(void)
+{
+    struct spectrum s = read_word("d65*0.5");
+    CHECK(s.kind == SPECTRUM_SAMPLED && s.factor == 0.5, "a built-in name with a factor");
+    CHECK_TEXT(s.name, "d65*0.5", "its name is as written");
+    CHECK(s.place.line == 1 && s.place.column == 1, "its place is the word's");
+    spectrum_free(&s);
+    spectrum_free(&s);
+    CHECK(value_of("0.25", 500) == 0.25, "a number is the same at every wavelength");
+    CHECK(value_of("0.25*3", 1) == 0.75, "times its factor");
+    CHECK(value_of("2e-1", 1) == 0.2, "in any notation");
+    CHECK(value_of("gaussian:380,40", 380) == 1, "a gaussian is 1 at its centre");
+    CHECK_NEAR(value_of("gaussian:380,40*3", 400), 1.5, DBL_EPSILON,
+               "and half that at half its width");
+    CHECK(value_of("gaussian:380,1e-300", 381) == 0, "a narrow one vanishes beside it");
+    CHECK(value_of("cie1931:2", 555) == value_of("builtin:tables/cie1931.csv:2", 555) &&
+              value_of("cie1931:2", 555) > 0.99, "column 2 of an observer");
+}
+
+static void check_builtin(void)
+{
+    static const char *const names[] = {
+        "d65", "a", "fluorescent", "uv", "cie1931:3", "cie1964:3", "cie-standard-deviate:3",
+        "dcs200-camera:3", "transparency-film:3"};
+    static const char *const at_560[] = {"d65", "a", "fluorescent"};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        struct spectrum s = read_word(names[i]);
+        CHECK(s.count == 93 && s.wavelength_nm[0] == 300 && s.wavelength_nm[92] == 760,
+              "%s has 93 samples from 300 to 760 nm", names[i]);
+        spectrum_free(&s);
+    }
+    for (size_t i = 0; i < sizeof at_560 / sizeof at_560[0]; i++)
+        CHECK(value_of(at_560[i], 560) == 1, "%s is 1 at 560 nm", at_560[i]);
+}
+
+/* Planck's law computed with the C library in long double. */
+static double planck_ratio(double temperature, double nm)
+{
+    long double c2 = 6.62607015e-34L * 299792458.0L / 1.380649e-23L * 1e9L;
+    long double t = (long double)temperature, wavelength = (long double)nm;
+    long double x0 = c2 / (560 * t), x = c2 / (wavelength * t);
+    return (double)(powl(560 / wavelength, 5) * (expm1l(x0) / expm1l(x)));
+}
+
+static void check_blackbody(void)
+{
+    static const double temperatures[] = {300, 1500, 2856, 6504, 25000, 1e6};
+    double worst = 0, largest = 0, at = 0;
+    char word[64];
+    for (size_t i = 0; i < sizeof temperatures / sizeof temperatures[0]; i++) {
+        snprintf(word, sizeof word, "blackbody:%g", temperatures[i]);
+        struct spectrum s = read_word(word);
+        CHECK(spectrum_at(&s, 560, SPECTRUM_ZERO) == 1, "%s is 1 at 560 nm", word);
+        for (double nm = 200; nm <= 2000; nm += 7.3) {
+            double expected = planck_ratio(temperatures[i], nm);
+            double x = 1.44e7 / (nm * temperatures[i]), x0 = 1.44e7 / (560 * temperatures[i]);
+            /* x0 and x are rounded three times each, and e^(x0 - x) passes on their errors; some
+             * 20 roundings follow. */
+            double bound = DBL_EPSILON * (10 + 2 * (x0 + x));
+            worst = fmax(worst, fabs(spectrum_at(&s, nm, SPECTRUM_ZERO) / expected - 1) / bound);
+        }
+        spectrum_free(&s);
+    }
+    CHECK_NEAR(worst, 0, 1, "a blackbody follows Planck's law");
+    for (double nm = 400; nm < 1600; nm += 0.01)
+        if (value_of("blackbody:2897.771955", nm) > largest) {
+            largest = value_of("blackbody:2897.771955", nm);
+            at = nm;
+        }
+    CHECK_NEAR(at, 1000, 0.02, "its peak obeys Wien's law");
+    /* Far in the infrared Rayleigh and Jeans's T / nm^4 remains: (560/nm)^4 (e^x0 - 1) / x0 with
+     * x0 = c2 / (560 T) = 0.025692445; what it leaves out is c2 / (2 nm T) = 8e-6 of it. */
+    CHECK_NEAR(value_of("blackbody:1e6", 9e5) /
+                   (pow(560 / 9e5, 4) * expm1(0.025692445) / 0.025692445),
+               1, 1e-5, "and Rayleigh and Jeans's far in the infrared");
+    CHECK(value_of("blackbody:1000", 1e-3) == 0 && value_of("blackbody:1000", 1e-200) == 0,
+          "it vanishes at short wavelengths, without a NaN");
+}
+
+static void check_interpolation(void)
+{
+    struct spectrum s = read_content("400 0.1\n410 0.3\n# comment\n\n430.5 0.7\n");
+    CHECK(s.count == 3, "two columns are read");
+    CHECK(spectrum_at(&s, 400, SPECTRUM_ZERO) == 0.1 &&
+              spectrum_at(&s, 410, SPECTRUM_ZERO) == 0.3 &&
+              spectrum_at(&s, 430.5, SPECTRUM_ZERO) == 0.7,
+          "samples are met to the last bit");
+    CHECK_NEAR(spectrum_at(&s, 402.5, SPECTRUM_ZERO), 0.15, DBL_EPSILON,
+               "between them it is linear");
+    CHECK_NEAR(spectrum_at(&s, 430, SPECTRUM_ZERO), 0.7 - 0.4 * 0.5 / 20.5, DBL_EPSILON,
+               "on uneven steps too");
+    CHECK(spectrum_at(&s, 399.9, SPECTRUM_ZERO) == 0 && spectrum_at(&s, 431, SPECTRUM_ZERO) == 0,
+          "outside it is 0");
+    CHECK(spectrum_at(&s, 399.9, SPECTRUM_HOLD) == 0.1 &&
+              spectrum_at(&s, 431, SPECTRUM_HOLD) == 0.7,
+          "or holds the end");
+    CHECK(spectrum_extrapolates(&s, 399.9) && spectrum_extrapolates(&s, 430.6) &&
+              !spectrum_extrapolates(&s, 400) && !spectrum_extrapolates(&s, 430.5),
+          "extrapolation is told");
+    spectrum_free(&s);
+    s = read_content("400 0.3\n500 0.3\n600 1\n");
+    bool inside = true, level = true;
+    for (double nm = 400; nm <= 600; nm += 0.0173) {
+        double value = spectrum_at(&s, nm, SPECTRUM_ZERO);
+        inside = inside && value >= 0.3 && value <= 1;
+        level = level && (nm > 500 || value == 0.3);
+    }
+    CHECK(inside && level, "rounding never leaves the range of two samples");
+    spectrum_free(&s);
+    s = read_content("555 2\n");
+    CHECK(spectrum_at(&s, 555, SPECTRUM_ZERO) == 2 && spectrum_at(&s, 554, SPECTRUM_ZERO) == 0 &&
+              spectrum_at(&s, 1, SPECTRUM_HOLD) == 2, "one sample is a spectrum");
+    spectrum_free(&s);
+}
+
+static void check_formats(void)
+{
+    static const char *const same[] = {
+        "400 0.25\n405 0.5\n410 1\n",
+        "400\t0.25\r\n405\t0.5\r\n410\t1",
+        "# head\nwavelength_nm,power\n400,0.25\n405,0.5\n410,1\n",
+        "\"Wavelength (nm)\";\"R\"\n400;0.25\n405;0.5\n410;1\n",
+        "\xEF\xBB\xBF" "400, 0.25\n405, 0.5\n410, 1\n",
+        "SPECT\nSPECTRAL_BANDS 3\nSPECTRAL_START_NM 400.0\nSPECTRAL_END_NM 410.0\n"
+        "BEGIN_DATA_FORMAT\nSPEC_400 SPEC_405\n SPEC_410\nEND_DATA_FORMAT\n"
+        "BEGIN_DATA\n0.25 0.5\n 1\nEND_DATA\n",
+        "CGATS.17\n\nKEYWORD \"SPECTRAL_NORM\"\nSPECTRAL_NORM \"100.0\"\nSPECTRAL_BANDS \"3\"\n"
+        "SPECTRAL_START_NM \"400\"\nSPECTRAL_END_NM \"410\"\nBEGIN_DATA\n25 50 100 END_DATA\n"};
+    for (size_t i = 0; i < sizeof same / sizeof same[0]; i++) {
+        struct spectrum s = read_content(same[i]);
+        CHECK(s.count == 3 && s.wavelength_nm[0] == 400 && s.wavelength_nm[1] == 405 &&
+                  s.wavelength_nm[2] == 410 && s.value[0] == 0.25 && s.value[1] == 0.5 &&
+                  s.value[2] == 1, "format %zu gives the same three samples", i);
+        spectrum_free(&s);
+    }
+}
+
+/* What a file holds, and the message with which a reflectance of it is refused, from the line on. */
+static const char *const bad_files[][2] = {
+    {"400 0.1\n400 0.2\n",
+     ":2:1: error: wavelength 400 nm follows 400 nm; wavelengths must increase"},
+    {"400 1.5\n", ":1:5: error: value 1.5 is above 1; it lies between 0 and 1"},
+    {"400 0.5\n405 -0.1\n", ":2:5: error: value -0.1 is below 0; it lies between 0 and 1"},
+    {"0 0.5\n", ":1:1: error: wavelength 0 nm; it lies between 0 and 1000000 nm"},
+    {"-5 0.5\n", ":1:1: error: wavelength -5 nm; it lies between 0 and 1000000 nm"},
+    {"1e6 0.5\n", ":1:1: error: wavelength 1000000 nm; it lies between 0 and 1000000 nm"},
+    {"400\n", ":1:4: error: expected a value after the wavelength"},
+    {"400 0.5\n405 0.5 1\n", ":2:1: error: this row has 2 values, the first row has 1"},
+    {"400,x\n", ":1:5: error: value must be a number such as 2.5 or 1e-3, not 'x'"},
+    {"38O,0.5\n390,0.5\n",
+     ":1:1: error: wavelength must be a number such as 2.5 or 1e-3, not '38O'"},
+    {"nan,0.5\n390,0.5\n",
+     ":1:1: error: wavelength must be a number such as 2.5 or 1e-3, not 'nan'"},
+    {"nm,R\nnm,R\n",
+     ":2:1: error: wavelength must be a number such as 2.5 or 1e-3, not 'nm'"},
+    {"nm,R\n", ": error: no samples; a spectrum needs at least one"},
+    {"# nothing\n", ": error: no samples; a spectrum needs at least one"},
+    {"SPECT\nBEGIN_DATA\n1\nEND_DATA\n",
+     ":2:1: error: SPECTRAL_BANDS is missing before the data"},
+    {"SPECT\nSPECTRAL_BANDS 2\nSPECTRAL_START_NM 400\nBEGIN_DATA\n1 1\nEND_DATA\n",
+     ":4:1: error: SPECTRAL_END_NM is missing before the data"},
+    {"SPECT\nSPECTRAL_BANDS 2\nSPECTRAL_START_NM 400\nSPECTRAL_END_NM 400\n"
+     "BEGIN_DATA\n1 1\nEND_DATA\n",
+     ":5:1: error: 2 bands from 400 to 400 nm; they must increase"},
+    {"SPECT\nSPECTRAL_BANDS 2\nSPECTRAL_START_NM 400\nSPECTRAL_END_NM 410\n"
+     "BEGIN_DATA\n1\nEND_DATA\n",
+     ":7:1: error: 1 values, but SPECTRAL_BANDS is 2"},
+    {"SPECT\nSPECTRAL_BANDS 1\nSPECTRAL_START_NM 400\nSPECTRAL_END_NM 400\n"
+     "BEGIN_DATA\n1 1\nEND_DATA\n",
+     ":6:3: error: more values than SPECTRAL_BANDS, 1"},
+    {"SPECT\nSPECTRAL_BANDS 1\nSPECTRAL_START_NM 400\nSPECTRAL_END_NM 400\nBEGIN_DATA\n1\n",
+     ":5:1: error: BEGIN_DATA without END_DATA"},
+    {"SPECT\nSPECTRAL_BANDS 1\nSPECTRAL_START_NM 400\nSPECTRAL_END_NM 400\n"
+     "SPECTRAL_NORM 2\nBEGIN_DATA\n3\nEND_DATA\n",
+     ":7:1: error: value 3 is above 2; it lies between 0 and 2"},
+    {"SPECT\nBEGIN_DATA_FORMAT\nA\n",
+     ":2:1: error: BEGIN_DATA_FORMAT without END_DATA_FORMAT"},
+    {"SPECT\n", ": error: no BEGIN_DATA; a spectrum needs samples"},
+};
+
+static void check_bad_files(void)
+{
+    struct error err;
+    for (size_t i = 0; i < sizeof bad_files / sizeof bad_files[0]; i++)
+        CHECK_TEXT(refused_content(bad_files[i][0], "", &err), bad_files[i][1],
+                   "bad file %zu is refused where it is bad", i);
+    CHECK(strstr(refused_content("400 0.1 0.2\n", "", &err), "has 2 value columns; write") != NULL,
+          "several columns need a choice");
+    CHECK(strstr(refused_content("400 0.1 0.2\n", ":3", &err),
+                 "has no value column 3; its last is 2") != NULL,
+          "which must exist");
+    CHECK(refused_content("400 0.1 0.2\n", ":2", &err)[0] == '\0' && err.status == EXIT_AGREED,
+          "a column that exists is read");
+    CHECK(refused_content("400 7 0.2\n", ":2", &err)[0] == '\0',
+          "the other columns' values are not held against the range");
+}
+
+static void check_bad_words(void)
+{
+    static const char *const bad[] = {
+        "1.5", "-0.1", "0.5*3", "d65*-1", "d65*", "d65*x", "d65*nan", "*2", "1e999", "nan", "0x1",
+        "cie1931", "cie1931:4", "cie1931:0", "d65*1e999", "blackbody:0", "blackbody:-5",
+        "blackbody:2e6", "blackbody:", "blackbody:x", "blackbody:2856", "gaussian:380",
+        "gaussian:380,0", "gaussian:,40", "gaussian:380,40,50", "gaussian:400,40*1.1", "\"d65",
+        "builtin:tables/none.csv", "/", "d65:", "1.5abc"};
+    struct error err;
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
+        CHECK(refusal(bad[i], &err)[0] != '\0' && err.status == EXIT_INPUT,
+              "%s is refused as a reflectance", bad[i]);
+    refusal("d66", &err);
+    CHECK(strncmp(err.text, "line:1:1: error: no built-in spectrum and no file 'd66'", 55) == 0 &&
+              strstr(err.text, " d65 ") != NULL, "an unknown name lists what there is");
+    CHECK_TEXT(refusal("0.5*x", &err),
+               "line:1:5: error: factor must be a number such as 2.5 or 1e-3, not 'x'",
+               "a bad factor is blamed where it stands");
+    CHECK_TEXT(refusal("\"0.5*x\"", &err),
+               "line:1:6: error: factor must be a number such as 2.5 or 1e-3, not 'x'",
+               "in quotes too");
+    CHECK_TEXT(refusal("gaussian:380,-1", &err),
+               "line:1:14: error: width -1 is not above 0; it lies between 0 and 1000000",
+               "and so is a part of a formula");
+    read_between("blackbody:5", 0, HUGE_VAL, &err);
+    CHECK(strstr(err.text, "too large for a number") != NULL,
+          "a blackbody too cold for its infrared is refused");
+    read_between("d65*1e308*1e308", 0, HUGE_VAL, &err);
+    CHECK(err.text[0] != '\0', "only the last * is a factor");
+}
+
+static void check_append_and_copy(void)
+{
+    const struct place place = {"f", 3, 1};
+    struct spectrum s = {0}, copy;
+    struct error err = {0};
+    bool appended = true, equal = true;
+    for (int i = 1; i <= 1000; i++)
+        appended = appended && spectrum_append(&s, i, i * 0.5, place, &err);
+    CHECK(appended && s.count == 1000 && s.kind == SPECTRUM_SAMPLED && s.factor == 1 &&
+              s.place.line == 3, "samples are appended");
+    CHECK(!spectrum_append(&s, 1000, 1, place, &err) && s.count == 1000,
+          "one that does not increase is refused, and changes nothing");
+    CHECK(!spectrum_append(&s, 1001, HUGE_VAL, place, &err) &&
+              !spectrum_append(&s, (double)NAN, 1, place, &err) &&
+              !spectrum_append(&s, 1001, (double)NAN, place, &err), "nor infinite nor undefined");
+    s.factor = 2;
+    err = (struct error){0};
+    CHECK(spectrum_copy(&s, &copy, &err) && copy.count == 1000 && copy.value != s.value &&
+              copy.name == NULL, "a copy owns its samples");
+    for (double nm = 0.25; nm < 1001; nm += 0.25)
+        equal =
+            equal && spectrum_at(&s, nm, SPECTRUM_ZERO) == spectrum_at(&copy, nm, SPECTRUM_ZERO);
+    CHECK(equal, "and has the same values");
+    CHECK(spectrum_append(&copy, 1001, 1, place, &err), "and may grow");
+    spectrum_free(&copy);
+    spectrum_free(&s);
+    s = read_word("blackbody:2856*0.5");
+    CHECK(spectrum_copy(&s, &copy, &err) && strcmp(copy.name, s.name) == 0 &&
+              spectrum_at(&copy, 500, SPECTRUM_ZERO) == spectrum_at(&s, 500, SPECTRUM_ZERO) &&
+              spectrum_at(&copy, 560, SPECTRUM_ZERO) == 0.5, "formulas are copied");
+    spectrum_free(&copy);
+    spectrum_free(&s);
+    CHECK(spectrum_at(&s, 500, SPECTRUM_HOLD) == 0, "an absent spectrum is 0");
+}
+
+int main(void)
+{
+    check_words();
+    check_builtin();
+    check_blackbody();
+    check_interpolation();
+    check_formats();
+    check_bad_files();
+    check_bad_words();
+    check_append_and_copy();
+    return test_end();
+}
