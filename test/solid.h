@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: MIT */
+/* What must hold for a mesh, measured without trusting how it was built: vertices at the same place
+ * are merged by their bits, then volume and edges are counted. */
+#ifndef SOLID_H
+#define SOLID_H
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "spectral.h"
+
+struct solid {
+    int places;          /* different positions */
+    int edges;           /* undirected, between places */
+    int open_edges;      /* directed edges without their reverse */
+    int repeated_edges;  /* directed edges that occur again */
+    double volume;       /* by the divergence theorem, positive when facing outwards */
+    double worst_area;   /* the smallest triangle area over its longest edge squared */
+    double worst_length; /* the largest | |normal| - 1 | */
+    double worst_facing; /* the smallest cosine between a vertex normal and its facet */
+    bool texture_inside; /* all s and t in [0, 1] */
+};
+
+static inline int solid_compare_places(const void *a, const void *b)
+{
+    return memcmp(&(*(const struct vertex *const *)a)->position,
+                  &(*(const struct vertex *const *)b)->position, sizeof(struct vector));
+}
+
+static inline int solid_compare_edges(const void *a, const void *b)
+{
+    const int64_t p = *(const int64_t *)a, q = *(const int64_t *)b;
+    return (p > q) - (p < q);
+}
+
+/* place[v]: the number of vertex v's place. Returns how many there are. */
+static inline int solid_merge(const struct mesh *mesh, int *place)
+{
+    const struct vertex **sorted = malloc((size_t)mesh->n_vertices * sizeof *sorted);
+    int n = 0;
+
+    if (!sorted)
+        abort();
+    for (int i = 0; i < mesh->n_vertices; i++)
+        sorted[i] = &mesh->vertices[i];
+    qsort(sorted, (size_t)mesh->n_vertices, sizeof *sorted, solid_compare_places);
+    for (int i = 0; i < mesh->n_vertices; i++) {
+        n += i == 0 || solid_compare_places(&sorted[i - 1], &sorted[i]) != 0;
+        place[sorted[i] - mesh->vertices] = n - 1;
+    }
+    free(sorted);
+    return n;
+}
+
+static inline void solid_count_edges(const struct mesh *mesh, const int *place, struct solid *out)
+{
+    const size_t n = 3 * (size_t)mesh->n_triangles;
+    int64_t *edges = malloc((n + 1) * sizeof *edges);
+
+    if (!edges)
+        abort();
+    for (size_t i = 0; i < n; i++) {
+        const int32_t *corner = mesh->triangles[i / 3];
+        edges[i] = (int64_t)place[corner[i % 3]] * INT32_MAX + place[corner[(i + 1) % 3]];
+    }
+    qsort(edges, n, sizeof *edges, solid_compare_edges);
+    for (size_t i = 0; i < n; i++) {
+        const int64_t reverse = edges[i] % INT32_MAX * INT32_MAX + edges[i] / INT32_MAX;
+        out->repeated_edges += i > 0 && edges[i] == edges[i - 1];
+        out->open_edges += !bsearch(&reverse, edges, n, sizeof *edges, solid_compare_edges);
+    }
+    out->edges = ((int)n + out->open_edges) / 2;
+    free(edges);
+}
+
+static inline void solid_measure_triangle(const struct mesh *mesh, int i, struct solid *out)
+{
+    const int32_t *corner = mesh->triangles[i];
+    const struct vector a = mesh->vertices[corner[0]].position;
+    const struct vector b = mesh->vertices[corner[1]].position;
+    const struct vector c = mesh->vertices[corner[2]].position;
+    const struct vector ab = vector_subtract(b, a), bc = vector_subtract(c, b);
+    const struct vector ca = vector_subtract(a, c);
+    const double longest =
+        fmax(vector_length(ab), fmax(vector_length(bc), vector_length(ca)));
+    const struct vector across =
+        vector_cross(vector_scale(ab, 1 / longest), vector_scale(bc, 1 / longest));
+
+    out->volume += vector_dot(a, vector_cross(b, c)) / 6;
+    out->worst_area = fmin(out->worst_area, vector_length(across) / 2);
+    for (int k = 0; k < 3; k++)
+        out->worst_facing =
+            fmin(out->worst_facing,
+                 vector_dot(mesh->vertices[corner[k]].normal, vector_normalise(across)));
+}
+
+static inline struct solid solid_measure(const struct mesh *mesh)
+{
+    struct solid out = {.worst_area = HUGE_VAL, .worst_facing = 1, .texture_inside = true};
+    int *place = malloc(((size_t)mesh->n_vertices + 1) * sizeof *place);
+
+    if (!place)
+        abort();
+    out.places = solid_merge(mesh, place);
+    solid_count_edges(mesh, place, &out);
+    free(place);
+    for (int i = 0; i < mesh->n_triangles; i++)
+        solid_measure_triangle(mesh, i, &out);
+    for (int i = 0; i < mesh->n_vertices; i++) {
+        const struct vertex *v = &mesh->vertices[i];
+        out.worst_length = fmax(out.worst_length, fabs(vector_length(v->normal) - 1));
+        out.texture_inside =
+            out.texture_inside && v->s >= 0 && v->s <= 1 && v->t >= 0 && v->t <= 1;
+    }
+    return out;
+}
+
+/* Vertices - edges + faces, of places. */
+static inline int solid_euler(const struct solid *solid, const struct mesh *mesh)
+{
+    return solid->places - solid->edges + mesh->n_triangles;
+}
+
+#endif

@@ -1,0 +1,581 @@
+/* SPDX-License-Identifier: MIT */
+/* The OBJ reader and mesh builder against closed forms: both renderers share them, so nothing else
+ * would notice if they were wrong. */
+#include <float.h>
+#include <sys/stat.h>
+#include <time.h>
+
+#include "solid.h"
+#include "spectral.h"
+#include "test.h"
+
+static const double pi = 3.14159265358979323846;
+static const struct place nowhere = {NULL, 0, 0};
+static char obj_path[512];
+
+static void choose_path(void)
+{
+    const char *folder = getenv("TEST_TMP");
+
+    if (!folder) {
+        folder = "build/tmp";
+        mkdir("build", 0777);
+        mkdir(folder, 0777);
+    }
+    snprintf(obj_path, sizeof obj_path, "%s/test_mesh.obj", folder);
+}
+
+static FILE *begin_obj(void)
+{
+    FILE *file = fopen(obj_path, "w");
+
+    if (!file) {
+        printf("Bail out! cannot write %s\n", obj_path);
+        exit(1);
+    }
+    return file;
+}
+
+static void write_obj(const char *text)
+{
+    FILE *file = begin_obj();
+
+    fputs(text, file);
+    fclose(file);
+}
+
+/* Reads the file written last. */
+static struct mesh read_obj(bool unitize, double crease_deg)
+{
+    struct error err = {.text = ""};
+    struct mesh mesh;
+
+    CHECK(mesh_read(obj_path, nowhere, unitize, crease_deg, &mesh, &err), "is read%s%s",
+          err.text[0] ? ": " : "", err.text);
+    return mesh;
+}
+
+static struct mesh read_text(const char *text, double crease_deg)
+{
+    write_obj(text);
+    return read_obj(false, crease_deg);
+}
+
+static bool same_mesh(const struct mesh *a, const struct mesh *b)
+{
+    return a->n_vertices == b->n_vertices && a->n_triangles == b->n_triangles &&
+           memcmp(a->vertices, b->vertices, (size_t)a->n_vertices * sizeof *a->vertices) == 0 &&
+           memcmp(a->triangles, b->triangles, (size_t)a->n_triangles * sizeof *a->triangles) == 0;
+}
+
+/* ---- cubes ---- */
+
+static const char cube_points[] = "v -1 -1 -1\nv 1 -1 -1\nv 1 1 -1\nv -1 1 -1\n"
+                                  "v -1 -1 1\nv 1 -1 1\nv 1 1 1\nv -1 1 1\n";
+static const char cube_squares[] =
+    "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+static const char cube_triangles[] = "f 1 4 3\nf 1 3 2\nf 5 6 7\nf 5 7 8\nf 1 2 6\nf 1 6 5\n"
+                                     "f 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n";
+
+static struct mesh read_cube(const char *faces, double crease_deg)
+{
+    char text[1024];
+
+    snprintf(text, sizeof text, "%s%s", cube_points, faces);
+    return read_text(text, crease_deg);
+}
+
+/* The largest difference between the normals and the ideal ones: of the facets, along one axis, or
+ * of the corners, along the diagonals. */
+static double cube_normal_error(const struct mesh *mesh, bool smooth)
+{
+    double worst = 0;
+
+    for (int i = 0; i < mesh->n_vertices; i++) {
+        const struct vector p = mesh->vertices[i].position, n = mesh->vertices[i].normal;
+        if (smooth)
+            worst = fmax(worst, vector_length(vector_subtract(n, vector_scale(p, sqrt(1 / 3.0)))));
+        else
+            worst = fmax(worst, fabs(fmax(fabs(n.x), fmax(fabs(n.y), fabs(n.z))) - 1));
+    }
+    return worst;
+}
+
+static void check_cubes(void)
+{
+    const char *const faces[2] = {cube_squares, cube_triangles};
+    const struct {
+        double crease_deg;
+        bool smooth;
+    } creases[] = {{0, false}, {80, false}, {90, false}, {91, true}, {180, true}};
+
+    for (int f = 0; f < 2; f++)
+        for (size_t c = 0; c < sizeof creases / sizeof *creases; c++) {
+            struct mesh mesh = read_cube(faces[f], creases[c].crease_deg);
+            const struct solid solid = solid_measure(&mesh);
+            const char *shown = f ? "triangles" : "squares";
+            CHECK(mesh.n_vertices == (creases[c].smooth ? 8 : 24) && mesh.n_triangles == 12,
+                  "a cube of %s, crease %g: %s", shown, creases[c].crease_deg,
+                  creases[c].smooth ? "one vertex a corner" : "each square has its own vertices");
+            CHECK_NEAR(cube_normal_error(&mesh, creases[c].smooth), 0, 4 * DBL_EPSILON,
+                       "%s: angles weigh, so that diagonals do not matter", shown);
+            CHECK(solid.open_edges == 0 && solid_euler(&solid, &mesh) == 2, "%s: closed", shown);
+            CHECK_NEAR(solid.volume, 8, 8 * DBL_EPSILON, "%s: volume", shown);
+            mesh_free(&mesh);
+        }
+}
+
+/* Turned, and written with six digits as most programs do, right angles are right only nearly. */
+static void check_turned_cube(void)
+{
+    const struct vector axis = {1, 2, 3};
+    const struct matrix turned = matrix_rotation(33, axis);
+
+    for (int crease = 89; crease <= 91; crease++) {
+        FILE *file = begin_obj();
+        for (int i = 0; i < 8; i++) {
+            const struct vector corner = {(i ^ i >> 1) & 1 ? 1 : -1, i & 2 ? 1 : -1,
+                                          i & 4 ? 1 : -1};
+            const struct vector p = matrix_point(&turned, corner);
+            fprintf(file, "v %.6f %.6f %.6f\n", p.x, p.y, p.z);
+        }
+        fputs(cube_squares, file);
+        fclose(file);
+        struct mesh mesh = read_obj(false, crease);
+        CHECK(mesh.n_vertices == (crease <= 90 ? 24 : 8),
+              "a cube at an angle has its edges at crease %d like one that stands straight",
+              crease);
+        mesh_free(&mesh);
+    }
+}
+
+/* A sphere's averaged normals come near the true ones, and the face order does not matter. */
+static void check_sphere_normals(void)
+{
+    const int n = 40;
+    struct mesh meshes[2];
+    double worst = 0, difference = 0;
+
+    for (int order = 0; order < 2; order++) {
+        FILE *file = begin_obj();
+        for (int i = 0; i <= n; i++)
+            for (int j = 0; j < 2 * n; j++)
+                fprintf(file, "v %.17g %.17g %.17g\n", 1e-30 * sin(pi * i / n) * cos(pi * j / n),
+                        1e-30 * sin(pi * i / n) * sin(pi * j / n), -1e-30 * cos(pi * i / n));
+        for (int k = 0; k < n * 2 * n; k++) {
+            const int face = order ? n * 2 * n - 1 - k : k, i = face / (2 * n), j = face % (2 * n);
+            const int low = i * 2 * n + 1, high = low + 2 * n, next = (j + 1) % (2 * n);
+            fprintf(file, "f %d %d %d %d\n", i > 0 ? low + j : low, i > 0 ? low + next : low,
+                    i < n - 1 ? high + next : high, i < n - 1 ? high + j : high);
+        }
+        fclose(file);
+        meshes[order] = read_obj(false, 60);
+    }
+    for (int i = 0; i < meshes[0].n_vertices; i++) {
+        const struct vertex *v = &meshes[0].vertices[i];
+        worst = fmax(worst, vector_length(vector_subtract(vector_scale(v->position, 1e30),
+                                                          v->normal)));
+        for (int k = 0; k < meshes[1].n_vertices; k++)
+            if (memcmp(&v->position, &meshes[1].vertices[k].position, sizeof v->position) == 0)
+                difference = fmax(difference, vector_length(vector_subtract(
+                                                  v->normal, meshes[1].vertices[k].normal)));
+    }
+    /* Facets lean by up to half a step, pi / 80, against the sphere; averages by its square. */
+    CHECK_NEAR(worst, 0, pi / 80 * pi / 80, "averaged normals are a sphere's, at size 1e-30");
+    CHECK_NEAR(difference, 0, 16 * DBL_EPSILON, "whatever the order of faces");
+    mesh_free(&meshes[0]);
+    mesh_free(&meshes[1]);
+}
+
+/* ---- polygons ---- */
+
+static void write_polygon(const double (*at)[2], int n)
+{
+    FILE *file = begin_obj();
+
+    for (int i = 0; i < n; i++) /* in the plane z = 2 x - y, so that nothing is axis-parallel */
+        fprintf(file, "v %.17g %.17g %.17g\n", at[i][0], at[i][1], 2 * at[i][0] - at[i][1]);
+    fputs("f", file);
+    for (int i = 1; i <= n; i++)
+        fprintf(file, " %d", i);
+    fputs("\n", file);
+    fclose(file);
+}
+
+static double flat_area(const struct mesh *mesh, int i)
+{
+    const struct vector a = mesh->vertices[mesh->triangles[i][0]].position;
+    const struct vector b = mesh->vertices[mesh->triangles[i][1]].position;
+    const struct vector c = mesh->vertices[mesh->triangles[i][2]].position;
+
+    return vector_cross(vector_subtract(b, a), vector_subtract(c, a)).z / 2;
+}
+
+/* A true triangulation: no triangle is turned over and together they have the polygon's own edges
+ * as their border, so that they cover each point inside once and none outside; the areas say the
+ * same once more. */
+static void check_polygon(const double (*at)[2], int n, const char *name)
+{
+    double sum = 0, shoelace = 0, smallest = HUGE_VAL;
+
+    write_polygon(at, n);
+    struct mesh mesh = read_obj(false, 90);
+    const struct solid solid = solid_measure(&mesh);
+    for (int i = 0; i < mesh.n_triangles; i++) {
+        sum += flat_area(&mesh, i);
+        smallest = fmin(smallest, flat_area(&mesh, i));
+    }
+    for (int i = 0; i < n; i++) {
+        const double *a = at[i], *b = at[(i + 1) % n];
+        shoelace += (a[0] * b[1] - a[1] * b[0]) / 2;
+    }
+    CHECK(mesh.n_triangles == n - 2, "%s: n - 2 triangles", name);
+    CHECK(smallest > 0, "%s: none turned over or without area", name);
+    CHECK_NEAR(sum / shoelace, 1, 4 * DBL_EPSILON * n, "%s: areas add up", name);
+    CHECK(solid.open_edges == n && solid.repeated_edges == 0, "%s: its border is the polygon's",
+          name);
+    mesh_free(&mesh);
+}
+
+/* A small generator of our own, so that the polygons are the same everywhere. */
+static double next_random(uint32_t *state)
+{
+    *state = *state * 1664525u + 1013904223u;
+    return *state / 4294967296.0;
+}
+
+static void check_polygons(void)
+{
+    const double l_shape[][2] = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
+    const double straight[][2] = {{0, 0}, {1, 0}, {2, 0}, {2, 1}, {2, 2}, {1, 2}, {0, 2}, {0, 1}};
+    const double arrow[][2] = {{0, 0}, {2, 1}, {0, 2}, {1, 1}};
+    const double arrow_later[][2] = {{1, 1}, {0, 0}, {2, 1}, {0, 2}};
+    const double notch[][2] = {{0, 0}, {4, 0}, {4, 4}, {2, 4}, {2, 1}, {1, 1}, {1, 4}, {0, 4}};
+    const double chance[][2] = {{1, 2}, {3, 2}, {4, 2}, {5, 3}, {4, 3}, {5, 4}, {3, 4},
+                                {5, 5}, {3, 5}, {2, 5}, {1, 5}, {1, 4}, {1, 3}, {0, 2},
+                                {0, 1}, {1, 1}, {3, 0}, {4, 0}, {5, 1}, {3, 1}};
+    double star[300][2], comb[402][2], spiral[200][2];
+    uint32_t seed = 1;
+
+    check_polygon(l_shape, 6, "L");
+    check_polygon(straight, 8, "square with straight corners");
+    check_polygon(arrow, 4, "arrowhead");
+    check_polygon(arrow_later, 4, "arrowhead from its dent");
+    check_polygon(notch, 8, "notched square");
+    check_polygon(chance, 20, "straight corners that rounding would bend");
+    for (int n = 5; n <= 300; n += 59) {
+        for (int i = 0; i < n; i++) {
+            const double radius = 0.1 + next_random(&seed), angle = 2 * pi * i / n;
+            star[i][0] = radius * cos(angle);
+            star[i][1] = radius * sin(angle);
+        }
+        check_polygon((const double(*)[2])star, n, "random star");
+    }
+    for (int i = 0; i < 400; i++) { /* teeth, from right to left above the base */
+        comb[2 + i][0] = 400 - i;
+        comb[2 + i][1] = i % 2 ? 50 : 1;
+    }
+    comb[0][0] = 1;
+    comb[0][1] = comb[1][1] = 0;
+    comb[1][0] = 400;
+    check_polygon((const double(*)[2])comb, 402, "comb");
+    for (int i = 0; i < 100; i++) { /* out along the outer side, back along the inner one */
+        const double angle = 0.2 * i, radius = 1 + angle;
+        spiral[i][0] = (radius + 1) * cos(angle);
+        spiral[i][1] = (radius + 1) * sin(angle);
+        spiral[199 - i][0] = (radius - 0.5) * cos(angle);
+        spiral[199 - i][1] = (radius - 0.5) * sin(angle);
+    }
+    check_polygon((const double(*)[2])spiral, 200, "spiral");
+}
+
+/* A hole joined to the border by a bridge that is walked twice, as many programs write it. */
+static void check_hole(void)
+{
+    struct mesh mesh = read_text("v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\n"
+                                 "v 1 1 0\nv 1 3 0\nv 3 3 0\nv 3 1 0\n"
+                                 "f 1 2 3 4 1 5 6 7 8 5\n",
+                                 90);
+    const struct solid solid = solid_measure(&mesh);
+    double sum = 0, smallest = HUGE_VAL;
+
+    for (int i = 0; i < mesh.n_triangles; i++) {
+        sum += flat_area(&mesh, i);
+        smallest = fmin(smallest, flat_area(&mesh, i));
+    }
+    CHECK(mesh.n_triangles == 8 && smallest > 0, "a square ring: 8 triangles, none turned over");
+    CHECK_NEAR(sum, 12, 0, "a square ring: its hole stays open");
+    CHECK(solid.open_edges == 8, "a square ring: the bridge is closed");
+    mesh_free(&mesh);
+}
+
+/* Convex polygons take time in proportion to their length; others at most the square. */
+static void check_long_polygons(void)
+{
+    const int lengths[2] = {100000, 20000};
+    double(*at)[2] = malloc((size_t)lengths[0] * sizeof *at);
+    uint32_t seed = 7;
+
+    if (!at)
+        abort();
+    for (int round = 0; round < 2; round++) {
+        const int n = lengths[round];
+        for (int i = 0; i < n; i++) {
+            at[i][0] = cos(2 * pi * i / n) * (round ? 1 - 0.1 * next_random(&seed) : 1);
+            at[i][1] = sin(2 * pi * i / n);
+        }
+        write_polygon((const double(*)[2])at, n);
+        const clock_t start = clock();
+        struct mesh mesh = read_obj(false, 90);
+        const double seconds = (double)(clock() - start) / CLOCKS_PER_SEC;
+        CHECK(mesh.n_triangles == n - 2, "%s of %d corners is cut", round ? "tangle" : "disk", n);
+        CHECK(seconds < 10, "and does not take for ever: %.2f s", seconds);
+        mesh_free(&mesh);
+    }
+    free(at);
+}
+
+/* Polygons that would stop a careless program must end, with finite unit normals. */
+static void check_senseless(void)
+{
+    const struct {
+        const char *name, *text;
+        int most;
+        bool upright; /* normals are 0 0 1 */
+    } cases[] = {
+        {"collinear", "v 0 0 0\nv 1 1 1\nv 2 2 2\nv 3 3 3\nf 1 2 3 4\n", 2, true},
+        {"nearly collinear", "v 0.1 0 0\nv 0.2 0 0\nv 0.3 1e-17 0\nf 1 2 3\n", 1, true},
+        {"bow tie", "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 4\n", 2, true},
+        {"there and back", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 3 1 0\nf 1 2 3 4 3 2\n", 4, true},
+        {"repeated corners", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 1 0\nf 1 1 2 2 3 4 1\n", 1, true},
+        {"spike", "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 4 9 0\nv 0 4 0\nf 1 2 3 4 3 5\n", 4, true},
+        {"five-pointed star walked twice round",
+         "v 0 1 0\nv -0.6 -0.8 0\nv 0.95 0.3 0\nv -0.95 0.3 0\nv 0.6 -0.8 0\nf 1 2 3 4 5\n", 3,
+         true}};
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct mesh mesh = read_text(cases[i].text, 90);
+        double worst = 0;
+        for (int k = 0; k < mesh.n_vertices; k++) {
+            const struct vector up = {0, 0, 1};
+            worst = fmax(worst, vector_length(vector_subtract(mesh.vertices[k].normal, up)));
+        }
+        CHECK(mesh.n_triangles > 0 && mesh.n_triangles <= cases[i].most,
+              "%s: at most n - 2 triangles", cases[i].name);
+        CHECK(worst == 0, "%s: normals 0 0 1", cases[i].name);
+        mesh_free(&mesh);
+    }
+}
+
+/* A facet without area leans on its neighbours, and they do not notice it. */
+static void check_zero_area(void)
+{
+    struct mesh mesh = read_text("v 0 0 0\nv 0 1 0\nv 0 0 1\nv 0 2 0\nf 1 2 3\nf 1 2 4\n", 90);
+    bool all = true;
+
+    for (int i = 0; i < 3; i++)
+        all = all && mesh.vertices[i].normal.x == 1;
+    CHECK(all && mesh.n_vertices == 4, "a facet without area shares its neighbours' normals");
+    CHECK(mesh.vertices[3].normal.z == 1, "where it has no neighbour the normal is 0 0 1");
+    mesh_free(&mesh);
+}
+
+/* ---- the file ---- */
+
+static void check_forms(void)
+{
+    static const char points[] = "v 0 0 0\nv 2 0 0\nv 0 1 0\nvt 0.25 0.5\nvn 0 0 3\nvn 0 0 0\n";
+    char text[400];
+    snprintf(text, sizeof text, "%sf 1/1/1 2/1/1 3/1/1\n", points);
+    struct mesh plain = read_text(text, 90);
+    snprintf(text, sizeof text, "%sf -3/-1/-2 -2/-1/-2 -1/-1/-2\n", points);
+    struct mesh negative = read_text(text, 90);
+    snprintf(text, sizeof text, "%sf 1/1/1 2/1/1 \\\r\n \t3/1/1\\\r\n# a comment \\\r\n", points);
+    struct mesh continued = read_text(text, 90);
+    snprintf(text, sizeof text,
+             "# all that may be skipped\nmtllib a b\no \"x\ng a b\ns off\nusemtl #3\nl 1 2\np 1\n"
+             "%sf 1/1/1 2/1/1 3/1/1",
+             points);
+    struct mesh skipping = read_text(text, 90);
+    snprintf(text, sizeof text, "%sf 1//2 2//2 3//2\n", points);
+    struct mesh without = read_text(text, 90);
+
+    CHECK(plain.n_vertices == 3 && plain.vertices[1].s == 0.25 && plain.vertices[1].t == 0.5 &&
+              plain.vertices[1].normal.z == 1,
+          "coordinates as written, normals of unit length");
+    CHECK(same_mesh(&plain, &negative), "indices that count back mean the same");
+    CHECK(same_mesh(&plain, &continued), "a backslash continues the line");
+    CHECK(same_mesh(&plain, &skipping), "other known statements change nothing");
+    CHECK(without.n_vertices == 3 && without.vertices[0].normal.z == 1,
+          "vn 0 0 0 means none: the facet's own");
+    CHECK(without.vertices[0].s == 0 && without.vertices[1].s == 1 && without.vertices[2].s == 0 &&
+              without.vertices[0].t == 0 && without.vertices[2].t == 1,
+          "without vt, texture spans the bounding box");
+    mesh_free(&plain);
+    mesh_free(&negative);
+    mesh_free(&continued);
+    mesh_free(&skipping);
+    mesh_free(&without);
+}
+
+static void check_sharing(void)
+{
+    struct mesh mesh = read_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0 1\nv 5 5 5 0.1 0.2 0.3\n"
+                                 "vt 0\nvt 1 0 0\nvn 0 0 1\n"
+                                 "f 4/1/1 1/1/1 2/1/1\nf 4/1/1 2/2/1 3/1/1\n",
+                                 90);
+
+    CHECK(mesh.n_vertices == 5 && mesh.triangles[1][0] == mesh.triangles[0][0] &&
+              mesh.triangles[1][1] != mesh.triangles[0][2],
+          "corners alike share a vertex, others do not");
+    CHECK(mesh.triangles[0][0] == 0 && mesh.triangles[0][1] == 1 && mesh.triangles[0][2] == 2 &&
+              mesh.triangles[1][1] == 3 && mesh.triangles[1][2] == 4,
+          "in order of first use");
+    mesh_free(&mesh);
+}
+
+static void check_unitize(void)
+{
+    const double scales[] = {1, 1e-30, 1e30, 3e-7};
+
+    for (size_t i = 0; i < sizeof scales / sizeof *scales; i++) {
+        FILE *file = begin_obj();
+        fprintf(file, "v %.17g %.17g %.17g\n", 0.1 * scales[i], 5 * scales[i], 7 * scales[i]);
+        fprintf(file, "v %.17g %.17g %.17g\n", 3.3 * scales[i], 5 * scales[i], 7.7 * scales[i]);
+        fprintf(file, "v %.17g %.17g %.17g\n", 3.3 * scales[i], 6 * scales[i], 7 * scales[i]);
+        fputs("v 1e38 0 0\nf 1 2 3\n", file); /* a point that no face uses */
+        fclose(file);
+        struct mesh mesh = read_obj(true, 90);
+        const struct vector a = mesh.vertices[0].position, b = mesh.vertices[1].position;
+        const struct vector c = mesh.vertices[2].position;
+        CHECK(fmax(-a.x, b.x) == 1 && c.x == b.x, "unitized at %g: the longest side reaches 1",
+              scales[i]);
+        CHECK_NEAR(b.x - a.x, 2, 2 * DBL_EPSILON, "unitized: it is 2 long");
+        CHECK_NEAR(c.y - a.y, 2 / 3.2, 4 * DBL_EPSILON, "unitized: others in proportion");
+        CHECK_NEAR(c.y + a.y, 0, 4 * DBL_EPSILON, "unitized: about the origin");
+        CHECK_NEAR(vector_length(mesh.vertices[0].normal), 1, 2 * DBL_EPSILON,
+                   "unitized: normals of unit length");
+        mesh_free(&mesh);
+    }
+}
+
+static void check_refusals(void)
+{
+    const struct {
+        const char *text, *message;
+    } cases[] = {
+        {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 0\n",
+         ":4:7: error: vertex 0: the first is 1, and the latest -1"},
+        {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n",
+         ":4:7: error: vertex 4 does not exist: there are 3 before this line"},
+        {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 -4\n",
+         ":4:7: error: vertex -4 does not exist: there are 3 before this line"},
+        {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 99999999999999999999\n",
+         ":4:7: error: vertex 99999999999999999999 is out of range; it lies between "
+         "-9223372036854775808 and 9223372036854775807"},
+        {"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 \\\n3/2\n",
+         ":6:3: error: texture coordinate 2 does not exist: there are 1 before this line"},
+        {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3//x\n",
+         ":4:10: error: normal must be a whole number, not 'x'"},
+        {"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1 2/1 3\n",
+         ":5:5: error: 2/1 is not written as the face's first corner, 1"},
+        {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3/\n",
+         ":4:7: error: 3/ is no corner; a corner is written v, v/vt, v//vn or v/vt/vn"},
+        {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3/1/1/1\n",
+         ":4:7: error: 3/1/1/1 is no corner; a corner is written v, v/vt, v//vn or v/vt/vn"},
+        {"v 0 0 0\nv 1 0 0\nf 1 2\n", ":3:6: error: expected a corner: a face has at least 3"},
+        {"v 0 0\n", ":1:6: error: expected a number: v takes at least 3"},
+        {"v 0 0 0 1 1 1 1 1\n", ":1:17: error: too many numbers: v takes at most 7"},
+        {"v 0 0 0 1 1\n",
+         ":1:12: error: expected a number: v takes x y z, perhaps w, perhaps red green blue"},
+        {"v 0 1.5abc 0\n",
+         ":1:5: error: coordinate must be a number such as 2.5 or 1e-3, not '1.5abc'"},
+        {"v 0 nan 0\n", ":1:5: error: coordinate must be a number such as 2.5 or 1e-3, not 'nan'"},
+        {"v 0 \"\" 0 0\n", ":1:5: error: coordinate must be a number such as 2.5 or 1e-3, not ''"},
+        {"vn 0 0 1e39\n", ":1:8: error: coordinate 1e39 is above 3.40282346638529e+38; it lies "
+                          "between -3.40282346638529e+38 and 3.40282346638529e+38"},
+        {"vn 0 0 1 1\n", ":1:10: error: too many numbers: vn takes at most 3"},
+        {"\n  teapot 3\n", ":2:3: error: unknown statement teapot; OBJ has v, vt, vn, f, g, o, s, "
+                           "usemtl, mtllib, ..."},
+        {"v 0 0 0\nv 1 0 0\nf 1 2 1\n",
+         ": error: has nothing to draw: no f with three different corners"},
+        {"", ": error: has nothing to draw: no f with three different corners"}};
+    char expected[1024];
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct error err = {.text = ""};
+        struct mesh mesh;
+        write_obj(cases[i].text);
+        snprintf(expected, sizeof expected, "%s%s", obj_path, cases[i].message);
+        CHECK(!mesh_read(obj_path, nowhere, false, 90, &mesh, &err) && !mesh.vertices &&
+                  err.status == EXIT_INPUT,
+              "is refused");
+        CHECK_TEXT(err.text, expected, "says where and why");
+    }
+}
+
+static void check_reserve(void)
+{
+    struct error err = {.text = ""};
+    struct mesh mesh = {.n_vertices = 0};
+
+    CHECK(mesh_reserve(&mesh, 1, 1, &err) && mesh.vertices && mesh.triangles, "room is made");
+    mesh.vertices[0].s = 0.5;
+    mesh.n_vertices = 1;
+    CHECK(mesh_reserve(&mesh, 1000, 1000, &err) && mesh.vertices[0].s == 0.5 &&
+              mesh.n_vertices == 1,
+          "what there is stays");
+    CHECK(!mesh_reserve(&mesh, SIZE_MAX, 0, &err) && err.status == EXIT_SYSTEM,
+          "more than can be numbered is no memory");
+    mesh_free(&mesh);
+    CHECK(!mesh.vertices && mesh.n_vertices == 0, "freed is empty");
+    mesh_free(&mesh);
+}
+
+/* A real, large model, where its package is installed. */
+static void check_bunny(void)
+{
+    const char *path = "/usr/share/glmark2/models/bunny.obj";
+    struct error err = {.text = ""};
+    struct mesh mesh;
+    FILE *file = fopen(path, "r");
+
+    if (!file) {
+        printf("ok %d - # SKIP no %s\n", ++test_count, path);
+        return;
+    }
+    fclose(file);
+    CHECK(mesh_read(path, nowhere, true, 90, &mesh, &err), "the bunny is read%s", err.text);
+    const struct solid solid = solid_measure(&mesh);
+    double reach = 0;
+    for (int i = 0; i < mesh.n_vertices; i++) {
+        const struct vector p = mesh.vertices[i].position;
+        reach = fmax(reach, fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))));
+    }
+    CHECK(mesh.n_triangles == 69666, "the bunny keeps all its triangles");
+    CHECK_NEAR(reach, 1, 0, "the bunny fills the cube");
+    CHECK_NEAR(solid.worst_length, 0, 4 * DBL_EPSILON, "the bunny has unit normals");
+    CHECK(solid.volume > 0.1, "the bunny faces outwards");
+    mesh_free(&mesh);
+}
+
+int main(void)
+{
+    choose_path();
+    check_cubes();
+    check_turned_cube();
+    check_sphere_normals();
+    check_polygons();
+    check_hole();
+    check_long_polygons();
+    check_senseless();
+    check_zero_area();
+    check_forms();
+    check_sharing();
+    check_unitize();
+    check_refusals();
+    check_reserve();
+    check_bunny();
+    remove(obj_path);
+    return test_end();
+}

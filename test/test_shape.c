@@ -1,0 +1,318 @@
+/* SPDX-License-Identifier: MIT */
+/* The built-in shapes against closed forms: both renderers share them, so nothing else would notice
+ * if they were wrong. */
+#include <float.h>
+
+#include "solid.h"
+#include "spectral.h"
+#include "test.h"
+
+static const double pi = 3.14159265358979323846;
+
+/* What all solids have to fulfil; `holes` is the number of handles through it. */
+struct closed_shape {
+    const char *name;
+    enum shape_kind kind;
+    double parameter[4];
+    int holes;
+    double volume; /* of the polyhedron */
+};
+
+/* The area of a regular n-gon of circumradius 1. */
+static double regular_area(double n)
+{
+    return n / 2 * sin(2 * pi / n);
+}
+
+/* A lathe of n slices is a stack of frusta over regular n-gons. */
+static double sphere_volume(double radius, int slices, int stacks)
+{
+    double sum = 0;
+
+    for (int i = 0; i < stacks; i++) {
+        const double a = pi * i / stacks, b = pi * (i + 1) / stacks;
+        sum += (cos(a) - cos(b)) * (sin(a) * sin(a) + sin(a) * sin(b) + sin(b) * sin(b)) / 3;
+    }
+    return radius * radius * radius * regular_area(slices) * sum;
+}
+
+/* Pappus, with regular polygons for both circles. */
+static double torus_volume(double tube, double ring, int sides, int rings)
+{
+    return regular_area(rings) * 2 * ring * regular_area(sides) * tube * tube;
+}
+
+static struct mesh build(enum shape_kind kind, const double parameter[4])
+{
+    struct shape shape = {.kind = kind};
+    struct error err = {.text = ""};
+    struct mesh mesh;
+
+    memcpy(shape.parameter, parameter, sizeof shape.parameter);
+    if (!shape_build(&shape, &mesh, &err))
+        printf("Bail out! %s\n", err.text);
+    return mesh;
+}
+
+static void check_closed(const struct closed_shape *shape)
+{
+    struct mesh mesh = build(shape->kind, shape->parameter);
+    const struct solid solid = solid_measure(&mesh);
+
+    CHECK(solid.open_edges == 0 && solid.repeated_edges == 0,
+          "%s: each edge meets its reverse exactly once", shape->name);
+    CHECK(solid_euler(&solid, &mesh) == 2 - 2 * shape->holes, "%s: Euler characteristic %d",
+          shape->name, 2 - 2 * shape->holes);
+    /* Rounding: each of the triangles adds a few epsilons of the whole at most. */
+    CHECK_NEAR(solid.volume / shape->volume, 1, 4 * DBL_EPSILON * mesh.n_triangles,
+               "%s: outward, with the polyhedron's volume", shape->name);
+    CHECK_NEAR(solid.worst_length, 0, 4 * DBL_EPSILON, "%s: unit normals", shape->name);
+    CHECK(solid.worst_facing > 0, "%s: normals on the side of their facets", shape->name);
+    CHECK(solid.worst_area > 1e-4, "%s: no triangle without area", shape->name);
+    CHECK(solid.texture_inside, "%s: texture coordinates in [0, 1]", shape->name);
+    mesh_free(&mesh);
+}
+
+static void check_solids(void)
+{
+    const struct closed_shape shapes[] = {
+        {"sphere", SHAPE_SPHERE, {2.8, 30, 30, 0}, 0, sphere_volume(2.8, 30, 30)},
+        {"odd sphere", SHAPE_SPHERE, {1, 7, 5, 0}, 0, sphere_volume(1, 7, 5)},
+        {"smallest sphere", SHAPE_SPHERE, {1, 3, 2, 0}, 0, sphere_volume(1, 3, 2)},
+        {"tiny sphere", SHAPE_SPHERE, {1e-30, 9, 8, 0}, 0, sphere_volume(1e-30, 9, 8)},
+        {"huge sphere", SHAPE_SPHERE, {1e30, 9, 8, 0}, 0, sphere_volume(1e30, 9, 8)},
+        {"torus", SHAPE_TORUS, {1.05, 1.65, 30, 30}, 1, torus_volume(1.05, 1.65, 30, 30)},
+        {"odd torus", SHAPE_TORUS, {0.2, 1, 5, 7}, 1, torus_volume(0.2, 1, 5, 7)},
+        {"box", SHAPE_BOX, {1, 2, 3, 0}, 0, 6},
+        {"cylinder", SHAPE_CYLINDER, {1.5, 4, 13, 6}, 0, regular_area(13) * 2.25 * 4},
+        {"low cylinder", SHAPE_CYLINDER, {1, 0.3, 4, 1}, 0, 2 * 0.3},
+        {"cone", SHAPE_CONE, {1.5, 4, 13, 6}, 0, regular_area(13) * 2.25 * 4 / 3},
+        {"low cone", SHAPE_CONE, {1, 0.3, 3, 1}, 0, regular_area(3) * 0.1}};
+
+    for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++)
+        check_closed(&shapes[i]);
+}
+
+/* The rim of a disk of radius 1 shows the shapes' own cosine and sine. */
+static double worst_circle_error(int n)
+{
+    const double parameter[4] = {1, n, 0, 0};
+    const long double turn = 2 * 3.141592653589793238462643383279502884L;
+    struct mesh mesh = build(SHAPE_DISK, parameter);
+    double worst = 0;
+
+    for (int i = 0; i < n; i++) {
+        const struct vector p = mesh.vertices[1 + i].position;
+        const long double true_value[2] = {cosl(turn * i / n), sinl(turn * i / n)};
+        const double seen[2] = {p.x, p.y};
+        for (int k = 0; k < 2; k++) {
+            const double size = fabs(seen[k]);
+            const double error = (double)fabsl((long double)seen[k] - true_value[k]);
+            /* The reference's own angle, rounded twice to 64 bits, may be off by 2^-60. */
+            worst = fmax(worst, (error - 0x1p-60) / (nextafter(size, 2) - size));
+        }
+    }
+    mesh_free(&mesh);
+    return worst;
+}
+
+static void check_circle(void)
+{
+    const double eight[4] = {1, 8, 0, 0};
+    const double h = M_SQRT1_2;
+    const double exact[8][2] = {{1, 0},  {h, h},   {0, 1},  {-h, h},
+                                {-1, 0}, {-h, -h}, {0, -1}, {h, -h}};
+    struct mesh mesh = build(SHAPE_DISK, eight);
+    double worst = 0;
+
+    for (int i = 0; i < 8; i++) {
+        const struct vector p = mesh.vertices[1 + i].position;
+        CHECK(p.x == exact[i][0] && p.y == exact[i][1], "%d degrees are exact", 45 * i);
+    }
+    mesh_free(&mesh);
+    for (int n = 3; n < 400; n++)
+        worst = fmax(worst, worst_circle_error(n));
+    CHECK_NEAR(worst, 0, 1.5, "3 to 399 slices: sine and cosine within 1.5 last places");
+    CHECK_NEAR(worst_circle_error(1000003), 0, 1.5, "so for 1000003 slices");
+}
+
+static void check_curved_normals(void)
+{
+    const double sphere[4] = {2.8, 30, 30, 0}, torus[4] = {1.05, 1.65, 30, 30};
+    struct mesh mesh = build(SHAPE_SPHERE, sphere);
+    double worst = 0;
+
+    for (int i = 0; i < mesh.n_vertices; i++)
+        worst = fmax(worst, vector_length(vector_subtract(
+                                vector_scale(mesh.vertices[i].position, 1 / 2.8),
+                                mesh.vertices[i].normal)));
+    CHECK_NEAR(worst, 0, 4 * DBL_EPSILON, "sphere: a normal is the position over the radius");
+    mesh_free(&mesh);
+    mesh = build(SHAPE_TORUS, torus);
+    worst = 0;
+    for (int i = 0; i < mesh.n_vertices; i++) {
+        const struct vector p = mesh.vertices[i].position;
+        const double from_axis = hypot(p.x, p.y);
+        const struct vector core = {1.65 * p.x / from_axis, 1.65 * p.y / from_axis, 0};
+        worst = fmax(worst, vector_length(vector_subtract(
+                                vector_scale(vector_subtract(p, core), 1 / 1.05),
+                                mesh.vertices[i].normal)));
+    }
+    CHECK_NEAR(worst, 0, 16 * DBL_EPSILON, "torus: a normal points from the ring's core");
+    mesh_free(&mesh);
+}
+
+static void check_cone_normals(void)
+{
+    const double cone[4] = {3, 4, 12, 2};
+    struct mesh mesh = build(SHAPE_CONE, cone);
+    const struct vector apex = {0, 0, 2};
+    double worst = 0;
+    int tips = 0;
+
+    for (int i = 0; i < mesh.n_vertices; i++) {
+        const struct vertex *v = &mesh.vertices[i];
+        if (v->normal.z < 0)
+            continue;
+        tips += v->position.z == 2;
+        worst = fmax(worst, fabs(vector_dot(v->normal, vector_subtract(v->position, apex))));
+        worst = fmax(worst, fabs(v->normal.z - 0.6)); /* 3-4-5 triangle */
+    }
+    CHECK_NEAR(worst, 0, 16 * DBL_EPSILON, "cone: normals stand on its lines");
+    CHECK(tips == 12, "cone: one tip a slice, each with the normal of its middle");
+    mesh_free(&mesh);
+}
+
+static void check_flat(void)
+{
+    const double plane[4] = {4, 3, 0, 0}, disk[4] = {2, 5, 0, 0};
+    const enum shape_kind kind[2] = {SHAPE_PLANE, SHAPE_DISK};
+    const double *const parameter[2] = {plane, disk};
+    const int triangles[2] = {2, 5};
+    const double area[2] = {12, 4 * regular_area(5)};
+
+    for (int i = 0; i < 2; i++) {
+        struct mesh mesh = build(kind[i], parameter[i]);
+        double sum = 0;
+        bool upright = true;
+        for (int k = 0; k < mesh.n_vertices; k++) {
+            const struct vector n = mesh.vertices[k].normal;
+            upright = upright && n.x == 0 && n.y == 0 && n.z == 1;
+        }
+        for (int k = 0; k < mesh.n_triangles; k++) {
+            const struct vector a = mesh.vertices[mesh.triangles[k][0]].position;
+            const struct vector b = mesh.vertices[mesh.triangles[k][1]].position;
+            const struct vector c = mesh.vertices[mesh.triangles[k][2]].position;
+            sum += vector_cross(vector_subtract(b, a), vector_subtract(c, a)).z / 2;
+        }
+        CHECK(upright && mesh.n_triangles == triangles[i], "%s faces +z with %d triangles",
+              i ? "disk" : "plane", triangles[i]);
+        CHECK_NEAR(sum, area[i], 16 * DBL_EPSILON, "%s has its area, counter-clockwise",
+                   i ? "disk" : "plane");
+        mesh_free(&mesh);
+    }
+}
+
+/* Texture runs to the right and upwards, seen from outside: s, t and normal are right-handed. */
+static void check_texture_direction(void)
+{
+    const struct {
+        const char *name;
+        enum shape_kind kind;
+        double parameter[4];
+    } shapes[] = {{"sphere", SHAPE_SPHERE, {1, 12, 6, 0}},
+                  {"torus", SHAPE_TORUS, {1, 3, 9, 9}},
+                  {"box", SHAPE_BOX, {1, 2, 3, 0}},
+                  {"plane", SHAPE_PLANE, {1, 2, 0, 0}},
+                  {"disk", SHAPE_DISK, {1, 9, 0, 0}},
+                  {"cone", SHAPE_CONE, {1, 2, 9, 3}},
+                  {"teapot", SHAPE_TEAPOT, {1, 4, 0, 0}},
+                  {"cylinder", SHAPE_CYLINDER, {1, 2, 9, 3}}};
+
+    for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
+        struct mesh mesh = build(shapes[i].kind, shapes[i].parameter);
+        bool right_handed = true;
+        for (int k = 0; k < mesh.n_triangles; k++) {
+            const struct vertex *a = &mesh.vertices[mesh.triangles[k][0]];
+            const struct vertex *b = &mesh.vertices[mesh.triangles[k][1]];
+            const struct vertex *c = &mesh.vertices[mesh.triangles[k][2]];
+            right_handed = right_handed && (b->s - a->s) * (c->t - a->t) >
+                                               (b->t - a->t) * (c->s - a->s);
+        }
+        CHECK(right_handed, "%s: no texture is mirrored", shapes[i].name);
+        mesh_free(&mesh);
+    }
+}
+
+/* Counts the vertices on the axis whose normal is exactly along it, upwards at the top. */
+static int true_poles(const struct mesh *mesh)
+{
+    int n = 0;
+
+    for (int i = 0; i < mesh->n_vertices; i++) {
+        const struct vertex *v = &mesh->vertices[i];
+        n += v->position.x == 0 && v->position.z == 0 && v->normal.x == 0 && v->normal.z == 0 &&
+             v->normal.y == (v->position.y > 0 ? 1 : -1);
+    }
+    return n;
+}
+
+static void check_teapot(int divisions)
+{
+    const double parameter[4] = {2, divisions, 0, 0};
+    struct mesh mesh = build(SHAPE_TEAPOT, parameter);
+    const struct solid solid = solid_measure(&mesh);
+    double lowest = HUGE_VAL, highest = -HUGE_VAL, skew = 0;
+
+    for (int i = 0; i < mesh.n_vertices; i++) {
+        lowest = fmin(lowest, mesh.vertices[i].position.y);
+        highest = fmax(highest, mesh.vertices[i].position.y);
+        skew += mesh.vertices[i].position.z;
+    }
+    CHECK(mesh.n_triangles == 64 * divisions * divisions - 8 * divisions,
+          "teapot %d: two triangles a square, one at the poles", divisions);
+    /* Open are the lid, the body's rim, and both ends of handle and spout. */
+    CHECK(solid.open_edges == 16 * divisions && solid.repeated_edges == 0,
+          "teapot %d: patches meet along all their edges", divisions);
+    CHECK(true_poles(&mesh) == 8 * divisions,
+          "teapot %d: poles sit on the axis with normals along it", divisions);
+    CHECK_NEAR(solid.worst_length, 0, 4 * DBL_EPSILON, "teapot %d: unit normals", divisions);
+    CHECK(solid.worst_area > 1e-4, "teapot %d: no triangle without area", divisions);
+    CHECK(solid.volume > 0 && solid.texture_inside, "teapot %d: faces outwards", divisions);
+    /* glutSolidTeapot(2): heights 0 to 3.15 less 1.5. */
+    CHECK_NEAR(lowest, -1.5, DBL_EPSILON, "teapot %d: stands at -0.75 of its size", divisions);
+    CHECK_NEAR(highest, 1.65, 2 * DBL_EPSILON, "teapot %d: ends at 0.825 of its size", divisions);
+    CHECK_NEAR(skew, 0, 1e-12 * mesh.n_vertices, "teapot %d: its sides balance", divisions);
+    if (divisions == 40) /* fewer cut the spout's sharp lip short */
+        CHECK(solid.worst_facing > 0.9, "teapot %d: normals follow their facets", divisions);
+    mesh_free(&mesh);
+}
+
+static void check_failure(void)
+{
+    char path[] = "no/such/file.obj", scene[] = "some.scene";
+    const struct shape shape = {.kind = SHAPE_MESH, .path = path, .place = {scene, 3, 8}};
+    struct error err = {.text = ""};
+    struct mesh mesh;
+
+    CHECK(!shape_build(&shape, &mesh, &err) && err.status == EXIT_INPUT,
+          "a mesh file that is not there is bad input");
+    CHECK(strncmp(err.text, "some.scene:3:8: error: ", 23) == 0, "blamed on the scene's line");
+    CHECK(!mesh.vertices && !mesh.triangles, "and leaves an empty mesh");
+}
+
+int main(void)
+{
+    const int divisions[] = {2, 3, 7, 14, 40};
+
+    check_solids();
+    check_circle();
+    check_curved_normals();
+    check_cone_normals();
+    check_flat();
+    check_texture_direction();
+    for (size_t i = 0; i < sizeof divisions / sizeof *divisions; i++)
+        check_teapot(divisions[i]);
+    check_failure();
+    return test_end();
+}
