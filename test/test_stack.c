@@ -1,0 +1,479 @@
+/* SPDX-License-Identifier: MIT */
+/* Stacks are read back twice: with libtiff, and byte by byte with a small walker of directories
+ * that shares nothing with it, for what libtiff does not show (where each thing lies). */
+#include "spectral.h"
+#include "test.h"
+
+#include <fcntl.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <tiffio.h>
+#include <unistd.h>
+
+enum { WIDTH = 7, HEIGHT = 5, PAGES = 4, PATH_SIZE = 512 };
+static const double wavelengths[PAGES] = {300, 305, 452.5, 760};
+
+static void temporary_path(const char *name, char path[PATH_SIZE])
+{
+    const char *folder = getenv("TEST_TMP");
+    if (folder == NULL)
+        folder = "build/tmp";
+    mkdir(folder, 0777);
+    snprintf(path, PATH_SIZE, "%s/%s", folder, name);
+}
+
+static struct stack_options small_options(void)
+{
+    return (struct stack_options){.width = WIDTH, .height = HEIGHT, .n_wavelengths = PAGES,
+                                  .wavelengths_nm = wavelengths, .full_scale = 2.5,
+                                  .scene = "a<b>&\"c\".scene", .provenance = "renderer: test\n"};
+}
+
+/* A different count for every sample of the stack. */
+static uint16_t count_at(int page, int x, int y)
+{
+    return (uint16_t)(1 + x + WIDTH * (y + HEIGHT * page) + 257 * page);
+}
+
+static bool write_rectangle(struct stack_writer *writer, int page, int x, int y, int width,
+                            int height, struct error *err)
+{
+    uint16_t counts[WIDTH * HEIGHT];
+    for (int i = 0; i < width * height; i++)
+        counts[i] = count_at(page, x + i % width, y + i / width);
+    return stack_write(writer, page, x, y, width, height, counts, err);
+}
+
+/* Every page in rectangles of at most tile x tile pixels, the last page and row first. */
+static bool write_small(const char *path, int tile, const char *verdict, struct error *err)
+{
+    struct stack_options options = small_options();
+    struct stack_writer writer;
+    if (!stack_open(&writer, path, &options, err))
+        return false;
+    for (int page = PAGES - 1; page >= 0; page--)
+        for (int y = (HEIGHT - 1) / tile * tile; y >= 0; y -= tile)
+            for (int x = 0; x < WIDTH; x += tile) {
+                int width = WIDTH - x < tile ? WIDTH - x : tile;
+                int height = HEIGHT - y < tile ? HEIGHT - y : tile;
+                if (!write_rectangle(&writer, page, x, y, width, height, err)) {
+                    stack_discard(&writer);
+                    return false;
+                }
+            }
+    return stack_commit(&writer, verdict, err);
+}
+
+/* Allocated; *length is 0 where there is no file. */
+static unsigned char *read_whole(const char *path, size_t *length)
+{
+    FILE *file = fopen(path, "rb");
+    struct stat status;
+    *length = 0;
+    if (file == NULL || fstat(fileno(file), &status) != 0)
+        return NULL;
+    unsigned char *bytes = malloc((size_t)status.st_size + 1);
+    if (bytes != NULL)
+        *length = fread(bytes, 1, (size_t)status.st_size, file);
+    fclose(file);
+    return bytes;
+}
+
+static uint64_t number_at(const unsigned char *bytes, int size)
+{
+    uint64_t number = 0;
+    for (int i = size - 1; i >= 0; i--)
+        number = number << 8 | bytes[i];
+    return number;
+}
+
+/* What the walker of a classic TIFF has seen. */
+struct layout {
+    int n_pages;
+    uint64_t directories_end; /* behind the last byte of a directory or of a tag's value */
+    uint64_t offset[8], size[8];
+};
+
+static void walk_entry(const unsigned char *entry, struct layout *layout)
+{
+    static const int type_size[] = {0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8};
+    uint64_t tag = number_at(entry, 2), value = number_at(entry + 8, 4);
+    uint64_t bytes = number_at(entry + 4, 4) * (uint64_t)type_size[number_at(entry + 2, 2)];
+    if (bytes > 4 && value + bytes > layout->directories_end)
+        layout->directories_end = value + bytes;
+    if (tag == TIFFTAG_STRIPOFFSETS)
+        layout->offset[layout->n_pages] = value;
+    if (tag == TIFFTAG_STRIPBYTECOUNTS)
+        layout->size[layout->n_pages] = value;
+}
+
+static struct layout walk(const unsigned char *bytes)
+{
+    struct layout layout = {0};
+    uint64_t at = number_at(bytes + 4, 4);
+    for (; at != 0 && layout.n_pages < 8; layout.n_pages++) {
+        uint64_t entries = number_at(bytes + at, 2), next = at + 2 + 12 * entries;
+        for (uint64_t i = 0; i < entries; i++)
+            walk_entry(bytes + at + 2 + 12 * i, &layout);
+        if (next + 4 > layout.directories_end)
+            layout.directories_end = next + 4;
+        at = number_at(bytes + next, 4);
+    }
+    return layout;
+}
+
+static void test_layout(const char *path)
+{
+    size_t length;
+    unsigned char *bytes = read_whole(path, &length);
+    CHECK(length > 8 && memcmp(bytes, "II*\0", 4) == 0, "a classic little-endian TIFF");
+    struct layout layout = walk(bytes);
+    bool contiguous = true, right = true;
+    CHECK(layout.n_pages == PAGES, "%d pages in the chain", PAGES);
+    CHECK(layout.directories_end <= layout.offset[0], "all directories lie before all pixels");
+    CHECK(layout.offset[0] % 4 == 0, "the pixels start at a multiple of 4 bytes");
+    for (int page = 0; page < PAGES; page++) {
+        uint64_t size = WIDTH * HEIGHT * 2;
+        contiguous = contiguous && layout.size[page] == size
+                     && layout.offset[page] == layout.offset[0] + (uint64_t)page * size;
+        for (int i = 0; i < WIDTH * HEIGHT; i++)
+            right = right && number_at(bytes + layout.offset[page] + 2 * i, 2)
+                                 == count_at(page, i % WIDTH, i / WIDTH);
+    }
+    CHECK(contiguous, "pages follow each other without gaps");
+    CHECK(right, "every sample is where it belongs");
+    CHECK(layout.offset[PAGES - 1] + WIDTH * HEIGHT * 2 == length,
+          "the last byte of the file is that of the last pixel");
+    free(bytes);
+}
+
+static void test_first_page(TIFF *tiff)
+{
+    const char *text = "";
+    uint32_t count = 0;
+    const float *centres = NULL;
+    CHECK(TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &text) && text[0] == '<'
+              && text[strlen(text) - 1] == '>', "page 0 is described by XML from < to >");
+    CHECK(strstr(text, "Type=\"uint16\"") != NULL && strstr(text, "SizeC=\"4\"") != NULL,
+          "OME-XML tells type and number of channels");
+    CHECK(strstr(text, "Name=\"452.5 nm\" SamplesPerPixel=\"1\" EmissionWavelength=\"452.5\"")
+              != NULL, "OME-XML tells a fractional wavelength");
+    CHECK(strstr(text, "scene: a&lt;b&gt;&amp;&quot;c&quot;.scene\n") != NULL,
+          "the scene's name is escaped");
+    CHECK(strstr(text, "full_scale: 2.5\n") != NULL && strstr(text, "renderer: test\n") != NULL,
+          "full scale and provenance are told");
+    CHECK(TIFFGetField(tiff, TIFFTAG_SOFTWARE, &text) != 0, "the software is named");
+    CHECK_TEXT(text, "spectral " SPECTRAL_VERSION, "with its version");
+    CHECK(TIFFGetField(tiff, 65000, &count, &centres) && count == PAGES,
+          "tag 65000 holds all wavelengths");
+    for (int page = 0; page < PAGES && centres != NULL; page++)
+        CHECK_NEAR((double)centres[page], wavelengths[page], 0, "wavelength of page %d", page);
+    CHECK(TIFFGetField(tiff, 65111, &count, &text) && count == STACK_VERDICT
+              && strncmp(text, "check: agreed ", 14) == 0, "tag 65111 holds the verdict");
+}
+
+static void test_later_page(TIFF *tiff)
+{
+    const char *text = "";
+    uint32_t subfile = 0;
+    uint16_t page = 0, total = 0;
+    CHECK(TIFFSetDirectory(tiff, 2) != 0, "page 2 opens");
+    CHECK(TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &text) != 0, "is described");
+    CHECK_TEXT(text, "wavelength_nm=452.5", "by its wavelength");
+    CHECK(TIFFGetField(tiff, TIFFTAG_PAGENAME, &text) != 0, "is named");
+    CHECK_TEXT(text, "452.5 nm", "by its wavelength");
+    CHECK(TIFFGetField(tiff, TIFFTAG_PAGENUMBER, &page, &total) && page == 2 && total == PAGES,
+          "page 2 of 4");
+    CHECK(TIFFGetField(tiff, TIFFTAG_SUBFILETYPE, &subfile) && subfile == FILETYPE_PAGE,
+          "a page of many");
+    CHECK(TIFFGetField(tiff, TIFFTAG_ORIENTATION, &page) == 0, "no orientation is told");
+    uint32_t count = 0;
+    CHECK(TIFFGetField(tiff, TIFFTAG_GDAL_METADATA, &count, &text) != 0, "has GDAL metadata");
+    CHECK(strstr(text, "<Item name=\"CENTRAL_WAVELENGTH_UM\" sample=\"0\" domain=\"IMAGERY\">"
+                       "0.4525</Item>") != NULL, "with its wavelength in micrometres");
+    /* ((452.5 - 305) + (760 - 452.5)) / 2 = 227.5 nm */
+    CHECK(strstr(text, ">0.2275</Item>") != NULL, "with its local spacing as width");
+    const char *scale = strstr(text, "role=\"scale\">");
+    CHECK_NEAR(scale != NULL ? atof(scale + 13) : 0, 2.5 / 65535, 0,
+               "with the radiance of a count");
+}
+
+static void test_tags(const char *path)
+{
+    TIFFSetWarningHandler(NULL); /* private tags are meant */
+    TIFF *tiff = TIFFOpen(path, "r");
+    if (!CHECK(tiff != NULL, "libtiff opens the stack"))
+        return;
+    test_first_page(tiff);
+    test_later_page(tiff);
+    TIFFClose(tiff);
+}
+
+static bool same_files(const char *a, const char *b)
+{
+    size_t a_length, b_length;
+    unsigned char *a_bytes = read_whole(a, &a_length), *b_bytes = read_whole(b, &b_length);
+    bool same = a_length > 0 && a_length == b_length && memcmp(a_bytes, b_bytes, a_length) == 0;
+    free(a_bytes);
+    free(b_bytes);
+    return same;
+}
+
+static void test_small(void)
+{
+    char whole[PATH_SIZE], tiles[PATH_SIZE], other[PATH_SIZE];
+    struct error err = {0};
+    temporary_path("stack_whole.tif", whole);
+    temporary_path("stack_tiles.tif", tiles);
+    temporary_path("stack_other.tif", other);
+    CHECK(write_small(whole, WIDTH, "check: agreed", &err), "a stack is written %s", err.text);
+    test_layout(whole);
+    test_tags(whole);
+    CHECK(write_small(tiles, 3, "check: agreed", &err), "in tiles as well");
+    CHECK(same_files(whole, tiles), "tiles in any order give the same bytes as whole pages");
+    CHECK(write_small(whole, WIDTH, "check: agreed", &err) && same_files(whole, tiles),
+          "written over the old file: the same bytes again");
+    char verdict[2 * STACK_VERDICT];
+    memset(verdict, 'v', sizeof verdict - 1);
+    verdict[sizeof verdict - 1] = '\0';
+    CHECK(write_small(other, WIDTH, verdict, &err), "a verdict that is too long loses its tail");
+    size_t length, other_length;
+    free(read_whole(whole, &length));
+    free(read_whole(other, &other_length));
+    CHECK(length == other_length, "the verdict does not change the size");
+    unlink(whole);
+    unlink(tiles);
+    unlink(other);
+}
+
+/* The smallest stack, in floats: no spacing, no full scale in the numbers. */
+static void test_float(void)
+{
+    const double wavelength = 555;
+    const float radiance[4] = {0, 0.25f, 1e-30f, 3e30f};
+    struct stack_options options = {.width = 2, .height = 2, .n_wavelengths = 1,
+                                    .wavelengths_nm = &wavelength, .full_scale = 7,
+                                    .floating = true};
+    struct stack_writer writer;
+    struct error err = {0};
+    char path[PATH_SIZE];
+    float seen[4] = {0};
+    uint16_t bits = 0, format = 0;
+    uint32_t count = 0;
+    const char *text = "";
+    temporary_path("stack_float.tif", path);
+    CHECK(stack_open(&writer, path, &options, &err), "a stack of 2x2x1 floats");
+    CHECK(stack_write(&writer, 0, 0, 0, 2, 2, radiance, &err) && stack_commit(&writer, "", &err),
+          "is written");
+    TIFF *tiff = TIFFOpen(path, "r");
+    if (!CHECK(tiff != NULL, "and opens"))
+        return;
+    CHECK(TIFFGetField(tiff, TIFFTAG_BITSPERSAMPLE, &bits) && bits == 32
+              && TIFFGetField(tiff, TIFFTAG_SAMPLEFORMAT, &format)
+              && format == SAMPLEFORMAT_IEEEFP, "as floats");
+    CHECK(TIFFReadEncodedStrip(tiff, 0, seen, sizeof seen) == sizeof seen
+              && memcmp(seen, radiance, sizeof seen) == 0, "bit by bit as written");
+    CHECK(TIFFGetField(tiff, TIFFTAG_GDAL_METADATA, &count, &text)
+              && strstr(text, "FWHM") == NULL && strstr(text, "role=\"scale\">1</Item>") != NULL,
+          "without width, with scale 1");
+    TIFFClose(tiff);
+    unlink(path);
+}
+
+/* One page of one row; only its last sample is written, so that the file stays sparse. */
+static void check_large(int width, bool big)
+{
+    const double wavelength = 555;
+    const uint16_t last = 4711;
+    struct stack_options options = {.width = width, .height = 1, .n_wavelengths = 1,
+                                    .wavelengths_nm = &wavelength, .full_scale = 1};
+    struct stack_writer writer;
+    struct error err = {0};
+    char path[PATH_SIZE];
+    unsigned char head[4] = {0}, tail[2] = {0};
+    temporary_path("stack_large.tif", path);
+    if (!CHECK(stack_open(&writer, path, &options, &err), "%d pixels: opens %s", width, err.text))
+        return;
+    CHECK(writer.big == big, "%d pixels: %s", width, big ? "BigTIFF" : "classic");
+    uint64_t end = writer.page_offset[0] + (uint64_t)width * 2;
+    CHECK(big ? end > UINT32_MAX : end <= UINT32_MAX, "%d pixels: as 4 GiB ask for", width);
+    CHECK(stack_write(&writer, 0, width - 1, 0, 1, 1, &last, &err)
+              && stack_commit(&writer, "", &err), "%d pixels: commits %s", width, err.text);
+    int file = open(path, O_RDONLY);
+    CHECK(pread(file, head, 4, 0) == 4 && head[2] == (big ? 43 : 42), "%d pixels: magic number",
+          width);
+    CHECK(pread(file, tail, 2, (off_t)end - 2) == 2 && number_at(tail, 2) == last,
+          "%d pixels: the last sample", width);
+    close(file);
+    unlink(path);
+}
+
+static void test_large(void)
+{
+    check_large(INT32_MAX - 8192, false); /* 16 KiB below 4 GiB: room for the directory */
+    check_large(INT32_MAX, true);         /* 4 GiB - 2 of pixels: none */
+}
+
+static void test_many_pages(void)
+{
+    enum { MANY = 2000 };
+    double many[MANY];
+    for (int page = 0; page < MANY; page++)
+        many[page] = 300 + 0.25 * page;
+    struct stack_options options = {.width = 3, .height = 2, .n_wavelengths = MANY,
+                                    .wavelengths_nm = many, .full_scale = 1};
+    struct stack_writer writer;
+    struct error err = {0};
+    char path[PATH_SIZE];
+    bool contiguous = true;
+    temporary_path("stack_many.tif", path);
+    CHECK(stack_open(&writer, path, &options, &err), "%d pages open %s", MANY, err.text);
+    for (int page = 1; page < MANY; page++)
+        contiguous = contiguous && writer.page_offset[page] == writer.page_offset[page - 1] + 12;
+    CHECK(contiguous, "and follow each other");
+    CHECK(stack_commit(&writer, "", &err), "and commit %s", err.text);
+    unlink(path);
+}
+
+static void check_refusal(struct stack_options options, const char *what)
+{
+    struct stack_writer writer;
+    struct error err = {0};
+    char path[PATH_SIZE];
+    temporary_path("stack_refused.tif", path);
+    CHECK(!stack_open(&writer, path, &options, &err) && err.status == EXIT_INPUT
+              && err.text[0] != '\0' && access(path, F_OK) != 0, "%s is refused: %s", what,
+          err.text);
+}
+
+static void test_refusals(void)
+{
+    const double twice[2] = {500, 500}, falling[2] = {500, 400}, nearly[2] = {500, 500 + 1e-9};
+    const double zero[2] = {0, 500}, none[2] = {(double)NAN, 500}, endless[2] = {500, HUGE_VAL};
+    const double *bad[] = {twice, falling, nearly, zero, none};
+    struct stack_options options = small_options();
+    options.n_wavelengths = 2;
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        options.wavelengths_nm = bad[i];
+        check_refusal(options, "a wavelength that does not rise");
+    }
+    options.wavelengths_nm = endless;
+    check_refusal(options, "an infinite wavelength");
+    options = small_options();
+    options.n_wavelengths = 0;
+    check_refusal(options, "no page");
+    options.n_wavelengths = 65536;
+    check_refusal(options, "one page too many");
+    options = small_options();
+    options.width = 0;
+    check_refusal(options, "an empty page");
+    options = small_options();
+    options.width = options.height = INT32_MAX;
+    options.floating = true;
+    check_refusal(options, "a stack beyond 64 bits");
+    options = small_options();
+    options.full_scale = 0;
+    check_refusal(options, "full scale 0");
+    options.full_scale = (double)NAN;
+    check_refusal(options, "full scale NaN");
+}
+
+/* Opens a small stack over an old file, lets `damage` at it, and sees it refused at the end. */
+static void check_damage(const char *what, void (*damage)(const struct stack_writer *writer))
+{
+    struct stack_options options = small_options();
+    struct stack_writer writer;
+    struct error err = {0};
+    char path[PATH_SIZE];
+    temporary_path("stack_damaged.tif", path);
+    FILE *old = fopen(path, "w");
+    if (!CHECK(old != NULL && fputs("old", old) >= 0 && fclose(old) == 0, "an old file stands"))
+        return;
+    CHECK(stack_open(&writer, path, &options, &err), "%s: the stack opens", what);
+    damage(&writer);
+    CHECK(!stack_commit(&writer, "", &err) && err.status == EXIT_SYSTEM, "%s: refused: %s", what,
+          err.text);
+    CHECK(writer.page_offset == NULL && writer.output.temporary == NULL, "%s: all is freed", what);
+    size_t length;
+    unsigned char *bytes = read_whole(path, &length);
+    CHECK(length == 3 && memcmp(bytes, "old", 3) == 0, "%s: the old file is as it was", what);
+    free(bytes);
+    unlink(path);
+}
+
+static void cut_off(const struct stack_writer *writer)
+{
+    off_t last = (off_t)writer->page_offset[PAGES - 1] + WIDTH * HEIGHT * 2 - 1;
+    CHECK(ftruncate(writer->output.descriptor, last) == 0, "one byte is cut off");
+}
+
+/* The link from the last directory but one: as if a page were missing. */
+static void unlink_page(const struct stack_writer *writer)
+{
+    unsigned char bytes[4] = {0};
+    uint64_t at, next = 4;
+    for (int page = 0; page < PAGES - 1; page++) {
+        CHECK(pread(writer->output.descriptor, bytes, 4, (off_t)next) == 4, "a directory's link");
+        at = number_at(bytes, 4);
+        CHECK(pread(writer->output.descriptor, bytes, 2, (off_t)at) == 2, "a directory");
+        next = at + 2 + 12 * number_at(bytes, 2);
+    }
+    CHECK(pwrite(writer->output.descriptor, "\0\0\0\0", 4, (off_t)next) == 4, "a link is cleared");
+}
+
+static void test_damage(void)
+{
+    check_damage("a file that was cut", cut_off);
+    check_damage("a chain that ends early", unlink_page);
+}
+
+/* A file size limit stands in for a full disk: it makes the same calls fail. */
+static void test_full_disk(void)
+{
+    struct rlimit before, limit;
+    struct stack_options options = small_options();
+    struct stack_writer writer;
+    struct error err = {0};
+    char path[PATH_SIZE];
+    temporary_path("stack_full.tif", path);
+    signal(SIGXFSZ, SIG_IGN);
+    CHECK(getrlimit(RLIMIT_FSIZE, &before) == 0, "there is a limit on file sizes");
+    for (rlim_t size = 0; size <= 4096; size += 1024) {
+        bool opened;
+        limit = before;
+        limit.rlim_cur = size;
+        err = (struct error){0};
+        fflush(stdout);
+        setrlimit(RLIMIT_FSIZE, &limit);
+        opened = stack_open(&writer, path, &options, &err);
+        setrlimit(RLIMIT_FSIZE, &before);
+        CHECK(!opened && err.status == EXIT_SYSTEM && access(path, F_OK) != 0,
+              "no room for more than %d bytes: %s", (int)size, err.text);
+    }
+    CHECK(stack_open(&writer, path, &options, &err), "with room, it opens");
+    limit = before;
+    limit.rlim_cur = (rlim_t)writer.page_offset[PAGES - 1];
+    fflush(stdout);
+    setrlimit(RLIMIT_FSIZE, &limit);
+    err = (struct error){0};
+    bool written = write_rectangle(&writer, PAGES - 1, 0, 0, WIDTH, HEIGHT, &err);
+    setrlimit(RLIMIT_FSIZE, &before);
+    CHECK(!written && err.status == EXIT_SYSTEM, "no room for the last page: %s", err.text);
+    stack_discard(&writer);
+    stack_discard(&writer);
+    CHECK(access(path, F_OK) != 0, "nothing is left of it");
+}
+
+int main(void)
+{
+    test_small();
+    test_float();
+    test_large();
+    test_many_pages();
+    test_refusals();
+    test_damage();
+    test_full_disk();
+    return test_end();
+}
