@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: MIT */
+/* How far OpenGL may be off inside a triangle whose corners are right to within known bounds.
+ *
+ * Mesa interpolates a value a through planes: N = a / w and D = 1 / w are set up from the corners in
+ * single precision with their origin at the corner of the framebuffer, evaluated at the pixel centre,
+ * and divided. Three parts add up: the corners' position errors times the true gradient (a shift of
+ * the triangle as a whole cancels out of everything else), the roundings of the set-up, magnified by
+ * the triangle's thinness, and those of the evaluation, which grow with the distance to the origin.
+ * u = 2^-24 is the unit roundoff of single precision. */
+#include <math.h>
+
+#include "spectral.h"
+
+static const double u = 1.0 / 16777216;
+
+/* Edge vectors and what follows from them. Edge i runs from corner i to corner i + 1. */
+struct edges {
+    double dx[3], dy[3];
+    double twice_area;             /* not negative */
+    double width, height;          /* of the bounding box, a pixel added for extrapolation */
+    double e_area;                 /* relative rounding error of the area in single precision */
+};
+
+static struct edges edges_of(const struct outline *outline)
+{
+    struct edges edges;
+    double low_x = outline->x[0], high_x = low_x, low_y = outline->y[0], high_y = low_y;
+    for (int i = 0; i < 3; i++) {
+        int next = (i + 1) % 3;
+        edges.dx[i] = outline->x[next] - outline->x[i];
+        edges.dy[i] = outline->y[next] - outline->y[i];
+        low_x = fmin(low_x, outline->x[i]);
+        high_x = fmax(high_x, outline->x[i]);
+        low_y = fmin(low_y, outline->y[i]);
+        high_y = fmax(high_y, outline->y[i]);
+    }
+    double e = edges.dx[0] * edges.dy[1], f = edges.dx[1] * edges.dy[0];
+    edges.twice_area = fabs(e - f);
+    edges.width = high_x - low_x + 1;
+    edges.height = high_y - low_y + 1;
+    edges.e_area = u * (3 * (fabs(e) + fabs(f)) / edges.twice_area + 2);
+    return edges;
+}
+
+double bound_magnification(const struct outline *outline)
+{
+    struct edges edges = edges_of(outline);
+    double perimeter = 0;
+    for (int i = 0; i < 3; i++)
+        perimeter += fabs(edges.dx[i]) + fabs(edges.dy[i]);
+    /* relative change of the area when each corner moves by slack_px; beyond a quarter the linear
+     * estimates below no longer hold */
+    double thinness = 2 * outline->slack_px * perimeter / edges.twice_area;
+    return thinness <= 0.25 && edges.e_area <= 0.25 ? 1.001 / (1 - thinness) : HUGE_VAL;
+}
+
+struct gradient {
+    double x, y;
+};
+
+static struct gradient gradient_of(const struct edges *edges, const double q[3])
+{
+    double d1 = q[1] - q[0], d2 = q[2] - q[0];
+    double dx2 = -edges->dx[2], dy2 = -edges->dy[2]; /* corner 0 to corner 2 */
+    double area = edges->dx[0] * dy2 - dx2 * edges->dy[0];
+    return (struct gradient){(d1 * dy2 - d2 * edges->dy[0]) / area,
+                             (d2 * edges->dx[0] - d1 * dx2) / area};
+}
+
+static double norm(struct gradient g)
+{
+    return fabs(g.x) + fabs(g.y);
+}
+
+static double largest(const double q[3])
+{
+    return fmax(fabs(q[0]), fmax(fabs(q[1]), fabs(q[2])));
+}
+
+/* Roundings of a plane through q: each gradient is a difference of two products over the area (5
+ * roundings of its terms, and the area's own), used over the extent of the triangle; the plane's
+ * value at the framebuffer's origin and its evaluation round 6 times relative to the distance from
+ * there and 4 times relative to the value itself. */
+static double plane_rounding(const struct outline *outline, const struct edges *edges,
+                             const double q[3])
+{
+    struct gradient g = gradient_of(edges, q);
+    double terms_x = 0, terms_y = 0;
+    for (int i = 0; i < 3; i++) {
+        double step = fabs(q[(i + 1) % 3] - q[i]);
+        terms_x += step * fabs(edges->dy[i]) / edges->twice_area;
+        terms_y += step * fabs(edges->dx[i]) / edges->twice_area;
+    }
+    return 5 * u * (terms_x * edges->width + terms_y * edges->height) +
+           edges->e_area * (fabs(g.x) * edges->width + fabs(g.y) * edges->height) +
+           6 * u * (fabs(g.x) * outline->reach_x + fabs(g.y) * outline->reach_y) +
+           4 * u * largest(q);
+}
+
+double bound_linear(const struct outline *outline, const double values[3])
+{
+    struct edges edges = edges_of(outline);
+    return outline->slack_px * norm(gradient_of(&edges, values)) +
+           plane_rounding(outline, &edges, values);
+}
+
+double bound_colour(const struct outline *outline, const double values[3])
+{
+    struct edges edges = edges_of(outline);
+    const double *d = outline->inverse_w;
+    double n[3], slope = 0, range = 0, least_d = fmin(d[0], fmin(d[1], d[2]));
+    for (int i = 0; i < 3; i++) {
+        n[i] = values[i] * d[i];
+        range = fmax(range, fabs(values[i] - values[(i + 1) % 3]));
+    }
+    struct gradient g_n = gradient_of(&edges, n), g_d = gradient_of(&edges, d);
+    for (int i = 0; i < 3; i++) {
+        /* the gradient of N / D is (D grad N - N grad D) / D^2; its numerator is linear */
+        struct gradient g = {g_n.x - values[i] * g_d.x, g_n.y - values[i] * g_d.y};
+        slope = fmax(slope, d[i] * norm(g));
+    }
+    slope /= least_d * least_d;
+    double e_n = plane_rounding(outline, &edges, n) / least_d;
+    double e_d = plane_rounding(outline, &edges, d) / least_d;
+    double value = largest(values);
+    return outline->slack_w * range + outline->slack_px * slope + u * largest(n) / least_d +
+           (e_n + value * e_d) * (1 + e_d) + 2 * u * value;
+}

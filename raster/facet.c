@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: MIT */
+/* A triangle as it lies in a tile: in window coordinates, cut at the near and far plane where it
+ * crosses them, with the bounds that hold for all of it. */
+#include <math.h>
+#include <string.h>
+
+#include "spectral.h"
+
+static const double u = 1.0 / 16777216;
+
+/* Depth is stored in 24 bits, rounded or truncated: one unit at most. */
+static const double depth_unit = 1.0 / 16777215;
+
+static bool in_front(const struct surface *surface, const int32_t vertex[3])
+{
+    for (int i = 0; i < 3; i++)
+        if (!(surface->vertices[vertex[i]].clip[3] > 0))
+            return false;
+    return true;
+}
+
+/* Nothing of a triangle in front of the eye reaches a pixel centre of the rows. Centres lie half a
+ * pixel inside, so that slack below that is of no matter. */
+static bool beside(const struct surface *surface, const int32_t vertex[3],
+                   const struct tile *rows)
+{
+    const struct lit_vertex *a = &surface->vertices[vertex[0]], *b = &surface->vertices[vertex[1]],
+                            *c = &surface->vertices[vertex[2]];
+    double slack = fmax((double)a->slack_px, fmax((double)b->slack_px, (double)c->slack_px));
+    return fmax(a->x, fmax(b->x, c->x)) + slack < rows->x ||
+           fmin(a->x, fmin(b->x, c->x)) - slack > rows->x + rows->width ||
+           fmax(a->y, fmax(b->y, c->y)) + slack < rows->y ||
+           fmin(a->y, fmin(b->y, c->y)) - slack > rows->y + rows->height;
+}
+
+static void whole_corners(const struct surface *surface, const int32_t vertex[3],
+                          struct corner out[3])
+{
+    for (int i = 0; i < 3; i++) {
+        out[i] = (struct corner){.whole = i};
+        memcpy(out[i].clip, surface->vertices[vertex[i]].clip, sizeof out[i].clip);
+        out[i].share[i] = 1;
+    }
+}
+
+/* The planes in Mesa's order: right, left, top, bottom of the tile, then near, far. `margin` widens
+ * near and far by what single precision may be off there, so that no possible pixel is lost. */
+static void planes_of(const struct plan *plan, const struct tile *tile, double margin,
+                      struct clip_plane planes[CLIP_PLANES])
+{
+    double width = plan->scene->width, height = plan->scene->height;
+    double left = 2 * tile->x / width - 1, right = 2 * (tile->x + tile->width) / width - 1;
+    double top = 1 - 2 * tile->y / height, bottom = 1 - 2 * (tile->y + tile->height) / height;
+    planes[0] = (struct clip_plane){{-1, 0, 0, right}, 0};
+    planes[1] = (struct clip_plane){{1, 0, 0, -left}, 0};
+    planes[2] = (struct clip_plane){{0, -1, 0, top}, 0};
+    planes[3] = (struct clip_plane){{0, 1, 0, -bottom}, 0};
+    planes[4] = (struct clip_plane){{0, 0, 1, 1}, margin};
+    planes[5] = (struct clip_plane){{0, 0, -1, 1}, margin};
+}
+
+/* ---- one facet ---- */
+
+static void set_corner(const struct plan *plan, const struct surface *surface,
+                       const struct corner *corner, int i, struct facet *out)
+{
+    memcpy(out->share[i], corner->share, sizeof corner->share);
+    if (corner->whole >= 0) {
+        const struct lit_vertex *vertex = &surface->vertices[out->vertex[corner->whole]];
+        out->x[i] = vertex->x;
+        out->y[i] = vertex->y;
+        out->z[i] = vertex->z;
+        out->inverse_w[i] = vertex->inverse_w;
+        out->slack_px = fmax(out->slack_px, (double)vertex->slack_px);
+        out->slack_w = fmax(out->slack_w, (double)vertex->slack_w);
+        return;
+    }
+    double w = corner->clip[3];
+    out->x[i] = (corner->clip[0] / w + 1) * 0.5 * plan->scene->width;
+    out->y[i] = (1 - corner->clip[1] / w) * 0.5 * plan->scene->height;
+    out->z[i] = (corner->clip[2] / w + 1) * 0.5;
+    out->inverse_w[i] = 1 / w;
+}
+
+/* A corner made by a cut: errors of the whole corners and of the cut, in pixels. */
+static double cut_slack(const struct plan *plan, const struct corner *corner, double clip_error)
+{
+    double half = 0.5 * fmax(plan->scene->width, plan->scene->height), w = corner->clip[3];
+    double nx = fabs(corner->clip[0] / w), ny = fabs(corner->clip[1] / w);
+    double error = clip_error + corner->cut_error;
+    return half * (error * (2 + fmax(nx, ny)) / w + 8 * u);
+}
+
+static void turn(struct facet *facet)
+{
+    double area = (facet->x[1] - facet->x[0]) * (facet->y[2] - facet->y[0]) -
+                  (facet->x[2] - facet->x[0]) * (facet->y[1] - facet->y[0]);
+    facet->twice_area = fabs(area);
+    if (area >= 0)
+        return;
+    struct facet old = *facet;
+    static const int order[3] = {0, 2, 1};
+    for (int i = 0; i < 3; i++) {
+        facet->x[i] = old.x[order[i]];
+        facet->y[i] = old.y[order[i]];
+        facet->z[i] = old.z[order[i]];
+        facet->inverse_w[i] = old.inverse_w[order[i]];
+        facet->vertex[i] = old.vertex[order[i]];
+        for (int j = 0; j < 3; j++)
+            facet->share[i][j] = old.share[order[i]][order[j]];
+    }
+}
+
+/* ---- what OpenGL sets up ---- */
+
+static void set_piece(const struct facet *from, const struct tile *tile, struct piece *out)
+{
+    out->outline = (struct outline){.slack_px = from->slack_px,
+                                    .slack_w = from->slack_w,
+                                    .reach_x = tile->width + 1.0,
+                                    .reach_y = tile->height + 1.0};
+    memcpy(out->outline.x, from->x, sizeof from->x);
+    memcpy(out->outline.y, from->y, sizeof from->y);
+    memcpy(out->outline.inverse_w, from->inverse_w, sizeof from->inverse_w);
+    memcpy(out->z, from->z, sizeof from->z);
+    memcpy(out->share, from->share, sizeof from->share);
+}
+
+static double clip_error_of(const struct surface *surface, const int32_t vertex[3])
+{
+    double error = 0;
+    for (int i = 0; i < 3; i++)
+        error = fmax(error, (double)surface->vertices[vertex[i]].clip_error);
+    return error;
+}
+
+int facet_pieces(const struct plan *plan, const struct surface *surfaces, const struct tile *tile,
+                 const struct facet *facet, struct piece out[CLIP_CORNERS - 2])
+{
+    if (!facet->straddles) {
+        set_piece(facet, tile, &out[0]);
+        return 1;
+    }
+    const struct surface *surface = &surfaces[facet->surface];
+    struct corner whole[3], left[CLIP_CORNERS];
+    struct clip_plane planes[CLIP_PLANES];
+    whole_corners(surface, facet->vertex, whole);
+    planes_of(plan, tile, 0, planes);
+    int n = clip_triangle(whole, planes, CLIP_PLANES, left);
+    struct facet part = *facet;
+    double clip_error = clip_error_of(surface, facet->vertex);
+    for (int i = 0; i < n; i++)
+        if (left[i].whole < 0)
+            part.slack_px = fmax(part.slack_px, cut_slack(plan, &left[i], clip_error));
+    for (int i = 2; i < n; i++) {
+        set_corner(plan, surface, &left[0], 0, &part);
+        set_corner(plan, surface, &left[i - 1], 1, &part);
+        set_corner(plan, surface, &left[i], 2, &part);
+        set_piece(&part, tile, &out[i - 2]);
+    }
+    return n < 3 ? 0 : n - 2;
+}
+
+/* Bounds that hold for all pieces. A piece too thin for a bound makes the facet loose; where all are,
+ * its depth has no bound either. */
+static void finish_facet(const struct plan *plan, const struct surface *surfaces,
+                         const struct tile *tile, struct facet *facet)
+{
+    const struct surface *surface = &surfaces[facet->surface];
+    struct piece pieces[CLIP_CORNERS - 2];
+    double e_corner = 4 * u, error = -1;
+    turn(facet);
+    for (int i = 0; i < 3; i++)
+        e_corner = fmax(e_corner, (double)surface->vertices[facet->vertex[i]].slack_depth);
+    int n = facet_pieces(plan, surfaces, tile, facet, pieces);
+    for (int i = 0; i < n; i++) {
+        double magnification = bound_magnification(&pieces[i].outline);
+        facet->slack_px = fmax(facet->slack_px, pieces[i].outline.slack_px);
+        if (magnification < HUGE_VAL)
+            error = fmax(error, magnification * bound_linear(&pieces[i].outline, pieces[i].z));
+        else
+            facet->loose = true;
+    }
+    facet->depth_error = error < 0 ? HUGE_VAL : error + e_corner + depth_unit;
+}
+
+/* ---- a triangle's facets ---- */
+
+static bool crosses_depth(const struct surface *surface, const int32_t vertex[3])
+{
+    for (int i = 0; i < 3; i++) {
+        const struct lit_vertex *v = &surface->vertices[vertex[i]];
+        double slack = (double)v->slack_depth + depth_unit;
+        if (v->z < slack || v->z > 1 - slack)
+            return true;
+    }
+    return false;
+}
+
+static bool crosses_border(const struct surface *surface, const int32_t vertex[3],
+                           const struct tile *tile)
+{
+    for (int i = 0; i < 3; i++) {
+        const struct lit_vertex *v = &surface->vertices[vertex[i]];
+        double slack = (double)v->slack_px;
+        if (v->x - slack < tile->x || v->x + slack > tile->x + tile->width ||
+            v->y - slack < tile->y || v->y + slack > tile->y + tile->height)
+            return true;
+    }
+    return false;
+}
+
+/* What the near and far planes leave, fanned from its first corner. */
+static int depth_pieces(const struct plan *plan, const struct surface *surfaces,
+                        const struct tile *tile, const struct facet *triangle,
+                        struct facet out[FACETS_PER_TRIANGLE])
+{
+    const struct surface *surface = &surfaces[triangle->surface];
+    double clip_error = clip_error_of(surface, triangle->vertex);
+    struct corner whole[3], left[CLIP_CORNERS];
+    struct clip_plane planes[CLIP_PLANES];
+    /* w at the near plane; a wider margin would let w = 0 in */
+    double near_w = plan->scene->camera.perspective ? plan->scene->camera.near : 1;
+    whole_corners(surface, triangle->vertex, whole);
+    planes_of(plan, tile, fmin(2 * clip_error, 0.25 * near_w), planes);
+    int n = clip_triangle(whole, planes + 4, 2, left), n_out = 0;
+    double slack = 0;
+    for (int i = 0; i < n; i++)
+        slack = fmax(slack, cut_slack(plan, &left[i], clip_error));
+    for (int i = 2; i < n; i++) {
+        struct facet *piece = &out[n_out++];
+        *piece = *triangle;
+        piece->whole = false;
+        piece->straddles = true;
+        piece->slack_px = slack;
+        set_corner(plan, surface, &left[0], 0, piece);
+        set_corner(plan, surface, &left[i - 1], 1, piece);
+        set_corner(plan, surface, &left[i], 2, piece);
+        piece->slack_w = 4 * clip_error / near_w;
+        finish_facet(plan, surfaces, tile, piece);
+    }
+    return n_out;
+}
+
+int facets_of(const struct plan *plan, const struct surface *surfaces, int surface, int triangle,
+              const struct tile *tile, const struct tile *rows,
+              struct facet out[FACETS_PER_TRIANGLE])
+{
+    const struct surface *of = &surfaces[surface];
+    const int32_t *vertex = of->mesh->triangles[triangle];
+    bool front = in_front(of, vertex);
+    if (front && beside(of, vertex, rows))
+        return 0;
+    struct facet *facet = &out[0];
+    *facet = (struct facet){.surface = surface, .whole = true};
+    memcpy(facet->vertex, vertex, sizeof facet->vertex);
+    if (!front || crosses_depth(of, vertex)) {
+        struct facet whole = *facet;
+        return depth_pieces(plan, surfaces, tile, &whole, out);
+    }
+    struct corner corners[3];
+    whole_corners(of, vertex, corners);
+    for (int i = 0; i < 3; i++)
+        set_corner(plan, of, &corners[i], i, facet);
+    facet->straddles = crosses_border(of, vertex, tile);
+    finish_facet(plan, surfaces, tile, facet);
+    return 1;
+}

@@ -1,0 +1,387 @@
+/* SPDX-License-Identifier: MIT */
+/* The reference's vertices: where they stand, how much of each term they reflect, and how far
+ * OpenGL's single precision may be off from both.
+ *
+ * Weights follow the OpenGL 2.1 specification, section 2.14.1, in double. Bounds count the roundings
+ * of a single-precision pipeline in any order of operations, with or without fused multiply-add;
+ * u = 2^-24 is the unit roundoff of single precision. "e_" is a bound on an absolute error. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "spectral.h"
+
+static const double u = 1.0 / 16777216;
+
+/* A homogeneous coordinate goes through: one rounding of the vertex, of the modelview and of the
+ * projection entry (3), the product of the two matrices and the product with the vertex, each four
+ * multiplications and three additions (4 + 4); one more for second-order terms. */
+enum { TRANSFORM_ROUNDINGS = 12 };
+/* Eye space: vertex, modelview, product (1 + 1 + 4), one for second-order terms. */
+enum { EYE_ROUNDINGS = 7 };
+
+/* ---- position ---- */
+
+/* sum_j |m_ij| |v_j|, what the rounding errors of row i are relative to. */
+static void magnitudes(const struct matrix *m, const double v[4], double out[4])
+{
+    for (int i = 0; i < 4; i++) {
+        out[i] = 0;
+        for (int j = 0; j < 4; j++)
+            out[i] += fabs(m->row[i][j]) * fabs(v[j]);
+    }
+}
+
+static void transform(const struct matrix *m, const double v[4], double out[4])
+{
+    for (int i = 0; i < 4; i++)
+        out[i] = m->row[i][0] * v[0] + m->row[i][1] * v[1] + m->row[i][2] * v[2] +
+                 m->row[i][3] * v[3];
+}
+
+/* Window coordinates and their bounds. OpenGL draws a picture in tiles, each with a projection that
+ * scales and shifts clip space; in pixels of the picture the shift adds at most half the picture
+ * times the error of w, whichever the tile. Division, scale and offset of the viewport: 4 roundings
+ * of a coordinate as large as the picture. */
+static void place_vertex(const struct plan *plan, const double magnitude[4],
+                         struct lit_vertex *out)
+{
+    double w = out->clip[3], half_width = 0.5 * plan->scene->width,
+           half_height = 0.5 * plan->scene->height;
+    double largest = fmax(fmax(magnitude[0], magnitude[1]), fmax(magnitude[2], magnitude[3]));
+    out->clip_error = (float)(TRANSFORM_ROUNDINGS * u * largest);
+    if (!(w > 0))
+        return;
+    double nx = out->clip[0] / w, ny = out->clip[1] / w, nz = out->clip[2] / w;
+    out->x = (nx + 1) * half_width;
+    out->y = (1 - ny) * half_height;
+    out->z = (nz + 1) * 0.5;
+    out->inverse_w = 1 / w;
+    double unit = TRANSFORM_ROUNDINGS * u / w;
+    double e_w = unit * magnitude[3];
+    double e_x = half_width * (unit * magnitude[0] + (fabs(nx) + 1) * e_w + 8 * u);
+    double e_y = half_height * (unit * magnitude[1] + (fabs(ny) + 1) * e_w + 8 * u);
+    out->slack_px = (float)fmax(e_x, e_y);
+    out->slack_depth = (float)(0.5 * (unit * magnitude[2] + fabs(nz) * e_w) + 4 * u);
+    out->slack_w = plan->scene->camera.perspective ? (float)(e_w + 2 * u) : 0;
+}
+
+/* ---- directions ---- */
+
+/* A unit vector, and a bound on how far OpenGL's is turned from it, in radians. */
+struct direction {
+    struct vector unit;
+    double e_turn;
+};
+
+/* The condition number of the upper 3x3 in the 2-norm, from Frobenius norms: with singular values
+ * s1 >= s2 >= s3, |M|_F |M^-1|_F >= s1/s3 + s3/s1 + 1. Exactly 1 for rotation times scale. */
+static double condition(const struct matrix *m, const struct matrix *normal_matrix)
+{
+    double forward = 0, inverse = 0, trace = 0;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            forward += m->row[i][j] * m->row[i][j];
+            inverse += normal_matrix->row[i][j] * normal_matrix->row[i][j];
+            trace += m->row[i][j] * normal_matrix->row[i][j];
+        }
+    /* normal_matrix is a multiple of the inverse transpose: sum m_ij n_ij = 3 times that multiple */
+    double product = sqrt(forward) * sqrt(inverse) / fabs(trace / 3);
+    double c = fmax(product - 1, 2);
+    return (c + sqrt(c * c - 4)) / 2;
+}
+
+/* How far the upper 3x3 is from a rotation. Mesa takes a modelview within 1e-6 of rigid for rigid
+ * (m_matrix.c) and then uses its transpose as its inverse, so such a distance is an error. */
+static double distance_from_rigid(const struct matrix *m)
+{
+    double distance = 0;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            double dot = 0;
+            for (int k = 0; k < 3; k++)
+                dot += m->row[k][i] * m->row[k][j];
+            distance = fmax(distance, fabs(dot - (i == j)));
+        }
+    return distance < 4e-6 ? distance : 0;
+}
+
+/* What the vertices of one body have in common. */
+struct body_bounds {
+    double e_normal; /* turn of a normal */
+    double e_rigid;
+};
+
+static struct body_bounds body_bounds(const struct body *body)
+{
+    struct body_bounds bounds;
+    bounds.e_rigid = distance_from_rigid(&body->model_view);
+    /* inverse by cofactors: 8 roundings, magnified by the condition; input, product, length: 6 */
+    bounds.e_normal =
+        (6 + 8 * condition(&body->model_view, &body->normal_matrix)) * u + bounds.e_rigid;
+    return bounds;
+}
+
+/* From the vertex towards the light. e_eye bounds the error of the vertex's eye coordinates. */
+static struct direction towards_light(const struct plan_light *light, struct vector eye,
+                                      double e_eye, double e_rigid)
+{
+    if (light->light->directional)
+        return (struct direction){light->eye_position, 8 * u + e_rigid};
+    struct vector path = vector_subtract(light->eye_position, eye);
+    double length = vector_length(path);
+    double e_path = e_eye + 2 * u * vector_length(light->eye_position);
+    if (!(length > e_path)) /* the light is at the vertex: any direction may come out */
+        return (struct direction){vector_normalise(path), 2};
+    return (struct direction){vector_normalise(path), 6 * u + e_path / length};
+}
+
+static struct direction towards_viewer(const struct plan *plan, struct vector eye, double e_eye)
+{
+    if (!plan->scene->local_viewer)
+        return (struct direction){{0, 0, 1}, 0};
+    double length = vector_length(eye);
+    struct vector back = vector_normalise(vector_scale(eye, -1));
+    return (struct direction){back, length > e_eye ? 6 * u + e_eye / length : 2};
+}
+
+static struct direction half_way(struct direction a, struct direction b)
+{
+    struct vector sum = vector_add(a.unit, b.unit);
+    double length = vector_length(sum);
+    double e_sum = a.e_turn + b.e_turn + 10 * u;
+    return (struct direction){vector_normalise(sum), length > e_sum ? e_sum / length + 6 * u : 2};
+}
+
+/* The cosine between two directions and its bound: lengths are right to 4 roundings each, the dot
+ * product adds 4, and a turn changes the cosine by the sine at most, to first order. */
+struct cosine {
+    double value, error;
+};
+
+static struct cosine cosine_between(struct direction a, struct direction b)
+{
+    double value = vector_dot(a.unit, b.unit);
+    double sine = sqrt(fmax(0, 1 - value * value));
+    double turn = fmin(a.e_turn + b.e_turn, 2);
+    return (struct cosine){value, 12 * u + sine * turn + 0.5 * turn * turn};
+}
+
+/* ---- weights ---- */
+
+struct weight {
+    double value, error;
+};
+
+static struct weight diffuse_weight(struct cosine n_l)
+{
+    double value = fmax(0, n_l.value);
+    return (struct weight){value, n_l.value + n_l.error > 0 ? n_l.error : 0};
+}
+
+/* Relative error of Mesa's pow: exp2(g log2 x), log2 to 2.2e-7 plus a rounding of its value, the
+ * product rounded, exp2 to 2.7e-7 (polynomials of lp_bld_arit.c, measured over their range). */
+static double pow_error(double base, double exponent)
+{
+    double octaves = base > 0 ? fabs(log2(base)) : 0;
+    return 0.6931471805599453 * exponent * (2.2e-7 + 2 * u * octaves) + 3e-7;
+}
+
+/* [N.L > 0] max(0, N.H)^gloss. Where the sign of N.L is open, both outcomes are. */
+static struct weight specular_weight(struct cosine n_l, struct cosine n_h, double gloss)
+{
+    static const double least = 2e-38; /* results below are flushed to 0 by Mesa */
+    if (n_l.value + n_l.error <= 0)
+        return (struct weight){0, 0};
+    double base = fmax(0, n_h.value);
+    double high = fmax(0, n_h.value + n_h.error), low = fmax(0, n_h.value - n_h.error);
+    double at_high = pow(high, gloss) * (1 + pow_error(high, gloss));
+    double at_low = n_l.value > n_l.error ? pow(low, gloss) * (1 - pow_error(low, gloss)) : 0;
+    double value = n_l.value > 0 ? pow(base, gloss) : 0;
+    return (struct weight){value, fmax(at_high - value, value - at_low) + least};
+}
+
+/* Weights of all terms at one vertex; returns how many highlights were computed. */
+static int light_vertex(const struct plan *plan, const struct surface *surface,
+                        struct direction normal, struct vector eye, double e_eye, double e_rigid,
+                        double *weights, float *errors)
+{
+    const struct finish *finish = surface->finish;
+    int highlights = 0;
+    for (int i = 0; i < finish->n_terms; i++) {
+        struct direction light =
+            towards_light(&plan->lights[finish->terms[i].light], eye, e_eye, e_rigid);
+        struct cosine n_l = cosine_between(normal, light);
+        struct weight weight;
+        if (finish->terms[i].kind == TERM_SPECULAR) {
+            struct direction half = half_way(light, towards_viewer(plan, eye, e_eye));
+            struct cosine n_h = cosine_between(normal, half);
+            weight = specular_weight(n_l, n_h, finish->material->gloss);
+            highlights++;
+        } else {
+            weight = diffuse_weight(n_l);
+        }
+        weights[i] = weight.value;
+        errors[i] = (float)weight.error;
+    }
+    return highlights;
+}
+
+/* ---- surfaces ---- */
+
+static int process_vertex(const struct plan *plan, struct surface *surface,
+                          const struct body_bounds *bounds, int index)
+{
+    const struct body *body = surface->body;
+    const struct vertex *vertex = &surface->mesh->vertices[index];
+    struct lit_vertex *out = &surface->vertices[index];
+    double object[4] = {vertex->position.x, vertex->position.y, vertex->position.z, 1};
+    double eye[4], eye_magnitude[4], clip_magnitude[4];
+    transform(&body->model_view, object, eye);
+    magnitudes(&body->model_view, object, eye_magnitude);
+    transform(&plan->projection, eye, out->clip);
+    magnitudes(&plan->projection, eye_magnitude, clip_magnitude);
+    place_vertex(plan, clip_magnitude, out);
+
+    size_t first = (size_t)index * (size_t)surface->finish->n_terms;
+    double e_eye =
+        EYE_ROUNDINGS * u * (eye_magnitude[0] + eye_magnitude[1] + eye_magnitude[2]);
+    struct direction normal = {
+        vector_normalise(matrix_direction(&body->normal_matrix, vertex->normal)),
+        bounds->e_normal};
+    return light_vertex(plan, surface, normal, (struct vector){eye[0], eye[1], eye[2]}, e_eye,
+                        bounds->e_rigid, surface->weights + first, surface->errors + first);
+}
+
+static bool surface_alloc(const struct plan *plan, const struct body *body, struct surface *out)
+{
+    out->body = body;
+    out->mesh = &plan->meshes[body->mesh];
+    out->finish = &plan->finishes[body->finish];
+    size_t n_vertices = (size_t)out->mesh->n_vertices,
+           n_weights = n_vertices * (size_t)out->finish->n_terms + 1;
+    out->vertices = calloc(n_vertices, sizeof *out->vertices);
+    out->weights = calloc(n_weights, sizeof *out->weights);
+    out->errors = calloc(n_weights, sizeof *out->errors);
+    return out->vertices && out->weights && out->errors;
+}
+
+static bool vertex_is_finite(const struct surface *surface, int index)
+{
+    const struct lit_vertex *vertex = &surface->vertices[index];
+    double sum = vertex->x + vertex->y + vertex->z + (double)vertex->slack_px;
+    for (int i = 0; i < 4; i++)
+        sum += vertex->clip[i];
+    for (int i = 0; i < surface->finish->n_terms; i++)
+        sum += surface->weights[(size_t)index * (size_t)surface->finish->n_terms + (size_t)i];
+    return isfinite(sum);
+}
+
+/* Window bounds of the whole surface, or everything where a vertex is beside or behind the eye. */
+static void surface_bounds(struct surface *surface)
+{
+    surface->left = surface->top = HUGE_VAL;
+    surface->right = surface->bottom = -HUGE_VAL;
+    for (int i = 0; i < surface->mesh->n_vertices; i++) {
+        const struct lit_vertex *vertex = &surface->vertices[i];
+        bool in_front = vertex->clip[3] > 0;
+        double slack = 1 + (double)vertex->slack_px; /* a pixel more costs nothing */
+        surface->left = fmin(surface->left, in_front ? vertex->x - slack : -HUGE_VAL);
+        surface->top = fmin(surface->top, in_front ? vertex->y - slack : -HUGE_VAL);
+        surface->right = fmax(surface->right, in_front ? vertex->x + slack : HUGE_VAL);
+        surface->bottom = fmax(surface->bottom, in_front ? vertex->y + slack : HUGE_VAL);
+    }
+}
+
+bool surface_reaches(const struct surface *surface, const struct tile *tile)
+{
+    return surface->right >= tile->x && surface->left <= tile->x + tile->width &&
+           surface->bottom >= tile->y && surface->top <= tile->y + tile->height;
+}
+
+static bool surface_light(const struct plan *plan, const struct body *body, struct surface *out,
+                          struct light_work *work, struct error *err)
+{
+    if (!surface_alloc(plan, body, out))
+        return error_memory(err);
+    struct body_bounds bounds = body_bounds(body);
+    long highlights = 0;
+    int n_vertices = out->mesh->n_vertices;
+#pragma omp parallel for reduction(+ : highlights) num_threads(plan->options.threads)
+    for (int i = 0; i < n_vertices; i++)
+        highlights += process_vertex(plan, out, &bounds, i);
+    for (int i = 0; i < n_vertices; i++)
+        if (!vertex_is_finite(out, i))
+            return error_at(err, body->object->place,
+                            "vertex %d of this object is not finite in the window; "
+                            "coordinates and scales are too large", i + 1);
+    surface_bounds(out);
+    work->vertices_lit += n_vertices;
+    work->specular_vertices += highlights;
+    return true;
+}
+
+bool surfaces_light(const struct plan *plan, struct surface **out, struct light_work *work,
+                    struct error *err)
+{
+    *work = (struct light_work){0, 0};
+    *out = calloc((size_t)plan->n_bodies + 1, sizeof **out);
+    if (!*out)
+        return error_memory(err);
+    for (int i = 0; i < plan->n_bodies; i++)
+        if (!surface_light(plan, &plan->bodies[i], &(*out)[i], work, err))
+            return false;
+    return true;
+}
+
+/* The largest radiance of one surface's vertices in one band, and which vertex has it. */
+static double largest_radiance(const struct plan *plan, const struct surface *surface, int band,
+                               int *vertex)
+{
+    const struct finish *finish = surface->finish;
+    size_t n_terms = (size_t)finish->n_terms, n_bands = (size_t)plan->n_bands;
+    double largest = -1;
+    for (int i = 0; i < surface->mesh->n_vertices; i++) {
+        const double *weights = surface->weights + (size_t)i * n_terms;
+        double radiance = finish->constant[band];
+        for (size_t t = 0; t < n_terms; t++)
+            radiance += weights[t] * finish->spectra[t * n_bands + (size_t)band];
+        if (!(radiance <= largest)) { /* NaN counts as larger, so that it is found */
+            largest = radiance;
+            *vertex = i;
+        }
+        if (!isfinite(largest))
+            break;
+    }
+    return largest;
+}
+
+bool surfaces_full_scale(const struct plan *plan, const struct surface *surfaces, double *out,
+                         struct error *err)
+{
+    double largest = 0;
+    for (int s = 0; s < plan->n_bodies; s++)
+        for (int band = 0; band < plan->n_bands; band++) {
+            int vertex = 0;
+            double radiance = largest_radiance(plan, &surfaces[s], band, &vertex);
+            if (!isfinite(radiance))
+                return error_at(err, surfaces[s].body->object->place,
+                                "the radiance of vertex %d at %.10g nm is not finite; lights and "
+                                "factors are too large", vertex + 1,
+                                plan->scene->wavelengths_nm[band]);
+            largest = fmax(largest, radiance);
+        }
+    *out = largest > 0 ? largest : 1;
+    return true;
+}
+
+void surfaces_free(const struct plan *plan, struct surface *surfaces)
+{
+    if (!surfaces)
+        return;
+    for (int i = 0; i < plan->n_bodies; i++) {
+        free(surfaces[i].vertices);
+        free(surfaces[i].weights);
+        free(surfaces[i].errors);
+    }
+    free(surfaces);
+}

@@ -1,0 +1,306 @@
+/* SPDX-License-Identifier: MIT */
+/* The same picture through OSMesa: OpenGL 1.x lighting into a float buffer. Three wavelengths ride in
+ * the red, green and blue of a pass; each channel is lit by itself, so that a pass is three exact
+ * single-wavelength renderings. The only file that knows OpenGL.
+ *
+ * Products of light and material spectra are made in double and given to OpenGL as the colours of the
+ * lights, with white materials: what fluoresces, too, is then one pass however many lights shine.
+ * Geometry is uploaded once; a pass changes colours only. */
+#include <stdio.h>
+#include <stdlib.h>
+
+#define GL_GLEXT_PROTOTYPES
+#include <GL/osmesa.h>
+/* after GL/gl.h, which osmesa.h includes */
+#include <GL/glext.h>
+
+#include "spectral.h"
+
+struct gl {
+    const struct plan *plan;
+    const struct surface *surfaces;
+    OSMesaContext context;
+    float *pixels; /* tile_height rows of tile_width pixels of 4 floats, from the top */
+    GLuint *buffers; /* vertices and indices of each mesh */
+    struct tile tile;
+    struct gl_work work;
+};
+
+/* A vertex as OpenGL reads it. */
+struct gl_vertex {
+    GLfloat position[3], normal[3];
+};
+
+static const GLfloat white[4] = {1, 1, 1, 1}, black[4] = {0, 0, 0, 1};
+
+/* ---- opening ---- */
+
+static bool open_context(struct gl *gl, struct error *err)
+{
+    static const int attributes[] = {OSMESA_FORMAT,           OSMESA_RGBA,
+                                     OSMESA_DEPTH_BITS,       24,
+                                     OSMESA_STENCIL_BITS,     0,
+                                     OSMESA_ACCUM_BITS,       0,
+                                     OSMESA_PROFILE,          OSMESA_COMPAT_PROFILE,
+                                     0};
+    const struct plan *plan = gl->plan;
+    size_t n_pixels = (size_t)plan->tile_width * (size_t)plan->tile_height;
+    gl->pixels = calloc(n_pixels, 4 * sizeof *gl->pixels);
+    if (!gl->pixels)
+        return error_memory(err);
+    gl->context = OSMesaCreateContextAttribs(attributes, NULL);
+    if (!gl->context ||
+        !OSMesaMakeCurrent(gl->context, gl->pixels, GL_FLOAT, plan->tile_width, plan->tile_height))
+        return error_system(err, "OSMesa gives no float context of %d x %d pixels",
+                            plan->tile_width, plan->tile_height);
+    OSMesaPixelStore(OSMESA_Y_UP, 0); /* first row on top, as in the picture */
+    GLint red_bits = 0, depth_bits = 0, viewport[2] = {0, 0};
+    glGetIntegerv(GL_RED_BITS, &red_bits);
+    glGetIntegerv(GL_DEPTH_BITS, &depth_bits);
+    glGetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
+    if (red_bits < 32 || depth_bits < 24)
+        return error_system(err, "OSMesa gives %d bits of colour and %d of depth; 32 and 24 are needed",
+                            red_bits, depth_bits);
+    if (viewport[0] < plan->tile_width || viewport[1] < plan->tile_height)
+        return error_system(err, "OSMesa draws at most %d x %d pixels at once", viewport[0],
+                            viewport[1]);
+    return true;
+}
+
+static bool upload_mesh(const struct mesh *mesh, GLuint vertices, GLuint indices, struct error *err)
+{
+    struct gl_vertex *copy = malloc((size_t)mesh->n_vertices * sizeof *copy);
+    if (!copy)
+        return error_memory(err);
+    for (int i = 0; i < mesh->n_vertices; i++) {
+        struct vector p = mesh->vertices[i].position, n = mesh->vertices[i].normal;
+        copy[i] = (struct gl_vertex){{(GLfloat)p.x, (GLfloat)p.y, (GLfloat)p.z},
+                                     {(GLfloat)n.x, (GLfloat)n.y, (GLfloat)n.z}};
+    }
+    glBindBuffer(GL_ARRAY_BUFFER, vertices);
+    glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)((size_t)mesh->n_vertices * sizeof *copy), copy,
+                 GL_STATIC_DRAW);
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices);
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER,
+                 (GLsizeiptr)((size_t)mesh->n_triangles * sizeof *mesh->triangles),
+                 mesh->triangles, GL_STATIC_DRAW);
+    free(copy);
+    return true;
+}
+
+static bool upload_meshes(struct gl *gl, struct error *err)
+{
+    int n_meshes = gl->plan->n_meshes;
+    gl->buffers = calloc(2 * (size_t)n_meshes + 1, sizeof *gl->buffers);
+    if (!gl->buffers)
+        return error_memory(err);
+    glGenBuffers(2 * n_meshes, gl->buffers);
+    for (int i = 0; i < n_meshes; i++)
+        if (!upload_mesh(&gl->plan->meshes[i], gl->buffers[2 * i], gl->buffers[2 * i + 1], err))
+            return false;
+    glEnableClientState(GL_VERTEX_ARRAY);
+    glEnableClientState(GL_NORMAL_ARRAY);
+    return true;
+}
+
+/* State that no pass changes. Clamps are off: colours may exceed 1 on their way through a triangle
+ * (Mesa clamps vertex colours by default, even for float buffers). */
+static void set_state(const struct gl *gl)
+{
+    glClampColorARB(GL_CLAMP_VERTEX_COLOR_ARB, GL_FALSE);
+    glClampColorARB(GL_CLAMP_FRAGMENT_COLOR_ARB, GL_FALSE);
+    glClampColorARB(GL_CLAMP_READ_COLOR_ARB, GL_FALSE);
+    glDisable(GL_DITHER);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LESS);
+    glShadeModel(GL_SMOOTH);
+    glEnable(GL_NORMALIZE);
+    glEnable(GL_LIGHTING);
+    glLightModelfv(GL_LIGHT_MODEL_AMBIENT, white);
+    glLightModeli(GL_LIGHT_MODEL_LOCAL_VIEWER, gl->plan->scene->local_viewer);
+    glMaterialfv(GL_FRONT_AND_BACK, GL_DIFFUSE, white);
+    glMaterialfv(GL_FRONT_AND_BACK, GL_EMISSION, black);
+    glClearColor(0, 0, 0, 0);
+    glMatrixMode(GL_MODELVIEW);
+    glLoadIdentity();
+    for (int i = 0; i < gl->plan->n_lights; i++) {
+        const struct plan_light *light = &gl->plan->lights[i];
+        GLfloat position[4] = {(GLfloat)light->eye_position.x, (GLfloat)light->eye_position.y,
+                               (GLfloat)light->eye_position.z,
+                               light->light->directional ? 0.0F : 1.0F};
+        GLenum name = GL_LIGHT0 + (GLenum)i;
+        glEnable(name);
+        glLightfv(name, GL_AMBIENT, black);
+        glLightfv(name, GL_POSITION, position);
+    }
+}
+
+static bool no_gl_error(struct error *err)
+{
+    GLenum code = glGetError();
+    return code == GL_NO_ERROR || error_system(err, "OpenGL reports error 0x%04x", code);
+}
+
+bool gl_open(const struct plan *plan, const struct surface *surfaces, struct gl **out,
+             struct error *err)
+{
+    struct gl *gl = calloc(1, sizeof *gl);
+    *out = gl;
+    if (!gl)
+        return error_memory(err);
+    gl->plan = plan;
+    gl->surfaces = surfaces;
+    if (!open_context(gl, err) || !upload_meshes(gl, err))
+        return false;
+    set_state(gl);
+    return no_gl_error(err);
+}
+
+const char *gl_renderer(const struct gl *gl)
+{
+    (void)gl; /* the current context is this one's */
+    return (const char *)glGetString(GL_RENDERER);
+}
+
+const char *gl_version(const struct gl *gl)
+{
+    (void)gl;
+    return (const char *)glGetString(GL_VERSION);
+}
+
+void gl_library(char *out, size_t capacity)
+{
+    GLfloat pixel[4];
+    OSMesaContext context = OSMesaCreateContext(OSMESA_RGBA, NULL);
+    if (context && OSMesaMakeCurrent(context, pixel, GL_FLOAT, 1, 1))
+        snprintf(out, capacity, "OSMesa %s (%s)", (const char *)glGetString(GL_VERSION),
+                 (const char *)glGetString(GL_RENDERER));
+    else
+        snprintf(out, capacity, "OSMesa gives no context");
+    if (context)
+        OSMesaDestroyContext(context);
+}
+
+/* ---- drawing ---- */
+
+/* OpenGL keeps matrices by column. */
+static void load_matrix(const struct matrix *m)
+{
+    GLdouble columns[16];
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++)
+            columns[4 * j + i] = m->row[i][j];
+    glLoadMatrixd(columns);
+}
+
+/* Row of a projection that maps [low, high] of the picture's clip space to [-1, 1]. */
+static void aim_row(struct matrix *m, int row, double low, double high)
+{
+    for (int j = 0; j < 4; j++)
+        m->row[row][j] =
+            (2 * m->row[row][j] - (low + high) * m->row[3][j]) / (high - low);
+}
+
+void gl_aim(struct gl *gl, const struct tile *tile)
+{
+    double width = gl->plan->scene->width, height = gl->plan->scene->height;
+    struct matrix projection = gl->plan->projection;
+    aim_row(&projection, 0, 2 * tile->x / width - 1, 2 * (tile->x + tile->width) / width - 1);
+    aim_row(&projection, 1, 1 - 2 * (tile->y + tile->height) / height, 1 - 2 * tile->y / height);
+    glMatrixMode(GL_PROJECTION);
+    load_matrix(&projection);
+    glMatrixMode(GL_MODELVIEW);
+    /* a smaller tile lies in the first rows of the buffer */
+    glViewport(0, gl->plan->tile_height - tile->height, tile->width, tile->height);
+    gl->tile = *tile;
+}
+
+/* Colour of a term (or of the constant part, row NULL is black) in the three bands of a pass. */
+static void band_colour(const struct plan *plan, const double *row, int first_band,
+                        double full_scale, GLfloat out[4])
+{
+    for (int c = 0; c < BANDS_PER_PASS; c++)
+        out[c] = row && first_band + c < plan->n_bands ? (GLfloat)(row[first_band + c] / full_scale)
+                                                       : 0.0F;
+    out[3] = 1;
+}
+
+static const double *term_row(const struct plan *plan, const struct finish *finish,
+                              enum term_kind kind, int light)
+{
+    for (int t = 0; t < finish->n_terms; t++)
+        if (finish->terms[t].kind == kind && finish->terms[t].light == light)
+            return finish->spectra + (size_t)t * (size_t)plan->n_bands;
+    return NULL;
+}
+
+static void set_finish(const struct gl *gl, const struct finish *finish, int first_band,
+                       double full_scale)
+{
+    GLfloat colour[4];
+    bool shiny = false;
+    for (int i = 0; i < gl->plan->n_lights; i++) {
+        GLenum name = GL_LIGHT0 + (GLenum)i;
+        const double *specular = term_row(gl->plan, finish, TERM_SPECULAR, i);
+        band_colour(gl->plan, term_row(gl->plan, finish, TERM_DIFFUSE, i), first_band, full_scale,
+                    colour);
+        glLightfv(name, GL_DIFFUSE, colour);
+        band_colour(gl->plan, specular, first_band, full_scale, colour);
+        glLightfv(name, GL_SPECULAR, colour);
+        shiny = shiny || specular;
+    }
+    band_colour(gl->plan, finish->constant, first_band, full_scale, colour);
+    glMaterialfv(GL_FRONT_AND_BACK, GL_AMBIENT, colour);
+    glMaterialfv(GL_FRONT_AND_BACK, GL_SPECULAR, shiny ? white : black);
+    glMaterialf(GL_FRONT_AND_BACK, GL_SHININESS, shiny ? (GLfloat)finish->material->gloss : 0.0F);
+}
+
+static void draw_body(const struct gl *gl, const struct body *body)
+{
+    const struct gl_vertex *first = NULL; /* offsets into the bound buffer */
+    glBindBuffer(GL_ARRAY_BUFFER, gl->buffers[2 * body->mesh]);
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, gl->buffers[2 * body->mesh + 1]);
+    glVertexPointer(3, GL_FLOAT, sizeof *first, (const void *)offsetof(struct gl_vertex, position));
+    glNormalPointer(GL_FLOAT, sizeof *first, (const void *)offsetof(struct gl_vertex, normal));
+    load_matrix(&body->model_view);
+    glDrawElements(GL_TRIANGLES, 3 * gl->plan->meshes[body->mesh].n_triangles, GL_UNSIGNED_INT,
+                   NULL);
+}
+
+bool gl_draw(struct gl *gl, int first_band, double full_scale, const float **pixels,
+             struct error *err)
+{
+    const struct plan *plan = gl->plan;
+    int finish = -1;
+    glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+    for (int i = 0; i < plan->n_bodies; i++) {
+        const struct body *body = &plan->bodies[i];
+        if (!surface_reaches(&gl->surfaces[i], &gl->tile))
+            continue;
+        if (body->finish != finish)
+            set_finish(gl, &plan->finishes[body->finish], first_band, full_scale);
+        finish = body->finish;
+        draw_body(gl, body);
+        gl->work.draw_calls++;
+    }
+    glFinish(); /* only now does OSMesa fill the buffer */
+    gl->work.passes++;
+    *pixels = gl->pixels;
+    return no_gl_error(err);
+}
+
+struct gl_work gl_work(const struct gl *gl)
+{
+    return gl->work;
+}
+
+void gl_close(struct gl *gl)
+{
+    if (!gl)
+        return;
+    if (gl->context)
+        OSMesaDestroyContext(gl->context);
+    free(gl->buffers);
+    free(gl->pixels);
+    free(gl);
+}

@@ -1,0 +1,295 @@
+/* SPDX-License-Identifier: MIT */
+/* The loop over tiles and passes: pixels, verdict, stack. A tile is rasterized once by the reference;
+ * then its wavelengths go by, three in a pass, each judged and written before the next are drawn. */
+#include <errno.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "spectral.h"
+
+struct render_state {
+    const struct plan *plan;
+    struct surface *surfaces;
+    struct gl *gl;
+    struct stack_writer writer;
+    bool writing;
+    unsigned char *samples[BANDS_PER_PASS]; /* a tile of one band each */
+    struct chunk *chunks;                   /* of the current tile */
+    struct check *checks;
+    int n_chunks;
+    long steps, all_steps;
+    const struct render_progress *progress;
+    struct render_result *result;
+};
+
+static double now(void)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+}
+
+/* Adds the seconds since *since to a part, and starts the next one. */
+static void clock_in(double *part, double *since)
+{
+    double time = now();
+    *part += time - *since;
+    *since = time;
+}
+
+/* ---- a tile by the reference ---- */
+
+static bool rasterize_tile(struct render_state *state, const struct tile *tile, struct error *err)
+{
+    const struct plan *plan = state->plan;
+    bool check = plan->options.check, failed = false;
+    state->n_chunks = (tile->height + CHUNK_ROWS - 1) / CHUNK_ROWS;
+    state->chunks = calloc((size_t)state->n_chunks, sizeof *state->chunks);
+    state->checks = calloc((size_t)state->n_chunks, sizeof *state->checks);
+    if (!state->chunks || !state->checks)
+        return error_memory(err);
+#pragma omp parallel for schedule(dynamic) num_threads(plan->options.threads)
+    for (int i = 0; i < state->n_chunks; i++) {
+        struct error own = {.status = EXIT_AGREED};
+        if (chunk_rasterize(plan, state->surfaces, tile, i * CHUNK_ROWS, &state->chunks[i], &own) &&
+            (!check || check_open(plan, state->surfaces, &state->chunks[i],
+                                  state->result->full_scale, &state->checks[i], &own)))
+            continue;
+#pragma omp critical
+        {
+            *err = own;
+            failed = true;
+        }
+    }
+    return !failed;
+}
+
+static void free_tile(struct render_state *state)
+{
+    for (int i = 0; i < state->n_chunks; i++) {
+        if (state->checks && state->checks[i].chunk)
+            check_close(&state->checks[i], &state->result->check);
+        if (state->chunks)
+            chunk_free(&state->chunks[i]);
+    }
+    free(state->chunks);
+    free(state->checks);
+    state->chunks = NULL;
+    state->checks = NULL;
+    state->n_chunks = 0;
+}
+
+/* ---- a pass ---- */
+
+static size_t sample_size(const struct plan *plan)
+{
+    return plan->options.floating ? sizeof(float) : sizeof(uint16_t);
+}
+
+static int bands_of_pass(const struct plan *plan, int pass)
+{
+    int left = plan->n_bands - pass * BANDS_PER_PASS;
+    return left < BANDS_PER_PASS ? left : BANDS_PER_PASS;
+}
+
+static void check_tile(struct render_state *state, const struct tile *tile, int pass,
+                       const float *pixels)
+{
+    size_t stride = (size_t)state->plan->tile_width;
+#pragma omp parallel for schedule(dynamic) num_threads(state->plan->options.threads)
+    for (int i = 0; i < state->n_chunks; i++) {
+        size_t row = (size_t)(state->chunks[i].rows.y - tile->y);
+        check_pass(&state->checks[i], pass * BANDS_PER_PASS, pixels + row * stride * 4, stride);
+    }
+}
+
+/* Rows of a tile handled together, whether or not the reference has chunks for them. */
+static struct tile slice(const struct tile *tile, int index)
+{
+    struct tile rows = *tile;
+    rows.y += index * CHUNK_ROWS;
+    rows.height = tile->height - index * CHUNK_ROWS;
+    if (rows.height > CHUNK_ROWS)
+        rows.height = CHUNK_ROWS;
+    return rows;
+}
+
+static void count_tile(struct render_state *state, const struct tile *tile, int pass,
+                       const float *pixels)
+{
+    const struct plan *plan = state->plan;
+    size_t stride = (size_t)plan->tile_width;
+    int n_slices = (tile->height + CHUNK_ROWS - 1) / CHUNK_ROWS, n = bands_of_pass(plan, pass);
+    double full_scale = state->result->full_scale;
+    uint64_t clipped = 0;
+#pragma omp parallel for schedule(dynamic) reduction(+ : clipped) num_threads(plan->options.threads)
+    for (int i = 0; i < n_slices; i++) {
+        struct tile rows = slice(tile, i);
+        size_t first = (size_t)(rows.y - tile->y);
+        for (int c = 0; c < n; c++) {
+            void *out = state->samples[c] + first * (size_t)tile->width * sample_size(plan);
+            if (plan->options.store_raster)
+                clipped += counts_of_reference(plan, state->surfaces, &state->chunks[i],
+                                               pass * BANDS_PER_PASS + c, full_scale, out);
+            else
+                clipped += counts_of_gl(plan, &rows, c, full_scale, pixels + first * stride * 4,
+                                        stride, out);
+        }
+    }
+    state->result->clipped += clipped;
+}
+
+static bool write_tile(struct render_state *state, const struct tile *tile, int pass,
+                       struct error *err)
+{
+    for (int c = 0; c < bands_of_pass(state->plan, pass); c++)
+        if (!stack_write(&state->writer, pass * BANDS_PER_PASS + c, tile->x, tile->y, tile->width,
+                         tile->height, state->samples[c], err))
+            return false;
+    return true;
+}
+
+static bool render_pass(struct render_state *state, const struct tile *tile, int pass,
+                        struct error *err)
+{
+    struct render_seconds *seconds = &state->result->seconds;
+    const float *pixels = NULL;
+    double since = now();
+    if (state->gl &&
+        !gl_draw(state->gl, pass * BANDS_PER_PASS, state->result->full_scale, &pixels, err))
+        return false;
+    clock_in(&seconds->gl, &since);
+    if (state->plan->options.check)
+        check_tile(state, tile, pass, pixels);
+    clock_in(&seconds->check, &since);
+    if (state->writing) {
+        count_tile(state, tile, pass, pixels);
+        clock_in(state->plan->options.store_raster ? &seconds->raster : &seconds->check, &since);
+        if (!write_tile(state, tile, pass, err))
+            return false;
+    }
+    clock_in(&seconds->write, &since);
+    state->steps++;
+    if (state->progress && state->progress->step)
+        state->progress->step(state->progress->context, state->steps, state->all_steps);
+    errno = 0;
+    return !output_interrupted() || error_system(err, "interrupted; nothing was written");
+}
+
+/* ---- the whole picture ---- */
+
+static bool render_tile(struct render_state *state, const struct tile *tile, struct error *err)
+{
+    const struct plan *plan = state->plan;
+    double since = now();
+    bool done = !(plan->options.check || plan->options.store_raster) ||
+                rasterize_tile(state, tile, err);
+    clock_in(&state->result->seconds.raster, &since);
+    if (state->gl)
+        gl_aim(state->gl, tile);
+    for (int pass = 0; done && pass < plan->n_passes; pass++)
+        done = render_pass(state, tile, pass, err);
+    free_tile(state);
+    return done;
+}
+
+static bool render_tiles(struct render_state *state, struct error *err)
+{
+    const struct plan *plan = state->plan;
+    int width = plan->scene->width, height = plan->scene->height;
+    int columns = (width + plan->tile_width - 1) / plan->tile_width;
+    int rows = (height + plan->tile_height - 1) / plan->tile_height;
+    state->all_steps = (long)columns * rows * plan->n_passes;
+    for (int y = 0; y < height; y += plan->tile_height)
+        for (int x = 0; x < width; x += plan->tile_width) {
+            struct tile tile = {x, y, width - x, height - y};
+            if (tile.width > plan->tile_width)
+                tile.width = plan->tile_width;
+            if (tile.height > plan->tile_height)
+                tile.height = plan->tile_height;
+            if (!render_tile(state, &tile, err))
+                return false;
+        }
+    return true;
+}
+
+static bool open_gl(struct render_state *state, struct error *err)
+{
+    struct render_result *result = state->result;
+    if (!gl_open(state->plan, state->surfaces, &state->gl, err))
+        return false;
+    snprintf(result->gl_renderer, sizeof result->gl_renderer, "%s", gl_renderer(state->gl));
+    snprintf(result->gl_version, sizeof result->gl_version, "%s", gl_version(state->gl));
+    return true;
+}
+
+static bool open_stack(struct render_state *state, const char *path, struct error *err)
+{
+    const struct plan *plan = state->plan;
+    char provenance[512];
+    size_t n_samples = (size_t)plan->tile_width * (size_t)plan->tile_height;
+    for (int c = 0; c < BANDS_PER_PASS; c++) {
+        state->samples[c] = malloc(n_samples * sample_size(plan));
+        if (!state->samples[c])
+            return error_memory(err);
+    }
+    snprintf(provenance, sizeof provenance, "renderer %s",
+             plan->options.store_raster ? "raster" : state->result->gl_renderer);
+    struct stack_options options = {.width = plan->scene->width,
+                                    .height = plan->scene->height,
+                                    .n_wavelengths = plan->n_bands,
+                                    .wavelengths_nm = plan->scene->wavelengths_nm,
+                                    .full_scale = state->result->full_scale,
+                                    .floating = plan->options.floating,
+                                    .scene = plan->scene->path,
+                                    .provenance = provenance};
+    state->writing = stack_open(&state->writer, path, &options, err);
+    return state->writing;
+}
+
+static bool render_all(struct render_state *state, const char *path, bool keep, struct error *err)
+{
+    struct render_result *result = state->result;
+    const struct plan *plan = state->plan;
+    double since = now();
+    if (!surfaces_light(plan, &state->surfaces, &result->light, err))
+        return false;
+    result->full_scale = plan->options.full_scale;
+    if (result->full_scale == 0 &&
+        !surfaces_full_scale(plan, state->surfaces, &result->full_scale, err))
+        return false;
+    clock_in(&result->seconds.raster, &since);
+    if (plan->options.use_gl && !open_gl(state, err))
+        return false;
+    clock_in(&result->seconds.gl, &since);
+    if ((path && !open_stack(state, path, err)) || !render_tiles(state, err))
+        return false;
+    if (state->gl)
+        result->gl = gl_work(state->gl);
+    since = now();
+    if (state->writing && (keep || result->check.unexplained == 0)) {
+        char verdict[STACK_VERDICT];
+        report_verdict(plan, &result->check, verdict, sizeof verdict);
+        if (!stack_commit(&state->writer, verdict, err))
+            return false;
+    }
+    clock_in(&result->seconds.write, &since);
+    return true;
+}
+
+bool render(const struct plan *plan, const char *path, bool keep,
+            const struct render_progress *progress, struct render_result *out, struct error *err)
+{
+    struct render_state state = {.plan = plan, .progress = progress, .result = out};
+    double since = now();
+    *out = (struct render_result){.full_scale = 0};
+    bool done = render_all(&state, path, keep, err);
+    if (state.writing)
+        stack_discard(&state.writer); /* what was committed stays */
+    for (int c = 0; c < BANDS_PER_PASS; c++)
+        free(state.samples[c]);
+    gl_close(state.gl);
+    surfaces_free(plan, state.surfaces);
+    clock_in(&out->seconds.total, &since);
+    return done;
+}

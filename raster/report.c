@@ -1,0 +1,311 @@
+/* SPDX-License-Identifier: MIT */
+/* What a render did and found: in words, in one line for the stack, and as one JSON object. */
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "spectral.h"
+
+static double rms(const struct check_samples *samples)
+{
+    return samples->n ? sqrt(samples->sum_of_squares / (double)samples->n) : 0;
+}
+
+static double mean_bound(const struct check_tally *tally)
+{
+    return tally->n_bounds ? tally->sum_of_bounds / (double)tally->n_bounds : 0;
+}
+
+static double percent(uint64_t part, uint64_t whole)
+{
+    return whole ? 100 * (double)part / (double)whole : 0;
+}
+
+/* The name of what stands at a failure: the material of the surface there. */
+static const char *object_name(const struct plan *plan, int surface)
+{
+    return surface < 0 ? "background" : plan->finishes[plan->bodies[surface].finish].material->name;
+}
+
+void report_verdict(const struct plan *plan, const struct check_tally *tally, char *out,
+                    size_t capacity)
+{
+    const struct check_samples *samples = &tally->samples;
+    if (!plan->options.check)
+        snprintf(out, capacity, "not cross-checked");
+    else
+        snprintf(out, capacity,
+                 "cross-check: %s; %llu samples, %llu exact, %llu within 1 count, largest "
+                 "difference %.3g counts, %llu of %llu pixels unexplained, %llu unbounded",
+                 tally->unexplained ? "DIFFERENT" : "agreed", (unsigned long long)samples->n,
+                 (unsigned long long)samples->exact, (unsigned long long)samples->within_1,
+                 samples->largest, (unsigned long long)tally->unexplained,
+                 (unsigned long long)tally->pixels, (unsigned long long)tally->unbounded);
+}
+
+/* ---- in words ---- */
+
+static void print_failure(const struct plan *plan, const struct check_failure *first, FILE *to)
+{
+    const struct place none = {NULL, 0, 0};
+    const struct place *place =
+        first->surface < 0 ? &none : &plan->bodies[first->surface].object->place;
+    fprintf(to, "first unexplained pixel %d,%d at %.10g nm, %s", first->x, first->y,
+            plan->scene->wavelengths_nm[first->band], object_name(plan, first->surface));
+    if (place->path)
+        fprintf(to, " (%s:%d)", place->path, place->line);
+    fprintf(to, ": OpenGL %.4g, reference %.4g, bound %.4g counts\n", first->seen, first->expected,
+            first->bound);
+}
+
+static void print_check(const struct plan *plan, const struct check_tally *tally, FILE *to)
+{
+    const struct check_samples *samples = &tally->samples;
+    fprintf(to, "samples           %llu\n", (unsigned long long)samples->n);
+    fprintf(to, "exact             %llu (%.3f %%)\n", (unsigned long long)samples->exact,
+            percent(samples->exact, samples->n));
+    fprintf(to, "within 1 count    %llu (%.3f %%)\n", (unsigned long long)samples->within_1,
+            percent(samples->within_1, samples->n));
+    fprintf(to, "largest           %.4f counts, %.4f inside a surface (root mean square %.5f)\n",
+            samples->largest, tally->largest_inside, rms(samples));
+    fprintf(to, "bound             %.3f counts on average, up to %d in %.3f %%, %.1f at most\n",
+            mean_bound(tally), TIGHT_COUNTS, percent(tally->n_tight, tally->n_bounds),
+            tally->largest_bound);
+    fprintf(to, "worst error/bound %.3f\n", samples->worst_ratio);
+    fprintf(to, "pixels            %llu, %llu ambiguous, %llu unbounded\n",
+            (unsigned long long)tally->pixels, (unsigned long long)tally->ambiguous,
+            (unsigned long long)tally->unbounded);
+    fprintf(to, "unexplained       %llu\n", (unsigned long long)tally->unexplained);
+    if (tally->first.found)
+        print_failure(plan, &tally->first, to);
+}
+
+void report_print(const struct plan *plan, const struct render_result *result, FILE *to)
+{
+    const struct render_seconds *seconds = &result->seconds;
+    fprintf(to, "scene             %s, %d x %d pixels, %d wavelengths\n", plan->scene->path,
+            plan->scene->width, plan->scene->height, plan->n_bands);
+    fprintf(to, "full scale        %.10g is count 65535\n", result->full_scale);
+    if (plan->options.use_gl)
+        fprintf(to, "OpenGL            %s, %s\n", result->gl_renderer, result->gl_version);
+    if (plan->options.check)
+        print_check(plan, &result->check, to);
+    else
+        fprintf(to, "cross-check       not made\n");
+    if (result->clipped)
+        fprintf(to, "clipped           %llu samples above full scale are stored as 65535\n",
+                (unsigned long long)result->clipped);
+    fprintf(to,
+            "seconds           %.3f (read %.3f, plan %.3f, gl %.3f, raster %.3f, check %.3f, "
+            "write %.3f)\n",
+            seconds->total, seconds->read, seconds->plan, seconds->gl, seconds->raster,
+            seconds->check, seconds->write);
+}
+
+/* ---- as JSON (RFC 8259) ---- */
+
+struct json {
+    char *text;
+    size_t length, capacity;
+    bool failed, separated; /* whether a comma is due before the next member */
+};
+
+static void json_text(struct json *json, const char *format, ...) PRINTF_LIKE(2, 3);
+
+static void json_text(struct json *json, const char *format, ...)
+{
+    va_list arguments;
+    for (int attempt = 0; attempt < 2 && !json->failed; attempt++) {
+        size_t room = json->capacity - json->length;
+        va_start(arguments, format);
+        int n = vsnprintf(json->text ? json->text + json->length : NULL, room, format, arguments);
+        va_end(arguments);
+        if (n >= 0 && (size_t)n < room) {
+            json->length += (size_t)n;
+            return;
+        }
+        json->capacity = 2 * json->capacity + (size_t)(n < 0 ? 0 : n) + 256;
+        char *larger = realloc(json->text, json->capacity);
+        json->failed = n < 0 || !larger;
+        json->text = larger ? larger : json->text;
+    }
+}
+
+static void json_key(struct json *json, const char *key)
+{
+    json_text(json, "%s", json->separated ? ", " : "");
+    if (key)
+        json_text(json, "\"%s\": ", key);
+    json->separated = true;
+}
+
+static void json_open(struct json *json, const char *key, char bracket)
+{
+    json_key(json, key);
+    json_text(json, "%c", bracket);
+    json->separated = false;
+}
+
+static void json_close(struct json *json, char bracket)
+{
+    json_text(json, "%c", bracket);
+    json->separated = true;
+}
+
+static void json_string(struct json *json, const char *key, const char *value)
+{
+    json_key(json, key);
+    if (!value) {
+        json_text(json, "null");
+        return;
+    }
+    json_text(json, "\"");
+    for (const char *c = value; *c; c++)
+        if (*c == '"' || *c == '\\')
+            json_text(json, "\\%c", *c);
+        else if ((unsigned char)*c < 0x20)
+            json_text(json, "\\u%04x", (unsigned)*c);
+        else
+            json_text(json, "%c", *c);
+    json_text(json, "\"");
+}
+
+/* JSON has no infinity and no NaN: null stands for both. */
+static void json_number(struct json *json, const char *key, double value)
+{
+    json_key(json, key);
+    if (isfinite(value))
+        json_text(json, "%.17g", value);
+    else
+        json_text(json, "null");
+}
+
+static void json_count(struct json *json, const char *key, uint64_t value)
+{
+    json_key(json, key);
+    json_text(json, "%llu", (unsigned long long)value);
+}
+
+static void json_truth(struct json *json, const char *key, bool value)
+{
+    json_key(json, key);
+    json_text(json, value ? "true" : "false");
+}
+
+static void json_picture(struct json *json, const struct plan *plan,
+                         const struct render_result *result)
+{
+    const struct scene *scene = plan->scene;
+    json_string(json, "program", "spectral");
+    json_string(json, "version", SPECTRAL_VERSION);
+    json_string(json, "scene", scene->path);
+    json_count(json, "width", (uint64_t)scene->width);
+    json_count(json, "height", (uint64_t)scene->height);
+    json_open(json, "wavelengths_nm", '[');
+    for (int i = 0; i < scene->n_wavelengths; i++)
+        json_number(json, NULL, scene->wavelengths_nm[i]);
+    json_close(json, ']');
+    json_number(json, "full_scale", result->full_scale);
+    json_string(json, "renderer", plan->options.store_raster ? "raster" : "gl");
+    json_string(json, "gl_renderer", plan->options.use_gl ? result->gl_renderer : NULL);
+    json_string(json, "gl_version", plan->options.use_gl ? result->gl_version : NULL);
+}
+
+static void json_effects(struct json *json, const struct plan *plan)
+{
+    json_open(json, "effects", '{');
+    for (int i = 0; i < plan->n_effects; i++)
+        if (strcmp(plan->effects[i].name, "lights") == 0)
+            json_count(json, "lights", (uint64_t)plan->n_lights);
+        else
+            json_truth(json, plan->effects[i].name, plan->effects[i].used);
+    json_close(json, '}');
+}
+
+static void json_work(struct json *json, const struct plan *plan,
+                      const struct render_result *result)
+{
+    uint64_t terms = 0;
+    for (int i = 0; i < plan->n_finishes; i++)
+        terms += (uint64_t)plan->finishes[i].n_terms;
+    json_open(json, "work", '{');
+    json_count(json, "gl_passes", (uint64_t)result->gl.passes);
+    json_count(json, "draw_calls", (uint64_t)result->gl.draw_calls);
+    json_count(json, "vertices_lit", (uint64_t)result->light.vertices_lit);
+    json_count(json, "specular_vertices", (uint64_t)result->light.specular_vertices);
+    json_count(json, "excitation_integrals", 0);
+    json_count(json, "textures_loaded", 0);
+    json_count(json, "materials_loaded", (uint64_t)plan->n_finishes);
+    json_count(json, "terms", terms);
+    json_close(json, '}');
+}
+
+static void json_check(struct json *json, const struct plan *plan, const struct check_tally *tally)
+{
+    const struct check_samples *samples = &tally->samples;
+    json_open(json, "check", '{');
+    json_count(json, "samples", samples->n);
+    json_count(json, "exact", samples->exact);
+    json_count(json, "within_1", samples->within_1);
+    json_number(json, "max_counts", samples->largest);
+    json_number(json, "max_counts_inside", tally->largest_inside);
+    json_number(json, "rms_counts", rms(samples));
+    json_count(json, "pixels", tally->pixels);
+    json_count(json, "ambiguous_pixels", tally->ambiguous);
+    json_count(json, "unexplained_pixels", tally->unexplained);
+    json_count(json, "unbounded_pixels", tally->unbounded);
+    json_number(json, "worst_error_over_bound", samples->worst_ratio);
+    json_number(json, "mean_bound_counts", mean_bound(tally));
+    json_number(json, "max_bound_counts", tally->largest_bound);
+    if (tally->first.found) {
+        json_open(json, "first_unexplained", '{');
+        json_count(json, "x", (uint64_t)tally->first.x);
+        json_count(json, "y", (uint64_t)tally->first.y);
+        json_number(json, "wavelength_nm", plan->scene->wavelengths_nm[tally->first.band]);
+        json_string(json, "object", object_name(plan, tally->first.surface));
+        json_close(json, '}');
+    } else {
+        json_string(json, "first_unexplained", NULL);
+    }
+    json_close(json, '}');
+}
+
+static void json_seconds(struct json *json, const struct render_seconds *seconds)
+{
+    json_open(json, "seconds", '{');
+    json_number(json, "read", seconds->read);
+    json_number(json, "plan", seconds->plan);
+    json_number(json, "gl", seconds->gl);
+    json_number(json, "raster", seconds->raster);
+    json_number(json, "check", seconds->check);
+    json_number(json, "write", seconds->write);
+    json_number(json, "total", seconds->total);
+    json_close(json, '}');
+}
+
+char *report_json(const struct plan *plan, const struct render_result *result, const char *output,
+                  const char *sha256, uint64_t peak_bytes)
+{
+    struct json json = {.text = NULL};
+    json_open(&json, NULL, '{');
+    json_picture(&json, plan, result);
+    json_effects(&json, plan);
+    json_work(&json, plan, result);
+    if (plan->options.check)
+        json_check(&json, plan, &result->check);
+    else
+        json_string(&json, "check", NULL);
+    json_count(&json, "clipped_samples", result->clipped);
+    json_seconds(&json, &result->seconds);
+    json_count(&json, "peak_bytes", peak_bytes);
+    json_string(&json, "output", output);
+    json_string(&json, "sha256", sha256);
+    json_close(&json, '}');
+    json_text(&json, "\n");
+    if (json.failed) {
+        free(json.text);
+        return NULL;
+    }
+    return json.text;
+}

@@ -1,0 +1,512 @@
+/* SPDX-License-Identifier: MIT */
+/* The command line: one function a command; only main prints errors and exits. */
+#include <errno.h>
+#include <math.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "spectral.h"
+
+static const char usage[] =
+    "usage: spectral COMMAND [SCENE] [OPTIONS]\n"
+    "\n"
+    "Renders a 3D scene wavelength by wavelength through OpenGL, cross-checks every pixel\n"
+    "of every wavelength against its own rasterizer, and writes a spectral TIFF stack.\n"
+    "\n"
+    "  render [SCENE] [-o STACK.tif]   render, cross-check, write (default: SCENE's name + .tif)\n"
+    "  plan   [SCENE]                  what would be simulated, and why; draws nothing\n"
+    "  list   [KIND]                   illuminants, observers, materials, shapes or scenes\n"
+    "\n"
+    "SCENE is a scene file, a list of material files, or a built-in scene (colorchecker).\n"
+    "\n"
+    "render and plan:\n"
+    "  --wavelengths START:END:STEP    in nm; or a list: 450,500.5,620\n"
+    "  --size WxH                      in pixels\n"
+    "  --light N=SPECTRUM[*INTENSITY]  another spectrum for light N (from 1); again for more\n"
+    "  --ambient SPECTRUM[*INTENSITY]  another ambient light\n"
+    "render:\n"
+    "  -o, --output STACK.tif          /dev/null: check only, write nothing\n"
+    "  --renderer gl|raster            whose pixels are stored (default gl)\n"
+    "  --no-check                      do not cross-check\n"
+    "  --keep                          store the stack even when the check fails\n"
+    "  --full-scale R                  radiance of count 65535 (default: the largest)\n"
+    "  --depth 16|32f                  counts, or 32-bit float radiances\n"
+    "  --threads N                     default: one per processor\n"
+    "  --json FILE                     results as JSON; - is standard output\n"
+    "  --quiet                         no table and no progress\n"
+    "  -h, --help    --version\n"
+    "\n"
+    "exit status: 0 agreed, 1 the pictures differ, 2 bad usage or input, 3 the system failed\n";
+
+/* ---- options ---- */
+
+enum { MAX_OVERRIDES = 64 };
+
+struct override {
+    bool (*apply)(struct scene *scene, const char *value, struct error *err);
+    const char *value;
+};
+struct options {
+    const char *operand; /* SCENE, or KIND of list; NULL: none */
+    struct override overrides[MAX_OVERRIDES];
+    int n_overrides;
+    const char *output, *json;
+    struct plan_options plan;
+    bool keep, quiet, help;
+};
+
+static bool set_output(struct options *options, const char *value, struct error *err)
+{
+    (void)err;
+    options->output = value;
+    return true;
+}
+
+static bool set_json(struct options *options, const char *value, struct error *err)
+{
+    (void)err;
+    options->json = value;
+    return true;
+}
+
+static bool set_renderer(struct options *options, const char *value, struct error *err)
+{
+    options->plan.store_raster = strcmp(value, "raster") == 0;
+    return options->plan.store_raster || strcmp(value, "gl") == 0 ||
+           error_usage(err, "--renderer takes gl or raster, not '%s'", value);
+}
+
+static bool set_depth(struct options *options, const char *value, struct error *err)
+{
+    options->plan.floating = strcmp(value, "32f") == 0;
+    return options->plan.floating || strcmp(value, "16") == 0 ||
+           error_usage(err, "--depth takes 16 or 32f, not '%s'", value);
+}
+
+/* Reads an option's one number through the same strict words as files. */
+static bool option_number(const char *option, const char *value, double lowest, double highest,
+                          double *out, struct error *err)
+{
+    struct text text;
+    bool done = text_open_string(&text, option, value, err) && text_next_line(&text) &&
+                text_number(&text, "value", lowest, highest, out, err) &&
+                text_end(&text, option, err);
+    if (!done)
+        error_usage(err, "%s takes a number", option);
+    /* the place of a failure points into the option, which outlives the text */
+    text_free(&text);
+    return done;
+}
+
+static bool set_full_scale(struct options *options, const char *value, struct error *err)
+{
+    return option_number("--full-scale", value, 1e-300, 1e300, &options->plan.full_scale, err);
+}
+
+static bool set_threads(struct options *options, const char *value, struct error *err)
+{
+    double threads;
+    if (!option_number("--threads", value, 1, 1024, &threads, err))
+        return false;
+    options->plan.threads = (int)threads;
+    return threads == options->plan.threads ||
+           error_usage(err, "--threads takes a whole number, not '%s'", value);
+}
+
+static bool set_no_check(struct options *options, const char *value, struct error *err)
+{
+    (void)value;
+    (void)err;
+    options->plan.check = false;
+    return true;
+}
+
+static bool set_keep(struct options *options, const char *value, struct error *err)
+{
+    (void)value;
+    (void)err;
+    options->keep = true;
+    return true;
+}
+
+static bool set_quiet(struct options *options, const char *value, struct error *err)
+{
+    (void)value;
+    (void)err;
+    options->quiet = true;
+    return true;
+}
+
+static bool set_help(struct options *options, const char *value, struct error *err)
+{
+    (void)value;
+    (void)err;
+    options->help = true;
+    return true;
+}
+
+enum { FOR_SCENES = 1, FOR_RENDER = 2, FOR_ALL = 7 };
+
+/* An option sets something in options, or overrides something in the scene. */
+struct option {
+    const char *name;
+    bool takes_value;
+    int commands;
+    bool (*set)(struct options *options, const char *value, struct error *err);
+    bool (*apply)(struct scene *scene, const char *value, struct error *err);
+};
+static const struct option known_options[] = {
+    {"--wavelengths", true, FOR_SCENES, NULL, scene_set_wavelengths},
+    {"--size", true, FOR_SCENES, NULL, scene_set_size},
+    {"--light", true, FOR_SCENES, NULL, scene_set_light},
+    {"--ambient", true, FOR_SCENES, NULL, scene_set_ambient},
+    {"--output", true, FOR_RENDER, set_output, NULL},
+    {"-o", true, FOR_RENDER, set_output, NULL},
+    {"--renderer", true, FOR_RENDER, set_renderer, NULL},
+    {"--depth", true, FOR_RENDER, set_depth, NULL},
+    {"--full-scale", true, FOR_RENDER, set_full_scale, NULL},
+    {"--threads", true, FOR_RENDER, set_threads, NULL},
+    {"--json", true, FOR_RENDER, set_json, NULL},
+    {"--no-check", false, FOR_RENDER, set_no_check, NULL},
+    {"--keep", false, FOR_RENDER, set_keep, NULL},
+    {"--quiet", false, FOR_RENDER, set_quiet, NULL},
+    {"--help", false, FOR_ALL, set_help, NULL},
+    {"-h", false, FOR_ALL, set_help, NULL},
+};
+enum { N_OPTIONS = sizeof known_options / sizeof known_options[0] };
+
+static const struct option *find_option(const char *word, size_t length)
+{
+    for (int i = 0; i < N_OPTIONS; i++)
+        if (strlen(known_options[i].name) == length &&
+            strncmp(known_options[i].name, word, length) == 0)
+            return &known_options[i];
+    return NULL;
+}
+
+static bool apply_option(struct options *options, const struct option *option, const char *value,
+                         struct error *err)
+{
+    if (option->set)
+        return option->set(options, value, err);
+    if (options->n_overrides == MAX_OVERRIDES)
+        return error_usage(err, "%s: more than %d scene options", option->name, MAX_OVERRIDES);
+    options->overrides[options->n_overrides++] = (struct override){option->apply, value};
+    return true;
+}
+
+/* One option with its value, which may be the next word; *index moves on. */
+static bool parse_option(int argc, char **argv, int *index, int commands, struct options *options,
+                         struct error *err)
+{
+    const char *word = argv[*index], *equals = strchr(word, '=');
+    size_t length = equals ? (size_t)(equals - word) : strlen(word);
+    const struct option *option = find_option(word, length);
+    if (!option || !(option->commands & commands))
+        return error_usage(err, "%s has no option '%.*s'; try spectral --help", argv[1],
+                           (int)length, word);
+    if (!option->takes_value)
+        return equals ? error_usage(err, "%s takes no value", option->name)
+                      : apply_option(options, option, NULL, err);
+    if (!equals && *index + 1 == argc)
+        return error_usage(err, "%s needs a value; try spectral --help", option->name);
+    return apply_option(options, option, equals ? equals + 1 : argv[++*index], err);
+}
+
+static bool parse_options(int argc, char **argv, int commands, struct options *out,
+                          struct error *err)
+{
+    *out = (struct options){.plan = {.check = true}};
+    bool only_operands = false;
+    for (int i = 2; i < argc; i++) {
+        if (!only_operands && strcmp(argv[i], "--") == 0) {
+            only_operands = true;
+        } else if (!only_operands && argv[i][0] == '-' && argv[i][1]) {
+            if (!parse_option(argc, argv, &i, commands, out, err))
+                return false;
+        } else if (out->operand) {
+            return error_usage(err, "'%s' is too much; %s takes one operand", argv[i], argv[1]);
+        } else {
+            out->operand = argv[i];
+        }
+    }
+    return true;
+}
+
+/* ---- scene and plan ---- */
+
+static bool read_scene(const struct options *options, struct scene *out, struct error *err)
+{
+    if (!scene_read(options->operand ? options->operand : "colorchecker", out, err))
+        return false;
+    for (int i = 0; i < options->n_overrides; i++)
+        if (!options->overrides[i].apply(out, options->overrides[i].value, err))
+            return false;
+    return true;
+}
+
+static bool command_plan(const struct options *options, struct error *err)
+{
+    struct scene scene;
+    struct plan plan = {.scene = NULL};
+    bool done = read_scene(options, &scene, err) && plan_make(&scene, &options->plan, &plan, err);
+    if (done)
+        plan_print(&plan, stdout);
+    plan_free(&plan);
+    scene_free(&scene);
+    return done;
+}
+
+/* ---- render ---- */
+
+static double now(void)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+}
+
+struct progress_line {
+    double start;
+    double printed; /* when, so that the terminal is not flooded */
+};
+
+static void show_progress(void *context, long done, long all)
+{
+    struct progress_line *line = context;
+    double time = now(), elapsed = time - line->start;
+    if (done == all)
+        fprintf(stderr, "\r%40s\r", "");
+    else if (time - line->printed > 0.1) {
+        fprintf(stderr, "\r%3ld %%, %.0f s left ", 100 * done / all,
+                elapsed * (double)(all - done) / (double)done);
+        line->printed = time;
+    }
+}
+
+/* SCENE's name without folder and ending, with .tif; allocated. */
+static char *default_output(const char *scene)
+{
+    const char *slash = strrchr(scene, '/'), *name = slash ? slash + 1 : scene;
+    const char *dot = strrchr(name, '.');
+    size_t length = dot && dot > name ? (size_t)(dot - name) : strlen(name);
+    char *out = malloc(length + sizeof ".tif");
+    if (out)
+        snprintf(out, length + sizeof ".tif", "%.*s.tif", (int)length, name);
+    return out;
+}
+
+static uint64_t peak_bytes(void)
+{
+    struct rusage used;
+    return getrusage(RUSAGE_SELF, &used) == 0 ? (uint64_t)used.ru_maxrss * 1024 : 0;
+}
+
+static bool write_json(const struct options *options, const struct plan *plan,
+                       const struct render_result *result, const char *output, struct error *err)
+{
+    char sha256[65];
+    bool stored = output && (options->keep || result->check.unexplained == 0);
+    if (stored && !digest_file(output, sha256, err))
+        return false;
+    char *json = report_json(plan, result, stored ? output : NULL, stored ? sha256 : NULL,
+                             peak_bytes());
+    bool done = json ? file_write(options->json, json, strlen(json), err) : error_memory(err);
+    free(json);
+    return done;
+}
+
+static bool report(const struct options *options, const struct plan *plan,
+                   const struct render_result *result, const char *output, struct error *err)
+{
+    bool json_on_stdout = options->json && strcmp(options->json, "-") == 0;
+    if (options->json && !write_json(options, plan, result, output, err))
+        return false;
+    if (!options->quiet)
+        report_print(plan, result, json_on_stdout ? stderr : stdout);
+    if (!options->quiet && output && (options->keep || result->check.unexplained == 0))
+        fprintf(json_on_stdout ? stderr : stdout, "stack             %s\n", output);
+    if (result->check.unexplained == 0)
+        return true;
+    error_usage(err, "the pictures differ at %llu pixels%s",
+                (unsigned long long)result->check.unexplained,
+                options->keep ? "" : "; no stack was written (--keep stores it all the same)");
+    err->status = EXIT_DIFFERENT;
+    return false;
+}
+
+static bool render_planned(const struct options *options, const struct plan *plan,
+                           const struct render_seconds *before, const char *output,
+                           struct error *err)
+{
+    struct progress_line line = {.start = now()};
+    struct render_progress progress = {NULL, &line};
+    struct render_result result;
+    if (!options->quiet && isatty(STDERR_FILENO))
+        progress.step = show_progress;
+    if (!render(plan, output, options->keep, &progress, &result, err))
+        return false;
+    result.seconds.read = before->read;
+    result.seconds.plan = before->plan;
+    result.seconds.total += before->read + before->plan;
+    return report(options, plan, &result, output, err);
+}
+
+static bool render_scene(const struct options *options, const char *output, struct error *err)
+{
+    struct scene scene;
+    struct plan plan = {.scene = NULL};
+    struct plan_options plan_options = options->plan;
+    struct render_seconds seconds = {.read = 0};
+    plan_options.use_gl = plan_options.check || !plan_options.store_raster;
+    double start = now();
+    bool done = read_scene(options, &scene, err);
+    seconds.read = now() - start;
+    done = done && plan_make(&scene, &plan_options, &plan, err);
+    seconds.plan = now() - start - seconds.read;
+    done = done && render_planned(options, &plan, &seconds, output, err);
+    plan_free(&plan);
+    scene_free(&scene);
+    return done;
+}
+
+static bool command_render(const struct options *options, struct error *err)
+{
+    const char *scene = options->operand ? options->operand : "colorchecker";
+    char *named = options->output ? NULL : default_output(scene);
+    const char *output = options->output ? options->output : named;
+    if (!output)
+        return error_memory(err);
+    bool nowhere = strcmp(output, "/dev/null") == 0;
+    bool done = render_scene(options, nowhere ? NULL : output, err);
+    free(named);
+    return done;
+}
+
+/* ---- list ---- */
+
+static void list_folder(const char *folder, const char *ending)
+{
+    size_t before = strlen(folder), after = strlen(ending);
+    for (size_t i = 0; i < builtin_file_count; i++) {
+        const char *name = builtin_files[i].name;
+        size_t length = strlen(name);
+        if (length > before + after && strncmp(name, folder, before) == 0 &&
+            strcmp(name + length - after, ending) == 0)
+            printf("  %.*s\n", (int)(length - before - after), name + before);
+    }
+}
+
+static void list_shapes(void)
+{
+    static const char *const arguments[] = {
+        [SHAPE_SPHERE] = "radius slices stacks",
+        [SHAPE_TORUS] = "tube ring sides rings",
+        [SHAPE_BOX] = "width height depth",
+        [SHAPE_PLANE] = "width height",
+        [SHAPE_CYLINDER] = "radius height slices stacks",
+        [SHAPE_CONE] = "radius height slices stacks",
+        [SHAPE_DISK] = "radius slices",
+        [SHAPE_TEAPOT] = "size divisions",
+        [SHAPE_MESH] = "FILE.obj [unitize] [crease ANGLE]",
+    };
+    for (int kind = SHAPE_SPHERE; kind <= SHAPE_MESH; kind++)
+        printf("  %s %s\n", shape_name((enum shape_kind)kind), arguments[kind]);
+}
+
+/* Tables of one value column are illuminants, of three observers. */
+static void list_tables(bool observers)
+{
+    for (size_t i = 0; i < builtin_file_count; i++) {
+        const char *name = builtin_files[i].name, *dot = strrchr(name, '.');
+        if (strncmp(name, "tables/", 7) != 0)
+            continue;
+        bool three = strstr((const char *)builtin_files[i].bytes, "s1,s2,s3") != NULL;
+        if (three == observers)
+            printf("  %.*s\n", (int)(dot - name) - 7, name + 7);
+    }
+}
+
+static bool command_list(const struct options *options, struct error *err)
+{
+    static const char *const kinds[] = {"illuminants", "observers", "materials", "shapes",
+                                        "scenes"};
+    const char *wanted = options->operand;
+    bool found = false;
+    for (int i = 0; i < 5; i++) {
+        if (wanted && strcmp(wanted, kinds[i]) != 0)
+            continue;
+        found = true;
+        printf("%s\n", kinds[i]);
+        if (i < 2)
+            list_tables(i == 1);
+        else if (i == 2)
+            list_folder("materials/", ".txt");
+        else if (i == 3)
+            list_shapes();
+        else
+            list_folder("scenes/", ".scene");
+    }
+    return found || error_usage(err, "there is no list of '%s'; there are illuminants, observers, "
+                                     "materials, shapes and scenes", wanted);
+}
+
+/* ---- main ---- */
+
+static bool print_version(void)
+{
+    char gl[256];
+    const char *tiff = stack_library();
+    gl_library(gl, sizeof gl);
+    printf("spectral %s\n%s\n%.*s\n", SPECTRAL_VERSION, gl, (int)strcspn(tiff, "\n"), tiff);
+    return true;
+}
+
+struct command {
+    const char *name;
+    int options;
+    bool (*run)(const struct options *options, struct error *err);
+};
+static const struct command commands[] = {
+    {"render", FOR_SCENES | FOR_RENDER, command_render},
+    {"plan", FOR_SCENES, command_plan},
+    {"list", 4, command_list},
+};
+enum { N_COMMANDS = sizeof commands / sizeof commands[0] };
+
+static bool run_command(int argc, char **argv, struct error *err)
+{
+    struct options options;
+    if (argc < 2)
+        return error_usage(err, "a command is missing; try spectral --help");
+    if (strcmp(argv[1], "--version") == 0)
+        return print_version();
+    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 ||
+        strcmp(argv[1], "help") == 0)
+        return fputs(usage, stdout) >= 0;
+    for (int i = 0; i < N_COMMANDS; i++)
+        if (strcmp(argv[1], commands[i].name) == 0)
+            return parse_options(argc, argv, commands[i].options, &options, err) &&
+                   (options.help ? fputs(usage, stdout) >= 0 : commands[i].run(&options, err));
+    return error_usage(err, "'%s' is no command; there are render, plan and list", argv[1]);
+}
+
+int main(int argc, char **argv)
+{
+    struct error err = {.status = EXIT_AGREED};
+    signal(SIGPIPE, SIG_IGN); /* a closed pipe is a failed write, with a message */
+    bool done = run_command(argc, argv, &err);
+    errno = 0;
+    if (fflush(stdout) != 0 || ferror(stdout)) {
+        error_system(&err, "cannot write to standard output");
+        done = false;
+    }
+    if (done)
+        return EXIT_AGREED;
+    fprintf(stderr, "%s\n", err.text);
+    return (int)err.status;
+}

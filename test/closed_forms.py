@@ -1,0 +1,145 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""Pictures whose radiance is known in closed form, rendered by the program ($SPECTRAL) with both
+renderers, read back with tifffile and compared in every band. Everything expected is computed here
+from the tables and geometry, nothing from the program. Prints TAP."""
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import tifffile
+
+SPECTRAL = os.environ.get("SPECTRAL", "build/spectral")
+TMP = os.path.join(os.environ.get("TEST_TMP", "build/tmp"), "closed_forms")
+MATERIAL = "data/materials/colorchecker/15-red.txt"
+WAVELENGTHS = np.arange(300.0, 765.0, 5.0)
+count = 0
+
+
+def table(path, separator=None):
+    rows = [line.split(separator) for line in open(path) if line[0].isdigit()]
+    return np.array(rows, float).T
+
+
+D65 = np.interp(WAVELENGTHS, *table("data/tables/d65.csv", ","))
+LAMP_A = np.interp(WAVELENGTHS, *table("data/tables/a.csv", ","))
+RED = np.interp(WAVELENGTHS, *table(MATERIAL))  # np.interp holds the end values, as reflectances do
+
+
+def check(holds, name, *remarks):
+    global count
+    count += 1
+    print("ok" if holds else "not ok", count, "-", name)
+    if not holds:
+        for remark in remarks:
+            print("#", remark)
+
+
+class Picture:
+    """A rendered scene: radiances [band, y, x], and the tolerance of a stored sample in radiance:
+    half a count, plus in GL the largest bound that the program derives and prints."""
+
+    def __init__(self, name, renderer, scene, *options):
+        os.makedirs(TMP, exist_ok=True)
+        path = os.path.join(TMP, name + ".scene")
+        stack = os.path.join(TMP, f"{name}-{renderer}.tif")
+        with open(path, "w") as out:
+            out.write(scene.replace("RED", os.path.relpath(MATERIAL, TMP)))
+        result = subprocess.run(
+            [SPECTRAL, "render", path, "-o", stack, "--renderer", renderer, "--json", "-", "--quiet",
+             *options], stdout=subprocess.PIPE, check=False)
+        if result.returncode != 0:
+            print("Bail out! cannot render", path)
+            sys.exit(1)
+        report = json.loads(result.stdout)
+        self.full_scale = report["full_scale"]
+        count_radiance = self.full_scale / 65535
+        with tifffile.TiffFile(stack) as tiff:
+            self.radiance = np.array([p.asarray() for p in tiff.pages]) * count_radiance
+        bound = report["check"]["max_bound_counts"] if renderer == "gl" else 1e-6
+        self.tolerance = (0.5 + bound) * count_radiance
+
+    def agrees(self, expected, name, where=np.s_[:, :, :]):
+        seen = self.radiance[where]
+        error = np.abs(seen - expected).max()
+        check(seen.size > 0 and error <= self.tolerance, name,
+              f"largest error {error}, tolerance {self.tolerance}")
+
+
+HEAD = "size 61 61\ncamera ortho 2\nmaterial red RED\n"
+SQUARE = "object plane 4 4 material red"
+
+
+def per_band(spectrum):
+    return spectrum[:, None, None]
+
+
+def matt(renderer):
+    picture = Picture("facing", renderer, HEAD + "light d65 1 direction 0 0 1\n" + SQUARE)
+    picture.agrees(per_band(D65 * RED), f"{renderer}: a matt square facing the light is light x reflectance")
+    picture = Picture("oblique", renderer,
+                      HEAD + "light d65 1 direction 0 0 1\n" + SQUARE + " rotate 60 0 1 0")
+    picture.agrees(per_band(0.5 * D65 * RED), f"{renderer}: turned by 60 degrees it is half of that")
+    picture = Picture("ambient", renderer, HEAD + "ambient a 0.3\n" + SQUARE)
+    picture.agrees(per_band(0.3 * LAMP_A * RED), f"{renderer}: ambient light alone is intensity x light x reflectance")
+
+
+def plastic(renderer):
+    scene = ("size 61 61\ncamera ortho 2\nlight d65 1 position 0 0 8\n"
+             "material shiny { diffuse RED gloss 64 }\nobject disk 1.5 30 material shiny")
+    picture = Picture("plastic", renderer, scene)
+    picture.agrees(per_band(D65 * RED + D65), f"{renderer}: a plastic highlight at a vertex adds the light itself",
+                   np.s_[:, 30:31, 30:31])
+
+
+def two_lights(renderer):
+    first, second = "light d65 1 position 2 1 8\n", "light a 0.5 direction -1 0 1\n"
+    body = "material shiny { diffuse RED gloss 20 }\nobject sphere 0.9 30 30 material shiny"
+    head = "size 61 61\ncamera ortho 2\n"
+    both, one, other = (Picture(name, renderer, head + lights + body, "--full-scale", "8")
+                        for name, lights in (("both", first + second), ("first", first), ("second", second)))
+    error = np.abs(both.radiance - one.radiance - other.radiance).max()
+    tolerance = both.tolerance + one.tolerance + other.tolerance
+    check(error <= tolerance and both.radiance.max() > 1,
+          f"{renderer}: two lights equal the sum of each alone", f"error {error}, tolerance {tolerance}")
+
+
+def perspective(renderer):
+    """A square leaning back by 60 degrees, lit from a point in its plane of symmetry: corners left and
+    right are equally bright, so that radiance is linear along the square, not along the picture."""
+    size, half, distance, angle = 81, 2.0, 6.0, np.radians(-60)
+    light = np.array([0.0, 1.0, 3.0])
+    up = np.array([0, np.cos(angle), np.sin(angle)])
+    normal = np.array([0, -np.sin(angle), np.cos(angle)])
+
+    def corner(along):
+        position = np.array([half, 0, -distance]) + along * half * up
+        path = light - position
+        return normal @ path / np.linalg.norm(path)
+
+    tangent = np.tan(np.radians(20))
+    centre = (np.arange(size) + 0.5) / size * 2 - 1
+    x, y = np.meshgrid(centre * tangent, -centre * tangent)
+    # ray (x, y, -1) t meets the plane where normal . (ray t) = normal . (0, 0, -distance)
+    t = normal[2] * -distance / (normal[1] * y - normal[2])
+    along = (y * t * up[1] + (-t + distance) * up[2]) / half
+    inside = (np.abs(along) < 0.97) & (np.abs(x * t) < 0.97 * half)
+    low, high = corner(-1), corner(1)
+    expected = (low + (high - low) * (along + 1) / 2)[inside][None, :] * (D65 * RED)[:, None]
+    scene = (f"size {size} {size}\ncamera perspective 40 near 1 far 20\nlight d65 1 position 0 1 3\n"
+             "material red RED\nobject plane 4 4 material red rotate -60 1 0 0 translate 0 0 -6")
+    picture = Picture("perspective", renderer, scene)
+    error = np.abs(picture.radiance[:, inside] - expected).max()
+    check(inside.sum() > 500 and high - low > 0.2 and error <= picture.tolerance,
+          f"{renderer}: a gradient in perspective is linear on the square, not in the picture",
+          f"{inside.sum()} pixels, corners {low} {high}, error {error}, tolerance {picture.tolerance}")
+
+
+for each in ("raster", "gl"):
+    matt(each)
+    plastic(each)
+    two_lights(each)
+    perspective(each)
+print(f"1..{count}")
