@@ -629,7 +629,8 @@ void gl_close(struct gl *gl);
 
 /* ---- raster/check.c: the verdict on each pixel, and counts ---- */
 
-/* A bound up to here is called tight. */
+/* A bound up to here is called tight; it is wider on facets seen edge-on, whose colour changes by
+ * thousands of counts within a pixel. */
 enum { TIGHT_COUNTS = 8 };
 /* The first sample that no candidate explains. */
 struct check_failure {
@@ -648,9 +649,9 @@ struct check_samples {
 struct check_tally {
     struct check_samples samples;
     uint64_t pixels, ambiguous, unexplained, unbounded;
-    double largest_inside; /* inside a surface: eight neighbours show it and nothing else, either */
-    /* over samples of pixels with a single candidate: bounds in counts, how many are tight */
-    double sum_of_bounds, largest_bound;
+    /* over pixels inside a surface, which have a single candidate: bounds in counts, how many are
+     * tight, and the largest difference among those */
+    double sum_of_bounds, largest_bound, largest_tight;
     uint64_t n_bounds, n_tight;
     struct check_failure first;
 };

@@ -33,33 +33,56 @@ struct check_trial {
     int band;
 };
 
-/* ---- one sample ---- */
+/* ---- comparing ---- */
 
-static unsigned rounded(double counts)
+/* In [0, full_count]; NaN becomes 0. */
+static double clamped(double counts)
 {
-    if (!(counts >= 0)) /* NaN too */
-        return 0;
-    return counts < full_count ? (unsigned)(counts + 0.5) : (unsigned)full_count;
+    double positive = counts >= 0 ? counts : 0;
+    return positive < full_count ? positive : full_count;
 }
 
-/* Adds a sample to the comparison; false when it is outside the bound. */
-static bool compare(struct check_samples *samples, double seen, double expected, double bound)
+static int rounded(double counts)
 {
-    double difference = fabs(seen - expected);
-    unsigned seen_count = rounded(seen), expected_count = rounded(expected);
-    unsigned apart = seen_count > expected_count ? seen_count - expected_count
-                                                 : expected_count - seen_count;
-    samples->n++;
-    samples->exact += apart == 0;
-    samples->within_1 += apart <= 1;
-    samples->sum_of_squares += difference * difference;
-    if (!(difference <= samples->largest))
-        samples->largest = difference;
-    if (!(difference <= bound))
-        return false;
-    if (difference > samples->worst_ratio * bound)
-        samples->worst_ratio = difference / bound;
-    return true;
+    return (int)(clamped(counts) + 0.5);
+}
+
+/* What single samples need only where a block stands out. */
+static void find_worst(struct check_samples *samples, const double *difference,
+                       const double *bound, size_t n)
+{
+    for (size_t i = 0; i < n; i++)
+        if (difference[i] <= bound[i] && difference[i] > samples->worst_ratio * bound[i])
+            samples->worst_ratio = difference[i] / bound[i];
+}
+
+/* Adds up to BLOCK samples to a comparison; false when any is outside its bound. The loops are plain
+ * enough for the compiler to do several samples at once. */
+static bool compare(struct check_samples *samples, const double *seen, const double *expected,
+                    const double *bound, size_t n)
+{
+    double difference[BLOCK], squares[4] = {0, 0, 0, 0}, largest = samples->largest;
+    int outside = 0, worse = 0, exact = 0, within_1 = 0;
+    for (size_t i = 0; i < n; i++) {
+        difference[i] = fabs(seen[i] - expected[i]);
+        outside |= !(difference[i] <= bound[i]);
+        worse |= difference[i] > samples->worst_ratio * bound[i];
+        squares[i % 4] += difference[i] * difference[i];
+        largest = largest > difference[i] ? largest : difference[i];
+    }
+    for (size_t i = 0; i < n; i++) {
+        int apart = rounded(seen[i]) - rounded(expected[i]);
+        exact += apart == 0;
+        within_1 += apart >= -1 && apart <= 1;
+    }
+    samples->n += n;
+    samples->exact += (uint64_t)exact;
+    samples->within_1 += (uint64_t)within_1;
+    samples->sum_of_squares += squares[0] + squares[1] + squares[2] + squares[3];
+    samples->largest = largest;
+    if (worse)
+        find_worst(samples, difference, bound, n);
+    return !outside;
 }
 
 static void add_samples(struct check_samples *to, const struct check_samples *from)
@@ -125,32 +148,6 @@ static void note_failure(struct check *check, size_t pixel, int band, double see
                                                 .bound = bound};
 }
 
-/* Inside a surface: the pixel and its eight neighbours (in the chunk) show it and nothing else. */
-static bool is_inside(const struct chunk *chunk, size_t pixel)
-{
-    int width = chunk->rows.width, x = (int)pixel % width, y = (int)pixel / width;
-    int top = y > 0 ? y - 1 : 0, bottom = y + 1 < chunk->rows.height ? y + 1 : y;
-    int left = x > 0 ? x - 1 : 0, right = x + 1 < width ? x + 1 : x;
-    for (int row = top; row <= bottom; row++)
-        for (int column = left; column <= right; column++) {
-            size_t at = (size_t)row * (size_t)width + (size_t)column;
-            if (chunk->contested[at] || chunk->surface[at] != chunk->surface[pixel])
-                return false;
-        }
-    return true;
-}
-
-/* The largest difference of a run inside a surface, where it may exceed what is known already. */
-static void note_inside(struct check *check, size_t first, size_t n, const double *expected,
-                        const float *channel)
-{
-    for (size_t i = 0; i < n; i++) {
-        double difference = fabs((double)channel[4 * i] * full_count - expected[i]);
-        if (difference > check->tally.largest_inside && is_inside(check->chunk, first + i))
-            check->tally.largest_inside = difference;
-    }
-}
-
 /* The surface of a run, or -1, evaluated into expected and bound. */
 static void expect_run(const struct check *check, size_t first, size_t n, int band,
                        double *expected, double *bound)
@@ -169,30 +166,41 @@ static void expect_run(const struct check *check, size_t first, size_t n, int ba
                    bound);
 }
 
+static void note_bounds(struct check_tally *tally, const double *seen, const double *expected,
+                        const double *bound, size_t n)
+{
+    double sum = 0, largest = tally->largest_bound, tight_largest = tally->largest_tight;
+    int tight = 0;
+    for (size_t i = 0; i < n; i++) {
+        bool is_tight = bound[i] <= TIGHT_COUNTS;
+        double difference = is_tight ? fabs(seen[i] - expected[i]) : 0;
+        sum += bound[i];
+        tight += is_tight;
+        largest = bound[i] > largest ? bound[i] : largest;
+        tight_largest = difference > tight_largest ? difference : tight_largest;
+    }
+    tally->sum_of_bounds += sum;
+    tally->n_bounds += n;
+    tally->n_tight += (uint64_t)tight;
+    tally->largest_bound = largest;
+    tally->largest_tight = tight_largest;
+}
+
 static void judge_run(struct check *check, size_t first, size_t n, int band, const float *channel)
 {
-    double expected[BLOCK], bound[BLOCK];
-    struct check_samples samples = {.n = 0};
-    double sum = 0, largest = 0;
-    size_t tight = 0;
+    double seen[BLOCK], expected[BLOCK], bound[BLOCK];
+    for (size_t i = 0; i < n; i++)
+        seen[i] = (double)channel[4 * i] * full_count;
     expect_run(check, first, n, band, expected, bound);
+    note_bounds(&check->tally, seen, expected, bound, n);
+    if (compare(&check->tally.samples, seen, expected, bound, n))
+        return;
     for (size_t i = 0; i < n; i++) {
-        double seen = (double)channel[4 * i] * full_count;
-        sum += bound[i];
-        tight += bound[i] <= TIGHT_COUNTS;
-        largest = bound[i] > largest ? bound[i] : largest;
-        if (compare(&samples, seen, expected[i], bound[i]))
+        if (fabs(seen[i] - expected[i]) <= bound[i])
             continue;
         check->failed[first + i] = true;
-        note_failure(check, first + i, band, seen, expected[i], bound[i]);
+        note_failure(check, first + i, band, seen[i], expected[i], bound[i]);
     }
-    add_samples(&check->tally.samples, &samples);
-    if (samples.largest > check->tally.largest_inside)
-        note_inside(check, first, n, expected, channel);
-    check->tally.n_tight += tight;
-    check->tally.sum_of_bounds += sum;
-    check->tally.n_bounds += n;
-    check->tally.largest_bound = fmax(check->tally.largest_bound, largest);
 }
 
 /* How many pixels from `first` on, within the row and a block, share its surface and are settled. */
@@ -227,7 +235,7 @@ static void try_candidate(struct check *check, const struct candidate *candidate
         }
         bound += rounding_bound(finish) * fabs(expected);
     }
-    trial->alive = compare(&trial->samples, seen, expected, bound);
+    trial->alive = compare(&trial->samples, &seen, &expected, &bound, 1);
     trial->band = band;
     trial->seen = seen;
     trial->expected = expected;
@@ -343,7 +351,7 @@ void check_close(struct check *check, struct check_tally *total)
     total->n_tight += check->tally.n_tight;
     total->n_bounds += check->tally.n_bounds;
     total->sum_of_bounds += check->tally.sum_of_bounds;
-    total->largest_inside = fmax(total->largest_inside, check->tally.largest_inside);
+    total->largest_tight = fmax(total->largest_tight, check->tally.largest_tight);
     total->largest_bound = fmax(total->largest_bound, check->tally.largest_bound);
     add_samples(&total->samples, &check->tally.samples);
     if (!total->first.found)

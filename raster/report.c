@@ -67,11 +67,12 @@ static void print_check(const struct plan *plan, const struct check_tally *tally
             percent(samples->exact, samples->n));
     fprintf(to, "within 1 count    %llu (%.3f %%)\n", (unsigned long long)samples->within_1,
             percent(samples->within_1, samples->n));
-    fprintf(to, "largest           %.4f counts, %.4f inside a surface (root mean square %.5f)\n",
-            samples->largest, tally->largest_inside, rms(samples));
-    fprintf(to, "bound             %.3f counts on average, up to %d in %.3f %%, %.1f at most\n",
-            mean_bound(tally), TIGHT_COUNTS, percent(tally->n_tight, tally->n_bounds),
+    fprintf(to, "largest           %.4f counts (root mean square %.5f)\n", samples->largest,
+            rms(samples));
+    fprintf(to, "inside surfaces   bound %.3f counts on average, %.1f at most\n", mean_bound(tally),
             tally->largest_bound);
+    fprintf(to, "  bound <= %d      %.3f %% of samples, largest difference %.4f counts\n",
+            TIGHT_COUNTS, percent(tally->n_tight, tally->n_bounds), tally->largest_tight);
     fprintf(to, "worst error/bound %.3f\n", samples->worst_ratio);
     fprintf(to, "pixels            %llu, %llu ambiguous, %llu unbounded\n",
             (unsigned long long)tally->pixels, (unsigned long long)tally->ambiguous,
@@ -249,7 +250,6 @@ static void json_check(struct json *json, const struct plan *plan, const struct 
     json_count(json, "exact", samples->exact);
     json_count(json, "within_1", samples->within_1);
     json_number(json, "max_counts", samples->largest);
-    json_number(json, "max_counts_inside", tally->largest_inside);
     json_number(json, "rms_counts", rms(samples));
     json_count(json, "pixels", tally->pixels);
     json_count(json, "ambiguous_pixels", tally->ambiguous);
@@ -258,6 +258,8 @@ static void json_check(struct json *json, const struct plan *plan, const struct 
     json_number(json, "worst_error_over_bound", samples->worst_ratio);
     json_number(json, "mean_bound_counts", mean_bound(tally));
     json_number(json, "max_bound_counts", tally->largest_bound);
+    json_number(json, "tight_share", percent(tally->n_tight, tally->n_bounds) / 100);
+    json_number(json, "tight_max_counts", tally->largest_tight);
     if (tally->first.found) {
         json_open(json, "first_unexplained", '{');
         json_count(json, "x", (uint64_t)tally->first.x);

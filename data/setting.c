@@ -1,0 +1,484 @@
+/* SPDX-License-Identifier: MIT */
+/* What a scene sets apart from materials and objects: wavelengths, size, camera, lights; and the
+ * options of the command line that replace them, which are read by the same functions. */
+#include "scene.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double smallest_positive = DBL_MIN;
+static const double longest_nm = 1e6; /* a millimetre: beyond, nothing is light */
+enum {
+    MOST_WAVELENGTHS = 65535, /* a TIFF file counts its pages in 16 bits */
+    LONGEST_SIDE = 262144
+};
+
+/* ---- wavelengths ---- */
+
+static bool add_wavelength(struct scene *scene, double nm, struct place place, struct error *err)
+{
+    int n = scene->n_wavelengths;
+    double *grown;
+    if (n > 0 && nm <= scene->wavelengths_nm[n - 1])
+        return error_at(err, place,
+                        "wavelength %.15g nm follows %.15g nm; wavelengths must increase", nm,
+                        scene->wavelengths_nm[n - 1]);
+    if (n == MOST_WAVELENGTHS)
+        return error_at(err, place, "more than %d wavelengths; a stack holds no more pages",
+                        MOST_WAVELENGTHS);
+    grown = array_more(scene->wavelengths_nm, n, sizeof *grown, err);
+    if (grown == NULL)
+        return false;
+    scene->wavelengths_nm = grown;
+    grown[scene->n_wavelengths++] = nm;
+    return true;
+}
+
+/* START + i STEP as far as END. Numbers such as 0.1 are rounded to 2^-53 of their size, so that the
+ * quotient misses a whole number of steps by some units of 2^-53 (START + END) / STEP: 2.5e-10 for
+ * 380 to 730 by 0.001. An END within 1e-9 of that many steps is thus meant to be included; nobody
+ * means a step cut off by so little. */
+static bool add_range(struct scene *scene, const double range[3], struct place place,
+                      struct error *err)
+{
+    double steps = (range[1] - range[0]) / range[2], whole = floor(steps + 0.5);
+    if (fabs(steps - whole) > 1e-9 * whole)
+        whole = floor(steps);
+    if (!(whole < MOST_WAVELENGTHS))
+        return error_at(err, place, "more than %d wavelengths; a stack holds no more pages",
+                        MOST_WAVELENGTHS);
+    for (int i = 0; i <= (int)whole; i++)
+        if (!add_wavelength(scene, range[0] + i * range[2], place, err))
+            return false;
+    return true;
+}
+
+static bool read_range(struct scene *scene, struct text *text, struct error *err)
+{
+    double range[3];
+    struct word end, step;
+    if (!text_number(text, "first wavelength", smallest_positive, longest_nm, &range[0], err) ||
+        !text_expect(text, &end, "a last wavelength", err) ||
+        !word_number(&end, "last wavelength", smallest_positive, longest_nm, &range[1], err) ||
+        !text_expect(text, &step, "a step", err) ||
+        !word_number(&step, "step", smallest_positive, HUGE_VAL, &range[2], err))
+        return false;
+    if (range[1] < range[0])
+        return error_at(err, end.place, "the last wavelength %.15g is below the first, %.15g",
+                        range[1], range[0]);
+    return add_range(scene, range, step.place, err);
+}
+
+static bool read_wavelength_list(struct scene *scene, struct text *text, struct error *err)
+{
+    struct word word;
+    double nm;
+    if (!text_expect(text, &word, "a wavelength", err))
+        return false;
+    do
+        if (!word_number(&word, "wavelength", smallest_positive, longest_nm, &nm, err) ||
+            !add_wavelength(scene, nm, word.place, err))
+            return false;
+    while (text_word(text, &word));
+    return true;
+}
+
+bool wavelengths_read(struct scene_reader *reader, struct text *text, struct place place,
+                      struct error *err)
+{
+    struct scene *scene = reader->scene;
+    struct text before = *text;
+    struct word word;
+    if (!place_once(scene->wavelengths_place, place, "wavelengths", err) ||
+        !text_expect(text, &word, "START END STEP or list and wavelengths", err))
+        return false;
+    scene->wavelengths_place = place;
+    if (word_is(&word, "list"))
+        return read_wavelength_list(scene, text, err);
+    *text = before;
+    return read_range(scene, text, err) && text_end(text, "wavelengths", err);
+}
+
+/* ---- picture ---- */
+
+static bool read_size(struct scene *scene, struct text *text, struct error *err)
+{
+    long width, height;
+    if (!text_integer(text, "width", 1, LONGEST_SIDE, &width, err) ||
+        !text_integer(text, "height", 1, LONGEST_SIDE, &height, err) ||
+        !text_end(text, "size", err))
+        return false;
+    scene->width = (int)width;
+    scene->height = (int)height;
+    return true;
+}
+
+bool size_read(struct scene_reader *reader, struct text *text, struct place place,
+               struct error *err)
+{
+    struct scene *scene = reader->scene;
+    if (!place_once(scene->size_place, place, "size", err))
+        return false;
+    scene->size_place = place;
+    return read_size(scene, text, err);
+}
+
+/* One of two words, the second of which sets *out. */
+static bool read_switch(struct text *text, const char *const words[3], const char *what,
+                        struct place *first, struct place place, bool *out, struct error *err)
+{
+    struct word word;
+    int chosen;
+    if (!place_once(*first, place, what, err) || !text_expect(text, &word, what, err))
+        return false;
+    *first = place;
+    chosen = word_choose(&word, words, what, err);
+    *out = chosen == 1;
+    return chosen >= 0 && text_end(text, what, err);
+}
+
+bool viewer_read(struct scene_reader *reader, struct text *text, struct place place,
+                 struct error *err)
+{
+    static const char *const words[] = {"infinite", "local", NULL};
+    struct scene *scene = reader->scene;
+    return read_switch(text, words, "viewer", &scene->viewer_place, place, &scene->local_viewer,
+                       err);
+}
+
+bool shading_read(struct scene_reader *reader, struct text *text, struct place place,
+                  struct error *err)
+{
+    static const char *const words[] = {"smooth", "flat", NULL};
+    struct scene *scene = reader->scene;
+    return read_switch(text, words, "shading", &scene->shading_place, place, &scene->flat_shading,
+                       err);
+}
+
+/* ---- camera ---- */
+
+static const struct camera ortho_default = {
+    .extent = 12, .near = -10, .far = 10, .look = {0, 0, -1}, .up = {0, 1, 0}};
+static const struct camera perspective_default = {
+    .perspective = true, .near = 1, .far = 64, .look = {0, 0, -1}, .up = {0, 1, 0}};
+
+static bool read_angle(struct text *text, double *out, struct error *err)
+{
+    struct word word;
+    if (!text_expect(text, &word, "the vertical angle of the view", err) ||
+        !word_number(&word, "angle", -HUGE_VAL, HUGE_VAL, out, err))
+        return false;
+    return (*out > 0 && *out < 180) ||
+           error_at(err, word.place, "angle %.15g is out of range; it is above 0 and below 180",
+                    *out);
+}
+
+static bool read_projection(struct text *text, struct camera *out, struct error *err)
+{
+    static const char *const words[] = {"ortho", "perspective", NULL};
+    struct word word;
+    int chosen;
+    if (!text_expect(text, &word, "ortho or perspective", err))
+        return false;
+    chosen = word_choose(&word, words, "camera", err);
+    if (chosen < 0)
+        return false;
+    *out = chosen == 1 ? perspective_default : ortho_default;
+    return chosen == 1 ? read_angle(text, &out->extent, err)
+                       : text_number(text, "width of the view", smallest_positive, HUGE_VAL,
+                                     &out->extent, err);
+}
+
+enum { CAMERA_NEAR, CAMERA_FAR, CAMERA_EYE, CAMERA_LOOK, CAMERA_UP, CAMERA_OPTIONS };
+
+static bool read_camera_option(struct text *text, int option, struct camera *out,
+                               struct error *err)
+{
+    double nearest = out->perspective ? smallest_positive : -HUGE_VAL;
+    switch (option) {
+    case CAMERA_NEAR:
+        return text_number(text, "near", nearest, HUGE_VAL, &out->near, err);
+    case CAMERA_FAR:
+        return text_number(text, "far", nearest, HUGE_VAL, &out->far, err);
+    case CAMERA_EYE:
+        return text_vector(text, "eye", &out->eye, NULL, err);
+    case CAMERA_LOOK:
+        return text_vector(text, "look", &out->look, NULL, err);
+    default:
+        return text_direction(text, "up", &out->up, err);
+    }
+}
+
+/* Two unit vectors that are parallel but for rounding, each within some 4 units of 2^-53 in every
+ * part, have a product shorter than 2^-49. */
+static bool check_camera(const struct camera *camera, struct error *err)
+{
+    struct vector view = vector_subtract(camera->look, camera->eye), side;
+    double depth = camera->far - camera->near, length = vector_length(view);
+    if (!(depth > 0 && isfinite(depth)))
+        return error_at(err, camera->place, "near %.15g must be below far %.15g", camera->near,
+                        camera->far);
+    if (!(length > 0 && isfinite(length)))
+        return error_at(err, camera->place,
+                        "eye and look are one point or too far apart; the view has no direction");
+    side = vector_cross(vector_normalise(camera->up), vector_normalise(view));
+    return vector_length(side) > 0x1p-49 ||
+           error_at(err, camera->place,
+                    "up is parallel to the view; it must point to the side of it");
+}
+
+bool camera_read(struct scene_reader *reader, struct text *text, struct place place,
+                 struct error *err)
+{
+    static const char *const words[] = {"near", "far", "eye", "look", "up", NULL};
+    struct camera *camera = &reader->scene->camera;
+    struct place given[CAMERA_OPTIONS] = {{0}};
+    struct word word;
+    if (!place_once(camera->place, place, "camera", err) || !read_projection(text, camera, err))
+        return false;
+    camera->place = place;
+    while (text_word(text, &word)) {
+        int option = word_choose(&word, words, "word for a camera", err);
+        if (option < 0 || !place_once(given[option], word.place, words[option], err) ||
+            !read_camera_option(text, option, camera, err))
+            return false;
+        given[option] = word.place;
+    }
+    return check_camera(camera, err);
+}
+
+/* ---- light ---- */
+
+static struct ambient *add_ambient(struct scene *scene, struct place place, struct error *err)
+{
+    struct ambient *grown =
+        array_more(scene->ambients, scene->n_ambients, sizeof *scene->ambients, err);
+    if (grown == NULL)
+        return NULL;
+    scene->ambients = grown;
+    grown += scene->n_ambients++;
+    grown->place = place;
+    return grown;
+}
+
+static bool read_radiation(struct text *text, struct spectrum *spectrum, double *intensity,
+                           struct error *err)
+{
+    struct word word;
+    return text_expect(text, &word, "a spectrum", err) &&
+           spectrum_read(&word, 0, HUGE_VAL, spectrum, err) &&
+           text_number(text, "intensity", 0, HUGE_VAL, intensity, err);
+}
+
+bool ambient_read(struct scene_reader *reader, struct text *text, struct place place,
+                  struct error *err)
+{
+    struct ambient *ambient = add_ambient(reader->scene, place, err);
+    return ambient != NULL && read_radiation(text, &ambient->spectrum, &ambient->intensity, err) &&
+           text_end(text, "ambient", err);
+}
+
+static bool read_source(struct text *text, struct light *out, struct error *err)
+{
+    static const char *const words[] = {"position", "direction", NULL};
+    struct word word;
+    int chosen;
+    if (!text_expect(text, &word, "position or direction", err))
+        return false;
+    chosen = word_choose(&word, words, "word for a light", err);
+    out->directional = chosen == 1;
+    if (chosen == 1)
+        return text_direction(text, "direction", &out->position, err);
+    return chosen == 0 && text_vector(text, "position", &out->position, NULL, err);
+}
+
+static bool read_attenuation(struct text *text, struct light *out, struct error *err)
+{
+    static const char *const names[] = {"constant attenuation", "linear attenuation",
+                                        "quadratic attenuation"};
+    double *k = out->attenuation;
+    for (int i = 0; i < 3; i++)
+        if (!text_number(text, names[i], 0, HUGE_VAL, &k[i], err))
+            return false;
+    return k[0] > 0 || k[1] > 0 || k[2] > 0 ||
+           error_at(err, out->attenuation_place,
+                    "attenuation 0 0 0 divides by 0; one of its numbers must be above 0");
+}
+
+static bool read_spot(struct text *text, struct light *out, struct error *err)
+{
+    double *cutoff = &out->spot_cutoff_deg;
+    struct word word;
+    out->spot = true;
+    if (!text_direction(text, "spot", &out->spot_direction, err) ||
+        !text_expect(text, &word, "a cutoff", err) ||
+        !word_number(&word, "cutoff", -HUGE_VAL, HUGE_VAL, cutoff, err))
+        return false;
+    if (!(*cutoff >= 0 && *cutoff <= 90) && *cutoff != 180)
+        return error_at(err, word.place,
+                        "cutoff %.15g is out of range; it lies between 0 and 90, or is 180",
+                        *cutoff);
+    return text_number(text, "exponent", 0, 128, &out->spot_exponent, err);
+}
+
+static bool read_light_options(struct text *text, struct light *light, struct error *err)
+{
+    static const char *const words[] = {"attenuation", "spot", NULL};
+    struct word word;
+    while (text_word(text, &word)) {
+        int option = word_choose(&word, words, "word for a light", err);
+        struct place *given = option == 0 ? &light->attenuation_place : &light->spot_place;
+        if (option < 0 || !place_once(*given, word.place, words[option], err))
+            return false;
+        if (light->directional)
+            return error_at(err, word.place,
+                            "%s needs a light with a position; a direction has no distance",
+                            words[option]);
+        *given = word.place;
+        if (option == 0 ? !read_attenuation(text, light, err) : !read_spot(text, light, err))
+            return false;
+    }
+    return true;
+}
+
+bool light_read(struct scene_reader *reader, struct text *text, struct place place,
+                struct error *err)
+{
+    struct scene *scene = reader->scene;
+    struct light *grown = array_more(scene->lights, scene->n_lights, sizeof *grown, err), *light;
+    if (grown == NULL)
+        return false;
+    scene->lights = grown;
+    light = &grown[scene->n_lights++];
+    light->place = place;
+    light->attenuation[0] = 1;
+    return read_radiation(text, &light->spectrum, &light->intensity, err) &&
+           read_source(text, light, err) && read_light_options(text, light, err);
+}
+
+/* ---- defaults ---- */
+
+bool settings_complete(struct scene *scene, struct error *err)
+{
+    static const double range[3] = {300, 760, 5};
+    if (scene->camera.place.line == 0)
+        scene->camera = ortho_default;
+    if (scene->size_place.line == 0) {
+        scene->width = 1200;
+        scene->height = 800;
+    }
+    return scene->n_wavelengths > 0 ||
+           add_range(scene, range, (struct place){scene->path, 0, 0}, err);
+}
+
+/* ---- options of the command line ---- */
+
+/* The option's value as a text that the scene keeps: spectra and settings point into it. */
+static bool open_option(struct scene *scene, const char *option, const char *value,
+                        struct text *out, struct error *err)
+{
+    if (!text_open_string(out, option, value, err) || !scene_keep(scene, out, err))
+        return false;
+    if (text_next_line(out) && strchr(value, '\n') == NULL)
+        return true;
+    return error_at(err, text_place(out), "expected one line, not '%s'", value);
+}
+
+bool scene_set_wavelengths(struct scene *scene, const char *value, struct error *err)
+{
+    bool range = strchr(value, ':') != NULL;
+    struct text text;
+    if (!open_option(scene, "--wavelengths", value, &text, err))
+        return false;
+    text.separators = range ? ":" : ",";
+    scene->n_wavelengths = 0;
+    free(scene->wavelengths_nm);
+    scene->wavelengths_nm = NULL;
+    scene->wavelengths_place = text_place(&text);
+    return range ? read_range(scene, &text, err) &&
+                       text_end(&text, "START:END:STEP", err)
+                 : read_wavelength_list(scene, &text, err);
+}
+
+bool scene_set_size(struct scene *scene, const char *value, struct error *err)
+{
+    struct text text;
+    if (!open_option(scene, "--size", value, &text, err))
+        return false;
+    text.separators = "x";
+    scene->size_place = text_place(&text);
+    return read_size(scene, &text, err);
+}
+
+/* The bytes from `start` up to `end` as a word. */
+static struct word slice(const struct text *text, const char *start, const char *end)
+{
+    struct word word = {.start = start, .length = (size_t)(end - start)};
+    word.place = text_place(text);
+    word.place.column += (int)(start - text->line_start);
+    return word;
+}
+
+/* SPECTRUM[*INTENSITY] up to the end; *intensity keeps its value where none is given. */
+static bool read_light_option(const struct text *text, const char *start,
+                              struct spectrum *spectrum, double *intensity, struct error *err)
+{
+    const char *end = text->bytes + text->length, *star = strrchr(start, '*');
+    struct word word = slice(text, start, star != NULL ? star : end), number;
+    struct spectrum fresh;
+    if (star != NULL) {
+        number = slice(text, star + 1, end);
+        if (!word_number(&number, "intensity", 0, HUGE_VAL, intensity, err))
+            return false;
+    }
+    if (word.length == 0)
+        return error_at(err, word.place, "expected a spectrum");
+    if (!spectrum_read(&word, 0, HUGE_VAL, &fresh, err))
+        return false;
+    spectrum_free(spectrum);
+    *spectrum = fresh;
+    return true;
+}
+
+bool scene_set_light(struct scene *scene, const char *value, struct error *err)
+{
+    const char *equals;
+    struct text text;
+    struct word number;
+    long n;
+    if (!open_option(scene, "--light", value, &text, err))
+        return false;
+    equals = strchr(text.bytes, '=');
+    if (equals == NULL)
+        return error_at(err, text_place(&text),
+                        "expected N=SPECTRUM or N=SPECTRUM*INTENSITY, not '%s'", value);
+    if (scene->n_lights == 0)
+        return error_at(err, text_place(&text), "the scene has no lights");
+    number = slice(&text, text.bytes, equals);
+    if (!word_integer(&number, "light", 1, scene->n_lights, &n, err))
+        return false;
+    return read_light_option(&text, equals + 1, &scene->lights[n - 1].spectrum,
+                             &scene->lights[n - 1].intensity, err);
+}
+
+bool scene_set_ambient(struct scene *scene, const char *value, struct error *err)
+{
+    struct ambient ambient = {.intensity = 1}, *kept;
+    struct text text;
+    if (!open_option(scene, "--ambient", value, &text, err) ||
+        !read_light_option(&text, text.bytes, &ambient.spectrum, &ambient.intensity, err))
+        return false;
+    for (int i = 0; i < scene->n_ambients; i++)
+        spectrum_free(&scene->ambients[i].spectrum);
+    scene->n_ambients = 0;
+    kept = add_ambient(scene, text_place(&text), err);
+    if (kept == NULL) {
+        spectrum_free(&ambient.spectrum);
+        return false;
+    }
+    ambient.place = kept->place;
+    *kept = ambient;
+    return true;
+}

@@ -1,0 +1,406 @@
+/* SPDX-License-Identifier: MIT */
+/* Scenes: what each statement means, held against the thesis's figures and against products of
+ * transforms written out by hand; and the command line's overrides. Refusals stand in test/bad. */
+#include "spectral.h"
+#include "test.h"
+
+#include <stdlib.h>
+#include <sys/stat.h>
+
+enum { PATH_SIZE = 512 };
+
+static const char *temporary(const char *name)
+{
+    static char path[PATH_SIZE];
+    const char *folder = getenv("TEST_TMP");
+    if (folder == NULL)
+        folder = "build/tmp";
+    mkdir(folder, 0777);
+    snprintf(path, sizeof path, "%s/scene", folder);
+    mkdir(path, 0777);
+    snprintf(path, sizeof path, "%s/scene/%s", folder, name);
+    return path;
+}
+
+static const char *write_text(const char *name, const char *content)
+{
+    const char *path = temporary(name);
+    FILE *file = fopen(path, "w");
+    if (file != NULL) {
+        fputs(content, file);
+        fclose(file);
+    }
+    return path;
+}
+
+/* A scene that cannot be read is a failed check, and empty. */
+static struct scene read_scene(const char *name)
+{
+    struct scene scene;
+    struct error err = {0};
+    scene_read(name, &scene, &err);
+    CHECK_TEXT(err.text, "", "%s is read", name);
+    return scene;
+}
+
+static struct scene read_string(const char *content)
+{
+    return read_scene(write_text("string.scene", content));
+}
+
+static bool same_vector(struct vector a, double x, double y, double z)
+{
+    return a.x == x && a.y == y && a.z == z;
+}
+
+/* ---- settings ---- */
+
+static void check_defaults(void)
+{
+    struct scene s = read_string("# nothing but a light\nlight d65 1 position 0 0 8\n");
+    CHECK(s.n_wavelengths == 93 && s.wavelengths_nm[0] == 300 && s.wavelengths_nm[1] == 305 &&
+              s.wavelengths_nm[92] == 760, "by default 93 wavelengths, 300 to 760 nm by 5 nm");
+    CHECK(s.width == 1200 && s.height == 800, "by default 1200 x 800 pixels");
+    CHECK(!s.camera.perspective && s.camera.extent == 12 && s.camera.near == -10 &&
+              s.camera.far == 10 && same_vector(s.camera.eye, 0, 0, 0) &&
+              same_vector(s.camera.look, 0, 0, -1) && same_vector(s.camera.up, 0, 1, 0),
+          "by default an orthographic view along -z, 12 wide and from -10 to 10 deep");
+    CHECK(!s.local_viewer && !s.flat_shading, "by default an infinite viewer, smooth shading");
+    CHECK(s.n_ambients == 0 && s.n_objects == 0 && s.n_materials == 0, "and nothing else");
+    scene_free(&s);
+    CHECK(s.path == NULL && s.n_files == 0 && s.wavelengths_nm == NULL, "freed, it is zeroed");
+    s = read_string("camera perspective 60 eye 0 1 0 look 0 0 -10\n");
+    CHECK(s.camera.perspective && s.camera.extent == 60 && s.camera.near == 1 &&
+              s.camera.far == 64 && same_vector(s.camera.eye, 0, 1, 0) &&
+              same_vector(s.camera.look, 0, 0, -10), "a perspective view is from 1 to 64 deep");
+    scene_free(&s);
+}
+
+static void check_settings(void)
+{
+    struct scene s = read_string("viewer local\nshading flat\nsize 262144 1\n"
+                                 "camera ortho 2 up 0 0 1 far 7 near -3 look 1 0 0 eye 2 0 0\n"
+                                 "ambient a 0.25\nambient 2 0\n");
+    CHECK(s.local_viewer && s.flat_shading && s.viewer_place.line == 1 && s.shading_place.line == 2,
+          "viewer and shading know their lines");
+    CHECK(s.width == 262144 && s.height == 1, "the widest picture");
+    CHECK(s.camera.near == -3 && s.camera.far == 7 && same_vector(s.camera.up, 0, 0, 1),
+          "camera words come in any order");
+    CHECK(s.n_ambients == 2 && s.ambients[0].intensity == 0.25 && s.ambients[1].intensity == 0,
+          "ambient lights add up; intensity 0 is off");
+    scene_free(&s);
+}
+
+static void check_lights(void)
+{
+    struct scene s = read_string("light 1 0.5 position 1 2 3 attenuation 0 0.5 0.25 "
+                                 "spot 0 0 -2 90 128\nlight d65*2 3 direction 0 1 1\n"
+                                 "light 1 1 position 0 0 0 spot 1 0 0 180 0\n");
+    const struct light *l = s.lights;
+    if (CHECK(s.n_lights == 3, "three lights")) {
+        CHECK(!l[0].directional && same_vector(l[0].position, 1, 2, 3) && l[0].intensity == 0.5 &&
+                  l[0].attenuation[0] == 0 && l[0].attenuation[1] == 0.5 &&
+                  l[0].attenuation[2] == 0.25, "a light with a position fades with distance");
+        CHECK(l[0].spot && same_vector(l[0].spot_direction, 0, 0, -2) &&
+                  l[0].spot_cutoff_deg == 90 && l[0].spot_exponent == 128 &&
+                  l[0].spot_place.line == 1 && l[0].spot_place.column == 51,
+              "and can be a spot");
+        CHECK(l[1].directional && same_vector(l[1].position, 0, 1, 1) && l[1].intensity == 3 &&
+                  l[1].spectrum.factor == 2 && l[1].attenuation[0] == 1 && !l[1].spot,
+              "a direction is kept as written, and its light does not fade");
+        CHECK(l[2].spot && l[2].spot_cutoff_deg == 180, "cutoff 180 lets everything through");
+    }
+    scene_free(&s);
+}
+
+/* ---- wavelengths ---- */
+
+static void check_wavelengths(void)
+{
+    /* 350 / 0.1 is a little below or above 3500 in binary; the end belongs to the range. */
+    struct scene s = read_string("wavelengths 380 730 0.1\n");
+    bool near = s.n_wavelengths == 3501;
+    for (int i = 0; near && i < 3501; i++)
+        near = fabs(s.wavelengths_nm[i] - (3800 + i) / 10.0) <= 0x1p-43; /* 1 unit at 512..1024 */
+    CHECK(near, "3501 wavelengths by 0.1 nm, each within one rounding of its decimal");
+    scene_free(&s);
+    s = read_string("wavelengths 400 700 7\n");
+    CHECK(s.n_wavelengths == 43 && s.wavelengths_nm[42] == 694, "an end between steps is left out");
+    scene_free(&s);
+    s = read_string("wavelengths 400 700 299.9999\n");
+    CHECK(s.n_wavelengths == 2 && s.wavelengths_nm[1] == 699.9999, "a near end is not the end");
+    scene_free(&s);
+    s = read_string("wavelengths 555 555 1e300\n");
+    CHECK(s.n_wavelengths == 1 && s.wavelengths_nm[0] == 555, "one wavelength with any step");
+    scene_free(&s);
+    s = read_string("wavelengths list 400 450.5 1e3 1000000\n");
+    CHECK(s.n_wavelengths == 4 && s.wavelengths_nm[1] == 450.5 && s.wavelengths_nm[3] == 1e6,
+          "a list need not be even");
+    scene_free(&s);
+    s = read_string("wavelengths 1 65535 1\n");
+    CHECK(s.n_wavelengths == 65535 && s.wavelengths_nm[65534] == 65535, "65535 wavelengths");
+    scene_free(&s);
+}
+
+/* ---- objects ---- */
+
+/* The thesis's rows, scale and first position for n objects, as its NOTES give them. */
+static const struct grid {
+    int n, columns;
+    double scale, first_x, first_y, last_x, last_y;
+} grids[] = {
+    {1, 1, 1, 0, 0, 0, 0},         {3, 3, 1, -6, 0, 6, 0},
+    {4, 2, 0.66, -3, 3, 3, -3},    {8, 4, 0.66, -9, 3, 9, -3},
+    {9, 3, 0.5, -6, 6, 6, -6},     {15, 5, 0.5, -12, 6, 12, -6},
+    {16, 4, 0.333, -9, 9, 9, -9},  {24, 6, 0.333, -15, 9, 15, -9},
+    {5, 3, 0.66, -6, 3, 0, -3},    {30, 8, 0.333, -21, 9, 9, -9},
+};
+
+static void check_grid(const struct grid *grid)
+{
+    char list[2048] = "";
+    struct scene s;
+    struct vector first, last, corner, one = {1, 1, 1};
+    for (int i = 0; i < grid->n; i++)
+        snprintf(list + strlen(list), sizeof list - strlen(list), "matt.txt # %d\n", i);
+    write_text("matt.txt", "400 0.5\n");
+    write_text("grid.list", list);
+    s = read_string("checker grid.list plane 1 1 translate 0 0 2 scale 3\n");
+    if (CHECK(s.n_objects == grid->n && s.n_materials == 1,
+              "%d lines are %d objects; one file is one material", grid->n, grid->n)) {
+        first = matrix_point(&s.objects[0].transform, (struct vector){0, 0, 0});
+        last = matrix_point(&s.objects[grid->n - 1].transform, (struct vector){0, 0, 0});
+        corner = matrix_direction(&s.objects[0].transform, one);
+        CHECK(same_vector(first, grid->scale * grid->first_x, grid->scale * grid->first_y,
+                          grid->scale * 6), "the first of %d at its place", grid->n);
+        CHECK(same_vector(last, grid->scale * grid->last_x, grid->scale * grid->last_y,
+                          grid->scale * 6), "the last of %d at its place", grid->n);
+        CHECK_NEAR(corner.x, 3 * grid->scale, 1e-15, "objects scale like their places");
+    }
+    scene_free(&s);
+}
+
+static void check_transforms(void)
+{
+    struct scene s = read_string("material m { diffuse 0.5 }\n"
+                                 "object sphere 1 8 8 material m scale 2 3 4 rotate 90 0 0 5 "
+                                 "translate 1 0 0\n"
+                                 "object sphere 1 8 8 translate 1 0 0 rotate 90 0 0 1 "
+                                 "scale -2 material m\n");
+    struct vector p = {1, 1, 1};
+    if (CHECK(s.n_objects == 2, "two objects")) {
+        /* (2,3,4), turned (-3,2,4), moved (-2,2,4) */
+        CHECK(same_vector(matrix_point(&s.objects[0].transform, p), -2, 2, 4),
+              "transforms apply in the order written");
+        /* (2,1,1), turned (-1,2,1), mirrored and doubled (2,-4,-2) */
+        CHECK(same_vector(matrix_point(&s.objects[1].transform, p), 2, -4, -2),
+              "one factor scales all axes, and may mirror");
+    }
+    scene_free(&s);
+}
+
+static void check_shapes(void)
+{
+    static const enum shape_kind kinds[] = {SHAPE_SPHERE, SHAPE_TORUS, SHAPE_BOX, SHAPE_PLANE,
+                                            SHAPE_CYLINDER, SHAPE_CONE, SHAPE_DISK, SHAPE_TEAPOT};
+    struct scene s = read_string("material m { diffuse 0.5 }\n"
+                                 "object sphere 2.8 3 2 material m\n"
+                                 "object torus 1 2 3 4096 material m\n"
+                                 "object box 1 2 3 material m\nobject plane 1 2 material m\n"
+                                 "object cylinder 1 2 3 1 material m\n"
+                                 "object cone 1 2 3 1 material m\n"
+                                 "object disk 1 3 material m\nobject teapot 1 64 material m\n"
+                                 "object mesh models/cow.obj unitize crease 30 material m\n"
+                                 "object mesh /room.obj materials room.map\n");
+    const struct shape *cow, *room;
+    if (CHECK(s.n_objects == 10, "every shape, at its smallest and largest counts")) {
+        for (int i = 0; i < 8; i++)
+            CHECK(s.objects[i].shape.kind == kinds[i] && s.objects[i].shape.parameter[0] > 0,
+                  "a %s", shape_name(kinds[i]));
+        CHECK(s.objects[1].shape.parameter[3] == 4096 && s.objects[0].shape.parameter[0] == 2.8,
+              "parameters in the order written");
+        cow = &s.objects[8].shape;
+        CHECK(cow->unitize && cow->crease_deg == 30 && cow->place.column == 13 &&
+                  strcmp(cow->path, temporary("models/cow.obj")) == 0,
+              "a mesh file is relative to the scene, and not opened");
+        room = &s.objects[9].shape;
+        CHECK(!room->unitize && room->crease_deg == 90 && s.objects[9].material == -1 &&
+                  strcmp(room->path, "/room.obj") == 0 &&
+                  strcmp(room->material_map, temporary("room.map")) == 0,
+              "a material map stands for a material");
+    }
+    scene_free(&s);
+}
+
+static void check_materials(void)
+{
+    struct scene s;
+    write_text("red.txt", "400 0.25\ng 3\n");
+    s = read_string("object sphere 1 8 8 material late\nmaterial \"un used\" none.txt\n"
+                    "material late red.txt\nmaterial half { diffuse 1 metamer late }\n"
+                    "object sphere 1 8 8 material late\nobject sphere 1 8 8 material half\n");
+    if (CHECK(s.n_materials == 3, "a file that nothing uses need not exist")) {
+        CHECK(s.objects[0].material == 1 && s.objects[1].material == 1 &&
+                  s.objects[2].material == 2, "a material may be used before it is defined");
+        CHECK(strcmp(s.materials[1].name, "late") == 0 && s.materials[1].gloss == 3,
+              "a file's material has the scene's name");
+        CHECK(s.materials[0].diffuse.kind == SPECTRUM_NONE &&
+                  strcmp(s.materials[0].path, temporary("none.txt")) == 0,
+              "an unused one keeps name and path only");
+    }
+    scene_free(&s);
+    s = read_string("material a { diffuse 1 metamer b }\nmaterial b red.txt\n"
+                    "material c { diffuse 1 metamer missing }\nobject plane 1 1 material a\n");
+    CHECK(s.n_materials == 3 && s.materials[1].diffuse.count == 1,
+          "a partner is read for the material that names it, and only then must exist");
+    scene_free(&s);
+}
+
+/* ---- files ---- */
+
+static void check_includes(void)
+{
+    struct scene s;
+    write_text("lights.scene", "light 1 1 position 0 0 8\nlight 1 2 position 0 -6 8\n");
+    s = read_string("include lights.scene\nsize 10 20\ninclude \"lights.scene\"\n");
+    CHECK(s.n_lights == 4 && s.lights[3].intensity == 2 && s.width == 10,
+          "a file may be included twice, though not by itself");
+    CHECK(s.n_lights == 4 && strcmp(s.lights[1].place.path, temporary("lights.scene")) == 0 &&
+              s.lights[1].place.line == 2, "a light knows the file and line that made it");
+    scene_free(&s);
+}
+
+static void check_thesis_scene(void)
+{
+    struct scene s = read_scene("colorchecker"), list;
+    const double *torus;
+    struct vector at;
+    if (CHECK(s.n_objects == 25 && s.n_materials == 25, "24 tori before a background")) {
+        CHECK(s.n_lights == 1 && same_vector(s.lights[0].position, 0, 0, 8) &&
+                  s.lights[0].intensity == 1 && s.n_ambients == 0,
+              "the thesis's light, and no ambient");
+        at = matrix_point(&s.objects[0].transform, (struct vector){0, 0, 0});
+        CHECK(s.objects[0].shape.parameter[0] == 14 && s.objects[0].shape.parameter[1] == 40 &&
+                  same_vector(at, 0, 0, -16), "a sphere of radius 14 at z = -16 behind");
+        CHECK(spectrum_at(&s.materials[s.objects[0].material].diffuse, 500, SPECTRUM_HOLD) == 0.2,
+              "of reflectance 0.2");
+        torus = s.objects[24].shape.parameter;
+        CHECK(torus[0] == 1.05 && torus[1] == 1.65 && torus[2] == 30 && torus[3] == 30 &&
+                  strcmp(s.materials[s.objects[24].material].name, "24-black") == 0,
+              "the last torus is the black patch");
+    }
+    list = read_scene("data/materials/colorchecker.list");
+    CHECK(list.n_objects == s.n_objects && list.n_objects == 25 &&
+              memcmp(&list.objects[24].transform, &s.objects[24].transform,
+                     sizeof list.objects[24].transform) == 0 &&
+              strcmp(list.path, "data/materials/colorchecker.list") == 0,
+          "a list of materials is shown in the same scene");
+    scene_free(&list);
+    write_text("one.list", "\n# the only one\nred.txt\n");
+    list = read_scene(temporary("one.list"));
+    CHECK(list.n_objects == 2 && strcmp(list.materials[list.objects[1].material].name, "red") == 0,
+          "a list of one material is a list");
+    scene_free(&list);
+    scene_free(&s);
+}
+
+static void check_builtin_scenes(void)
+{
+    struct error err = {0};
+    struct scene s = read_scene("patches");
+    CHECK(s.n_objects == 24 && s.n_lights == 1 && s.lights[0].directional &&
+              s.objects[0].shape.kind == SHAPE_PLANE, "patches are 24 planes in parallel light");
+    scene_free(&s);
+    s = read_scene("spheres");
+    CHECK(s.n_lights == 2 && s.n_ambients == 1 && s.local_viewer && s.camera.perspective,
+          "spheres have two lights and a near viewer");
+    scene_free(&s);
+    CHECK(!scene_read("no such scene", &s, &err) && err.status == EXIT_INPUT && s.path == NULL,
+          "an unknown scene is bad input");
+    CHECK_TEXT(err.text, "error: no built-in scene and no file 'no such scene'; "
+                         "built-in: colorchecker, patches, spheres",
+               "the message names what there is");
+}
+
+/* ---- the command line ---- */
+
+static void refuse(bool (*set)(struct scene *, const char *, struct error *), struct scene *scene,
+                   const char *value, const char *message)
+{
+    struct error err = {0};
+    CHECK(!set(scene, value, &err) && err.status == EXIT_INPUT, "'%s' is refused", value);
+    CHECK_TEXT(err.text, message, "and the message points into it");
+}
+
+static void check_overrides(void)
+{
+    struct error err = {0};
+    struct scene s = read_string("light d65*3 2 position 0 0 8\nambient 1 1\nambient 1 1\n");
+    CHECK(scene_set_wavelengths(&s, "400:700:100", &err) && s.n_wavelengths == 4 &&
+              s.wavelengths_nm[3] == 700, "START:END:STEP replaces the wavelengths");
+    CHECK_TEXT(s.wavelengths_place.path, "--wavelengths", "which then come from the option");
+    CHECK(scene_set_wavelengths(&s, "555", &err) && s.n_wavelengths == 1 &&
+              s.wavelengths_nm[0] == 555, "one wavelength");
+    CHECK(scene_set_wavelengths(&s, "400,450.5,700", &err) && s.n_wavelengths == 3 &&
+              s.wavelengths_nm[1] == 450.5, "a list");
+    CHECK(scene_set_size(&s, "640x480", &err) && s.width == 640 && s.height == 480, "WxH");
+    CHECK(scene_set_light(&s, "1=a", &err) && s.lights[0].intensity == 2 &&
+              strcmp(s.lights[0].spectrum.name, "a") == 0, "a spectrum leaves the intensity");
+    CHECK(scene_set_light(&s, "1=d65*0.5", &err) && s.lights[0].intensity == 0.5 &&
+              s.lights[0].spectrum.factor == 1, "*INTENSITY sets it, and is no factor");
+    CHECK(scene_set_light(&s, "1=data/tables/a.csv*2", &err) && s.lights[0].intensity == 2 &&
+              s.lights[0].spectrum.place.column == 3,
+          "a file is relative to the current folder");
+    CHECK(scene_set_ambient(&s, "d65", &err) && s.n_ambients == 1 &&
+              s.ambients[0].intensity == 1, "one ambient replaces all, with intensity 1");
+    CHECK(scene_set_ambient(&s, "d65*0.1", &err) && s.ambients[0].intensity == 0.1 &&
+              s.ambients[0].spectrum.factor == 1, "or the one given");
+    CHECK_TEXT(err.text, "", "no override failed");
+    scene_free(&s);
+}
+
+static void check_override_errors(void)
+{
+    struct scene s = read_string("light 1 1 position 0 0 8\nlight 1 1 position 0 0 9\n"), dark;
+    refuse(scene_set_wavelengths, &s, "400:700", "--wavelengths:1:8: error: expected a step");
+    refuse(scene_set_wavelengths, &s, "400:700:5:5", "--wavelengths:1:11: error: '5' is too much: "
+                                                     "START:END:STEP takes no more");
+    refuse(scene_set_wavelengths, &s, "", "--wavelengths: error: expected one line, not ''");
+    refuse(scene_set_wavelengths, &s, "500,400", "--wavelengths:1:5: error: wavelength 400 nm "
+                                                 "follows 500 nm; wavelengths must increase");
+    refuse(scene_set_size, &s, "640", "--size:1:4: error: expected height");
+    refuse(scene_set_size, &s, "0x480", "--size:1:1: error: width 0 is out of range; it lies "
+                                        "between 1 and 262144");
+    refuse(scene_set_light, &s, "3=d65", "--light:1:1: error: light 3 is out of range; it lies "
+                                         "between 1 and 2");
+    refuse(scene_set_light, &s, "d65", "--light:1:1: error: expected N=SPECTRUM or "
+                                       "N=SPECTRUM*INTENSITY, not 'd65'");
+    refuse(scene_set_light, &s, "1=", "--light:1:3: error: expected a spectrum");
+    refuse(scene_set_light, &s, "1=d65*-1", "--light:1:7: error: intensity -1 is below 0; it is at "
+                                            "least 0");
+    refuse(scene_set_ambient, &s, "-1", "--ambient:1:1: error: spectrum -1 is below 0; it is at "
+                                        "least 0");
+    scene_free(&s);
+    dark = read_string("size 10 10\n");
+    refuse(scene_set_light, &dark, "1=d65", "--light:1:1: error: the scene has no lights");
+    scene_free(&dark);
+}
+
+int main(void)
+{
+    check_defaults();
+    check_settings();
+    check_lights();
+    check_wavelengths();
+    for (size_t i = 0; i < sizeof grids / sizeof grids[0]; i++)
+        check_grid(&grids[i]);
+    check_transforms();
+    check_shapes();
+    check_materials();
+    check_includes();
+    check_thesis_scene();
+    check_builtin_scenes();
+    check_overrides();
+    check_override_errors();
+    return test_end();
+}
