@@ -28,8 +28,8 @@ int word_choose(const struct word *word, const char *const *known, const char *w
         if (word_is(word, known[i]))
             return i;
     for (int i = 0; known[i] != NULL && used < sizeof list; i++)
-        used += (size_t)snprintf(list + used, sizeof list - used, "%s%s", i > 0 ? ", " : "",
-                                 known[i]);
+        used +=
+            (size_t)snprintf(list + used, sizeof list - used, "%s%s", i > 0 ? ", " : "", known[i]);
     error_at(err, word->place, "unknown %s '%.*s'; known are %s", what, word_shown(word),
              word->start, list);
     return -1;

@@ -109,8 +109,7 @@ static char line_kind(const struct word *word)
 }
 
 /* The partner, made when its first line comes. */
-static struct material *partner_of(struct material *material, struct place place,
-                                   struct error *err)
+static struct material *partner_of(struct material *material, struct place place, struct error *err)
 {
     if (material->partner != NULL)
         return material->partner;
@@ -148,7 +147,8 @@ static bool read_line(struct text *text, const struct word *first, struct materi
     default:
         return error_at(err, first->place,
                         "unknown line '%.*s'; a line begins with a wavelength, g, s, f, t, mr, mg, "
-                        "ms or mf", word_shown(first), first->start);
+                        "ms or mf",
+                        word_shown(first), first->start);
     }
 }
 
@@ -312,10 +312,10 @@ enum block_kind {
     BLOCK_METAMER,
     BLOCK_END
 };
-static const char *const block_words[] = {"diffuse",   "specular", "gloss",
-                                          "fluorescence", "donaldson", "texture",
-                                          "spectral-texture", "emission", "metamer",
-                                          "}",         NULL};
+static const char *const block_words[] = {
+    "diffuse", "specular",         "gloss",    "fluorescence", "donaldson",
+    "texture", "spectral-texture", "emission", "metamer",      "}",
+    NULL};
 
 static bool block_entry(struct text *text, enum block_kind kind, struct material *out,
                         struct place open, struct error *err)
@@ -365,8 +365,8 @@ static bool complete_block(struct material *out, const struct place given[BLOCK_
     out->partner_place = given[BLOCK_METAMER];
     if (!exclude(given[BLOCK_FLUORESCENCE], given[BLOCK_DONALDSON], "fluorescence or donaldson",
                  err) ||
-        !exclude(given[BLOCK_TEXTURE], given[BLOCK_SPECTRAL_TEXTURE],
-                 "texture or spectral-texture", err))
+        !exclude(given[BLOCK_TEXTURE], given[BLOCK_SPECTRAL_TEXTURE], "texture or spectral-texture",
+                 err))
         return false;
     if (out->diffuse.kind != SPECTRUM_NONE)
         return true;

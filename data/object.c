@@ -22,8 +22,7 @@ static int find_material(const struct scene *scene, int n, const char *name)
 /* Takes over what *material owns, even if this fails. */
 static bool add_material(struct scene *scene, struct material *material, struct error *err)
 {
-    struct material *grown =
-        array_more(scene->materials, scene->n_materials, sizeof *grown, err);
+    struct material *grown = array_more(scene->materials, scene->n_materials, sizeof *grown, err);
     if (grown == NULL) {
         material_free(material);
         return false;
@@ -41,9 +40,8 @@ static bool check_name(const struct scene *scene, const struct word *word, const
         return error_at(err, word->place, "expected a name before the {");
     if (first < 0)
         return true;
-    return error_at(err, word->place,
-                    "there is a material '%.100s' already, in line %d of %.200s", name,
-                    scene->materials[first].place.line, scene->materials[first].place.path);
+    return error_at(err, word->place, "there is a material '%.100s' already, in line %d of %.200s",
+                    name, scene->materials[first].place.line, scene->materials[first].place.path);
 }
 
 /* What follows the name: the words in braces, or a file that is only noted. */
@@ -97,8 +95,8 @@ struct parameter {
 enum { MOST_FACETS = 4096, MOST_DIVISIONS = 64 };
 
 /* In the order of enum shape_kind. */
-static const char *const shape_names[] = {"sphere",   "torus", "box",  "plane",  "cylinder",
-                                          "cone",     "disk",  "teapot", "mesh", NULL};
+static const char *const shape_names[] = {"sphere", "torus", "box",    "plane", "cylinder",
+                                          "cone",   "disk",  "teapot", "mesh",  NULL};
 static const struct parameter shape_parameters[][4] = {
     {{"radius", 0, 0}, {"slices", 3, MOST_FACETS}, {"stacks", 2, MOST_FACETS}},
     {{"tube", 0, 0}, {"ring", 0, 0}, {"sides", 3, MOST_FACETS}, {"rings", 3, MOST_FACETS}},
@@ -280,8 +278,8 @@ static bool read_mesh_option(struct text *text, struct place place, bool crease,
 static bool read_option(struct text *text, const struct word *word, struct description *out,
                         struct error *err)
 {
-    static const char *const words[] = {"material", "materials", "scale",  "rotate",
-                                        "translate", "unitize",  "crease", NULL};
+    static const char *const words[] = {"material",  "materials", "scale",  "rotate",
+                                        "translate", "unitize",   "crease", NULL};
     struct object *object = &out->object;
     switch (word_choose(word, words, "word for an object", err)) {
     case 0:
@@ -376,8 +374,8 @@ static struct matrix grid_place(int i, int n)
 }
 
 /* One material file a line, each the material of a copy of the pattern. */
-static bool add_listed(struct scene_reader *reader, struct text *list,
-                       const struct object *pattern, struct error *err)
+static bool add_listed(struct scene_reader *reader, struct text *list, const struct object *pattern,
+                       struct error *err)
 {
     struct word word;
     while (text_next_line(list)) {
@@ -489,8 +487,7 @@ static bool use_named(struct scene *scene, int n_named, const char *name, struct
         return true;
     partner = find_material(scene, n_named, material->partner_name);
     if (partner < 0)
-        return refuse_unknown(scene, n_named, material->partner_place, material->partner_name,
-                              err);
+        return refuse_unknown(scene, n_named, material->partner_place, material->partner_name, err);
     return load(&scene->materials[partner], err);
 }
 

@@ -65,9 +65,9 @@ static bool include_read(struct scene_reader *reader, struct text *text, struct 
     return done;
 }
 
-static const char *const statements[] = {"wavelengths", "size",     "camera",  "viewer",
-                                         "shading",     "ambient",  "light",   "material",
-                                         "object",      "checker",  "include", NULL};
+static const char *const statements[] = {"wavelengths", "size",    "camera",  "viewer",
+                                         "shading",     "ambient", "light",   "material",
+                                         "object",      "checker", "include", NULL};
 static bool (*const statement_readers[])(struct scene_reader *, struct text *, struct place,
                                          struct error *) = {
     wavelengths_read, size_read,       camera_read, viewer_read,  shading_read, ambient_read,
@@ -100,16 +100,14 @@ static bool refuse_missing(const char *name, struct error *err)
     for (size_t i = 0; i < builtin_file_count && used < sizeof list; i++) {
         const char *file = builtin_files[i].name, *end = strrchr(file, '.');
         if (strncmp(file, folder, strlen(folder)) == 0 && end != NULL && strcmp(end, ending) == 0)
-            used += (size_t)snprintf(list + used, sizeof list - used, "%s%.*s",
-                                     used > 0 ? ", " : "",
-                                     (int)(end - file - (long)strlen(folder)),
-                                     file + strlen(folder));
+            used +=
+                (size_t)snprintf(list + used, sizeof list - used, "%s%.*s", used > 0 ? ", " : "",
+                                 (int)(end - file - (long)strlen(folder)), file + strlen(folder));
     }
     return error_usage(err, "no built-in scene and no file '%.500s'; built-in: %s", name, list);
 }
 
-static bool open_scene(struct scene *scene, const char *name, struct text *out,
-                       struct error *err)
+static bool open_scene(struct scene *scene, const char *name, struct text *out, struct error *err)
 {
     const struct place nowhere = {0};
     char builtin[256];

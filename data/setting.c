@@ -193,8 +193,7 @@ static bool read_projection(struct text *text, struct camera *out, struct error 
 
 enum { CAMERA_NEAR, CAMERA_FAR, CAMERA_EYE, CAMERA_LOOK, CAMERA_UP, CAMERA_OPTIONS };
 
-static bool read_camera_option(struct text *text, int option, struct camera *out,
-                               struct error *err)
+static bool read_camera_option(struct text *text, int option, struct camera *out, struct error *err)
 {
     double nearest = out->perspective ? smallest_positive : -HUGE_VAL;
     switch (option) {
@@ -397,8 +396,7 @@ bool scene_set_wavelengths(struct scene *scene, const char *value, struct error 
     free(scene->wavelengths_nm);
     scene->wavelengths_nm = NULL;
     scene->wavelengths_place = text_place(&text);
-    return range ? read_range(scene, &text, err) &&
-                       text_end(&text, "START:END:STEP", err)
+    return range ? read_range(scene, &text, err) && text_end(&text, "START:END:STEP", err)
                  : read_wavelength_list(scene, &text, err);
 }
 
@@ -422,8 +420,8 @@ static struct word slice(const struct text *text, const char *start, const char 
 }
 
 /* SPECTRUM[*INTENSITY] up to the end; *intensity keeps its value where none is given. */
-static bool read_light_option(const struct text *text, const char *start,
-                              struct spectrum *spectrum, double *intensity, struct error *err)
+static bool read_light_option(const struct text *text, const char *start, struct spectrum *spectrum,
+                              double *intensity, struct error *err)
 {
     const char *end = text->bytes + text->length, *star = strrchr(start, '*');
     struct word word = slice(text, start, star != NULL ? star : end), number;

@@ -50,7 +50,8 @@ static void check_matt_file(void)
 {
     struct error err;
     struct material m = read_file(write_material("matt.v2.txt", "# nothing\n\n  400 0.25 # end\r\n"
-                                                                "500\t0.75"), &err);
+                                                                "500\t0.75"),
+                                  &err);
     CHECK_TEXT(err.text, "", "a file of wavelengths and reflectances is a material");
     CHECK_TEXT(m.name, "matt.v2", "its name is the file's, without folder and ending");
     CHECK(m.diffuse.kind == SPECTRUM_SAMPLED && m.diffuse.count == 2, "it has two samples");
@@ -73,12 +74,14 @@ static void check_full_file(void)
     struct error err;
     struct material m = read_file(write_material("full.txt", "g 128\ns 400 0\n400 1\ns 500 1\n"
                                                              "f 380 2 0\nf 520 0 3\n"
-                                                             "T \"my wood.tif\"\n500 0\n"), &err);
+                                                             "T \"my wood.tif\"\n500 0\n"),
+                                  &err);
     const char *slash = m.texture != NULL ? strrchr(m.texture, '/') : NULL;
     CHECK_TEXT(err.text, "", "lines of all kinds mix in any order, small or capital");
     CHECK(m.gloss == 128 && m.gloss_place.line == 1, "gloss 128 and reflectances 0 and 1 are good");
     CHECK(m.specular.count == 2 && m.specular.value[1] == 1 && m.diffuse.count == 2 &&
-              m.diffuse.value[1] == 0, "specular and diffuse samples stay apart");
+              m.diffuse.value[1] == 0,
+          "specular and diffuse samples stay apart");
     CHECK(m.specular_place.line == 2, "the specular place is its first line");
     CHECK(m.excitation.count == 2 && m.emission.count == 2 && m.excitation.value[0] == 2 &&
               m.emission.value[1] == 3 && m.emission.wavelength_nm[1] == 520,
@@ -93,7 +96,8 @@ static void check_partner(void)
 {
     struct error err;
     struct material m = read_file(write_material("pair.txt", "400 0.5\ng 10\nmr 400 0.25\nMG 20\n"
-                                                             "mS 400 0.75\nmf 380 1 1\n"), &err);
+                                                             "mS 400 0.75\nmf 380 1 1\n"),
+                                  &err);
     CHECK_TEXT(err.text, "", "m lines describe a metameric partner");
     if (CHECK(m.partner != NULL && m.partner_place.line == 3, "the partner begins in line 3")) {
         CHECK(m.partner->diffuse.value[0] == 0.25 && m.partner->specular.value[0] == 0.75 &&
@@ -102,7 +106,8 @@ static void check_partner(void)
         CHECK_TEXT(m.partner->name, "pair", "the partner has its material's name");
     }
     CHECK(m.diffuse.value[0] == 0.5 && m.gloss == 10 && m.specular.kind == SPECTRUM_NONE &&
-              m.excitation.kind == SPECTRUM_NONE, "the material keeps its own");
+              m.excitation.kind == SPECTRUM_NONE,
+          "the material keeps its own");
     material_free(&m);
 }
 
@@ -131,7 +136,8 @@ static void check_words(void)
     struct material m = read_words(" diffuse 0.4*0.5 # comment }\n  gloss\n\t30 specular uv*0.1\n"
                                    "fluorescence gaussian:380,40 gaussian:520,60*2\n"
                                    "texture wood.tif linear emission blackbody:2856*0.5\n"
-                                   "metamer \"other one\" } tail", &rest, &err);
+                                   "metamer \"other one\" } tail",
+                                   &rest, &err);
     CHECK_TEXT(err.text, "", "words may span lines, with comments between them");
     CHECK_NEAR(spectrum_at(&m.diffuse, 500, SPECTRUM_HOLD), 0.2, 1e-16, "diffuse has a factor");
     CHECK(m.gloss == 30 && m.gloss_place.line == 2 && m.gloss_place.column == 3,
@@ -152,23 +158,24 @@ static void check_absent_words(void)
 {
     struct error err;
     struct text rest;
-    struct material m = read_words("{ emission 1 }" + 1, &rest, &err);
+    struct material m = read_words(" emission 1 }", &rest, &err);
     CHECK(err.status == EXIT_AGREED && m.diffuse.kind == SPECTRUM_CONSTANT &&
               spectrum_at(&m.diffuse, 500, SPECTRUM_HOLD) == 0,
           "what shines without a diffuse reflectance reflects nothing");
     material_free(&m);
     text_free(&rest);
-    m = read_words("{ diffuse 1 donaldson b.csv spectral-texture s.tif }" + 1, &rest, &err);
+    m = read_words(" diffuse 1 donaldson b.csv spectral-texture s.tif }", &rest, &err);
     CHECK(err.status == EXIT_AGREED && m.donaldson_place.line == 1 && m.spectral_texture != NULL &&
-              m.donaldson_place.column == 12, "a matrix and a stack go together");
+              m.donaldson_place.column == 12,
+          "a matrix and a stack go together");
     CHECK_TEXT(m.donaldson, "scenes/b.csv", "the matrix is relative to the scene");
     material_free(&m);
     text_free(&rest);
-    m = read_words("{ diffuse 1 texture a.tif }" + 1, &rest, &err);
+    m = read_words(" diffuse 1 texture a.tif }", &rest, &err);
     CHECK(err.status == EXIT_AGREED && !m.texture_linear, "a texture is nearest by default");
     material_free(&m);
     text_free(&rest);
-    m = read_words("{ gloss 10 }" + 1, &rest, &err);
+    m = read_words(" gloss 10 }", &rest, &err);
     CHECK(err.status == EXIT_INPUT && m.diffuse.kind == SPECTRUM_NONE,
           "gloss alone is no material");
     text_free(&rest);

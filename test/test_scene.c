@@ -59,7 +59,8 @@ static void check_defaults(void)
 {
     struct scene s = read_string("# nothing but a light\nlight d65 1 position 0 0 8\n");
     CHECK(s.n_wavelengths == 93 && s.wavelengths_nm[0] == 300 && s.wavelengths_nm[1] == 305 &&
-              s.wavelengths_nm[92] == 760, "by default 93 wavelengths, 300 to 760 nm by 5 nm");
+              s.wavelengths_nm[92] == 760,
+          "by default 93 wavelengths, 300 to 760 nm by 5 nm");
     CHECK(s.width == 1200 && s.height == 800, "by default 1200 x 800 pixels");
     CHECK(!s.camera.perspective && s.camera.extent == 12 && s.camera.near == -10 &&
               s.camera.far == 10 && same_vector(s.camera.eye, 0, 0, 0) &&
@@ -72,7 +73,8 @@ static void check_defaults(void)
     s = read_string("camera perspective 60 eye 0 1 0 look 0 0 -10\n");
     CHECK(s.camera.perspective && s.camera.extent == 60 && s.camera.near == 1 &&
               s.camera.far == 64 && same_vector(s.camera.eye, 0, 1, 0) &&
-              same_vector(s.camera.look, 0, 0, -10), "a perspective view is from 1 to 64 deep");
+              same_vector(s.camera.look, 0, 0, -10),
+          "a perspective view is from 1 to 64 deep");
     scene_free(&s);
 }
 
@@ -100,7 +102,8 @@ static void check_lights(void)
     if (CHECK(s.n_lights == 3, "three lights")) {
         CHECK(!l[0].directional && same_vector(l[0].position, 1, 2, 3) && l[0].intensity == 0.5 &&
                   l[0].attenuation[0] == 0 && l[0].attenuation[1] == 0.5 &&
-                  l[0].attenuation[2] == 0.25, "a light with a position fades with distance");
+                  l[0].attenuation[2] == 0.25,
+              "a light with a position fades with distance");
         CHECK(l[0].spot && same_vector(l[0].spot_direction, 0, 0, -2) &&
                   l[0].spot_cutoff_deg == 90 && l[0].spot_exponent == 128 &&
                   l[0].spot_place.line == 1 && l[0].spot_place.column == 51,
@@ -149,11 +152,10 @@ static const struct grid {
     int n, columns;
     double scale, first_x, first_y, last_x, last_y;
 } grids[] = {
-    {1, 1, 1, 0, 0, 0, 0},         {3, 3, 1, -6, 0, 6, 0},
-    {4, 2, 0.66, -3, 3, 3, -3},    {8, 4, 0.66, -9, 3, 9, -3},
-    {9, 3, 0.5, -6, 6, 6, -6},     {15, 5, 0.5, -12, 6, 12, -6},
-    {16, 4, 0.333, -9, 9, 9, -9},  {24, 6, 0.333, -15, 9, 15, -9},
-    {5, 3, 0.66, -6, 3, 0, -3},    {30, 8, 0.333, -21, 9, 9, -9},
+    {1, 1, 1, 0, 0, 0, 0},         {3, 3, 1, -6, 0, 6, 0},         {4, 2, 0.66, -3, 3, 3, -3},
+    {8, 4, 0.66, -9, 3, 9, -3},    {9, 3, 0.5, -6, 6, 6, -6},      {15, 5, 0.5, -12, 6, 12, -6},
+    {16, 4, 0.333, -9, 9, 9, -9},  {24, 6, 0.333, -15, 9, 15, -9}, {5, 3, 0.66, -6, 3, 0, -3},
+    {30, 8, 0.333, -21, 9, 9, -9},
 };
 
 static void check_grid(const struct grid *grid)
@@ -172,9 +174,11 @@ static void check_grid(const struct grid *grid)
         last = matrix_point(&s.objects[grid->n - 1].transform, (struct vector){0, 0, 0});
         corner = matrix_direction(&s.objects[0].transform, one);
         CHECK(same_vector(first, grid->scale * grid->first_x, grid->scale * grid->first_y,
-                          grid->scale * 6), "the first of %d at its place", grid->n);
+                          grid->scale * 6),
+              "the first of %d at its place", grid->n);
         CHECK(same_vector(last, grid->scale * grid->last_x, grid->scale * grid->last_y,
-                          grid->scale * 6), "the last of %d at its place", grid->n);
+                          grid->scale * 6),
+              "the last of %d at its place", grid->n);
         CHECK_NEAR(corner.x, 3 * grid->scale, 1e-15, "objects scale like their places");
     }
     scene_free(&s);
@@ -201,8 +205,8 @@ static void check_transforms(void)
 
 static void check_shapes(void)
 {
-    static const enum shape_kind kinds[] = {SHAPE_SPHERE, SHAPE_TORUS, SHAPE_BOX, SHAPE_PLANE,
-                                            SHAPE_CYLINDER, SHAPE_CONE, SHAPE_DISK, SHAPE_TEAPOT};
+    static const enum shape_kind kinds[] = {SHAPE_SPHERE,   SHAPE_TORUS, SHAPE_BOX,  SHAPE_PLANE,
+                                            SHAPE_CYLINDER, SHAPE_CONE,  SHAPE_DISK, SHAPE_TEAPOT};
     struct scene s = read_string("material m { diffuse 0.5 }\n"
                                  "object sphere 2.8 3 2 material m\n"
                                  "object torus 1 2 3 4096 material m\n"
@@ -241,7 +245,8 @@ static void check_materials(void)
                     "object sphere 1 8 8 material late\nobject sphere 1 8 8 material half\n");
     if (CHECK(s.n_materials == 3, "a file that nothing uses need not exist")) {
         CHECK(s.objects[0].material == 1 && s.objects[1].material == 1 &&
-                  s.objects[2].material == 2, "a material may be used before it is defined");
+                  s.objects[2].material == 2,
+              "a material may be used before it is defined");
         CHECK(strcmp(s.materials[1].name, "late") == 0 && s.materials[1].gloss == 3,
               "a file's material has the scene's name");
         CHECK(s.materials[0].diffuse.kind == SPECTRUM_NONE &&
@@ -266,7 +271,8 @@ static void check_includes(void)
     CHECK(s.n_lights == 4 && s.lights[3].intensity == 2 && s.width == 10,
           "a file may be included twice, though not by itself");
     CHECK(s.n_lights == 4 && strcmp(s.lights[1].place.path, temporary("lights.scene")) == 0 &&
-              s.lights[1].place.line == 2, "a light knows the file and line that made it");
+              s.lights[1].place.line == 2,
+          "a light knows the file and line that made it");
     scene_free(&s);
 }
 
@@ -281,7 +287,8 @@ static void check_thesis_scene(void)
               "the thesis's light, and no ambient");
         at = matrix_point(&s.objects[0].transform, (struct vector){0, 0, 0});
         CHECK(s.objects[0].shape.parameter[0] == 14 && s.objects[0].shape.parameter[1] == 40 &&
-                  same_vector(at, 0, 0, -16), "a sphere of radius 14 at z = -16 behind");
+                  same_vector(at, 0, 0, -16),
+              "a sphere of radius 14 at z = -16 behind");
         CHECK(spectrum_at(&s.materials[s.objects[0].material].diffuse, 500, SPECTRUM_HOLD) == 0.2,
               "of reflectance 0.2");
         torus = s.objects[24].shape.parameter;
@@ -309,7 +316,8 @@ static void check_builtin_scenes(void)
     struct error err = {0};
     struct scene s = read_scene("patches");
     CHECK(s.n_objects == 24 && s.n_lights == 1 && s.lights[0].directional &&
-              s.objects[0].shape.kind == SHAPE_PLANE, "patches are 24 planes in parallel light");
+              s.objects[0].shape.kind == SHAPE_PLANE,
+          "patches are 24 planes in parallel light");
     scene_free(&s);
     s = read_scene("spheres");
     CHECK(s.n_lights == 2 && s.n_ambients == 1 && s.local_viewer && s.camera.perspective,
@@ -317,8 +325,9 @@ static void check_builtin_scenes(void)
     scene_free(&s);
     CHECK(!scene_read("no such scene", &s, &err) && err.status == EXIT_INPUT && s.path == NULL,
           "an unknown scene is bad input");
-    CHECK_TEXT(err.text, "error: no built-in scene and no file 'no such scene'; "
-                         "built-in: colorchecker, patches, spheres",
+    CHECK_TEXT(err.text,
+               "error: no built-in scene and no file 'no such scene'; "
+               "built-in: colorchecker, patches, spheres",
                "the message names what there is");
 }
 
@@ -337,24 +346,30 @@ static void check_overrides(void)
     struct error err = {0};
     struct scene s = read_string("light d65*3 2 position 0 0 8\nambient 1 1\nambient 1 1\n");
     CHECK(scene_set_wavelengths(&s, "400:700:100", &err) && s.n_wavelengths == 4 &&
-              s.wavelengths_nm[3] == 700, "START:END:STEP replaces the wavelengths");
+              s.wavelengths_nm[3] == 700,
+          "START:END:STEP replaces the wavelengths");
     CHECK_TEXT(s.wavelengths_place.path, "--wavelengths", "which then come from the option");
     CHECK(scene_set_wavelengths(&s, "555", &err) && s.n_wavelengths == 1 &&
-              s.wavelengths_nm[0] == 555, "one wavelength");
+              s.wavelengths_nm[0] == 555,
+          "one wavelength");
     CHECK(scene_set_wavelengths(&s, "400,450.5,700", &err) && s.n_wavelengths == 3 &&
-              s.wavelengths_nm[1] == 450.5, "a list");
+              s.wavelengths_nm[1] == 450.5,
+          "a list");
     CHECK(scene_set_size(&s, "640x480", &err) && s.width == 640 && s.height == 480, "WxH");
     CHECK(scene_set_light(&s, "1=a", &err) && s.lights[0].intensity == 2 &&
-              strcmp(s.lights[0].spectrum.name, "a") == 0, "a spectrum leaves the intensity");
+              strcmp(s.lights[0].spectrum.name, "a") == 0,
+          "a spectrum leaves the intensity");
     CHECK(scene_set_light(&s, "1=d65*0.5", &err) && s.lights[0].intensity == 0.5 &&
-              s.lights[0].spectrum.factor == 1, "*INTENSITY sets it, and is no factor");
+              s.lights[0].spectrum.factor == 1,
+          "*INTENSITY sets it, and is no factor");
     CHECK(scene_set_light(&s, "1=data/tables/a.csv*2", &err) && s.lights[0].intensity == 2 &&
               s.lights[0].spectrum.place.column == 3,
           "a file is relative to the current folder");
-    CHECK(scene_set_ambient(&s, "d65", &err) && s.n_ambients == 1 &&
-              s.ambients[0].intensity == 1, "one ambient replaces all, with intensity 1");
+    CHECK(scene_set_ambient(&s, "d65", &err) && s.n_ambients == 1 && s.ambients[0].intensity == 1,
+          "one ambient replaces all, with intensity 1");
     CHECK(scene_set_ambient(&s, "d65*0.1", &err) && s.ambients[0].intensity == 0.1 &&
-              s.ambients[0].spectrum.factor == 1, "or the one given");
+              s.ambients[0].spectrum.factor == 1,
+          "or the one given");
     CHECK_TEXT(err.text, "", "no override failed");
     scene_free(&s);
 }
@@ -363,23 +378,30 @@ static void check_override_errors(void)
 {
     struct scene s = read_string("light 1 1 position 0 0 8\nlight 1 1 position 0 0 9\n"), dark;
     refuse(scene_set_wavelengths, &s, "400:700", "--wavelengths:1:8: error: expected a step");
-    refuse(scene_set_wavelengths, &s, "400:700:5:5", "--wavelengths:1:11: error: '5' is too much: "
-                                                     "START:END:STEP takes no more");
+    refuse(scene_set_wavelengths, &s, "400:700:5:5",
+           "--wavelengths:1:11: error: '5' is too much: "
+           "START:END:STEP takes no more");
     refuse(scene_set_wavelengths, &s, "", "--wavelengths: error: expected one line, not ''");
-    refuse(scene_set_wavelengths, &s, "500,400", "--wavelengths:1:5: error: wavelength 400 nm "
-                                                 "follows 500 nm; wavelengths must increase");
+    refuse(scene_set_wavelengths, &s, "500,400",
+           "--wavelengths:1:5: error: wavelength 400 nm "
+           "follows 500 nm; wavelengths must increase");
     refuse(scene_set_size, &s, "640", "--size:1:4: error: expected height");
-    refuse(scene_set_size, &s, "0x480", "--size:1:1: error: width 0 is out of range; it lies "
-                                        "between 1 and 262144");
-    refuse(scene_set_light, &s, "3=d65", "--light:1:1: error: light 3 is out of range; it lies "
-                                         "between 1 and 2");
-    refuse(scene_set_light, &s, "d65", "--light:1:1: error: expected N=SPECTRUM or "
-                                       "N=SPECTRUM*INTENSITY, not 'd65'");
+    refuse(scene_set_size, &s, "0x480",
+           "--size:1:1: error: width 0 is out of range; it lies "
+           "between 1 and 262144");
+    refuse(scene_set_light, &s, "3=d65",
+           "--light:1:1: error: light 3 is out of range; it lies "
+           "between 1 and 2");
+    refuse(scene_set_light, &s, "d65",
+           "--light:1:1: error: expected N=SPECTRUM or "
+           "N=SPECTRUM*INTENSITY, not 'd65'");
     refuse(scene_set_light, &s, "1=", "--light:1:3: error: expected a spectrum");
-    refuse(scene_set_light, &s, "1=d65*-1", "--light:1:7: error: intensity -1 is below 0; it is at "
-                                            "least 0");
-    refuse(scene_set_ambient, &s, "-1", "--ambient:1:1: error: spectrum -1 is below 0; it is at "
-                                        "least 0");
+    refuse(scene_set_light, &s, "1=d65*-1",
+           "--light:1:7: error: intensity -1 is below 0; it is at "
+           "least 0");
+    refuse(scene_set_ambient, &s, "-1",
+           "--ambient:1:1: error: spectrum -1 is below 0; it is at "
+           "least 0");
     scene_free(&s);
     dark = read_string("size 10 10\n");
     refuse(scene_set_light, &dark, "1=d65", "--light:1:1: error: the scene has no lights");

@@ -1,0 +1,54 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""Real meshes: the Stanford bunny of Debian's glmark2-data, 69 thousand triangles under two lights,
+rendered by the program ($SPECTRAL) and cross-checked at every pixel of 93 wavelengths. Prints TAP."""
+import json
+import os
+import subprocess
+
+SPECTRAL = os.environ.get("SPECTRAL", "build/spectral")
+TMP = os.path.join(os.environ.get("TEST_TMP", "build/tmp"), "meshes")
+SCENE = """size 800 800
+wavelengths 300 760 5
+{camera}
+light d65 1 position 3 3 8
+light a 0.5 direction -1 0.5 1
+material clay {{ diffuse gaussian:600,150*0.8 {gloss} }}
+object mesh /usr/share/glmark2/models/bunny.obj unitize material clay
+"""
+VIEWS = {
+    "matt": {"camera": "camera ortho 2.4", "gloss": ""},
+    "glossy, in perspective": {
+        "camera": "camera perspective 40 near 1 far 10 eye 0 0.3 3 look 0 0 0",
+        "gloss": "gloss 20 specular 0.3"},
+}
+count = 0
+
+
+def check(holds, name, report):
+    global count
+    count += 1
+    print("ok" if holds else "not ok", count, "-", name)
+    if not holds:
+        print("#", report)
+
+
+os.makedirs(TMP, exist_ok=True)
+for view, words in VIEWS.items():
+    path = os.path.join(TMP, "bunny.scene")
+    with open(path, "w") as scene:
+        scene.write(SCENE.format(**words))
+    result = subprocess.run([SPECTRAL, "render", path, "-o", "/dev/null", "--json", "-", "--quiet"],
+                            stdout=subprocess.PIPE, check=False)
+    report = json.loads(result.stdout)["check"]
+    check(result.returncode == 0 and report["unexplained_pixels"] == 0,
+          f"bunny, {view}: every pixel is explained at all 93 wavelengths", report)
+    check(report["unbounded_pixels"] == 0, f"bunny, {view}: every pixel has a bound", report)
+    check(report["samples"] == 800 * 800 * 93, f"bunny, {view}: no sample is left out", report)
+    check(report["exact"] >= 0.98 * report["samples"],
+          f"bunny, {view}: at least 98 % of the counts are exact", report)
+    check(report["tight_share"] > 0.99 and report["tight_max_counts"] <= 2,
+          f"bunny, {view}: inside smooth surfaces nothing is off by more than 2 counts", report)
+    check(0.01 < report["worst_error_over_bound"] < 1,
+          f"bunny, {view}: the bounds are neither exceeded nor far too wide", report)
+print(f"1..{count}")
