@@ -83,16 +83,21 @@ bool file_read(const char *path, struct place from, char **bytes, size_t *length
  * relative to the folder of base. "a/../" is folded in builtin paths. Allocated; NULL: no memory. */
 char *file_relative(const char *base, const char *name);
 
+/* Holds SIGINT, SIGTERM and SIGHUP back, until they are released, from this thread and those that it
+ * starts. Returns what to release, NULL without memory. Holds nest. */
+void *signals_hold(void);
+void signals_release(void *held); /* NULL is fine */
+
 /* A file that appears whole or not at all. A regular or new file is written under an exclusive
  * temporary name beside it and renamed at the end; anything else (a pipe, a device) receives a copy
- * of a finished temporary file. While an output is open SIGINT, SIGTERM and SIGHUP are held back;
- * output_interrupted() tells that one waits. */
+ * of a finished temporary file. While an output is open signals are held back; output_interrupted()
+ * tells that one waits. */
 struct output {
     int descriptor;
     char *path;      /* final name, links resolved */
     char *temporary; /* name being written; NULL when none is open */
     bool copied;     /* path is no regular file: copy instead of rename */
-    void *held;      /* the signal mask to restore */
+    void *held;      /* of signals_hold */
 };
 bool output_open(struct output *out, const char *path, struct error *err);
 bool output_interrupted(void);

@@ -213,25 +213,23 @@ static bool write_fault(struct error *err, const char *path)
 static const int held_signals[] = {SIGINT, SIGTERM, SIGHUP};
 enum { HELD_SIGNALS = sizeof held_signals / sizeof held_signals[0] };
 
-static bool hold_signals(struct output *out)
+void *signals_hold(void)
 {
-    sigset_t set;
-    out->held = malloc(sizeof(sigset_t));
-    if (out->held == NULL)
-        return false;
+    sigset_t set, *before = malloc(sizeof *before);
+    if (before == NULL)
+        return NULL;
     sigemptyset(&set);
     for (int i = 0; i < HELD_SIGNALS; i++)
         sigaddset(&set, held_signals[i]);
-    pthread_sigmask(SIG_BLOCK, &set, out->held);
-    return true;
+    pthread_sigmask(SIG_BLOCK, &set, before);
+    return before;
 }
 
-static void release_signals(struct output *out)
+void signals_release(void *held)
 {
-    if (out->held != NULL)
-        pthread_sigmask(SIG_SETMASK, out->held, NULL);
-    free(out->held);
-    out->held = NULL;
+    if (held != NULL)
+        pthread_sigmask(SIG_SETMASK, held, NULL);
+    free(held);
 }
 
 bool output_interrupted(void)
@@ -338,7 +336,8 @@ static bool open_target(struct output *out, const char *path, struct error *err)
 bool output_open(struct output *out, const char *path, struct error *err)
 {
     *out = (struct output){0};
-    if (!hold_signals(out))
+    out->held = signals_hold();
+    if (out->held == NULL)
         return error_memory(err);
     if (open_target(out, path, err))
         return true;
@@ -429,7 +428,8 @@ static bool commit_copy(struct output *out, struct error *err)
     unlink(out->temporary);
     free(out->temporary);
     out->temporary = NULL;
-    release_signals(out);
+    signals_release(out->held);
+    out->held = NULL;
     do
         target = open(out->path, O_WRONLY | O_CLOEXEC);
     while (target < 0 && errno == EINTR);
@@ -458,7 +458,8 @@ void output_discard(struct output *out)
     }
     free(out->temporary);
     free(out->path);
-    release_signals(out);
+    signals_release(out->held);
+    out->held = NULL;
     *out = (struct output){0};
 }
 

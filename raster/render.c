@@ -247,7 +247,8 @@ static bool open_stack(struct render_state *state, const char *path, struct erro
     return state->writing;
 }
 
-static bool render_all(struct render_state *state, const char *path, bool keep, struct error *err)
+/* Everything up to the first pixel. */
+static bool prepare(struct render_state *state, struct error *err)
 {
     struct render_result *result = state->result;
     const struct plan *plan = state->plan;
@@ -262,19 +263,33 @@ static bool render_all(struct render_state *state, const char *path, bool keep, 
     if (plan->options.use_gl && !open_gl(state, err))
         return false;
     clock_in(&result->seconds.gl, &since);
-    if ((path && !open_stack(state, path, err)) || !render_tiles(state, err))
+    return true;
+}
+
+static bool commit(struct render_state *state, bool keep, struct error *err)
+{
+    char verdict[STACK_VERDICT];
+    double since = now();
+    if (!state->writing || !(keep || state->result->check.unexplained == 0))
+        return true;
+    report_verdict(state->plan, &state->result->check, verdict, sizeof verdict);
+    bool done = stack_commit(&state->writer, verdict, err);
+    clock_in(&state->result->seconds.write, &since);
+    return done;
+}
+
+static bool render_all(struct render_state *state, const char *path, bool keep, struct error *err)
+{
+    /* OpenMP's and OpenGL's threads start here. None of them may take the signals that are held back
+     * while the stack is open, or they would end the program with its temporary file. */
+    void *held = signals_hold();
+    bool done = prepare(state, err);
+    signals_release(held);
+    if (!done || (path && !open_stack(state, path, err)) || !render_tiles(state, err))
         return false;
     if (state->gl)
-        result->gl = gl_work(state->gl);
-    since = now();
-    if (state->writing && (keep || result->check.unexplained == 0)) {
-        char verdict[STACK_VERDICT];
-        report_verdict(plan, &result->check, verdict, sizeof verdict);
-        if (!stack_commit(&state->writer, verdict, err))
-            return false;
-    }
-    clock_in(&result->seconds.write, &since);
-    return true;
+        state->result->gl = gl_work(state->gl);
+    return commit(state, keep, err);
 }
 
 bool render(const struct plan *plan, const char *path, bool keep,
