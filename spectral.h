@@ -180,6 +180,12 @@ struct vector vector_cross(struct vector a, struct vector b);
 double vector_length(struct vector a);             /* without avoidable overflow or underflow */
 struct vector vector_normalise(struct vector a);   /* (0,0,0) stays (0,0,0) */
 
+/* Multiples of 45 degrees are rounded correctly, others within 2 units in the last place. */
+void sine_cosine(double angle_deg, double *sine, double *cosine);
+/* The same of part/whole of a full turn, both in 0..2^32, within 1.5 units: equal fractions give
+ * equal bits, mirrored ones differ in sign or order only. */
+void sine_cosine_of_turn(int64_t part, int64_t whole, double *sine, double *cosine);
+
 struct matrix matrix_identity(void);
 struct matrix matrix_product(struct matrix a, struct matrix b); /* a after b */
 struct matrix matrix_translation(struct vector by);
@@ -272,7 +278,8 @@ struct mesh {
     int n_vertices, n_triangles;
 };
 
-/* Room for so many more; *mesh keeps what it has. Fails with EXIT_SYSTEM. */
+/* Room for so many more; *mesh keeps what it has. A second call before filling must ask for all that
+ * is still to come. Fails with EXIT_SYSTEM. */
 bool mesh_reserve(struct mesh *mesh, size_t n_vertices, size_t n_triangles, struct error *err);
 /* Reads v, vt, vn, f, g, o, usemtl, mtllib, s; refuses what is malformed; skips other known
  * statements. Faces of any size, concave too, are cut into triangles. A face without vn gets
@@ -381,6 +388,7 @@ struct stack_writer {
     struct output output;
     struct stack_options options;
     uint64_t *page_offset; /* byte offset of each page's pixels */
+    uint64_t verdict_offset;
     bool big;              /* BigTIFF */
 };
 /* Lays the file out. The strings in options are copied into the file, wavelengths by pointer. */

@@ -8,26 +8,33 @@
 
 /* ---- data/obj.c: the statements of a Wavefront OBJ file ---- */
 
+enum { POINT, TEXTURE, NORMAL };
+
 struct obj_corner {
-    int32_t point, texture, normal; /* from 0; -1: none */
+    int32_t index[3]; /* into the lists, from 0; -1: none */
 };
-/* Neighbouring corners of a face lie at different places, and a face has at least 3. */
+struct obj_list {
+    struct vector *at;
+    int n;
+};
+/* Neighbouring corners of a face lie at different places, and a face has at least 3. All counts are
+ * below 2^30, since the file is shorter than 2^31 bytes. */
 struct obj {
-    struct vector *points, *normals; /* normals of unit length or 0 0 0 */
-    double (*textures)[2];
+    struct obj_list list[3]; /* POINT, TEXTURE; NORMAL, of unit length or 0 0 0 */
     struct obj_corner *corners;
     int32_t *face_ends; /* face i has the corners up to face_ends[i], from where face i - 1 ends */
-    size_t n_points, n_normals, n_textures, n_corners, n_faces;
-    size_t room_points, room_normals, room_textures, room_corners, room_faces;
+    int n_corners, n_faces;
+    bool lacks_normals; /* perhaps: some corner has none */
 };
 
-/* Reads and checks the file; one without any face is refused. All counts are below 2^31. */
+/* Reads and checks the file; one without any face is refused. */
 bool obj_read(const char *path, struct place from, struct obj *out, struct error *err);
-bool obj_add_normal(struct obj *obj, struct vector normal, struct error *err);
+bool obj_add(struct obj_list *list, struct vector item, struct error *err);
 void obj_free(struct obj *obj);
 
 /* ---- data/polygon.c: faces of any size ---- */
 
+bool same_place(struct vector a, struct vector b);
 /* The unit normal by Newell's sum; (0,0,0) where the area is within rounding of 0. */
 struct vector polygon_normal(const struct vector *ring, int n);
 /* The interior angle at ring[i], 0..2 pi, seen against the normal. Neighbours differ. */
@@ -36,12 +43,12 @@ double polygon_angle(const struct vector *ring, int n, int i, struct vector norm
 struct cutter_node;
 struct cutter { /* working memory, for faces of up to so many corners */
     struct cutter_node *nodes;
-    int32_t *queue, *blockers;
+    int32_t *blockers;
     int32_t (*triangles)[3]; /* the result: indices into the ring */
-    int n_triangles;
+    int n_blockers, n_triangles;
     double noise; /* how far rounding may have moved a corner in the polygon's plane */
 };
-bool cutter_open(struct cutter *out, size_t corners, struct error *err);
+bool cutter_open(struct cutter *out, int corners, struct error *err);
 /* At most n - 2 triangles with the ring's orientation that fill the polygon, concave or not; those
  * with two corners at one place are left out. One without area becomes a fan. */
 void cutter_run(struct cutter *cutter, const struct vector *ring, int n);

@@ -7,20 +7,17 @@
 
 struct vector vector_add(struct vector a, struct vector b)
 {
-    struct vector sum = {a.x + b.x, a.y + b.y, a.z + b.z};
-    return sum;
+    return (struct vector){a.x + b.x, a.y + b.y, a.z + b.z};
 }
 
 struct vector vector_subtract(struct vector a, struct vector b)
 {
-    struct vector difference = {a.x - b.x, a.y - b.y, a.z - b.z};
-    return difference;
+    return (struct vector){a.x - b.x, a.y - b.y, a.z - b.z};
 }
 
 struct vector vector_scale(struct vector a, double factor)
 {
-    struct vector scaled = {a.x * factor, a.y * factor, a.z * factor};
-    return scaled;
+    return (struct vector){a.x * factor, a.y * factor, a.z * factor};
 }
 
 double vector_dot(struct vector a, struct vector b)
@@ -30,8 +27,7 @@ double vector_dot(struct vector a, struct vector b)
 
 struct vector vector_cross(struct vector a, struct vector b)
 {
-    struct vector product = {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-    return product;
+    return (struct vector){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
 /* The vector and its squared length, times a power of two (and its square) where the square of the
@@ -65,19 +61,13 @@ struct vector vector_normalise(struct vector a)
     double squared, length;
     int exponent;
     a = rescale(a, &squared, &exponent);
-    if (squared == 0)
-        return a;
-    length = sqrt(squared);
-    a.x /= length;
-    a.y /= length;
-    a.z /= length;
-    return a;
+    length = squared == 0 ? 1 : sqrt(squared);
+    return (struct vector){a.x / length, a.y / length, a.z / length};
 }
 
 struct matrix matrix_identity(void)
 {
-    struct matrix identity = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
-    return identity;
+    return (struct matrix){{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}, {0, 0, 0, 1}}};
 }
 
 struct matrix matrix_product(struct matrix a, struct matrix b)
@@ -92,73 +82,92 @@ struct matrix matrix_product(struct matrix a, struct matrix b)
 
 struct matrix matrix_translation(struct vector by)
 {
-    struct matrix m = {{{1, 0, 0, by.x}, {0, 1, 0, by.y}, {0, 0, 1, by.z}, {0, 0, 0, 1}}};
-    return m;
+    return (struct matrix){{{1, 0, 0, by.x}, {0, 1, 0, by.y}, {0, 0, 1, by.z}, {0, 0, 0, 1}}};
 }
 
 struct matrix matrix_scaling(struct vector by)
 {
-    struct matrix m = {{{by.x, 0, 0, 0}, {0, by.y, 0, 0}, {0, 0, by.z, 0}, {0, 0, 0, 1}}};
-    return m;
+    return (struct matrix){{{by.x, 0, 0, 0}, {0, by.y, 0, 0}, {0, 0, by.z, 0}, {0, 0, 0, 1}}};
 }
 
-/* Sine and cosine of an angle of at most 45 degrees by their series. The first term left out is
- * (pi/4)^19 / 19! < 1e-19 of the sine and (pi/4)^20 / 20! < 1e-20 of the cosine: below the last bit
- * (1.1e-16). */
-static void sine_cosine(double angle_deg, double *sine, double *cosine)
+/* Of head + tail of 45 degrees, 0 <= head <= 1 with 31 bits and tail below its last one. Series of
+ * the angle x + rest: the first term left out is below x^18/18! < 2^-58, and x + rest carries the
+ * angle to 2^-74, so that what remains is the rounding of the last additions: below 1.5 units in
+ * the last place, and 2 where head is 0 and all lies in a rounded tail. */
+static void series(double head, double tail, double *sine, double *cosine)
 {
-    double x = angle_deg * (3.14159265358979323846 / 180), x2 = x * x, s = 1, c = 1;
-    for (int k = 18; k > 0; k -= 2) {
-        c = 1 - c * x2 / (k * (k - 1));
-        if (k < 18)
-            s = 1 - s * x2 / (k * (k + 1));
+    /* pi/4 in two pieces; the first has 21 bits, so that its product with head is exact. */
+    const double quarter_pi = 0x1.921fbp-1, quarter_pi_rest = 0x1.5110b4611a626p-23;
+    const double exact = quarter_pi * head;
+    const double small = quarter_pi_rest * head + (quarter_pi + quarter_pi_rest) * tail;
+    const double x = exact + small, rest = small - (x - exact), square = x * x;
+    double even = 1, odd = 1;
+
+    for (int k = 15; k >= 3; k -= 2) {
+        even = 1 - square / (k * (k + 1)) * even;
+        odd = 1 - square / ((k + 1) * (k + 2)) * odd;
     }
-    *sine = s * x;
-    *cosine = c;
+    *cosine = 1 - (square / 2 * even + rest * x);
+    *sine = x + (rest * *cosine - x * square / 6 * odd);
+    if (head == 1) /* 45 degrees: sqrt(1/2), rounded correctly */
+        *sine = *cosine = 0x1.6a09e667f3bcdp-1;
+}
+
+/* Turns by so many quarters after mirroring. 0 - 0 is +0: no negative zeros. */
+static void place(bool mirrored, int quarters, double *sine, double *cosine)
+{
+    const double s = mirrored ? 0 - *sine : *sine, c = *cosine;
+    const double turned[4] = {c, 0 - s, 0 - c, s};
+
+    *cosine = turned[quarters & 3];
+    *sine = turned[(quarters + 3) & 3];
+}
+
+void sine_cosine_of_turn(int64_t part, int64_t whole, double *sine, double *cosine)
+{
+    /* From the nearest quarter of a turn, in units of 45 degrees / whole. */
+    const int64_t eighths = 8 * (part % whole), quarters = (eighths / whole + 1) / 2;
+    const int64_t off = eighths - 2 * quarters * whole;
+    const uint64_t size = (uint64_t)(off < 0 ? -off : off) << 31, unit = (uint64_t)whole;
+
+    series((double)(size / unit) * 0x1p-31, (double)(size % unit) / (double)whole * 0x1p-31, sine,
+           cosine);
+    place(off < 0, (int)quarters, sine, cosine);
+}
+
+void sine_cosine(double angle_deg, double *sine, double *cosine)
+{
+    int quarters; /* the low bits of the quotient, with its sign */
+    const double off = remquo(angle_deg, 90, &quarters), size = fabs(off); /* exact */
+    const double head = floor(size / 45 * 0x1p31) * 0x1p-31;
+
+    series(head, (size - 45 * head) / 45, sine, cosine); /* the difference is exact, too */
+    place(off < 0, quarters, sine, cosine);
 }
 
 struct matrix matrix_rotation(double angle_deg, struct vector axis)
 {
     struct vector a = vector_normalise(axis);
-    struct matrix m = matrix_identity();
-    int quarters;
-    double sine, cosine, s, c, t;
-    /* Exact, in degrees: no multiple of 90 meets a rounded pi. */
-    sine_cosine(remquo(angle_deg, 90, &quarters), &s, &c);
-    quarters &= 3; /* remquo gives at least the low three bits of the quotient, with its sign */
-    sine = quarters == 0 ? s : quarters == 1 ? c : quarters == 2 ? -s : -c;
-    cosine = quarters == 0 ? c : quarters == 1 ? -s : quarters == 2 ? -c : s;
-    t = 1 - cosine;
-    m.row[0][0] = a.x * a.x * t + cosine;
-    m.row[0][1] = a.x * a.y * t - a.z * sine;
-    m.row[0][2] = a.x * a.z * t + a.y * sine;
-    m.row[1][0] = a.x * a.y * t + a.z * sine;
-    m.row[1][1] = a.y * a.y * t + cosine;
-    m.row[1][2] = a.y * a.z * t - a.x * sine;
-    m.row[2][0] = a.x * a.z * t - a.y * sine;
-    m.row[2][1] = a.y * a.z * t + a.x * sine;
-    m.row[2][2] = a.z * a.z * t + cosine;
-    return m;
-}
-
-static void set_row(struct matrix *m, int row, struct vector direction, struct vector eye)
-{
-    m->row[row][0] = direction.x;
-    m->row[row][1] = direction.y;
-    m->row[row][2] = direction.z;
-    m->row[row][3] = -vector_dot(direction, eye);
+    double s, c, t;
+    sine_cosine(angle_deg, &s, &c);
+    t = 1 - c;
+    return (struct matrix){
+        {{a.x * a.x * t + c, a.x * a.y * t - a.z * s, a.x * a.z * t + a.y * s, 0},
+         {a.x * a.y * t + a.z * s, a.y * a.y * t + c, a.y * a.z * t - a.x * s, 0},
+         {a.x * a.z * t - a.y * s, a.y * a.z * t + a.x * s, a.z * a.z * t + c, 0},
+         {0, 0, 0, 1}}};
 }
 
 /* The rows are the camera's right side, its upward direction, and the direction behind it. */
 struct matrix matrix_look_at(struct vector eye, struct vector look, struct vector up)
 {
-    struct matrix m = matrix_identity();
-    struct vector back = vector_normalise(vector_subtract(eye, look));
-    struct vector side = vector_normalise(vector_cross(vector_normalise(up), back));
-    set_row(&m, 0, side, eye);
-    set_row(&m, 1, vector_cross(back, side), eye);
-    set_row(&m, 2, back, eye);
-    return m;
+    struct vector z = vector_normalise(vector_subtract(eye, look));
+    struct vector x = vector_normalise(vector_cross(vector_normalise(up), z));
+    struct vector y = vector_cross(z, x);
+    return (struct matrix){{{x.x, x.y, x.z, -vector_dot(x, eye)},
+                            {y.x, y.y, y.z, -vector_dot(y, eye)},
+                            {z.x, z.y, z.z, -vector_dot(z, eye)},
+                            {0, 0, 0, 1}}};
 }
 
 struct vector matrix_point(const struct matrix *m, struct vector p)
@@ -179,32 +188,30 @@ struct vector matrix_direction(const struct matrix *m, struct vector d)
     return out;
 }
 
-/* The cofactors are the inverse transpose times the determinant. Its size plays no part in a
- * direction, so that its sign is all that is taken out of them (a mirror keeps normals outward). They are of second and the determinant
- * of third degree in the entries: a matrix scaled by 1e-150 would underflow, one by 1e150 overflow,
- * so that the entries are first brought below 1 by a power of two, which is exact. */
+/* The cofactors are the inverse transpose times the determinant, of which only the sign matters to
+ * directions: it is taken out, so that a mirror keeps normals outward. Cofactors are of second and
+ * the determinant of third degree in the entries, so that those of 1e-150 would underflow and of
+ * 1e150 overflow: they are first brought below 1 by a power of two, which is exact. */
 bool matrix_normal(const struct matrix *m, struct matrix *out)
 {
-    double a[3][3], largest = 0, determinant;
+    double a[3][3], largest = 0, determinant = 0;
     int exponent;
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            largest = fmax(largest, fabs(m->row[i][j]));
+    for (int i = 0; i < 9; i++)
+        largest = fmax(largest, fabs(m->row[i / 3][i % 3]));
     *out = matrix_identity();
     if (largest == 0 || isinf(largest))
         return false;
     frexp(largest, &exponent);
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < 3; j++)
-            a[i][j] = ldexp(m->row[i][j], -exponent);
+    for (int i = 0; i < 9; i++)
+        a[i / 3][i % 3] = ldexp(m->row[i / 3][i % 3], -exponent);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
             int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
             out->row[i][j] = a[i1][j1] * a[i2][j2] - a[i1][j2] * a[i2][j1];
         }
-    determinant = a[0][0] * out->row[0][0] + a[0][1] * out->row[0][1] + a[0][2] * out->row[0][2];
-    for (int i = 0; i < 3 && determinant < 0; i++)
-        for (int j = 0; j < 3; j++)
-            out->row[i][j] = -out->row[i][j];
+    for (int j = 0; j < 3; j++)
+        determinant += a[0][j] * out->row[0][j];
+    for (int i = 0; i < 9 && determinant < 0; i++)
+        out->row[i / 3][i % 3] *= -1;
     return isfinite(determinant) && determinant != 0;
 }

@@ -47,42 +47,97 @@ static int rounded(double counts)
     return (int)(clamped(counts) + 0.5);
 }
 
-/* What single samples need only where a block stands out. */
-static void find_worst(struct check_samples *samples, const double *difference,
-                       const double *bound, size_t n)
+/* Sums over a block are kept in lanes, which the compiler can do together. A block is filled up to
+ * whole lanes with samples that are 0 and expected to be 0. */
+enum { LANES = 4 };
+
+/* Samples together with what is expected of them; difference is filled by differ. */
+struct block {
+    size_t n;
+    double seen[BLOCK], expected[BLOCK], bound[BLOCK], difference[BLOCK];
+};
+
+static size_t fill_lanes(struct block *block)
 {
-    for (size_t i = 0; i < n; i++)
-        if (difference[i] <= bound[i] && difference[i] > samples->worst_ratio * bound[i])
-            samples->worst_ratio = difference[i] / bound[i];
+    size_t n = block->n;
+    for (; n % LANES != 0; n++)
+        block->seen[n] = block->expected[n] = block->bound[n] = 0;
+    return n;
 }
 
-/* Adds up to BLOCK samples to a comparison; false when any is outside its bound. The loops are plain
- * enough for the compiler to do several samples at once. */
-static bool compare(struct check_samples *samples, const double *seen, const double *expected,
-                    const double *bound, size_t n)
+static double lane_sum(const double lanes[LANES])
 {
-    double difference[BLOCK], squares[4] = {0, 0, 0, 0}, largest = samples->largest;
-    int outside = 0, worse = 0, exact = 0, within_1 = 0;
-    for (size_t i = 0; i < n; i++) {
-        difference[i] = fabs(seen[i] - expected[i]);
-        outside |= !(difference[i] <= bound[i]);
-        worse |= difference[i] > samples->worst_ratio * bound[i];
-        squares[i % 4] += difference[i] * difference[i];
-        largest = largest > difference[i] ? largest : difference[i];
-    }
-    for (size_t i = 0; i < n; i++) {
-        int apart = rounded(seen[i]) - rounded(expected[i]);
+    return lanes[0] + lanes[1] + lanes[2] + lanes[3];
+}
+
+/* Fills differences; returns their sum of squares. */
+static double differ(struct block *block, size_t all)
+{
+    double squares[LANES] = {0};
+    for (size_t i = 0; i < all; i += LANES)
+        for (size_t k = 0; k < LANES; k++) {
+            double difference = fabs(block->seen[i + k] - block->expected[i + k]);
+            block->difference[i + k] = difference;
+            squares[k] += difference * difference;
+        }
+    return lane_sum(squares);
+}
+
+/* How many values are above factor x limits (NaN is above all). */
+static double count_above(const double *values, double factor, const double *limits, size_t all)
+{
+    double above[LANES] = {0};
+    for (size_t i = 0; i < all; i += LANES)
+        for (size_t k = 0; k < LANES; k++)
+            above[k] += values[i + k] <= factor * limits[i + k] ? 0.0 : 1.0;
+    return lane_sum(above);
+}
+
+static double count_above_one(const double *values, double limit, size_t all)
+{
+    double above[LANES] = {0};
+    for (size_t i = 0; i < all; i += LANES)
+        for (size_t k = 0; k < LANES; k++)
+            above[k] += values[i + k] <= limit ? 0.0 : 1.0;
+    return lane_sum(above);
+}
+
+/* The largest of the values and what is known already; looks only where something is larger. */
+static void raise_to(double *largest, const double *values, size_t n, size_t all)
+{
+    if (count_above_one(values, *largest, all) == 0)
+        return;
+    for (size_t i = 0; i < n; i++)
+        *largest = fmax(*largest, values[i]);
+}
+
+static void raise_ratio(double *worst, const struct block *block, size_t all)
+{
+    if (count_above(block->difference, *worst, block->bound, all) == 0)
+        return;
+    for (size_t i = 0; i < block->n; i++)
+        if (block->difference[i] <= block->bound[i] &&
+            block->difference[i] > *worst * block->bound[i])
+            *worst = block->difference[i] / block->bound[i];
+}
+
+/* Adds a block to a comparison; false when any sample is outside its bound. */
+static bool compare(struct check_samples *samples, struct block *block)
+{
+    size_t all = fill_lanes(block);
+    int exact = 0, within_1 = 0;
+    samples->sum_of_squares += differ(block, all);
+    for (size_t i = 0; i < block->n; i++) {
+        int apart = rounded(block->seen[i]) - rounded(block->expected[i]);
         exact += apart == 0;
         within_1 += apart >= -1 && apart <= 1;
     }
-    samples->n += n;
+    samples->n += block->n;
     samples->exact += (uint64_t)exact;
     samples->within_1 += (uint64_t)within_1;
-    samples->sum_of_squares += squares[0] + squares[1] + squares[2] + squares[3];
-    samples->largest = largest;
-    if (worse)
-        find_worst(samples, difference, bound, n);
-    return !outside;
+    raise_to(&samples->largest, block->difference, block->n, all);
+    raise_ratio(&samples->worst_ratio, block, all);
+    return count_above(block->difference, 1, block->bound, all) == 0;
 }
 
 static void add_samples(struct check_samples *to, const struct check_samples *from)
@@ -166,40 +221,40 @@ static void expect_run(const struct check *check, size_t first, size_t n, int ba
                    bound);
 }
 
-static void note_bounds(struct check_tally *tally, const double *seen, const double *expected,
-                        const double *bound, size_t n)
+/* Statistics of a block's bounds, after compare. Nearly all bounds are tight. */
+static void note_bounds(struct check_tally *tally, const struct block *block)
 {
-    double sum = 0, largest = tally->largest_bound, tight_largest = tally->largest_tight;
-    int tight = 0;
-    for (size_t i = 0; i < n; i++) {
-        bool is_tight = bound[i] <= TIGHT_COUNTS;
-        double difference = is_tight ? fabs(seen[i] - expected[i]) : 0;
-        sum += bound[i];
-        tight += is_tight;
-        largest = bound[i] > largest ? bound[i] : largest;
-        tight_largest = difference > tight_largest ? difference : tight_largest;
-    }
-    tally->sum_of_bounds += sum;
-    tally->n_bounds += n;
-    tally->n_tight += (uint64_t)tight;
-    tally->largest_bound = largest;
-    tally->largest_tight = tight_largest;
+    double sum[LANES] = {0};
+    size_t all = (block->n + LANES - 1) / LANES * LANES;
+    for (size_t i = 0; i < all; i += LANES)
+        for (size_t k = 0; k < LANES; k++)
+            sum[k] += block->bound[i + k];
+    tally->sum_of_bounds += lane_sum(sum);
+    tally->n_bounds += block->n;
+    raise_to(&tally->largest_bound, block->bound, block->n, all);
+    size_t loose = (size_t)count_above_one(block->bound, TIGHT_COUNTS, all);
+    tally->n_tight += block->n - loose;
+    if (loose == 0)
+        raise_to(&tally->largest_tight, block->difference, block->n, all);
+    for (size_t i = 0; i < block->n && loose > 0; i++)
+        if (block->bound[i] <= TIGHT_COUNTS)
+            tally->largest_tight = fmax(tally->largest_tight, block->difference[i]);
 }
 
 static void judge_run(struct check *check, size_t first, size_t n, int band, const float *channel)
 {
-    double seen[BLOCK], expected[BLOCK], bound[BLOCK];
+    struct block block;
+    block.n = n;
     for (size_t i = 0; i < n; i++)
-        seen[i] = (double)channel[4 * i] * full_count;
-    expect_run(check, first, n, band, expected, bound);
-    note_bounds(&check->tally, seen, expected, bound, n);
-    if (compare(&check->tally.samples, seen, expected, bound, n))
-        return;
-    for (size_t i = 0; i < n; i++) {
-        if (fabs(seen[i] - expected[i]) <= bound[i])
+        block.seen[i] = (double)channel[4 * i] * full_count;
+    expect_run(check, first, n, band, block.expected, block.bound);
+    bool explained = compare(&check->tally.samples, &block);
+    note_bounds(&check->tally, &block);
+    for (size_t i = 0; i < n && !explained; i++) {
+        if (block.difference[i] <= block.bound[i])
             continue;
         check->failed[first + i] = true;
-        note_failure(check, first + i, band, seen[i], expected[i], bound[i]);
+        note_failure(check, first + i, band, block.seen[i], block.expected[i], block.bound[i]);
     }
 }
 
@@ -235,11 +290,13 @@ static void try_candidate(struct check *check, const struct candidate *candidate
         }
         bound += rounding_bound(finish) * fabs(expected);
     }
-    trial->alive = compare(&trial->samples, &seen, &expected, &bound, 1);
+    struct block single;
+    single.n = 1;
+    single.seen[0] = trial->seen = seen;
+    single.expected[0] = trial->expected = expected;
+    single.bound[0] = trial->bound = bound;
     trial->band = band;
-    trial->seen = seen;
-    trial->expected = expected;
-    trial->bound = bound;
+    trial->alive = compare(&trial->samples, &single);
 }
 
 static void judge_contests(struct check *check, int band, int channel, const float *pixels,

@@ -280,8 +280,9 @@ static struct matrix projection_of(const struct camera *camera, int width, int h
     double aspect = (double)width / height, depth = camera->far - camera->near;
     struct matrix m = {{{0}}};
     if (camera->perspective) {
-        double half = camera->extent / 2;
-        double cotangent = 1 / tan(half * (3.14159265358979323846 / 180));
+        double sine, cosine, cotangent;
+        sine_cosine(camera->extent / 2, &sine, &cosine);
+        cotangent = cosine / sine;
         m.row[0][0] = cotangent / aspect;
         m.row[1][1] = cotangent;
         m.row[2][2] = -(camera->far + camera->near) / depth;
