@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* The command line: one function a command; only main prints errors and exits. */
 #include <errno.h>
-#include <math.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
-#include <time.h>
 #include <unistd.h>
 
 #include "spectral.h"
@@ -263,13 +261,6 @@ static bool command_plan(const struct options *options, struct error *err)
 
 /* ---- render ---- */
 
-static double now(void)
-{
-    struct timespec time;
-    clock_gettime(CLOCK_MONOTONIC, &time);
-    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-}
-
 struct progress_line {
     double start;
     double printed; /* when, so that the terminal is not flooded */
@@ -278,7 +269,7 @@ struct progress_line {
 static void show_progress(void *context, long done, long all)
 {
     struct progress_line *line = context;
-    double time = now(), elapsed = time - line->start;
+    double time = render_clock(), elapsed = time - line->start;
     if (done == all)
         fprintf(stderr, "\r%40s\r", "");
     else if (time - line->printed > 0.1) {
@@ -332,18 +323,18 @@ static bool report(const struct options *options, const struct plan *plan,
         fprintf(json_on_stdout ? stderr : stdout, "stack             %s\n", output);
     if (result->check.unexplained == 0)
         return true;
-    error_usage(err, "the pictures differ at %llu pixels%s",
-                (unsigned long long)result->check.unexplained,
-                options->keep ? "" : "; no stack was written (--keep stores it all the same)");
-    err->status = EXIT_DIFFERENT;
-    return false;
+    return report_difference(plan, &result->check,
+                             !output         ? "nothing was to be written"
+                             : options->keep ? "the stack was kept"
+                                             : "no stack was written (--keep stores it all the same)",
+                             err);
 }
 
 static bool render_planned(const struct options *options, const struct plan *plan,
                            const struct render_seconds *before, const char *output,
                            struct error *err)
 {
-    struct progress_line line = {.start = now()};
+    struct progress_line line = {.start = render_clock()};
     struct render_progress progress = {NULL, &line};
     struct render_result result;
     if (!options->quiet && isatty(STDERR_FILENO))
@@ -363,11 +354,11 @@ static bool render_scene(const struct options *options, const char *output, stru
     struct plan_options plan_options = options->plan;
     struct render_seconds seconds = {.read = 0};
     plan_options.use_gl = plan_options.check || !plan_options.store_raster;
-    double start = now();
+    double start = render_clock();
     bool done = read_scene(options, &scene, err);
-    seconds.read = now() - start;
+    seconds.read = render_clock() - start;
     done = done && plan_make(&scene, &plan_options, &plan, err);
-    seconds.plan = now() - start - seconds.read;
+    seconds.plan = render_clock() - start - seconds.read;
     done = done && render_planned(options, &plan, &seconds, output, err);
     plan_free(&plan);
     scene_free(&scene);

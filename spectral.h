@@ -713,6 +713,8 @@ struct render_progress {
     void (*step)(void *context, long done, long all);
     void *context;
 };
+/* Seconds of a clock that only goes forward. */
+double render_clock(void);
 /* Renders into the stack file at `path` (NULL: no file is written). A picture that failed its check is
  * stored only with keep; the result tells. */
 bool render(const struct plan *plan, const char *path, bool keep,
@@ -723,6 +725,9 @@ bool render(const struct plan *plan, const char *path, bool keep,
 /* The verdict in one line of ASCII, for the stack. */
 void report_verdict(const struct plan *plan, const struct check_tally *tally, char *out,
                     size_t capacity);
+/* Returns false with EXIT_DIFFERENT: where the pictures first differ, and `then` what follows from it. */
+bool report_difference(const struct plan *plan, const struct check_tally *tally, const char *then,
+                       struct error *err);
 void report_print(const struct plan *plan, const struct render_result *result, FILE *to);
 /* One JSON object, allocated; NULL: no memory. output and sha256 may be NULL. */
 char *report_json(const struct plan *plan, const struct render_result *result, const char *output,

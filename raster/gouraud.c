@@ -266,8 +266,38 @@ static void shares_at(const struct facet *facet, double px, double py, double ou
     }
 }
 
-/* Bounds on the interpolation of each term (and of the constant part, row 0) that hold in the whole
- * facet: the worst of the pieces that OpenGL sets up. Where none has a bound, the values' range. */
+/* A term's weight (row 0: the constant part, which is 1) at a corner of a piece. */
+static double weight_at(const struct coverage *coverage, const struct facet *facet,
+                        const double share[3], size_t row)
+{
+    const struct surface *surface = &coverage->surfaces[facet->surface];
+    size_t n_terms = (size_t)surface->finish->n_terms;
+    double weight = 0;
+    for (int j = 0; j < 3; j++)
+        weight += share[j] * surface->weights[(size_t)facet->vertex[j] * n_terms + row - 1];
+    return weight;
+}
+
+/* The bound of one term in one piece: of its interpolation, and by how much position errors magnify
+ * those of its vertices. Where the piece has no bound, its values' range. */
+static double piece_bound(const struct coverage *coverage, const struct facet *facet,
+                          const struct piece *piece, size_t row)
+{
+    const struct surface *surface = &coverage->surfaces[facet->surface];
+    size_t n_terms = (size_t)surface->finish->n_terms;
+    double values[3] = {1, 1, 1}, e_vertex = 0, magnification = bound_magnification(&piece->outline);
+    for (int c = 0; c < 3 && row > 0; c++) {
+        size_t at = (size_t)facet->vertex[c] * n_terms + row - 1;
+        values[c] = weight_at(coverage, facet, piece->share[c], row);
+        e_vertex = fmax(e_vertex, (double)surface->errors[at]);
+    }
+    if (magnification < HUGE_VAL)
+        return magnification * bound_colour(&piece->outline, values) +
+               (magnification - 1) * e_vertex;
+    return most(values) - least(values);
+}
+
+/* Bounds of all terms that hold in the whole facet: the worst of the pieces that OpenGL sets up. */
 static const float *bounds_of(struct coverage *coverage, int32_t index)
 {
     size_t n_rows = 1 + (size_t)coverage->plan->max_terms;
@@ -276,25 +306,13 @@ static const float *bounds_of(struct coverage *coverage, int32_t index)
         return bounds;
     coverage->bounded[index] = true;
     const struct facet *facet = &coverage->facets[index];
-    const struct surface *surface = &coverage->surfaces[facet->surface];
     struct piece pieces[CLIP_CORNERS - 2];
     int n = facet_pieces(coverage->plan, coverage->surfaces, coverage->tile, facet, pieces);
-    size_t n_terms = (size_t)surface->finish->n_terms;
+    size_t n_terms = (size_t)coverage->surfaces[facet->surface].finish->n_terms;
     for (size_t row = 0; row <= n_terms; row++) {
         double worst = 0;
-        for (int i = 0; i < n; i++) {
-            double magnification = bound_magnification(&pieces[i].outline), values[3] = {1, 1, 1};
-            for (int c = 0; c < 3 && row > 0; c++) {
-                values[c] = 0;
-                for (int j = 0; j < 3; j++)
-                    values[c] += pieces[i].share[c][j] *
-                                 surface->weights[(size_t)facet->vertex[j] * n_terms + row - 1];
-            }
-            double bound = magnification < HUGE_VAL
-                               ? magnification * bound_colour(&pieces[i].outline, values)
-                               : most(values) - least(values);
-            worst = fmax(worst, bound);
-        }
+        for (int i = 0; i < n; i++)
+            worst = fmax(worst, piece_bound(coverage, facet, &pieces[i], row));
         bounds[row] = (float)worst;
     }
     return bounds;

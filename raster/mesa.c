@@ -45,9 +45,12 @@ static bool open_context(struct gl *gl, struct error *err)
                                      0};
     const struct plan *plan = gl->plan;
     size_t n_pixels = (size_t)plan->tile_width * (size_t)plan->tile_height;
+    char threads[16];
     gl->pixels = calloc(n_pixels, 4 * sizeof *gl->pixels);
     if (!gl->pixels)
         return error_memory(err);
+    snprintf(threads, sizeof threads, "%d", plan->options.threads);
+    setenv("LP_NUM_THREADS", threads, 0); /* for llvmpipe; a user's own setting stands */
     gl->context = OSMesaCreateContextAttribs(attributes, NULL);
     if (!gl->context ||
         !OSMesaMakeCurrent(gl->context, gl->pixels, GL_FLOAT, plan->tile_width, plan->tile_height))

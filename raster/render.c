@@ -22,7 +22,7 @@ struct render_state {
     struct render_result *result;
 };
 
-static double now(void)
+double render_clock(void)
 {
     struct timespec time;
     clock_gettime(CLOCK_MONOTONIC, &time);
@@ -32,7 +32,7 @@ static double now(void)
 /* Adds the seconds since *since to a part, and starts the next one. */
 static void clock_in(double *part, double *since)
 {
-    double time = now();
+    double time = render_clock();
     *part += time - *since;
     *since = time;
 }
@@ -154,7 +154,7 @@ static bool render_pass(struct render_state *state, const struct tile *tile, int
 {
     struct render_seconds *seconds = &state->result->seconds;
     const float *pixels = NULL;
-    double since = now();
+    double since = render_clock();
     if (state->gl &&
         !gl_draw(state->gl, pass * BANDS_PER_PASS, state->result->full_scale, &pixels, err))
         return false;
@@ -181,7 +181,7 @@ static bool render_pass(struct render_state *state, const struct tile *tile, int
 static bool render_tile(struct render_state *state, const struct tile *tile, struct error *err)
 {
     const struct plan *plan = state->plan;
-    double since = now();
+    double since = render_clock();
     bool done = !(plan->options.check || plan->options.store_raster) ||
                 rasterize_tile(state, tile, err);
     clock_in(&state->result->seconds.raster, &since);
@@ -252,7 +252,7 @@ static bool prepare(struct render_state *state, struct error *err)
 {
     struct render_result *result = state->result;
     const struct plan *plan = state->plan;
-    double since = now();
+    double since = render_clock();
     if (!surfaces_light(plan, &state->surfaces, &result->light, err))
         return false;
     result->full_scale = plan->options.full_scale;
@@ -269,7 +269,7 @@ static bool prepare(struct render_state *state, struct error *err)
 static bool commit(struct render_state *state, bool keep, struct error *err)
 {
     char verdict[STACK_VERDICT];
-    double since = now();
+    double since = render_clock();
     if (!state->writing || !(keep || state->result->check.unexplained == 0))
         return true;
     report_verdict(state->plan, &state->result->check, verdict, sizeof verdict);
@@ -296,7 +296,7 @@ bool render(const struct plan *plan, const char *path, bool keep,
             const struct render_progress *progress, struct render_result *out, struct error *err)
 {
     struct render_state state = {.plan = plan, .progress = progress, .result = out};
-    double since = now();
+    double since = render_clock();
     *out = (struct render_result){.full_scale = 0};
     bool done = render_all(&state, path, keep, err);
     if (state.writing)

@@ -46,20 +46,7 @@ void report_verdict(const struct plan *plan, const struct check_tally *tally, ch
 
 /* ---- in words ---- */
 
-static void print_failure(const struct plan *plan, const struct check_failure *first, FILE *to)
-{
-    const struct place none = {NULL, 0, 0};
-    const struct place *place =
-        first->surface < 0 ? &none : &plan->bodies[first->surface].object->place;
-    fprintf(to, "first unexplained pixel %d,%d at %.10g nm, %s", first->x, first->y,
-            plan->scene->wavelengths_nm[first->band], object_name(plan, first->surface));
-    if (place->path)
-        fprintf(to, " (%s:%d)", place->path, place->line);
-    fprintf(to, ": OpenGL %.4g, reference %.4g, bound %.4g counts\n", first->seen, first->expected,
-            first->bound);
-}
-
-static void print_check(const struct plan *plan, const struct check_tally *tally, FILE *to)
+static void print_check(const struct check_tally *tally, FILE *to)
 {
     const struct check_samples *samples = &tally->samples;
     fprintf(to, "samples           %llu\n", (unsigned long long)samples->n);
@@ -78,8 +65,6 @@ static void print_check(const struct plan *plan, const struct check_tally *tally
             (unsigned long long)tally->pixels, (unsigned long long)tally->ambiguous,
             (unsigned long long)tally->unbounded);
     fprintf(to, "unexplained       %llu\n", (unsigned long long)tally->unexplained);
-    if (tally->first.found)
-        print_failure(plan, &tally->first, to);
 }
 
 void report_print(const struct plan *plan, const struct render_result *result, FILE *to)
@@ -91,7 +76,7 @@ void report_print(const struct plan *plan, const struct render_result *result, F
     if (plan->options.use_gl)
         fprintf(to, "OpenGL            %s, %s\n", result->gl_renderer, result->gl_version);
     if (plan->options.check)
-        print_check(plan, &result->check, to);
+        print_check(&result->check, to);
     else
         fprintf(to, "cross-check       not made\n");
     if (result->clipped)
@@ -102,6 +87,27 @@ void report_print(const struct plan *plan, const struct render_result *result, F
             "write %.3f)\n",
             seconds->total, seconds->read, seconds->plan, seconds->gl, seconds->raster,
             seconds->check, seconds->write);
+}
+
+bool report_difference(const struct plan *plan, const struct check_tally *tally, const char *then,
+                       struct error *err)
+{
+    const struct check_failure *first = &tally->first;
+    struct place place = {NULL, 0, 0};
+    char where[256] = "";
+    if (first->surface >= 0)
+        place = plan->bodies[first->surface].object->place;
+    if (place.path)
+        snprintf(where, sizeof where, " (%s:%d)", place.path, place.line);
+    error_usage(err,
+                "the pictures differ at %llu of %llu pixels, first at %d,%d at %.10g nm on %s%s: "
+                "OpenGL %.6g, reference %.6g, bound %.3g counts; %s",
+                (unsigned long long)tally->unexplained, (unsigned long long)tally->pixels, first->x,
+                first->y, plan->scene->wavelengths_nm[first->band],
+                object_name(plan, first->surface), where, first->seen, first->expected,
+                first->bound, then);
+    err->status = EXIT_DIFFERENT;
+    return false;
 }
 
 /* ---- as JSON (RFC 8259) ---- */

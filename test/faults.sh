@@ -25,8 +25,9 @@ prints '^unexplained +0$' "and no pixel is unexplained"
 rm -f "$tmp/out.tif"
 for fault in wavelength triangle shift pixel; do
     exits 1 "a planted fault is found: $fault" render "$fault"
-    prints 'unexplained pixel [0-9]+,[0-9]+ at [0-9]+ nm, [a-z0-9-]+' \
+    says 'first at [0-9]+,[0-9]+ at [0-9]+ nm on [a-z0-9-]+ \(.*fault\.scene:[67]\)' \
         "$fault: pixel, wavelength and object are named"
+    one_line "$fault"
     absent "$tmp/out.tif" "$fault"
 done
 exits 1 "one wrong pixel fails the whole picture" render pixel

@@ -266,8 +266,8 @@ static const char *const bad_files[][2] = {
      "SPECTRAL_NORM 2\nBEGIN_DATA\n3\nEND_DATA\n",
      ":7:1: error: value 3 is above 2; it lies between 0 and 2"},
     {"SPECT\nBEGIN_DATA_FORMAT\nA\n",
-     ":2:1: error: BEGIN_DATA_FORMAT without END_DATA_FORMAT"},
-    {"SPECT\n", ": error: no BEGIN_DATA; a spectrum needs samples"},
+     ": error: no samples; a spectrum needs at least one"},
+    {"SPECT\n", ": error: no samples; a spectrum needs at least one"},
 };
 
 static void check_bad_files(void)
@@ -312,7 +312,7 @@ static void check_bad_words(void)
                "line:1:14: error: width -1 is not above 0; it lies between 0 and 1000000",
                "and so is a part of a formula");
     read_between("blackbody:5", 0, HUGE_VAL, &err);
-    CHECK(strstr(err.text, "too large for a number") != NULL,
+    CHECK(strstr(err.text, "reaches inf, above 1.79769313486232e+308") != NULL,
           "a blackbody too cold for its infrared is refused");
     read_between("d65*1e308*1e308", 0, HUGE_VAL, &err);
     CHECK(err.text[0] != '\0', "only the last * is a factor");
