@@ -57,6 +57,9 @@ bool error_usage(struct error *err, const char *format, ...) PRINTF_LIKE(2, 3);
 bool error_system(struct error *err, const char *format, ...) PRINTF_LIKE(2, 3);
 bool error_memory(struct error *err);
 
+/* `array` with room for element `count`, which is zeroed; NULL after an error, array untouched. */
+void *array_more(void *array, int count, size_t size, struct error *err);
+
 /* ---- data/file.c: whole reads, compiled-in files, atomic replacement ---- */
 
 /* The compiled-in files have paths "builtin:" + name, e.g. builtin:tables/d65.csv. */
@@ -149,6 +152,8 @@ bool text_end(struct text *text, const char *what, struct error *err);
 struct place text_place(const struct text *text);
 struct place text_whole(const struct text *text);
 
+/* How many bytes of a word a message repeats, as the precision of %.*s. */
+int word_shown(const struct word *word);
 bool word_is(const struct word *word, const char *literal); /* false for quoted words */
 char *word_copy(const struct word *word);                   /* allocated; NULL: no memory */
 /* Numbers are read whole or refused: 1.5abc, 1e999, nan, inf and 0x10 are errors. `what` names the
@@ -233,7 +238,6 @@ bool spectrum_append(struct spectrum *spectrum, double wavelength_nm, double val
 double spectrum_at(const struct spectrum *spectrum, double wavelength_nm, enum spectrum_ends ends);
 /* True when wavelength_nm lies outside the samples of a sampled spectrum. */
 bool spectrum_extrapolates(const struct spectrum *spectrum, double wavelength_nm);
-bool spectrum_copy(const struct spectrum *from, struct spectrum *out, struct error *err);
 void spectrum_free(struct spectrum *spectrum);
 
 /* ---- data/material.c: the thesis's material files and lists of them ---- */
@@ -278,8 +282,8 @@ struct mesh {
     int n_vertices, n_triangles;
 };
 
-/* Room for so many more; *mesh keeps what it has. A second call before filling must ask for all that
- * is still to come. Fails with EXIT_SYSTEM. */
+/* Room for so many more; *mesh keeps what it has. A second call before filling must ask for all
+ * that is still to come. Fails with EXIT_SYSTEM. */
 bool mesh_reserve(struct mesh *mesh, size_t n_vertices, size_t n_triangles, struct error *err);
 /* Reads v, vt, vn, f, g, o, usemtl, mtllib, s; refuses what is malformed; skips other known
  * statements. Faces of any size, concave too, are cut into triangles. A face without vn gets

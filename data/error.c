@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* Failures as one line of text and an exit status. No allocation, so that it works when memory has
- * run out; nothing is printed here, so that only the command line decides what the user sees. */
+/* Failures as one line of text and an exit status, and memory that fails in the same way. Texts take no
+ * allocation, so that they work when memory has run out; nothing is printed here, so that only the
+ * command line decides what the user sees. */
 #include "spectral.h"
 
 #include <errno.h>
+#include <limits.h>
 #include <stdarg.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Words and file names reach the text as they are; a control character among them could otherwise
@@ -75,4 +78,24 @@ bool error_memory(struct error *err)
 {
     errno = 0;
     return error_system(err, "out of memory");
+}
+
+/* A count that is a power of two has filled its array, which then doubles. */
+void *array_more(void *array, int count, size_t size, struct error *err)
+{
+    size_t room = count > 0 ? 2 * (size_t)count : 1;
+    char *grown = array;
+    if (count > INT_MAX / 2 || room > SIZE_MAX / size) {
+        error_memory(err);
+        return NULL;
+    }
+    if ((count & (count - 1)) == 0) {
+        grown = realloc(array, room * size);
+        if (grown == NULL) {
+            error_memory(err);
+            return NULL;
+        }
+    }
+    memset(grown + (size_t)count * size, 0, size);
+    return grown;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Whole reads, and outputs that appear whole or not at all: a long rendering must never leave a
- * half-written stack or destroy the one that stood there before. */
+ * half-written stack or destroy the one that stood there before. Nobody installs signal handlers,
+ * so that no system call is interrupted. */
 #include "spectral.h"
 
 #include <errno.h>
@@ -63,20 +64,18 @@ static void fold(char *path)
 
 char *file_relative(const char *base, const char *name)
 {
-    bool whole = base == NULL || name[0] == '/' || is_builtin(name);
+    const bool whole = base == NULL || name[0] == '/' || is_builtin(name);
     const char *slash = whole ? NULL : strrchr(base, '/');
-    size_t folder = 0, length = strlen(name);
+    size_t folder = 0;
     char *path;
     if (slash != NULL)
         folder = (size_t)(slash + 1 - base);
     else if (!whole && is_builtin(base))
         folder = strlen(builtin_prefix);
-    path = malloc(folder + length + 1);
+    path = malloc(folder + strlen(name) + 1);
     if (path == NULL)
         return NULL;
-    if (folder > 0)
-        memcpy(path, base, folder);
-    memcpy(path + folder, name, length + 1);
+    sprintf(path, "%.*s%s", (int)folder, folder > 0 ? base : "", name);
     if (is_builtin(path))
         fold(path + strlen(builtin_prefix));
     return path;
@@ -87,53 +86,32 @@ char *file_relative(const char *base, const char *name)
 /* A place counts lines and columns in int; a longer file could not be blamed. */
 static const size_t longest_read = INT_MAX;
 
-static bool read_fault(struct error *err, struct place from, const char *path)
+static bool refuse_read(struct error *err, struct place from, const char *path, const char *why)
 {
-    return error_at(err, from, "cannot read %s: %s", path, strerror(errno));
+    return error_at(err, from, "cannot read %s: %s", path, why);
 }
 
-static bool refuse_long(struct error *err, struct place from, const char *path)
-{
-    return error_at(err, from, "%s is too long; text files end at %zu bytes", path, longest_read);
-}
-
-static bool grow(char **bytes, size_t *capacity)
-{
-    size_t larger = *capacity <= longest_read / 2 ? 2 * *capacity : longest_read + 2;
-    char *grown = realloc(*bytes, larger);
-    if (grown == NULL)
-        return false;
-    *bytes = grown;
-    *capacity = larger;
-    return true;
-}
-
-/* Looks for NUL bytes while it reads, so that /dev/zero ends at once. */
+/* Looks for NUL bytes while it reads, so that /dev/zero ends at once. Room is kept for a NUL. */
 static bool read_open(int descriptor, size_t capacity, const char *path, struct place from,
                       char **bytes, size_t *length, struct error *err)
 {
-    struct place whole = {path, 0, 0};
-    *bytes = malloc(capacity);
-    if (*bytes == NULL)
-        return error_memory(err);
-    for (;;) {
-        char *zero;
-        ssize_t got = read(descriptor, *bytes + *length, capacity - 1 - *length);
-        if (got < 0 && errno == EINTR)
-            continue;
+    for (ssize_t got = 1; got != 0;) {
+        char *zero, *more = realloc(*bytes, capacity);
+        if (more == NULL)
+            return error_memory(err);
+        *bytes = more;
+        got = read(descriptor, more + *length, capacity - 1 - *length);
         if (got < 0)
-            return read_fault(err, from, path);
-        if (got == 0)
-            break;
-        zero = memchr(*bytes + *length, '\0', (size_t)got);
+            return refuse_read(err, from, path, strerror(errno));
+        zero = memchr(more + *length, '\0', (size_t)got);
         if (zero != NULL)
-            return error_at(err, whole, "byte %zu is NUL, so this is no text file",
-                            (size_t)(zero - *bytes) + 1);
+            return error_at(err, (struct place){path, 0, 0},
+                            "byte %zu is NUL, so this is no text file", (size_t)(zero - more) + 1);
         *length += (size_t)got;
         if (*length > longest_read)
-            return refuse_long(err, from, path);
-        if (*length + 1 == capacity && !grow(bytes, &capacity))
-            return error_memory(err);
+            return refuse_read(err, from, path, "it is too long for a text file");
+        if (*length + 1 == capacity)
+            capacity += capacity / 2;
     }
     (*bytes)[*length] = '\0';
     return true;
@@ -144,16 +122,16 @@ static bool read_path(const char *path, struct place from, char **bytes, size_t 
 {
     size_t capacity = 1 << 16;
     struct stat status;
-    bool done;
-    int descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    bool done = false;
+    const int descriptor = open(path, O_RDONLY | O_CLOEXEC);
     if (descriptor < 0)
-        return read_fault(err, from, path);
+        return refuse_read(err, from, path, strerror(errno));
     if (fstat(descriptor, &status) != 0)
-        done = read_fault(err, from, path);
+        refuse_read(err, from, path, strerror(errno));
     else if (S_ISDIR(status.st_mode))
-        done = error_at(err, from, "cannot read %s: it is a folder", path);
+        refuse_read(err, from, path, "it is a folder");
     else if (S_ISREG(status.st_mode) && status.st_size > (off_t)longest_read)
-        done = refuse_long(err, from, path);
+        refuse_read(err, from, path, "it is too long for a text file");
     else {
         /* One byte for the NUL, and one so that the read that meets the end has room. */
         if (S_ISREG(status.st_mode) && status.st_size > 0)
@@ -169,12 +147,11 @@ static bool read_builtin(const char *path, struct place from, char **bytes, size
 {
     const struct builtin_file *file = builtin_find(path);
     if (file == NULL)
-        return error_at(err, from, "cannot read %s: there is no such built-in file", path);
-    *bytes = malloc(file->length + 1);
+        return refuse_read(err, from, path, "there is no such built-in file");
+    *bytes = calloc(file->length + 1, 1);
     if (*bytes == NULL)
         return error_memory(err);
     memcpy(*bytes, file->bytes, file->length);
-    (*bytes)[file->length] = '\0';
     *length = file->length;
     return true;
 }
@@ -182,17 +159,15 @@ static bool read_builtin(const char *path, struct place from, char **bytes, size
 bool file_read(const char *path, struct place from, char **bytes, size_t *length,
                struct error *err)
 {
-    bool done;
     *bytes = NULL;
     *length = 0;
-    done = is_builtin(path) ? read_builtin(path, from, bytes, length, err)
-                            : read_path(path, from, bytes, length, err);
-    if (!done) {
-        free(*bytes);
-        *bytes = NULL;
-        *length = 0;
-    }
-    return done;
+    if (is_builtin(path) ? read_builtin(path, from, bytes, length, err)
+                         : read_path(path, from, bytes, length, err))
+        return true;
+    free(*bytes);
+    *bytes = NULL;
+    *length = 0;
+    return false;
 }
 
 /* ---- writing ---- */
@@ -247,17 +222,17 @@ bool output_interrupted(void)
     return false;
 }
 
-/* Creates .NAME.PID.N.tmp in `folder` (with its slash, or empty); a leftover of an earlier process
- * with this number is stepped over. NAME is cut so that the whole stays below NAME_MAX. */
-static bool create_temporary(struct output *out, const char *folder, size_t folder_length,
-                             const char *name, mode_t mode)
+/* Creates .NAME.PID.N.tmp beside the path; a leftover of an earlier process with this number is
+ * stepped over. NAME is cut so that the whole stays below NAME_MAX. */
+static bool create_temporary(struct output *out, const char *path, mode_t mode)
 {
-    size_t capacity = folder_length + 256;
+    const char *slash = strrchr(path, '/'), *name = slash != NULL ? slash + 1 : path;
+    const size_t capacity = strlen(path) + 64;
     out->temporary = malloc(capacity);
     if (out->temporary == NULL)
         return false;
     for (int attempt = 0; attempt < 10000; attempt++) {
-        snprintf(out->temporary, capacity, "%.*s.%.200s.%ld.%d.tmp", (int)folder_length, folder,
+        snprintf(out->temporary, capacity, "%.*s.%.200s.%ld.%d.tmp", (int)(name - path), path,
                  name, (long)getpid(), attempt);
         out->descriptor = open(out->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode);
         if (out->descriptor >= 0)
@@ -274,42 +249,28 @@ static bool create_temporary(struct output *out, const char *folder, size_t fold
 static bool open_copied(struct output *out, const char *path, struct error *err)
 {
     const char *folder = getenv("TMPDIR");
-    char *inside;
-    bool created;
+    char beside[PATH_MAX];
     if (folder == NULL || folder[0] == '\0')
         folder = "/tmp";
+    snprintf(beside, sizeof beside, "%s/spectral", folder);
     out->copied = true;
     out->path = strdup(path);
-    inside = malloc(strlen(folder) + 2);
-    if (out->path == NULL || inside == NULL) {
-        free(inside);
+    if (out->path == NULL)
         return error_memory(err);
-    }
-    strcpy(inside, folder);
-    strcat(inside, "/");
-    created = create_temporary(out, inside, strlen(inside), "spectral", 0600);
-    free(inside);
-    return created || error_system(err, "cannot create a temporary file in %s", folder);
+    return create_temporary(out, beside, 0600) ||
+           error_system(err, "cannot create a temporary file in %s", folder);
 }
 
-/* A regular file or a name that is still free. `existing` NULL: free. */
+/* A regular file or a name that is still free. `existing` NULL: free. The umask takes bits that the
+ * replaced file may have. */
 static bool open_beside(struct output *out, const char *path, const struct stat *existing,
                         struct error *err)
 {
-    mode_t mode = existing != NULL ? existing->st_mode & 0777 : 0666;
-    const char *slash;
-    size_t folder;
+    const mode_t mode = existing != NULL ? existing->st_mode & 0777 : 0666;
     out->path = existing != NULL ? realpath(path, NULL) : strdup(path);
-    if (out->path == NULL)
-        return write_fault(err, path);
-    slash = strrchr(out->path, '/');
-    folder = slash != NULL ? (size_t)(slash + 1 - out->path) : 0;
-    if (!create_temporary(out, out->path, folder, out->path + folder, mode))
-        return write_fault(err, path);
-    /* The umask has taken bits that the replaced file had. */
-    if (existing != NULL && fchmod(out->descriptor, mode) != 0)
-        return write_fault(err, path);
-    return true;
+    return (out->path != NULL && create_temporary(out, out->path, mode) &&
+            (existing == NULL || fchmod(out->descriptor, mode) == 0)) ||
+           write_fault(err, path);
 }
 
 static bool open_target(struct output *out, const char *path, struct error *err)
@@ -335,7 +296,7 @@ static bool open_target(struct output *out, const char *path, struct error *err)
 
 bool output_open(struct output *out, const char *path, struct error *err)
 {
-    *out = (struct output){0};
+    *out = (struct output){.descriptor = -1};
     out->held = signals_hold();
     if (out->held == NULL)
         return error_memory(err);
@@ -348,9 +309,7 @@ bool output_open(struct output *out, const char *path, struct error *err)
 static bool write_all(int descriptor, const char *bytes, size_t length)
 {
     while (length > 0) {
-        ssize_t done = write(descriptor, bytes, length);
-        if (done < 0 && errno == EINTR)
-            continue;
+        const ssize_t done = write(descriptor, bytes, length);
         if (done < 0)
             return false;
         bytes += done;
@@ -362,40 +321,27 @@ static bool write_all(int descriptor, const char *bytes, size_t length)
 /* Some file systems cannot sync and say EINVAL; there is no more to be done on them. */
 static bool sync_descriptor(int descriptor)
 {
-    while (fsync(descriptor) != 0)
-        if (errno != EINTR)
-            return errno == EINVAL;
-    return true;
-}
-
-/* A closed descriptor must not be closed again, and Linux closes it even on EINTR. */
-static bool close_descriptor(int *descriptor)
-{
-    int status = close(*descriptor);
-    *descriptor = -1;
-    return status == 0 || errno == EINTR;
+    return fsync(descriptor) == 0 || errno == EINVAL;
 }
 
 /* Makes the rename last. A folder that may be written but not read cannot be synced. */
 static bool sync_folder(const char *path)
 {
     char *folder = file_relative(path, ".");
-    int descriptor;
-    bool done;
-    if (folder == NULL)
-        return false;
-    descriptor = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    const int descriptor = folder != NULL ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+    const bool done = descriptor >= 0 ? sync_descriptor(descriptor) : errno == EACCES;
     free(folder);
-    if (descriptor < 0)
-        return errno == EACCES;
-    done = sync_descriptor(descriptor);
-    return close_descriptor(&descriptor) && done;
+    if (descriptor >= 0)
+        close(descriptor);
+    return done;
 }
 
 static bool commit_rename(struct output *out, struct error *err)
 {
-    if (!sync_descriptor(out->descriptor) || !close_descriptor(&out->descriptor) ||
-        rename(out->temporary, out->path) != 0)
+    bool done = sync_descriptor(out->descriptor);
+    done = close(out->descriptor) == 0 && done;
+    out->descriptor = -1;
+    if (!done || rename(out->temporary, out->path) != 0)
         return write_fault(err, out->path);
     free(out->temporary);
     out->temporary = NULL;
@@ -406,17 +352,21 @@ static bool commit_rename(struct output *out, struct error *err)
 static bool copy_bytes(int from, int to)
 {
     char buffer[1 << 16];
-    if (lseek(from, 0, SEEK_SET) < 0)
-        return false;
-    for (;;) {
-        ssize_t got = read(from, buffer, sizeof buffer);
-        if (got < 0 && errno == EINTR)
-            continue;
-        if (got <= 0)
-            return got == 0;
-        if (!write_all(to, buffer, (size_t)got))
+    ssize_t got = lseek(from, 0, SEEK_SET) == 0 ? 1 : -1;
+    while (got > 0) {
+        got = read(from, buffer, sizeof buffer);
+        if (got > 0 && !write_all(to, buffer, (size_t)got))
             return false;
     }
+    return got == 0;
+}
+
+static void drop_temporary(struct output *out)
+{
+    if (out->temporary != NULL)
+        unlink(out->temporary);
+    free(out->temporary);
+    out->temporary = NULL;
 }
 
 /* The temporary loses its name first. So nothing stays behind when a signal, free to come again,
@@ -425,41 +375,29 @@ static bool commit_copy(struct output *out, struct error *err)
 {
     int target;
     bool done;
-    unlink(out->temporary);
-    free(out->temporary);
-    out->temporary = NULL;
+    drop_temporary(out);
     signals_release(out->held);
     out->held = NULL;
-    do
-        target = open(out->path, O_WRONLY | O_CLOEXEC);
-    while (target < 0 && errno == EINTR);
+    target = open(out->path, O_WRONLY | O_CLOEXEC);
     done = target >= 0 && copy_bytes(out->descriptor, target);
-    if (!done)
-        write_fault(err, out->path);
-    if (target >= 0 && !close_descriptor(&target) && done)
-        done = write_fault(err, out->path);
-    close_descriptor(&out->descriptor);
-    return done;
+    done = (target < 0 || close(target) == 0) && done;
+    return done || write_fault(err, out->path);
 }
 
 bool output_commit(struct output *out, struct error *err)
 {
-    bool done = out->copied ? commit_copy(out, err) : commit_rename(out, err);
+    const bool done = out->copied ? commit_copy(out, err) : commit_rename(out, err);
     output_discard(out);
     return done;
 }
 
 void output_discard(struct output *out)
 {
-    if (out->temporary != NULL) {
-        if (out->descriptor >= 0)
-            close_descriptor(&out->descriptor);
-        unlink(out->temporary);
-    }
-    free(out->temporary);
+    if (out->path != NULL && out->descriptor >= 0)
+        close(out->descriptor);
+    drop_temporary(out);
     free(out->path);
     signals_release(out->held);
-    out->held = NULL;
     *out = (struct output){0};
 }
 

@@ -3,21 +3,9 @@
  * every statement refuses a mistake in the same manner. */
 #include "scene.h"
 
-#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-int word_shown(const struct word *word)
-{
-    size_t length = word->length;
-    if (length > 40) { /* cut between characters of UTF-8 */
-        length = 40;
-        while (length > 0 && ((unsigned char)word->start[length] & 0xC0) == 0x80)
-            length--;
-    }
-    return (int)length;
-}
 
 int word_choose(const struct word *word, const char *const *known, const char *what,
                 struct error *err)
@@ -82,24 +70,4 @@ bool text_direction(struct text *text, const char *what, struct vector *out, str
         return false;
     return out->x != 0 || out->y != 0 || out->z != 0 ||
            error_at(err, place, "%s 0 0 0 points nowhere; one of its numbers must not be 0", what);
-}
-
-/* A count that is a power of two has filled its array, which then doubles. */
-void *array_more(void *array, int count, size_t size, struct error *err)
-{
-    size_t room = count > 0 ? 2 * (size_t)count : 1;
-    char *grown = array;
-    if (count > INT_MAX / 2 || room > SIZE_MAX / size) {
-        error_memory(err);
-        return NULL;
-    }
-    if ((count & (count - 1)) == 0) {
-        grown = realloc(array, room * size);
-        if (grown == NULL) {
-            error_memory(err);
-            return NULL;
-        }
-    }
-    memset(grown + (size_t)count * size, 0, size);
-    return grown;
 }

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Makes a mesh of an OBJ file's faces: vertex normals where the file has none, planar texture
  * coordinates likewise, each different corner one vertex, in order of first use. Time grows with
- * the size of the file, but at a point where many corners differ with the square of their number. */
+ * the size of the file, but at a point where many corners differ, with their number squared. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "mesh.h"
-#include "scene.h"
 
 /* ---- the mesh itself ---- */
 
@@ -183,8 +182,8 @@ static struct vector weighted_normal(const struct builder *b, int32_t corner)
     return vector_scale(b->normals[b->faces[corner]], b->angles[corner]);
 }
 
-/* The average of all facets about the point; 0 0 0 where there is none. *smooth: all lie within half
- * the crease angle of it, so that they are neighbours of one another. */
+/* The average of all facets about the point; 0 0 0 where there is none. *smooth: all lie within
+ * half the crease angle of it, so that they are neighbours of one another. */
 static struct vector whole_average(const struct builder *b, int point, bool *smooth)
 {
     struct vector sum = {0, 0, 0};

@@ -7,7 +7,6 @@
 #include <string.h>
 
 #include "mesh.h"
-#include "scene.h"
 
 /* The statements that fill the lists, and how many numbers they take. */
 static const struct list_form {

@@ -10,8 +10,6 @@
 /* The index of the word in `known`, which ends with NULL; -1: none, and an error lists them. */
 int word_choose(const struct word *word, const char *const *known, const char *what,
                 struct error *err);
-/* How many bytes of a word a message repeats, as the precision of %.*s. */
-int word_shown(const struct word *word);
 /* True when `first` is still unset; otherwise "WHAT is given twice". */
 bool place_once(struct place first, struct place again, const char *what, struct error *err);
 /* The file that a word names, as seen from the word's own file. Allocated; NULL after an error. */
@@ -21,8 +19,6 @@ bool text_vector(struct text *text, const char *what, struct vector *out, struct
                  struct error *err);
 /* The same, and refuses 0 0 0. */
 bool text_direction(struct text *text, const char *what, struct vector *out, struct error *err);
-/* `array` with room for element `count`, which is zeroed; NULL after an error, array untouched. */
-void *array_more(void *array, int count, size_t size, struct error *err);
 
 /* ---- data/scene.c: files and statements ---- */
 

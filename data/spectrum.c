@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Spectra: constants, tables in three formats, and two formulas. The formulas use an exponential of
  * our own, for the C libraries' differ in the last bit and pictures must not. */
-#include "spectral.h"
-
 #include <errno.h>
 #include <float.h>
 #include <limits.h>
@@ -11,31 +9,26 @@
 #include <string.h>
 #include <unistd.h>
 
-static const double smallest_positive = DBL_MIN;
+#include "spectral.h"
 
 /* Beyond a millimetre nothing is light; the bound keeps sums and steps of wavelengths finite. */
 static const double longest_nm = 1e6;
 
 /* ---- values ---- */
 
-/* e^r - 1 for |r| <= ln(2) / 2 by its series. The first term left out, r^15 / 15! < 1e-19, is below
- * the last bit of the sum. */
-static double exponential_series(double r)
-{
-    double sum = 1;
-    for (int k = 14; k > 1; k--)
-        sum = 1 + r * sum / k;
-    return r * sum;
-}
-
-/* e^x as (1 + fraction) 2^power. ln 2 comes in two parts: the first has 32 zeros at its end, so
- * that its product with a power of at most 12 bits is exact. */
+/* e^x as (1 + fraction) 2^power; returns the fraction, e^r - 1 with |r| <= ln(2) / 2. ln 2 comes in
+ * two parts: the first has 32 zeros at its end, so that its product with a power of at most 12 bits
+ * is exact. The first term of the series left out, r^15 / 15! < 1e-19, is below its last bit. */
 static double reduce(double x, int *power)
 {
     const double ln2_high = 0x1.62e42feep-1, ln2_low = 0x1.a39ef35793c76p-33;
-    double n = floor(x / (ln2_high + ln2_low) + 0.5);
+    const double n = floor(x / (ln2_high + ln2_low) + 0.5);
+    const double r = (x - n * ln2_high) - n * ln2_low;
+    double sum = 1;
+    for (int k = 14; k > 1; k--)
+        sum = 1 + r * sum / k;
     *power = (int)n;
-    return exponential_series((x - n * ln2_high) - n * ln2_low);
+    return r * sum;
 }
 
 /* Outside these bounds e^x is no finite positive double. */
@@ -43,10 +36,8 @@ static double exponential(double x)
 {
     int power;
     double fraction;
-    if (x < -746)
-        return 0;
-    if (x > 710)
-        return HUGE_VAL;
+    if (x < -746 || x > 710)
+        return x < 0 ? 0 : HUGE_VAL;
     fraction = reduce(x, &power);
     return ldexp(1 + fraction, power);
 }
@@ -74,55 +65,40 @@ static double blackbody(double temperature, double nm)
     return q * q * q * q * q * ratio * one_minus_decay(x0) / one_minus_decay(x);
 }
 
-static double gaussian(double centre, double width, double nm)
-{
-    const double four_ln2 = 2.772588722239781237668928485832706;
-    double u = (nm - centre) / width;
-    return exponential(-four_ln2 * u * u);
-}
-
 /* Linear from the nearer sample: so the ends are met exactly and never passed by rounding. */
-static double interpolate(const struct spectrum *s, double nm)
+static double sampled(const struct spectrum *s, double nm, enum spectrum_ends ends)
 {
-    int low = 0, high = s->count - 1;
-    double span, slope;
+    const double *x = s->wavelength_nm, *y = s->value;
+    int low = 0, high = s->count - 1, nearer;
+    if (spectrum_extrapolates(s, nm))
+        return ends == SPECTRUM_ZERO ? 0 : nm < x[0] ? y[0] : y[high];
     while (high - low > 1) {
-        int middle = low + (high - low) / 2;
-        if (s->wavelength_nm[middle] <= nm)
+        const int middle = low + (high - low) / 2;
+        if (x[middle] <= nm)
             low = middle;
         else
             high = middle;
     }
-    if (nm == s->wavelength_nm[low])
-        return s->value[low];
-    span = s->wavelength_nm[high] - s->wavelength_nm[low];
-    slope = s->value[high] - s->value[low];
-    if (nm - s->wavelength_nm[low] < s->wavelength_nm[high] - nm)
-        return s->value[low] + slope * ((nm - s->wavelength_nm[low]) / span);
-    return s->value[high] - slope * ((s->wavelength_nm[high] - nm) / span);
-}
-
-static double sampled(const struct spectrum *s, double nm, enum spectrum_ends ends)
-{
-    if (!spectrum_extrapolates(s, nm))
-        return interpolate(s, nm);
-    if (ends == SPECTRUM_ZERO)
-        return 0;
-    return nm < s->wavelength_nm[0] ? s->value[0] : s->value[s->count - 1];
+    if (nm == x[low])
+        return y[low];
+    nearer = nm - x[low] < x[high] - nm ? low : high;
+    return y[nearer] + (y[high] - y[low]) * ((nm - x[nearer]) / (x[high] - x[low]));
 }
 
 double spectrum_at(const struct spectrum *spectrum, double wavelength_nm, enum spectrum_ends ends)
 {
-    const double *parameter = spectrum->parameter;
+    const double four_ln2 = 2.772588722239781237668928485832706;
+    const double first = spectrum->parameter[0], from = wavelength_nm - first;
+    const double width = spectrum->parameter[1];
     switch (spectrum->kind) {
     case SPECTRUM_CONSTANT:
-        return spectrum->factor * parameter[0];
+        return spectrum->factor * first;
     case SPECTRUM_SAMPLED:
         return spectrum->factor * sampled(spectrum, wavelength_nm, ends);
     case SPECTRUM_BLACKBODY:
-        return spectrum->factor * blackbody(parameter[0], wavelength_nm);
+        return spectrum->factor * blackbody(first, wavelength_nm);
     case SPECTRUM_GAUSSIAN:
-        return spectrum->factor * gaussian(parameter[0], parameter[1], wavelength_nm);
+        return spectrum->factor * exponential(-four_ln2 * (from / width) * (from / width));
     case SPECTRUM_NONE:
         break;
     }
@@ -140,85 +116,50 @@ bool spectrum_extrapolates(const struct spectrum *spectrum, double wavelength_nm
 static double peak(const struct spectrum *s)
 {
     const double wien = 2.897771955e6; /* b in nm K, CODATA 2018 */
-    double largest;
+    double largest = s->kind == SPECTRUM_CONSTANT ? s->parameter[0] : 1;
     if (s->kind == SPECTRUM_BLACKBODY)
-        return blackbody(s->parameter[0], wien / s->parameter[0]);
-    if (s->kind == SPECTRUM_GAUSSIAN)
-        return 1;
-    if (s->kind == SPECTRUM_CONSTANT)
-        return s->parameter[0];
-    largest = s->value[0];
-    for (int i = 1; i < s->count; i++)
-        largest = fmax(largest, s->value[i]);
+        largest = blackbody(s->parameter[0], wien / s->parameter[0]);
+    for (int i = 0; i < s->count; i++)
+        largest = i == 0 ? s->value[i] : fmax(largest, s->value[i]);
     return largest;
 }
 
 /* ---- storage ---- */
 
-/* Room for one more. A count that is a power of two has filled its arrays: they double. */
-static bool grow(struct spectrum *s, struct error *err)
+static bool append(double **numbers, int count, double number, struct error *err)
 {
-    size_t room = s->count > 0 ? 2 * (size_t)s->count : 1;
-    double *wavelengths, *values;
-    if ((s->count & (s->count - 1)) != 0)
-        return true;
-    if (s->count > INT_MAX / 2 || room > SIZE_MAX / sizeof(double))
-        return error_memory(err);
-    wavelengths = realloc(s->wavelength_nm, room * sizeof(double));
-    if (wavelengths == NULL)
-        return error_memory(err);
-    s->wavelength_nm = wavelengths;
-    values = realloc(s->value, room * sizeof(double));
-    if (values == NULL)
-        return error_memory(err);
-    s->value = values;
+    double *more = array_more(*numbers, count, sizeof *more, err);
+    if (more == NULL)
+        return false;
+    *numbers = more;
+    more[count] = number;
     return true;
 }
 
 bool spectrum_append(struct spectrum *spectrum, double wavelength_nm, double value,
                      struct place place, struct error *err)
 {
+    const int n = spectrum->count;
     if (!(wavelength_nm > 0 && wavelength_nm < longest_nm))
         return error_at(err, place, "wavelength %.15g nm; it lies between 0 and %.15g nm",
                         wavelength_nm, longest_nm);
     /* Half the range, so that the difference of two values is finite. */
     if (!(fabs(value) <= DBL_MAX / 2))
         return error_at(err, place, "value %.15g at %.15g nm is too large", value, wavelength_nm);
-    if (spectrum->count > 0 && wavelength_nm <= spectrum->wavelength_nm[spectrum->count - 1])
+    if (n > 0 && wavelength_nm <= spectrum->wavelength_nm[n - 1])
         return error_at(err, place,
                         "wavelength %.15g nm follows %.15g nm; wavelengths must increase",
-                        wavelength_nm, spectrum->wavelength_nm[spectrum->count - 1]);
-    if (!grow(spectrum, err))
+                        wavelength_nm, spectrum->wavelength_nm[n - 1]);
+    if (!append(&spectrum->wavelength_nm, n, wavelength_nm, err) ||
+        !append(&spectrum->value, n, value, err))
         return false;
-    if (spectrum->kind == SPECTRUM_NONE) {
+    if (n == 0) {
         spectrum->kind = SPECTRUM_SAMPLED;
         spectrum->factor = 1;
         spectrum->place = place;
     }
-    spectrum->wavelength_nm[spectrum->count] = wavelength_nm;
-    spectrum->value[spectrum->count] = value;
     spectrum->count++;
     return true;
-}
-
-bool spectrum_copy(const struct spectrum *from, struct spectrum *out, struct error *err)
-{
-    bool done = true;
-    *out = (struct spectrum){0};
-    for (int i = 0; done && i < from->count; i++)
-        done = spectrum_append(out, from->wavelength_nm[i], from->value[i], from->place, err);
-    out->kind = from->kind;
-    out->parameter[0] = from->parameter[0];
-    out->parameter[1] = from->parameter[1];
-    out->factor = from->factor;
-    out->place = from->place;
-    if (done && from->name != NULL) {
-        out->name = strdup(from->name);
-        done = out->name != NULL || error_memory(err);
-    }
-    if (!done)
-        spectrum_free(out);
-    return done;
 }
 
 void spectrum_free(struct spectrum *spectrum)
@@ -241,55 +182,58 @@ struct table {
     struct spectrum *out;
 };
 
-/* Finds the first line with a word and goes to its beginning. */
-static bool first_line(struct table *table, struct word *word, struct error *err)
+static bool begins(const struct word *word, const char *with)
 {
-    while (text_next_line(&table->text))
-        if (text_word(&table->text, word)) {
-            table->text.at = table->text.line_start;
-            return true;
-        }
-    return error_at(err, text_whole(&table->text), "no samples; a spectrum needs at least one");
+    return word->length >= strlen(with) && strncmp(word->start, with, strlen(with)) == 0;
 }
 
 static bool is_numeric(const struct word *word)
 {
     bool digit = false;
-    if (word->quoted)
-        return false;
     for (size_t i = 0; i < word->length; i++) {
         if (strchr("0123456789+-.eE", word->start[i]) == NULL)
             return false;
         digit = digit || (word->start[i] >= '0' && word->start[i] <= '9');
     }
-    return digit;
+    return digit && !word->quoted;
 }
 
-static bool check_columns(struct table *table, struct error *err)
+/* Takes note of the number of columns. */
+static bool check_columns(struct table *table, long n_columns, struct error *err)
 {
-    int length = (int)table->word->length;
+    const int length = (int)table->word->length;
     const char *start = table->word->start;
-    if (table->column > table->n_columns)
+    table->n_columns = n_columns;
+    if (table->column > n_columns)
         return error_at(err, table->word->place, "'%.*s' has no value column %ld; its last is %ld",
-                        length, start, table->column, table->n_columns);
-    if (table->column == 0 && table->n_columns > 1)
+                        length, start, table->column, n_columns);
+    if (table->column == 0 && n_columns > 1)
         return error_at(err, table->word->place,
                         "'%.*s' has %ld value columns; write '%.*s:1' for the first of them",
-                        length, start, table->n_columns, length, start);
+                        length, start, n_columns, length, start);
+    return true;
+}
+
+/* The next word of the file. */
+static bool next_word(struct text *text, struct word *out)
+{
+    while (!text_word(text, out))
+        if (!text_next_line(text))
+            return false;
     return true;
 }
 
 /* A wavelength and one or more values. */
-static bool read_row(struct table *table, struct error *err)
+static bool read_row(struct table *table, const struct word *first, struct error *err)
 {
-    long wanted = table->column > 0 ? table->column : 1, n = 0;
+    const long wanted = table->column > 0 ? table->column : 1;
     double nm, value, kept = 0;
-    struct word first, word;
-    if (!text_expect(&table->text, &first, "a wavelength", err) ||
-        !word_number(&first, "wavelength", -HUGE_VAL, HUGE_VAL, &nm, err))
+    struct word word;
+    long n = 0;
+    if (!word_number(first, "wavelength", -HUGE_VAL, HUGE_VAL, &nm, err))
         return false;
     while (text_word(&table->text, &word)) {
-        bool keep = ++n == wanted;
+        const bool keep = ++n == wanted;
         if (!word_number(&word, "value", keep ? table->lowest : -HUGE_VAL,
                          keep ? table->highest : HUGE_VAL, &value, err))
             return false;
@@ -297,215 +241,148 @@ static bool read_row(struct table *table, struct error *err)
     }
     if (n == 0)
         return error_at(err, text_place(&table->text), "expected a value after the wavelength");
-    if (table->n_columns == 0) {
-        table->n_columns = n;
-        if (!check_columns(table, err))
-            return false;
-    }
+    if (table->out->count == 0 && !check_columns(table, n, err))
+        return false;
     if (n != table->n_columns)
-        return error_at(err, first.place, "this row has %ld values, the first row has %ld", n,
+        return error_at(err, first->place, "this row has %ld values, the first row has %ld", n,
                         table->n_columns);
-    return spectrum_append(table->out, nm, kept, first.place, err);
+    return spectrum_append(table->out, nm, kept, first->place, err);
 }
 
-/* The words above the columns. A number among them would be a sample whose wavelength is mistyped,
- * and so would a word that begins like one. */
-static bool is_header(struct table *table, const struct word *first)
+/* Skips the words above the columns. A number among them would be a sample whose wavelength is
+ * mistyped, and so would a word that begins like one. */
+static void skip_header(struct text *text)
 {
     struct word word;
-    bool header = first->quoted || strchr("0123456789+-.", first->start[0]) == NULL;
-    while (header && text_word(&table->text, &word))
+    bool header = text_word(text, &word) &&
+                  (word.quoted || strchr("0123456789+-.", word.start[0]) == NULL);
+    while (header && text_word(text, &word))
         header = !is_numeric(&word);
     if (!header)
-        table->text.at = table->text.line_start;
-    return header;
+        text->at = text->line_start;
 }
 
-static bool read_columns(struct table *table, const struct word *first, struct error *err)
+static bool read_columns(struct table *table, struct error *err)
 {
-    struct text *text = &table->text;
-    struct word word;
-    bool row = !is_header(table, first);
-    do {
-        const char *start = text->at;
-        bool blank = !text_word(text, &word);
-        text->at = start;
-        if (row && !blank && !read_row(table, err))
+    struct word first;
+    table->text.separators = ",;";
+    skip_header(&table->text);
+    while (next_word(&table->text, &first))
+        if (!read_row(table, &first, err))
             return false;
-        row = true;
-    } while (text_next_line(text));
-    return table->out->count > 0 ||
-           error_at(err, text_whole(text), "no samples; a spectrum needs at least one");
+    return true;
 }
 
 /* What the head of a CGATS file says of its data. */
-struct cgats {
-    long n_bands;
-    double start_nm, end_nm, norm;
-    bool has_start, has_end;
-};
+enum { BANDS, START_NM, END_NM, NORM, CGATS_KEYWORDS };
+static const char *const cgats_keywords[] = {"SPECTRAL_BANDS", "SPECTRAL_START_NM",
+                                             "SPECTRAL_END_NM", "SPECTRAL_NORM"};
 
-/* The value of a keyword; writers put numbers in quotes or not. */
-static bool read_keyword(struct text *text, const char *what, double lowest, double *out,
-                         struct error *err)
+static bool check_cgats(const double *head, struct place place, struct error *err)
 {
-    struct word word;
-    if (!text_expect(text, &word, what, err))
-        return false;
-    word.quoted = false;
-    return word_number(&word, what, lowest, HUGE_VAL, out, err) && text_end(text, what, err);
-}
-
-static bool read_bands(struct text *text, long *out, struct error *err)
-{
-    static const char what[] = "SPECTRAL_BANDS";
-    struct word word;
-    if (!text_expect(text, &word, what, err))
-        return false;
-    word.quoted = false;
-    return word_integer(&word, what, 1, INT_MAX, out, err) && text_end(text, what, err);
+    for (int i = BANDS; i <= END_NM; i++)
+        if (head[i] == 0)
+            return error_at(err, place, "%s is missing before the data", cgats_keywords[i]);
+    if (head[BANDS] > 1 ? head[START_NM] < head[END_NM] : head[START_NM] == head[END_NM])
+        return true;
+    return error_at(err, place, "%.15g bands from %.15g to %.15g nm; they must increase",
+                    head[BANDS], head[START_NM], head[END_NM]);
 }
 
 /* Adds the values up to END_DATA, over as many lines as they take. */
-static bool read_data(struct table *table, const struct cgats *head, struct place begin,
+static bool read_data(struct table *table, const double *head, struct place begin,
                       struct error *err)
 {
-    struct text *text = &table->text;
+    const double norm = head[NORM], bands = head[BANDS], span = head[END_NM] - head[START_NM];
     struct word word;
-    double value, span = head->end_nm - head->start_nm;
-    do {
-        while (text_word(text, &word)) {
-            int i = table->out->count;
-            double nm = head->start_nm;
-            if (word_is(&word, "END_DATA"))
-                return i == head->n_bands ||
-                       error_at(err, word.place, "%d values, but SPECTRAL_BANDS is %ld", i,
-                                head->n_bands);
-            if (i == head->n_bands)
-                return error_at(err, word.place, "more values than SPECTRAL_BANDS, %ld",
-                                head->n_bands);
-            if (i > 0)
-                nm += span * i / (double)(head->n_bands - 1);
-            if (!word_number(&word, "value", table->lowest * head->norm,
-                             table->highest * head->norm, &value, err) ||
-                !spectrum_append(table->out, nm, value / head->norm, word.place, err))
-                return false;
-        }
-    } while (text_next_line(text));
+    double value;
+    while (next_word(&table->text, &word)) {
+        const int i = table->out->count;
+        const double nm = head[START_NM] + (i > 0 ? span * i / (bands - 1) : 0);
+        if (word_is(&word, "END_DATA"))
+            return i == bands || error_at(err, word.place,
+                                          "%d values, but SPECTRAL_BANDS is %.15g", i, bands);
+        if (i >= bands)
+            return error_at(err, word.place, "more values than SPECTRAL_BANDS, %.15g", bands);
+        if (!word_number(&word, "value", table->lowest * norm, table->highest * norm, &value,
+                         err) ||
+            !spectrum_append(table->out, nm, value / norm, word.place, err))
+            return false;
+    }
     return error_at(err, begin, "BEGIN_DATA without END_DATA");
 }
 
-static bool check_cgats(const struct cgats *head, struct place place, struct error *err)
-{
-    const char *missing = head->n_bands == 0 ? "SPECTRAL_BANDS"
-                          : !head->has_start ? "SPECTRAL_START_NM"
-                          : !head->has_end   ? "SPECTRAL_END_NM"
-                                             : NULL;
-    if (missing != NULL)
-        return error_at(err, place, "%s is missing before the data", missing);
-    if (head->n_bands > 1 ? head->start_nm < head->end_nm : head->start_nm == head->end_nm)
-        return true;
-    return error_at(err, place, "%ld bands from %.15g to %.15g nm; they must increase",
-                    head->n_bands, head->start_nm, head->end_nm);
-}
-
-static bool skip_format(struct text *text, struct place begin, struct error *err)
+/* Writers put numbers in quotes or not. */
+static bool read_keyword(struct text *text, const char *keyword, double *out, struct error *err)
 {
     struct word word;
-    do
-        while (text_word(text, &word))
-            if (word_is(&word, "END_DATA_FORMAT"))
-                return true;
-    while (text_next_line(text));
-    return error_at(err, begin, "BEGIN_DATA_FORMAT without END_DATA_FORMAT");
+    if (!text_expect(text, &word, keyword, err))
+        return false;
+    word.quoted = false;
+    return word_number(&word, keyword, DBL_MIN, HUGE_VAL, out, err) &&
+           text_end(text, keyword, err);
 }
 
-/* One line of the file, or one of its two blocks; other keywords say nothing about the samples. */
-static bool read_statement(struct table *table, struct cgats *head, const struct word *word,
-                           struct error *err)
-{
-    struct text *text = &table->text;
-    if (word_is(word, "SPECTRAL_BANDS"))
-        return read_bands(text, &head->n_bands, err);
-    if (word_is(word, "SPECTRAL_START_NM"))
-        return head->has_start = read_keyword(text, "SPECTRAL_START_NM", smallest_positive,
-                                              &head->start_nm, err);
-    if (word_is(word, "SPECTRAL_END_NM"))
-        return head->has_end =
-                   read_keyword(text, "SPECTRAL_END_NM", smallest_positive, &head->end_nm, err);
-    if (word_is(word, "SPECTRAL_NORM"))
-        return read_keyword(text, "SPECTRAL_NORM", smallest_positive, &head->norm, err);
-    if (word_is(word, "BEGIN_DATA_FORMAT"))
-        return skip_format(text, word->place, err);
-    if (!word_is(word, "BEGIN_DATA"))
-        return true;
-    if (table->out->count > 0)
-        return error_at(err, word->place, "a second table of data; a spectrum has one");
-    return check_cgats(head, word->place, err) && read_data(table, head, word->place, err);
-}
-
+/* Words other than the keywords say nothing about the samples. */
 static bool read_cgats(struct table *table, struct error *err)
 {
-    struct cgats head = {0};
+    double head[CGATS_KEYWORDS] = {[NORM] = 1}; /* 0: missing */
     struct word word;
-    head.norm = 1;
-    do
-        if (text_word(&table->text, &word) && !read_statement(table, &head, &word, err))
-            return false;
-    while (text_next_line(&table->text));
-    return table->out->count > 0 ||
-           error_at(err, text_whole(&table->text), "no BEGIN_DATA; a spectrum needs samples");
-}
-
-static bool begins(const struct word *word, const char *with)
-{
-    return word->length >= strlen(with) && strncmp(word->start, with, strlen(with)) == 0;
-}
-
-static bool read_file(const char *path, const struct word *word, long column, double lowest,
-                      double highest, struct spectrum *out, struct error *err)
-{
-    struct table table = {.word = word, .column = column, .lowest = lowest, .highest = highest,
-                          .out = out};
-    struct word first;
-    bool done;
-    if (!text_open(&table.text, path, word->place, err))
-        return false;
-    done = first_line(&table, &first, err);
-    if (done && (word_is(&first, "SPECT") || begins(&first, "CGATS") ||
-                 begins(&first, "SPECTRAL_"))) {
-        table.n_columns = 1;
-        done = check_columns(&table, err) && read_cgats(&table, err);
-    } else if (done) {
-        table.text.separators = ",;";
-        done = read_columns(&table, &first, err);
+    bool done = check_columns(table, 1, err);
+    while (done && next_word(&table->text, &word)) {
+        if (word_is(&word, "BEGIN_DATA"))
+            done = check_cgats(head, word.place, err) && read_data(table, head, word.place, err);
+        for (int i = 0; i < CGATS_KEYWORDS; i++)
+            if (word_is(&word, cgats_keywords[i]))
+                done = read_keyword(&table->text, cgats_keywords[i], &head[i], err);
     }
-    text_free(&table.text);
+    return done;
+}
+
+/* The first word of the file tells its format. */
+static bool read_file(const char *path, struct table *table, struct error *err)
+{
+    struct text *text = &table->text;
+    struct word first;
+    bool done = true;
+    if (!text_open(text, path, table->word->place, err))
+        return false;
+    if (next_word(text, &first)) {
+        text->at = text->line_start;
+        done = word_is(&first, "SPECT") || begins(&first, "CGATS") || begins(&first, "SPECTRAL_")
+                   ? read_cgats(table, err)
+                   : read_columns(table, err);
+    }
+    if (done && table->out->count == 0)
+        done = error_at(err, text_whole(text), "no samples; a spectrum needs at least one");
+    text_free(text);
     return done;
 }
 
 /* ---- words ---- */
 
-/* A part of a word, with its own place. */
-static struct word part(const struct word *word, size_t from, size_t length)
+/* The word's bytes from one to another, with their own place. */
+static struct word part(const struct word *word, size_t from, size_t to)
 {
     struct word out = *word;
     out.start += from;
-    out.length = length;
+    out.length = to - from;
     out.place.column += (int)from + word->quoted;
     out.quoted = false;
     return out;
 }
 
-/* Where the last `mark` stands; false when there is none. */
-static bool find_last(const struct word *word, char mark, size_t *at)
+/* Splits at the last `mark`; false when there is none. */
+static bool split(const struct word *word, char mark, struct word *before, struct word *after)
 {
-    for (size_t i = word->length; i > 0; i--)
-        if (word->start[i - 1] == mark) {
-            *at = i - 1;
-            return true;
-        }
-    return false;
+    size_t at = word->length;
+    while (at > 0 && word->start[at - 1] != mark)
+        at--;
+    if (at == 0)
+        return false;
+    *after = part(word, at, word->length);
+    *before = part(word, 0, at - 1);
+    return true;
 }
 
 static bool refuse_unknown(const struct word *word, const char *name, struct error *err)
@@ -529,18 +406,15 @@ static bool refuse_unknown(const struct word *word, const char *name, struct err
 static bool read_named(const struct word *word, double lowest, double highest,
                        struct spectrum *out, struct error *err)
 {
-    struct word stem = *word, digits;
+    struct word stem = *word, before, digits;
+    struct table table = {.word = &stem, .lowest = lowest, .highest = highest, .out = out};
     char *name, *path = NULL, builtin[256];
-    long column = 0;
-    size_t colon;
     bool done = false;
-    if (find_last(word, ':', &colon) && colon + 1 < word->length) {
-        digits = part(word, colon + 1, word->length - colon - 1);
-        if (strspn(digits.start, "0123456789") >= digits.length) {
-            stem.length = colon;
-            if (!word_integer(&digits, "column", 1, INT_MAX, &column, err))
-                return false;
-        }
+    if (split(word, ':', &before, &digits) && digits.length > 0 &&
+        strspn(digits.start, "0123456789") >= digits.length) {
+        stem.length = before.length;
+        if (!word_integer(&digits, "column", 1, INT_MAX, &table.column, err))
+            return false;
     }
     name = word_copy(&stem);
     if (name != NULL)
@@ -552,25 +426,10 @@ static bool read_named(const struct word *word, double lowest, double highest,
     else if (strncmp(path, "builtin:", 8) != 0 && access(path, F_OK) != 0 && errno == ENOENT)
         refuse_unknown(word, name, err);
     else
-        done = read_file(path, &stem, column, lowest, highest, out, err);
+        done = read_file(path, &table, err);
     free(name);
     free(path);
     return done;
-}
-
-static bool read_gaussian(const struct word *word, struct spectrum *out, struct error *err)
-{
-    struct word centre, width;
-    size_t comma;
-    if (!find_last(word, ',', &comma))
-        return error_at(err, word->place,
-                        "a gaussian has a centre and a width in nm, as gaussian:380,40");
-    centre = part(word, 0, comma);
-    width = part(word, comma + 1, word->length - comma - 1);
-    out->kind = SPECTRUM_GAUSSIAN;
-    return word_number(&centre, "centre", smallest_positive, longest_nm, &out->parameter[0],
-                       err) &&
-           word_number(&width, "width", smallest_positive, longest_nm, &out->parameter[1], err);
 }
 
 /* A spectrum without its factor. */
@@ -578,64 +437,52 @@ static bool read_body(const struct word *word, double lowest, double highest,
                       struct spectrum *out, struct error *err)
 {
     static const char blackbody_prefix[] = "blackbody:", gaussian_prefix[] = "gaussian:";
-    size_t prefix;
-    struct word rest;
+    double *parameter = out->parameter;
+    struct word rest, centre, width;
     if (is_numeric(word)) {
         out->kind = SPECTRUM_CONSTANT;
-        return word_number(word, "spectrum", lowest, highest, &out->parameter[0], err);
+        return word_number(word, "spectrum", lowest, highest, &parameter[0], err);
     }
     if (begins(word, blackbody_prefix)) {
-        prefix = strlen(blackbody_prefix);
-        rest = part(word, prefix, word->length - prefix);
+        rest = part(word, strlen(blackbody_prefix), word->length);
         out->kind = SPECTRUM_BLACKBODY;
-        return word_number(&rest, "temperature", smallest_positive, 1e6, &out->parameter[0], err);
+        return word_number(&rest, "temperature", DBL_MIN, 1e6, &parameter[0], err);
     }
-    if (begins(word, gaussian_prefix)) {
-        prefix = strlen(gaussian_prefix);
-        rest = part(word, prefix, word->length - prefix);
-        return read_gaussian(&rest, out, err);
-    }
-    return read_named(word, lowest, highest, out, err);
-}
-
-/* The word without *FACTOR, and the factor. */
-static bool split_factor(const struct word *word, struct word *body, double *factor,
-                         struct error *err)
-{
-    struct word number;
-    size_t star;
-    *body = *word;
-    *factor = 1;
-    if (!find_last(word, '*', &star))
-        return true;
-    body->length = star;
-    number = part(word, star + 1, word->length - star - 1);
-    return word_number(&number, "factor", 0, HUGE_VAL, factor, err);
+    if (!begins(word, gaussian_prefix))
+        return read_named(word, lowest, highest, out, err);
+    rest = part(word, strlen(gaussian_prefix), word->length);
+    out->kind = SPECTRUM_GAUSSIAN;
+    if (!split(&rest, ',', &centre, &width))
+        return error_at(err, rest.place,
+                        "a gaussian has a centre and a width in nm, as gaussian:380,40");
+    return word_number(&centre, "centre", DBL_MIN, longest_nm, &parameter[0], err) &&
+           word_number(&width, "width", DBL_MIN, longest_nm, &parameter[1], err);
 }
 
 /* Samples and constants were held against the range as written; the factor is held against it here,
  * and so are the formulas. */
 static bool check_peak(const struct spectrum *s, double highest, struct error *err)
 {
-    double largest = s->factor * peak(s);
-    if (!isfinite(largest))
-        return error_at(err, s->place, "'%.100s' reaches values too large for a number", s->name);
-    if (largest > highest)
-        return error_at(err, s->place, "'%.100s' reaches %.15g, above %.15g; scale it by a factor, "
-                        "as *0.5", s->name, largest, highest);
-    return true;
+    const double largest = s->factor * peak(s), limit = fmin(highest, DBL_MAX);
+    return largest <= limit ||
+           error_at(err, s->place, "'%.100s' reaches %.15g, above %.15g; scale it by a factor, "
+                    "as *0.5", s->name, largest, limit);
 }
 
 bool spectrum_read(const struct word *word, double lowest, double highest, struct spectrum *out,
                    struct error *err)
 {
-    struct word body;
-    double factor;
-    bool done;
+    struct word body = *word, before, number;
+    double factor = 1;
+    bool done = true;
     *out = (struct spectrum){0};
     if (word->quoted && word->start[word->length] != '"')
         return error_at(err, word->place, "a quote must be closed on its line");
-    done = split_factor(word, &body, &factor, err) && read_body(&body, lowest, highest, out, err);
+    if (split(word, '*', &before, &number)) {
+        body.length = before.length;
+        done = word_number(&number, "factor", 0, HUGE_VAL, &factor, err);
+    }
+    done = done && read_body(&body, lowest, highest, out, err);
     if (done) {
         out->factor = factor;
         out->place = word->place;

@@ -23,11 +23,6 @@
 #error "a stack is little-endian, and samples go into it as they lie in memory"
 #endif
 
-enum {
-    MOST_PAGES = 65535, /* the SHORTs of tag PageNumber */
-    PIXEL_ALIGNMENT = 4 /* a float page may be mapped into memory as it is */
-};
-
 /* ---- the file, as libtiff sees it ---- */
 
 /* Its address stands for the pixels of a whole page. */
@@ -63,8 +58,8 @@ static tmsize_t client_failure(struct client *client)
 static tmsize_t client_read(thandle_t handle, void *bytes, tmsize_t length)
 {
     struct client *client = handle;
-    ssize_t count = pread(client->writer->output.descriptor, bytes, (size_t)length,
-                          (off_t)client->position);
+    int descriptor = client->writer->output.descriptor;
+    ssize_t count = pread(descriptor, bytes, (size_t)length, (off_t)client->position);
     if (count < 0)
         return client_failure(client);
     client->position += (uint64_t)count;
@@ -75,11 +70,12 @@ static tmsize_t client_write(thandle_t handle, void *bytes, tmsize_t length)
 {
     struct client *client = handle;
     struct stack_writer *writer = client->writer;
-    if (length == STACK_VERDICT && memcmp(bytes, UNFINISHED, strlen(UNFINISHED)) == 0)
-        writer->verdict_offset = client->position;
-    if (bytes != client &&
-        !write_at(writer->output.descriptor, bytes, (size_t)length, client->position))
-        return client_failure(client);
+    if (bytes != client) {
+        if (length == STACK_VERDICT && memcmp(bytes, UNFINISHED, strlen(UNFINISHED)) == 0)
+            writer->verdict_offset = client->position;
+        if (!write_at(writer->output.descriptor, bytes, (size_t)length, client->position))
+            return client_failure(client);
+    }
     client->position += (uint64_t)length;
     if (client->position > client->end)
         client->end = client->position;
@@ -133,11 +129,21 @@ static TIFF *open_tiff(struct client *client, const char *mode)
     }
     TIFFOpenOptionsSetErrorHandlerExtR(options, client_message, client);
     TIFFOpenOptionsSetWarningHandlerExtR(options, client_message, NULL);
-    TIFF *tiff = TIFFClientOpenExt(client->writer->output.path, mode, client, client_read,
-                                   client_write, client_seek, client_close, client_size, NULL, NULL,
-                                   options);
+    TIFF *tiff =
+        TIFFClientOpenExt(client->writer->output.path, mode, client, client_read, client_write,
+                          client_seek, client_close, client_size, NULL, NULL, options);
     TIFFOpenOptionsFree(options);
     return tiff;
+}
+
+/* True if all went well; says why not where libtiff has said nothing. tiff may be NULL. */
+static bool close_tiff(TIFF *tiff, const struct client *client, bool good)
+{
+    if (tiff != NULL)
+        TIFFClose(tiff);
+    errno = 0;
+    return (good && !client->failed) ||
+           error_system(client->err, "%s: the stack is not whole", client->writer->output.path);
 }
 
 /* ---- the layout ---- */
@@ -145,16 +151,6 @@ static TIFF *open_tiff(struct client *client, const char *mode)
 static uint64_t page_bytes(const struct stack_options *options)
 {
     return (uint64_t)options->width * (uint64_t)options->height * (options->floating ? 4 : 2);
-}
-
-/* Every directory, without the places of the pixels. */
-static bool write_directories(TIFF *tiff, const struct stack_options *options, struct error *err)
-{
-    for (int page = 0; page < options->n_wavelengths; page++)
-        if (!tags_set(tiff, options, page, err) || !TIFFDeferStrileArrayWriting(tiff) ||
-            !TIFFWriteCheck(tiff, 0, "stack") || !TIFFWriteDirectory(tiff))
-            return false;
-    return true;
 }
 
 /* Gives each page its place at the end of the file, and notes it in its directory. Goes on with
@@ -174,13 +170,12 @@ static bool place_pages(TIFF *tiff, struct client *client)
 }
 
 /* Finds a full disk before hours of rendering do. Nothing is reserved: that takes as long as
- * writing where a file system cannot do it by itself. */
+ * writing where a file system cannot do it by itself. Some do not tell how large they are. */
 static bool check_free_space(const struct stack_writer *writer, uint64_t needed, struct error *err)
 {
     struct statvfs disk;
-    if (fstatvfs(writer->output.descriptor, &disk) != 0 || disk.f_blocks == 0 || disk.f_frsize == 0)
-        return true; /* it does not say */
-    if (needed / disk.f_frsize <= disk.f_bavail)
+    if (fstatvfs(writer->output.descriptor, &disk) != 0 || disk.f_blocks == 0 ||
+        disk.f_frsize == 0 || needed / disk.f_frsize <= disk.f_bavail)
         return true;
     errno = 0;
     return error_system(err, "%s: the stack takes %" PRIu64 " MB, the disk has %" PRIu64 " MB left",
@@ -188,24 +183,22 @@ static bool check_free_space(const struct stack_writer *writer, uint64_t needed,
                         (uint64_t)disk.f_bavail * disk.f_frsize / 1000000);
 }
 
-/* Writes all directories and places all pages. What would pass the 4 GiB of a classic TIFF is laid
- * out once more, as BigTIFF. */
+/* Writes all directories, then places all pages. What would pass the 4 GiB of a classic TIFF is
+ * laid out once more, as BigTIFF. */
 static bool lay_out(struct stack_writer *writer, struct error *err)
 {
     const struct stack_options *options = &writer->options;
     struct client client = {.writer = writer, .err = err};
     TIFF *tiff = open_tiff(&client, writer->big ? "w8l" : "wl");
-    bool good = tiff != NULL && write_directories(tiff, options, err);
-    client.end = (client.end + PIXEL_ALIGNMENT - 1) / PIXEL_ALIGNMENT * PIXEL_ALIGNMENT;
+    bool good = tiff != NULL;
+    for (int page = 0; good && page < options->n_wavelengths; page++)
+        good = tags_set(tiff, options, page, err) && TIFFDeferStrileArrayWriting(tiff) &&
+               TIFFWriteCheck(tiff, 0, "stack") && TIFFWriteDirectory(tiff);
+    client.end = (client.end + 3) / 4 * 4; /* a float page may be mapped into memory as it is */
     uint64_t end = client.end + page_bytes(options) * (uint64_t)options->n_wavelengths;
     bool fits = writer->big || end <= UINT32_MAX;
-    if (good && fits)
-        good = place_pages(tiff, &client);
-    if (tiff != NULL)
-        TIFFClose(tiff);
-    if (!good || client.failed || writer->verdict_offset == 0)
-        return tiff_failure(&client, "libtiff cannot lay it out");
-    if (!check_free_space(writer, end, err))
+    good = good && writer->verdict_offset != 0 && (!fits || place_pages(tiff, &client));
+    if (!close_tiff(tiff, &client, good) || !check_free_space(writer, end, err))
         return false;
     if (ftruncate(writer->output.descriptor, fits ? (off_t)end : 0) != 0)
         return error_system(err, "%s: cannot hold %" PRIu64 " bytes", writer->output.path, end);
@@ -213,38 +206,30 @@ static bool lay_out(struct stack_writer *writer, struct error *err)
     return fits || lay_out(writer, err);
 }
 
-/* Tag 65000 takes floats. Labels have 10 digits: closer wavelengths could share one. */
-static bool check_wavelengths(const struct stack_options *options, struct error *err)
-{
-    double before = 0;
-    for (int page = 0; page < options->n_wavelengths; page++) {
-        double wavelength = options->wavelengths_nm[page];
-        if (!(wavelength > before * (1 + 1e-9) && wavelength <= (double)FLT_MAX))
-            return error_usage(err, "wavelength %.10g nm after %.10g nm: the wavelengths of a stack"
-                               " are finite and rise from above 0", wavelength, before);
-        before = wavelength;
-    }
-    return true;
-}
-
 static bool check_options(const struct stack_options *options, struct error *err)
 {
+    const int most_pages = 65535; /* the SHORTs of tag PageNumber */
     /* Room for directories in 63 bits; a page in tmsize_t, which is as wide as ptrdiff_t. */
     const uint64_t most_bytes = UINT64_C(1) << 62;
-    int n_pages = options->n_wavelengths;
-    if (n_pages < 1 || n_pages > MOST_PAGES)
-        return error_usage(err, "a stack of %d wavelengths is impossible; TIFF numbers 1 to %d"
-                           " pages", n_pages, MOST_PAGES);
-    if (options->width < 1 || options->height < 1)
-        return error_usage(err, "a page of %dx%d pixels is empty; it takes at least 1x1",
-                           options->width, options->height);
+    int n_pages = options->n_wavelengths, width = options->width, height = options->height;
+    if (n_pages < 1 || n_pages > most_pages || width < 1 || height < 1)
+        return error_usage(err, "a stack of %d wavelengths of %dx%d pixels is impossible; it has"
+                           " 1 to %d of at least 1x1", n_pages, width, height, most_pages);
     if (page_bytes(options) > PTRDIFF_MAX || page_bytes(options) > most_bytes / (uint64_t)n_pages)
         return error_usage(err, "%d pages of %dx%d pixels are too many for one file", n_pages,
-                           options->width, options->height);
+                           width, height);
     if (!(options->full_scale > 0 && options->full_scale <= DBL_MAX))
         return error_usage(err, "a full scale of %g is impossible; it is a positive radiance",
                            options->full_scale);
-    return check_wavelengths(options, err);
+    for (int page = 0; page < n_pages; page++) {
+        /* Tag 65000 takes floats. Labels have 10 digits: closer wavelengths could share one. */
+        double nm = options->wavelengths_nm[page];
+        double before = page > 0 ? options->wavelengths_nm[page - 1] : 0;
+        if (!(nm > before * (1 + 1e-9) && nm <= (double)FLT_MAX))
+            return error_usage(err, "wavelength %.10g nm after %.10g nm: the wavelengths of a stack"
+                               " are finite and rise from above 0", nm, before);
+    }
+    return true;
 }
 
 bool stack_open(struct stack_writer *out, const char *path, const struct stack_options *options,
@@ -259,8 +244,6 @@ bool stack_open(struct stack_writer *out, const char *path, const struct stack_o
     stack_discard(out);
     return false;
 }
-
-/* ---- pixels ---- */
 
 bool stack_write(struct stack_writer *writer, int page, int x, int y, int width, int height,
                  const void *samples, struct error *err)
@@ -280,57 +263,44 @@ bool stack_write(struct stack_writer *writer, int page, int x, int y, int width,
     return true;
 }
 
-/* ---- the end ---- */
+/* ---- the check at the end ---- */
 
-/* The current directory describes this page, and its pixels lie inside the file. */
-static bool page_is_whole(TIFF *tiff, const struct stack_writer *writer, int page, uint64_t end)
+/* The current directory describes this page and tells its place. */
+static bool page_is_whole(TIFF *tiff, const struct stack_writer *writer, int page)
 {
     const struct stack_options *options = &writer->options;
-    uint64_t offset = TIFFGetStrileOffset(tiff, 0), size = TIFFGetStrileByteCount(tiff, 0);
-    uint32_t width = 0, height = 0;
-    uint16_t bits = 0, format = 0, compression = 0;
-    return TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &width) && width == (uint32_t)options->width &&
-           TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &height) &&
-           height == (uint32_t)options->height &&
-           TIFFGetField(tiff, TIFFTAG_BITSPERSAMPLE, &bits) &&
-           bits == (options->floating ? 32 : 16) &&
-           TIFFGetField(tiff, TIFFTAG_SAMPLEFORMAT, &format) &&
-           format == (options->floating ? SAMPLEFORMAT_IEEEFP : SAMPLEFORMAT_UINT) &&
-           TIFFGetField(tiff, TIFFTAG_COMPRESSION, &compression) &&
+    uint16_t format = 0, compression = 0;
+    TIFFGetField(tiff, TIFFTAG_SAMPLEFORMAT, &format);
+    TIFFGetField(tiff, TIFFTAG_COMPRESSION, &compression);
+    return format == (options->floating ? SAMPLEFORMAT_IEEEFP : SAMPLEFORMAT_UINT) &&
            compression == COMPRESSION_NONE && TIFFNumberOfStrips(tiff) == 1 &&
-           offset == writer->page_offset[page] && size == page_bytes(options) && offset <= end &&
-           size <= end - offset;
-}
-
-/* The tag is unknown to libtiff while it reads: a counted array of characters. */
-static bool verdict_is(TIFF *tiff, const char room[STACK_VERDICT])
-{
-    uint32_t count = 0;
-    const char *text = NULL;
-    return TIFFGetField(tiff, TAG_VERDICT, &count, &text) && count == STACK_VERDICT &&
-           memcmp(text, room, STACK_VERDICT) == 0;
+           TIFFScanlineSize64(tiff) == page_bytes(options) / (uint64_t)options->height &&
+           TIFFStripSize64(tiff) == page_bytes(options) &&
+           TIFFGetStrileByteCount(tiff, 0) == page_bytes(options) &&
+           TIFFGetStrileOffset(tiff, 0) == writer->page_offset[page];
 }
 
 /* Reads every directory with libtiff, as another program would; "c" keeps it from showing a large
- * strip as many small ones. */
+ * strip as many small ones. It does not know the verdict's tag: a counted array of characters. */
 static bool check_file(struct stack_writer *writer, const char room[STACK_VERDICT],
                        struct error *err)
 {
-    int last = writer->options.n_wavelengths - 1, page = 0;
+    int last = writer->options.n_wavelengths - 1;
     struct client client = {.writer = writer, .err = err};
     struct stat status;
+    uint32_t count = 0;
+    const char *text = NULL;
     if (fstat(writer->output.descriptor, &status) != 0)
         return error_system(err, "%s: cannot be examined", writer->output.path);
     client.end = (uint64_t)status.st_size;
     TIFF *tiff = open_tiff(&client, "rc");
-    bool good = tiff != NULL && verdict_is(tiff, room) && page_is_whole(tiff, writer, 0, client.end);
-    while (good && page < last)
-        good = TIFFReadDirectory(tiff) && page_is_whole(tiff, writer, ++page, client.end);
+    bool good = tiff != NULL && TIFFGetField(tiff, TAG_VERDICT, &count, &text) &&
+                count == STACK_VERDICT && memcmp(text, room, STACK_VERDICT) == 0;
+    for (int page = 0; good && page <= last; page++)
+        good = page_is_whole(tiff, writer, page) && (page == last || TIFFReadDirectory(tiff));
     good = good && TIFFLastDirectory(tiff) &&
            writer->page_offset[last] + page_bytes(&writer->options) == client.end;
-    if (tiff != NULL)
-        TIFFClose(tiff);
-    return (good && !client.failed) || tiff_failure(&client, "the stack reads back wrong");
+    return close_tiff(tiff, &client, good);
 }
 
 /* A verdict fills its room with blanks, so that the size of the file does not depend on it. What is

@@ -3,58 +3,47 @@
  * its line and column. Words are slices, so that a file with millions of numbers costs no
  * allocation. The bytes end in a NUL past `length` and hold none before it (file_read), so looking
  * one character past a word is safe. */
-#include "spectral.h"
-
 #include <float.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "spectral.h"
+
 enum {
-    SHOWN_WORD = 40,    /* bytes of a word that a message repeats */
+    SHOWN_SIZE = 48,      /* of a buffer for a word in a message: word_shown() and "..." */
     LONGEST_NUMBER = 1024 /* a double's exact decimal expansion has at most 767 digits */
 };
 
 /* ---- lines ---- */
 
-static void start(struct text *text)
+/* Takes the bytes over; NULL, or no memory for the name, is an error. */
+static bool start(struct text *text, const char *name, char *bytes, struct error *err)
 {
+    *text = (struct text){.path = strdup(name), .bytes = bytes, .separators = ""};
+    if (text->path == NULL || bytes == NULL) {
+        text_free(text);
+        return error_memory(err);
+    }
+    text->length = strlen(bytes);
     /* Spreadsheets begin UTF-8 files with a byte order mark; it is no part of the first word. */
-    const char *first = text->bytes;
-    if (strncmp(first, "\xEF\xBB\xBF", 3) == 0)
-        first += 3;
-    text->at = text->line_start = text->line_end = first;
-    text->line = 0;
-    text->separators = "";
+    text->at = bytes + (strncmp(bytes, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0);
+    text->line_start = text->line_end = text->at;
+    return true;
 }
 
 bool text_open(struct text *out, const char *path, struct place from, struct error *err)
 {
+    char *bytes;
+    size_t length;
     *out = (struct text){0};
-    if (!file_read(path, from, &out->bytes, &out->length, err))
-        return false;
-    out->path = strdup(path);
-    if (out->path == NULL) {
-        text_free(out);
-        return error_memory(err);
-    }
-    start(out);
-    return true;
+    return file_read(path, from, &bytes, &length, err) && start(out, path, bytes, err);
 }
 
 bool text_open_string(struct text *out, const char *name, const char *string, struct error *err)
 {
-    *out = (struct text){0};
-    out->path = strdup(name);
-    out->bytes = strdup(string);
-    if (out->path == NULL || out->bytes == NULL) {
-        text_free(out);
-        return error_memory(err);
-    }
-    out->length = strlen(string);
-    start(out);
-    return true;
+    return start(out, name, strdup(string), err);
 }
 
 void text_free(struct text *text)
@@ -85,8 +74,7 @@ bool text_next_line(struct text *text)
 
 static struct place place_of(const struct text *text, const char *at)
 {
-    struct place place = {text->path, text->line, (int)(at - text->line_start) + 1};
-    return place;
+    return (struct place){text->path, text->line, (int)(at - text->line_start) + 1};
 }
 
 struct place text_place(const struct text *text)
@@ -96,8 +84,7 @@ struct place text_place(const struct text *text)
 
 struct place text_whole(const struct text *text)
 {
-    struct place place = {text->path, 0, 0};
-    return place;
+    return (struct place){text->path, 0, 0};
 }
 
 /* ---- words ---- */
@@ -144,23 +131,29 @@ bool text_word(struct text *text, struct word *out)
     return true;
 }
 
-/* The word for a message, cut between characters of UTF-8. */
-static const char *shown(const struct word *word, char out[SHOWN_WORD + 4])
+int word_shown(const struct word *word)
 {
     size_t length = word->length;
-    if (length > SHOWN_WORD) {
-        length = SHOWN_WORD;
+    if (length > 40) { /* cut between characters of UTF-8 */
+        length = 40;
         while (length > 0 && ((unsigned char)word->start[length] & 0xC0) == 0x80)
             length--;
     }
-    memcpy(out, word->start, length);
-    strcpy(out + length, length < word->length ? "..." : "");
+    return (int)length;
+}
+
+/* The word for a message. */
+static const char *shown(const struct word *word, char out[SHOWN_SIZE])
+{
+    const int length = word_shown(word);
+    snprintf(out, SHOWN_SIZE, "%.*s%s", length, word->start,
+             (size_t)length < word->length ? "..." : "");
     return out;
 }
 
 static bool word_check(const struct word *word, struct error *err)
 {
-    char buffer[SHOWN_WORD + 4];
+    char buffer[SHOWN_SIZE];
     if (!word->quoted || word->start[word->length] == '"')
         return true;
     return error_at(err, word->place,
@@ -177,7 +170,7 @@ bool text_expect(struct text *text, struct word *out, const char *what, struct e
 
 bool text_end(struct text *text, const char *what, struct error *err)
 {
-    char buffer[SHOWN_WORD + 4];
+    char buffer[SHOWN_SIZE];
     struct word word;
     if (!text_word(text, &word))
         return true;
@@ -218,7 +211,7 @@ static const char *scan_sign(const char *at, const char *end, bool *negative)
     return at + (at < end && (*at == '-' || *at == '+'));
 }
 
-/* [+-] digits with at most one point among them, at least one digit. NULL: not so. */
+/* Digits with at most one point among them, at least one digit. NULL: not so. */
 static const char *scan_digits(const char *at, const char *end, struct decimal *out)
 {
     bool any = false, point = false;
@@ -228,23 +221,22 @@ static const char *scan_digits(const char *at, const char *end, struct decimal *
             continue;
         }
         any = true;
-        if (out->digits > UINT64_MAX / 10 - 1) {
-            out->dropped = true;
-            continue;
+        out->dropped = out->dropped || out->digits > UINT64_MAX / 10 - 1;
+        if (!out->dropped) {
+            out->digits = 10 * out->digits + (uint64_t)(*at - '0');
+            out->exponent -= point;
         }
-        out->digits = 10 * out->digits + (uint64_t)(*at - '0');
-        out->exponent -= point;
     }
     return any ? at : NULL;
 }
 
-/* e or E, a sign, digits. NULL: no digit. Exponents stop growing where they decide nothing more. */
+/* A sign, digits. NULL: no digit. Exponents stop growing where they decide nothing more. */
 static const char *scan_exponent(const char *at, const char *end, struct decimal *out)
 {
     bool negative;
     long exponent = 0;
-    at = scan_sign(at + 1, end, &negative);
-    if (at == end || !is_digit(*at))
+    at = scan_sign(at, end, &negative);
+    if (at == end)
         return NULL;
     for (; at < end && is_digit(*at); at++)
         if (exponent < 1000000)
@@ -261,7 +253,7 @@ static bool scan_number(const struct word *word, struct decimal *out)
         return false;
     at = scan_digits(scan_sign(at, end, &out->negative), end, out);
     if (at != NULL && at < end && (*at == 'e' || *at == 'E'))
-        at = scan_exponent(at, end, out);
+        at = scan_exponent(at + 1, end, out);
     return at == end;
 }
 
@@ -273,17 +265,12 @@ static double decimal_value(const struct word *word, const struct decimal *decim
     static const double power_of_ten[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                           1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
                                           1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
-    const uint64_t exact = (uint64_t)1 << 53;
+    const long exponent = decimal->exponent;
+    double value = decimal->negative ? -(double)decimal->digits : (double)decimal->digits;
     char copy[LONGEST_NUMBER];
-    if (FLT_EVAL_METHOD == 0 && !decimal->dropped && decimal->digits <= exact &&
-        decimal->exponent >= -22 && decimal->exponent <= 22) {
-        double value = (double)decimal->digits;
-        if (decimal->exponent < 0)
-            value /= power_of_ten[-decimal->exponent];
-        else
-            value *= power_of_ten[decimal->exponent];
-        return decimal->negative ? -value : value;
-    }
+    if (FLT_EVAL_METHOD == 0 && !decimal->dropped && decimal->digits <= (uint64_t)1 << 53 &&
+        labs(exponent) <= 22)
+        return exponent < 0 ? value / power_of_ten[-exponent] : value * power_of_ten[exponent];
     memcpy(copy, word->start, word->length);
     copy[word->length] = '\0';
     return strtod(copy, NULL);
@@ -294,27 +281,24 @@ static double decimal_value(const struct word *word, const struct decimal *decim
 static bool refuse_range(const struct word *word, const char *what, bool above, double lowest,
                          double highest, struct error *err)
 {
-    char buffer[SHOWN_WORD + 4], low[64], high[64];
-    bool positive = lowest > 0 && lowest <= DBL_MIN;
-    snprintf(low, sizeof low, "%.15g", positive ? 0 : lowest);
-    snprintf(high, sizeof high, "%.15g", highest);
-    shown(word, buffer);
+    const bool positive = lowest > 0 && lowest <= DBL_MIN;
+    const double low = positive ? 0 : lowest;
+    const char *side = above ? "above" : positive ? "not above" : "below";
+    char buffer[SHOWN_SIZE], asked[128];
     if (lowest == -HUGE_VAL)
-        return error_at(err, word->place, "%s %s is above %s; it is at most %s", what, buffer,
-                        high, high);
-    if (highest == HUGE_VAL)
-        return error_at(err, word->place, "%s %s is %s %s; it is %s %s", what, buffer,
-                        positive ? "not above" : "below", low,
-                        positive ? "always above" : "at least", low);
-    return error_at(err, word->place, "%s %s is %s %s; it lies between %s and %s", what, buffer,
-                    above ? "above" : (positive ? "not above" : "below"), above ? high : low, low,
-                    high);
+        snprintf(asked, sizeof asked, "is at most %.15g", highest);
+    else if (highest == HUGE_VAL)
+        snprintf(asked, sizeof asked, "is %s %.15g", positive ? "always above" : "at least", low);
+    else
+        snprintf(asked, sizeof asked, "lies between %.15g and %.15g", low, highest);
+    return error_at(err, word->place, "%s %s is %s %.15g; it %s", what, shown(word, buffer), side,
+                    above ? highest : low, asked);
 }
 
 bool word_number(const struct word *word, const char *what, double lowest, double highest,
                  double *out, struct error *err)
 {
-    char buffer[SHOWN_WORD + 4];
+    char buffer[SHOWN_SIZE];
     struct decimal decimal;
     double value;
     if (!word_check(word, err))
@@ -335,7 +319,7 @@ bool word_number(const struct word *word, const char *what, double lowest, doubl
 bool word_integer(const struct word *word, const char *what, long lowest, long highest, long *out,
                   struct error *err)
 {
-    char buffer[SHOWN_WORD + 4];
+    char buffer[SHOWN_SIZE];
     const char *end = word->start + word->length, *at;
     bool negative, fits = true;
     long value = 0;

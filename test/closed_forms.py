@@ -106,6 +106,26 @@ def two_lights(renderer):
           f"{renderer}: two lights equal the sum of each alone", f"error {error}, tolerance {tolerance}")
 
 
+def watertight(renderer):
+    """A square of 3200 triangles whose corners lie on pixel centres or beside them at random."""
+    cells, random = 40, np.random.default_rng(1)
+    steps = np.arange(cells + 1) / cells * 4 - 2
+    x, y = (v + random.integers(0, 2, v.shape) * random.uniform(-0.04, 0.04, v.shape)
+            for v in np.meshgrid(steps, steps))
+    with open(os.path.join(TMP, "square.obj"), "w") as mesh:
+        for point in zip(x.flat, y.flat):
+            mesh.write("v %.17g %.17g 0\n" % point)
+        for row in range(cells):
+            for column in range(cells):
+                first = row * (cells + 1) + column + 1
+                mesh.write(f"f {first} {first + 1} {first + cells + 2}\n"
+                           f"f {first} {first + cells + 2} {first + cells + 1}\n")
+    scene = ("size 80 80\ncamera ortho 3.2\nambient d65 1\nmaterial red RED\n"
+             "object mesh square.obj material red")
+    picture = Picture("watertight", renderer, scene)
+    picture.agrees(per_band(D65 * RED), f"{renderer}: thousands of triangles leave no hole")
+
+
 def perspective(renderer):
     """A square leaning back by 60 degrees, lit from a point in its plane of symmetry: corners left and
     right are equally bright, so that radiance is linear along the square, not along the picture."""
@@ -141,5 +161,6 @@ for each in ("raster", "gl"):
     matt(each)
     plastic(each)
     two_lights(each)
+    watertight(each)
     perspective(each)
 print(f"1..{count}")
