@@ -17,7 +17,7 @@ warnings='-pedantic -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstr
 # libtiff and what it brings are linked statically, so that only OSMesa must be there at run time.
 # Lerc is C++, whose library OSMesa's LLVM brings anyway.
 libraries='-Wl,--exclude-libs,ALL -Wl,-Bstatic -ltiff -lwebp -lzstd -llzma -lLerc -ljbig -ljpeg
-  -ldeflate -lz -Wl,-Bdynamic -lOSMesa -lstdc++ -lm -lpthread'
+  -ldeflate -lz -Wl,-Bdynamic -lOSMesa -l:libstdc++.so.6 -lm -lpthread'
 
 build_packages='libc6-dev libosmesa6-dev libtiff-dev zlib1g-dev libzstd-dev libdeflate-dev
   liblzma-dev libjpeg-dev libjbig-dev libwebp-dev liblerc-dev'
