@@ -3,34 +3,23 @@
 # Other people's readers see what is in a stack: tifffile, GDAL and ImageJ each print one line a
 # page, its label and a checksum of its samples, and so does a walker that knows only TIFF 6.0.
 # All must agree. A reader that is not installed is skipped.
-set -u
-spectral=${SPECTRAL:-build/spectral}
+. test/tap.sh
 python=${PYTHON:-/usr/bin/python3} # the one that sees the system's modules
 imagej=${IMAGEJ_JAR:-/usr/share/java/ij.jar}
-folder=${TEST_TMP:-build/tmp}/stack_readers
-stack=$folder/patches.tif
-count=0
+stack=$tmp/colorchecker.tif
 
-truth() { # status, text: one line of TAP
-    count=$((count + 1))
-    if [ "$1" -eq 0 ]; then echo "ok $count - $2"; else echo "not ok $count - $2"; fi
-}
-
-skip() { # text, reason
-    count=$((count + 1))
-    echo "ok $count - $1 # SKIP $2"
-}
-
-same_lines() { # file with a reader's lines, text
-    [ -s "$1" ] && cmp "$folder/expected" "$1" >/dev/null 2>&1
-    status=$?
-    truth "$status" "$2"
-    [ "$status" -eq 0 ] || diff "$folder/expected" "$1" 2>&1 | head -10 | sed 's/^/# /'
+sees() { # READER COMMAND...: it ends well and prints the same lines as the walker
+    reader=$1
+    shift
+    exits 0 "$reader finds the stack in order" "$@"
+    cp "$tmp/out" "$tmp/seen"
+    exits 0 "$reader sees every page, its wavelength and its samples" \
+        diff "$tmp/expected" "$tmp/seen"
 }
 
 # The checksum depends on every sample and its place: sum of (1 + index) x sample, modulo 2^31.
 write_readers() {
-    cat >"$folder/walker.py" <<'END'
+    cat >"$tmp/walker.py" <<'END'
 import array, struct, sys
 data = open(sys.argv[1], "rb").read()
 magic, at = struct.unpack_from("<2xHI", data)
@@ -59,7 +48,7 @@ for first, size in pixels:
 assert end == len(data), "the file ends with the last pixel"
 assert directories_end <= pixels[0][0], "directories come first"
 END
-    cat >"$folder/with_tifffile.py" <<'END'
+    cat >"$tmp/with_tifffile.py" <<'END'
 import sys, numpy, tifffile
 import xml.etree.ElementTree as tree
 OME = "{http://www.openmicroscopy.org/Schemas/OME/2016-06}"
@@ -78,7 +67,7 @@ with tifffile.TiffFile(sys.argv[1]) as stack:
     for label, page in zip(labels, samples):
         print(label, int((numpy.arange(1, page.size + 1) * page).sum() % 2**31))
 END
-    cat >"$folder/with_gdal.py" <<'END'
+    cat >"$tmp/with_gdal.py" <<'END'
 import re, sys, numpy
 from osgeo import gdal
 gdal.UseExceptions()
@@ -99,7 +88,7 @@ for name, _ in whole.GetSubDatasets():
     samples = band.ReadAsArray().astype(numpy.int64).ravel()
     print(label, int((numpy.arange(1, samples.size + 1) * samples).sum() % 2**31))
 END
-    cat >"$folder/WithImageJ.java" <<'END'
+    cat >"$tmp/WithImageJ.java" <<'END'
 public class WithImageJ {
     public static void main(String[] arguments) {
         ij.ImageStack stack = new ij.io.Opener().openImage(arguments[0]).getStack();
@@ -115,50 +104,27 @@ public class WithImageJ {
 END
 }
 
-with_python() { # name of a reader, module that it needs
-    text="$1 sees every page, its wavelength and its samples"
-    if ! "$python" -c "import numpy; import $2" >/dev/null 2>&1; then
-        skip "$text" "no Python module $2"
-        return
-    fi
-    "$python" "$folder/with_$1.py" "$stack" >"$folder/$1.out" 2>"$folder/$1.err"
-    truth "$?" "$1 finds the stack's metadata in order"
-    sed 's/^/# /' "$folder/$1.err"
-    same_lines "$folder/$1.out" "$text"
-}
-
-with_imagej() {
-    text="ImageJ sees every slice, its label and its samples"
-    if [ ! -e "$imagej" ] || ! java --list-modules 2>/dev/null | grep -q jdk.compiler; then
-        skip "$text" "no ImageJ, or no Java that compiles"
-        return
-    fi
-    java -Djava.awt.headless=true -cp "$imagej" "$folder/WithImageJ.java" "$stack" \
-        >"$folder/imagej.out" 2>"$folder/imagej.err"
-    sed 's/^/# /' "$folder/imagej.err"
-    same_lines "$folder/imagej.out" "$text"
-}
-
 if ! "$python" -c 'import struct' >/dev/null 2>&1; then
     echo "1..0 # SKIP no Python"
     exit 0
 fi
-rm -rf "$folder"
-mkdir -p "$folder"
 write_readers
-"$spectral" render patches --size 60x40 -o "$stack" >"$folder/render.out" 2>&1
-truth "$?" "a stack is rendered"
-sed 's/^/# /' "$folder/render.out"
-if [ ! -e "$stack" ]; then
-    echo "1..$count"
-    exit 1
+exits 0 "a stack is rendered" "$SPECTRAL" render colorchecker --size 60x40 -o "$stack" --quiet
+exits 0 "directories first, then pages without gaps up to the end of the file" \
+    "$python" "$tmp/walker.py" "$stack"
+cp "$tmp/out" "$tmp/expected"
+[ "$(sort -u "$tmp/expected" | wc -l)" -gt 1 ]
+ok $? "the pages differ"
+for pair in tifffile:tifffile gdal:osgeo.gdal; do
+    if "$python" -c "import numpy; import ${pair#*:}" >/dev/null 2>&1; then
+        sees "${pair%:*}" "$python" "$tmp/with_${pair%:*}.py" "$stack"
+    else
+        skip "no Python module ${pair#*:}, or no numpy"
+    fi
+done
+if [ -e "$imagej" ] && java --list-modules 2>/dev/null | grep -q jdk.compiler; then
+    sees ImageJ java -Djava.awt.headless=true -cp "$imagej" "$tmp/WithImageJ.java" "$stack"
+else
+    skip "no ImageJ, or no Java that compiles"
 fi
-"$python" "$folder/walker.py" "$stack" >"$folder/expected" 2>"$folder/walker.err"
-truth "$?" "directories first, then pages without gaps up to the end of the file"
-sed 's/^/# /' "$folder/walker.err"
-[ "$(sort -u "$folder/expected" | wc -l)" -gt 1 ]
-truth "$?" "the pages differ"
-with_python tifffile tifffile
-with_python gdal osgeo.gdal
-with_imagej
-echo "1..$count"
+done_testing
