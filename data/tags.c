@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What each page of a stack says of itself, for readers that look in different places: OME-XML
  * 2016-06 for tifffile and Bio-Formats, GDAL_METADATA as in the GTiff driver, IJMetadata as in
- * ImageJ's TiffEncoder, 65000 and 65111 as in the ODSI-DB of retinal images, all others TIFF 6.0. */
+ * ImageJ's TiffEncoder, 65000 and 65111 as in the ODSI-DB of retinal images, the rest TIFF 6.0. */
 #include "stack.h"
 
 #include <stdlib.h>

@@ -83,6 +83,7 @@ static double thesis_loop(const struct plan *plan)
     glEnable(GL_LIGHT0);
     glEnable(GL_NORMALIZE);
     glEnable(GL_CULL_FACE);
+    glLightModeli(GL_LIGHT_MODEL_TWO_SIDE, GL_TRUE);
     glMatrixMode(GL_PROJECTION);
     load(&plan->projection);
     glMatrixMode(GL_MODELVIEW);
