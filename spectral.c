@@ -330,6 +330,16 @@ static bool report(const struct options *options, const struct plan *plan,
                              err);
 }
 
+/* Finds a report that cannot be written before the picture is drawn, not after. */
+static bool can_report(const struct options *options, struct error *err)
+{
+    struct output probe = {.path = NULL};
+    bool able = !options->json || strcmp(options->json, "-") == 0 ||
+                output_open(&probe, options->json, err);
+    output_discard(&probe);
+    return able;
+}
+
 static bool render_planned(const struct options *options, const struct plan *plan,
                            const struct render_seconds *before, const char *output,
                            struct error *err)
@@ -359,7 +369,8 @@ static bool render_scene(const struct options *options, const char *output, stru
     seconds.read = render_clock() - start;
     done = done && plan_make(&scene, &plan_options, &plan, err);
     seconds.plan = render_clock() - start - seconds.read;
-    done = done && render_planned(options, &plan, &seconds, output, err);
+    done = done && can_report(options, err) &&
+           render_planned(options, &plan, &seconds, output, err);
     plan_free(&plan);
     scene_free(&scene);
     return done;

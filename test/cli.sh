@@ -64,6 +64,9 @@ small="--size 40x30 --wavelengths 400:700:50"
     ok $? "and the device is still one"
     exits 3 "JSON to a full device too" \
         "$SPECTRAL" render patches $small -o /dev/null --quiet --json /dev/full
+    exits 2 "a report that cannot be written is found before anything is" \
+        "$SPECTRAL" render patches $small -o "$tmp/unreported.tif" --json "$tmp/no/such/folder.json"
+    absent "$tmp/unreported.tif" "a report that cannot be written"
     exits 2 "bad input leaves an old output alone" \
         "$SPECTRAL" render patches --size 0x0 -o "$tmp/old.tif"
     cmp -s "$tmp/c.tif" "$tmp/old.tif"
