@@ -233,7 +233,7 @@ static bool open_stack(struct render_state *state, const char *path, struct erro
         if (!state->samples[c])
             return error_memory(err);
     }
-    snprintf(provenance, sizeof provenance, "renderer %s",
+    snprintf(provenance, sizeof provenance, "renderer: %s",
              plan->options.store_raster ? "raster" : state->result->gl_renderer);
     struct stack_options options = {.width = plan->scene->width,
                                     .height = plan->scene->height,

@@ -32,7 +32,9 @@ void report_verdict(const struct plan *plan, const struct check_tally *tally, ch
                     size_t capacity)
 {
     const struct check_samples *samples = &tally->samples;
-    if (!plan->options.check)
+    if (plan->options.store_raster && tally->unexplained == 0)
+        snprintf(out, capacity, "pixels of the reference"); /* whatever OpenGL drew: the same bytes */
+    else if (!plan->options.check)
         snprintf(out, capacity, "not cross-checked");
     else
         snprintf(out, capacity,

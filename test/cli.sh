@@ -53,6 +53,8 @@ small="--size 40x30 --wavelengths 400:700:50"
         "$SPECTRAL" render patches $small --renderer raster --threads 1 -o "$tmp/c.tif"
     exits 0 "with any number of threads" \
         "$SPECTRAL" render patches $small --renderer raster --threads 3 --no-check -o "$tmp/d.tif"
+    cmp -s "$tmp/c.tif" "$tmp/d.tif"
+    ok $? "byte for byte, checked or not"
     cp "$tmp/c.tif" "$tmp/old.tif"
     exits 2 "an unwritable folder is bad input" \
         "$SPECTRAL" render patches $small -o "$tmp/no/such/folder/a.tif"
