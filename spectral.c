@@ -54,22 +54,8 @@ struct options {
     int n_overrides;
     const char *output, *json;
     struct plan_options plan;
-    bool keep, quiet, help;
+    bool no_check, keep, quiet, help;
 };
-
-static bool set_output(struct options *options, const char *value, struct error *err)
-{
-    (void)err;
-    options->output = value;
-    return true;
-}
-
-static bool set_json(struct options *options, const char *value, struct error *err)
-{
-    (void)err;
-    options->json = value;
-    return true;
-}
 
 static bool set_renderer(struct options *options, const char *value, struct error *err)
 {
@@ -95,7 +81,6 @@ static bool option_number(const char *option, const char *value, double lowest, 
                 text_end(&text, option, err);
     if (!done)
         error_usage(err, "%s takes a number", option);
-    /* the place of a failure points into the option, which outlives the text */
     text_free(&text);
     return done;
 }
@@ -115,65 +100,36 @@ static bool set_threads(struct options *options, const char *value, struct error
            error_usage(err, "--threads takes a whole number, not '%s'", value);
 }
 
-static bool set_no_check(struct options *options, const char *value, struct error *err)
-{
-    (void)value;
-    (void)err;
-    options->plan.check = false;
-    return true;
-}
+enum { FOR_SCENES = 1, FOR_RENDER = 2, FOR_LIST = 4, FOR_ALL = 7 };
 
-static bool set_keep(struct options *options, const char *value, struct error *err)
-{
-    (void)value;
-    (void)err;
-    options->keep = true;
-    return true;
-}
-
-static bool set_quiet(struct options *options, const char *value, struct error *err)
-{
-    (void)value;
-    (void)err;
-    options->quiet = true;
-    return true;
-}
-
-static bool set_help(struct options *options, const char *value, struct error *err)
-{
-    (void)value;
-    (void)err;
-    options->help = true;
-    return true;
-}
-
-enum { FOR_SCENES = 1, FOR_RENDER = 2, FOR_ALL = 7 };
-
-/* An option sets something in options, or overrides something in the scene. */
+/* An option overrides something in the scene, is set by a function, or is a word or a flag that lies in
+ * struct options at `offset`. */
+enum option_kind { OVERRIDE, SETTER, WORD, FLAG };
 struct option {
     const char *name;
-    bool takes_value;
     int commands;
-    bool (*set)(struct options *options, const char *value, struct error *err);
+    enum option_kind kind;
     bool (*apply)(struct scene *scene, const char *value, struct error *err);
+    bool (*set)(struct options *options, const char *value, struct error *err);
+    size_t offset;
 };
 static const struct option known_options[] = {
-    {"--wavelengths", true, FOR_SCENES, NULL, scene_set_wavelengths},
-    {"--size", true, FOR_SCENES, NULL, scene_set_size},
-    {"--light", true, FOR_SCENES, NULL, scene_set_light},
-    {"--ambient", true, FOR_SCENES, NULL, scene_set_ambient},
-    {"--output", true, FOR_RENDER, set_output, NULL},
-    {"-o", true, FOR_RENDER, set_output, NULL},
-    {"--renderer", true, FOR_RENDER, set_renderer, NULL},
-    {"--depth", true, FOR_RENDER, set_depth, NULL},
-    {"--full-scale", true, FOR_RENDER, set_full_scale, NULL},
-    {"--threads", true, FOR_RENDER, set_threads, NULL},
-    {"--json", true, FOR_RENDER, set_json, NULL},
-    {"--no-check", false, FOR_RENDER, set_no_check, NULL},
-    {"--keep", false, FOR_RENDER, set_keep, NULL},
-    {"--quiet", false, FOR_RENDER, set_quiet, NULL},
-    {"--help", false, FOR_ALL, set_help, NULL},
-    {"-h", false, FOR_ALL, set_help, NULL},
+    {"--wavelengths", FOR_SCENES, OVERRIDE, scene_set_wavelengths, NULL, 0},
+    {"--size", FOR_SCENES, OVERRIDE, scene_set_size, NULL, 0},
+    {"--light", FOR_SCENES, OVERRIDE, scene_set_light, NULL, 0},
+    {"--ambient", FOR_SCENES, OVERRIDE, scene_set_ambient, NULL, 0},
+    {"--renderer", FOR_RENDER, SETTER, NULL, set_renderer, 0},
+    {"--depth", FOR_RENDER, SETTER, NULL, set_depth, 0},
+    {"--full-scale", FOR_RENDER, SETTER, NULL, set_full_scale, 0},
+    {"--threads", FOR_RENDER, SETTER, NULL, set_threads, 0},
+    {"--output", FOR_RENDER, WORD, NULL, NULL, offsetof(struct options, output)},
+    {"-o", FOR_RENDER, WORD, NULL, NULL, offsetof(struct options, output)},
+    {"--json", FOR_RENDER, WORD, NULL, NULL, offsetof(struct options, json)},
+    {"--no-check", FOR_RENDER, FLAG, NULL, NULL, offsetof(struct options, no_check)},
+    {"--keep", FOR_RENDER, FLAG, NULL, NULL, offsetof(struct options, keep)},
+    {"--quiet", FOR_RENDER, FLAG, NULL, NULL, offsetof(struct options, quiet)},
+    {"--help", FOR_ALL, FLAG, NULL, NULL, offsetof(struct options, help)},
+    {"-h", FOR_ALL, FLAG, NULL, NULL, offsetof(struct options, help)},
 };
 enum { N_OPTIONS = sizeof known_options / sizeof known_options[0] };
 
@@ -189,8 +145,19 @@ static const struct option *find_option(const char *word, size_t length)
 static bool apply_option(struct options *options, const struct option *option, const char *value,
                          struct error *err)
 {
-    if (option->set)
+    char *at = (char *)options + option->offset;
+    switch (option->kind) {
+    case SETTER:
         return option->set(options, value, err);
+    case WORD:
+        memcpy(at, &value, sizeof value);
+        return true;
+    case FLAG:
+        *(bool *)at = true;
+        return true;
+    case OVERRIDE:
+        break;
+    }
     if (options->n_overrides == MAX_OVERRIDES)
         return error_usage(err, "%s: more than %d scene options", option->name, MAX_OVERRIDES);
     options->overrides[options->n_overrides++] = (struct override){option->apply, value};
@@ -207,7 +174,7 @@ static bool parse_option(int argc, char **argv, int *index, int commands, struct
     if (!option || !(option->commands & commands))
         return error_usage(err, "%s has no option '%.*s'; try spectral --help", argv[1],
                            (int)length, word);
-    if (!option->takes_value)
+    if (option->kind == FLAG)
         return equals ? error_usage(err, "%s takes no value", option->name)
                       : apply_option(options, option, NULL, err);
     if (!equals && *index + 1 == argc)
@@ -218,7 +185,7 @@ static bool parse_option(int argc, char **argv, int *index, int commands, struct
 static bool parse_options(int argc, char **argv, int commands, struct options *out,
                           struct error *err)
 {
-    *out = (struct options){.plan = {.check = true}};
+    *out = (struct options){.operand = NULL};
     bool only_operands = false;
     for (int i = 2; i < argc; i++) {
         if (!only_operands && strcmp(argv[i], "--") == 0) {
@@ -363,6 +330,7 @@ static bool render_scene(const struct options *options, const char *output, stru
     struct plan plan = {.scene = NULL};
     struct plan_options plan_options = options->plan;
     struct render_seconds seconds = {.read = 0};
+    plan_options.check = !options->no_check;
     plan_options.use_gl = plan_options.check || !plan_options.store_raster;
     double start = render_clock();
     bool done = read_scene(options, &scene, err);
@@ -476,7 +444,7 @@ struct command {
 static const struct command commands[] = {
     {"render", FOR_SCENES | FOR_RENDER, command_render},
     {"plan", FOR_SCENES, command_plan},
-    {"list", 4, command_list},
+    {"list", FOR_LIST, command_list},
 };
 enum { N_COMMANDS = sizeof commands / sizeof commands[0] };
 
