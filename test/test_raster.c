@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: MIT */
+/* The reference's own tools: clipping loses and doubles nothing, and the bounds on interpolation hold
+ * for single precision arithmetic as Mesa does it, without being far too wide. */
+#include <stdlib.h>
+
+#include "spectral.h"
+#include "test.h"
+
+/* A small generator of its own (Knuth's MMIX constants), so that every machine tests the same. */
+static double random_in(uint64_t *state, double low, double high)
+{
+    *state = *state * 6364136223846793005u + 1442695040888963407u;
+    return low + (high - low) * (double)(*state >> 11) / 9007199254740992.0;
+}
+
+static void random_triangle(uint64_t *state, struct corner out[3])
+{
+    for (int i = 0; i < 3; i++) {
+        out[i] = (struct corner){.whole = i};
+        for (int j = 0; j < 4; j++)
+            out[i].clip[j] = random_in(state, -2, 2);
+        out[i].share[i] = 1;
+    }
+}
+
+/* Area in barycentric coordinates, as a part of the whole triangle's. */
+static double part_of(const struct corner *corners, int n)
+{
+    double sum = 0;
+    for (int i = 0; i < n; i++) {
+        const double *a = corners[i].share, *b = corners[(i + 1) % n].share;
+        sum += a[0] * b[1] - b[0] * a[1];
+    }
+    return sum;
+}
+
+static void check_clipping(void)
+{
+    uint64_t state = 1;
+    double worst_area = 0, worst_share = 0;
+    bool same = true;
+    for (int i = 0; i < 1000; i++) {
+        struct corner whole[3], inner[CLIP_CORNERS], outer[CLIP_CORNERS];
+        struct clip_plane plane = {{0, 0, 0, 1}, 0.25}, other = plane;
+        random_triangle(&state, whole);
+        for (int j = 0; j < 4; j++) {
+            plane.normal[j] = random_in(&state, -1, 1);
+            other.normal[j] = -plane.normal[j];
+        }
+        other.offset = -plane.offset;
+        int n_inner = clip_triangle(whole, &plane, 1, inner);
+        int n_outer = clip_triangle(whole, &other, 1, outer);
+        worst_area = fmax(worst_area, fabs(part_of(inner, n_inner) + part_of(outer, n_outer) - 1));
+        for (int c = 0; c < n_inner; c++)
+            worst_share = fmax(worst_share, fabs(inner[c].share[0] + inner[c].share[1] +
+                                                 inner[c].share[2] - 1));
+        /* the neighbour across edge 0-1 runs along it the other way */
+        struct corner neighbour[3] = {whole[1], whole[0], whole[2]}, its[CLIP_CORNERS];
+        int n_its = clip_triangle(neighbour, &plane, 1, its), found = 0, cuts = 0;
+        for (int a = 0; a < n_inner; a++)
+            for (int b = 0; b < n_its && inner[a].whole < 0; b++)
+                found += memcmp(inner[a].clip, its[b].clip, sizeof its[b].clip) == 0;
+        for (int a = 0; a < n_inner; a++)
+            cuts += inner[a].whole < 0;
+        same = same && found == cuts;
+    }
+    CHECK_NEAR(worst_area, 0, 1e-13, "what a plane leaves and what it takes add up to the triangle");
+    CHECK_NEAR(worst_share, 0, 1e-14, "barycentric coordinates of cut corners add up to 1");
+    CHECK(same, "an edge is cut at the same corner, to the bit, whichever way it runs");
+
+    struct corner whole[3], left[CLIP_CORNERS];
+    struct clip_plane behind = {{0, 0, 0, 0}, -1};
+    random_triangle(&state, whole);
+    CHECK(clip_triangle(whole, &behind, 1, left) == 0, "a triangle outside leaves nothing");
+    CHECK(clip_triangle(whole, NULL, 0, left) == 3 && left[2].whole == 2,
+          "no planes leave the triangle as it is");
+}
+
+/* Interpolation as llvmpipe and softpipe do it, in single precision: planes of a/w and 1/w through
+ * the corners, with their origin at the framebuffer's, divided at the pixel. */
+static double single_precision(const float x[3], const float y[3], const float w[3],
+                               const float values[3], float px, float py)
+{
+    float n[3], plane[2];
+    for (int i = 0; i < 3; i++)
+        n[i] = values[i] * w[i];
+    const float *q[2] = {n, w};
+    float dx1 = x[1] - x[0], dy1 = y[1] - y[0], dx2 = x[2] - x[0], dy2 = y[2] - y[0];
+    float one_over_area = 1.0F / (dx1 * dy2 - dx2 * dy1);
+    for (int k = 0; k < 2; k++) {
+        float d1 = q[k][1] - q[k][0], d2 = q[k][2] - q[k][0];
+        float gx = (d1 * dy2 - d2 * dy1) * one_over_area;
+        float gy = (d2 * dx1 - d1 * dx2) * one_over_area;
+        float origin = q[k][0] - (gx * (x[0] - 0.5F) + gy * (y[0] - 0.5F));
+        plane[k] = origin + gx * (px - 0.5F) + gy * (py - 0.5F);
+    }
+    return (double)(plane[0] / plane[1]);
+}
+
+/* NaN outside the triangle, where nothing is drawn. */
+static double exact(const struct outline *o, const double values[3], double px, double py)
+{
+    double sum = 0, weight = 0, turn = 0;
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        double e = ((o->x[j] - px) * (o->y[k] - py) - (o->x[k] - px) * (o->y[j] - py)) *
+                   o->inverse_w[i];
+        if (e * turn < 0)
+            return (double)NAN;
+        turn = e;
+        sum += e * values[i];
+        weight += e;
+    }
+    return sum / weight;
+}
+
+/* The worst error / bound over random triangles of about `size` pixels. */
+static void check_bounds(double size, double depth_range, const char *name)
+{
+    enum { TRIANGLES = 20000 };
+    uint64_t state = 7;
+    double worst = 0;
+    int bounded = 0;
+    for (int i = 0; i < TRIANGLES; i++) {
+        struct outline outline = {.reach_x = 1025, .reach_y = 1025};
+        double values[3], cx = random_in(&state, 100, 900), cy = random_in(&state, 100, 900);
+        float x[3], y[3], w[3], v[3];
+        for (int c = 0; c < 3; c++) {
+            outline.x[c] = cx + random_in(&state, -size, size);
+            outline.y[c] = cy + random_in(&state, -size, size);
+            outline.inverse_w[c] = 1 / random_in(&state, 1, depth_range);
+            values[c] = random_in(&state, 0, 1);
+            x[c] = (float)outline.x[c];
+            y[c] = (float)outline.y[c];
+            w[c] = (float)outline.inverse_w[c];
+            v[c] = (float)values[c];
+        }
+        /* corners, w and values are rounded once: 2^-24 relative */
+        outline.slack_px = 1024.0 / 16777216;
+        outline.slack_w = 2.0 / 16777216;
+        double magnification = bound_magnification(&outline);
+        /* the pixel at the centre of gravity */
+        double px = floor((outline.x[0] + outline.x[1] + outline.x[2]) / 3) + 0.5;
+        double py = floor((outline.y[0] + outline.y[1] + outline.y[2]) / 3) + 0.5;
+        double expected = exact(&outline, values, px, py);
+        if (isnan(expected) || !(magnification < HUGE_VAL))
+            continue;
+        double error = fabs(single_precision(x, y, w, v, (float)px, (float)py) - expected);
+        worst = fmax(worst, error / (magnification * bound_colour(&outline, values)));
+        bounded++;
+    }
+    CHECK(bounded > TRIANGLES / 2, "%s: most have a bound at the pixel in their middle", name);
+    if (!CHECK(worst < 1 && worst > 0.02, "%s: it holds, and is not far too wide", name))
+        printf("# worst error / bound %g of %d\n", worst, bounded);
+}
+
+int main(void)
+{
+    check_clipping();
+    check_bounds(200, 1, "large triangles");
+    check_bounds(5, 1, "small triangles");
+    check_bounds(100, 8, "triangles in perspective");
+    struct outline line = {.x = {0, 10, 20},
+                           .y = {0, 10, 20},
+                           .inverse_w = {1, 1, 1},
+                           .slack_px = 1e-4,
+                           .reach_x = 100,
+                           .reach_y = 100};
+    CHECK(bound_magnification(&line) == HUGE_VAL, "a triangle without area has no bound");
+    return test_end();
+}
