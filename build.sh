@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: MIT
 # What it makes lies under build/; the program is build/spectral. CC and CFLAGS come from the
 # environment. On Debian, what is missing is installed when run as root.
+# Lists are split into words on purpose.
+# shellcheck disable=SC2086,SC2046
 set -eu
 cd "$(dirname "$0")"
 
@@ -24,8 +26,6 @@ build_packages='libc6-dev libosmesa6-dev libtiff-dev zlib1g-dev libzstd-dev libd
 test_packages='gcc clang libomp-dev perl python3-tifffile python3-numpy python3-scipy python3-gdal
   imagej default-jdk-headless glmark2-data psychtoolbox-3-common'
 
-# Lists are split into words on purpose.
-# shellcheck disable=SC2086
 
 # need PACKAGE... installs what is missing, or says what to type.
 need() {
@@ -56,7 +56,7 @@ builtin_files() {
     number=0
     while read -r file; do
         number=$((number + 1))
-        echo "static const unsigned char file_$number[] = {"
+        echo "static const unsigned char file_${number}[] = {"
         od -An -v -tu1 "$file" | sed 's/  */,/g; s/^,//; s/$/,/'
         echo '0};'
     done <build/builtin.list

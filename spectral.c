@@ -102,8 +102,8 @@ static bool set_threads(struct options *options, const char *value, struct error
 
 enum { FOR_SCENES = 1, FOR_RENDER = 2, FOR_LIST = 4, FOR_ALL = 7 };
 
-/* An option overrides something in the scene, is set by a function, or is a word or a flag that lies in
- * struct options at `offset`. */
+/* An option overrides something in the scene, is set by a function, or is a word or a flag that
+ * lies in struct options at `offset`. */
 enum option_kind { OVERRIDE, SETTER, WORD, FLAG };
 struct option {
     const char *name;
@@ -271,8 +271,8 @@ static bool write_json(const struct options *options, const struct plan *plan,
     bool stored = output && (options->keep || result->check.unexplained == 0);
     if (stored && !digest_file(output, sha256, err))
         return false;
-    char *json = report_json(plan, result, stored ? output : NULL, stored ? sha256 : NULL,
-                             peak_bytes());
+    char *json =
+        report_json(plan, result, stored ? output : NULL, stored ? sha256 : NULL, peak_bytes());
     bool done = json ? file_write(options->json, json, strlen(json), err) : error_memory(err);
     free(json);
     return done;
@@ -291,9 +291,10 @@ static bool report(const struct options *options, const struct plan *plan,
     if (result->check.unexplained == 0)
         return true;
     return report_difference(plan, &result->check,
-                             !output         ? "nothing was to be written"
-                             : options->keep ? "the stack was kept"
-                                             : "no stack was written (--keep stores it all the same)",
+                             !output ? "nothing was to be written"
+                             : options->keep
+                                 ? "the stack was kept"
+                                 : "no stack was written (--keep stores it all the same)",
                              err);
 }
 
@@ -337,8 +338,8 @@ static bool render_scene(const struct options *options, const char *output, stru
     seconds.read = render_clock() - start;
     done = done && plan_make(&scene, &plan_options, &plan, err);
     seconds.plan = render_clock() - start - seconds.read;
-    done = done && can_report(options, err) &&
-           render_planned(options, &plan, &seconds, output, err);
+    done =
+        done && can_report(options, err) && render_planned(options, &plan, &seconds, output, err);
     plan_free(&plan);
     scene_free(&scene);
     return done;
@@ -421,8 +422,10 @@ static bool command_list(const struct options *options, struct error *err)
         else
             list_folder("scenes/", ".scene");
     }
-    return found || error_usage(err, "there is no list of '%s'; there are illuminants, observers, "
-                                     "materials, shapes and scenes", wanted);
+    return found || error_usage(err,
+                                "there is no list of '%s'; there are illuminants, observers, "
+                                "materials, shapes and scenes",
+                                wanted);
 }
 
 /* ---- main ---- */

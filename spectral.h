@@ -10,8 +10,7 @@
  * A function that can fail takes a struct error last and returns false on failure, with the error
  * filled in and *out safe to free. Every xxx_free accepts a zeroed struct and leaves it zeroed.
  * Pictures are cross-checked between OpenGL and the reference, but what both share (readers, mesh
- * builder, spectra) is not: test/ holds those against closed forms.
- */
+ * builder, spectra) is not: test/ holds those against closed forms. */
 #ifndef SPECTRAL_H
 #define SPECTRAL_H
 
@@ -83,11 +82,11 @@ bool file_read(const char *path, struct place from, char **bytes, size_t *length
                struct error *err);
 
 /* The path of `name` as seen from the file `base`: absolute and "builtin:" names stay, others are
- * relative to the folder of base. "a/../" is folded in builtin paths. Allocated; NULL: no memory. */
+ * relative to the folder of base. "a/../" is folded in builtin paths. Allocated, or NULL. */
 char *file_relative(const char *base, const char *name);
 
-/* Holds SIGINT, SIGTERM and SIGHUP back, until they are released, from this thread and those that it
- * starts. Returns what to release, NULL without memory. Holds nest. */
+/* Holds SIGINT, SIGTERM and SIGHUP back, until they are released, from this thread and those that
+ * it starts. Returns what to release, NULL without memory. Holds nest. */
 void *signals_hold(void);
 void signals_release(void *held); /* NULL is fine */
 
@@ -141,8 +140,8 @@ void text_free(struct text *text);
 /* Goes to the next line (blank or not); false at the end of the file. */
 bool text_next_line(struct text *text);
 /* The next word of the current line; false at its end. An unclosed quote yields the rest of the
- * line as a word with `quoted` set and start[length] != '"'; text_expect, text_end and the functions
- * for numbers refuse it. */
+ * line as a word with `quoted` set and start[length] != '"'; text_expect, text_end and the
+ * functions for numbers refuse it. */
 bool text_word(struct text *text, struct word *out);
 /* Like text_word, but its absence is an error: "expected WHAT". */
 bool text_expect(struct text *text, struct word *out, const char *what, struct error *err);
@@ -182,8 +181,8 @@ struct vector vector_subtract(struct vector a, struct vector b);
 struct vector vector_scale(struct vector a, double factor);
 double vector_dot(struct vector a, struct vector b);
 struct vector vector_cross(struct vector a, struct vector b);
-double vector_length(struct vector a);             /* without avoidable overflow or underflow */
-struct vector vector_normalise(struct vector a);   /* (0,0,0) stays (0,0,0) */
+double vector_length(struct vector a);           /* without avoidable overflow or underflow */
+struct vector vector_normalise(struct vector a); /* (0,0,0) stays (0,0,0) */
 
 /* Multiples of 45 degrees are rounded correctly, others within 2 units in the last place. */
 void sine_cosine(double angle_deg, double *sine, double *cosine);
@@ -195,21 +194,22 @@ struct matrix matrix_identity(void);
 struct matrix matrix_product(struct matrix a, struct matrix b); /* a after b */
 struct matrix matrix_translation(struct vector by);
 struct matrix matrix_scaling(struct vector by);
-/* Right-handed, about the axis (any length but 0). Multiples of 90 degrees are exact about x, y, z. */
+/* Right-handed, about the axis (any length but 0); exact about x, y, z at multiples of 90. */
 struct matrix matrix_rotation(double angle_deg, struct vector axis);
 struct matrix matrix_look_at(struct vector eye, struct vector look, struct vector up);
-struct vector matrix_point(const struct matrix *m, struct vector p);     /* w taken as 1, row 3 ignored */
-struct vector matrix_direction(const struct matrix *m, struct vector d); /* w taken as 0 */
-/* How normals go: the inverse transpose of the upper left 3x3, up to a positive factor, so that a mirror
- * keeps normals outward. False when singular (determinant 0 or not finite). */
+/* With w taken as 1, and as 0; row 3 is ignored. */
+struct vector matrix_point(const struct matrix *m, struct vector p);
+struct vector matrix_direction(const struct matrix *m, struct vector d);
+/* How normals go: the inverse transpose of the upper left 3x3, up to a positive factor, so that a
+ * mirror keeps normals outward. False when singular (determinant 0 or not finite). */
 bool matrix_normal(const struct matrix *m, struct matrix *out);
 
 /* ---- data/spectrum.c: sampled and analytic spectra ---- */
 
 enum spectrum_kind {
-    SPECTRUM_NONE = 0, /* absent */
-    SPECTRUM_CONSTANT, /* parameter[0] at every wavelength */
-    SPECTRUM_SAMPLED,  /* linear between samples */
+    SPECTRUM_NONE = 0,  /* absent */
+    SPECTRUM_CONSTANT,  /* parameter[0] at every wavelength */
+    SPECTRUM_SAMPLED,   /* linear between samples */
     SPECTRUM_BLACKBODY, /* parameter[0]: temperature in K; 1.0 at 560 nm (Planck, CODATA 2018 c2) */
     SPECTRUM_GAUSSIAN   /* exp(-4 ln 2 ((nm - parameter[0]) / parameter[1])^2): centre, full width
                            at half maximum */
@@ -219,17 +219,18 @@ enum spectrum_ends { SPECTRUM_ZERO, SPECTRUM_HOLD }; /* outside the samples: 0, 
 struct spectrum {
     enum spectrum_kind kind;
     double parameter[2];
-    double factor; /* multiplies every value */
-    int count;     /* samples */
+    double factor;                 /* multiplies every value */
+    int count;                     /* samples */
     double *wavelength_nm, *value; /* count each, wavelengths strictly increasing; owned */
     char *name;                    /* as written, for reports; owned */
     struct place place;
 };
 
-/* Reads a SPECTRUM word: built-in illuminant name, number, file, blackbody:K, gaussian:CENTRE,WIDTH,
- * each optionally *FACTOR. A table of several value columns (an observer) needs :COLUMN, from 1:
- * cie1931:2. File names are relative to the word's file. Values below `lowest` or above `highest`
- * are refused at their own place. Factors must be finite and not negative. */
+/* Reads a SPECTRUM word: built-in illuminant name, number, file, blackbody:K,
+ * gaussian:CENTRE,WIDTH, each optionally *FACTOR. A table of several value columns (an observer)
+ * needs :COLUMN, from 1: cie1931:2. File names are relative to the word's file. Values below
+ * `lowest` or above `highest` are refused at their own place. Factors must be finite and not
+ * negative. */
 bool spectrum_read(const struct word *word, double lowest, double highest, struct spectrum *out,
                    struct error *err);
 /* Adds one sample at the end; refuses wavelengths that do not increase or are not positive. */
@@ -244,24 +245,24 @@ void spectrum_free(struct spectrum *spectrum);
 
 /* What a surface does with light. All reflectances are in [0, 1]. */
 struct material {
-    char *name;  /* file name without folder and ending, or the scene's name; owned */
-    char *path;  /* owned; NULL for a material written in the scene */
+    char *name; /* file name without folder and ending, or the scene's name; owned */
+    char *path; /* owned; NULL for a material written in the scene */
     struct place place;
-    struct spectrum diffuse;              /* always present */
-    struct spectrum specular;             /* absent with gloss > 0: 1 at every wavelength */
-    double gloss;                         /* 0..128; 0: no highlight */
+    struct spectrum diffuse;  /* always present */
+    struct spectrum specular; /* absent with gloss > 0: 1 at every wavelength */
+    double gloss;             /* 0..128; 0: no highlight */
     struct place gloss_place, specular_place;
     struct spectrum excitation, emission; /* fluorescence; both or neither; sum(excitation) > 0 */
     char *donaldson;                      /* bispectral matrix file; owned, NULL: none */
     struct place donaldson_place;
-    char *texture;                        /* file; owned, NULL: none */
+    char *texture; /* file; owned, NULL: none */
     bool texture_linear;
     struct place texture_place;
-    char *spectral_texture;               /* stack; owned, NULL: none */
+    char *spectral_texture; /* stack; owned, NULL: none */
     struct place spectral_texture_place;
-    struct spectrum glow;                 /* emission without light */
-    char *partner_name;                   /* `metamer MATERIAL`: name in the scene; owned */
-    struct material *partner;             /* from a material file's m lines; owned; place is set */
+    struct spectrum glow;     /* emission without light */
+    char *partner_name;       /* `metamer MATERIAL`: name in the scene; owned */
+    struct material *partner; /* from a material file's m lines; owned; place is set */
     struct place partner_place;
 };
 
@@ -299,9 +300,9 @@ void mesh_free(struct mesh *mesh);
 struct light {
     struct spectrum spectrum;
     double intensity;
-    struct vector position;  /* or the direction towards it */
+    struct vector position; /* or the direction towards it */
     bool directional;
-    double attenuation[3];   /* constant, linear, quadratic; 1 0 0 by default */
+    double attenuation[3]; /* constant, linear, quadratic; 1 0 0 by default */
     bool spot;
     struct vector spot_direction;
     double spot_cutoff_deg, spot_exponent;
@@ -333,7 +334,7 @@ enum shape_kind {
 struct shape {
     enum shape_kind kind;
     double parameter[4];
-    char *path;         /* SHAPE_MESH; owned */
+    char *path; /* SHAPE_MESH; owned */
     bool unitize;
     double crease_deg;  /* 90 by default */
     char *material_map; /* owned; NULL: none */
@@ -346,10 +347,10 @@ struct object {
     struct place place;
 };
 struct scene {
-    char *path;                 /* as given: file or built-in name */
-    struct text *files;         /* every file read: owns the paths of all places */
+    char *path;         /* as given: file or built-in name */
+    struct text *files; /* every file read: owns the paths of all places */
     int n_files;
-    double *wavelengths_nm;     /* strictly increasing */
+    double *wavelengths_nm; /* strictly increasing */
     int n_wavelengths;
     int width, height;
     struct camera camera;
@@ -382,10 +383,10 @@ bool digest_file(const char *path, char out[65], struct error *err);
 struct stack_options {
     int width, height, n_wavelengths;
     const double *wavelengths_nm;
-    double full_scale;  /* radiance of count 65535 */
-    bool floating;      /* 32-bit float pages of radiance instead of 16-bit counts */
+    double full_scale;      /* radiance of count 65535 */
+    bool floating;          /* 32-bit float pages of radiance instead of 16-bit counts */
     const char *scene;      /* for the description */
-    const char *provenance; /* free text for the description: how it was made; no XML escaping done */
+    const char *provenance; /* free text for the description: how it was made */
 };
 /* A stack being written: laid out at once, then filled rectangle by rectangle in any order. */
 struct stack_writer {
@@ -393,7 +394,7 @@ struct stack_writer {
     struct stack_options options;
     uint64_t *page_offset; /* byte offset of each page's pixels */
     uint64_t verdict_offset;
-    bool big;              /* BigTIFF */
+    bool big; /* BigTIFF */
 };
 /* Lays the file out. The strings in options are copied into the file, wavelengths by pointer. */
 bool stack_open(struct stack_writer *out, const char *path, const struct stack_options *options,
@@ -410,7 +411,8 @@ const char *stack_library(void); /* name and version of the libtiff in use */
 
 /* ---- raster/shape.c: built-in shapes as triangles ---- */
 
-/* Builds the mesh of any shape: watertight where the solid is, normals outward. A mesh file is read. */
+/* Builds the mesh of any shape: watertight where the solid is, normals outward. A mesh file is
+ * read. */
 bool shape_build(const struct shape *shape, struct mesh *out, struct error *err);
 
 /* ---- raster/plan.c: what a scene calls for, decided once ---- */
@@ -419,8 +421,9 @@ enum { MAX_GL_LIGHTS = 8, BANDS_PER_PASS = 3 };
 
 enum term_kind { TERM_DIFFUSE, TERM_SPECULAR };
 
-/* Radiance at a point is constant(wavelength) + sum over terms of weight(point) x spectrum(wavelength)
- * (local illumination is linear): weights depend on geometry only, spectra on light and material. */
+/* Radiance at a point is constant(wavelength) + sum over terms of weight(point) x
+ * spectrum(wavelength) (local illumination is linear): weights depend on geometry only, spectra on
+ * light and material. */
 struct term {
     enum term_kind kind;
     int light; /* index into plan.lights */
@@ -442,7 +445,7 @@ struct body {
 };
 struct plan_light {
     const struct light *light;
-    struct vector eye_position; /* in eye space; for a directional light the unit vector towards it */
+    struct vector eye_position; /* for a directional light the unit vector towards it */
 };
 struct plan_effect {
     const char *name;
@@ -452,11 +455,11 @@ struct plan_effect {
 enum { MAX_EFFECTS = 16 };
 
 struct plan_options {
-    double full_scale;       /* 0: the largest vertex radiance */
-    bool check, use_gl;      /* whether the reference and OpenGL are needed */
-    bool store_raster;       /* the stored pixels are the reference's */
-    bool floating;           /* 32-bit float pages */
-    int threads;             /* 0: as many as OpenMP offers; the plan holds the number */
+    double full_scale;  /* 0: the largest vertex radiance */
+    bool check, use_gl; /* whether the reference and OpenGL are needed */
+    bool store_raster;  /* the stored pixels are the reference's */
+    bool floating;      /* 32-bit float pages */
+    int threads;        /* 0: as many as OpenMP offers; the plan holds the number */
 };
 struct plan {
     const struct scene *scene;
@@ -469,8 +472,8 @@ struct plan {
     struct body *bodies;
     struct plan_light lights[MAX_GL_LIGHTS];
     int n_meshes, n_finishes, n_bodies, n_lights;
-    int max_terms;                 /* largest n_terms of a finish */
-    int tile_width, tile_height;   /* the last column and row of tiles may be smaller */
+    int max_terms;               /* largest n_terms of a finish */
+    int tile_width, tile_height; /* the last column and row of tiles may be smaller */
     uint64_t file_bytes, tile_bytes;
     struct plan_effect effects[MAX_EFFECTS];
     int n_effects;
@@ -483,25 +486,25 @@ bool plan_make(const struct scene *scene, const struct plan_options *options, st
 void plan_print(const struct plan *plan, FILE *to);
 void plan_free(struct plan *plan);
 
-/* ---- raster/light.c: the reference's vertices: positions, weights, and how far GL may be off ---- */
+/* ---- raster/light.c: the reference's vertices, and how far GL may be off there ---- */
 
 /* Window coordinates of a vertex in double, with bounds on OpenGL's single-precision error. */
 struct lit_vertex {
-    double clip[4];      /* homogeneous clip coordinates */
-    double x, y, z;      /* window: pixels from the top left of the picture, depth 0..1; valid if w > 0 */
+    double clip[4]; /* homogeneous clip coordinates */
+    double x, y, z; /* window, valid if w > 0: pixels from the top left, depth 0..1 */
     double inverse_w;
-    float slack_px;      /* bound on GL's error in x and in y, before it snaps to its grid */
-    float slack_depth;   /* bound on GL's error in z */
-    float slack_w;       /* relative bound on GL's error in w */
-    float clip_error;    /* bound on GL's error in any clip coordinate */
+    float slack_px;    /* bound on GL's error in x and in y, before it snaps to its grid */
+    float slack_depth; /* bound on GL's error in z */
+    float slack_w;     /* relative bound on GL's error in w */
+    float clip_error;  /* bound on GL's error in any clip coordinate */
 };
 struct surface {
     const struct body *body;
     const struct mesh *mesh;
     const struct finish *finish;
     struct lit_vertex *vertices;
-    double *weights; /* [vertex][term] */
-    float *errors;   /* [vertex][term]: bound on |GL's weight - weight| */
+    double *weights;                 /* [vertex][term] */
+    float *errors;                   /* [vertex][term]: bound on |GL's weight - weight| */
     double left, top, right, bottom; /* window bounds; everything where a vertex is not in front */
 };
 /* A part of the picture, such as OpenGL draws at once; in pixels from the top left. */
@@ -529,16 +532,16 @@ enum { CLIP_PLANES = 6, CLIP_CORNERS = 3 + CLIP_PLANES };
 struct corner {
     double clip[4];
     double share[3];  /* barycentric coordinates in the whole triangle */
-    double cut_error; /* bound on GL's error in clip coordinates from cutting; 0 for whole corners */
+    double cut_error; /* bound on GL's error in clip coordinates from cutting */
     int whole;        /* 0..2: which corner of the whole triangle this is; -1: made by a cut */
 };
 /* Inside is where normal . clip + offset >= 0. */
 struct clip_plane {
     double normal[4], offset;
 };
-/* Cuts a triangle by planes in the given order; returns the number of corners left, in the triangle's
- * own sense of rotation (0: nothing is left). A cut edge gives the same corner whichever of its two
- * triangles is cut (Sutherland and Hodgman 1974). */
+/* Cuts a triangle by planes in the given order; returns the number of corners left, in the
+ * triangle's own sense of rotation (0: nothing is left). A cut edge gives the same corner whichever
+ * of its two triangles is cut (Sutherland and Hodgman 1974). */
 int clip_triangle(const struct corner whole[3], const struct clip_plane *planes, int n_planes,
                   struct corner out[CLIP_CORNERS]);
 
@@ -550,7 +553,8 @@ struct outline {
     double slack_px, slack_w;
     double reach_x, reach_y; /* largest window coordinates in the tile */
 };
-/* Above 1: the factor by which position errors magnify the others; HUGE_VAL where they leave no bound. */
+/* Above 1: the factor by which position errors magnify the others; HUGE_VAL where they leave no
+ * bound. */
 double bound_magnification(const struct outline *outline);
 /* Bound on OpenGL's error in a value interpolated with perspective (colours). */
 double bound_colour(const struct outline *outline, const double values[3]);
@@ -563,16 +567,16 @@ double bound_linear(const struct outline *outline, const double values[3]);
  * turn so that twice_area >= 0. */
 struct facet {
     int32_t surface;
-    int32_t vertex[3];     /* of the whole triangle */
-    bool whole;            /* corner i is vertex[i] */
-    bool straddles;        /* OpenGL cuts it at the tile's border */
-    bool loose;            /* some of it is too thin for a bound on single precision */
+    int32_t vertex[3]; /* of the whole triangle */
+    bool whole;        /* corner i is vertex[i] */
+    bool straddles;    /* OpenGL cuts it at the tile's border */
+    bool loose;        /* some of it is too thin for a bound on single precision */
     double x[3], y[3], z[3], inverse_w[3];
-    double share[3][3];    /* of each corner: barycentric coordinates in the whole triangle */
+    double share[3][3]; /* of each corner: barycentric coordinates in the whole triangle */
     double twice_area;
-    double slack_px;       /* bound on GL's position of a corner, its snapping left out */
-    double slack_w;        /* relative bound on GL's w */
-    double depth_error;    /* bound on GL's depth at a pixel; HUGE_VAL: none */
+    double slack_px;    /* bound on GL's position of a corner, its snapping left out */
+    double slack_w;     /* relative bound on GL's w */
+    double depth_error; /* bound on GL's depth at a pixel; HUGE_VAL: none */
 };
 enum { FACETS_PER_TRIANGLE = 3 }; /* two planes cut at most two corners off */
 /* Facets of one triangle of surfaces[surface]; returns how many (0: nothing of it is in `rows`, the
@@ -580,8 +584,8 @@ enum { FACETS_PER_TRIANGLE = 3 }; /* two planes cut at most two corners off */
 int facets_of(const struct plan *plan, const struct surface *surfaces, int surface, int triangle,
               const struct tile *tile, const struct tile *rows,
               struct facet out[FACETS_PER_TRIANGLE]);
-/* The triangles that OpenGL sets up for a facet: itself, or what clipping at the tile's border and in
- * depth makes of its whole triangle, fanned from the first corner. Returns how many. */
+/* The triangles that OpenGL sets up for a facet: itself, or what clipping at the tile's border and
+ * in depth makes of its whole triangle, fanned from the first corner. Returns how many. */
 struct piece {
     struct outline outline;
     double z[3], share[3][3];
@@ -608,8 +612,8 @@ struct chunk {
     struct tile rows;
     int32_t *surface; /* of the reference's own fragment; -1: background */
     bool *contested;
-    double *weights;  /* [max_terms][pixel] */
-    float *errors;    /* [1 + max_terms][pixel]; row 0 belongs to the constant part */
+    double *weights; /* [max_terms][pixel] */
+    float *errors;   /* [1 + max_terms][pixel]; row 0 belongs to the constant part */
     struct contest *contests;
     struct candidate *candidates;
     double *numbers;
@@ -653,7 +657,7 @@ enum { TIGHT_COUNTS = 8 };
 struct check_failure {
     bool found;
     int x, y, band;
-    int surface; /* the reference's; -1: background */
+    int surface;                  /* the reference's; -1: background */
     double seen, expected, bound; /* counts */
 };
 /* How samples compare with the candidate that explains them. */
@@ -685,14 +689,14 @@ struct check {
 /* Opens the check of a chunk, whose memory the check does not own. */
 bool check_open(const struct plan *plan, const struct surface *surfaces, const struct chunk *chunk,
                 double full_scale, struct check *out, struct error *err);
-/* Judges the bands of one GL pass. `pixels` is the chunk's first pixel, 4 floats each, rows `stride`
- * pixels apart, in units of full_scale. */
+/* Judges the bands of one GL pass. `pixels` is the chunk's first pixel, 4 floats each, rows
+ * `stride` pixels apart, in units of full_scale. */
 void check_pass(struct check *check, int first_band, const float *pixels, size_t stride);
 /* Settles contested pixels, adds the chunk's tally to *total and frees the check. */
 void check_close(struct check *check, struct check_tally *total);
 
 /* One band of a chunk as stored: uint16_t counts, or float radiances where the plan says so; the
- * reference's, or those of one channel of a GL pass. Returns how many samples were above the scale. */
+ * reference's, or those of one channel of a GL pass. Returns how many were above the scale. */
 size_t counts_of_reference(const struct plan *plan, const struct surface *surfaces,
                            const struct chunk *chunk, int band, double full_scale, void *out);
 size_t counts_of_gl(const struct plan *plan, const struct tile *rows, int channel,
@@ -719,8 +723,8 @@ struct render_progress {
 };
 /* Seconds of a clock that only goes forward. */
 double render_clock(void);
-/* Renders into the stack file at `path` (NULL: no file is written). A picture that failed its check is
- * stored only with keep; the result tells. */
+/* Renders into the stack file at `path` (NULL: no file is written). A picture that failed its check
+ * is stored only with keep; the result tells. */
 bool render(const struct plan *plan, const char *path, bool keep,
             const struct render_progress *progress, struct render_result *out, struct error *err);
 
@@ -729,13 +733,13 @@ bool render(const struct plan *plan, const char *path, bool keep,
 /* The verdict in one line of ASCII, for the stack. */
 void report_verdict(const struct plan *plan, const struct check_tally *tally, char *out,
                     size_t capacity);
-/* Returns false with EXIT_DIFFERENT: where the pictures first differ, and `then` what follows from it. */
+/* Returns false with EXIT_DIFFERENT: where the pictures first differ, and `then` what follows from
+ * it. */
 bool report_difference(const struct plan *plan, const struct check_tally *tally, const char *then,
                        struct error *err);
 void report_print(const struct plan *plan, const struct render_result *result, FILE *to);
 /* One JSON object, allocated; NULL: no memory. output and sha256 may be NULL. */
 char *report_json(const struct plan *plan, const struct render_result *result, const char *output,
                   const char *sha256, uint64_t peak_bytes);
-
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Failures as one line of text and an exit status, and memory that fails in the same way. Texts take no
- * allocation, so that they work when memory has run out; nothing is printed here, so that only the
- * command line decides what the user sees. */
+/* Failures as one line of text and an exit status, and memory that fails in the same way. Texts
+ * take no allocation, so that they work when memory has run out; nothing is printed here, so that
+ * only the command line decides what the user sees. */
 #include "spectral.h"
 
 #include <errno.h>
@@ -20,8 +20,8 @@ static void hide_controls(char *text)
 }
 
 /* Keeps the room for `ending`, so that the cause survives a message that is too long. */
-static bool fail(struct error *err, enum exit_status status, const char *prefix,
-                 const char *format, va_list arguments, const char *ending)
+static bool fail(struct error *err, enum exit_status status, const char *prefix, const char *format,
+                 va_list arguments, const char *ending)
 {
     size_t room = sizeof err->text - strlen(ending), used;
     if (err->status != EXIT_AGREED)

@@ -156,8 +156,7 @@ static bool read_builtin(const char *path, struct place from, char **bytes, size
     return true;
 }
 
-bool file_read(const char *path, struct place from, char **bytes, size_t *length,
-               struct error *err)
+bool file_read(const char *path, struct place from, char **bytes, size_t *length, struct error *err)
 {
     *bytes = NULL;
     *length = 0;
@@ -232,8 +231,8 @@ static bool create_temporary(struct output *out, const char *path, mode_t mode)
     if (out->temporary == NULL)
         return false;
     for (int attempt = 0; attempt < 10000; attempt++) {
-        snprintf(out->temporary, capacity, "%.*s.%.200s.%ld.%d.tmp", (int)(name - path), path,
-                 name, (long)getpid(), attempt);
+        snprintf(out->temporary, capacity, "%.*s.%.200s.%ld.%d.tmp", (int)(name - path), path, name,
+                 (long)getpid(), attempt);
         out->descriptor = open(out->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode);
         if (out->descriptor >= 0)
             return true;

@@ -60,7 +60,7 @@ struct builder {
     int32_t *first_vertex; /* of each point */
     struct link {
         int32_t next, corner;
-    } *links; /* of each vertex */
+    } * links; /* of each vertex */
 };
 
 static int face_start(const struct obj *obj, int face)
@@ -278,8 +278,7 @@ static struct vertex make_vertex(const struct builder *b, const struct obj_corne
 }
 
 /* The vertex of a corner, which may be new; -1: no memory. */
-static int32_t find_vertex(struct builder *b, int32_t corner, struct mesh *mesh,
-                           struct error *err)
+static int32_t find_vertex(struct builder *b, int32_t corner, struct mesh *mesh, struct error *err)
 {
     const struct obj_corner *corners = b->obj.corners, *wanted = &corners[corner];
     int32_t *link = &b->first_vertex[wanted->index[POINT]];

@@ -53,8 +53,8 @@ static bool read_item(struct text *text, const struct list_form *form, struct ob
 
     for (; next_word(text, &word); n++) {
         if (n == form->most)
-            return error_at(err, word.place, "too many numbers: %s takes at most %d",
-                            form->keyword, form->most);
+            return error_at(err, word.place, "too many numbers: %s takes at most %d", form->keyword,
+                            form->most);
         if (!word_number(&word, "coordinate", -(double)FLT_MAX, (double)FLT_MAX, &number[n], err))
             return false;
     }
@@ -190,11 +190,11 @@ static bool read_face(struct text *text, struct obj *obj, struct error *err)
 static bool is_skipped(const struct word *keyword)
 {
     static const char *const skipped[] = {
-        "g",      "o",    "s",     "usemtl",     "mtllib",    "usemap", "maplib",   "mg",
-        "p",      "l",    "vp",    "cstype",     "deg",       "bmat",   "step",     "curv",
-        "curv2",  "surf", "parm",  "trim",       "hole",      "scrv",   "sp",       "end",
-        "con",    "lod",  "bevel", "c_interp",   "d_interp",  "ctech",  "stech",    "bsp",
-        "bzp",    "cdc",  "cdp",   "shadow_obj", "trace_obj", "res"};
+        "g",     "o",    "s",     "usemtl",     "mtllib",    "usemap", "maplib", "mg",
+        "p",     "l",    "vp",    "cstype",     "deg",       "bmat",   "step",   "curv",
+        "curv2", "surf", "parm",  "trim",       "hole",      "scrv",   "sp",     "end",
+        "con",   "lod",  "bevel", "c_interp",   "d_interp",  "ctech",  "stech",  "bsp",
+        "bzp",   "cdc",  "cdp",   "shadow_obj", "trace_obj", "res"};
 
     for (size_t i = 0; i < sizeof skipped / sizeof *skipped; i++)
         if (word_is(keyword, skipped[i]))
@@ -215,7 +215,8 @@ static bool read_statement(struct text *text, const struct word *keyword, struct
     if (!is_skipped(keyword))
         return error_at(err, keyword->place,
                         "unknown statement %.*s; OBJ has v, vt, vn, f, g, o, s, usemtl, mtllib, "
-                        "...", word_shown(keyword), keyword->start);
+                        "...",
+                        word_shown(keyword), keyword->start);
     while (next_word(text, &word))
         continue;
     return true;

@@ -183,8 +183,8 @@ static bool is_inside(const struct cutter *cutter, const struct cutter_node *a,
                       const struct cutter_node *b, const struct cutter_node *c,
                       const struct cutter_node *p)
 {
-    return turn(cutter, a, b, p) >= 0 && turn(cutter, b, c, p) >= 0 &&
-           turn(cutter, c, a, p) >= 0 && !coincide(p, a) && !coincide(p, b) && !coincide(p, c);
+    return turn(cutter, a, b, p) >= 0 && turn(cutter, b, c, p) >= 0 && turn(cutter, c, a, p) >= 0 &&
+           !coincide(p, a) && !coincide(p, b) && !coincide(p, c);
 }
 
 /* An ear is a left turn whose triangle holds no other corner; only a corner that does not turn left

@@ -254,8 +254,8 @@ static bool read_row(struct table *table, const struct word *first, struct error
 static void skip_header(struct text *text)
 {
     struct word word;
-    bool header = text_word(text, &word) &&
-                  (word.quoted || strchr("0123456789+-.", word.start[0]) == NULL);
+    bool header =
+        text_word(text, &word) && (word.quoted || strchr("0123456789+-.", word.start[0]) == NULL);
     while (header && text_word(text, &word))
         header = !is_numeric(&word);
     if (!header)
@@ -300,8 +300,8 @@ static bool read_data(struct table *table, const double *head, struct place begi
         const int i = table->out->count;
         const double nm = head[START_NM] + (i > 0 ? span * i / (bands - 1) : 0);
         if (word_is(&word, "END_DATA"))
-            return i == bands || error_at(err, word.place,
-                                          "%d values, but SPECTRAL_BANDS is %.15g", i, bands);
+            return i == bands ||
+                   error_at(err, word.place, "%d values, but SPECTRAL_BANDS is %.15g", i, bands);
         if (i >= bands)
             return error_at(err, word.place, "more values than SPECTRAL_BANDS, %.15g", bands);
         if (!word_number(&word, "value", table->lowest * norm, table->highest * norm, &value,
@@ -319,8 +319,7 @@ static bool read_keyword(struct text *text, const char *keyword, double *out, st
     if (!text_expect(text, &word, keyword, err))
         return false;
     word.quoted = false;
-    return word_number(&word, keyword, DBL_MIN, HUGE_VAL, out, err) &&
-           text_end(text, keyword, err);
+    return word_number(&word, keyword, DBL_MIN, HUGE_VAL, out, err) && text_end(text, keyword, err);
 }
 
 /* Words other than the keywords say nothing about the samples. */
@@ -403,8 +402,8 @@ static bool refuse_unknown(const struct word *word, const char *name, struct err
 }
 
 /* NAME or FILE, with :COLUMN or without. */
-static bool read_named(const struct word *word, double lowest, double highest,
-                       struct spectrum *out, struct error *err)
+static bool read_named(const struct word *word, double lowest, double highest, struct spectrum *out,
+                       struct error *err)
 {
     struct word stem = *word, before, digits;
     struct table table = {.word = &stem, .lowest = lowest, .highest = highest, .out = out};
@@ -433,8 +432,8 @@ static bool read_named(const struct word *word, double lowest, double highest,
 }
 
 /* A spectrum without its factor. */
-static bool read_body(const struct word *word, double lowest, double highest,
-                      struct spectrum *out, struct error *err)
+static bool read_body(const struct word *word, double lowest, double highest, struct spectrum *out,
+                      struct error *err)
 {
     static const char blackbody_prefix[] = "blackbody:", gaussian_prefix[] = "gaussian:";
     double *parameter = out->parameter;
@@ -465,8 +464,10 @@ static bool check_peak(const struct spectrum *s, double highest, struct error *e
 {
     const double largest = s->factor * peak(s), limit = fmin(highest, DBL_MAX);
     return largest <= limit ||
-           error_at(err, s->place, "'%.100s' reaches %.15g, above %.15g; scale it by a factor, "
-                    "as *0.5", s->name, largest, limit);
+           error_at(err, s->place,
+                    "'%.100s' reaches %.15g, above %.15g; scale it by a factor, "
+                    "as *0.5",
+                    s->name, largest, limit);
 }
 
 bool spectrum_read(const struct word *word, double lowest, double highest, struct spectrum *out,

@@ -5,8 +5,7 @@
  *
  * libtiff writes the directories, through callbacks on our own descriptor. Where it would write a
  * page's pixels it is handed a stand-in that is never read: the callback only moves the end of the
- * file, so that libtiff records the right offset and no blank pixels are written or kept in memory.
- */
+ * file, so that libtiff records the right offset and no blank pixels are written or kept. */
 #include "stack.h"
 
 #include <assert.h>
@@ -161,8 +160,7 @@ static bool place_pages(TIFF *tiff, struct client *client)
     tmsize_t size = (tmsize_t)page_bytes(&writer->options);
     for (int page = 0; page < writer->options.n_wavelengths; page++) {
         if (!(page == 0 ? TIFFSetDirectory(tiff, 0) : TIFFReadDirectory(tiff)) ||
-            TIFFWriteRawStrip(tiff, 0, client, size) != size ||
-            !TIFFForceStrileArrayWriting(tiff))
+            TIFFWriteRawStrip(tiff, 0, client, size) != size || !TIFFForceStrileArrayWriting(tiff))
             return false;
         writer->page_offset[page] = TIFFGetStrileOffset(tiff, 0);
     }
@@ -213,8 +211,10 @@ static bool check_options(const struct stack_options *options, struct error *err
     const uint64_t most_bytes = UINT64_C(1) << 62;
     int n_pages = options->n_wavelengths, width = options->width, height = options->height;
     if (n_pages < 1 || n_pages > most_pages || width < 1 || height < 1)
-        return error_usage(err, "a stack of %d wavelengths of %dx%d pixels is impossible; it has"
-                           " 1 to %d of at least 1x1", n_pages, width, height, most_pages);
+        return error_usage(err,
+                           "a stack of %d wavelengths of %dx%d pixels is impossible; it has"
+                           " 1 to %d of at least 1x1",
+                           n_pages, width, height, most_pages);
     if (page_bytes(options) > PTRDIFF_MAX || page_bytes(options) > most_bytes / (uint64_t)n_pages)
         return error_usage(err, "%d pages of %dx%d pixels are too many for one file", n_pages,
                            width, height);
@@ -226,8 +226,10 @@ static bool check_options(const struct stack_options *options, struct error *err
         double nm = options->wavelengths_nm[page];
         double before = page > 0 ? options->wavelengths_nm[page - 1] : 0;
         if (!(nm > before * (1 + 1e-9) && nm <= (double)FLT_MAX))
-            return error_usage(err, "wavelength %.10g nm after %.10g nm: the wavelengths of a stack"
-                               " are finite and rise from above 0", nm, before);
+            return error_usage(err,
+                               "wavelength %.10g nm after %.10g nm: the wavelengths of a stack"
+                               " are finite and rise from above 0",
+                               nm, before);
     }
     return true;
 }
@@ -312,9 +314,8 @@ bool stack_commit(struct stack_writer *writer, const char *verdict, struct error
     for (char *at = room; *at != '\0'; at++)
         if (*at < ' ' || *at > '~')
             *at = '?';
-    bool good =
-        write_at(writer->output.descriptor, room, STACK_VERDICT, writer->verdict_offset) ||
-        error_system(err, "%s: cannot write the verdict", writer->output.path);
+    bool good = write_at(writer->output.descriptor, room, STACK_VERDICT, writer->verdict_offset) ||
+                error_system(err, "%s: cannot write the verdict", writer->output.path);
     good = good && check_file(writer, room, err) && output_commit(&writer->output, err);
     stack_discard(writer);
     return good;

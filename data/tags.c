@@ -94,23 +94,29 @@ static void put_description(FILE *stream, const struct stack_options *options, i
     fputs("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<OME xmlns=\"" OME_SCHEMA "\""
           " xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\""
           " xsi:schemaLocation=\"" OME_SCHEMA " " OME_SCHEMA "/ome.xsd\">\n"
-          "<Image ID=\"Image:0\" Name=\"", stream);
+          "<Image ID=\"Image:0\" Name=\"",
+          stream);
     put_escaped(stream, options->scene);
     fputs("\"><Description>program: spectral " SPECTRAL_VERSION "\nscene: ", stream);
     put_escaped(stream, options->scene);
     fprintf(stream, "\n%s", scale);
     put_escaped(stream, options->provenance);
-    fprintf(stream, "</Description>\n<Pixels ID=\"Pixels:0\" DimensionOrder=\"XYCZT\" Type=\"%s\""
+    fprintf(stream,
+            "</Description>\n<Pixels ID=\"Pixels:0\" DimensionOrder=\"XYCZT\" Type=\"%s\""
             " BigEndian=\"false\" SizeX=\"%d\" SizeY=\"%d\" SizeC=\"%d\" SizeZ=\"1\""
-            " SizeT=\"1\">\n", options->floating ? "float" : "uint16", options->width,
-            options->height, options->n_wavelengths);
+            " SizeT=\"1\">\n",
+            options->floating ? "float" : "uint16", options->width, options->height,
+            options->n_wavelengths);
     for (page = 0; page < options->n_wavelengths; page++)
-        fprintf(stream, "<Channel ID=\"Channel:0:%d\" Name=\"" PAGE_LABEL "\" SamplesPerPixel=\"1\""
-                " EmissionWavelength=\"%.10g\" EmissionWavelengthUnit=\"nm\"/>\n", page,
-                options->wavelengths_nm[page], options->wavelengths_nm[page]);
+        fprintf(stream,
+                "<Channel ID=\"Channel:0:%d\" Name=\"" PAGE_LABEL "\" SamplesPerPixel=\"1\""
+                " EmissionWavelength=\"%.10g\" EmissionWavelengthUnit=\"nm\"/>\n",
+                page, options->wavelengths_nm[page], options->wavelengths_nm[page]);
     for (page = 0; page < options->n_wavelengths; page++)
-        fprintf(stream, "<TiffData FirstC=\"%d\" FirstZ=\"0\" FirstT=\"0\" IFD=\"%d\""
-                " PlaneCount=\"1\"/>\n", page, page);
+        fprintf(stream,
+                "<TiffData FirstC=\"%d\" FirstZ=\"0\" FirstT=\"0\" IFD=\"%d\""
+                " PlaneCount=\"1\"/>\n",
+                page, page);
     fputs("</Pixels></Image></OME>", stream);
 }
 
@@ -121,18 +127,22 @@ static void put_gdal(FILE *stream, const struct stack_options *options, int page
     int before = page > 0 ? page - 1 : page;
     int after = page + 1 < options->n_wavelengths ? page + 1 : page;
     double scale = options->floating ? 1 : options->full_scale / 65535;
-    fprintf(stream, "<GDALMetadata>\n<Item name=\"CENTRAL_WAVELENGTH_UM\" sample=\"0\""
-            " domain=\"IMAGERY\">%.10g</Item>\n", nm[page] / 1000);
+    fprintf(stream,
+            "<GDALMetadata>\n<Item name=\"CENTRAL_WAVELENGTH_UM\" sample=\"0\""
+            " domain=\"IMAGERY\">%.10g</Item>\n",
+            nm[page] / 1000);
     if (after > before)
         fprintf(stream, "<Item name=\"FWHM_UM\" sample=\"0\" domain=\"IMAGERY\">%.10g</Item>\n",
                 (nm[after] - nm[before]) / (after - before) / 1000);
-    fprintf(stream, "<Item name=\"wavelength\" sample=\"0\">%.10g</Item>\n"
+    fprintf(stream,
+            "<Item name=\"wavelength\" sample=\"0\">%.10g</Item>\n"
             "<Item name=\"wavelength_units\" sample=\"0\">Nanometers</Item>\n"
             "<Item name=\"DESCRIPTION\" sample=\"0\" role=\"description\">" PAGE_LABEL "</Item>\n"
             "<Item name=\"OFFSET\" sample=\"0\" role=\"offset\">0</Item>\n"
             "<Item name=\"SCALE\" sample=\"0\" role=\"scale\">%.*g</Item>\n"
             "<Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">" RADIANCE_UNIT "</Item>\n"
-            "</GDALMetadata>\n", nm[page], nm[page], exact_digits(scale), scale);
+            "</GDALMetadata>\n",
+            nm[page], nm[page], exact_digits(scale), scale);
 }
 
 /* ImageJ's strings: how samples become radiances (page -1), then the label of each page. */

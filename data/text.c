@@ -304,8 +304,8 @@ bool word_number(const struct word *word, const char *what, double lowest, doubl
     if (!word_check(word, err))
         return false;
     if (!scan_number(word, &decimal))
-        return error_at(err, word->place, "%s must be a number such as 2.5 or 1e-3, not '%s'",
-                        what, shown(word, buffer));
+        return error_at(err, word->place, "%s must be a number such as 2.5 or 1e-3, not '%s'", what,
+                        shown(word, buffer));
     value = decimal_value(word, &decimal);
     if (!isfinite(value))
         return error_at(err, word->place, "%s %s is too large; numbers end at %.2g", what,

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* How far OpenGL may be off inside a triangle whose corners are right to within known bounds.
  *
- * Mesa interpolates a value a through planes: N = a / w and D = 1 / w are set up from the corners in
- * single precision with their origin at the corner of the framebuffer, evaluated at the pixel centre,
- * and divided. Three parts add up: the corners' position errors times the true gradient (a shift of
- * the triangle as a whole cancels out of everything else), the roundings of the set-up, magnified by
- * the triangle's thinness, and those of the evaluation, which grow with the distance to the origin.
- * u = 2^-24 is the unit roundoff of single precision. */
+ * Mesa interpolates a value a through planes: N = a / w and D = 1 / w are set up from the corners
+ * in single precision with their origin at the corner of the framebuffer, evaluated at the pixel
+ * centre, and divided. Three parts add up: the corners' position errors times the true gradient (a
+ * shift of the triangle as a whole cancels out of everything else), the roundings of the set-up,
+ * magnified by the triangle's thinness, and those of the evaluation, which grow with the distance
+ * to the origin. u = 2^-24 is the unit roundoff of single precision. */
 #include <math.h>
 
 #include "spectral.h"
@@ -16,9 +16,9 @@ static const double u = 1.0 / 16777216;
 /* Edge vectors and what follows from them. Edge i runs from corner i to corner i + 1. */
 struct edges {
     double dx[3], dy[3];
-    double twice_area;             /* not negative */
-    double width, height;          /* of the bounding box, a pixel added for extrapolation */
-    double e_area;                 /* relative rounding error of the area in single precision */
+    double twice_area;    /* not negative */
+    double width, height; /* of the bounding box, a pixel added for extrapolation */
+    double e_area;        /* relative rounding error of the area in single precision */
 };
 
 static struct edges edges_of(const struct outline *outline)

@@ -18,8 +18,9 @@ static const double full_count = 65535;
  * (1 a term), the constant part (1), the buffer (1). */
 enum { COLOUR_ROUNDINGS = 5 };
 /* Mesa flushes results below 2^-126 = 1.2e-38 to zero. In a plane's set-up that is magnified by one
- * over the triangle's area (10^4 at most, smaller ones are too thin for a bound) and by the distance to
- * the framebuffer's origin (2 x 16384); 4 such steps. Some 10^-29 of full scale, in counts. */
+ * over the triangle's area (10^4 at most, smaller ones are too thin for a bound) and by the
+ * distance to the framebuffer's origin (2 x 16384); 4 such steps. Some 10^-29 of full scale, in
+ * counts. */
 static const double flushed = 65535 * 1.2e-38 * 1e4 * 32768 * 4;
 
 /* Pixels evaluated together, few enough to stay in the first-level cache. */
@@ -258,7 +259,7 @@ static void judge_run(struct check *check, size_t first, size_t n, int band, con
     }
 }
 
-/* How many pixels from `first` on, within the row and a block, share its surface and are settled. */
+/* How many pixels from `first` on, within the row and a block, share its surface settled. */
 static size_t run_length(const struct chunk *chunk, size_t first, size_t row_end)
 {
     size_t last = row_end - first < BLOCK ? row_end : first + BLOCK, at = first;
@@ -314,8 +315,8 @@ static void judge_contests(struct check *check, int band, int channel, const flo
     }
 }
 
-/* The trial that explains best: the living one closest to its bound's middle; where all are dead, the
- * one that lived longest. */
+/* The trial that explains best: the living one closest to its bound's middle; where all are dead,
+ * the one that lived longest. */
 static const struct check_trial *best_trial(const struct check_trial *a,
                                             const struct check_trial *b)
 {
@@ -385,8 +386,7 @@ void check_pass(struct check *check, int first_band, const float *pixels, size_t
         for (size_t at = row; at < row + width;) {
             size_t n = run_length(chunk, at, row + width);
             for (int c = 0; c < n_channels && n > 0; c++)
-                judge_run(check, at, n, first_band + c,
-                          pixels + (y * stride + (at - row)) * 4 + c);
+                judge_run(check, at, n, first_band + c, pixels + (y * stride + (at - row)) * 4 + c);
             at += n > 0 ? n : 1;
         }
     }

@@ -21,8 +21,7 @@ static bool in_front(const struct surface *surface, const int32_t vertex[3])
 
 /* Nothing of a triangle in front of the eye reaches a pixel centre of the rows. Centres lie half a
  * pixel inside, so that slack below that is of no matter. */
-static bool beside(const struct surface *surface, const int32_t vertex[3],
-                   const struct tile *rows)
+static bool beside(const struct surface *surface, const int32_t vertex[3], const struct tile *rows)
 {
     const struct lit_vertex *a = &surface->vertices[vertex[0]], *b = &surface->vertices[vertex[1]],
                             *c = &surface->vertices[vertex[2]];
@@ -161,8 +160,8 @@ int facet_pieces(const struct plan *plan, const struct surface *surfaces, const 
     return n < 3 ? 0 : n - 2;
 }
 
-/* Bounds that hold for all pieces. A piece too thin for a bound makes the facet loose; where all are,
- * its depth has no bound either. */
+/* Bounds that hold for all pieces. A piece too thin for a bound makes the facet loose; where all
+ * are, its depth has no bound either. */
 static void finish_facet(const struct plan *plan, const struct surface *surfaces,
                          const struct tile *tile, struct facet *facet)
 {

@@ -2,11 +2,11 @@
 /* The reference rasterizer: which fragment covers each pixel, its weights by perspective-correct
  * interpolation, and every other fragment that OpenGL may show there without being wrong.
  *
- * With p the pixel centre and a, b two corners minus p, the edge function a x b is twice the area of
- * the triangle (p, a, b). Swapping a and b changes exactly its sign in floating point too, so that two
- * triangles with a common edge never both own, nor both miss, a pixel. Moving a and b by up to e in x
- * and y changes a x b by at most e (|a|_1 + |b|_1) + 2 e^2: the slack. A fragment whose three edge
- * functions exceed their slack is definite, one that comes within it is possible. */
+ * With p the pixel centre and a, b two corners minus p, the edge function a x b is twice the area
+ * of the triangle (p, a, b). Swapping a and b changes exactly its sign in floating point too, so
+ * that two triangles with a common edge never both own, nor both miss, a pixel. Moving a and b by
+ * up to e in x and y changes a x b by at most e (|a|_1 + |b|_1) + 2 e^2: the slack. A fragment
+ * whose three edge functions exceed their slack is definite, one within it is possible. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -28,7 +28,7 @@ struct pixel {
     int32_t winner; /* facet of the reference's own fragment; -1: none */
     int32_t head;   /* first fragment of the list of candidates; -1: empty */
     double winner_depth;
-    double limit;   /* upper bound on the depth of the nearest definite fragment; HUGE_VAL: none */
+    double limit; /* upper bound on the depth of the nearest definite fragment; HUGE_VAL: none */
 };
 struct coverage {
     const struct plan *plan;
@@ -130,8 +130,8 @@ static void edges_at(const struct facet *facet, double px, double py, double err
     }
 }
 
-/* A centre exactly on an edge belongs to the triangle whose edge runs this way, not to the one whose
- * edge runs back. */
+/* A centre exactly on an edge belongs to the triangle whose edge runs this way, not to the one
+ * whose edge runs back. */
 static bool owns_edge(const struct facet *facet, int edge)
 {
     int j = (edge + 1) % 3, k = (edge + 2) % 3;
@@ -147,7 +147,7 @@ static bool covers(const struct facet *facet, const struct edge_values *edges)
     return facet->twice_area > 0;
 }
 
-/* Depth is linear in the window. Sums of edge functions, not the area, make the shares add up to 1. */
+/* Depth is linear in the window. Sums of edge functions, not the area, make shares add up to 1. */
 static double depth_at(const struct facet *facet, const struct edge_values *edges)
 {
     double sum = edges->e[0] + edges->e[1] + edges->e[2];
@@ -169,9 +169,9 @@ static bool visit_pixel(struct coverage *coverage, int32_t index, int x, int y, 
     }
     if (!possible)
         return true;
-    struct pixel *pixel = &coverage->pixels[(size_t)(y - coverage->rows.y) *
-                                                (size_t)coverage->rows.width +
-                                            (size_t)(x - coverage->rows.x)];
+    struct pixel *pixel =
+        &coverage->pixels[(size_t)(y - coverage->rows.y) * (size_t)coverage->rows.width +
+                          (size_t)(x - coverage->rows.x)];
     double depth = depth_at(facet, &edges);
     if (depth >= 0 && depth < 1 && depth < pixel->winner_depth && covers(facet, &edges)) {
         pixel->winner = index;
@@ -285,7 +285,8 @@ static double piece_bound(const struct coverage *coverage, const struct facet *f
 {
     const struct surface *surface = &coverage->surfaces[facet->surface];
     size_t n_terms = (size_t)surface->finish->n_terms;
-    double values[3] = {1, 1, 1}, e_vertex = 0, magnification = bound_magnification(&piece->outline);
+    double values[3] = {1, 1, 1}, e_vertex = 0,
+           magnification = bound_magnification(&piece->outline);
     for (int c = 0; c < 3 && row > 0; c++) {
         size_t at = (size_t)facet->vertex[c] * n_terms + row - 1;
         values[c] = weight_at(coverage, facet, piece->share[c], row);
@@ -318,7 +319,7 @@ static const float *bounds_of(struct coverage *coverage, int32_t index)
     return bounds;
 }
 
-/* Weights of all terms at a pixel, and bounds on OpenGL's error: its vertices' and interpolation's. */
+/* Weights of all terms at a pixel, and bounds on OpenGL's error at vertices and between. */
 static void interpolate(struct coverage *coverage, int32_t index, int x, int y, double *weights,
                         size_t weight_stride, float *errors, size_t error_stride)
 {
@@ -419,10 +420,9 @@ static bool chunk_alloc(const struct plan *plan, const struct tile *rows, struct
     out->surface = malloc(n_pixels * sizeof *out->surface);
     out->contested = malloc(n_pixels * sizeof *out->contested);
     out->weights = malloc(n_pixels * n_terms * sizeof *out->weights + 1);
-    out->errors = plan->options.check ? malloc(n_pixels * (1 + n_terms) * sizeof *out->errors)
-                                      : NULL;
-    return out->surface && out->contested && out->weights &&
-           (out->errors || !plan->options.check);
+    out->errors =
+        plan->options.check ? malloc(n_pixels * (1 + n_terms) * sizeof *out->errors) : NULL;
+    return out->surface && out->contested && out->weights && (out->errors || !plan->options.check);
 }
 
 static bool resolve_all(struct coverage *coverage, struct chunk *out)
@@ -449,8 +449,8 @@ bool chunk_rasterize(const struct plan *plan, const struct surface *surfaces,
                                 .rows = {tile->x, tile->y + row, tile->width, height},
                                 .unused = -1};
     coverage.pixels = malloc((size_t)tile->width * (size_t)height * sizeof *coverage.pixels);
-    bool done = chunk_alloc(plan, &coverage.rows, out) && coverage.pixels &&
-                cover_all(&coverage) && resolve_all(&coverage, out);
+    bool done = chunk_alloc(plan, &coverage.rows, out) && coverage.pixels && cover_all(&coverage) &&
+                resolve_all(&coverage, out);
     free(coverage.pixels);
     free(coverage.facets);
     free(coverage.fragments);

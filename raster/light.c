@@ -2,9 +2,10 @@
 /* The reference's vertices: where they stand, how much of each term they reflect, and how far
  * OpenGL's single precision may be off from both.
  *
- * Weights follow the OpenGL 2.1 specification, section 2.14.1, in double. Bounds count the roundings
- * of a single-precision pipeline in any order of operations, with or without fused multiply-add;
- * u = 2^-24 is the unit roundoff of single precision. "e_" is a bound on an absolute error. */
+ * Weights follow the OpenGL 2.1 specification, section 2.14.1, in double. Bounds count the
+ * roundings of a single-precision pipeline in any order of operations, with or without fused
+ * multiply-add; u = 2^-24 is the unit roundoff of single precision. "e_" is a bound on an absolute
+ * error. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -34,16 +35,15 @@ static void magnitudes(const struct matrix *m, const double v[4], double out[4])
 static void transform(const struct matrix *m, const double v[4], double out[4])
 {
     for (int i = 0; i < 4; i++)
-        out[i] = m->row[i][0] * v[0] + m->row[i][1] * v[1] + m->row[i][2] * v[2] +
-                 m->row[i][3] * v[3];
+        out[i] =
+            m->row[i][0] * v[0] + m->row[i][1] * v[1] + m->row[i][2] * v[2] + m->row[i][3] * v[3];
 }
 
 /* Window coordinates and their bounds. OpenGL draws a picture in tiles, each with a projection that
  * scales and shifts clip space; in pixels of the picture the shift adds at most half the picture
  * times the error of w, whichever the tile. Division, scale and offset of the viewport: 4 roundings
  * of a coordinate as large as the picture. */
-static void place_vertex(const struct plan *plan, const double magnitude[4],
-                         struct lit_vertex *out)
+static void place_vertex(const struct plan *plan, const double magnitude[4], struct lit_vertex *out)
 {
     double w = out->clip[3], half_width = 0.5 * plan->scene->width,
            half_height = 0.5 * plan->scene->height;
@@ -84,7 +84,7 @@ static double condition(const struct matrix *m, const struct matrix *normal_matr
             inverse += normal_matrix->row[i][j] * normal_matrix->row[i][j];
             trace += m->row[i][j] * normal_matrix->row[i][j];
         }
-    /* normal_matrix is a multiple of the inverse transpose: sum m_ij n_ij = 3 times that multiple */
+    /* normal_matrix is a multiple of the inverse transpose: sum m_ij n_ij is 3 of it */
     double product = sqrt(forward) * sqrt(inverse) / fabs(trace / 3);
     double c = fmax(product - 1, 2);
     return (c + sqrt(c * c - 4)) / 2;
@@ -243,11 +243,9 @@ static int process_vertex(const struct plan *plan, struct surface *surface,
     place_vertex(plan, clip_magnitude, out);
 
     size_t first = (size_t)index * (size_t)surface->finish->n_terms;
-    double e_eye =
-        EYE_ROUNDINGS * u * (eye_magnitude[0] + eye_magnitude[1] + eye_magnitude[2]);
+    double e_eye = EYE_ROUNDINGS * u * (eye_magnitude[0] + eye_magnitude[1] + eye_magnitude[2]);
     struct direction normal = {
-        vector_normalise(matrix_direction(&body->normal_matrix, vertex->normal)),
-        bounds->e_normal};
+        vector_normalise(matrix_direction(&body->normal_matrix, vertex->normal)), bounds->e_normal};
     return light_vertex(plan, surface, normal, (struct vector){eye[0], eye[1], eye[2]}, e_eye,
                         bounds->e_rigid, surface->weights + first, surface->errors + first);
 }
@@ -313,7 +311,8 @@ static bool surface_light(const struct plan *plan, const struct body *body, stru
         if (!vertex_is_finite(out, i))
             return error_at(err, body->object->place,
                             "vertex %d of this object is not finite in the window; "
-                            "coordinates and scales are too large", i + 1);
+                            "coordinates and scales are too large",
+                            i + 1);
     surface_bounds(out);
     work->vertices_lit += n_vertices;
     work->specular_vertices += highlights;
@@ -366,8 +365,8 @@ bool surfaces_full_scale(const struct plan *plan, const struct surface *surfaces
             if (!isfinite(radiance))
                 return error_at(err, surfaces[s].body->object->place,
                                 "the radiance of vertex %d at %.10g nm is not finite; lights and "
-                                "factors are too large", vertex + 1,
-                                plan->scene->wavelengths_nm[band]);
+                                "factors are too large",
+                                vertex + 1, plan->scene->wavelengths_nm[band]);
             largest = fmax(largest, radiance);
         }
     *out = largest > 0 ? largest : 1;

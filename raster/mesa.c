@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* The same picture through OSMesa: OpenGL 1.x lighting into a float buffer. Three wavelengths ride in
- * the red, green and blue of a pass; each channel is lit by itself, so that a pass is three exact
- * single-wavelength renderings. The only file that knows OpenGL.
+/* The same picture through OSMesa: OpenGL 1.x lighting into a float buffer. Three wavelengths ride
+ * in the red, green and blue of a pass; each channel is lit by itself, so that a pass is three
+ * exact single-wavelength renderings. The only file that knows OpenGL.
  *
- * Products of light and material spectra are made in double and given to OpenGL as the colours of the
- * lights, with white materials: what fluoresces, too, is then one pass however many lights shine.
- * Geometry is uploaded once; a pass changes colours only. */
+ * Products of light and material spectra are made in double and given to OpenGL as the colours of
+ * the lights, with white materials: what fluoresces, too, is then one pass however many lights
+ * shine. Geometry is uploaded once; a pass changes colours only. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -20,7 +20,7 @@ struct gl {
     const struct plan *plan;
     const struct surface *surfaces;
     OSMesaContext context;
-    float *pixels; /* tile_height rows of tile_width pixels of 4 floats, from the top */
+    float *pixels;   /* tile_height rows of tile_width pixels of 4 floats, from the top */
     GLuint *buffers; /* vertices and indices of each mesh */
     struct tile tile;
     struct gl_work work;
@@ -37,11 +37,16 @@ static const GLfloat white[4] = {1, 1, 1, 1}, black[4] = {0, 0, 0, 1};
 
 static bool open_context(struct gl *gl, struct error *err)
 {
-    static const int attributes[] = {OSMESA_FORMAT,           OSMESA_RGBA,
-                                     OSMESA_DEPTH_BITS,       24,
-                                     OSMESA_STENCIL_BITS,     0,
-                                     OSMESA_ACCUM_BITS,       0,
-                                     OSMESA_PROFILE,          OSMESA_COMPAT_PROFILE,
+    static const int attributes[] = {OSMESA_FORMAT,
+                                     OSMESA_RGBA,
+                                     OSMESA_DEPTH_BITS,
+                                     24,
+                                     OSMESA_STENCIL_BITS,
+                                     0,
+                                     OSMESA_ACCUM_BITS,
+                                     0,
+                                     OSMESA_PROFILE,
+                                     OSMESA_COMPAT_PROFILE,
                                      0};
     const struct plan *plan = gl->plan;
     size_t n_pixels = (size_t)plan->tile_width * (size_t)plan->tile_height;
@@ -62,7 +67,8 @@ static bool open_context(struct gl *gl, struct error *err)
     glGetIntegerv(GL_DEPTH_BITS, &depth_bits);
     glGetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
     if (red_bits < 32 || depth_bits < 24)
-        return error_system(err, "OSMesa gives %d bits of colour and %d of depth; 32 and 24 are needed",
+        return error_system(err,
+                            "OSMesa gives %d bits of colour and %d of depth; 32 and 24 are needed",
                             red_bits, depth_bits);
     if (viewport[0] < plan->tile_width || viewport[1] < plan->tile_height)
         return error_system(err, "OSMesa draws at most %d x %d pixels at once", viewport[0],
@@ -85,8 +91,8 @@ static bool upload_mesh(const struct mesh *mesh, GLuint vertices, GLuint indices
                  GL_STATIC_DRAW);
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices);
     glBufferData(GL_ELEMENT_ARRAY_BUFFER,
-                 (GLsizeiptr)((size_t)mesh->n_triangles * sizeof *mesh->triangles),
-                 mesh->triangles, GL_STATIC_DRAW);
+                 (GLsizeiptr)((size_t)mesh->n_triangles * sizeof *mesh->triangles), mesh->triangles,
+                 GL_STATIC_DRAW);
     free(copy);
     return true;
 }
@@ -200,8 +206,7 @@ static void load_matrix(const struct matrix *m)
 static void aim_row(struct matrix *m, int row, double low, double high)
 {
     for (int j = 0; j < 4; j++)
-        m->row[row][j] =
-            (2 * m->row[row][j] - (low + high) * m->row[3][j]) / (high - low);
+        m->row[row][j] = (2 * m->row[row][j] - (low + high) * m->row[3][j]) / (high - low);
 }
 
 void gl_aim(struct gl *gl, const struct tile *tile)
@@ -270,8 +275,8 @@ static void draw_body(const struct gl *gl, const struct body *body)
                    NULL);
 }
 
-/* Clears the colour by drawing over it: Mesa fills 16-byte pixels one by one, at ten times the price
- * of a rectangle. */
+/* Clears the colour by drawing over it: Mesa fills 16-byte pixels one by one, at ten times the
+ * price of a rectangle. */
 static void blacken(void)
 {
     glDisable(GL_LIGHTING);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* What a scene calls for, decided once and before anything is drawn: which lights shine, which terms
- * each material needs, which passes and tiles follow. What is not planned here is not computed. */
+/* What a scene calls for, decided once and before anything is drawn: which lights shine, which
+ * terms each material needs, which passes and tiles follow. What is not planned here is not
+ * computed. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,9 +12,9 @@
 
 #include "spectral.h"
 
-/* Bytes that a pixel of a tile takes apart from its terms: Mesa's own colour and depth (20), our copy
- * of its colour (16), counts (4), surface and flag (5), the constant part's error (4), and room for
- * contested pixels (15). A term adds a weight (8) and an error (4). */
+/* Bytes that a pixel of a tile takes apart from its terms: Mesa's own colour and depth (20), our
+ * copy of its colour (16), counts (4), surface and flag (5), the constant part's error (4), and
+ * room for contested pixels (15). A term adds a weight (8) and an error (4). */
 enum { PIXEL_BYTES = 64, TERM_BYTES = 12 };
 /* What a tile may take, so that a render stays well below 300 MiB with Mesa's own memory. */
 static const size_t tile_budget = (size_t)96 << 20;
@@ -211,7 +212,7 @@ static bool plan_mesh(struct plan *plan, const struct shape *shape, struct error
     return true;
 }
 
-/* The body that an earlier object with the same shape, or the same material, shares with this one. */
+/* The body that an earlier object with the same shape, or the same material, shares with it. */
 static int find_mesh(const struct plan *plan, const struct object *object)
 {
     for (int i = 0; i < plan->n_bodies; i++)
@@ -231,9 +232,8 @@ static int find_finish(const struct plan *plan, const struct object *object)
 static bool plan_body(struct plan *plan, const struct object *object, const struct matrix *view,
                       struct error *err)
 {
-    struct body body = {.object = object,
-                        .mesh = find_mesh(plan, object),
-                        .finish = find_finish(plan, object)};
+    struct body body = {
+        .object = object, .mesh = find_mesh(plan, object), .finish = find_finish(plan, object)};
     if (body.mesh < 0) {
         body.mesh = plan->n_meshes;
         if (!plan_mesh(plan, &object->shape, err))
@@ -249,8 +249,9 @@ static bool plan_body(struct plan *plan, const struct object *object, const stru
         matrix_product(object->transform, matrix_translation(plan->mesh_centre[body.mesh]));
     body.model_view = matrix_product(*view, placed);
     if (!matrix_normal(&body.model_view, &body.normal_matrix))
-        return error_at(err, object->place, "the object's transform is singular or not finite; "
-                                            "scale factors must not be 0 nor overflow together");
+        return error_at(err, object->place,
+                        "the object's transform is singular or not finite; "
+                        "scale factors must not be 0 nor overflow together");
     plan->bodies[plan->n_bodies++] = body;
     plan->n_vertices += plan->meshes[body.mesh].n_vertices;
     plan->n_triangles += plan->meshes[body.mesh].n_triangles;
@@ -391,8 +392,7 @@ bool plan_make(const struct scene *scene, const struct plan_options *options, st
         out->options.threads = available_threads();
     out->n_bands = scene->n_wavelengths;
     out->n_passes = (out->n_bands + BANDS_PER_PASS - 1) / BANDS_PER_PASS;
-    struct matrix view =
-        matrix_look_at(scene->camera.eye, scene->camera.look, scene->camera.up);
+    struct matrix view = matrix_look_at(scene->camera.eye, scene->camera.look, scene->camera.up);
     out->projection = projection_of(&scene->camera, scene->width, scene->height);
     if (!refuse_unsupported(scene, err) || !plan_lights(out, &view, err) ||
         !plan_bodies(out, &view, err))

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The loop over tiles and passes: pixels, verdict, stack. A tile is rasterized once by the reference;
- * then its wavelengths go by, three in a pass, each judged and written before the next are drawn. */
+/* The loop over tiles and passes: pixels, verdict, stack. A tile is rasterized once by the
+ * reference; then its wavelengths go by, three in a pass, each judged and written before the next
+ * are drawn. */
 #include <errno.h>
 #include <stdlib.h>
 #include <time.h>
@@ -182,8 +183,8 @@ static bool render_tile(struct render_state *state, const struct tile *tile, str
 {
     const struct plan *plan = state->plan;
     double since = render_clock();
-    bool done = !(plan->options.check || plan->options.store_raster) ||
-                rasterize_tile(state, tile, err);
+    bool done =
+        !(plan->options.check || plan->options.store_raster) || rasterize_tile(state, tile, err);
     clock_in(&state->result->seconds.raster, &since);
     if (state->gl)
         gl_aim(state->gl, tile);
@@ -280,8 +281,8 @@ static bool commit(struct render_state *state, bool keep, struct error *err)
 
 static bool render_all(struct render_state *state, const char *path, bool keep, struct error *err)
 {
-    /* OpenMP's and OpenGL's threads start here. None of them may take the signals that are held back
-     * while the stack is open, or they would end the program with its temporary file. */
+    /* OpenMP's and OpenGL's threads start here. None of them may take the signals that are held
+     * back while the stack is open, or they would end the program with its temporary file. */
     void *held = signals_hold();
     bool done = prepare(state, err);
     signals_release(held);

@@ -33,7 +33,8 @@ void report_verdict(const struct plan *plan, const struct check_tally *tally, ch
 {
     const struct check_samples *samples = &tally->samples;
     if (plan->options.store_raster && tally->unexplained == 0)
-        snprintf(out, capacity, "pixels of the reference"); /* whatever OpenGL drew: the same bytes */
+        snprintf(out, capacity,
+                 "pixels of the reference"); /* whatever OpenGL drew: the same bytes */
     else if (!plan->options.check)
         snprintf(out, capacity, "not cross-checked");
     else

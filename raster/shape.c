@@ -147,8 +147,7 @@ static struct profile profile_at(const struct shape *shape, int step, int steps)
     }
     if (shape->kind == SHAPE_TORUS) {
         const struct direction at = circle(step, steps);
-        return (struct profile){p[1] + p[0] * at.cosine, p[0] * at.sine, at.cosine, at.sine,
-                                share};
+        return (struct profile){p[1] + p[0] * at.cosine, p[0] * at.sine, at.cosine, at.sine, share};
     }
     /* A cylinder's or a cone's side, standing on z = -height / 2. */
     const double top = shape->kind == SHAPE_CONE ? 0 : 1, height = p[1];
@@ -200,10 +199,9 @@ static struct bernstein bernstein_at(int index, int count)
  * patches that share an edge may run along it in opposite directions. */
 static struct vector weigh(const struct vector point[4], const double weight[4])
 {
-    return vector_add(vector_add(vector_scale(point[0], weight[0]),
-                                 vector_scale(point[3], weight[3])),
-                      vector_add(vector_scale(point[1], weight[1]),
-                                 vector_scale(point[2], weight[2])));
+    return vector_add(
+        vector_add(vector_scale(point[0], weight[0]), vector_scale(point[3], weight[3])),
+        vector_add(vector_scale(point[1], weight[1]), vector_scale(point[2], weight[2])));
 }
 
 /* The outward normal where a patch's first row is one point: that point's tangents along the two
@@ -255,8 +253,7 @@ static void add_patch(struct mesh *mesh, const struct vector point[16], bool pol
             vertex.position.z -= 1.5;
             add_vertex(mesh, vector_scale(teapot_upright(vertex.position), size / 2),
                        vector_normalise(teapot_upright(vertex.normal)),
-                       1 - (column + (at_pole ? 0.5 : 0)) / divisions,
-                       1 - (double)row / divisions);
+                       1 - (column + (at_pole ? 0.5 : 0)) / divisions, 1 - (double)row / divisions);
         }
         if (row > 0)
             add_band(mesh, previous, pole && row == 1, first, false, divisions);
@@ -306,9 +303,9 @@ static bool read_teapot(struct text *text, const struct shape *shape, struct mes
                 add_patch(out, patch, pole, (int)shape->parameter[1], shape->parameter[0]);
         }
     }
-    return good && (n_patches == TEAPOT_PATCHES ||
-                    error_at(err, text_whole(text), "%d patches instead of %d", n_patches,
-                             TEAPOT_PATCHES));
+    return good &&
+           (n_patches == TEAPOT_PATCHES ||
+            error_at(err, text_whole(text), "%d patches instead of %d", n_patches, TEAPOT_PATCHES));
 }
 
 static bool build_teapot(const struct shape *shape, struct mesh *out, struct error *err)
@@ -318,9 +315,9 @@ static bool build_teapot(const struct shape *shape, struct mesh *out, struct err
 
     if (!text_open(&text, "builtin:models/teapot.txt", shape->place, err))
         return false;
-    const bool good = mesh_reserve(out, TEAPOT_PATCHES * (n + 1) * (n + 1),
-                                   TEAPOT_PATCHES * 2 * n * n, err) &&
-                      read_teapot(&text, shape, out, err);
+    const bool good =
+        mesh_reserve(out, TEAPOT_PATCHES * (n + 1) * (n + 1), TEAPOT_PATCHES * 2 * n * n, err) &&
+        read_teapot(&text, shape, out, err);
     text_free(&text);
     return good;
 }

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Plants one fault in the GL path, to prove that the cross-check finds it. Loaded before OSMesa with
- * LD_PRELOAD; the environment variable FAULT names the fault:
- *   wavelength  the first and third band of each pass are exchanged
- *   triangle    the last triangle of each draw call is left out
- *   shift       the picture is moved by half a pixel to the right
- *   pixel       one pixel in the middle of one pass is off by 1/1000 of full scale */
+/* Plants one fault in the GL path, to prove that the cross-check finds it. Loaded before OSMesa
+ * with LD_PRELOAD; the environment variable FAULT names the fault: wavelength  the first and third
+ * band of each pass are exchanged triangle    the last triangle of each draw call is left out shift
+ * the picture is moved by half a pixel to the right pixel       one pixel in the middle of one pass
+ * is off by 1/1000 of full scale */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <stdbool.h>
@@ -23,7 +22,8 @@ static bool fault_is(const char *name)
     return fault && strcmp(fault, name) == 0;
 }
 
-/* ISO C has no cast from an object pointer to a function pointer; POSIX promises that this works. */
+/* ISO C has no cast from an object pointer to a function pointer; POSIX promises that this works.
+ */
 static void real(const char *name, void *function)
 {
     void *symbol = dlsym(RTLD_NEXT, name);

@@ -82,17 +82,15 @@ static inline void solid_measure_triangle(const struct mesh *mesh, int i, struct
     const struct vector c = mesh->vertices[corner[2]].position;
     const struct vector ab = vector_subtract(b, a), bc = vector_subtract(c, b);
     const struct vector ca = vector_subtract(a, c);
-    const double longest =
-        fmax(vector_length(ab), fmax(vector_length(bc), vector_length(ca)));
+    const double longest = fmax(vector_length(ab), fmax(vector_length(bc), vector_length(ca)));
     const struct vector across =
         vector_cross(vector_scale(ab, 1 / longest), vector_scale(bc, 1 / longest));
 
     out->volume += vector_dot(a, vector_cross(b, c)) / 6;
     out->worst_area = fmin(out->worst_area, vector_length(across) / 2);
     for (int k = 0; k < 3; k++)
-        out->worst_facing =
-            fmin(out->worst_facing,
-                 vector_dot(mesh->vertices[corner[k]].normal, vector_normalise(across)));
+        out->worst_facing = fmin(out->worst_facing, vector_dot(mesh->vertices[corner[k]].normal,
+                                                               vector_normalise(across)));
 }
 
 static inline struct solid solid_measure(const struct mesh *mesh)
@@ -110,8 +108,7 @@ static inline struct solid solid_measure(const struct mesh *mesh)
     for (int i = 0; i < mesh->n_vertices; i++) {
         const struct vertex *v = &mesh->vertices[i];
         out.worst_length = fmax(out.worst_length, fabs(vector_length(v->normal) - 1));
-        out.texture_inside =
-            out.texture_inside && v->s >= 0 && v->s <= 1 && v->t >= 0 && v->t <= 1;
+        out.texture_inside = out.texture_inside && v->s >= 0 && v->s <= 1 && v->t >= 0 && v->t <= 1;
     }
     return out;
 }

@@ -158,7 +158,8 @@ static void check_builtin(void)
     CHECK(builtin_file_count > 0 && readable == builtin_file_count,
           "every built-in file is found and read");
     CHECK(builtin_path("tables/", "d65", ".csv", path, sizeof path) &&
-              strcmp(path, "builtin:tables/d65.csv") == 0, "a built-in path is composed");
+              strcmp(path, "builtin:tables/d65.csv") == 0,
+          "a built-in path is composed");
     CHECK(!builtin_path("tables/", "d66", ".csv", path, sizeof path), "an unknown one is not");
     CHECK(!builtin_path("tables/", "d65", ".csv", small, sizeof small), "nor one too long");
 }
@@ -182,11 +183,13 @@ static void check_replacement(void)
     CHECK(count_entries() == before, "a discarded output leaves nothing");
     umask(027);
     CHECK(file_write(path, "old", 3, &err) && holds(path, "old") && stat(path, &status) == 0 &&
-              (status.st_mode & 0777) == 0640, "a new file has the mode that the umask gives");
+              (status.st_mode & 0777) == 0640,
+          "a new file has the mode that the umask gives");
     chmod(path, 0606);
     symlink("out", link);
     CHECK(output_open(&output, link, &err) && write(output.descriptor, "new", 3) == 3 &&
-              holds(path, "old"), "the old file stands until the commit");
+              holds(path, "old"),
+          "the old file stands until the commit");
     CHECK(output_commit(&output, &err) && holds(path, "new"), "then the new one is there");
     output_discard(&output);
     CHECK(stat(path, &status) == 0 && (status.st_mode & 0777) == 0606, "with the old one's mode");
@@ -241,7 +244,8 @@ static void check_devices(void)
     CHECK(write_status("/dev/null") == EXIT_AGREED, "a device receives a copy");
     if (access("/dev/full", W_OK) == 0)
         CHECK(write_status("/dev/full") == EXIT_SYSTEM && stat("/dev/full", &status) == 0 &&
-                  S_ISCHR(status.st_mode), "a full device is the system's failure");
+                  S_ISCHR(status.st_mode),
+              "a full device is the system's failure");
     mkfifo(temporary("pipe", path), 0600);
     child = fork();
     if (child == 0)
@@ -252,7 +256,8 @@ static void check_devices(void)
     fclose(pipe);
     waitpid(child, &ended, 0);
     CHECK(WIFEXITED(ended) && WEXITSTATUS(ended) == 0 && stat(path, &status) == 0 &&
-              S_ISFIFO(status.st_mode), "and stays a pipe");
+              S_ISFIFO(status.st_mode),
+          "and stays a pipe");
     unlink(path);
     setenv("TMPDIR", "/none", 1);
     CHECK(write_status("/dev/null") == EXIT_SYSTEM, "without TMPDIR's folder it cannot");

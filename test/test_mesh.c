@@ -173,12 +173,13 @@ static void check_sphere_normals(void)
     }
     for (int i = 0; i < meshes[0].n_vertices; i++) {
         const struct vertex *v = &meshes[0].vertices[i];
-        worst = fmax(worst, vector_length(vector_subtract(vector_scale(v->position, 1e30),
-                                                          v->normal)));
+        worst =
+            fmax(worst, vector_length(vector_subtract(vector_scale(v->position, 1e30), v->normal)));
         for (int k = 0; k < meshes[1].n_vertices; k++)
             if (memcmp(&v->position, &meshes[1].vertices[k].position, sizeof v->position) == 0)
-                difference = fmax(difference, vector_length(vector_subtract(
-                                                  v->normal, meshes[1].vertices[k].normal)));
+                difference =
+                    fmax(difference,
+                         vector_length(vector_subtract(v->normal, meshes[1].vertices[k].normal)));
     }
     /* Facets lean by up to half a step, pi / 80, against the sphere; averages by its square. */
     CHECK_NEAR(worst, 0, pi / 80 * pi / 80, "averaged normals are a sphere's, at size 1e-30");

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The reference's own tools: clipping loses and doubles nothing, and the bounds on interpolation hold
- * for single precision arithmetic as Mesa does it, without being far too wide. */
+/* The reference's own tools: clipping loses and doubles nothing, and the bounds on interpolation
+ * hold for single precision arithmetic as Mesa does it, without being far too wide. */
 #include <stdlib.h>
 
 #include "spectral.h"
@@ -52,8 +52,8 @@ static void check_clipping(void)
         int n_outer = clip_triangle(whole, &other, 1, outer);
         worst_area = fmax(worst_area, fabs(part_of(inner, n_inner) + part_of(outer, n_outer) - 1));
         for (int c = 0; c < n_inner; c++)
-            worst_share = fmax(worst_share, fabs(inner[c].share[0] + inner[c].share[1] +
-                                                 inner[c].share[2] - 1));
+            worst_share = fmax(worst_share,
+                               fabs(inner[c].share[0] + inner[c].share[1] + inner[c].share[2] - 1));
         /* the neighbour across edge 0-1 runs along it the other way */
         struct corner neighbour[3] = {whole[1], whole[0], whole[2]}, its[CLIP_CORNERS];
         int n_its = clip_triangle(neighbour, &plane, 1, its), found = 0, cuts = 0;
@@ -64,7 +64,8 @@ static void check_clipping(void)
             cuts += inner[a].whole < 0;
         same = same && found == cuts;
     }
-    CHECK_NEAR(worst_area, 0, 1e-13, "what a plane leaves and what it takes add up to the triangle");
+    CHECK_NEAR(worst_area, 0, 1e-13,
+               "what a plane leaves and what it takes add up to the triangle");
     CHECK_NEAR(worst_share, 0, 1e-14, "barycentric coordinates of cut corners add up to 1");
     CHECK(same, "an edge is cut at the same corner, to the bit, whichever way it runs");
 
@@ -103,8 +104,8 @@ static double exact(const struct outline *o, const double values[3], double px, 
     double sum = 0, weight = 0, turn = 0;
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3, k = (i + 2) % 3;
-        double e = ((o->x[j] - px) * (o->y[k] - py) - (o->x[k] - px) * (o->y[j] - py)) *
-                   o->inverse_w[i];
+        double e =
+            ((o->x[j] - px) * (o->y[k] - py) - (o->x[k] - px) * (o->y[j] - py)) * o->inverse_w[i];
         if (e * turn < 0)
             return (double)NAN;
         turn = e;

@@ -143,9 +143,9 @@ static void check_curved_normals(void)
     double worst = 0;
 
     for (int i = 0; i < mesh.n_vertices; i++)
-        worst = fmax(worst, vector_length(vector_subtract(
-                                vector_scale(mesh.vertices[i].position, 1 / 2.8),
-                                mesh.vertices[i].normal)));
+        worst = fmax(worst,
+                     vector_length(vector_subtract(vector_scale(mesh.vertices[i].position, 1 / 2.8),
+                                                   mesh.vertices[i].normal)));
     CHECK_NEAR(worst, 0, 4 * DBL_EPSILON, "sphere: a normal is the position over the radius");
     mesh_free(&mesh);
     mesh = build(SHAPE_TORUS, torus);
@@ -154,9 +154,9 @@ static void check_curved_normals(void)
         const struct vector p = mesh.vertices[i].position;
         const double from_axis = hypot(p.x, p.y);
         const struct vector core = {1.65 * p.x / from_axis, 1.65 * p.y / from_axis, 0};
-        worst = fmax(worst, vector_length(vector_subtract(
-                                vector_scale(vector_subtract(p, core), 1 / 1.05),
-                                mesh.vertices[i].normal)));
+        worst = fmax(worst,
+                     vector_length(vector_subtract(vector_scale(vector_subtract(p, core), 1 / 1.05),
+                                                   mesh.vertices[i].normal)));
     }
     CHECK_NEAR(worst, 0, 16 * DBL_EPSILON, "torus: a normal points from the ring's core");
     mesh_free(&mesh);
@@ -220,14 +220,11 @@ static void check_texture_direction(void)
         const char *name;
         enum shape_kind kind;
         double parameter[4];
-    } shapes[] = {{"sphere", SHAPE_SPHERE, {1, 12, 6, 0}},
-                  {"torus", SHAPE_TORUS, {1, 3, 9, 9}},
-                  {"box", SHAPE_BOX, {1, 2, 3, 0}},
-                  {"plane", SHAPE_PLANE, {1, 2, 0, 0}},
-                  {"disk", SHAPE_DISK, {1, 9, 0, 0}},
-                  {"cone", SHAPE_CONE, {1, 2, 9, 3}},
-                  {"teapot", SHAPE_TEAPOT, {1, 4, 0, 0}},
-                  {"cylinder", SHAPE_CYLINDER, {1, 2, 9, 3}}};
+    } shapes[] = {
+        {"sphere", SHAPE_SPHERE, {1, 12, 6, 0}}, {"torus", SHAPE_TORUS, {1, 3, 9, 9}},
+        {"box", SHAPE_BOX, {1, 2, 3, 0}},        {"plane", SHAPE_PLANE, {1, 2, 0, 0}},
+        {"disk", SHAPE_DISK, {1, 9, 0, 0}},      {"cone", SHAPE_CONE, {1, 2, 9, 3}},
+        {"teapot", SHAPE_TEAPOT, {1, 4, 0, 0}},  {"cylinder", SHAPE_CYLINDER, {1, 2, 9, 3}}};
 
     for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++) {
         struct mesh mesh = build(shapes[i].kind, shapes[i].parameter);
@@ -236,8 +233,8 @@ static void check_texture_direction(void)
             const struct vertex *a = &mesh.vertices[mesh.triangles[k][0]];
             const struct vertex *b = &mesh.vertices[mesh.triangles[k][1]];
             const struct vertex *c = &mesh.vertices[mesh.triangles[k][2]];
-            right_handed = right_handed && (b->s - a->s) * (c->t - a->t) >
-                                               (b->t - a->t) * (c->s - a->s);
+            right_handed =
+                right_handed && (b->s - a->s) * (c->t - a->t) > (b->t - a->t) * (c->s - a->s);
         }
         CHECK(right_handed, "%s: no texture is mirrored", shapes[i].name);
         mesh_free(&mesh);

@@ -51,8 +51,8 @@ static struct spectrum read_word(const char *line)
 static double value_of(const char *line, double nm)
 {
     struct spectrum spectrum = read_word(line);
-    double value = spectrum.kind != SPECTRUM_NONE ? spectrum_at(&spectrum, nm, SPECTRUM_HOLD)
-                                                  : (double)NAN;
+    double value =
+        spectrum.kind != SPECTRUM_NONE ? spectrum_at(&spectrum, nm, SPECTRUM_HOLD) : (double)NAN;
     spectrum_free(&spectrum);
     return value;
 }
@@ -106,14 +106,21 @@ static void check_words(void)
                "and half that at half its width");
     CHECK(value_of("gaussian:380,1e-300", 381) == 0, "a narrow one vanishes beside it");
     CHECK(value_of("cie1931:2", 555) == value_of("builtin:tables/cie1931.csv:2", 555) &&
-              value_of("cie1931:2", 555) > 0.99, "column 2 of an observer");
+              value_of("cie1931:2", 555) > 0.99,
+          "column 2 of an observer");
 }
 
 static void check_builtin(void)
 {
-    static const char *const names[] = {
-        "d65", "a", "fluorescent", "uv", "cie1931:3", "cie1964:3", "cie-standard-deviate:3",
-        "dcs200-camera:3", "transparency-film:3"};
+    static const char *const names[] = {"d65",
+                                        "a",
+                                        "fluorescent",
+                                        "uv",
+                                        "cie1931:3",
+                                        "cie1964:3",
+                                        "cie-standard-deviate:3",
+                                        "dcs200-camera:3",
+                                        "transparency-film:3"};
     static const char *const at_560[] = {"d65", "a", "fluorescent"};
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         struct spectrum s = read_word(names[i]);
@@ -201,7 +208,8 @@ static void check_interpolation(void)
     spectrum_free(&s);
     s = read_content("555 2\n");
     CHECK(spectrum_at(&s, 555, SPECTRUM_ZERO) == 2 && spectrum_at(&s, 554, SPECTRUM_ZERO) == 0 &&
-              spectrum_at(&s, 1, SPECTRUM_HOLD) == 2, "one sample is a spectrum");
+              spectrum_at(&s, 1, SPECTRUM_HOLD) == 2,
+          "one sample is a spectrum");
     spectrum_free(&s);
 }
 
@@ -212,7 +220,8 @@ static void check_formats(void)
         "400\t0.25\r\n405\t0.5\r\n410\t1",
         "# head\nwavelength_nm,power\n400,0.25\n405,0.5\n410,1\n",
         "\"Wavelength (nm)\";\"R\"\n400;0.25\n405;0.5\n410;1\n",
-        "\xEF\xBB\xBF" "400, 0.25\n405, 0.5\n410, 1\n",
+        "\xEF\xBB\xBF"
+        "400, 0.25\n405, 0.5\n410, 1\n",
         "SPECT\nSPECTRAL_BANDS 3\nSPECTRAL_START_NM 400.0\nSPECTRAL_END_NM 410.0\n"
         "BEGIN_DATA_FORMAT\nSPEC_400 SPEC_405\n SPEC_410\nEND_DATA_FORMAT\n"
         "BEGIN_DATA\n0.25 0.5\n 1\nEND_DATA\n",
@@ -222,12 +231,14 @@ static void check_formats(void)
         struct spectrum s = read_content(same[i]);
         CHECK(s.count == 3 && s.wavelength_nm[0] == 400 && s.wavelength_nm[1] == 405 &&
                   s.wavelength_nm[2] == 410 && s.value[0] == 0.25 && s.value[1] == 0.5 &&
-                  s.value[2] == 1, "format %zu gives the same three samples", i);
+                  s.value[2] == 1,
+              "format %zu gives the same three samples", i);
         spectrum_free(&s);
     }
 }
 
-/* What a file holds, and the message with which a reflectance of it is refused, from the line on. */
+/* What a file holds, and the message with which a reflectance of it is refused, from the line on.
+ */
 static const char *const bad_files[][2] = {
     {"400 0.1\n400 0.2\n",
      ":2:1: error: wavelength 400 nm follows 400 nm; wavelengths must increase"},
@@ -243,12 +254,10 @@ static const char *const bad_files[][2] = {
      ":1:1: error: wavelength must be a number such as 2.5 or 1e-3, not '38O'"},
     {"nan,0.5\n390,0.5\n",
      ":1:1: error: wavelength must be a number such as 2.5 or 1e-3, not 'nan'"},
-    {"nm,R\nnm,R\n",
-     ":2:1: error: wavelength must be a number such as 2.5 or 1e-3, not 'nm'"},
+    {"nm,R\nnm,R\n", ":2:1: error: wavelength must be a number such as 2.5 or 1e-3, not 'nm'"},
     {"nm,R\n", ": error: no samples; a spectrum needs at least one"},
     {"# nothing\n", ": error: no samples; a spectrum needs at least one"},
-    {"SPECT\nBEGIN_DATA\n1\nEND_DATA\n",
-     ":2:1: error: SPECTRAL_BANDS is missing before the data"},
+    {"SPECT\nBEGIN_DATA\n1\nEND_DATA\n", ":2:1: error: SPECTRAL_BANDS is missing before the data"},
     {"SPECT\nSPECTRAL_BANDS 2\nSPECTRAL_START_NM 400\nBEGIN_DATA\n1 1\nEND_DATA\n",
      ":4:1: error: SPECTRAL_END_NM is missing before the data"},
     {"SPECT\nSPECTRAL_BANDS 2\nSPECTRAL_START_NM 400\nSPECTRAL_END_NM 400\n"
@@ -265,8 +274,7 @@ static const char *const bad_files[][2] = {
     {"SPECT\nSPECTRAL_BANDS 1\nSPECTRAL_START_NM 400\nSPECTRAL_END_NM 400\n"
      "SPECTRAL_NORM 2\nBEGIN_DATA\n3\nEND_DATA\n",
      ":7:1: error: value 3 is above 2; it lies between 0 and 2"},
-    {"SPECT\nBEGIN_DATA_FORMAT\nA\n",
-     ": error: no samples; a spectrum needs at least one"},
+    {"SPECT\nBEGIN_DATA_FORMAT\nA\n", ": error: no samples; a spectrum needs at least one"},
     {"SPECT\n", ": error: no samples; a spectrum needs at least one"},
 };
 
@@ -289,19 +297,45 @@ static void check_bad_files(void)
 
 static void check_bad_words(void)
 {
-    static const char *const bad[] = {
-        "1.5", "-0.1", "0.5*3", "d65*-1", "d65*", "d65*x", "d65*nan", "*2", "1e999", "nan", "0x1",
-        "cie1931", "cie1931:4", "cie1931:0", "d65*1e999", "blackbody:0", "blackbody:-5",
-        "blackbody:2e6", "blackbody:", "blackbody:x", "blackbody:2856", "gaussian:380",
-        "gaussian:380,0", "gaussian:,40", "gaussian:380,40,50", "gaussian:400,40*1.1", "\"d65",
-        "builtin:tables/none.csv", "/", "d65:", "1.5abc"};
+    static const char *const bad[] = {"1.5",
+                                      "-0.1",
+                                      "0.5*3",
+                                      "d65*-1",
+                                      "d65*",
+                                      "d65*x",
+                                      "d65*nan",
+                                      "*2",
+                                      "1e999",
+                                      "nan",
+                                      "0x1",
+                                      "cie1931",
+                                      "cie1931:4",
+                                      "cie1931:0",
+                                      "d65*1e999",
+                                      "blackbody:0",
+                                      "blackbody:-5",
+                                      "blackbody:2e6",
+                                      "blackbody:",
+                                      "blackbody:x",
+                                      "blackbody:2856",
+                                      "gaussian:380",
+                                      "gaussian:380,0",
+                                      "gaussian:,40",
+                                      "gaussian:380,40,50",
+                                      "gaussian:400,40*1.1",
+                                      "\"d65",
+                                      "builtin:tables/none.csv",
+                                      "/",
+                                      "d65:",
+                                      "1.5abc"};
     struct error err;
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         CHECK(refusal(bad[i], &err)[0] != '\0' && err.status == EXIT_INPUT,
               "%s is refused as a reflectance", bad[i]);
     refusal("d66", &err);
     CHECK(strncmp(err.text, "line:1:1: error: no built-in spectrum and no file 'd66'", 55) == 0 &&
-              strstr(err.text, " d65 ") != NULL, "an unknown name lists what there is");
+              strstr(err.text, " d65 ") != NULL,
+          "an unknown name lists what there is");
     CHECK_TEXT(refusal("0.5*x", &err),
                "line:1:5: error: factor must be a number such as 2.5 or 1e-3, not 'x'",
                "a bad factor is blamed where it stands");
@@ -327,12 +361,14 @@ static void check_append(void)
     for (int i = 1; i <= 1000; i++)
         appended = appended && spectrum_append(&s, i, i * 0.5, place, &err);
     CHECK(appended && s.count == 1000 && s.kind == SPECTRUM_SAMPLED && s.factor == 1 &&
-              s.place.line == 3, "samples are appended");
+              s.place.line == 3,
+          "samples are appended");
     CHECK(!spectrum_append(&s, 1000, 1, place, &err) && s.count == 1000,
           "one that does not increase is refused, and changes nothing");
     CHECK(!spectrum_append(&s, 1001, HUGE_VAL, place, &err) &&
               !spectrum_append(&s, (double)NAN, 1, place, &err) &&
-              !spectrum_append(&s, 1001, (double)NAN, place, &err), "nor infinite nor undefined");
+              !spectrum_append(&s, 1001, (double)NAN, place, &err),
+          "nor infinite nor undefined");
     spectrum_free(&s);
     CHECK(spectrum_at(&s, 500, SPECTRUM_HOLD) == 0, "an absent spectrum is 0");
 }

@@ -17,9 +17,13 @@ static const double wavelengths[PAGES] = {300, 305, 452.5, 760};
 
 static struct stack_options small_options(void)
 {
-    return (struct stack_options){.width = WIDTH, .height = HEIGHT, .n_wavelengths = PAGES,
-                                  .wavelengths_nm = wavelengths, .full_scale = 2.5,
-                                  .scene = "a<b>&\"c\".scene", .provenance = "renderer: test\n"};
+    return (struct stack_options){.width = WIDTH,
+                                  .height = HEIGHT,
+                                  .n_wavelengths = PAGES,
+                                  .wavelengths_nm = wavelengths,
+                                  .full_scale = 2.5,
+                                  .scene = "a<b>&\"c\".scene",
+                                  .provenance = "renderer: test\n"};
 }
 
 /* A different count for every sample of the stack. */
@@ -127,11 +131,11 @@ static void test_layout(const char *path)
     CHECK(layout.offset[0] % 4 == 0, "the pixels start at a multiple of 4 bytes");
     for (int page = 0; page < PAGES; page++) {
         uint64_t size = WIDTH * HEIGHT * 2;
-        contiguous = contiguous && layout.size[page] == size
-                     && layout.offset[page] == layout.offset[0] + (uint64_t)page * size;
+        contiguous = contiguous && layout.size[page] == size &&
+                     layout.offset[page] == layout.offset[0] + (uint64_t)page * size;
         for (int i = 0; i < WIDTH * HEIGHT; i++)
-            right = right && number_at(bytes + layout.offset[page] + 2 * i, 2)
-                                 == count_at(page, i % WIDTH, i / WIDTH);
+            right = right && number_at(bytes + layout.offset[page] + 2 * i, 2) ==
+                                 count_at(page, i % WIDTH, i / WIDTH);
     }
     CHECK(contiguous, "pages follow each other without gaps");
     CHECK(right, "every sample is where it belongs");
@@ -145,12 +149,14 @@ static void test_first_page(TIFF *tiff)
     const char *text = "";
     uint32_t count = 0;
     const float *centres = NULL;
-    CHECK(TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &text) && text[0] == '<'
-              && text[strlen(text) - 1] == '>', "page 0 is described by XML from < to >");
+    CHECK(TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &text) && text[0] == '<' &&
+              text[strlen(text) - 1] == '>',
+          "page 0 is described by XML from < to >");
     CHECK(strstr(text, "Type=\"uint16\"") != NULL && strstr(text, "SizeC=\"4\"") != NULL,
           "OME-XML tells type and number of channels");
-    CHECK(strstr(text, "Name=\"452.5 nm\" SamplesPerPixel=\"1\" EmissionWavelength=\"452.5\"")
-              != NULL, "OME-XML tells a fractional wavelength");
+    CHECK(strstr(text, "Name=\"452.5 nm\" SamplesPerPixel=\"1\" EmissionWavelength=\"452.5\"") !=
+              NULL,
+          "OME-XML tells a fractional wavelength");
     CHECK(strstr(text, "scene: a&lt;b&gt;&amp;&quot;c&quot;.scene\n") != NULL,
           "the scene's name is escaped");
     CHECK(strstr(text, "full_scale: 2.5\n") != NULL && strstr(text, "renderer: test\n") != NULL,
@@ -161,8 +167,9 @@ static void test_first_page(TIFF *tiff)
           "tag 65000 holds all wavelengths");
     for (int page = 0; page < PAGES && centres != NULL; page++)
         CHECK_NEAR((double)centres[page], wavelengths[page], 0, "wavelength of page %d", page);
-    CHECK(TIFFGetField(tiff, 65111, &count, &text) && count == STACK_VERDICT
-              && strncmp(text, "check: agreed ", 14) == 0, "tag 65111 holds the verdict");
+    CHECK(TIFFGetField(tiff, 65111, &count, &text) && count == STACK_VERDICT &&
+              strncmp(text, "check: agreed ", 14) == 0,
+          "tag 65111 holds the verdict");
 }
 
 static void test_later_page(TIFF *tiff)
@@ -183,7 +190,8 @@ static void test_later_page(TIFF *tiff)
     uint32_t count = 0;
     CHECK(TIFFGetField(tiff, TIFFTAG_GDAL_METADATA, &count, &text) != 0, "has GDAL metadata");
     CHECK(strstr(text, "<Item name=\"CENTRAL_WAVELENGTH_UM\" sample=\"0\" domain=\"IMAGERY\">"
-                       "0.4525</Item>") != NULL, "with its wavelength in micrometres");
+                       "0.4525</Item>") != NULL,
+          "with its wavelength in micrometres");
     /* ((452.5 - 305) + (760 - 452.5)) / 2 = 227.5 nm */
     CHECK(strstr(text, ">0.2275</Item>") != NULL, "with its local spacing as width");
     const char *scale = strstr(text, "role=\"scale\">");
@@ -241,8 +249,11 @@ static void test_float(void)
 {
     const double wavelength = 555;
     const float radiance[4] = {0, 0.25f, 1e-30f, 3e30f};
-    struct stack_options options = {.width = 2, .height = 2, .n_wavelengths = 1,
-                                    .wavelengths_nm = &wavelength, .full_scale = 7,
+    struct stack_options options = {.width = 2,
+                                    .height = 2,
+                                    .n_wavelengths = 1,
+                                    .wavelengths_nm = &wavelength,
+                                    .full_scale = 7,
                                     .floating = true};
     struct stack_writer writer;
     struct error err = {0};
@@ -257,13 +268,14 @@ static void test_float(void)
     TIFF *tiff = TIFFOpen(path, "r");
     if (!CHECK(tiff != NULL, "and opens"))
         return;
-    CHECK(TIFFGetField(tiff, TIFFTAG_BITSPERSAMPLE, &bits) && bits == 32
-              && TIFFGetField(tiff, TIFFTAG_SAMPLEFORMAT, &format)
-              && format == SAMPLEFORMAT_IEEEFP, "as floats");
-    CHECK(TIFFReadEncodedStrip(tiff, 0, seen, sizeof seen) == sizeof seen
-              && memcmp(seen, radiance, sizeof seen) == 0, "bit by bit as written");
-    CHECK(TIFFGetField(tiff, TIFFTAG_GDAL_METADATA, &count, &text)
-              && strstr(text, "FWHM") == NULL && strstr(text, "role=\"scale\">1</Item>") != NULL,
+    CHECK(TIFFGetField(tiff, TIFFTAG_BITSPERSAMPLE, &bits) && bits == 32 &&
+              TIFFGetField(tiff, TIFFTAG_SAMPLEFORMAT, &format) && format == SAMPLEFORMAT_IEEEFP,
+          "as floats");
+    CHECK(TIFFReadEncodedStrip(tiff, 0, seen, sizeof seen) == sizeof seen &&
+              memcmp(seen, radiance, sizeof seen) == 0,
+          "bit by bit as written");
+    CHECK(TIFFGetField(tiff, TIFFTAG_GDAL_METADATA, &count, &text) &&
+              strstr(text, "FWHM") == NULL && strstr(text, "role=\"scale\">1</Item>") != NULL,
           "without width, with scale 1");
     TIFFClose(tiff);
     unlink(path);
@@ -274,8 +286,11 @@ static void check_large(int width, bool big)
 {
     const double wavelength = 555;
     const uint16_t last = 4711;
-    struct stack_options options = {.width = width, .height = 1, .n_wavelengths = 1,
-                                    .wavelengths_nm = &wavelength, .full_scale = 1};
+    struct stack_options options = {.width = width,
+                                    .height = 1,
+                                    .n_wavelengths = 1,
+                                    .wavelengths_nm = &wavelength,
+                                    .full_scale = 1};
     struct stack_writer writer;
     struct error err = {0};
     unsigned char head[4] = {0}, tail[2] = {0};
@@ -285,8 +300,9 @@ static void check_large(int width, bool big)
     CHECK(writer.big == big, "%d pixels: %s", width, big ? "BigTIFF" : "classic");
     uint64_t end = writer.page_offset[0] + (uint64_t)width * 2;
     CHECK(big ? end > UINT32_MAX : end <= UINT32_MAX, "%d pixels: as 4 GiB ask for", width);
-    CHECK(stack_write(&writer, 0, width - 1, 0, 1, 1, &last, &err)
-              && stack_commit(&writer, "", &err), "%d pixels: commits %s", width, err.text);
+    CHECK(stack_write(&writer, 0, width - 1, 0, 1, 1, &last, &err) &&
+              stack_commit(&writer, "", &err),
+          "%d pixels: commits %s", width, err.text);
     int file = open(path, O_RDONLY);
     CHECK(pread(file, head, 4, 0) == 4 && head[2] == (big ? 43 : 42), "%d pixels: magic number",
           width);
@@ -308,8 +324,8 @@ static void test_many_pages(void)
     double many[MANY];
     for (int page = 0; page < MANY; page++)
         many[page] = 300 + 0.25 * page;
-    struct stack_options options = {.width = 3, .height = 2, .n_wavelengths = MANY,
-                                    .wavelengths_nm = many, .full_scale = 1};
+    struct stack_options options = {
+        .width = 3, .height = 2, .n_wavelengths = MANY, .wavelengths_nm = many, .full_scale = 1};
     struct stack_writer writer;
     struct error err = {0};
     bool contiguous = true;
@@ -327,14 +343,14 @@ static void check_refusal(struct stack_options options, const char *what)
     struct stack_writer writer;
     struct error err = {0};
     const char *path = "stack_refused.tif";
-    CHECK(!stack_open(&writer, path, &options, &err) && err.status == EXIT_INPUT
-              && err.text[0] != '\0' && access(path, F_OK) != 0, "%s is refused: %s", what,
-          err.text);
+    CHECK(!stack_open(&writer, path, &options, &err) && err.status == EXIT_INPUT &&
+              err.text[0] != '\0' && access(path, F_OK) != 0,
+          "%s is refused: %s", what, err.text);
 }
 
 static void test_refusals(void)
 {
-    const double bad[][2] = {{500, 500}, {500, 400},          {500, 500 + 1e-9},
+    const double bad[][2] = {{500, 500}, {500, 400},         {500, 500 + 1e-9},
                              {0, 500},   {(double)NAN, 500}, {500, HUGE_VAL}};
     const struct {
         const char *what;

@@ -23,23 +23,28 @@ static void check_words(void)
     char *copy;
     CHECK(text_place(&text).line == 0, "before the first line, a place is the whole file");
     CHECK(text_next_line(&text) && text_word(&text, &word) && word_is(&word, "one") &&
-              word.place.column == 1, "a byte order mark is no part of the first word");
+              word.place.column == 1,
+          "a byte order mark is no part of the first word");
     CHECK(text_word(&text, &word) && word_is(&word, "two") && word.place.column == 5 &&
-              word.place.line == 1, "a tab separates, and counts as one column");
+              word.place.line == 1,
+          "a tab separates, and counts as one column");
     CHECK(!text_word(&text, &word), "a comment ends the line");
     CHECK(text_next_line(&text) && !text_word(&text, &word), "an empty line has no words");
     CHECK(text_next_line(&text) && text_word(&text, &word) && word.quoted &&
-              !word_is(&word, "a # b"), "a quoted word is no keyword");
+              !word_is(&word, "a # b"),
+          "a quoted word is no keyword");
     copy = word_copy(&word);
     CHECK_TEXT(copy, "a # b", "a quoted word holds blanks and #");
     free(copy);
     CHECK(text_word(&text, &word) && word_is(&word, "c") && word.place.column == 9 &&
-              word.place.line == 3, "a comment may follow a word at once");
+              word.place.line == 3,
+          "a comment may follow a word at once");
     CHECK(text_next_line(&text) && text_word(&text, &word) && word_is(&word, "last"),
           "the last line needs no newline");
     CHECK(!word_is(&word, "las") && !word_is(&word, "lastly"), "a word is compared whole");
     CHECK(!text_next_line(&text) && !text_next_line(&text) && text_place(&text).line == 4 &&
-              text_place(&text).column == 5, "the end stays the end, after the last word");
+              text_place(&text).column == 5,
+          "the end stays the end, after the last word");
     text_free(&text);
     text = open_string("");
     CHECK(!text_next_line(&text) && text_place(&text).line == 0, "an empty text has no line");
@@ -69,13 +74,15 @@ static const char *number_error(const char *string, double lowest, double highes
 
 static void check_refusals(void)
 {
-    static const char *const bad[] = {"1.5abc", "1e999", "-1e999", "nan", "NAN", "inf", "0x10",
-                                      "1,5", "1e", "1e+", ".", "-", "+", "e5", "1..2", "--1",
-                                      "1.2.3", "1e5.5", "\"1\"", "1\x01", "infinity"};
+    static const char *const bad[] = {"1.5abc", "1e999", "-1e999",  "nan", "NAN",   "inf",
+                                      "0x10",   "1,5",   "1e",      "1e+", ".",     "-",
+                                      "+",      "e5",    "1..2",    "--1", "1.2.3", "1e5.5",
+                                      "\"1\"",  "1\x01", "infinity"};
     struct error err;
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         CHECK(number_error(bad[i], -HUGE_VAL, HUGE_VAL, &err)[0] != '\0' &&
-                  err.status == EXIT_INPUT, "bad number %zu is refused", i);
+                  err.status == EXIT_INPUT,
+              "bad number %zu is refused", i);
     CHECK_TEXT(number_error("1.5abc", -HUGE_VAL, HUGE_VAL, &err),
                "t:1:1: error: gloss must be a number such as 2.5 or 1e-3, not '1.5abc'",
                "a refused number is shown with its place");
@@ -97,7 +104,8 @@ static void check_refusals(void)
                "t:1:3: error: '2' is too much: gloss takes no more", "more words are refused");
     CHECK_TEXT(number_error("1 \"2", 0, 1, &err),
                "t:1:3: error: the quote before '2' must be closed on its line and a blank follow "
-               "it", "an unclosed quote after the last word is named as such");
+               "it",
+               "an unclosed quote after the last word is named as such");
     CHECK(number_error("\"1\"2 \"", 0, 1, &err)[0] != '\0', "a closing quote ends the word");
     CHECK_TEXT(number_error("abcdefghijklmnopqrstuvwxyzabcdefghijklm\xC3\xA4z", 0, 1, &err),
                "t:1:1: error: gloss must be a number such as 2.5 or 1e-3, not "
@@ -122,13 +130,31 @@ static double read_number(const char *string)
 
 static void check_values(void)
 {
-    static const char *const good[] = {
-        "0", "-0", "1", "+1", "1.", ".5", "-2.5e-3", "1E5", "9007199254740992", "9007199254740993",
-        "9007199254740991e22", "9007199254740991e-22", "9007199254740991e23", "0.1", "123456e-30",
-        "2.2250738585072011e-308", "4.9e-324", "2.4703282292062328e-324", "1e-999",
-        "1.7976931348623157e308", "0.00000000000000000000000000000000000000001",
-        "100000000000000000000000000000000000000000000000000", "18446744073709551616",
-        "1844674407370955161.6", "0e9999999999999999999"};
+    static const char *const good[] = {"0",
+                                       "-0",
+                                       "1",
+                                       "+1",
+                                       "1.",
+                                       ".5",
+                                       "-2.5e-3",
+                                       "1E5",
+                                       "9007199254740992",
+                                       "9007199254740993",
+                                       "9007199254740991e22",
+                                       "9007199254740991e-22",
+                                       "9007199254740991e23",
+                                       "0.1",
+                                       "123456e-30",
+                                       "2.2250738585072011e-308",
+                                       "4.9e-324",
+                                       "2.4703282292062328e-324",
+                                       "1e-999",
+                                       "1.7976931348623157e308",
+                                       "0.00000000000000000000000000000000000000001",
+                                       "100000000000000000000000000000000000000000000000000",
+                                       "18446744073709551616",
+                                       "1844674407370955161.6",
+                                       "0e9999999999999999999"};
     struct error err = {0};
     unsigned long seed = 1;
     int wrong = 0;
@@ -140,8 +166,8 @@ static void check_values(void)
     for (int i = 0; i < 20000; i++) {
         char string[64];
         seed = (seed * 1103515245 + 12345) & 0x7fffffff;
-        snprintf(string, sizeof string, "%.*ge%d", (int)(seed % 18) + 1,
-                 (double)seed / 12345.678, (int)(seed / 64 % 60) - 30);
+        snprintf(string, sizeof string, "%.*ge%d", (int)(seed % 18) + 1, (double)seed / 12345.678,
+                 (int)(seed / 64 % 60) - 30);
         if (strchr(string, 'e') == strrchr(string, 'e') &&
             read_number(string) != strtod(string, NULL))
             wrong++;
@@ -163,8 +189,16 @@ static bool read_integer(const char *string, long lowest, long highest, long *ou
 
 static void check_integers(void)
 {
-    static const char *const bad[] = {"5.0", "1e3", "", "-", "0x1", "11", "-1", "\"5\"",
-                                      "18446744073709551621", "99999999999999999999999"};
+    static const char *const bad[] = {"5.0",
+                                      "1e3",
+                                      "",
+                                      "-",
+                                      "0x1",
+                                      "11",
+                                      "-1",
+                                      "\"5\"",
+                                      "18446744073709551621",
+                                      "99999999999999999999999"};
     char largest[32];
     long value = 0;
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
@@ -184,7 +218,8 @@ static void check_errors(void)
     struct place nowhere = {NULL, 0, 0}, whole = {"f", 0, 0};
     char longer[4096];
     CHECK(!error_at(&err, nowhere, "a %d", 1) && strcmp(err.text, "error: a 1") == 0 &&
-              err.status == EXIT_INPUT, "an error without a file has no place");
+              err.status == EXIT_INPUT,
+          "an error without a file has no place");
     CHECK(!error_memory(&err) && err.status == EXIT_INPUT && strcmp(err.text, "error: a 1") == 0,
           "the first failure wins");
     err = (struct error){0};
@@ -200,7 +235,8 @@ static void check_errors(void)
     errno = ENOSPC;
     error_system(&err, "cannot write %s", longer);
     CHECK(strlen(err.text) == sizeof err.text - 1 && err.status == EXIT_SYSTEM &&
-              strstr(err.text, strerror(ENOSPC)) != NULL, "a long message keeps the cause");
+              strstr(err.text, strerror(ENOSPC)) != NULL,
+          "a long message keeps the cause");
     err = (struct error){0};
     error_memory(&err);
     CHECK(err.status == EXIT_SYSTEM, "no memory is the system's failure");

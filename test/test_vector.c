@@ -156,9 +156,9 @@ static void check_normals(void)
     const struct vector normal = vector_cross(a, b);
     struct matrix out;
     for (size_t i = 0; i < sizeof scales / sizeof scales[0]; i++) {
-        struct matrix m = matrix_product(
-            matrix_rotation(33, vector(1, 2, -1)),
-            matrix_scaling(vector(scales[i], 3 * scales[i], 0.25 * scales[i])));
+        struct matrix m =
+            matrix_product(matrix_rotation(33, vector(1, 2, -1)),
+                           matrix_scaling(vector(scales[i], 3 * scales[i], 0.25 * scales[i])));
         CHECK(matrix_normal(&m, &out), "a matrix scaled by %g has normals", scales[i]);
         struct vector n = vector_normalise(matrix_direction(&out, normal));
         struct vector ta = vector_normalise(matrix_direction(&m, a));
@@ -169,9 +169,8 @@ static void check_normals(void)
                    "and on the side that its edges turn about");
     }
     struct matrix mirror = matrix_scaling(vector(-1, 1, 1)), move = matrix_translation(x_axis);
-    CHECK(matrix_normal(&mirror, &out) &&
-              same(vector_normalise(matrix_direction(&out, a)),
-                   vector_normalise(vector(-a.x, a.y, a.z))),
+    CHECK(matrix_normal(&mirror, &out) && same(vector_normalise(matrix_direction(&out, a)),
+                                               vector_normalise(vector(-a.x, a.y, a.z))),
           "a mirror takes normals to the mirrored side: what was outward stays outward");
     CHECK(matrix_normal(&move, &out) && same(matrix_direction(&out, a), vector_scale(a, 0.25)),
           "moving does not turn a normal");
