@@ -576,6 +576,7 @@ struct facet {
     double twice_area;
     double slack_px;    /* bound on GL's position of a corner, its snapping left out */
     double slack_w;     /* relative bound on GL's w */
+    double slack_depth; /* bound on GL's depth of a corner */
     double depth_error; /* bound on GL's depth at a pixel; HUGE_VAL: none */
 };
 enum { FACETS_PER_TRIANGLE = 3 }; /* two planes cut at most two corners off */
@@ -588,7 +589,7 @@ int facets_of(const struct plan *plan, const struct surface *surfaces, int surfa
  * in depth makes of its whole triangle, fanned from the first corner. Returns how many. */
 struct piece {
     struct outline outline;
-    double z[3], share[3][3];
+    double slack_depth, z[3], share[3][3];
 };
 int facet_pieces(const struct plan *plan, const struct surface *surfaces, const struct tile *tile,
                  const struct facet *facet, struct piece out[CLIP_CORNERS - 2]);

@@ -70,8 +70,6 @@ static void set_corner(const struct plan *plan, const struct surface *surface,
         out->y[i] = vertex->y;
         out->z[i] = vertex->z;
         out->inverse_w[i] = vertex->inverse_w;
-        out->slack_px = fmax(out->slack_px, (double)vertex->slack_px);
-        out->slack_w = fmax(out->slack_w, (double)vertex->slack_w);
         return;
     }
     double w = corner->clip[3];
@@ -81,13 +79,28 @@ static void set_corner(const struct plan *plan, const struct surface *surface,
     out->inverse_w[i] = 1 / w;
 }
 
-/* A corner made by a cut: errors of the whole corners and of the cut, in pixels. */
-static double cut_slack(const struct plan *plan, const struct corner *corner, double clip_error)
+/* Bounds on a corner's place, depth and w. A cut adds its own error to those of the whole corners,
+ * in clip coordinates. */
+static void widen(const struct plan *plan, const struct surface *surface,
+                  const struct corner *corner, double clip_error, struct facet *facet)
 {
-    double half = 0.5 * fmax(plan->scene->width, plan->scene->height), w = corner->clip[3];
-    double nx = fabs(corner->clip[0] / w), ny = fabs(corner->clip[1] / w);
-    double error = clip_error + corner->cut_error;
-    return half * (error * (2 + fmax(nx, ny)) / w + 8 * u);
+    double slack_px, slack_w, slack_depth;
+    if (corner->whole >= 0) {
+        const struct lit_vertex *vertex = &surface->vertices[facet->vertex[corner->whole]];
+        slack_px = (double)vertex->slack_px;
+        slack_w = (double)vertex->slack_w;
+        slack_depth = (double)vertex->slack_depth;
+    } else {
+        double half = 0.5 * fmax(plan->scene->width, plan->scene->height), w = corner->clip[3];
+        double nx = fabs(corner->clip[0] / w), ny = fabs(corner->clip[1] / w);
+        double error = clip_error + corner->cut_error;
+        slack_px = half * (error * (2 + fmax(nx, ny)) / w + 8 * u);
+        slack_w = error / w + 2 * u;
+        slack_depth = error / w + 4 * u; /* half of (1 + |z / w|) of it, and |z| <= w */
+    }
+    facet->slack_px = fmax(facet->slack_px, slack_px);
+    facet->slack_w = fmax(facet->slack_w, slack_w);
+    facet->slack_depth = fmax(facet->slack_depth, slack_depth);
 }
 
 static void turn(struct facet *facet)
@@ -121,6 +134,7 @@ static void set_piece(const struct facet *from, const struct tile *tile, struct 
     memcpy(out->outline.x, from->x, sizeof from->x);
     memcpy(out->outline.y, from->y, sizeof from->y);
     memcpy(out->outline.inverse_w, from->inverse_w, sizeof from->inverse_w);
+    out->slack_depth = from->slack_depth;
     memcpy(out->z, from->z, sizeof from->z);
     memcpy(out->share, from->share, sizeof from->share);
 }
@@ -148,9 +162,10 @@ int facet_pieces(const struct plan *plan, const struct surface *surfaces, const 
     int n = clip_triangle(whole, planes, CLIP_PLANES, left);
     struct facet part = *facet;
     double clip_error = clip_error_of(surface, facet->vertex);
+    part.slack_px = part.slack_w = part.slack_depth =
+        0; /* what counts is the corners that OpenGL has in the tile */
     for (int i = 0; i < n; i++)
-        if (left[i].whole < 0)
-            part.slack_px = fmax(part.slack_px, cut_slack(plan, &left[i], clip_error));
+        widen(plan, surface, &left[i], clip_error, &part);
     for (int i = 2; i < n; i++) {
         set_corner(plan, surface, &left[0], 0, &part);
         set_corner(plan, surface, &left[i - 1], 1, &part);
@@ -165,22 +180,20 @@ int facet_pieces(const struct plan *plan, const struct surface *surfaces, const 
 static void finish_facet(const struct plan *plan, const struct surface *surfaces,
                          const struct tile *tile, struct facet *facet)
 {
-    const struct surface *surface = &surfaces[facet->surface];
     struct piece pieces[CLIP_CORNERS - 2];
-    double e_corner = 4 * u, error = -1;
+    double error = -1;
     turn(facet);
-    for (int i = 0; i < 3; i++)
-        e_corner = fmax(e_corner, (double)surface->vertices[facet->vertex[i]].slack_depth);
     int n = facet_pieces(plan, surfaces, tile, facet, pieces);
     for (int i = 0; i < n; i++) {
         double magnification = bound_magnification(&pieces[i].outline);
-        facet->slack_px = fmax(facet->slack_px, pieces[i].outline.slack_px);
+        facet->slack_px = pieces[i].outline.slack_px; /* the same for all */
+        facet->slack_depth = pieces[i].slack_depth;
         if (magnification < HUGE_VAL)
             error = fmax(error, magnification * bound_linear(&pieces[i].outline, pieces[i].z));
         else
             facet->loose = true;
     }
-    facet->depth_error = error < 0 ? HUGE_VAL : error + e_corner + depth_unit;
+    facet->depth_error = error < 0 ? HUGE_VAL : error + facet->slack_depth + depth_unit;
 }
 
 /* ---- a triangle's facets ---- */
@@ -223,19 +236,14 @@ static int depth_pieces(const struct plan *plan, const struct surface *surfaces,
     whole_corners(surface, triangle->vertex, whole);
     planes_of(plan, tile, fmin(2 * clip_error, 0.25 * near_w), planes);
     int n = clip_triangle(whole, planes + 4, 2, left), n_out = 0;
-    double slack = 0;
-    for (int i = 0; i < n; i++)
-        slack = fmax(slack, cut_slack(plan, &left[i], clip_error));
     for (int i = 2; i < n; i++) {
         struct facet *piece = &out[n_out++];
         *piece = *triangle;
         piece->whole = false;
         piece->straddles = true;
-        piece->slack_px = slack;
         set_corner(plan, surface, &left[0], 0, piece);
         set_corner(plan, surface, &left[i - 1], 1, piece);
         set_corner(plan, surface, &left[i], 2, piece);
-        piece->slack_w = 4 * clip_error / near_w;
         finish_facet(plan, surfaces, tile, piece);
     }
     return n_out;
@@ -259,8 +267,10 @@ int facets_of(const struct plan *plan, const struct surface *surfaces, int surfa
     }
     struct corner corners[3];
     whole_corners(of, vertex, corners);
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3; i++) {
         set_corner(plan, of, &corners[i], i, facet);
+        widen(plan, of, &corners[i], 0, facet);
+    }
     facet->straddles = crosses_border(of, vertex, tile);
     finish_facet(plan, surfaces, tile, facet);
     return 1;
