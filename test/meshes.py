@@ -16,6 +16,14 @@ light a 0.5 direction -1 0.5 1
 material clay {{ diffuse gaussian:600,150*0.8 {gloss} }}
 object mesh /usr/share/glmark2/models/bunny.obj unitize material clay
 """
+NEAR = """size 194 112
+wavelengths 380 740 60
+camera perspective 93 near 0.01 far 100 eye 0 0.1 0 look 1 0.1 0
+ambient d65 0.1
+light d65 1 position 0 5 0
+material floor { diffuse 0.5 gloss 20 }
+object plane 40 40 material floor rotate -90 1 0 0 rotate 7 0 0 1 translate 0 0.05 0
+"""
 VIEWS = {
     "matt": {"camera": "camera ortho 2.4", "gloss": ""},
     "glossy, in perspective": {
@@ -33,15 +41,19 @@ def check(holds, name, report):
         print("#", report)
 
 
-os.makedirs(TMP, exist_ok=True)
-for view, words in VIEWS.items():
-    path = os.path.join(TMP, "bunny.scene")
-    with open(path, "w") as scene:
-        scene.write(SCENE.format(**words))
+def render(name, scene):
+    """Exit status, and what the check found."""
+    path = os.path.join(TMP, name + ".scene")
+    with open(path, "w") as out:
+        out.write(scene)
     result = subprocess.run([SPECTRAL, "render", path, "-o", "/dev/null", "--json", "-", "--quiet"],
                             stdout=subprocess.PIPE, check=False)
-    report = json.loads(result.stdout)["check"]
-    check(result.returncode == 0 and report["unexplained_pixels"] == 0,
+    return result.returncode, json.loads(result.stdout)["check"]
+
+
+def bunny(view, words):
+    status, report = render("bunny", SCENE.format(**words))
+    check(status == 0 and report["unexplained_pixels"] == 0,
           f"bunny, {view}: every pixel is explained at all 93 wavelengths", report)
     check(report["unbounded_pixels"] == 0, f"bunny, {view}: every pixel has a bound", report)
     check(report["samples"] == 800 * 800 * 93, f"bunny, {view}: no sample is left out", report)
@@ -51,4 +63,12 @@ for view, words in VIEWS.items():
           f"bunny, {view}: inside smooth surfaces nothing is off by more than 2 counts", report)
     check(0.01 < report["worst_error_over_bound"] < 1,
           f"bunny, {view}: the bounds are neither exceeded nor far too wide", report)
+
+
+os.makedirs(TMP, exist_ok=True)
+for view, words in VIEWS.items():
+    bunny(view, words)
+status, report = render("near", NEAR)
+check(status == 0 and report["unexplained_pixels"] == 0 and report["unbounded_pixels"] == 0,
+      "a floor through the near plane, close to the eye, is explained and bounded", report)
 print(f"1..{count}")
