@@ -7,15 +7,9 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 static const double highest_gloss = 128; /* as GL_SHININESS */
-
-/* ---- what both forms share ---- */
-
-static bool read_gloss(const struct word *word, struct material *out, struct error *err)
-{
-    return word_number(word, "gloss", 0, highest_gloss, &out->gloss, err);
-}
 
 /* The excitation by a light is divided by the sum, which stands for a light of 1 everywhere. */
 static bool check_excitation(const struct spectrum *excitation, struct error *err)
@@ -33,12 +27,6 @@ static bool check_excitation(const struct spectrum *excitation, struct error *er
         return true;
     return error_at(err, excitation->place,
                     "the sum of the excitation is %g; it is above 0 and finite", sum);
-}
-
-static bool copy_string(const char *from, char **out, struct error *err)
-{
-    *out = strdup(from);
-    return *out != NULL || error_memory(err);
 }
 
 /* ---- material files ---- */
@@ -67,73 +55,46 @@ static bool read_fluorescence(struct text *text, struct material *out, struct er
            spectrum_append(&out->emission, nm, emission, word.place, err);
 }
 
-static bool read_gloss_line(struct text *text, struct place place, struct material *out,
-                            struct error *err)
-{
-    struct word word;
-    if (!place_once(out->gloss_place, place, "gloss", err) ||
-        !text_expect(text, &word, "a gloss", err))
-        return false;
-    out->gloss_place = place;
-    return read_gloss(&word, out, err);
-}
-
-static bool read_texture_line(struct text *text, struct place place, struct material *out,
-                              struct error *err)
-{
-    struct word word;
-    if (!place_once(out->texture_place, place, "texture", err) ||
-        !text_expect(text, &word, "a texture file", err))
-        return false;
-    out->texture_place = place;
-    out->texture = word_path(&word, err);
-    return out->texture != NULL;
-}
-
-/* What a line's first word says: g s f t, R G S F for the partner's, r for a number, 0 for nothing
- * known. Letters may be small or capital. */
-static char line_kind(const struct word *word)
-{
-    int first, second;
-    if (word->quoted)
-        return 0;
-    if (strchr("0123456789+-.", word->start[0]) != NULL)
-        return 'r';
-    first = tolower((unsigned char)word->start[0]);
-    if (word->length == 1)
-        return strchr("gsft", first) != NULL ? (char)first : 0;
-    second = tolower((unsigned char)word->start[1]);
-    if (word->length == 2 && first == 'm' && strchr("rgsf", second) != NULL)
-        return (char)toupper(second);
-    return 0;
-}
-
 /* The partner, made when its first line comes. */
 static struct material *partner_of(struct material *material, struct place place, struct error *err)
 {
     if (material->partner != NULL)
         return material->partner;
     material->partner = calloc(1, sizeof *material->partner);
-    if (material->partner == NULL) {
+    if (material->partner == NULL)
         error_memory(err);
-        return NULL;
-    }
-    material->partner->place = material->partner_place = place;
+    else
+        material->partner->place = material->partner_place = place;
     return material->partner;
+}
+
+/* The last letter of a line's first word, small; 0: nothing known. */
+static char line_kind(const struct word *word)
+{
+    static const char *const known[] = {"s", "f", "g", "t", "mr", "ms", "mf", "mg"};
+    if (word->quoted)
+        return 0;
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
+        if (word->length == strlen(known[i]) &&
+            strncasecmp(word->start, known[i], word->length) == 0)
+            return known[i][word->length - 1];
+    return 0;
 }
 
 static bool read_line(struct text *text, const struct word *first, struct material *out,
                       struct error *err)
 {
-    char kind = line_kind(first);
-    if (kind == 'r')
+    bool number = word_begins_number(first);
+    char kind = number ? 'r' : line_kind(first);
+    struct word word;
+    if (number)
         text->at = first->start;
-    if (isupper((unsigned char)kind)) {
+    if (kind != 0 && tolower((unsigned char)first->start[0]) == 'm') {
         out = partner_of(out, first->place, err);
         if (out == NULL)
             return false;
     }
-    switch (tolower((unsigned char)kind)) {
+    switch (kind) {
     case 'r':
         return read_reflectance(text, &out->diffuse, err);
     case 's':
@@ -141,9 +102,13 @@ static bool read_line(struct text *text, const struct word *first, struct materi
     case 'f':
         return read_fluorescence(text, out, err);
     case 'g':
-        return read_gloss_line(text, first->place, out, err);
+        return place_once(&out->gloss_place, first->place, "gloss", err) &&
+               text_expect(text, &word, "a gloss", err) &&
+               word_number(&word, "gloss", 0, highest_gloss, &out->gloss, err);
     case 't':
-        return read_texture_line(text, first->place, out, err);
+        return place_once(&out->texture_place, first->place, "texture", err) &&
+               text_expect(text, &word, "a texture file", err) &&
+               word_path(&word, &out->texture, err);
     default:
         return error_at(err, first->place,
                         "unknown line '%.*s'; a line begins with a wavelength, g, s, f, t, mr, mg, "
@@ -163,35 +128,31 @@ static bool read_lines(struct text *text, struct material *out, struct error *er
 }
 
 /* Checks what only the whole file shows, and names the spectra. */
-static bool complete(struct material *material, struct error *err)
+static bool complete(struct material *material, const char *no_diffuse, struct error *err)
 {
     struct spectrum *spectra[] = {&material->diffuse, &material->specular, &material->excitation,
                                   &material->emission};
+    if (material->diffuse.kind == SPECTRUM_NONE)
+        return error_at(err, material->place, "%s", no_diffuse);
     if (material->excitation.kind != SPECTRUM_NONE && !check_excitation(&material->excitation, err))
         return false;
     for (size_t i = 0; i < sizeof spectra / sizeof spectra[0]; i++)
         if (spectra[i]->kind != SPECTRUM_NONE &&
-            !copy_string(material->name, &spectra[i]->name, err))
+            !string_copy(material->name, &spectra[i]->name, err))
             return false;
     material->specular_place = material->specular.place;
     return true;
 }
 
-static bool complete_file(struct text *text, struct material *out, struct error *err)
+static bool complete_file(struct material *out, struct error *err)
 {
     struct material *partner = out->partner;
-    if (out->diffuse.kind == SPECTRUM_NONE)
-        return error_at(err, text_whole(text),
-                        "no diffuse reflectance; a material has lines of a wavelength and one");
-    if (!complete(out, err))
+    if (!complete(out, "no diffuse reflectance; a material has lines of a wavelength and one", err))
         return false;
-    if (partner == NULL)
-        return true;
-    if (partner->diffuse.kind == SPECTRUM_NONE)
-        return error_at(err, partner->place,
-                        "the partner has no mr lines; it needs a diffuse reflectance");
-    return copy_string(out->name, &partner->name, err) &&
-           copy_string(out->path, &partner->path, err) && complete(partner, err);
+    return partner == NULL ||
+           (string_copy(out->name, &partner->name, err) &&
+            string_copy(out->path, &partner->path, err) &&
+            complete(partner, "the partner has no mr lines; it needs a diffuse reflectance", err));
 }
 
 /* The file's name without folder and ending. */
@@ -212,7 +173,7 @@ bool material_read(const char *path, struct place from, struct material *out, st
     out->path = text.path; /* taken over: the places point at it */
     out->place = text_whole(&text);
     out->name = name_of(path);
-    done = out->name != NULL ? read_lines(&text, out, err) && complete_file(&text, out, err)
+    done = out->name != NULL ? read_lines(&text, out, err) && complete_file(out, err)
                              : error_memory(err);
     text.path = NULL;
     text_free(&text);
@@ -224,58 +185,31 @@ bool material_read(const char *path, struct place from, struct material *out, st
 /* ---- materials written in a scene ---- */
 
 /* The next word, over lines. A brace that touches a word would hide in it. */
-static bool block_word(struct text *text, struct word *out, const char *what, struct place open,
-                       struct error *err)
+static bool block_word(struct text *text, struct word *out, struct place open, struct error *err)
 {
-    do {
-        struct text before = *text;
-        if (!text_word(text, out))
-            continue;
-        *text = before;
-        if (!text_expect(text, out, what, err))
-            return false;
-        if (!out->quoted && out->length > 1 && memchr(out->start, '}', out->length) != NULL)
-            return error_at(err, out->place, "a } stands alone, between blanks");
-        return true;
-    } while (text_next_line(text));
-    return error_at(err, open, "this { is never closed by a }");
+    while (!text_peek(*text, out))
+        if (!text_next_line(text))
+            return error_at(err, open, "this { is never closed by a }");
+    if (!text_expect(text, out, "a word", err))
+        return false;
+    return out->quoted || out->length == 1 || memchr(out->start, '}', out->length) == NULL ||
+           error_at(err, out->place, "a } stands alone, between blanks");
 }
 
 /* A word's argument. */
 static bool block_value(struct text *text, struct word *out, const char *what, struct place open,
                         struct error *err)
 {
-    if (!block_word(text, out, what, open, err))
+    if (!block_word(text, out, open, err))
         return false;
     return !word_is(out, "}") || error_at(err, out->place, "expected %s before }", what);
 }
 
-static bool block_spectrum(struct text *text, double highest, struct spectrum *out,
-                           struct place open, struct error *err)
+static bool read_filter(struct text *text, struct material *out, struct error *err)
 {
+    struct text before = *text;
     struct word word;
-    return block_value(text, &word, "a spectrum", open, err) &&
-           spectrum_read(&word, 0, highest, out, err);
-}
-
-static bool block_file(struct text *text, char **out, struct place open, struct error *err)
-{
-    struct word word;
-    if (!block_value(text, &word, "a file", open, err))
-        return false;
-    *out = word_path(&word, err);
-    return *out != NULL;
-}
-
-static bool block_texture(struct text *text, struct material *out, struct place open,
-                          struct error *err)
-{
-    struct text before;
-    struct word word;
-    if (!block_file(text, &out->texture, open, err))
-        return false;
-    before = *text;
-    if (!block_word(text, &word, "}", open, err))
+    if (!block_word(text, &word, out->place, err))
         return false;
     out->texture_linear = word_is(&word, "linear");
     if (!out->texture_linear && !word_is(&word, "nearest"))
@@ -283,21 +217,12 @@ static bool block_texture(struct text *text, struct material *out, struct place 
     return true;
 }
 
-static bool block_gloss(struct text *text, struct material *out, struct place open,
-                        struct error *err)
+static bool read_emission(struct text *text, struct material *out, struct error *err)
 {
     struct word word;
-    return block_value(text, &word, "a gloss", open, err) && read_gloss(&word, out, err);
-}
-
-static bool block_metamer(struct text *text, struct material *out, struct place open,
-                          struct error *err)
-{
-    struct word word;
-    if (!block_value(text, &word, "a material", open, err))
-        return false;
-    out->partner_name = word_copy(&word);
-    return out->partner_name != NULL || error_memory(err);
+    return check_excitation(&out->excitation, err) &&
+           block_value(text, &word, "a spectrum", out->place, err) &&
+           spectrum_read(&word, 0, HUGE_VAL, &out->emission, err);
 }
 
 enum block_kind {
@@ -316,31 +241,36 @@ static const char *const block_words[] = {
     "diffuse", "specular",         "gloss",    "fluorescence", "donaldson",
     "texture", "spectral-texture", "emission", "metamer",      "}",
     NULL};
+static const char *const block_values[BLOCK_END] = {"a spectrum", "a spectrum", "a gloss",
+                                                    "a spectrum", "a file",     "a file",
+                                                    "a file",     "a spectrum", "a material"};
 
-static bool block_entry(struct text *text, enum block_kind kind, struct material *out,
-                        struct place open, struct error *err)
+static bool block_entry(struct text *text, int kind, struct material *out, struct error *err)
 {
-    switch (kind) {
+    struct word word;
+    if (!block_value(text, &word, block_values[kind], out->place, err))
+        return false;
+    switch ((enum block_kind)kind) {
     case BLOCK_DIFFUSE:
-        return block_spectrum(text, 1, &out->diffuse, open, err);
+        return spectrum_read(&word, 0, 1, &out->diffuse, err);
     case BLOCK_SPECULAR:
-        return block_spectrum(text, 1, &out->specular, open, err);
+        return spectrum_read(&word, 0, 1, &out->specular, err);
     case BLOCK_GLOSS:
-        return block_gloss(text, out, open, err);
+        return word_number(&word, "gloss", 0, highest_gloss, &out->gloss, err);
     case BLOCK_FLUORESCENCE:
-        return block_spectrum(text, HUGE_VAL, &out->excitation, open, err) &&
-               check_excitation(&out->excitation, err) &&
-               block_spectrum(text, HUGE_VAL, &out->emission, open, err);
+        return spectrum_read(&word, 0, HUGE_VAL, &out->excitation, err) &&
+               read_emission(text, out, err);
     case BLOCK_DONALDSON:
-        return block_file(text, &out->donaldson, open, err);
+        return word_path(&word, &out->donaldson, err);
     case BLOCK_TEXTURE:
-        return block_texture(text, out, open, err);
+        return word_path(&word, &out->texture, err) && read_filter(text, out, err);
     case BLOCK_SPECTRAL_TEXTURE:
-        return block_file(text, &out->spectral_texture, open, err);
+        return word_path(&word, &out->spectral_texture, err);
     case BLOCK_EMISSION:
-        return block_spectrum(text, HUGE_VAL, &out->glow, open, err);
+        return spectrum_read(&word, 0, HUGE_VAL, &out->glow, err);
     case BLOCK_METAMER:
-        return block_metamer(text, out, open, err);
+        out->partner_name = word_copy(&word);
+        return out->partner_name != NULL || error_memory(err);
     case BLOCK_END:
         break;
     }
@@ -354,52 +284,50 @@ static bool exclude(struct place first, struct place second, const char *what, s
 }
 
 /* What shines or mirrors by itself needs no diffuse reflectance: it is 0 then. */
-static bool complete_block(struct material *out, const struct place given[BLOCK_END],
-                           struct place open, struct error *err)
+static bool complete_diffuse(struct material *out, struct error *err)
 {
-    out->gloss_place = given[BLOCK_GLOSS];
-    out->specular_place = given[BLOCK_SPECULAR];
-    out->donaldson_place = given[BLOCK_DONALDSON];
-    out->texture_place = given[BLOCK_TEXTURE];
-    out->spectral_texture_place = given[BLOCK_SPECTRAL_TEXTURE];
-    out->partner_place = given[BLOCK_METAMER];
-    if (!exclude(given[BLOCK_FLUORESCENCE], given[BLOCK_DONALDSON], "fluorescence or donaldson",
-                 err) ||
-        !exclude(given[BLOCK_TEXTURE], given[BLOCK_SPECTRAL_TEXTURE], "texture or spectral-texture",
-                 err))
-        return false;
     if (out->diffuse.kind != SPECTRUM_NONE)
         return true;
     if (out->specular.kind == SPECTRUM_NONE && out->glow.kind == SPECTRUM_NONE)
-        return error_at(err, open, "the material has none of diffuse, specular and emission");
-    out->diffuse = (struct spectrum){.kind = SPECTRUM_CONSTANT, .factor = 1, .place = open};
-    return copy_string("0", &out->diffuse.name, err);
+        return error_at(err, out->place, "the material has none of diffuse, specular and emission");
+    out->diffuse = (struct spectrum){.kind = SPECTRUM_CONSTANT, .factor = 1, .place = out->place};
+    return string_copy("0", &out->diffuse.name, err);
 }
 
 static bool read_block(struct text *text, struct material *out, struct error *err)
 {
-    struct place given[BLOCK_END] = {{0}}, open = text_place(text);
+    struct place diffuse = {0}, fluorescence = {0}, emission = {0};
+    struct place *given[BLOCK_END] = {&diffuse,
+                                      &out->specular_place,
+                                      &out->gloss_place,
+                                      &fluorescence,
+                                      &out->donaldson_place,
+                                      &out->texture_place,
+                                      &out->spectral_texture_place,
+                                      &emission,
+                                      &out->partner_place};
     struct word word;
-    open.column--; /* the cursor stands behind the { */
+    int kind;
     for (;;) {
-        int kind;
-        if (!block_word(text, &word, "}", open, err))
+        if (!block_word(text, &word, out->place, err))
             return false;
         kind = word_choose(&word, block_words, "word in a material", err);
-        if (kind < 0)
-            return false;
         if (kind == BLOCK_END)
-            return complete_block(out, given, open, err);
-        if (!place_once(given[kind], word.place, block_words[kind], err) ||
-            !block_entry(text, (enum block_kind)kind, out, open, err))
+            break;
+        if (kind < 0 || !place_once(given[kind], word.place, block_words[kind], err) ||
+            !block_entry(text, kind, out, err))
             return false;
-        given[kind] = word.place;
     }
+    return exclude(fluorescence, out->donaldson_place, "fluorescence or donaldson", err) &&
+           exclude(out->texture_place, out->spectral_texture_place, "texture or spectral-texture",
+                   err) &&
+           complete_diffuse(out, err);
 }
 
 bool material_read_words(struct text *text, struct material *out, struct error *err)
 {
-    *out = (struct material){0};
+    *out = (struct material){.place = text_place(text)};
+    out->place.column--; /* the cursor stands behind the { */
     if (read_block(text, out, err))
         return true;
     material_free(out);

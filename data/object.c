@@ -11,37 +11,38 @@
 
 /* ---- definitions ---- */
 
-static int find_material(const struct scene *scene, int n, const char *name)
+static int find_material(const struct scene *scene, const struct word *word)
 {
-    for (int i = 0; i < n; i++)
-        if (strcmp(scene->materials[i].name, name) == 0)
+    for (int i = 0; i < scene->n_materials; i++) {
+        const char *name = scene->materials[i].name;
+        if (name != NULL && strncmp(name, word->start, word->length) == 0 &&
+            name[word->length] == '\0')
             return i;
+    }
     return -1;
 }
 
-/* Takes over what *material owns, even if this fails. */
-static bool add_material(struct scene *scene, struct material *material, struct error *err)
+/* Takes over what *material owns, unless this fails. */
+static bool add_material(struct scene *scene, const struct material *material, struct error *err)
 {
     struct material *grown = array_more(scene->materials, scene->n_materials, sizeof *grown, err);
-    if (grown == NULL) {
-        material_free(material);
+    if (grown == NULL)
         return false;
-    }
     scene->materials = grown;
     grown[scene->n_materials++] = *material;
     return true;
 }
 
-static bool check_name(const struct scene *scene, const struct word *word, const char *name,
-                       struct error *err)
+static bool check_name(const struct scene *scene, const struct word *word, struct error *err)
 {
-    int first = find_material(scene, scene->n_materials, name);
+    int first = find_material(scene, word);
     if (word_is(word, "{"))
         return error_at(err, word->place, "expected a name before the {");
     if (first < 0)
         return true;
     return error_at(err, word->place, "there is a material '%.100s' already, in line %d of %.200s",
-                    name, scene->materials[first].place.line, scene->materials[first].place.path);
+                    scene->materials[first].name, scene->materials[first].place.line,
+                    scene->materials[first].place.path);
 }
 
 /* What follows the name: the words in braces, or a file that is only noted. */
@@ -50,39 +51,28 @@ static bool read_content(struct text *text, struct material *out, struct error *
     struct word word;
     if (!text_expect(text, &word, "a material file or {", err))
         return false;
-    if (word_is(&word, "{")) {
-        if (!material_read_words(text, out, err))
-            return false;
-    } else {
-        if (!word.quoted && word.start[0] == '{')
-            return error_at(err, word.place, "a { stands alone, between blanks");
-        out->path = word_path(&word, err);
-        if (out->path == NULL)
-            return false;
-    }
+    if (word_is(&word, "{"))
+        return material_read_words(text, out, err) && text_end(text, "a material", err);
+    if (!word.quoted && word.start[0] == '{')
+        return error_at(err, word.place, "a { stands alone, between blanks");
     out->place = word.place;
-    return text_end(text, "a material", err);
+    return word_path(&word, &out->path, err) && text_end(text, "a material", err);
 }
 
-bool definition_read(struct scene_reader *reader, struct text *text, struct place place,
-                     struct error *err)
+bool definition_read(struct scene_reader *reader, struct error *err)
 {
     struct material material = {0};
     struct word word;
-    char *name;
-    (void)place;
-    if (!text_expect(text, &word, "a name for the material", err))
-        return false;
-    name = word_copy(&word);
-    if (name == NULL)
-        return error_memory(err);
-    if (!check_name(reader->scene, &word, name, err) || !read_content(text, &material, err)) {
-        material_free(&material);
-        free(name);
-        return false;
+    if (text_expect(reader->text, &word, "a name for the material", err) &&
+        check_name(reader->scene, &word, err) && read_content(reader->text, &material, err)) {
+        material.name = word_copy(&word);
+        if (material.name == NULL)
+            error_memory(err);
+        else if (add_material(reader->scene, &material, err))
+            return true;
     }
-    material.name = name;
-    return add_material(reader->scene, &material, err);
+    material_free(&material);
+    return false;
 }
 
 /* ---- shapes ---- */
@@ -115,32 +105,20 @@ const char *shape_name(enum shape_kind kind)
 
 static bool read_parameters(struct text *text, struct shape *out, struct error *err)
 {
-    const struct parameter *parameters = shape_parameters[out->kind];
-    for (int i = 0; i < 4 && parameters[i].name != NULL; i++) {
-        const struct parameter *p = &parameters[i];
-        long count = 0;
-        if (p->highest == 0) {
-            /* DBL_MIN, the least: above 0 */
-            if (!text_number(text, p->name, DBL_MIN, HUGE_VAL, &out->parameter[i], err))
+    const struct parameter *p = shape_parameters[out->kind];
+    for (int i = 0; i < 4 && p[i].name != NULL; i++) {
+        double *value = &out->parameter[i];
+        long count;
+        if (p[i].highest == 0) {
+            if (!text_number(text, p[i].name, DBL_MIN, HUGE_VAL, value, err))
                 return false;
         } else {
-            if (!text_integer(text, p->name, p->lowest, p->highest, &count, err))
+            if (!text_integer(text, p[i].name, p[i].lowest, p[i].highest, &count, err))
                 return false;
-            out->parameter[i] = (double)count;
+            *value = (double)count;
         }
     }
     return true;
-}
-
-static bool read_mesh(struct text *text, struct shape *out, struct error *err)
-{
-    struct word word;
-    if (!text_expect(text, &word, "a mesh file", err))
-        return false;
-    out->place = word.place;
-    out->crease_deg = 90;
-    out->path = word_path(&word, err);
-    return out->path != NULL;
 }
 
 static bool read_shape(struct text *text, struct shape *out, struct error *err)
@@ -152,80 +130,68 @@ static bool read_shape(struct text *text, struct shape *out, struct error *err)
     kind = word_choose(&word, shape_names, "shape", err);
     if (kind < 0)
         return false;
-    out->kind = (enum shape_kind)kind;
+    *out = (struct shape){.kind = (enum shape_kind)kind, .crease_deg = 90, .place = word.place};
+    if (out->kind != SHAPE_MESH)
+        return read_parameters(text, out, err);
+    if (!text_expect(text, &word, "a mesh file", err))
+        return false;
     out->place = word.place;
-    return out->kind == SHAPE_MESH ? read_mesh(text, out, err) : read_parameters(text, out, err);
-}
-
-static bool copy_shape(const struct shape *from, struct shape *out, struct error *err)
-{
-    *out = *from;
-    out->path = from->path != NULL ? strdup(from->path) : NULL;
-    return from->path == NULL || out->path != NULL || error_memory(err);
+    return word_path(&word, &out->path, err);
 }
 
 /* ---- transforms ---- */
 
-static bool begins_number(const struct word *word)
-{
-    return !word->quoted && strchr("0123456789+-.", word->start[0]) != NULL;
-}
-
-static bool read_factor(struct text *text, double *out, struct error *err)
-{
-    struct word word;
-    if (!text_expect(text, &word, "a scale factor", err) ||
-        !word_number(&word, "scale factor", -HUGE_VAL, HUGE_VAL, out, err))
-        return false;
-    return *out != 0 ||
-           error_at(err, word.place, "scale factor 0 flattens the object; it must not be 0");
-}
-
 /* One factor or three: two numbers are a mistake. */
-static bool read_scale(struct text *text, struct matrix *out, struct error *err)
+static bool read_scale(struct text *text, struct vector *out, struct error *err)
 {
-    struct vector by;
-    struct text after;
+    double factor[3];
     struct word word;
-    if (!read_factor(text, &by.x, err))
-        return false;
-    by.y = by.z = by.x;
-    after = *text;
-    if (text_word(&after, &word) && begins_number(&word) &&
-        (!read_factor(text, &by.y, err) || !read_factor(text, &by.z, err)))
-        return false;
-    *out = matrix_scaling(by);
+    int n = 0;
+    do {
+        if (!text_expect(text, &word, "a scale factor", err) ||
+            !word_number(&word, "scale factor", -HUGE_VAL, HUGE_VAL, &factor[n], err))
+            return false;
+        if (factor[n] == 0)
+            return error_at(err, word.place,
+                            "scale factor 0 flattens the object; it must not be 0");
+        n++;
+    } while (n == 2 || (n == 1 && text_peek(*text, &word) && word_begins_number(&word)));
+    *out = (struct vector){factor[0], factor[n == 3 ? 1 : 0], factor[n == 3 ? 2 : 0]};
     return true;
 }
 
-static bool read_rotation(struct text *text, struct matrix *out, struct error *err)
-{
-    struct vector axis;
-    double angle;
-    if (!text_number(text, "angle", -HUGE_VAL, HUGE_VAL, &angle, err) ||
-        !text_direction(text, "axis", &axis, err))
-        return false;
-    *out = matrix_rotation(angle, axis);
-    return true;
-}
+enum object_option {
+    OBJECT_MATERIAL,
+    OBJECT_MATERIALS,
+    OBJECT_SCALE,
+    OBJECT_ROTATE,
+    OBJECT_TRANSLATE,
+    OBJECT_UNITIZE,
+    OBJECT_CREASE
+};
+static const char *const option_words[] = {"material",  "materials", "scale",  "rotate",
+                                           "translate", "unitize",   "crease", NULL};
 
-static bool read_translation(struct text *text, struct matrix *out, struct error *err)
-{
-    struct vector by;
-    if (!text_vector(text, "translation", &by, NULL, err))
-        return false;
-    *out = matrix_translation(by);
-    return true;
-}
-
-static bool read_transform(struct text *text,
-                           bool (*read)(struct text *, struct matrix *, struct error *),
-                           struct object *object, struct error *err)
+static bool read_transform(struct text *text, int option, struct matrix *out, struct error *err)
 {
     struct matrix next;
-    if (!read(text, &next, err))
-        return false;
-    object->transform = matrix_product(next, object->transform);
+    struct vector by;
+    double angle;
+    if (option == OBJECT_SCALE) {
+        if (!read_scale(text, &by, err))
+            return false;
+        next = matrix_scaling(by);
+    } else if (option == OBJECT_ROTATE) {
+        if (!text_number(text, "angle", -HUGE_VAL, HUGE_VAL, &angle, err) ||
+            !text_direction(text, "axis", &by, err))
+            return false;
+        next = matrix_rotation(angle, by);
+    } else {
+        if (!text_vector(text, "translation", &by, err))
+            return false;
+        next = matrix_translation(by);
+    }
+    *out = matrix_product(next, *out);
     return true;
 }
 
@@ -239,83 +205,60 @@ struct description {
     bool listed; /* a list gives the materials */
 };
 
-static bool read_material_word(struct text *text, struct place place, bool map,
-                               struct description *out, struct error *err)
+static bool read_material(struct text *text, struct place place, bool map, struct description *out,
+                          struct error *err)
 {
     struct shape *shape = &out->object.shape;
+    struct word word;
     if (out->listed)
         return error_at(err, place, "the materials of a checker come from its list");
     if (map && shape->kind != SHAPE_MESH)
         return error_at(err, place, "only a mesh has several materials");
-    if (!place_once(out->material_place, place, "material", err) ||
-        !text_expect(text, &out->material, map ? "a material map" : "a material", err))
+    if (!place_once(&out->material_place, place, "material", err) ||
+        !text_expect(text, &word, map ? "a material map" : "a material", err))
         return false;
-    out->material_place = place;
-    if (!map)
-        return true;
-    shape->material_map = word_path(&out->material, err);
-    return shape->material_map != NULL;
-}
-
-static bool read_mesh_option(struct text *text, struct place place, bool crease,
-                             struct description *out, struct error *err)
-{
-    const char *what = crease ? "crease" : "unitize";
-    struct place *given = crease ? &out->crease_place : &out->unitize_place;
-    struct shape *shape = &out->object.shape;
-    if (shape->kind != SHAPE_MESH)
-        return error_at(err, place, "%s is for a mesh, not for a %s", what,
-                        shape_name(shape->kind));
-    if (!place_once(*given, place, what, err))
-        return false;
-    *given = place;
-    if (crease)
-        return text_number(text, "crease", 0, 180, &shape->crease_deg, err);
-    shape->unitize = true;
+    if (map)
+        return word_path(&word, &shape->material_map, err);
+    out->material = word;
     return true;
 }
 
 static bool read_option(struct text *text, const struct word *word, struct description *out,
                         struct error *err)
 {
-    static const char *const words[] = {"material",  "materials", "scale",  "rotate",
-                                        "translate", "unitize",   "crease", NULL};
-    struct object *object = &out->object;
-    switch (word_choose(word, words, "word for an object", err)) {
-    case 0:
-        return read_material_word(text, word->place, false, out, err);
-    case 1:
-        return read_material_word(text, word->place, true, out, err);
-    case 2:
-        return read_transform(text, read_scale, object, err);
-    case 3:
-        return read_transform(text, read_rotation, object, err);
-    case 4:
-        return read_transform(text, read_translation, object, err);
-    case 5:
-        return read_mesh_option(text, word->place, false, out, err);
-    case 6:
-        return read_mesh_option(text, word->place, true, out, err);
-    default:
+    struct shape *shape = &out->object.shape;
+    int option = word_choose(word, option_words, "word for an object", err);
+    if (option < 0)
         return false;
-    }
+    if (option <= OBJECT_MATERIALS)
+        return read_material(text, word->place, option == OBJECT_MATERIALS, out, err);
+    if (option <= OBJECT_TRANSLATE)
+        return read_transform(text, option, &out->object.transform, err);
+    if (shape->kind != SHAPE_MESH)
+        return error_at(err, word->place, "%s is for a mesh, not for a %s", option_words[option],
+                        shape_name(shape->kind));
+    if (option == OBJECT_CREASE)
+        return place_once(&out->crease_place, word->place, "crease", err) &&
+               text_number(text, "crease", 0, 180, &shape->crease_deg, err);
+    shape->unitize = true;
+    return place_once(&out->unitize_place, word->place, "unitize", err);
 }
 
 /* The shape and all words after it. */
-static bool read_description(struct text *text, struct place place, struct description *out,
+static bool read_description(struct scene_reader *reader, struct description *out,
                              struct error *err)
 {
     struct word word;
-    out->object.place = place;
+    out->object.place = reader->place;
     out->object.material = -1;
     out->object.transform = matrix_identity();
-    if (!read_shape(text, &out->object.shape, err))
+    if (!read_shape(reader->text, &out->object.shape, err))
         return false;
-    while (text_word(text, &word))
-        if (!read_option(text, &word, out, err))
+    while (text_word(reader->text, &word))
+        if (!read_option(reader->text, &word, out, err))
             return false;
     return out->listed || out->material_place.line > 0 ||
-           error_at(err, place, "the object has no material; write material and its name");
+           error_at(err, reader->place, "the object has no material; write material and its name");
 }
 
 void shape_free(struct shape *shape)
@@ -325,37 +268,37 @@ void shape_free(struct shape *shape)
     shape->path = shape->material_map = NULL;
 }
 
-/* Takes over what *object owns, even if this fails. */
-static bool add_object(struct scene_reader *reader, struct object *object,
-                       const struct word *material, bool listed, struct error *err)
+/* Copies what the description owns. */
+static bool add_object(struct scene_reader *reader, const struct description *description,
+                       struct error *err)
 {
+    const struct shape *from = &description->object.shape;
     struct scene *scene = reader->scene;
-    struct object *objects = array_more(scene->objects, scene->n_objects, sizeof *objects, err);
-    struct material_use *uses;
-    if (objects == NULL) {
-        shape_free(&object->shape);
+    int n = scene->n_objects;
+    struct object *objects = array_more(scene->objects, n, sizeof *objects, err);
+    struct word *uses;
+    if (objects == NULL)
         return false;
-    }
     scene->objects = objects;
-    objects[scene->n_objects++] = *object;
-    if (object->shape.material_map != NULL)
-        return true;
-    uses = array_more(reader->uses, reader->n_uses, sizeof *uses, err);
+    uses = array_more(reader->uses, n, sizeof *uses, err);
     if (uses == NULL)
         return false;
     reader->uses = uses;
-    uses[reader->n_uses++] = (struct material_use){scene->n_objects - 1, *material, listed};
-    return true;
+    uses[n] = description->material;
+    objects[n] = description->object;
+    objects[n].shape.material_map = NULL;
+    scene->n_objects++;
+    return string_copy(from->path, &objects[n].shape.path, err) &&
+           string_copy(from->material_map, &objects[n].shape.material_map, err);
 }
 
-bool object_read(struct scene_reader *reader, struct text *text, struct place place,
-                 struct error *err)
+bool object_read(struct scene_reader *reader, struct error *err)
 {
     struct description description = {.listed = false};
-    if (read_description(text, place, &description, err))
-        return add_object(reader, &description.object, &description.material, false, err);
+    bool done =
+        read_description(reader, &description, err) && add_object(reader, &description, err);
     shape_free(&description.object.shape);
-    return false;
+    return done;
 }
 
 /* ---- the thesis's grid ---- */
@@ -373,27 +316,39 @@ static struct matrix grid_place(int i, int n)
     return matrix_product(matrix_scaling(size), matrix_translation(at));
 }
 
+/* Listed materials have no name until they are read; the same file is the same material. */
+static bool add_file(struct scene *scene, const struct word *word, int *out, struct error *err)
+{
+    struct material material = {.place = word->place};
+    int i = 0;
+    if (!word_path(word, &material.path, err))
+        return false;
+    while (i < scene->n_materials && (scene->materials[i].name != NULL ||
+                                      strcmp(scene->materials[i].path, material.path) != 0))
+        i++;
+    *out = i;
+    if (i == scene->n_materials && add_material(scene, &material, err))
+        return true;
+    material_free(&material);
+    return i < scene->n_materials;
+}
+
 /* One material file a line, each the material of a copy of the pattern. */
-static bool add_listed(struct scene_reader *reader, struct text *list, const struct object *pattern,
+static bool add_listed(struct scene_reader *reader, struct text *list, struct description *pattern,
                        struct error *err)
 {
     struct word word;
-    while (text_next_line(list)) {
-        struct object object = *pattern;
-        struct text before = *list;
-        if (!text_word(list, &word))
-            continue;
-        *list = before;
-        if (!text_expect(list, &word, "a material file", err) ||
-            !text_end(list, "a line of a list", err) ||
-            !copy_shape(&pattern->shape, &object.shape, err) ||
-            !add_object(reader, &object, &word, true, err))
+    while (text_next_line(list))
+        if (text_peek(*list, &word) &&
+            (!text_expect(list, &word, "a material file", err) ||
+             !text_end(list, "a line of a list", err) ||
+             !add_file(reader->scene, &word, &pattern->object.material, err) ||
+             !add_object(reader, pattern, err)))
             return false;
-    }
     return true;
 }
 
-static bool add_grid(struct scene_reader *reader, struct text *list, const struct object *pattern,
+static bool add_grid(struct scene_reader *reader, struct text *list, struct description *pattern,
                      struct error *err)
 {
     struct scene *scene = reader->scene;
@@ -408,132 +363,80 @@ static bool add_grid(struct scene_reader *reader, struct text *list, const struc
     return n > 0 || error_at(err, text_whole(list), "no materials; a list names at least one");
 }
 
-static bool open_list(struct scene_reader *reader, const struct word *word, struct text *out,
-                      struct error *err)
-{
-    char *path;
-    bool done;
-    if (reader->list != NULL) {
-        *out = *reader->list;
-        return true;
-    }
-    path = word_path(word, err);
-    if (path == NULL)
-        return false;
-    done = text_open(out, path, word->place, err) && scene_keep(reader->scene, out, err);
-    free(path);
-    return done;
-}
-
-bool checker_read(struct scene_reader *reader, struct text *text, struct place place,
-                  struct error *err)
+bool checker_read(struct scene_reader *reader, struct error *err)
 {
     struct description description = {.listed = true};
-    struct text list;
+    struct text list = reader->list;
     struct word word;
-    bool done = text_expect(text, &word, "a list of material files", err) &&
-                open_list(reader, &word, &list, err) &&
-                read_description(text, place, &description, err) &&
-                add_grid(reader, &list, &description.object, err);
+    bool done = text_expect(reader->text, &word, "a list of material files", err) &&
+                (list.path != NULL || scene_open(reader->scene, &word, &list, err)) &&
+                read_description(reader, &description, err) &&
+                add_grid(reader, &list, &description, err);
     shape_free(&description.object.shape);
     return done;
 }
 
 /* ---- materials of objects ---- */
 
-static bool refuse_unknown(const struct scene *scene, int n_named, struct place place,
-                           const char *name, struct error *err)
+static bool refuse_unknown(const struct scene *scene, const struct word *name, struct error *err)
 {
-    char list[512] = "";
-    size_t used = 0;
-    for (int i = 0; i < n_named && used < sizeof list; i++)
-        used += (size_t)snprintf(list + used, sizeof list - used, "%s%.40s", i > 0 ? ", " : "",
-                                 scene->materials[i].name);
-    return error_at(err, place, "no material '%.100s'; the scene's materials are: %s", name,
-                    n_named > 0 ? list : "none");
+    char list[LIST_SIZE] = "";
+    for (int i = 0; i < scene->n_materials; i++)
+        if (scene->materials[i].name != NULL)
+            list_add(list, scene->materials[i].name, 40);
+    return error_at(err, name->place, "no material '%.*s'; the scene's materials are: %s",
+                    word_shown(name), name->start, list[0] != '\0' ? list : "none");
 }
 
-/* Reads a material file; its name and place stay the scene's. */
+/* Reads a material file; name and place stay the scene's. */
 static bool load(struct material *material, struct error *err)
 {
     struct material fresh;
-    char *name;
+    char *name = material->name;
     if (material->diffuse.kind != SPECTRUM_NONE)
         return true;
     if (!material_read(material->path, material->place, &fresh, err))
         return false;
-    name = fresh.name;
-    fresh.name = material->name;
+    if (name != NULL) {
+        material->name = fresh.name;
+        fresh.name = name;
+    }
     fresh.place = material->place;
-    material->name = name;
     material_free(material);
     *material = fresh;
     return true;
 }
 
-/* Finds a named material, reads it and, where it is cut in half, the partner that it names. */
-static bool use_named(struct scene *scene, int n_named, const char *name, struct place place,
-                      int *out, struct error *err)
+static bool use_named(struct scene *scene, const struct word *name, int *out, struct error *err)
 {
-    const struct material *material;
+    *out = find_material(scene, name);
+    return *out >= 0 ? load(&scene->materials[*out], err) : refuse_unknown(scene, name, err);
+}
+
+/* A material that is cut in half names its partner. */
+static bool use_partner(struct scene *scene, const struct material *material, struct error *err)
+{
+    struct word name = {.start = material->partner_name, .place = material->partner_place};
     int partner;
-    *out = find_material(scene, n_named, name);
-    if (*out < 0)
-        return refuse_unknown(scene, n_named, place, name, err);
-    if (!load(&scene->materials[*out], err))
-        return false;
-    material = &scene->materials[*out];
-    if (material->partner_name == NULL)
+    if (name.start == NULL)
         return true;
-    partner = find_material(scene, n_named, material->partner_name);
-    if (partner < 0)
-        return refuse_unknown(scene, n_named, material->partner_place, material->partner_name, err);
-    return load(&scene->materials[partner], err);
-}
-
-/* Listed materials have no name in the scene; the same file is the same material. */
-static bool use_listed(struct scene *scene, int n_named, const struct word *word, int *out,
-                       struct error *err)
-{
-    struct material material = {0};
-    char *path = word_path(word, err);
-    if (path == NULL)
-        return false;
-    for (*out = n_named; *out < scene->n_materials; ++*out)
-        if (strcmp(scene->materials[*out].path, path) == 0) {
-            free(path);
-            return true;
-        }
-    if (!material_read(path, word->place, &material, err)) {
-        free(path);
-        return false;
-    }
-    free(path);
-    material.place = word->place;
-    return add_material(scene, &material, err);
-}
-
-static bool use_material(struct scene *scene, int n_named, const struct material_use *use,
-                         struct error *err)
-{
-    int *out = &scene->objects[use->object].material;
-    char *name;
-    bool done;
-    if (use->listed)
-        return use_listed(scene, n_named, &use->word, out, err);
-    name = word_copy(&use->word);
-    if (name == NULL)
-        return error_memory(err);
-    done = use_named(scene, n_named, name, use->word.place, out, err);
-    free(name);
-    return done;
+    name.length = strlen(name.start);
+    return use_named(scene, &name, &partner, err);
 }
 
 bool uses_resolve(struct scene_reader *reader, struct error *err)
 {
-    int n_named = reader->scene->n_materials;
-    for (int i = 0; i < reader->n_uses; i++)
-        if (!use_material(reader->scene, n_named, &reader->uses[i], err))
+    struct scene *scene = reader->scene;
+    for (int i = 0; i < scene->n_objects; i++) {
+        int *out = &scene->objects[i].material;
+        if (reader->uses[i].start != NULL && (!use_named(scene, &reader->uses[i], out, err) ||
+                                              !use_partner(scene, &scene->materials[*out], err)))
+            return false;
+    }
+    /* Reading names the listed ones, which nothing finds by that. */
+    for (int i = 0; i < scene->n_objects; i++)
+        if (reader->uses[i].start == NULL && scene->objects[i].material >= 0 &&
+            !load(&scene->materials[scene->objects[i].material], err))
             return false;
     return true;
 }

@@ -11,17 +11,25 @@
 
 /* ---- files ---- */
 
-bool scene_keep(struct scene *scene, const struct text *text, struct error *err)
+bool scene_keep(struct scene *scene, struct text *text, struct error *err)
 {
     struct text *grown = array_more(scene->files, scene->n_files, sizeof *grown, err);
-    struct text lost = *text;
     if (grown == NULL) {
-        text_free(&lost);
+        text_free(text);
         return false;
     }
     scene->files = grown;
     grown[scene->n_files++] = *text;
     return true;
+}
+
+bool scene_open(struct scene *scene, const struct word *word, struct text *out, struct error *err)
+{
+    char *path = NULL;
+    bool done = word_path(word, &path, err) && text_open(out, path, word->place, err) &&
+                scene_keep(scene, out, err);
+    free(path);
+    return done;
 }
 
 static bool same_file(const char *a, const char *b)
@@ -35,43 +43,44 @@ static bool same_file(const char *a, const char *b)
 
 static bool read_statements(struct scene_reader *reader, struct text *text, struct error *err);
 
-static bool include_open(struct scene_reader *reader, const char *path, struct place from,
-                         struct error *err)
-{
-    struct text text;
-    if (reader->n_open == DEEPEST_INCLUDE)
-        return error_at(err, from, "files include each other more than %d deep", DEEPEST_INCLUDE);
-    for (int i = 0; i < reader->n_open; i++)
-        if (same_file(reader->open[i], path))
-            return error_at(err, from, "%.200s would include itself", reader->open[i]);
-    return text_open(&text, path, from, err) && scene_keep(reader->scene, &text, err) &&
-           read_statements(reader, &text, err);
-}
-
-static bool include_read(struct scene_reader *reader, struct text *text, struct place place,
-                         struct error *err)
+static bool include_read(struct scene_reader *reader, struct error *err)
 {
     struct word word;
-    char *path;
-    bool done;
-    (void)place;
-    if (!text_expect(text, &word, "a scene file", err) || !text_end(text, "include", err))
+    struct text text;
+    if (!text_expect(reader->text, &word, "a scene file", err) ||
+        !text_end(reader->text, "include", err) || !scene_open(reader->scene, &word, &text, err))
         return false;
-    path = word_path(&word, err);
-    if (path == NULL)
-        return false;
-    done = include_open(reader, path, word.place, err);
-    free(path);
-    return done;
+    if (reader->n_open == DEEPEST_INCLUDE)
+        return error_at(err, word.place, "files include each other more than %d deep",
+                        DEEPEST_INCLUDE);
+    for (int i = 0; i < reader->n_open; i++)
+        if (same_file(reader->open[i], text.path))
+            return error_at(err, word.place, "%.200s would include itself", reader->open[i]);
+    return read_statements(reader, &text, err);
 }
 
+/* Those that hold only once come first. */
 static const char *const statements[] = {"wavelengths", "size",    "camera",  "viewer",
                                          "shading",     "ambient", "light",   "material",
                                          "object",      "checker", "include", NULL};
-static bool (*const statement_readers[])(struct scene_reader *, struct text *, struct place,
-                                         struct error *) = {
+static bool (*const statement_readers[])(struct scene_reader *, struct error *) = {
     wavelengths_read, size_read,       camera_read, viewer_read,  shading_read, ambient_read,
     light_read,       definition_read, object_read, checker_read, include_read};
+
+static bool read_statement(struct scene_reader *reader, const struct word *word, struct error *err)
+{
+    struct scene *scene = reader->scene;
+    struct place *once[] = {&scene->wavelengths_place, &scene->size_place, &scene->camera.place,
+                            &scene->viewer_place, &scene->shading_place};
+    int statement = word_choose(word, statements, "statement", err);
+    if (statement < 0)
+        return false;
+    if (statement < (int)(sizeof once / sizeof once[0]) &&
+        !place_once(once[statement], word->place, statements[statement], err))
+        return false;
+    reader->place = word->place;
+    return statement_readers[statement](reader, err);
+}
 
 /* From the cursor to the file's end. */
 static bool read_statements(struct scene_reader *reader, struct text *text, struct error *err)
@@ -79,11 +88,8 @@ static bool read_statements(struct scene_reader *reader, struct text *text, stru
     struct word word;
     reader->open[reader->n_open++] = text->path;
     while (text_next_line(text)) {
-        int statement;
-        if (!text_word(text, &word))
-            continue;
-        statement = word_choose(&word, statements, "statement", err);
-        if (statement < 0 || !statement_readers[statement](reader, text, word.place, err))
+        reader->text = text;
+        if (text_word(text, &word) && !read_statement(reader, &word, err))
             return false;
     }
     reader->n_open--;
@@ -95,14 +101,11 @@ static bool read_statements(struct scene_reader *reader, struct text *text, stru
 static bool refuse_missing(const char *name, struct error *err)
 {
     static const char folder[] = "scenes/", ending[] = ".scene";
-    char list[512] = "";
-    size_t used = 0;
-    for (size_t i = 0; i < builtin_file_count && used < sizeof list; i++) {
+    char list[LIST_SIZE] = "";
+    for (size_t i = 0; i < builtin_file_count; i++) {
         const char *file = builtin_files[i].name, *end = strrchr(file, '.');
         if (strncmp(file, folder, strlen(folder)) == 0 && end != NULL && strcmp(end, ending) == 0)
-            used +=
-                (size_t)snprintf(list + used, sizeof list - used, "%s%.*s", used > 0 ? ", " : "",
-                                 (int)(end - file - (long)strlen(folder)), file + strlen(folder));
+            list_add(list, file + strlen(folder), (size_t)(end - file) - strlen(folder));
     }
     return error_usage(err, "no built-in scene and no file '%.500s'; built-in: %s", name, list);
 }
@@ -134,26 +137,21 @@ static bool is_list(struct text text, bool *out, struct error *err)
 }
 
 /* A list is shown as the built-in colorchecker, with the list in place of the one it names. */
-static bool read_list(struct scene_reader *reader, const struct text *list, struct error *err)
-{
-    struct text text;
-    reader->list = list;
-    return open_scene(reader->scene, "colorchecker", &text, err) &&
-           read_statements(reader, &text, err);
-}
-
 static bool read_named(struct scene_reader *reader, const char *name, struct error *err)
 {
     struct scene *scene = reader->scene;
     struct text text;
     bool list = false;
-    scene->path = strdup(name);
-    if (scene->path == NULL)
-        return error_memory(err);
-    if (!open_scene(scene, name, &text, err) || !is_list(text, &list, err))
+    if (!string_copy(name, &scene->path, err) || !open_scene(scene, name, &text, err) ||
+        !is_list(text, &list, err))
         return false;
-    return (list ? read_list(reader, &text, err) : read_statements(reader, &text, err)) &&
-           uses_resolve(reader, err) && settings_complete(scene, err);
+    if (list) {
+        reader->list = text;
+        if (!open_scene(scene, "colorchecker", &text, err))
+            return false;
+    }
+    return read_statements(reader, &text, err) && uses_resolve(reader, err) &&
+           settings_complete(scene, err);
 }
 
 bool scene_read(const char *name, struct scene *out, struct error *err)

@@ -17,6 +17,13 @@ enum {
 
 /* ---- wavelengths ---- */
 
+static bool check_count(double count, struct place place, struct error *err)
+{
+    return count < MOST_WAVELENGTHS ||
+           error_at(err, place, "more than %d wavelengths; a stack holds no more pages",
+                    MOST_WAVELENGTHS);
+}
+
 static bool add_wavelength(struct scene *scene, double nm, struct place place, struct error *err)
 {
     int n = scene->n_wavelengths;
@@ -25,9 +32,8 @@ static bool add_wavelength(struct scene *scene, double nm, struct place place, s
         return error_at(err, place,
                         "wavelength %.15g nm follows %.15g nm; wavelengths must increase", nm,
                         scene->wavelengths_nm[n - 1]);
-    if (n == MOST_WAVELENGTHS)
-        return error_at(err, place, "more than %d wavelengths; a stack holds no more pages",
-                        MOST_WAVELENGTHS);
+    if (!check_count(n, place, err))
+        return false;
     grown = array_more(scene->wavelengths_nm, n, sizeof *grown, err);
     if (grown == NULL)
         return false;
@@ -46,9 +52,8 @@ static bool add_range(struct scene *scene, const double range[3], struct place p
     double steps = (range[1] - range[0]) / range[2], whole = floor(steps + 0.5);
     if (fabs(steps - whole) > 1e-9 * whole)
         whole = floor(steps);
-    if (!(whole < MOST_WAVELENGTHS))
-        return error_at(err, place, "more than %d wavelengths; a stack holds no more pages",
-                        MOST_WAVELENGTHS);
+    if (!check_count(whole, place, err))
+        return false;
     for (int i = 0; i <= (int)whole; i++)
         if (!add_wavelength(scene, range[0] + i * range[2], place, err))
             return false;
@@ -75,120 +80,80 @@ static bool read_wavelength_list(struct scene *scene, struct text *text, struct 
 {
     struct word word;
     double nm;
-    if (!text_expect(text, &word, "a wavelength", err))
-        return false;
     do
-        if (!word_number(&word, "wavelength", smallest_positive, longest_nm, &nm, err) ||
+        if (!text_expect(text, &word, "a wavelength", err) ||
+            !word_number(&word, "wavelength", smallest_positive, longest_nm, &nm, err) ||
             !add_wavelength(scene, nm, word.place, err))
             return false;
-    while (text_word(text, &word));
+    while (text_peek(*text, &word));
     return true;
 }
 
-bool wavelengths_read(struct scene_reader *reader, struct text *text, struct place place,
-                      struct error *err)
+bool wavelengths_read(struct scene_reader *reader, struct error *err)
 {
-    struct scene *scene = reader->scene;
-    struct text before = *text;
+    struct text *text = reader->text, before = *text;
     struct word word;
-    if (!place_once(scene->wavelengths_place, place, "wavelengths", err) ||
-        !text_expect(text, &word, "START END STEP or list and wavelengths", err))
+    if (!text_expect(text, &word, "START END STEP or list and wavelengths", err))
         return false;
-    scene->wavelengths_place = place;
     if (word_is(&word, "list"))
-        return read_wavelength_list(scene, text, err);
+        return read_wavelength_list(reader->scene, text, err);
     *text = before;
-    return read_range(scene, text, err) && text_end(text, "wavelengths", err);
+    return read_range(reader->scene, text, err) && text_end(text, "wavelengths", err);
 }
 
 /* ---- picture ---- */
 
-static bool read_size(struct scene *scene, struct text *text, struct error *err)
+bool size_read(struct scene_reader *reader, struct error *err)
 {
     long width, height;
-    if (!text_integer(text, "width", 1, LONGEST_SIDE, &width, err) ||
-        !text_integer(text, "height", 1, LONGEST_SIDE, &height, err) ||
-        !text_end(text, "size", err))
+    if (!text_integer(reader->text, "width", 1, LONGEST_SIDE, &width, err) ||
+        !text_integer(reader->text, "height", 1, LONGEST_SIDE, &height, err))
         return false;
-    scene->width = (int)width;
-    scene->height = (int)height;
-    return true;
-}
-
-bool size_read(struct scene_reader *reader, struct text *text, struct place place,
-               struct error *err)
-{
-    struct scene *scene = reader->scene;
-    if (!place_once(scene->size_place, place, "size", err))
-        return false;
-    scene->size_place = place;
-    return read_size(scene, text, err);
+    reader->scene->width = (int)width;
+    reader->scene->height = (int)height;
+    return text_end(reader->text, "size", err);
 }
 
 /* One of two words, the second of which sets *out. */
-static bool read_switch(struct text *text, const char *const words[3], const char *what,
-                        struct place *first, struct place place, bool *out, struct error *err)
+static bool read_switch(struct text *text, const char *const words[3], const char *what, bool *out,
+                        struct error *err)
 {
-    struct word word;
-    int chosen;
-    if (!place_once(*first, place, what, err) || !text_expect(text, &word, what, err))
-        return false;
-    *first = place;
-    chosen = word_choose(&word, words, what, err);
+    int chosen = text_choose(text, what, words, what, err);
     *out = chosen == 1;
     return chosen >= 0 && text_end(text, what, err);
 }
 
-bool viewer_read(struct scene_reader *reader, struct text *text, struct place place,
-                 struct error *err)
+bool viewer_read(struct scene_reader *reader, struct error *err)
 {
     static const char *const words[] = {"infinite", "local", NULL};
-    struct scene *scene = reader->scene;
-    return read_switch(text, words, "viewer", &scene->viewer_place, place, &scene->local_viewer,
-                       err);
+    return read_switch(reader->text, words, "viewer", &reader->scene->local_viewer, err);
 }
 
-bool shading_read(struct scene_reader *reader, struct text *text, struct place place,
-                  struct error *err)
+bool shading_read(struct scene_reader *reader, struct error *err)
 {
     static const char *const words[] = {"smooth", "flat", NULL};
-    struct scene *scene = reader->scene;
-    return read_switch(text, words, "shading", &scene->shading_place, place, &scene->flat_shading,
-                       err);
+    return read_switch(reader->text, words, "shading", &reader->scene->flat_shading, err);
 }
 
 /* ---- camera ---- */
 
-static const struct camera ortho_default = {
-    .extent = 12, .near = -10, .far = 10, .look = {0, 0, -1}, .up = {0, 1, 0}};
-static const struct camera perspective_default = {
-    .perspective = true, .near = 1, .far = 64, .look = {0, 0, -1}, .up = {0, 1, 0}};
+static const char *const camera_words[] = {"ortho", "perspective", NULL};
+static const struct camera camera_defaults[] = {
+    {.extent = 12, .near = -10, .far = 10, .look = {0, 0, -1}, .up = {0, 1, 0}},
+    {.perspective = true, .near = 1, .far = 64, .look = {0, 0, -1}, .up = {0, 1, 0}}};
 
-static bool read_angle(struct text *text, double *out, struct error *err)
+static bool read_extent(struct text *text, struct camera *out, struct error *err)
 {
+    double *angle = &out->extent;
     struct word word;
+    if (!out->perspective)
+        return text_number(text, "width of the view", smallest_positive, HUGE_VAL, angle, err);
     if (!text_expect(text, &word, "the vertical angle of the view", err) ||
-        !word_number(&word, "angle", -HUGE_VAL, HUGE_VAL, out, err))
+        !word_number(&word, "angle", -HUGE_VAL, HUGE_VAL, angle, err))
         return false;
-    return (*out > 0 && *out < 180) ||
+    return (*angle > 0 && *angle < 180) ||
            error_at(err, word.place, "angle %.15g is out of range; it is above 0 and below 180",
-                    *out);
-}
-
-static bool read_projection(struct text *text, struct camera *out, struct error *err)
-{
-    static const char *const words[] = {"ortho", "perspective", NULL};
-    struct word word;
-    int chosen;
-    if (!text_expect(text, &word, "ortho or perspective", err))
-        return false;
-    chosen = word_choose(&word, words, "camera", err);
-    if (chosen < 0)
-        return false;
-    *out = chosen == 1 ? perspective_default : ortho_default;
-    return chosen == 1 ? read_angle(text, &out->extent, err)
-                       : text_number(text, "width of the view", smallest_positive, HUGE_VAL,
-                                     &out->extent, err);
+                    *angle);
 }
 
 enum { CAMERA_NEAR, CAMERA_FAR, CAMERA_EYE, CAMERA_LOOK, CAMERA_UP, CAMERA_OPTIONS };
@@ -202,9 +167,9 @@ static bool read_camera_option(struct text *text, int option, struct camera *out
     case CAMERA_FAR:
         return text_number(text, "far", nearest, HUGE_VAL, &out->far, err);
     case CAMERA_EYE:
-        return text_vector(text, "eye", &out->eye, NULL, err);
+        return text_vector(text, "eye", &out->eye, err);
     case CAMERA_LOOK:
-        return text_vector(text, "look", &out->look, NULL, err);
+        return text_vector(text, "look", &out->look, err);
     default:
         return text_direction(text, "up", &out->up, err);
     }
@@ -228,22 +193,24 @@ static bool check_camera(const struct camera *camera, struct error *err)
                     "up is parallel to the view; it must point to the side of it");
 }
 
-bool camera_read(struct scene_reader *reader, struct text *text, struct place place,
-                 struct error *err)
+bool camera_read(struct scene_reader *reader, struct error *err)
 {
     static const char *const words[] = {"near", "far", "eye", "look", "up", NULL};
     struct camera *camera = &reader->scene->camera;
     struct place given[CAMERA_OPTIONS] = {{0}};
     struct word word;
-    if (!place_once(camera->place, place, "camera", err) || !read_projection(text, camera, err))
+    int option = text_choose(reader->text, "ortho or perspective", camera_words, "camera", err);
+    if (option < 0)
         return false;
-    camera->place = place;
-    while (text_word(text, &word)) {
-        int option = word_choose(&word, words, "word for a camera", err);
-        if (option < 0 || !place_once(given[option], word.place, words[option], err) ||
-            !read_camera_option(text, option, camera, err))
+    *camera = camera_defaults[option];
+    camera->place = reader->place;
+    if (!read_extent(reader->text, camera, err))
+        return false;
+    while (text_word(reader->text, &word)) {
+        option = word_choose(&word, words, "word for a camera", err);
+        if (option < 0 || !place_once(&given[option], word.place, words[option], err) ||
+            !read_camera_option(reader->text, option, camera, err))
             return false;
-        given[option] = word.place;
     }
     return check_camera(camera, err);
 }
@@ -271,26 +238,22 @@ static bool read_radiation(struct text *text, struct spectrum *spectrum, double 
            text_number(text, "intensity", 0, HUGE_VAL, intensity, err);
 }
 
-bool ambient_read(struct scene_reader *reader, struct text *text, struct place place,
-                  struct error *err)
+bool ambient_read(struct scene_reader *reader, struct error *err)
 {
-    struct ambient *ambient = add_ambient(reader->scene, place, err);
-    return ambient != NULL && read_radiation(text, &ambient->spectrum, &ambient->intensity, err) &&
-           text_end(text, "ambient", err);
+    struct ambient *ambient = add_ambient(reader->scene, reader->place, err);
+    return ambient != NULL &&
+           read_radiation(reader->text, &ambient->spectrum, &ambient->intensity, err) &&
+           text_end(reader->text, "ambient", err);
 }
 
 static bool read_source(struct text *text, struct light *out, struct error *err)
 {
     static const char *const words[] = {"position", "direction", NULL};
-    struct word word;
-    int chosen;
-    if (!text_expect(text, &word, "position or direction", err))
-        return false;
-    chosen = word_choose(&word, words, "word for a light", err);
+    int chosen = text_choose(text, "position or direction", words, "word for a light", err);
     out->directional = chosen == 1;
     if (chosen == 1)
         return text_direction(text, "direction", &out->position, err);
-    return chosen == 0 && text_vector(text, "position", &out->position, NULL, err);
+    return chosen == 0 && text_vector(text, "position", &out->position, err);
 }
 
 static bool read_attenuation(struct text *text, struct light *out, struct error *err)
@@ -325,36 +288,34 @@ static bool read_spot(struct text *text, struct light *out, struct error *err)
 static bool read_light_options(struct text *text, struct light *light, struct error *err)
 {
     static const char *const words[] = {"attenuation", "spot", NULL};
+    struct place *given[] = {&light->attenuation_place, &light->spot_place};
     struct word word;
     while (text_word(text, &word)) {
         int option = word_choose(&word, words, "word for a light", err);
-        struct place *given = option == 0 ? &light->attenuation_place : &light->spot_place;
-        if (option < 0 || !place_once(*given, word.place, words[option], err))
+        if (option < 0 || !place_once(given[option], word.place, words[option], err))
             return false;
         if (light->directional)
             return error_at(err, word.place,
                             "%s needs a light with a position; a direction has no distance",
                             words[option]);
-        *given = word.place;
         if (option == 0 ? !read_attenuation(text, light, err) : !read_spot(text, light, err))
             return false;
     }
     return true;
 }
 
-bool light_read(struct scene_reader *reader, struct text *text, struct place place,
-                struct error *err)
+bool light_read(struct scene_reader *reader, struct error *err)
 {
     struct scene *scene = reader->scene;
-    struct light *grown = array_more(scene->lights, scene->n_lights, sizeof *grown, err), *light;
-    if (grown == NULL)
+    struct light *light = array_more(scene->lights, scene->n_lights, sizeof *light, err);
+    if (light == NULL)
         return false;
-    scene->lights = grown;
-    light = &grown[scene->n_lights++];
-    light->place = place;
+    scene->lights = light;
+    light += scene->n_lights++;
+    light->place = reader->place;
     light->attenuation[0] = 1;
-    return read_radiation(text, &light->spectrum, &light->intensity, err) &&
-           read_source(text, light, err) && read_light_options(text, light, err);
+    return read_radiation(reader->text, &light->spectrum, &light->intensity, err) &&
+           read_source(reader->text, light, err) && read_light_options(reader->text, light, err);
 }
 
 /* ---- defaults ---- */
@@ -363,7 +324,7 @@ bool settings_complete(struct scene *scene, struct error *err)
 {
     static const double range[3] = {300, 760, 5};
     if (scene->camera.place.line == 0)
-        scene->camera = ortho_default;
+        scene->camera = camera_defaults[0];
     if (scene->size_place.line == 0) {
         scene->width = 1200;
         scene->height = 800;
@@ -385,16 +346,43 @@ static bool open_option(struct scene *scene, const char *option, const char *val
     return error_at(err, text_place(out), "expected one line, not '%s'", value);
 }
 
+/* The bytes from `start` up to `end` as a word. */
+static struct word slice(const struct text *text, const char *start, const char *end)
+{
+    struct word word = {.start = start, .length = (size_t)(end - start)};
+    word.place = text_place(text);
+    word.place.column += (int)(start - text->at);
+    return word;
+}
+
+/* An option's numbers have one separator between them, and a # starts no comment. */
+static bool open_numbers(struct scene *scene, const char *option, const char *value,
+                         const char *separator, struct text *out, struct error *err)
+{
+    const char stops[] = {separator[0], '#', '\0'}, *at;
+    size_t length;
+    if (!open_option(scene, option, value, out, err))
+        return false;
+    out->separators = separator;
+    at = out->at;
+    do {
+        at += strspn(at, " \t");
+        length = strcspn(at, stops);
+        at += length;
+        if (length == 0 || *at == '#')
+            return error_at(err, slice(out, at, at).place,
+                            "expected numbers with one '%s' between them", separator);
+    } while (*at++ != '\0');
+    return true;
+}
+
 bool scene_set_wavelengths(struct scene *scene, const char *value, struct error *err)
 {
     bool range = strchr(value, ':') != NULL;
     struct text text;
-    if (!open_option(scene, "--wavelengths", value, &text, err))
+    if (!open_numbers(scene, "--wavelengths", value, range ? ":" : ",", &text, err))
         return false;
-    text.separators = range ? ":" : ",";
     scene->n_wavelengths = 0;
-    free(scene->wavelengths_nm);
-    scene->wavelengths_nm = NULL;
     scene->wavelengths_place = text_place(&text);
     return range ? read_range(scene, &text, err) && text_end(&text, "START:END:STEP", err)
                  : read_wavelength_list(scene, &text, err);
@@ -403,20 +391,11 @@ bool scene_set_wavelengths(struct scene *scene, const char *value, struct error 
 bool scene_set_size(struct scene *scene, const char *value, struct error *err)
 {
     struct text text;
-    if (!open_option(scene, "--size", value, &text, err))
+    struct scene_reader reader = {.scene = scene, .text = &text};
+    if (!open_numbers(scene, "--size", value, "x", &text, err))
         return false;
-    text.separators = "x";
     scene->size_place = text_place(&text);
-    return read_size(scene, &text, err);
-}
-
-/* The bytes from `start` up to `end` as a word. */
-static struct word slice(const struct text *text, const char *start, const char *end)
-{
-    struct word word = {.start = start, .length = (size_t)(end - start)};
-    word.place = text_place(text);
-    word.place.column += (int)(start - text->line_start);
-    return word;
+    return size_read(&reader, err);
 }
 
 /* SPECTRUM[*INTENSITY] up to the end; *intensity keeps its value where none is given. */
@@ -425,7 +404,6 @@ static bool read_light_option(const struct text *text, const char *start, struct
 {
     const char *end = text->bytes + text->length, *star = strrchr(start, '*');
     struct word word = slice(text, start, star != NULL ? star : end), number;
-    struct spectrum fresh;
     if (star != NULL) {
         number = slice(text, star + 1, end);
         if (!word_number(&number, "intensity", 0, HUGE_VAL, intensity, err))
@@ -433,11 +411,8 @@ static bool read_light_option(const struct text *text, const char *start, struct
     }
     if (word.length == 0)
         return error_at(err, word.place, "expected a spectrum");
-    if (!spectrum_read(&word, 0, HUGE_VAL, &fresh, err))
-        return false;
     spectrum_free(spectrum);
-    *spectrum = fresh;
-    return true;
+    return spectrum_read(&word, 0, HUGE_VAL, spectrum, err);
 }
 
 bool scene_set_light(struct scene *scene, const char *value, struct error *err)
@@ -448,13 +423,13 @@ bool scene_set_light(struct scene *scene, const char *value, struct error *err)
     long n;
     if (!open_option(scene, "--light", value, &text, err))
         return false;
-    equals = strchr(text.bytes, '=');
+    equals = strchr(text.at, '=');
     if (equals == NULL)
         return error_at(err, text_place(&text),
                         "expected N=SPECTRUM or N=SPECTRUM*INTENSITY, not '%s'", value);
     if (scene->n_lights == 0)
         return error_at(err, text_place(&text), "the scene has no lights");
-    number = slice(&text, text.bytes, equals);
+    number = slice(&text, text.at, equals);
     if (!word_integer(&number, "light", 1, scene->n_lights, &n, err))
         return false;
     return read_light_option(&text, equals + 1, &scene->lights[n - 1].spectrum,
@@ -463,20 +438,16 @@ bool scene_set_light(struct scene *scene, const char *value, struct error *err)
 
 bool scene_set_ambient(struct scene *scene, const char *value, struct error *err)
 {
-    struct ambient ambient = {.intensity = 1}, *kept;
+    struct ambient *ambient;
     struct text text;
-    if (!open_option(scene, "--ambient", value, &text, err) ||
-        !read_light_option(&text, text.bytes, &ambient.spectrum, &ambient.intensity, err))
+    if (!open_option(scene, "--ambient", value, &text, err))
         return false;
     for (int i = 0; i < scene->n_ambients; i++)
         spectrum_free(&scene->ambients[i].spectrum);
     scene->n_ambients = 0;
-    kept = add_ambient(scene, text_place(&text), err);
-    if (kept == NULL) {
-        spectrum_free(&ambient.spectrum);
+    ambient = add_ambient(scene, text_place(&text), err);
+    if (ambient == NULL)
         return false;
-    }
-    ambient.place = kept->place;
-    *kept = ambient;
-    return true;
+    ambient->intensity = 1;
+    return read_light_option(&text, text.at, &ambient->spectrum, &ambient->intensity, err);
 }

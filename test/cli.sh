@@ -21,7 +21,7 @@ small="--size 40x30 --wavelengths 400:700:50"
     exits 2 "two scenes are bad usage" "$SPECTRAL" plan patches spheres
     exits 2 "an unknown scene is bad input" "$SPECTRAL" plan colourchecker
     says 'colorchecker' "and the built-in ones are named"
-    for bad in --size=0x10 --size=10 --size=1000000000x4 --wavelengths=700:400:10 \
+    for bad in --size=0x10 --size=10 '--size=64x48#x' --wavelengths=400,,500 --size=1000000000x4 --wavelengths=700:400:10 \
         --wavelengths=400:700:0 --wavelengths=nan --light=2=d65 --light=d65 --light=1=d66 \
         --ambient=-1 --renderer=vulkan --depth=8 --full-scale=0 --full-scale=1.5abc \
         --threads=0 --threads=1.5; do
