@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "spectral.h"
@@ -264,15 +265,21 @@ static uint64_t peak_bytes(void)
     return getrusage(RUSAGE_SELF, &used) == 0 ? (uint64_t)used.ru_maxrss * 1024 : 0;
 }
 
+static bool is_regular_file(const char *path)
+{
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISREG(status.st_mode);
+}
+
+/* stored: the stack's name, NULL where none was. A pipe cannot be read again for its digest. */
 static bool write_json(const struct options *options, const struct plan *plan,
-                       const struct render_result *result, const char *output, struct error *err)
+                       const struct render_result *result, const char *stored, struct error *err)
 {
     char sha256[65];
-    bool stored = output && (options->keep || result->check.unexplained == 0);
-    if (stored && !digest_file(output, sha256, err))
+    bool digested = stored && is_regular_file(stored);
+    if (digested && !digest_file(stored, sha256, err))
         return false;
-    char *json =
-        report_json(plan, result, stored ? output : NULL, stored ? sha256 : NULL, peak_bytes());
+    char *json = report_json(plan, result, stored, digested ? sha256 : NULL, peak_bytes());
     bool done = json ? file_write(options->json, json, strlen(json), err) : error_memory(err);
     free(json);
     return done;
@@ -281,14 +288,18 @@ static bool write_json(const struct options *options, const struct plan *plan,
 static bool report(const struct options *options, const struct plan *plan,
                    const struct render_result *result, const char *output, struct error *err)
 {
-    bool json_on_stdout = options->json && strcmp(options->json, "-") == 0;
-    if (options->json && !write_json(options, plan, result, output, err))
+    bool agreed = result->check.unexplained == 0;
+    const char *stored = agreed || options->keep ? output : NULL;
+    /* standard output may carry the JSON, or the stack itself (-o /dev/stdout) */
+    bool taken =
+        (options->json && strcmp(options->json, "-") == 0) || (stored && !is_regular_file(stored));
+    if (options->json && !write_json(options, plan, result, stored, err))
         return false;
     if (!options->quiet)
-        report_print(plan, result, json_on_stdout ? stderr : stdout);
-    if (!options->quiet && output && (options->keep || result->check.unexplained == 0))
-        fprintf(json_on_stdout ? stderr : stdout, "stack             %s\n", output);
-    if (result->check.unexplained == 0)
+        report_print(plan, result, taken ? stderr : stdout);
+    if (!options->quiet && stored)
+        fprintf(taken ? stderr : stdout, "stack             %s\n", stored);
+    if (agreed)
         return true;
     return report_difference(plan, &result->check,
                              !output ? "nothing was to be written"

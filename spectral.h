@@ -621,10 +621,11 @@ struct chunk {
     size_t n_contests, n_candidates, n_numbers;
 };
 enum { CHUNK_ROWS = 16 };
-/* Rasterizes CHUNK_ROWS rows of a tile (fewer at its end) from `row` of the tile on. Results do not
- * depend on how a picture is cut into chunks. */
+/* The rows of a tile's chunk: CHUNK_ROWS of them, fewer in the last one. */
+struct tile chunk_rows(const struct tile *tile, int index);
+/* Rasterizes a chunk. Results do not depend on how a picture is cut into chunks. */
 bool chunk_rasterize(const struct plan *plan, const struct surface *surfaces,
-                     const struct tile *tile, int row, struct chunk *out, struct error *err);
+                     const struct tile *tile, int index, struct chunk *out, struct error *err);
 void chunk_free(struct chunk *chunk);
 
 /* ---- raster/mesa.c: the same picture through OSMesa ---- */
@@ -696,12 +697,18 @@ void check_pass(struct check *check, int first_band, const float *pixels, size_t
 /* Settles contested pixels, adds the chunk's tally to *total and frees the check. */
 void check_close(struct check *check, struct check_tally *total);
 
+/* Samples that a file cannot hold as they are. */
+struct odd_samples {
+    uint64_t clipped;   /* above full_scale, stored as 65535 */
+    uint64_t undefined; /* NaN, infinite, or too large for a float page; stored as 0 */
+};
 /* One band of a chunk as stored: uint16_t counts, or float radiances where the plan says so; the
- * reference's, or those of one channel of a GL pass. Returns how many were above the scale. */
-size_t counts_of_reference(const struct plan *plan, const struct surface *surfaces,
-                           const struct chunk *chunk, int band, double full_scale, void *out);
-size_t counts_of_gl(const struct plan *plan, const struct tile *rows, int channel,
-                    double full_scale, const float *pixels, size_t stride, void *out);
+ * reference's, or those of one channel of a GL pass. */
+struct odd_samples counts_of_reference(const struct plan *plan, const struct surface *surfaces,
+                                       const struct chunk *chunk, int band, double full_scale,
+                                       void *out);
+struct odd_samples counts_of_gl(const struct plan *plan, const struct tile *rows, int channel,
+                                double full_scale, const float *pixels, size_t stride, void *out);
 
 /* ---- raster/render.c: the loop over tiles and passes ---- */
 
@@ -714,7 +721,7 @@ struct render_result {
     struct gl_work gl;
     struct light_work light;
     struct check_tally check;
-    uint64_t clipped; /* samples above full_scale, stored as 65535 */
+    struct odd_samples odd;
     struct render_seconds seconds;
 };
 /* Called between passes with done of all steps. */

@@ -5,6 +5,7 @@
  *
  * Bound of a sample, in counts: sum over terms of (error of the weight) x (spectrum), which
  * raster/light.c and raster/bound.c derive, plus the roundings of the colour sum. u = 2^-24. */
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -419,29 +420,36 @@ void check_close(struct check *check, struct check_tally *total)
 
 /* ---- counts ---- */
 
-/* Stores n samples given in units of full scale x full_count. */
-static size_t store(const struct plan *plan, const double *counts, size_t n, double full_scale,
-                    size_t at, void *out)
+/* Whether a page can hold a value; NaN no page can. */
+static bool is_storable(double value)
 {
-    size_t above = 0;
-    if (plan->options.floating) {
-        float *samples = (float *)out + at;
-        for (size_t i = 0; i < n; i++)
-            samples[i] = (float)(counts[i] * (full_scale / full_count));
-        return 0;
-    }
-    uint16_t *samples = (uint16_t *)out + at;
-    for (size_t i = 0; i < n; i++) {
-        above += counts[i] >= full_count + 0.5;
-        samples[i] = (uint16_t)rounded(counts[i]);
-    }
-    return above;
+    return fabs(value) <= (double)FLT_MAX;
 }
 
-size_t counts_of_reference(const struct plan *plan, const struct surface *surfaces,
-                           const struct chunk *chunk, int band, double full_scale, void *out)
+/* Stores n samples given in units of full scale x full_count. */
+static void store(const struct plan *plan, const double *counts, size_t n, double full_scale,
+                  size_t at, void *out, struct odd_samples *odd)
 {
-    size_t n_pixels = (size_t)chunk->rows.width * (size_t)chunk->rows.height, n, above = 0;
+    double scale = plan->options.floating ? full_scale / full_count : 1;
+    int clipped = 0, undefined = 0;
+    for (size_t i = 0; i < n; i++) {
+        clipped += !plan->options.floating && counts[i] >= full_count + 0.5;
+        undefined += !is_storable(counts[i] * scale);
+    }
+    odd->clipped += (uint64_t)clipped;
+    odd->undefined += (uint64_t)undefined;
+    for (size_t i = 0; i < n && !plan->options.floating; i++)
+        ((uint16_t *)out)[at + i] = (uint16_t)rounded(counts[i]);
+    for (size_t i = 0; i < n && plan->options.floating; i++)
+        ((float *)out)[at + i] = is_storable(counts[i] * scale) ? (float)(counts[i] * scale) : 0.0F;
+}
+
+struct odd_samples counts_of_reference(const struct plan *plan, const struct surface *surfaces,
+                                       const struct chunk *chunk, int band, double full_scale,
+                                       void *out)
+{
+    size_t n_pixels = (size_t)chunk->rows.width * (size_t)chunk->rows.height, n;
+    struct odd_samples odd = {0, 0};
     double counts[BLOCK];
     for (size_t at = 0; at < n_pixels; at += n) {
         size_t last = n_pixels - at < BLOCK ? n_pixels : at + BLOCK;
@@ -452,15 +460,16 @@ size_t counts_of_reference(const struct plan *plan, const struct surface *surfac
         else
             evaluate(plan, surfaces[chunk->surface[at]].finish, chunk->weights + at, n_pixels, n,
                      band, full_count / full_scale, counts);
-        above += store(plan, counts, n, full_scale, at, out);
+        store(plan, counts, n, full_scale, at, out, &odd);
     }
-    return above;
+    return odd;
 }
 
-size_t counts_of_gl(const struct plan *plan, const struct tile *rows, int channel,
-                    double full_scale, const float *pixels, size_t stride, void *out)
+struct odd_samples counts_of_gl(const struct plan *plan, const struct tile *rows, int channel,
+                                double full_scale, const float *pixels, size_t stride, void *out)
 {
-    size_t width = (size_t)rows->width, above = 0, n;
+    size_t width = (size_t)rows->width, n;
+    struct odd_samples odd = {0, 0};
     double counts[BLOCK];
     for (size_t y = 0; y < (size_t)rows->height; y++)
         for (size_t x = 0; x < width; x += n) {
@@ -468,7 +477,7 @@ size_t counts_of_gl(const struct plan *plan, const struct tile *rows, int channe
             n = width - x < BLOCK ? width - x : BLOCK;
             for (size_t i = 0; i < n; i++)
                 counts[i] = (double)from[4 * i] * full_count;
-            above += store(plan, counts, n, full_scale, y * width + x, out);
+            store(plan, counts, n, full_scale, y * width + x, out, &odd);
         }
-    return above;
+    return odd;
 }

@@ -162,8 +162,8 @@ int facet_pieces(const struct plan *plan, const struct surface *surfaces, const 
     int n = clip_triangle(whole, planes, CLIP_PLANES, left);
     struct facet part = *facet;
     double clip_error = clip_error_of(surface, facet->vertex);
-    part.slack_px = part.slack_w = part.slack_depth =
-        0; /* what counts is the corners that OpenGL has in the tile */
+    /* what counts is the corners that OpenGL has in the tile */
+    part.slack_px = part.slack_w = part.slack_depth = 0;
     for (int i = 0; i < n; i++)
         widen(plan, surface, &left[i], clip_error, &part);
     for (int i = 2; i < n; i++) {

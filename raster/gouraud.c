@@ -439,16 +439,26 @@ static bool resolve_all(struct coverage *coverage, struct chunk *out)
     return true;
 }
 
-bool chunk_rasterize(const struct plan *plan, const struct surface *surfaces,
-                     const struct tile *tile, int row, struct chunk *out, struct error *err)
+struct tile chunk_rows(const struct tile *tile, int index)
 {
-    int height = tile->height - row < CHUNK_ROWS ? tile->height - row : CHUNK_ROWS;
+    struct tile rows = *tile;
+    rows.y += index * CHUNK_ROWS;
+    rows.height = tile->height - index * CHUNK_ROWS;
+    if (rows.height > CHUNK_ROWS)
+        rows.height = CHUNK_ROWS;
+    return rows;
+}
+
+bool chunk_rasterize(const struct plan *plan, const struct surface *surfaces,
+                     const struct tile *tile, int index, struct chunk *out, struct error *err)
+{
     struct coverage coverage = {.plan = plan,
                                 .surfaces = surfaces,
                                 .tile = tile,
-                                .rows = {tile->x, tile->y + row, tile->width, height},
+                                .rows = chunk_rows(tile, index),
                                 .unused = -1};
-    coverage.pixels = malloc((size_t)tile->width * (size_t)height * sizeof *coverage.pixels);
+    coverage.pixels = malloc((size_t)coverage.rows.width * (size_t)coverage.rows.height *
+                             sizeof *coverage.pixels);
     bool done = chunk_alloc(plan, &coverage.rows, out) && coverage.pixels && cover_all(&coverage) &&
                 resolve_all(&coverage, out);
     free(coverage.pixels);

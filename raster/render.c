@@ -44,7 +44,6 @@ static bool rasterize_tile(struct render_state *state, const struct tile *tile, 
 {
     const struct plan *plan = state->plan;
     bool check = plan->options.check, failed = false;
-    state->n_chunks = (tile->height + CHUNK_ROWS - 1) / CHUNK_ROWS;
     state->chunks = calloc((size_t)state->n_chunks, sizeof *state->chunks);
     state->checks = calloc((size_t)state->n_chunks, sizeof *state->checks);
     if (!state->chunks || !state->checks)
@@ -52,7 +51,7 @@ static bool rasterize_tile(struct render_state *state, const struct tile *tile, 
 #pragma omp parallel for schedule(dynamic) num_threads(plan->options.threads)
     for (int i = 0; i < state->n_chunks; i++) {
         struct error own = {.status = EXIT_AGREED};
-        if (chunk_rasterize(plan, state->surfaces, tile, i * CHUNK_ROWS, &state->chunks[i], &own) &&
+        if (chunk_rasterize(plan, state->surfaces, tile, i, &state->chunks[i], &own) &&
             (!check || check_open(plan, state->surfaces, &state->chunks[i],
                                   state->result->full_scale, &state->checks[i], &own)))
             continue;
@@ -104,40 +103,35 @@ static void check_tile(struct render_state *state, const struct tile *tile, int 
     }
 }
 
-/* Rows of a tile handled together, whether or not the reference has chunks for them. */
-static struct tile slice(const struct tile *tile, int index)
+static struct odd_samples count_chunk(struct render_state *state, const struct tile *tile,
+                                      int index, int band, int channel, const float *pixels)
 {
-    struct tile rows = *tile;
-    rows.y += index * CHUNK_ROWS;
-    rows.height = tile->height - index * CHUNK_ROWS;
-    if (rows.height > CHUNK_ROWS)
-        rows.height = CHUNK_ROWS;
-    return rows;
+    const struct plan *plan = state->plan;
+    struct tile rows = chunk_rows(tile, index);
+    size_t first = (size_t)(rows.y - tile->y), stride = (size_t)plan->tile_width;
+    double full_scale = state->result->full_scale;
+    void *out = state->samples[channel] + first * (size_t)tile->width * sample_size(plan);
+    if (plan->options.store_raster)
+        return counts_of_reference(plan, state->surfaces, &state->chunks[index], band, full_scale,
+                                   out);
+    return counts_of_gl(plan, &rows, channel, full_scale, pixels + first * stride * 4, stride, out);
 }
 
 static void count_tile(struct render_state *state, const struct tile *tile, int pass,
                        const float *pixels)
 {
-    const struct plan *plan = state->plan;
-    size_t stride = (size_t)plan->tile_width;
-    int n_slices = (tile->height + CHUNK_ROWS - 1) / CHUNK_ROWS, n = bands_of_pass(plan, pass);
-    double full_scale = state->result->full_scale;
-    uint64_t clipped = 0;
-#pragma omp parallel for schedule(dynamic) reduction(+ : clipped) num_threads(plan->options.threads)
-    for (int i = 0; i < n_slices; i++) {
-        struct tile rows = slice(tile, i);
-        size_t first = (size_t)(rows.y - tile->y);
-        for (int c = 0; c < n; c++) {
-            void *out = state->samples[c] + first * (size_t)tile->width * sample_size(plan);
-            if (plan->options.store_raster)
-                clipped += counts_of_reference(plan, state->surfaces, &state->chunks[i],
-                                               pass * BANDS_PER_PASS + c, full_scale, out);
-            else
-                clipped += counts_of_gl(plan, &rows, c, full_scale, pixels + first * stride * 4,
-                                        stride, out);
+    uint64_t clipped = 0, undefined = 0;
+    int n_threads = state->plan->options.threads;
+#pragma omp parallel for schedule(dynamic) reduction(+ : clipped, undefined) num_threads(n_threads)
+    for (int i = 0; i < state->n_chunks; i++)
+        for (int c = 0; c < bands_of_pass(state->plan, pass); c++) {
+            struct odd_samples odd =
+                count_chunk(state, tile, i, pass * BANDS_PER_PASS + c, c, pixels);
+            clipped += odd.clipped;
+            undefined += odd.undefined;
         }
-    }
-    state->result->clipped += clipped;
+    state->result->odd.clipped += clipped;
+    state->result->odd.undefined += undefined;
 }
 
 static bool write_tile(struct render_state *state, const struct tile *tile, int pass,
@@ -183,6 +177,7 @@ static bool render_tile(struct render_state *state, const struct tile *tile, str
 {
     const struct plan *plan = state->plan;
     double since = render_clock();
+    state->n_chunks = (tile->height + CHUNK_ROWS - 1) / CHUNK_ROWS;
     bool done =
         !(plan->options.check || plan->options.store_raster) || rasterize_tile(state, tile, err);
     clock_in(&state->result->seconds.raster, &since);
@@ -273,6 +268,13 @@ static bool commit(struct render_state *state, bool keep, struct error *err)
     double since = render_clock();
     if (!state->writing || !(keep || state->result->check.unexplained == 0))
         return true;
+    if (state->result->odd.undefined > 0) {
+        errno = 0;
+        return error_system(err,
+                            "%llu samples are not finite (or above what a float page holds); "
+                            "nothing was written",
+                            (unsigned long long)state->result->odd.undefined);
+    }
     report_verdict(state->plan, &state->result->check, verdict, sizeof verdict);
     bool done = stack_commit(&state->writer, verdict, err);
     clock_in(&state->result->seconds.write, &since);

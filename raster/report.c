@@ -82,9 +82,9 @@ void report_print(const struct plan *plan, const struct render_result *result, F
         print_check(&result->check, to);
     else
         fprintf(to, "cross-check       not made\n");
-    if (result->clipped)
+    if (result->odd.clipped)
         fprintf(to, "clipped           %llu samples above full scale are stored as 65535\n",
-                (unsigned long long)result->clipped);
+                (unsigned long long)result->odd.clipped);
     fprintf(to,
             "seconds           %.3f (read %.3f, plan %.3f, gl %.3f, raster %.3f, check %.3f, "
             "write %.3f)\n",
@@ -307,7 +307,7 @@ char *report_json(const struct plan *plan, const struct render_result *result, c
         json_check(&json, plan, &result->check);
     else
         json_string(&json, "check", NULL);
-    json_count(&json, "clipped_samples", result->clipped);
+    json_count(&json, "clipped_samples", result->odd.clipped);
     json_seconds(&json, &result->seconds);
     json_count(&json, "peak_bytes", peak_bytes);
     json_string(&json, "output", output);

@@ -82,6 +82,11 @@ small="--size 40x30 --wavelengths 400:700:50"
     [ "$(cat "$tmp/status")" != 2 ]
     ok $? "a pipe closed early does no harm"
 
+    "$SPECTRAL" render patches $small -o /dev/stdout --json "$tmp/pipe.json" 2>"$tmp/err" |
+        cat >"$tmp/piped.tif"
+    cmp -s "$tmp/a.tif" "$tmp/piped.tif"
+    ok $? "a stack through a pipe is the same to the byte; the table goes elsewhere"
+
     # Interrupted in the middle: nothing is left behind, an old file stands.
     "$SPECTRAL" render colorchecker --size 3000x2000 -o "$tmp/old.tif" >"$tmp/out" 2>&1 &
     sleep 1

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* Plants one fault in the GL path, to prove that the cross-check finds it. Loaded before OSMesa
- * with LD_PRELOAD; the environment variable FAULT names the fault: wavelength  the first and third
- * band of each pass are exchanged triangle    the last triangle of each draw call is left out shift
- * the picture is moved by half a pixel to the right pixel       one pixel in the middle of one pass
- * is off by 1/1000 of full scale */
+ * with LD_PRELOAD; the environment variable FAULT names the fault:
+ * - wavelength: the first and third band of each pass are exchanged
+ * - triangle: the last triangle of each draw call is left out
+ * - shift: the picture is moved by half a pixel to the right
+ * - pixel: one pixel in the middle of one pass is off by 1/1000 of full scale
+ * - nan: one pixel in the middle of one pass is no number */
 #define _GNU_SOURCE
 #include <dlfcn.h>
+#include <math.h>
 #include <stdbool.h>
 #include <stdlib.h>
 #include <string.h>
@@ -80,7 +83,10 @@ void glFinish(void)
     void (*next)(void);
     real("glFinish", &next);
     next();
-    if (fault_is("pixel") && passes++ == 1)
-        buffer[4 * ((size_t)buffer_height / 2 * (size_t)buffer_width + (size_t)buffer_width / 2)] +=
-            0.001F;
+    size_t middle = (size_t)buffer_height / 2 * (size_t)buffer_width + (size_t)buffer_width / 2;
+    if (passes == 1 && fault_is("pixel"))
+        buffer[4 * middle] += 0.001F;
+    if (passes == 1 && fault_is("nan"))
+        buffer[4 * middle] = (float)NAN;
+    passes++;
 }

@@ -23,7 +23,7 @@ render() {
 exits 0 "without a fault the pictures agree" render none
 prints '^unexplained +0$' "and no pixel is unexplained"
 rm -f "$tmp/out.tif"
-for fault in wavelength triangle shift pixel; do
+for fault in wavelength triangle shift pixel nan; do
     exits 1 "a planted fault is found: $fault" render "$fault"
     says 'first at [0-9]+,[0-9]+ at [0-9]+ nm on [a-z0-9-]+ \(.*fault\.scene:[67]\)' \
         "$fault: pixel, wavelength and object are named"
@@ -37,4 +37,10 @@ exits 1 "--keep stores a stack that failed" \
     -o "$tmp/kept.tif" --keep
 grep -aq 'cross-check: DIFFERENT' "$tmp/kept.tif"
 ok $? "with the verdict in it"
+for depth in 16 32f; do
+    exits 3 "unchecked, what is no number is refused all the same at depth $depth" \
+        env FAULT=nan LD_PRELOAD="$FAULTS" "$SPECTRAL" render "$tmp/fault.scene" \
+        -o "$tmp/unchecked.tif" --no-check --depth "$depth"
+    absent "$tmp/unchecked.tif" "depth $depth"
+done
 done_testing
