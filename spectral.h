@@ -81,6 +81,11 @@ bool builtin_path(const char *folder, const char *name, const char *ending, char
 bool file_read(const char *path, struct place from, char **bytes, size_t *length,
                struct error *err);
 
+/* Opens a regular file for reading, or finds a "builtin:..." file, which has no descriptor (-1).
+ * Refuses as file_read does, but no bytes. */
+bool file_open(const char *path, struct place from, int *descriptor,
+               const struct builtin_file **builtin, struct error *err);
+
 /* The path of `name` as seen from the file `base`: absolute and "builtin:" names stay, others are
  * relative to the folder of base. "a/../" is folded in builtin paths. Allocated, or NULL. */
 char *file_relative(const char *base, const char *name);
@@ -255,21 +260,95 @@ struct material {
     struct spectrum excitation, emission; /* fluorescence; both or neither; sum(excitation) > 0 */
     char *donaldson;                      /* bispectral matrix file; owned, NULL: none */
     struct place donaldson_place;
-    char *texture; /* file; owned, NULL: none */
-    bool texture_linear;
+    char *texture;       /* file; owned, NULL: none */
+    bool texture_linear; /* of either kind */
     struct place texture_place;
     char *spectral_texture; /* stack; owned, NULL: none */
     struct place spectral_texture_place;
     struct spectrum glow;     /* emission without light */
     char *partner_name;       /* `metamer MATERIAL`: name in the scene; owned */
+    int partner_index;        /* of the material of that name, where it is used; otherwise 0 */
     struct material *partner; /* from a material file's m lines; owned; place is set */
     struct place partner_place;
+    bool from_rgb; /* three numbers of an MTL file, spread over the spectrum; nothing measured */
 };
 
 bool material_read(const char *path, struct place from, struct material *out, struct error *err);
 /* Reads the words between { and } of a scene's material; the { has been read. May span lines. */
 bool material_read_words(struct text *text, struct material *out, struct error *err);
 void material_free(struct material *material);
+
+/* ---- data/fluorescence.c: light taken in at one wavelength and given out at another ---- */
+
+/* N = sum(light x excitation) / sum(excitation), equations 6 to 9 of the thesis: the factor of the
+ * emission under this light. The sums run over the wavelengths of both spectra within the
+ * excitation's own, whatever a picture shows. Each wavelength counts for the distance half-way to
+ * its neighbours, the first and last for a whole step: on one uniform grid the thesis's plain sums.
+ * Where an excitation is 0 at all of these, N is 0. */
+double excitation_mean(const struct spectrum *light, const struct spectrum *excitation);
+
+/* A bispectral (Donaldson) matrix without its diagonal: which share of the light of an excitation
+ * band is given out again in an emission band. A band is what the wavelengths nearest to its own
+ * are, as above. */
+struct donaldson {
+    int n_excitation, n_emission;
+    double *excitation_nm, *emission_nm; /* strictly increasing; owned */
+    double *share;                       /* [emission][excitation], not negative; owned */
+};
+/* Reads a table: a first row with a word and the excitation wavelengths, then rows of an emission
+ * wavelength and its shares. A column that gives out more than the surface takes in (1 - diffuse
+ * there) is refused with its wavelength, and so is a matrix of zeros. */
+bool donaldson_read(const char *path, struct place from, const struct spectrum *diffuse,
+                    struct donaldson *out, struct error *err);
+/* What is given out under a light of intensity 1, sampled at the emission wavelengths; 0 outside.
+ * *out is allocated. */
+bool donaldson_emission(const struct donaldson *matrix, const struct spectrum *light,
+                        struct spectrum *out, struct error *err);
+void donaldson_free(struct donaldson *matrix);
+
+/* ---- data/image.c: TIFF files in ---- */
+
+/* A TIFF file of grey or RGB pages of 8 or 16 bits, or of 32-bit float grey ones. */
+struct image {
+    char *path; /* owned */
+    int width, height, n_pages;
+    double
+        *wavelengths_nm; /* one a page, strictly increasing; NULL where a page tells none; owned */
+    double scale; /* radiance of sample value 1 (16 bits: of 65535); 1 where the file tells none */
+    struct image_file *file; /* owned */
+};
+/* Opens the file (or "builtin:..." file); reads what its pages say of themselves, no samples.
+ * Refuses, blamed on `from`: what is no TIFF, sides of 0 or above LONGEST_IMAGE pixels, pages that
+ * differ in size, other samples than the above. */
+enum { LONGEST_IMAGE = 16384 };
+bool image_open(const char *path, struct place from, struct image *out, struct error *err);
+/* One page as height rows of width values, the top row first: 0 to 1 (or float samples) times the
+ * scale; of RGB the luma 0.2126 R + 0.7152 G + 0.0722 B (ITU-R BT.709) of the stored values. What
+ * is negative, not finite or cut short is refused. */
+bool image_read(struct image *image, int page, float *out, struct error *err);
+void image_close(struct image *image);
+
+/* ---- data/texture.c: pictures on surfaces ---- */
+
+/* Rows from t = 0 (the picture's bottom row) upwards, width values each. */
+enum { TEXTURE_PLANES = 3 };
+struct texture {
+    struct image image; /* open as long as planes are to be loaded */
+    bool spectral;
+    bool linear;                  /* between texel centres; otherwise the nearest texel */
+    double largest;               /* of all values of all pages */
+    float *plane[TEXTURE_PLANES]; /* of a grey texture the first; of a spectral one those loaded */
+};
+/* A grey texture: one page, whose values stand for every wavelength. */
+bool texture_read(const char *path, struct place from, bool linear, struct texture *out,
+                  struct error *err);
+/* A stack as texture: pages with wavelengths. Reads all pages once, to know their largest value. */
+bool texture_read_spectral(const char *path, struct place from, bool linear, struct texture *out,
+                           struct error *err);
+/* Fills the planes for up to TEXTURE_PLANES wavelengths: linear between pages, the end page beyond
+ * the last one. A grey texture needs no loading. */
+bool texture_load(struct texture *texture, const double *wavelengths_nm, int n, struct error *err);
+void texture_free(struct texture *texture);
 
 /* ---- data/mesh.c: triangles, and Wavefront OBJ ---- */
 
@@ -281,6 +360,9 @@ struct mesh {
     struct vertex *vertices;
     int32_t (*triangles)[3]; /* counter-clockwise seen from outside */
     int n_vertices, n_triangles;
+    int32_t *part;     /* of each triangle; NULL: all are part 0 */
+    char **part_names; /* usemtl of each part, "" for faces before the first; NULL: no names */
+    int n_parts;       /* at least 1 */
 };
 
 /* Room for so many more; *mesh keeps what it has. A second call before filling must ask for all
@@ -293,6 +375,15 @@ bool mesh_reserve(struct mesh *mesh, size_t n_vertices, size_t n_triangles, stru
  * scaled into the cube [-1, 1]^3 first. Zero-area faces are kept out of normals. */
 bool mesh_read(const char *path, struct place from, bool unitize, double crease_deg,
                struct mesh *out, struct error *err);
+/* Cuts all triangles that cross x = 0 there and makes two parts: 0 on the side of negative x, 1 on
+ * that of positive x. New vertices lie at exactly x = 0 and are the same numbers on both sides and
+ * in neighbouring triangles, so that no crack opens. Replaces parts and names that *from has. */
+bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err);
+/* A mesh of the triangles of one part, with the vertices that they use, in their order. It may be
+ * empty: n_triangles 0. */
+bool mesh_part(const struct mesh *from, int part, struct mesh *out, struct error *err);
+/* Texture coordinates from x and y in the bounding box of the mesh, 0 to 1. */
+void mesh_planar(struct mesh *mesh);
 void mesh_free(struct mesh *mesh);
 
 /* ---- data/scene.c: the scene language ---- */
@@ -336,13 +427,24 @@ struct shape {
     double parameter[4];
     char *path; /* SHAPE_MESH; owned */
     bool unitize;
-    double crease_deg;  /* 90 by default */
-    char *material_map; /* owned; NULL: none */
+    double crease_deg; /* 90 by default */
+    bool planar;       /* texture coordinates by mesh_planar */
+    double repeat[2];  /* times that a texture fits along s and t; 1 1 by default */
+    struct place place;
+};
+/* A line of a material map: what a part of a mesh is made of. */
+struct part_use {
+    char *name;   /* usemtl; "*" is every other one; owned */
+    int material; /* index */
     struct place place;
 };
 struct object {
     struct shape shape;
-    int material; /* index; -1 with a material map */
+    int material;          /* index; -1 with a material map */
+    char *material_map;    /* owned; NULL: none */
+    struct part_use *uses; /* its lines; owned */
+    int n_uses;
+    bool two_sided;
     struct matrix transform;
     struct place place;
 };
@@ -417,35 +519,51 @@ bool shape_build(const struct shape *shape, struct mesh *out, struct error *err)
 
 /* ---- raster/plan.c: what a scene calls for, decided once ---- */
 
-enum { MAX_GL_LIGHTS = 8, BANDS_PER_PASS = 3 };
+enum { LIGHTS_PER_PASS = 8, BANDS_PER_PASS = 3 };
 
-enum term_kind { TERM_DIFFUSE, TERM_SPECULAR };
-
-/* Radiance at a point is constant(wavelength) + sum over terms of weight(point) x
- * spectrum(wavelength) (local illumination is linear): weights depend on geometry only, spectra on
+/* Radiance at a point is a sum over terms of weight(point) x spectrum(wavelength) (local
+ * illumination is linear), times the texture there: weights depend on geometry only, spectra on
  * light and material. */
+enum term_kind {
+    TERM_CONSTANT, /* ambient light and emission; its weight is 1 */
+    TERM_DIFFUSE,
+    TERM_SPECULAR
+};
 struct term {
     enum term_kind kind;
     int light; /* index into plan.lights */
 };
+/* A material under the lights of the scene. Terms whose spectrum is 0 in all bands are left out;
+ * those of one light follow each other. */
 struct finish {
     const struct material *material;
+    struct texture *texture; /* NULL: none */
     int n_terms;
-    struct term terms[2 * MAX_GL_LIGHTS];
-    double *constant; /* n_bands radiances: ambient */
-    double *spectra;  /* n_terms rows of n_bands radiances */
+    struct term *terms;
+    double *spectra; /* n_terms rows of n_bands radiances */
+    bool ambient, emits, fluoresces;
 };
 
-/* An object as it will be drawn: transform and camera composed in double, the mesh re-centred. */
+/* A mesh, or a part of one, that is drawn: re-centred, so that single precision spends its digits
+ * on the shape and not on where it stands. */
+struct plan_mesh {
+    struct mesh mesh;
+    struct vector centre; /* of the whole mesh */
+};
+/* An object, or a part of one, as it will be drawn: transform and camera composed in double. */
 struct body {
     const struct object *object;
     int mesh, finish; /* indices into the plan */
+    bool mirrored;    /* the transform turns outsides clockwise */
     struct matrix model_view;
     struct matrix normal_matrix;
 };
 struct plan_light {
     const struct light *light;
     struct vector eye_position; /* for a directional light the unit vector towards it */
+    struct vector eye_spot;     /* unit vector along the axis of a spot */
+    double spot_cosine;         /* of the cutoff */
+    bool attenuated, spot;      /* whether the distance counts; whether it is a spot */
 };
 struct plan_effect {
     const char *name;
@@ -453,6 +571,10 @@ struct plan_effect {
     char reason[160];
 };
 enum { MAX_EFFECTS = 16 };
+/* Counted where it is done. */
+struct plan_work {
+    long materials_loaded, textures_loaded, excitation_integrals, terms;
+};
 
 struct plan_options {
     double full_scale;  /* 0: the largest vertex radiance */
@@ -464,27 +586,39 @@ struct plan_options {
 struct plan {
     const struct scene *scene;
     struct plan_options options;
-    int n_bands, n_passes;
-    struct matrix projection;
-    struct mesh *meshes; /* centred on mesh_centre */
-    struct vector *mesh_centre;
+    int n_bands, n_passes; /* n_passes: groups of bands */
+    struct matrix view, projection;
+    struct plan_mesh *meshes;
     struct finish *finishes;
+    struct texture *textures;
     struct body *bodies;
-    struct plan_light lights[MAX_GL_LIGHTS];
-    int n_meshes, n_finishes, n_bodies, n_lights;
-    int max_terms;               /* largest n_terms of a finish */
+    struct plan_light *lights; /* those that shine */
+    int n_meshes, n_finishes, n_textures, n_bodies, n_lights;
+    int n_light_groups; /* passes that a group of bands takes: 1, or more beyond LIGHTS_PER_PASS */
+    int max_rows;       /* largest finish_rows of a finish */
     int tile_width, tile_height; /* the last column and row of tiles may be smaller */
     uint64_t file_bytes, tile_bytes;
     struct plan_effect effects[MAX_EFFECTS];
     int n_effects;
+    struct plan_work work;
     long n_vertices, n_triangles; /* as drawn: a mesh counts once for every body */
 };
-/* Reads meshes, composes matrices, multiplies spectra; draws nothing. Refuses, at its place in the
- * scene, an effect that cannot be simulated. The scene must outlive the plan. */
+/* Reads meshes and textures, composes matrices, multiplies spectra; draws nothing. Refuses, at its
+ * place, what cannot be drawn. The scene must outlive the plan. */
 bool plan_make(const struct scene *scene, const struct plan_options *options, struct plan *out,
                struct error *err);
-void plan_print(const struct plan *plan, FILE *to);
+/* Numbers that a pixel of this finish keeps: a weight for each term, and where its texture differs
+ * from band to band the place in it (u and v, in texels). */
+int finish_rows(const struct finish *finish);
+/* Loads what spectral textures show in the bands of a pass. */
+bool plan_load_textures(const struct plan *plan, int first_band, struct error *err);
 void plan_free(struct plan *plan);
+
+/* ---- raster/effects.c: the plan in words ---- */
+
+/* Fills the plan's effects, each with the reason why it is simulated or not. */
+void plan_effects(struct plan *plan);
+void plan_print(const struct plan *plan, FILE *to);
 
 /* ---- raster/light.c: the reference's vertices, and how far GL may be off there ---- */
 
@@ -503,8 +637,10 @@ struct surface {
     const struct mesh *mesh;
     const struct finish *finish;
     struct lit_vertex *vertices;
-    double *weights;                 /* [vertex][term] */
-    float *errors;                   /* [vertex][term]: bound on |GL's weight - weight| */
+    int n_sides;                     /* 2: the back is lit by its own normals */
+    int n_attributes;                /* terms, and s and t where there is a texture */
+    double *weights;                 /* [vertex][side][attribute] */
+    float *errors;                   /* the same: bound on |GL's attribute - attribute| */
     double left, top, right, bottom; /* window bounds; everything where a vertex is not in front */
 };
 /* A part of the picture, such as OpenGL draws at once; in pixels from the top left. */
@@ -512,7 +648,7 @@ struct tile {
     int x, y, width, height;
 };
 struct light_work {
-    long vertices_lit, specular_vertices;
+    long vertices_lit, specular_vertices, power_functions;
 };
 /* One surface per body, in drawing order; *out is allocated. Refuses NaN and infinity by object. */
 bool surfaces_light(const struct plan *plan, struct surface **out, struct light_work *work,
@@ -520,6 +656,8 @@ bool surfaces_light(const struct plan *plan, struct surface **out, struct light_
 /* The largest vertex radiance over all surfaces and wavelengths; 1 for an all-black scene. */
 bool surfaces_full_scale(const struct plan *plan, const struct surface *surfaces, double *out,
                          struct error *err);
+/* Where the attributes of a vertex begin in weights and errors. */
+size_t surface_attributes(const struct surface *surface, int vertex, int side);
 /* False where nothing of the surface can be in the tile. */
 bool surface_reaches(const struct surface *surface, const struct tile *tile);
 void surfaces_free(const struct plan *plan, struct surface *surfaces);
@@ -568,6 +706,8 @@ double bound_linear(const struct outline *outline, const double values[3]);
 struct facet {
     int32_t surface;
     int32_t vertex[3]; /* of the whole triangle */
+    int32_t provoking; /* the vertex that colours all of it in flat shading */
+    int side;          /* 1: seen from behind, and that matters */
     bool whole;        /* corner i is vertex[i] */
     bool straddles;    /* OpenGL cuts it at the tile's border */
     bool loose;        /* some of it is too thin for a bound on single precision */
@@ -579,7 +719,11 @@ struct facet {
     double slack_depth; /* bound on GL's depth of a corner */
     double depth_error; /* bound on GL's depth at a pixel; HUGE_VAL: none */
 };
-enum { FACETS_PER_TRIANGLE = 3 }; /* two planes cut at most two corners off */
+/* OpenGL may snap corners to a grid of 1/256 pixel before it tests coverage and facing: half a
+ * step, beside the rounding of the coordinate, which slack_px counts. */
+#define SNAP_PX (1.0 / 512)
+/* Two planes cut at most two corners off; a facet seen edge-on shows either side. */
+enum { FACETS_PER_TRIANGLE = 6 };
 /* Facets of one triangle of surfaces[surface]; returns how many (0: nothing of it is in `rows`, the
  * part of the tile that the caller looks at). */
 int facets_of(const struct plan *plan, const struct surface *surfaces, int surface, int triangle,
@@ -594,13 +738,32 @@ struct piece {
 int facet_pieces(const struct plan *plan, const struct surface *surfaces, const struct tile *tile,
                  const struct facet *facet, struct piece out[CLIP_CORNERS - 2]);
 
+/* ---- raster/texel.c: a texture at a point ---- */
+
+/* In texels from the lower left corner of the texture, which repeats without end; with bounds on
+ * OpenGL's error. */
+struct texel_point {
+    double u, v;
+    float e_u, e_v;
+};
+/* Of texture coordinates and their bounds. */
+struct texel_point texel_point(const struct texture *texture, double s, double t, float e_s,
+                               float e_t);
+/* The places that OpenGL may take for this one: the nearest texels, if several lie within the
+ * bounds, each at its centre without error; otherwise the place itself. Returns how many. */
+enum { TEXEL_CHOICES = 4 };
+int texel_choices(const struct texture *texture, struct texel_point at,
+                  struct texel_point out[TEXEL_CHOICES]);
+/* The value of a plane there, and a bound on OpenGL's error unless error is NULL. */
+double texel_value(const struct texture *texture, int plane, struct texel_point at, double *error);
+
 /* ---- raster/gouraud.c: coverage, visibility and interpolation in double ---- */
 
 /* A surface that may be what OpenGL shows at a pixel. */
 struct candidate {
     int32_t surface;
     bool loose;   /* its error has no bound here */
-    size_t first; /* index into chunk.numbers: n_terms weights, then 1 + n_terms errors */
+    size_t first; /* of its finish_rows numbers in candidate_weights and candidate_errors */
 };
 /* A pixel with more than one candidate, or a loose one. */
 struct contest {
@@ -613,11 +776,12 @@ struct chunk {
     struct tile rows;
     int32_t *surface; /* of the reference's own fragment; -1: background */
     bool *contested;
-    double *weights; /* [max_terms][pixel] */
-    float *errors;   /* [1 + max_terms][pixel]; row 0 belongs to the constant part */
+    double *weights; /* [max_rows][pixel], of a grey texture's value the product with it */
+    float *errors;   /* the same: bounds on OpenGL's error */
     struct contest *contests;
     struct candidate *candidates;
-    double *numbers;
+    double *candidate_weights;
+    float *candidate_errors;
     size_t n_contests, n_candidates, n_numbers;
 };
 enum { CHUNK_ROWS = 16 };

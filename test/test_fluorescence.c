@@ -1,0 +1,478 @@
+/* SPDX-License-Identifier: MIT */
+/* Excitation and Donaldson matrices against the thesis's sums in long double, integrals in closed
+ * form, and the balance of energy. */
+#include "spectral.h"
+#include "test.h"
+
+#include <float.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+
+enum { PATH_SIZE = 512 };
+static const double half_epsilon = DBL_EPSILON / 2; /* of a rounding */
+
+/* An absent spectrum stands for an error. */
+static struct spectrum read_word(const char *line)
+{
+    struct spectrum out = {0};
+    struct error err = {0};
+    struct text text;
+    struct word word;
+    text_open_string(&text, "line", line, &err);
+    text_next_line(&text);
+    text_word(&text, &word);
+    spectrum_read(&word, 0, HUGE_VAL, &out, &err);
+    out.place.path = NULL; /* the text goes */
+    text_free(&text);
+    return out;
+}
+
+/* Owns nothing. */
+static struct spectrum samples(double *nm, double *value, int count)
+{
+    return (struct spectrum){
+        .kind = SPECTRUM_SAMPLED, .factor = 1, .count = count, .wavelength_nm = nm, .value = value};
+}
+
+static struct spectrum gaussian(double centre, double width)
+{
+    return (struct spectrum){.kind = SPECTRUM_GAUSSIAN, .factor = 1, .parameter = {centre, width}};
+}
+
+static struct spectrum constant(double value)
+{
+    return (struct spectrum){.kind = SPECTRUM_CONSTANT, .factor = 1, .parameter = {value}};
+}
+
+/* ---- the mean ---- */
+
+/* Equations 6 to 9 as they stand. */
+static double plain_mean(const struct spectrum *light, const struct spectrum *excitation)
+{
+    long double product = 0, sum = 0;
+    for (int nm = 300; nm <= 760; nm += 5) {
+        long double e = (long double)spectrum_at(excitation, nm, SPECTRUM_ZERO);
+        product += e * (long double)spectrum_at(light, nm, SPECTRUM_ZERO);
+        sum += e;
+    }
+    return (double)(product / sum);
+}
+
+static void check_plain_sums(void)
+{
+    static const char *const lights[] = {"uv", "d65", "a", "fluorescent", "cie1931:3"};
+    /* A sum of n terms rounds n - 1 times, each of its terms up to 4 times; then comes the rest. */
+    const double bound = (2 * (93 + 3) + 3) * half_epsilon;
+    double nm[93], value[93], worst = 0;
+    struct spectrum excitation = samples(nm, value, 93);
+    for (int i = 0; i < 93; i++) {
+        nm[i] = 300 + 5 * i;
+        value[i] = i < 40 ? i * (40 - i) / 137.0 : 0; /* up to 500 nm */
+    }
+    for (size_t i = 0; i < sizeof lights / sizeof lights[0]; i++) {
+        struct spectrum light = read_word(lights[i]);
+        double seen = excitation_mean(&light, &excitation);
+        CHECK_NEAR(seen / plain_mean(&light, &excitation), 1, bound,
+                   "under %s the mean is the quotient of the plain sums", lights[i]);
+        worst = fmax(worst, fabs(seen / plain_mean(&light, &excitation) - 1));
+        excitation.count = 41; /* the rest is 0 */
+        CHECK_NEAR(excitation_mean(&light, &excitation) / seen, 1, bound,
+                   "with the zeros or without");
+        excitation.count = 30; /* ends far above 0 */
+        CHECK_NEAR(excitation_mean(&light, &excitation) / plain_mean(&light, &excitation), 1, bound,
+                   "where the excitation ends at once, too");
+        excitation.count = 93;
+        spectrum_free(&light);
+    }
+    printf("# worst relative difference to the plain sums: %.3g\n", worst);
+}
+
+static void check_limits(void)
+{
+    struct spectrum uv = read_word("uv"), light = read_word("d65"), flat = constant(0.3);
+    struct spectrum body = read_word("blackbody:2856");
+    double mean = excitation_mean(&light, &uv), one_nm[] = {431}, one[] = {7};
+    struct spectrum single = samples(one_nm, one, 1), outside = samples(one_nm, one, 1);
+    long double sum = 0;
+    CHECK(excitation_mean(&flat, &uv) == 0.3, "the mean of a constant is that constant");
+    light.factor = ldexp(1, -900);
+    CHECK(excitation_mean(&light, &uv) == ldexp(mean, -900), "a faint light scales exactly");
+    light.factor = ldexp(1, 1000);
+    CHECK(excitation_mean(&light, &uv) == ldexp(mean, 1000), "and a bright one");
+    light.factor = 1;
+    uv.factor = ldexp(1, -1000);
+    CHECK(excitation_mean(&light, &uv) == mean, "a weak excitation has the same mean");
+    uv.factor = 1e300;
+    CHECK_NEAR(excitation_mean(&light, &uv) / mean, 1, 4 * 93 * half_epsilon,
+               "and an excitation of 1e300");
+    flat.parameter[0] = DBL_MAX;
+    CHECK(excitation_mean(&flat, &uv) == DBL_MAX, "the largest number is its own mean");
+    CHECK(excitation_mean(&light, &single) == spectrum_at(&light, 431, SPECTRUM_ZERO),
+          "one sample takes the light there");
+    one_nm[0] = 299;
+    CHECK(excitation_mean(&light, &outside) == 0 && excitation_mean(&outside, &uv) == 0,
+          "a light outside the excitation gives nothing");
+    flat.parameter[0] = 2;
+    for (int nm = 300; nm <= 780; nm++)
+        sum += (long double)spectrum_at(&body, nm, SPECTRUM_ZERO);
+    CHECK_NEAR(excitation_mean(&body, &flat) / (double)(sum / 481), 1, 2 * 485 * half_epsilon,
+               "two smooth spectra are taken every nm from 300 to 780");
+    uv.factor = 0;
+    CHECK(excitation_mean(&light, &uv) == 0, "no excitation, no NaN");
+    spectrum_free(&uv);
+    spectrum_free(&light);
+    spectrum_free(&body);
+}
+
+/* Excitations that are piecewise linear and 0 at their ends, so that trapezoids sum them exactly.
+ */
+static void check_union(void)
+{
+    double nm[] = {400, 410, 420}, value[] = {0, 1, 0};
+    double line_nm[] = {403, 404, 405}, line[] = {0, 2, 0};
+    double ramp_nm[] = {100, 900}, ramp[] = {1, 9};
+    double box_nm[] = {400, 410}, box[] = {1, 1};
+    double step_nm[] = {300, 400, 410, 900}, step[] = {0, 0, 1, 1};
+    struct spectrum tooth = samples(nm, value, 3);
+    struct spectrum light = samples(line_nm, line, 3);
+    /* integral of the line 2, times the excitation at its middle 0.4, over 10 */
+    CHECK_NEAR(excitation_mean(&light, &tooth), 0.08, 10 * half_epsilon,
+               "a line between the samples of the excitation is not lost");
+    CHECK_NEAR(excitation_mean(&tooth, &light), 0.4, 10 * half_epsilon,
+               "nor is an excitation between those of the light");
+    light = samples(ramp_nm, ramp, 2);
+    CHECK_NEAR(excitation_mean(&light, &tooth), 4.1, 4.1 * 10 * half_epsilon,
+               "a ramp's mean is its value at the excitation's centre of mass");
+    tooth = samples(box_nm, box, 2);
+    light = samples(step_nm, step, 4);
+    CHECK(excitation_mean(&light, &tooth) == 0.5,
+          "samples beyond the excitation do not change the weight of its end");
+}
+
+/* 1 + (nm - 410)^2 every h, over the tooth 1 - |nm - 410| / 10: the mean is 1 + 100 / 6. */
+static double parabola_error(double h)
+{
+    enum { MOST = 4096 };
+    static double nm[MOST], value[MOST];
+    double tooth_nm[] = {400, 410, 420}, tooth_value[] = {0, 1, 0};
+    struct spectrum tooth = samples(tooth_nm, tooth_value, 3), light;
+    int n = 0;
+    for (; 399.03 + n * h < 421; n++) {
+        nm[n] = 399.03 + n * h;
+        value[n] = 1 + (nm[n] - 410) * (nm[n] - 410);
+    }
+    light = samples(nm, value, n);
+    return fabs(excitation_mean(&light, &tooth) - (1 + 100 / 6.0));
+}
+
+static void check_convergence(void)
+{
+    /* Trapezoids miss at most length h^2 / 12 times the second derivative, |2 - 0.6 u| / 10 with
+     * u = |nm - 410|. At 410 the light's own line is up to h^2 / 4 above the parabola. */
+    for (double h = 1; h > 0.005; h /= 5)
+        CHECK_NEAR(parabola_error(h), 0, h * h * (20 * 0.4 / 12 + h / 4 / 10),
+                   "every %g nm, a parabola comes near its integral", h);
+}
+
+/* Integral of the product of two gaussians over that of the second. */
+static double overlap(double distance, double width, double excitation_width)
+{
+    const double a = 4 * log(2) / (width * width);
+    const double b = 4 * log(2) / (excitation_width * excitation_width);
+    return exp(-a * b / (a + b) * distance * distance) * sqrt(b / (a + b));
+}
+
+static void check_gaussians(void)
+{
+    const double root_ln2 = sqrt(4 * log(2)), pi = acos(-1);
+    double nm[] = {400, 410, 420}, value[] = {0, 1, 0};
+    struct spectrum tooth = samples(nm, value, 3);
+    struct spectrum light = gaussian(380, 40), excitation = gaussian(400, 40);
+    double a, h = 1, variation;
+    /* Both have their points at whole nm: an even grid, on which sums of gaussians are integrals.
+     * 341 terms round as in the plain sums, and exponents by 3 units, which x e^-x < 0.4 damps. */
+    CHECK_NEAR(excitation_mean(&light, &excitation) / overlap(20, 40, 40), 1,
+               2 * (341 + 20) * half_epsilon, "the overlap of two gaussians is the analytic one");
+    /* Uneven trapezoids miss at most h^2 / 8 times the integral of |f''|, which for e^(-a x^2) is 4
+     * times its steepest slope, sqrt(2 a / e), over its area, sqrt(pi / a). */
+    light = gaussian(380.3, 56);
+    excitation = gaussian(371, 40);
+    a = 4 * log(2) / (40 * 40.0) + 4 * log(2) / (56 * 56.0); /* the narrower: of the product */
+    variation = 4 * sqrt(2 * a / exp(1)) / sqrt(pi / a);
+    CHECK_NEAR(excitation_mean(&light, &excitation) / overlap(9.3, 56, 40), 1,
+               2 * h * h / 8 * variation, "on an uneven grid within the bound of trapezoids");
+    /* Wavelengths of the line are rounded to 2^-45 nm, relative to its width; the points that mark
+     * its ends, at 2^-64, stand for up to 3 nm each. */
+    light = gaussian(404.7, 1e-3);
+    CHECK_NEAR(excitation_mean(&light, &tooth) / (0.47 * 1e-3 * sqrt(pi) / root_ln2 / 10), 1,
+               4 * ldexp(1, -45) / 1e-3 + 1e-12,
+               "a laser line between the samples of the excitation is not lost");
+    excitation = gaussian(404.7, 1e-300);
+    light = constant(0.7);
+    CHECK(excitation_mean(&light, &excitation) == 0.7, "nor is the narrowest excitation");
+}
+
+/* ---- the matrix ---- */
+
+static const char *write_matrix(const char *content)
+{
+    static char path[PATH_SIZE];
+    const char *folder = getenv("TEST_TMP");
+    FILE *file;
+    if (folder == NULL)
+        folder = "build/tmp";
+    mkdir(folder, 0777);
+    snprintf(path, sizeof path, "%s/matrix.csv", folder);
+    file = fopen(path, "w");
+    if (file != NULL) {
+        fputs(content, file);
+        fclose(file);
+    }
+    return path;
+}
+
+/* A zeroed matrix stands for an error. */
+static struct donaldson read_matrix(const char *content, double diffuse, struct error *err)
+{
+    const struct spectrum reflectance = constant(diffuse);
+    struct place nowhere = {0};
+    struct donaldson out;
+    *err = (struct error){0};
+    donaldson_read(write_matrix(content), nowhere, &reflectance, &out, err);
+    return out;
+}
+
+static struct spectrum emission_under(const struct donaldson *matrix, const struct spectrum *light)
+{
+    struct error err = {0};
+    struct spectrum out;
+    donaldson_emission(matrix, light, &out, &err);
+    return out;
+}
+
+static const char two_rows[] = "# measured\n\nnm;300;310 320\t330 # excitation\n"
+                               "400, 0, 0.1, 0.3, 0\r\n420, 0, 0.2, 0.1, 0\n\n450 0 0.1 0.2 0";
+
+static void check_line(void)
+{
+    struct error err;
+    struct donaldson matrix = read_matrix(two_rows, 0.4, &err);
+    double nm[] = {300, 309, 310, 311, 330}, value[] = {0, 0, 3, 0, 0};
+    struct spectrum light = samples(nm, value, 5), given;
+    CHECK_TEXT(err.text, "", "blanks, commas and semicolons separate");
+    if (matrix.share == NULL)
+        return;
+    CHECK(matrix.n_excitation == 4 && matrix.n_emission == 3 && matrix.excitation_nm[3] == 330 &&
+              matrix.emission_nm[2] == 450 && matrix.share[4 + 2] == 0.1 && matrix.share[9] == 0.1,
+          "a matrix is read row by row");
+    given = emission_under(&matrix, &light);
+    CHECK(given.count == 3 && given.wavelength_nm[1] == 420, "it gives out at its own wavelengths");
+    CHECK_TEXT(given.name != NULL ? given.name : "", "donaldson", "the spectrum has a name");
+    CHECK(spectrum_at(&given, 399, SPECTRUM_ZERO) == 0 &&
+              spectrum_at(&given, 451, SPECTRUM_ZERO) == 0,
+          "and nowhere else");
+    /* a line of integral 3, and bands of 20, 25 and 30 nm */
+    CHECK_NEAR(given.value[0], 0.1 * 3 / 20, 8 * half_epsilon, "a line gives its column");
+    CHECK_NEAR(given.value[1], 0.2 * 3 / 25, 8 * half_epsilon, "in each row");
+    CHECK_NEAR(given.value[2], 0.1 * 3 / 30, 8 * half_epsilon, "by the widths of their bands");
+    spectrum_free(&given);
+    nm[1] = 311, nm[2] = 312, nm[3] = 313;
+    given = emission_under(&matrix, &light);
+    CHECK_NEAR(given.value[0], (0.8 * 0.1 + 0.2 * 0.3) * 3 / 20, 8 * half_epsilon,
+               "a line between two columns is shared between them");
+    spectrum_free(&given);
+    light = gaussian(312, 0.1);
+    given = emission_under(&matrix, &light);
+    /* its wings end at 2^-64; the wavelengths are rounded to 2^-45 nm */
+    CHECK_NEAR(given.value[0] / (0.14 * 0.1 * sqrt(acos(-1) / (4 * log(2))) / 20), 1,
+               4 * ldexp(1, -45) / 0.1 + 1e-14, "and a gaussian one");
+    spectrum_free(&given);
+    nm[0] = 331, nm[1] = 332, nm[2] = 333;
+    light = samples(nm, value, 3);
+    given = emission_under(&matrix, &light);
+    CHECK(given.count == 3 && given.value[0] == 0 && given.value[2] == 0,
+          "light outside the matrix gives nothing");
+    spectrum_free(&given);
+    donaldson_free(&matrix);
+    donaldson_free(&matrix);
+}
+
+/* Columns of 10 nm and rows of 20; sums of the first are N times an emission. */
+enum { COLUMNS = 21, ROWS = 9 };
+
+static void check_factors(void)
+{
+    static const char *const lights[] = {"uv", "d65", "gaussian:371.3,17", "0.8", "blackbody:3000"};
+    double nm[COLUMNS], value[COLUMNS], emission[ROWS], emission_nm[ROWS], sum = 0;
+    double share[ROWS * COLUMNS];
+    struct spectrum excitation = samples(nm, value, COLUMNS);
+    struct donaldson matrix = {COLUMNS, ROWS, nm, emission_nm, share};
+    for (int i = 0; i < COLUMNS; i++) {
+        nm[i] = 300 + 10 * i;
+        value[i] = i * (COLUMNS - 1 - i) * (3 + i % 4) * 1e-3;
+        sum += value[i];
+    }
+    for (int j = 0; j < ROWS; j++) {
+        emission_nm[j] = 500 + 20 * j;
+        emission[j] = 0.1 + (j * j) % 7;
+        for (int i = 0; i < COLUMNS; i++)
+            share[j * COLUMNS + i] = emission[j] * 20 * value[i] / (10 * sum);
+    }
+    for (size_t k = 0; k < sizeof lights / sizeof lights[0]; k++) {
+        struct spectrum light = read_word(lights[k]), given = emission_under(&matrix, &light);
+        const double mean = excitation_mean(&light, &excitation);
+        double worst = given.count == ROWS ? 0 : HUGE_VAL;
+        for (int j = 0; j < given.count; j++)
+            worst = fmax(worst, fabs(given.value[j] / (mean * emission[j]) - 1));
+        /* up to 321 + 21 wavelengths in each of three sums, and rows of 12 roundings */
+        CHECK_NEAR(worst, 0, (3 * 342 + 24) * half_epsilon,
+                   "under %s a matrix of products gives the mean times the emission", lights[k]);
+        spectrum_free(&light);
+        spectrum_free(&given);
+    }
+}
+
+/* Writes columns that give out all that a diffuse reflectance leaves, in shares of 2^-10. */
+static void check_energy(void)
+{
+    static const char *const lights[] = {"uv", "fluorescent", "0.8", "blackbody:3000"};
+    char content[4096] = "nm";
+    struct error err;
+    struct donaldson matrix;
+    size_t used = 2;
+    for (int i = 0; i < COLUMNS; i++)
+        used += (size_t)sprintf(content + used, " %d", 300 + 5 * i);
+    for (int j = 0; j < 4; j++) {
+        used += (size_t)sprintf(content + used, "\n%d", 400 + 30 * j * j);
+        for (int i = 0; i < COLUMNS; i++) /* 90 + 100 + 110 + 212 = 512 in every column */
+            used +=
+                (size_t)sprintf(content + used, " %.10f",
+                                (90 + 10 * ((j + i) % 4) + ((j + i) % 4 == 3 ? 92 : 0)) / 1024.0);
+    }
+    matrix = read_matrix(content, 0.5, &err);
+    CHECK_TEXT(err.text, "", "a column may give out all that is taken in");
+    for (size_t k = 0; k < sizeof lights / sizeof lights[0]; k++) {
+        static const double width[] = {30, 60, 120, 150}; /* of bands at 400, 430, 520 and 670 */
+        struct spectrum light = read_word(lights[k]), given = emission_under(&matrix, &light);
+        double in = 0, out = 0;
+        for (int i = 0; i < COLUMNS; i++)
+            in += 5 * 0.5 * spectrum_at(&light, 300 + 5 * i, SPECTRUM_ZERO);
+        for (int j = 0; j < given.count; j++)
+            out += width[j] * given.value[j];
+        CHECK_NEAR(out / in, 1, (3 * COLUMNS + 20) * half_epsilon,
+                   "under %s it gives out what it takes in", lights[k]);
+        spectrum_free(&light);
+        spectrum_free(&given);
+    }
+    donaldson_free(&matrix);
+    matrix = read_matrix("nm 400\n500 .04\n510 .06\n", 0.9, &err);
+    CHECK_TEXT(err.text, "", "0.04 + 0.06 is 1 - 0.9, though that difference is rounded down");
+    donaldson_free(&matrix);
+}
+
+static void check_extremes(void)
+{
+    double nm[] = {400, 410}, dim_nm[] = {500}, share[] = {1e-300, 1e-300};
+    struct donaldson matrix = {2, 1, nm, dim_nm, share};
+    struct spectrum light = constant(1e300), given = emission_under(&matrix, &light);
+    struct error err = {0};
+    CHECK_NEAR(given.count == 1 ? given.value[0] : 0, 20, 20 * 8 * half_epsilon,
+               "a bright light and a faint matrix meet in the middle");
+    spectrum_free(&given);
+    share[0] = share[1] = 1;
+    light = constant(1e308);
+    CHECK(!donaldson_emission(&matrix, &light, &given, &err) && err.status == EXIT_INPUT &&
+              given.kind == SPECTRUM_NONE && given.value == NULL,
+          "what no number holds is refused");
+    matrix.n_excitation = 1;
+    light = constant(0.5);
+    given = emission_under(&matrix, &light);
+    CHECK(given.count == 1 && given.value[0] == 0.5, "single bands are 1 nm wide");
+    spectrum_free(&given);
+}
+
+static void check_refusals(void)
+{
+    static const struct {
+        const char *content, *message; /* after the path */
+    } refused[] = {
+        {"# nothing\n", ": error: no rows"},
+        {"300 310\n400 0.1 0.1", ":1:1: error: expected a word, such as nm, before"},
+        {"nm # none\n400", ":1:4: error: expected an excitation wavelength"},
+        {"\"nm 300\n", ":1:1: error: the quote"},
+        {"nm 300 x\n", ":1:8: error: excitation wavelength must be a number"},
+        {"nm 300 310 310\n", ":1:12: error: wavelength 310 nm follows 310 nm"},
+        {"nm 300 310 305\n", ":1:12: error: wavelength 305 nm follows 310 nm"},
+        {"nm -300 310\n", ":1:4: error: wavelength -300 nm"},
+        {"nm 300 310\n", ": error: no share is above 0"},
+        {"nm 300 310\n400 0 0\n410 0 0\n", ": error: no share is above 0"},
+        {"nm 300 310\n\n400 0.1\n", ":3:8: error: expected a share for each"},
+        {"nm 300 310\n400 0.1 0.2 0.3\n", ":2:13: error: '0.3' is too much"},
+        {"nm 300 310\n400 0.1 none\n", ":2:9: error: share must be a number"},
+        {"nm 300 310\n400 0.1 -0.2\n", ":2:9: error: share -0.2 is below 0"},
+        {"nm 300 310\n400 0.1 20\n", ":2:9: error: share 20 is above 1"},
+        {"nm 300 310\n400 nan 0.2\n", ":2:5: error: share must be a number"},
+        {"nm 300 310\nx 0.1 0.2\n", ":2:1: error: emission wavelength must be a number"},
+        {"nm 300 310\n400 0.1 0.2\n400 0 0\n", ":3:1: error: wavelength 400 nm follows 400 nm"},
+        {"# so\nnm 300,\t380, 390\n400 0.1 0.3 0\n410 0 0.23 0.1\n",
+         ":2:9: error: at 380 nm the matrix gives out 0.53 of the light, but the surface takes in "
+         "only 0.4 (1 - diffuse)"},
+        {"nm 300\n400 0.2\n410 0.200000000000002\n", ":1:4: error: at 300 nm the matrix gives"},
+    };
+    struct error err;
+    for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {
+        struct donaldson matrix = read_matrix(refused[i].content, 0.6, &err);
+        const char *path = write_matrix(""), *seen = strstr(err.text, path);
+        seen = seen == err.text ? seen + strlen(path) : err.text;
+        if (!CHECK(strncmp(seen, refused[i].message, strlen(refused[i].message)) == 0 &&
+                       err.status == EXIT_INPUT && matrix.share == NULL &&
+                       matrix.excitation_nm == NULL && matrix.emission_nm == NULL,
+                   "refused%s", refused[i].message))
+            printf("# saw %s\n", seen);
+    }
+}
+
+static void check_diffuse_and_size(void)
+{
+    double nm[] = {350, 390}, value[] = {0.5, 0.9};
+    const struct spectrum diffuse = samples(nm, value, 2);
+    struct place nowhere = {0};
+    struct donaldson matrix;
+    struct error err = {0};
+    char *wide = malloc(5 * 4097 + 3), *at = wide + sprintf(wide, "nm");
+    CHECK(donaldson_read(write_matrix("nm 300 360 500\n600 0.5 0.4 0.1\n"), nowhere, &diffuse,
+                         &matrix, &err),
+          "the ends of the diffuse reflectance are held, and between samples it is linear");
+    donaldson_free(&matrix);
+    CHECK(!donaldson_read(write_matrix("nm 300 360 500\n600 0.5 0.4 0.11\n"), nowhere, &diffuse,
+                          &matrix, &err) &&
+              strstr(err.text, ":1:12: error: at 500 nm") != NULL,
+          "beyond its samples, too, the matrix keeps to it");
+    for (int i = 0; i < 4097; i++)
+        at += sprintf(at, " %d", 1000 + i);
+    matrix = read_matrix(wide, 0.5, &err);
+    /* the 4097th word behind "nm ", each of 4 figures and a blank */
+    CHECK(strstr(err.text, ":1:20484: error: a matrix has at most 4096 excitation wavelengths") !=
+              NULL,
+          "a matrix has at most 4096 columns");
+    CHECK(!donaldson_read("no/such/matrix.csv", nowhere, &diffuse, &matrix, &err) &&
+              matrix.share == NULL,
+          "a missing file leaves the matrix empty");
+    free(wide);
+}
+
+int main(void)
+{
+    check_plain_sums();
+    check_limits();
+    check_union();
+    check_convergence();
+    check_gaussians();
+    check_line();
+    check_factors();
+    check_energy();
+    check_extremes();
+    check_refusals();
+    check_diffuse_and_size();
+    return test_end();
+}
