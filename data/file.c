@@ -169,6 +169,28 @@ bool file_read(const char *path, struct place from, char **bytes, size_t *length
     return false;
 }
 
+bool file_open(const char *path, struct place from, int *descriptor,
+               const struct builtin_file **builtin, struct error *err)
+{
+    struct stat status;
+    *descriptor = -1;
+    *builtin = is_builtin(path) ? builtin_find(path) : NULL;
+    if (is_builtin(path))
+        return *builtin != NULL || refuse_read(err, from, path, "there is no such built-in file");
+    *descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe must not hold us up */
+    if (*descriptor < 0 || fstat(*descriptor, &status) != 0)
+        refuse_read(err, from, path, strerror(errno));
+    else if (!S_ISREG(status.st_mode))
+        refuse_read(err, from, path,
+                    S_ISDIR(status.st_mode) ? "it is a folder" : "it is no regular file");
+    else
+        return true;
+    if (*descriptor >= 0)
+        close(*descriptor);
+    *descriptor = -1;
+    return false;
+}
+
 /* ---- writing ---- */
 
 /* A path that cannot be written is bad input; a disk that cannot take the bytes is not. */

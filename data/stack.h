@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What the two halves of the stack share: stack.c lays the file out and writes it, tags.c lets its
- * pages tell what they are. Nobody else includes this, and so nobody else knows libtiff. */
+ * pages tell what they are. Nobody else includes this. */
 #ifndef STACK_H
 #define STACK_H
 

@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: MIT */
+/* Textures of stacks that the program writes itself: which way up they lie, and what stands between
+ * and beyond their wavelengths. */
+#include "spectral.h"
+#include "test.h"
+
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <tiffio.h>
+#include <unistd.h>
+
+enum { WIDTH = 5, HEIGHT = 3, PIXELS = WIDTH * HEIGHT, PAGES = 3 };
+static const double page_nm[PAGES] = {400, 500, 700};
+static const struct place from = {"a.scene", 3, 7};
+static const char *const path = "texture.tif";
+
+/* Radiance of a pixel, x to the right and t upwards. Page 1 is so bright that what is not exactly
+ * page 2 has lost its digits. */
+static float radiance_at(int page, int x, int t)
+{
+    static const float base[PAGES] = {0, 0x1p60f, 2};
+    return base[page] + (float)x + 0.125f * (float)t;
+}
+
+/* A stack of floats, as large as it is told; every value `times` what it is above. */
+static bool write_stack(int n_pages, float times)
+{
+    const struct stack_options options = {.width = WIDTH,
+                                          .height = HEIGHT,
+                                          .n_wavelengths = n_pages,
+                                          .wavelengths_nm = page_nm,
+                                          .full_scale = 1,
+                                          .floating = true};
+    struct stack_writer writer;
+    struct error err = {0};
+    bool good = stack_open(&writer, path, &options, &err);
+    for (int page = 0; good && page < n_pages; page++)
+        for (int i = 0; good && i < PIXELS; i++) {
+            const float value = times * radiance_at(page, i % WIDTH, HEIGHT - 1 - i / WIDTH);
+            good = stack_write(&writer, page, i % WIDTH, i / WIDTH, 1, 1, &value, &err);
+        }
+    return CHECK(good && stack_commit(&writer, "", &err), "a stack is written %s", err.text);
+}
+
+static bool plane_is(const float *plane, int page)
+{
+    for (int i = 0; i < PIXELS; i++)
+        if (plane == NULL || plane[i] < radiance_at(page, i % WIDTH, i / WIDTH) ||
+            plane[i] > radiance_at(page, i % WIDTH, i / WIDTH))
+            return false;
+    return true;
+}
+
+static void test_grey(void)
+{
+    struct texture texture;
+    struct error err = {0};
+    if (!write_stack(1, 1) ||
+        !CHECK(texture_read(path, from, true, &texture, &err), "a grey texture %s", err.text))
+        return;
+    CHECK(!texture.spectral && texture.linear, "is not spectral, and linear as asked");
+    CHECK(texture.image.width == WIDTH && texture.image.height == HEIGHT, "of the page's size");
+    CHECK(plane_is(texture.plane[0], 0), "its bottom row comes first");
+    CHECK(texture.plane[1] == NULL, "it has one plane");
+    CHECK_NEAR(texture.largest, 4.25, 0, "its largest value");
+    CHECK(texture_load(&texture, page_nm, PAGES, &err) && plane_is(texture.plane[0], 0),
+          "it is the same at all wavelengths");
+    texture_free(&texture);
+    texture_free(&texture);
+    CHECK(texture.plane[0] == NULL && texture.image.file == NULL, "and leaves nothing");
+    CHECK(write_stack(1, 0) && texture_read(path, from, false, &texture, &err),
+          "a black texture is one too %s", err.text);
+    CHECK_NEAR(texture.largest, 0, 0, "of nothing");
+    CHECK(!texture.linear, "nearest as asked");
+    texture_free(&texture);
+}
+
+/* Loads one wavelength, next to another one that must not matter, and sees page + share of the way
+ * to the next one, the nearest float. */
+static void check_between(struct texture *texture, double nm, int page, double share)
+{
+    const double asked[] = {620, nm};
+    struct error err = {0};
+    double furthest = 0;
+    if (!CHECK(texture_load(texture, asked, 2, &err), "%g nm is loaded %s", nm, err.text))
+        return;
+    for (int i = 0; i < PIXELS; i++) {
+        const double low = (double)radiance_at(page, i % WIDTH, i / WIDTH);
+        const double high = share > 0 ? (double)radiance_at(page + 1, i % WIDTH, i / WIDTH) : low;
+        const float expected = (float)(low + share * (high - low));
+        furthest = fmax(furthest, fabs((double)texture->plane[1][i] - (double)expected));
+    }
+    CHECK_NEAR(furthest, 0, 0, "%g nm lies %g behind page %d", nm, share, page);
+}
+
+static void test_spectral(void)
+{
+    struct texture texture;
+    struct error err = {0};
+    if (!write_stack(PAGES, 1) || !CHECK(texture_read_spectral(path, from, false, &texture, &err),
+                                         "a spectral texture %s", err.text))
+        return;
+    CHECK(texture.spectral && !texture.linear, "is spectral, and nearest as asked");
+    CHECK_NEAR(texture.largest, 0x1p60, 0, "its largest value, of a page amid the others");
+    CHECK(texture_load(&texture, page_nm, PAGES, &err), "three planes at once %s", err.text);
+    for (int page = 0; page < PAGES; page++)
+        CHECK(plane_is(texture.plane[page], page), "%g nm is its page", page_nm[page]);
+    check_between(&texture, 400, 0, 0);
+    check_between(&texture, 425, 0, 0.25);
+    check_between(&texture, 500, 1, 0);
+    check_between(&texture, 600, 1, 0.5);
+    check_between(&texture, 660, 1, 0.8);
+    check_between(&texture, 700, 2, 0);
+    check_between(&texture, 300, 0, 0);
+    check_between(&texture, 2500, 2, 0);
+    texture_free(&texture);
+    CHECK(write_stack(1, 1) && texture_read_spectral(path, from, true, &texture, &err),
+          "a stack of one page is a spectral texture %s", err.text);
+    CHECK(texture_load(&texture, page_nm, PAGES, &err) && plane_is(texture.plane[2], 0),
+          "the same everywhere %s", err.text);
+    texture_free(&texture);
+}
+
+static void check_refusal(bool read, struct texture *texture, const struct error *err,
+                          const char *what)
+{
+    CHECK(!read && err->status == EXIT_INPUT && strstr(err->text, what) != NULL &&
+              strncmp(err->text, "a.scene:3:7: error: texture.tif: ", 33) == 0 &&
+              texture->plane[0] == NULL && texture->image.file == NULL,
+          "refused with '%s': %s", what, err->text);
+    texture_free(texture);
+}
+
+static void test_refusals(void)
+{
+    struct texture texture;
+    struct error several = {0}, untold = {0}, negative = {0};
+    bool read = write_stack(PAGES, 1) && texture_read(path, from, true, &texture, &several);
+    check_refusal(read, &texture, &several, "it has 3 pages; a texture is one page");
+    read = write_stack(2, -1) && texture_read_spectral(path, from, true, &texture, &negative);
+    check_refusal(read, &texture, &negative,
+                  "page 1 (400 nm): the radiance at column 0, row 0 is -0.25;");
+    TIFF *tiff = TIFFOpen(path, "w");
+    TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, 1);
+    TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, 1);
+    TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, 8);
+    TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
+    TIFFWriteScanline(tiff, (char[]){1}, 0, 0);
+    TIFFClose(tiff);
+    read = texture_read_spectral(path, from, true, &texture, &untold);
+    check_refusal(read, &texture, &untold, "its pages tell no wavelengths");
+}
+
+/* A file that is cut while it is open: the planes fail, and say where. */
+static void test_cut(void)
+{
+    struct texture texture;
+    struct error err = {0};
+    struct stat status;
+    if (!write_stack(PAGES, 1) || !texture_read_spectral(path, from, true, &texture, &err) ||
+        stat(path, &status) != 0 || truncate(path, status.st_size - 1) != 0) {
+        CHECK(false, "a stack is read, then cut %s", err.text);
+        return;
+    }
+    CHECK(texture_load(&texture, page_nm, 2, &err), "what is left can be loaded %s", err.text);
+    CHECK(!texture_load(&texture, page_nm, 3, &err) && strstr(err.text, "page 3 (700 nm)") != NULL,
+          "what is lost cannot: %s", err.text);
+    texture_free(&texture);
+}
+
+int main(void)
+{
+    const char *folder = getenv("TEST_TMP") != NULL ? getenv("TEST_TMP") : "build/tmp";
+    mkdir(folder, 0777);
+    if (!CHECK(chdir(folder) == 0, "there is a folder for temporary files"))
+        return test_end();
+    test_grey();
+    test_spectral();
+    test_refusals();
+    test_cut();
+    unlink(path);
+    return test_end();
+}
