@@ -9,8 +9,6 @@
 #include <string.h>
 #include <strings.h>
 
-static const double highest_gloss = 128; /* as GL_SHININESS */
-
 /* The excitation by a light is divided by the sum, which stands for a light of 1 everywhere. */
 static bool check_excitation(const struct spectrum *excitation, struct error *err)
 {
@@ -104,7 +102,7 @@ static bool read_line(struct text *text, const struct word *first, struct materi
     case 'g':
         return place_once(&out->gloss_place, first->place, "gloss", err) &&
                text_expect(text, &word, "a gloss", err) &&
-               word_number(&word, "gloss", 0, highest_gloss, &out->gloss, err);
+               word_number(&word, "gloss", 0, HIGHEST_GLOSS, &out->gloss, err);
     case 't':
         return place_once(&out->texture_place, first->place, "texture", err) &&
                text_expect(text, &word, "a texture file", err) &&
@@ -256,7 +254,7 @@ static bool block_entry(struct text *text, int kind, struct material *out, struc
     case BLOCK_SPECULAR:
         return spectrum_read(&word, 0, 1, &out->specular, err);
     case BLOCK_GLOSS:
-        return word_number(&word, "gloss", 0, highest_gloss, &out->gloss, err);
+        return word_number(&word, "gloss", 0, HIGHEST_GLOSS, &out->gloss, err);
     case BLOCK_FLUORESCENCE:
         return spectrum_read(&word, 0, HUGE_VAL, &out->excitation, err) &&
                read_emission(text, out, err);
@@ -265,7 +263,7 @@ static bool block_entry(struct text *text, int kind, struct material *out, struc
     case BLOCK_TEXTURE:
         return word_path(&word, &out->texture, err) && read_filter(text, out, err);
     case BLOCK_SPECTRAL_TEXTURE:
-        return word_path(&word, &out->spectral_texture, err);
+        return word_path(&word, &out->spectral_texture, err) && read_filter(text, out, err);
     case BLOCK_EMISSION:
         return spectrum_read(&word, 0, HUGE_VAL, &out->glow, err);
     case BLOCK_METAMER:

@@ -31,6 +31,7 @@ bool mesh_reserve(struct mesh *mesh, size_t n_vertices, size_t n_triangles, stru
     if (!more)
         return error_memory(err);
     mesh->triangles = more;
+    mesh->n_parts += mesh->n_parts == 0; /* it is one part as long as nobody divides it */
     return true;
 }
 
@@ -38,6 +39,10 @@ void mesh_free(struct mesh *mesh)
 {
     free(mesh->vertices);
     free(mesh->triangles);
+    free(mesh->part);
+    for (int i = 0; mesh->part_names && i < mesh->n_parts; i++)
+        free(mesh->part_names[i]);
+    free(mesh->part_names);
     *mesh = (struct mesh){.n_vertices = 0};
 }
 
@@ -65,7 +70,7 @@ struct builder {
 
 static int face_start(const struct obj *obj, int face)
 {
-    return face > 0 ? obj->face_ends[face - 1] : 0;
+    return face > 0 ? obj->faces[face - 1].end : 0;
 }
 
 static bool builder_allocate(struct builder *b, struct error *err)
@@ -74,7 +79,7 @@ static bool builder_allocate(struct builder *b, struct error *err)
     int longest = 0;
 
     for (int face = 0; face < b->obj.n_faces; face++) {
-        const int n = b->obj.face_ends[face] - face_start(&b->obj, face);
+        const int n = b->obj.faces[face].end - face_start(&b->obj, face);
         longest = n > longest ? n : longest;
     }
     b->ring = calloc((size_t)longest, sizeof *b->ring);
@@ -105,7 +110,7 @@ static void builder_free(struct builder *b)
 /* Fills the ring with a face's places; returns how many. */
 static int gather_ring(struct builder *b, int face)
 {
-    const int first = face_start(&b->obj, face), n = b->obj.face_ends[face] - first;
+    const int first = face_start(&b->obj, face), n = b->obj.faces[face].end - first;
 
     for (int i = 0; i < n; i++)
         b->ring[i] = b->obj.list[POINT].at[b->obj.corners[first + i].index[POINT]];
@@ -114,10 +119,17 @@ static int gather_ring(struct builder *b, int face)
 
 /* ---- bounds ---- */
 
-static void widen(double *low, double *high, double by)
+static void widen_side(double *low, double *high, double by)
 {
     *low = by < *low ? by : *low;
     *high = by > *high ? by : *high;
+}
+
+static void widen(struct vector *low, struct vector *high, struct vector by)
+{
+    widen_side(&low->x, &high->x, by.x);
+    widen_side(&low->y, &high->y, by.y);
+    widen_side(&low->z, &high->z, by.z);
 }
 
 static void find_bounds(struct builder *b)
@@ -125,12 +137,8 @@ static void find_bounds(struct builder *b)
     const struct vector *points = b->obj.list[POINT].at;
 
     b->low = b->high = points[b->obj.corners[0].index[POINT]];
-    for (int i = 1; i < b->obj.n_corners; i++) {
-        const struct vector *point = &points[b->obj.corners[i].index[POINT]];
-        widen(&b->low.x, &b->high.x, point->x);
-        widen(&b->low.y, &b->high.y, point->y);
-        widen(&b->low.z, &b->high.z, point->z);
-    }
+    for (int i = 1; i < b->obj.n_corners; i++)
+        widen(&b->low, &b->high, points[b->obj.corners[i].index[POINT]]);
 }
 
 /* Into [-1, 1]^3, which no coordinate leaves: half is the largest distance from the centre as it
@@ -265,6 +273,19 @@ static double share(double at, double low, double high)
     return high > low ? (at - low) / (high - low) : 0;
 }
 
+void mesh_planar(struct mesh *mesh)
+{
+    struct vector low = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = vector_scale(low, -1);
+
+    for (int i = 0; i < mesh->n_vertices; i++)
+        widen(&low, &high, mesh->vertices[i].position);
+    for (int i = 0; i < mesh->n_vertices; i++) {
+        struct vertex *vertex = &mesh->vertices[i];
+        vertex->s = share(vertex->position.x, low.x, high.x);
+        vertex->t = share(vertex->position.y, low.y, high.y);
+    }
+}
+
 static struct vertex make_vertex(const struct builder *b, const struct obj_corner *corner)
 {
     const struct vector place = b->obj.list[POINT].at[corner->index[POINT]];
@@ -302,7 +323,10 @@ static bool add_face(struct builder *b, int face, struct mesh *mesh, struct erro
 
     cutter_run(&b->cutter, b->ring, gather_ring(b, face));
     for (int i = 0; i < b->cutter.n_triangles; i++) {
-        int32_t *vertices = mesh->triangles[mesh->n_triangles++];
+        int32_t *vertices = mesh->triangles[mesh->n_triangles];
+        if (mesh->part)
+            mesh->part[mesh->n_triangles] = b->obj.faces[face].name;
+        mesh->n_triangles++;
         for (int k = 0; k < 3; k++) {
             vertices[k] = find_vertex(b, first + b->cutter.triangles[i][k], mesh, err);
             if (vertices[k] < 0)
@@ -312,12 +336,29 @@ static bool add_face(struct builder *b, int face, struct mesh *mesh, struct erro
     return true;
 }
 
+/* The names become the mesh's, unless no face has one. */
+static bool divide(struct obj *obj, size_t n_triangles, struct mesh *mesh, struct error *err)
+{
+    if (obj->n_names == 1 && obj->names[0][0] == '\0')
+        return true;
+    mesh->part = calloc(n_triangles, sizeof *mesh->part);
+    if (!mesh->part)
+        return error_memory(err);
+    mesh->part_names = obj->names;
+    mesh->n_parts = obj->n_names;
+    obj->names = NULL;
+    obj->n_names = 0;
+    return true;
+}
+
 /* A face of n corners has at most n - 2 triangles. */
 static bool add_faces(struct builder *b, struct mesh *mesh, struct error *err)
 {
+    const size_t most = (size_t)(b->obj.n_corners - 2 * b->obj.n_faces);
+
     for (int p = 0; p < b->obj.list[POINT].n; p++)
         b->first_vertex[p] = -1;
-    if (!mesh_reserve(mesh, 0, (size_t)(b->obj.n_corners - 2 * b->obj.n_faces), err))
+    if (!mesh_reserve(mesh, 0, most, err) || !divide(&b->obj, most, mesh, err))
         return false;
     for (int face = 0; face < b->obj.n_faces; face++)
         if (!add_face(b, face, mesh, err))

@@ -17,14 +17,21 @@ struct obj_list {
     struct vector *at;
     int n;
 };
+struct obj_face {
+    int32_t end;  /* its corners reach up to here, from where those of the face before it end */
+    int32_t name; /* index of its usemtl */
+};
 /* Neighbouring corners of a face lie at different places, and a face has at least 3. All counts are
  * below 2^30, since the file is shorter than 2^31 bytes. */
 struct obj {
     struct obj_list list[3]; /* POINT, TEXTURE; NORMAL, of unit length or 0 0 0 */
     struct obj_corner *corners;
-    int32_t *face_ends; /* face i has the corners up to face_ends[i], from where face i - 1 ends */
-    int n_corners, n_faces;
-    bool lacks_normals; /* perhaps: some corner has none */
+    struct obj_face *faces;
+    char **names; /* of usemtl, in order of first use by a face; "" before the first; owned */
+    int n_corners, n_faces, n_names;
+    struct word material; /* the latest usemtl, while the file is read */
+    int32_t name;         /* its index; -1: not used yet */
+    bool lacks_normals;   /* perhaps: some corner has none */
 };
 
 /* Reads and checks the file; one without any face is refused. */

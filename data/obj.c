@@ -139,21 +139,47 @@ static bool add_corner(struct obj *obj, int first, struct obj_corner corner, str
     return true;
 }
 
+/* Finds the current usemtl among the names, or adds it. */
+static bool find_name(struct obj *obj, struct error *err)
+{
+    char *name = word_copy(&obj->material);
+    char **more;
+
+    if (!name)
+        return error_memory(err);
+    for (obj->name = 0; obj->name < obj->n_names; obj->name++)
+        if (strcmp(obj->names[obj->name], name) == 0) {
+            free(name);
+            return true;
+        }
+    more = array_more(obj->names, obj->n_names, sizeof *more, err);
+    if (!more) {
+        free(name);
+        return false;
+    }
+    obj->names = more;
+    more[obj->n_names++] = name;
+    return true;
+}
+
 /* Ends the face that began at `first`; one that is only a point or an edge is forgotten. */
 static bool end_face(struct obj *obj, int first, struct error *err)
 {
-    int32_t *more = array_more(obj->face_ends, obj->n_faces, sizeof *more, err);
+    struct obj_face *more = array_more(obj->faces, obj->n_faces, sizeof *more, err);
 
     if (!more)
         return false;
-    obj->face_ends = more;
+    obj->faces = more;
     while (obj->n_corners > first + 1 &&
            same_place(place_of(obj, first), place_of(obj, obj->n_corners - 1)))
         obj->n_corners--;
-    if (obj->n_corners < first + 3)
+    if (obj->n_corners < first + 3) {
         obj->n_corners = first;
-    else
-        more[obj->n_faces++] = obj->n_corners;
+        return true;
+    }
+    if (obj->name < 0 && !find_name(obj, err))
+        return false;
+    more[obj->n_faces++] = (struct obj_face){obj->n_corners, obj->name};
     return true;
 }
 
@@ -186,15 +212,24 @@ static bool read_face(struct text *text, struct obj *obj, struct error *err)
 
 /* ---- the file ---- */
 
+static void read_usemtl(struct text *text, struct obj *obj)
+{
+    const struct word none = {.start = ""};
+
+    if (!next_word(text, &obj->material))
+        obj->material = none;
+    obj->name = -1;
+}
+
 /* Known statements that say nothing about polygons. */
 static bool is_skipped(const struct word *keyword)
 {
     static const char *const skipped[] = {
-        "g",     "o",    "s",     "usemtl",     "mtllib",    "usemap", "maplib", "mg",
-        "p",     "l",    "vp",    "cstype",     "deg",       "bmat",   "step",   "curv",
-        "curv2", "surf", "parm",  "trim",       "hole",      "scrv",   "sp",     "end",
-        "con",   "lod",  "bevel", "c_interp",   "d_interp",  "ctech",  "stech",  "bsp",
-        "bzp",   "cdc",  "cdp",   "shadow_obj", "trace_obj", "res"};
+        "g",    "o",     "s",          "mtllib",    "usemap", "maplib", "mg",   "p",
+        "l",    "vp",    "cstype",     "deg",       "bmat",   "step",   "curv", "curv2",
+        "surf", "parm",  "trim",       "hole",      "scrv",   "sp",     "end",  "con",
+        "lod",  "bevel", "c_interp",   "d_interp",  "ctech",  "stech",  "bsp",  "bzp",
+        "cdc",  "cdp",   "shadow_obj", "trace_obj", "res"};
 
     for (size_t i = 0; i < sizeof skipped / sizeof *skipped; i++)
         if (word_is(keyword, skipped[i]))
@@ -212,7 +247,9 @@ static bool read_statement(struct text *text, const struct word *keyword, struct
     for (int i = POINT; i <= NORMAL; i++)
         if (word_is(keyword, forms[i].keyword))
             return read_item(text, &forms[i], &obj->list[i], err);
-    if (!is_skipped(keyword))
+    if (word_is(keyword, "usemtl"))
+        read_usemtl(text, obj);
+    else if (!is_skipped(keyword))
         return error_at(err, keyword->place,
                         "unknown statement %.*s; OBJ has v, vt, vn, f, g, o, s, usemtl, mtllib, "
                         "...",
@@ -228,7 +265,7 @@ bool obj_read(const char *path, struct place from, struct obj *out, struct error
     struct word keyword;
     bool good = true;
 
-    *out = (struct obj){.n_faces = 0};
+    *out = (struct obj){.material = {.start = ""}, .name = -1};
     if (!text_open(&text, path, from, err))
         return false;
     while (good && text_next_line(&text))
@@ -244,7 +281,10 @@ void obj_free(struct obj *obj)
 {
     for (int i = POINT; i <= NORMAL; i++)
         free(obj->list[i].at);
+    for (int i = 0; i < obj->n_names; i++)
+        free(obj->names[i]);
+    free(obj->names);
     free(obj->corners);
-    free(obj->face_ends);
+    free(obj->faces);
     *obj = (struct obj){.n_faces = 0};
 }

@@ -1,79 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* The things in a scene: materials by name, shapes with their transforms, and the thesis's grid of
- * one object a material. Materials may be used before they are defined, so that they are found and
- * read when the whole scene is known; those that nothing uses are never opened. */
+/* The things in a scene: shapes with their transforms, and the thesis's grid of one object a
+ * material. */
 #include "scene.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* ---- definitions ---- */
-
-static int find_material(const struct scene *scene, const struct word *word)
-{
-    for (int i = 0; i < scene->n_materials; i++) {
-        const char *name = scene->materials[i].name;
-        if (name != NULL && strncmp(name, word->start, word->length) == 0 &&
-            name[word->length] == '\0')
-            return i;
-    }
-    return -1;
-}
-
-/* Takes over what *material owns, unless this fails. */
-static bool add_material(struct scene *scene, const struct material *material, struct error *err)
-{
-    struct material *grown = array_more(scene->materials, scene->n_materials, sizeof *grown, err);
-    if (grown == NULL)
-        return false;
-    scene->materials = grown;
-    grown[scene->n_materials++] = *material;
-    return true;
-}
-
-static bool check_name(const struct scene *scene, const struct word *word, struct error *err)
-{
-    int first = find_material(scene, word);
-    if (word_is(word, "{"))
-        return error_at(err, word->place, "expected a name before the {");
-    if (first < 0)
-        return true;
-    return error_at(err, word->place, "there is a material '%.100s' already, in line %d of %.200s",
-                    scene->materials[first].name, scene->materials[first].place.line,
-                    scene->materials[first].place.path);
-}
-
-/* What follows the name: the words in braces, or a file that is only noted. */
-static bool read_content(struct text *text, struct material *out, struct error *err)
-{
-    struct word word;
-    if (!text_expect(text, &word, "a material file or {", err))
-        return false;
-    if (word_is(&word, "{"))
-        return material_read_words(text, out, err) && text_end(text, "a material", err);
-    if (!word.quoted && word.start[0] == '{')
-        return error_at(err, word.place, "a { stands alone, between blanks");
-    out->place = word.place;
-    return word_path(&word, &out->path, err) && text_end(text, "a material", err);
-}
-
-bool definition_read(struct scene_reader *reader, struct error *err)
-{
-    struct material material = {0};
-    struct word word;
-    if (text_expect(reader->text, &word, "a name for the material", err) &&
-        check_name(reader->scene, &word, err) && read_content(reader->text, &material, err)) {
-        material.name = word_copy(&word);
-        if (material.name == NULL)
-            error_memory(err);
-        else if (add_material(reader->scene, &material, err))
-            return true;
-    }
-    material_free(&material);
-    return false;
-}
 
 /* ---- shapes ---- */
 
@@ -130,7 +63,8 @@ static bool read_shape(struct text *text, struct shape *out, struct error *err)
     kind = word_choose(&word, shape_names, "shape", err);
     if (kind < 0)
         return false;
-    *out = (struct shape){.kind = (enum shape_kind)kind, .crease_deg = 90, .place = word.place};
+    *out = (struct shape){
+        .kind = (enum shape_kind)kind, .crease_deg = 90, .repeat = {1, 1}, .place = word.place};
     if (out->kind != SHAPE_MESH)
         return read_parameters(text, out, err);
     if (!text_expect(text, &word, "a mesh file", err))
@@ -166,11 +100,16 @@ enum object_option {
     OBJECT_SCALE,
     OBJECT_ROTATE,
     OBJECT_TRANSLATE,
+    OBJECT_TWO_SIDED,
+    OBJECT_PLANAR,
+    OBJECT_REPEAT,
     OBJECT_UNITIZE,
-    OBJECT_CREASE
+    OBJECT_CREASE,
+    OBJECT_OPTIONS
 };
 static const char *const option_words[] = {"material",  "materials", "scale",  "rotate",
-                                           "translate", "unitize",   "crease", NULL};
+                                           "translate", "two-sided", "planar", "repeat",
+                                           "unitize",   "crease",    NULL};
 
 static bool read_transform(struct text *text, int option, struct matrix *out, struct error *err)
 {
@@ -197,30 +136,25 @@ static bool read_transform(struct text *text, int option, struct matrix *out, st
 
 /* ---- objects ---- */
 
-/* An object as its line says it. The material is a word until all materials are known. */
+/* An object as its line says it. Its material, or the map of several, is a word until all materials
+ * are known. */
 struct description {
     struct object object;
     struct word material;
-    struct place material_place, crease_place, unitize_place;
-    bool listed; /* a list gives the materials */
+    struct place given[OBJECT_OPTIONS]; /* those that hold only once */
+    bool listed;                        /* a list gives the materials */
 };
 
 static bool read_material(struct text *text, struct place place, bool map, struct description *out,
                           struct error *err)
 {
-    struct shape *shape = &out->object.shape;
-    struct word word;
     if (out->listed)
         return error_at(err, place, "the materials of a checker come from its list");
-    if (map && shape->kind != SHAPE_MESH)
+    if (map && out->object.shape.kind != SHAPE_MESH)
         return error_at(err, place, "only a mesh has several materials");
-    if (!place_once(&out->material_place, place, "material", err) ||
-        !text_expect(text, &word, map ? "a material map" : "a material", err))
-        return false;
-    if (map)
-        return word_path(&word, &shape->material_map, err);
-    out->material = word;
-    return true;
+    return place_once(&out->given[OBJECT_MATERIAL], place, "material", err) &&
+           text_expect(text, &out->material, map ? "a material map" : "a material", err) &&
+           (!map || word_path(&out->material, &out->object.material_map, err));
 }
 
 static bool read_option(struct text *text, const struct word *word, struct description *out,
@@ -234,14 +168,20 @@ static bool read_option(struct text *text, const struct word *word, struct descr
         return read_material(text, word->place, option == OBJECT_MATERIALS, out, err);
     if (option <= OBJECT_TRANSLATE)
         return read_transform(text, option, &out->object.transform, err);
-    if (shape->kind != SHAPE_MESH)
+    if (option >= OBJECT_UNITIZE && shape->kind != SHAPE_MESH)
         return error_at(err, word->place, "%s is for a mesh, not for a %s", option_words[option],
                         shape_name(shape->kind));
+    if (!place_once(&out->given[option], word->place, option_words[option], err))
+        return false;
+    if (option == OBJECT_REPEAT)
+        return text_number(text, "repeat along s", DBL_MIN, HUGE_VAL, &shape->repeat[0], err) &&
+               text_number(text, "repeat along t", DBL_MIN, HUGE_VAL, &shape->repeat[1], err);
     if (option == OBJECT_CREASE)
-        return place_once(&out->crease_place, word->place, "crease", err) &&
-               text_number(text, "crease", 0, 180, &shape->crease_deg, err);
-    shape->unitize = true;
-    return place_once(&out->unitize_place, word->place, "unitize", err);
+        return text_number(text, "crease", 0, 180, &shape->crease_deg, err);
+    out->object.two_sided = out->object.two_sided || option == OBJECT_TWO_SIDED;
+    shape->planar = shape->planar || option == OBJECT_PLANAR;
+    shape->unitize = shape->unitize || option == OBJECT_UNITIZE;
+    return true;
 }
 
 /* The shape and all words after it. */
@@ -257,15 +197,18 @@ static bool read_description(struct scene_reader *reader, struct description *ou
     while (text_word(reader->text, &word))
         if (!read_option(reader->text, &word, out, err))
             return false;
-    return out->listed || out->material_place.line > 0 ||
+    return out->listed || out->given[OBJECT_MATERIAL].line > 0 ||
            error_at(err, reader->place, "the object has no material; write material and its name");
 }
 
-void shape_free(struct shape *shape)
+void object_free(struct object *object)
 {
-    free(shape->path);
-    free(shape->material_map);
-    shape->path = shape->material_map = NULL;
+    free(object->shape.path);
+    free(object->material_map);
+    for (int i = 0; i < object->n_uses; i++)
+        free(object->uses[i].name);
+    free(object->uses);
+    *object = (struct object){.n_uses = 0};
 }
 
 /* Copies what the description owns. */
@@ -286,10 +229,10 @@ static bool add_object(struct scene_reader *reader, const struct description *de
     reader->uses = uses;
     uses[n] = description->material;
     objects[n] = description->object;
-    objects[n].shape.material_map = NULL;
+    objects[n].material_map = NULL;
     scene->n_objects++;
     return string_copy(from->path, &objects[n].shape.path, err) &&
-           string_copy(from->material_map, &objects[n].shape.material_map, err);
+           string_copy(description->object.material_map, &objects[n].material_map, err);
 }
 
 bool object_read(struct scene_reader *reader, struct error *err)
@@ -297,7 +240,7 @@ bool object_read(struct scene_reader *reader, struct error *err)
     struct description description = {.listed = false};
     bool done =
         read_description(reader, &description, err) && add_object(reader, &description, err);
-    shape_free(&description.object.shape);
+    object_free(&description.object);
     return done;
 }
 
@@ -316,23 +259,6 @@ static struct matrix grid_place(int i, int n)
     return matrix_product(matrix_scaling(size), matrix_translation(at));
 }
 
-/* Listed materials have no name until they are read; the same file is the same material. */
-static bool add_file(struct scene *scene, const struct word *word, int *out, struct error *err)
-{
-    struct material material = {.place = word->place};
-    int i = 0;
-    if (!word_path(word, &material.path, err))
-        return false;
-    while (i < scene->n_materials && (scene->materials[i].name != NULL ||
-                                      strcmp(scene->materials[i].path, material.path) != 0))
-        i++;
-    *out = i;
-    if (i == scene->n_materials && add_material(scene, &material, err))
-        return true;
-    material_free(&material);
-    return i < scene->n_materials;
-}
-
 /* One material file a line, each the material of a copy of the pattern. */
 static bool add_listed(struct scene_reader *reader, struct text *list, struct description *pattern,
                        struct error *err)
@@ -342,7 +268,7 @@ static bool add_listed(struct scene_reader *reader, struct text *list, struct de
         if (text_peek(*list, &word) &&
             (!text_expect(list, &word, "a material file", err) ||
              !text_end(list, "a line of a list", err) ||
-             !add_file(reader->scene, &word, &pattern->object.material, err) ||
+             !listed_add(reader->scene, &word, &pattern->object.material, err) ||
              !add_object(reader, pattern, err)))
             return false;
     return true;
@@ -372,71 +298,6 @@ bool checker_read(struct scene_reader *reader, struct error *err)
                 (list.path != NULL || scene_open(reader->scene, &word, &list, err)) &&
                 read_description(reader, &description, err) &&
                 add_grid(reader, &list, &description, err);
-    shape_free(&description.object.shape);
+    object_free(&description.object);
     return done;
-}
-
-/* ---- materials of objects ---- */
-
-static bool refuse_unknown(const struct scene *scene, const struct word *name, struct error *err)
-{
-    char list[LIST_SIZE] = "";
-    for (int i = 0; i < scene->n_materials; i++)
-        if (scene->materials[i].name != NULL)
-            list_add(list, scene->materials[i].name, 40);
-    return error_at(err, name->place, "no material '%.*s'; the scene's materials are: %s",
-                    word_shown(name), name->start, list[0] != '\0' ? list : "none");
-}
-
-/* Reads a material file; name and place stay the scene's. */
-static bool load(struct material *material, struct error *err)
-{
-    struct material fresh;
-    char *name = material->name;
-    if (material->diffuse.kind != SPECTRUM_NONE)
-        return true;
-    if (!material_read(material->path, material->place, &fresh, err))
-        return false;
-    if (name != NULL) {
-        material->name = fresh.name;
-        fresh.name = name;
-    }
-    fresh.place = material->place;
-    material_free(material);
-    *material = fresh;
-    return true;
-}
-
-static bool use_named(struct scene *scene, const struct word *name, int *out, struct error *err)
-{
-    *out = find_material(scene, name);
-    return *out >= 0 ? load(&scene->materials[*out], err) : refuse_unknown(scene, name, err);
-}
-
-/* A material that is cut in half names its partner. */
-static bool use_partner(struct scene *scene, const struct material *material, struct error *err)
-{
-    struct word name = {.start = material->partner_name, .place = material->partner_place};
-    int partner;
-    if (name.start == NULL)
-        return true;
-    name.length = strlen(name.start);
-    return use_named(scene, &name, &partner, err);
-}
-
-bool uses_resolve(struct scene_reader *reader, struct error *err)
-{
-    struct scene *scene = reader->scene;
-    for (int i = 0; i < scene->n_objects; i++) {
-        int *out = &scene->objects[i].material;
-        if (reader->uses[i].start != NULL && (!use_named(scene, &reader->uses[i], out, err) ||
-                                              !use_partner(scene, &scene->materials[*out], err)))
-            return false;
-    }
-    /* Reading names the listed ones, which nothing finds by that. */
-    for (int i = 0; i < scene->n_objects; i++)
-        if (reader->uses[i].start == NULL && scene->objects[i].material >= 0 &&
-            !load(&scene->materials[scene->objects[i].material], err))
-            return false;
-    return true;
 }

@@ -175,7 +175,7 @@ void scene_free(struct scene *scene)
     for (int i = 0; i < scene->n_materials; i++)
         material_free(&scene->materials[i]);
     for (int i = 0; i < scene->n_objects; i++)
-        shape_free(&scene->objects[i].shape);
+        object_free(&scene->objects[i]);
     for (int i = 0; i < scene->n_files; i++)
         text_free(&scene->files[i]);
     free(scene->ambients);

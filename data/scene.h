@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What the files behind scene_read and material_read share. Nobody else includes this. */
+/* What the files behind scene_read and material_read share. Nobody else includes this, but
+ * fluorescence.c for its tables. */
 #ifndef SCENE_H
 #define SCENE_H
 
@@ -37,7 +38,8 @@ enum { DEEPEST_INCLUDE = 32 };
 
 struct scene_reader {
     struct scene *scene;
-    struct word *uses;  /* an object's material by name, until all are known; start NULL: known */
+    struct word *uses;  /* an object's material by name, or its map, until all materials are known;
+                           start NULL: known */
     struct text *text;  /* the statement that is read; its first word has been read */
     struct place place; /* and stands here */
     const char *open[DEEPEST_INCLUDE]; /* the files that are being read, outermost first */
@@ -61,13 +63,28 @@ bool light_read(struct scene_reader *reader, struct error *err);
 /* What holds where no statement says otherwise; to be called after reading. */
 bool settings_complete(struct scene *scene, struct error *err);
 
-/* ---- data/object.c: materials, shapes, objects and grids of them ---- */
+/* ---- data/material.c: materials from files and from words ---- */
+
+enum { HIGHEST_GLOSS = 128 }; /* as GL_SHININESS */
+
+/* ---- data/mtl.c: the colours that come with OBJ models ---- */
+
+/* The entry of that name; a file without one is blamed on `from`, which names it. */
+bool mtl_read(const char *path, struct place from, const struct word *name, struct material *out,
+              struct error *err);
+
+/* ---- data/use.c: materials by name, and which of them are used ---- */
 
 bool definition_read(struct scene_reader *reader, struct error *err);
-bool object_read(struct scene_reader *reader, struct error *err);
-bool checker_read(struct scene_reader *reader, struct error *err);
-void shape_free(struct shape *shape);
+/* The material of a file that a list names, which may be there already; *out is its index. */
+bool listed_add(struct scene *scene, const struct word *word, int *out, struct error *err);
 /* Finds the materials of all objects and reads those that are used. */
 bool uses_resolve(struct scene_reader *reader, struct error *err);
+
+/* ---- data/object.c: shapes, objects and grids of them ---- */
+
+bool object_read(struct scene_reader *reader, struct error *err);
+bool checker_read(struct scene_reader *reader, struct error *err);
+void object_free(struct object *object);
 
 #endif

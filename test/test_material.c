@@ -169,6 +169,11 @@ static void check_absent_words(void)
               m.donaldson_place.column == 12,
           "a matrix and a stack go together");
     CHECK_TEXT(m.donaldson, "scenes/b.csv", "the matrix is relative to the scene");
+    CHECK(!m.texture_linear, "a stack is nearest by default");
+    material_free(&m);
+    text_free(&rest);
+    m = read_words(" diffuse 1 spectral-texture s.tif linear }", &rest, &err);
+    CHECK(err.status == EXIT_AGREED && m.texture_linear, "and linear where it says so");
     material_free(&m);
     text_free(&rest);
     m = read_words(" diffuse 1 texture a.tif }", &rest, &err);

@@ -435,6 +435,37 @@ static void check_sharing(void)
     mesh_free(&mesh);
 }
 
+/* Two squares, of which the second is of two triangles, and an edge that is not drawn. */
+static void check_parts(void)
+{
+    struct mesh mesh = read_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+                                 "usemtl never\nusemtl edge\nf 1 2 1\nusemtl\nf 1 2 3 4\n"
+                                 "usemtl red # not blue\nf 1 2 3\nusemtl \"two words\"\nf 1 3 4\n"
+                                 "usemtl red\nf 4 3 1\n",
+                                 90);
+    const int32_t parts[] = {0, 0, 1, 2, 1};
+    struct mesh plain;
+
+    if (CHECK(mesh.n_parts == 3 && mesh.n_triangles == 5 && mesh.part && mesh.part_names,
+              "names of usemtl divide a mesh")) {
+        CHECK(memcmp(mesh.part, parts, sizeof parts) == 0, "each triangle is of its face's part");
+        CHECK_TEXT(mesh.part_names[0], "", "faces without a name are a part");
+        CHECK_TEXT(mesh.part_names[1], "red", "parts are in order of first use by a face");
+        CHECK_TEXT(mesh.part_names[2], "two words", "a quoted name is one word");
+    }
+    mesh_free(&mesh);
+    CHECK(!mesh.part && !mesh.part_names && mesh.n_parts == 0, "freed is empty");
+    mesh = read_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl only\nf 1 2 3\n", 90);
+    CHECK(mesh.n_parts == 1 && mesh.part && strcmp(mesh.part_names[0], "only") == 0,
+          "a single part keeps its name");
+    plain = read_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\nusemtl late\n", 90);
+    CHECK(plain.n_parts == 1 && !plain.part && !plain.part_names,
+          "where no face has a name the mesh is one part");
+    CHECK(same_mesh(&mesh, &plain), "names change nothing else");
+    mesh_free(&mesh);
+    mesh_free(&plain);
+}
+
 static void check_unitize(void)
 {
     const double scales[] = {1, 1e-30, 1e30, 3e-7};
@@ -573,6 +604,7 @@ int main(void)
     check_zero_area();
     check_forms();
     check_sharing();
+    check_parts();
     check_unitize();
     check_refusals();
     check_reserve();

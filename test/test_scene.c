@@ -207,20 +207,25 @@ static void check_shapes(void)
 {
     static const enum shape_kind kinds[] = {SHAPE_SPHERE,   SHAPE_TORUS, SHAPE_BOX,  SHAPE_PLANE,
                                             SHAPE_CYLINDER, SHAPE_CONE,  SHAPE_DISK, SHAPE_TEAPOT};
-    struct scene s = read_string("material m { diffuse 0.5 }\n"
-                                 "object sphere 2.8 3 2 material m\n"
-                                 "object torus 1 2 3 4096 material m\n"
-                                 "object box 1 2 3 material m\nobject plane 1 2 material m\n"
-                                 "object cylinder 1 2 3 1 material m\n"
-                                 "object cone 1 2 3 1 material m\n"
-                                 "object disk 1 3 material m\nobject teapot 1 64 material m\n"
-                                 "object mesh models/cow.obj unitize crease 30 material m\n"
-                                 "object mesh /room.obj materials room.map\n");
+    struct scene s;
+    write_text("room.map", "* material m\n");
+    s = read_string("material m { diffuse 0.5 }\n"
+                    "object sphere 2.8 3 2 material m\n"
+                    "object torus 1 2 3 4096 material m\n"
+                    "object box 1 2 3 material m\nobject plane 1 2 material m\n"
+                    "object cylinder 1 2 3 1 material m\n"
+                    "object cone 1 2 3 1 material m\n"
+                    "object disk 1 3 material m\nobject teapot 1 64 material m\n"
+                    "object mesh models/cow.obj unitize crease 30 material m\n"
+                    "object mesh /room.obj materials room.map\n");
     const struct shape *cow, *room;
     if (CHECK(s.n_objects == 10, "every shape, at its smallest and largest counts")) {
         for (int i = 0; i < 8; i++)
             CHECK(s.objects[i].shape.kind == kinds[i] && s.objects[i].shape.parameter[0] > 0,
                   "a %s", shape_name(kinds[i]));
+        CHECK(s.objects[0].shape.repeat[0] == 1 && s.objects[0].shape.repeat[1] == 1 &&
+                  !s.objects[0].shape.planar && !s.objects[0].two_sided,
+              "by default a texture fits once on the shape's own coordinates, one-sided");
         CHECK(s.objects[1].shape.parameter[3] == 4096 && s.objects[0].shape.parameter[0] == 2.8,
               "parameters in the order written");
         cow = &s.objects[8].shape;
@@ -230,7 +235,7 @@ static void check_shapes(void)
         room = &s.objects[9].shape;
         CHECK(!room->unitize && room->crease_deg == 90 && s.objects[9].material == -1 &&
                   strcmp(room->path, "/room.obj") == 0 &&
-                  strcmp(room->material_map, temporary("room.map")) == 0,
+                  strcmp(s.objects[9].material_map, temporary("room.map")) == 0,
               "a material map stands for a material");
     }
     scene_free(&s);
@@ -258,6 +263,118 @@ static void check_materials(void)
                     "material c { diffuse 1 metamer missing }\nobject plane 1 1 material a\n");
     CHECK(s.n_materials == 3 && s.materials[1].diffuse.count == 1,
           "a partner is read for the material that names it, and only then must exist");
+    CHECK(s.materials[0].partner_index == 1, "and found");
+    scene_free(&s);
+}
+
+static void check_object_words(void)
+{
+    struct scene s = read_string("material m { diffuse 0.5 }\n"
+                                 "object plane 1 1 two-sided repeat 2.5 1e-3 material m planar\n");
+    write_text("matt.txt", "400 0.5\n");
+    write_text("two.list", "matt.txt\nmatt.txt\n");
+    if (CHECK(s.n_objects == 1, "words of an object come in any order"))
+        CHECK(s.objects[0].two_sided && s.objects[0].shape.planar &&
+                  s.objects[0].shape.repeat[0] == 2.5 && s.objects[0].shape.repeat[1] == 1e-3,
+              "two-sided, planar and repeat hold for any shape");
+    scene_free(&s);
+    s = read_string("checker two.list plane 1 1 repeat 3 4 two-sided\n");
+    CHECK(s.n_objects == 2 && s.objects[1].shape.repeat[1] == 4 && s.objects[1].two_sided,
+          "and for each object of a checker");
+    scene_free(&s);
+}
+
+/* ---- materials of parts ---- */
+
+static const struct material *used(const struct scene *s, int object, int use)
+{
+    return &s->materials[s->objects[object].uses[use].material];
+}
+
+static void check_map(void)
+{
+    struct scene s;
+    write_text("red.txt", "400 0.25\n");
+    write_text("one.list", "red.txt\n");
+    mkdir(temporary("maps"), 0777);
+    write_text("maps/a.mtl", "newmtl wall\nKd 0.5 0.5 0.5\n");
+    write_text("maps/room.map", "# a room\nwall mtl a.mtl\n\n  \"\" material late # none\n"
+                                "\"two words\" material half\n* material wall\n");
+    s = read_string("material wall { diffuse 0.125 }\n"
+                    "object mesh room.obj materials maps/room.map\n"
+                    "material half { diffuse 1 metamer other }\nmaterial other red.txt\n"
+                    "material late red.txt\nmaterial unused none.txt\n"
+                    "object mesh room.obj materials maps/room.map unitize\n"
+                    "checker one.list plane 1 1\n");
+    if (CHECK(s.n_objects == 3 && s.objects[0].n_uses == 4 && s.objects[1].n_uses == 4,
+              "a map names materials of the scene and entries of MTL files")) {
+        CHECK_TEXT(s.objects[0].uses[0].name, "wall", "by the names of usemtl");
+        CHECK_TEXT(s.objects[0].uses[1].name, "", "or \"\" for faces without one");
+        CHECK_TEXT(s.objects[0].uses[2].name, "two words", "which may be quoted");
+        CHECK_TEXT(s.objects[0].uses[3].name, "*", "and * for all others");
+        CHECK(s.objects[0].uses[1].place.line == 4 && s.objects[0].uses[1].place.column == 3,
+              "each knows its place in the map");
+        CHECK(used(&s, 0, 0)->from_rgb && used(&s, 0, 0)->diffuse.value[0] == 0.5 &&
+                  strcmp(used(&s, 0, 0)->path, temporary("maps/a.mtl")) == 0,
+              "an MTL file is relative to the map");
+        CHECK(used(&s, 0, 1)->diffuse.count == 1, "materials are read, defined later or not");
+        CHECK(!used(&s, 0, 3)->from_rgb && used(&s, 0, 3)->diffuse.parameter[0] == 0.125,
+              "a material of the scene is not mistaken for an MTL entry of its name");
+        CHECK(used(&s, 0, 0) == used(&s, 1, 0), "the same entry is the same material");
+        CHECK(s.materials[used(&s, 0, 2)->partner_index].diffuse.count == 1,
+              "partners are found and read");
+    }
+    scene_free(&s);
+}
+
+static struct scene read_entry(const char *entry)
+{
+    char mtl[1024];
+    snprintf(mtl, sizeof mtl, "Kd no number\nnewmtl other\nKd wrong\nnewmtl x # here\n%snewmtl y\n",
+             entry);
+    write_text("one.mtl", mtl);
+    write_text("one.map", "x mtl one.mtl\n");
+    return read_string("object mesh x.obj materials one.map\n");
+}
+
+static void check_mtl(void)
+{
+    static const struct {
+        double nm, value;
+    } spread[] = {{1e-3, 0.2}, {300, 0.2}, {480, 0.2}, {490, 0.4}, {500, 0.6},
+                  {570, 0.6},  {585, 0.8}, {600, 1},   {780, 1},   {1e6, 1}};
+    struct scene s = read_entry("Ka 1 1\nKd 1 .6 .2\nillum 2\nKs 0.5 0.5 0.5\nNs 1000\n"
+                                "map_Kd wood.png\nd 1.0\nKe 3 3 3\nKrzl\n");
+    const struct material *m = s.materials;
+    if (CHECK(s.n_materials == 1, "an entry is read, and others are not")) {
+        CHECK_TEXT(m->name, "x", "its name is the entry's");
+        CHECK(m->from_rgb && m->place.line == 4 && m->place.column == 8 &&
+                  strcmp(m->place.path, temporary("one.mtl")) == 0,
+              "its place is the entry's name");
+        for (size_t i = 0; i < sizeof spread / sizeof spread[0]; i++)
+            CHECK_NEAR(spectrum_at(&m->diffuse, spread[i].nm, SPECTRUM_HOLD), spread[i].value,
+                       1e-15, "red, green and blue at %g nm", spread[i].nm);
+        CHECK(m->gloss == 128 && m->gloss_place.line == 9, "Ns is cut off at 128");
+        for (int nm = 300; nm <= 760; nm++)
+            if (spectrum_at(&m->specular, nm, SPECTRUM_HOLD) != 0.5 ||
+                spectrum_at(&m->glow, nm, SPECTRUM_ZERO) != 3)
+                CHECK(false, "grey is constant, at %d nm too", nm);
+        CHECK(m->specular.kind == SPECTRUM_SAMPLED && m->glow.kind == SPECTRUM_SAMPLED,
+              "Ks with Ns is specular, Ke is emission");
+    }
+    scene_free(&s);
+    s = read_entry("Kd 0 0 0\nKs 0 0 0\nNs 20\nKe 0 0 0\n");
+    CHECK(s.n_materials == 1 && s.materials[0].diffuse.kind == SPECTRUM_SAMPLED &&
+              s.materials[0].specular.kind == SPECTRUM_NONE && s.materials[0].gloss == 0 &&
+              s.materials[0].glow.kind == SPECTRUM_NONE,
+          "black highlights and emission are none, but diffuse is always there");
+    scene_free(&s);
+    s = read_entry("Ks 0.5 0.5 0.5\nKe 1 0 0\nNs 0\n");
+    CHECK(s.n_materials == 1 && s.materials[0].specular.kind == SPECTRUM_NONE &&
+              spectrum_at(&s.materials[0].diffuse, 600, SPECTRUM_HOLD) == 0 &&
+              spectrum_at(&s.materials[0].glow, 650, SPECTRUM_ZERO) == 1 &&
+              spectrum_at(&s.materials[0].glow, 550, SPECTRUM_ZERO) == 0,
+          "without Kd diffuse is 0, and without Ns nothing is specular");
     scene_free(&s);
 }
 
@@ -419,6 +536,9 @@ int main(void)
     check_transforms();
     check_shapes();
     check_materials();
+    check_object_words();
+    check_map();
+    check_mtl();
     check_includes();
     check_thesis_scene();
     check_builtin_scenes();
