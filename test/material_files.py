@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: MIT
+# What the makers of the sample materials share. They compute in decimal, so that every digit they
+# write is the same on every machine.
+import decimal
+import os
+
+decimal.getcontext().prec = 40
+WAVELENGTHS = range(300, 765, 5)
+
+
+def table(path, separator=","):
+    """{nm: (value, ...)} of a text of numbers"""
+    with open(path, encoding="ascii") as source:
+        rows = [line.split(separator) for line in source if line[0].isdigit()]
+    return {int(row[0]): tuple(decimal.Decimal(value) for value in row[1:]) for row in rows}
+
+
+def gaussian(nm, centre, deviation):
+    return (-((nm - decimal.Decimal(centre)) / deviation) ** 2 / 2).exp()
+
+
+def write(path, *texts):
+    os.makedirs(os.path.dirname(path), exist_ok=True)
+    with open(path, "w", encoding="ascii") as out:
+        out.writelines(texts)
