@@ -15,9 +15,9 @@
 static const double u = 1.0 / 16777216;
 static const double full_count = 65535;
 
-/* A colour: its spectrum rounded to single precision (1), light times material (2), each term added
- * (1 a term), the constant part (1), the buffer (1). */
-enum { COLOUR_ROUNDINGS = 5 };
+/* A colour: its spectrum rounded to single precision (1), light times material (2), a texture's
+ * value and its product (2), the buffer (1); each term and each pass added (1 each). */
+enum { COLOUR_ROUNDINGS = 6 };
 /* Mesa flushes results below 2^-126 = 1.2e-38 to zero. In a plane's set-up that is magnified by one
  * over the triangle's area (10^4 at most, smaller ones are too thin for a bound) and by the
  * distance to the framebuffer's origin (2 x 16384); 4 such steps. Some 10^-29 of full scale, in
@@ -152,42 +152,61 @@ static void add_samples(struct check_samples *to, const struct check_samples *fr
     to->worst_ratio = fmax(to->worst_ratio, from->worst_ratio);
 }
 
+/* ---- what is expected ---- */
+
+/* How a run of pixels of one surface keeps its finish_rows, `stride` apart. */
+struct rows {
+    const double *weights;
+    const float *errors; /* NULL: no bounds are wanted */
+    size_t stride;
+};
+
+/* Multiplies a run by what a spectral texture shows there in this band. bound may be NULL. */
+static void apply_texture(const struct finish *finish, const struct rows *rows, size_t n, int band,
+                          double *expected, double *bound)
+{
+    size_t across = (size_t)finish->n_terms * rows->stride, up = across + rows->stride;
+    for (size_t i = 0; i < n; i++) {
+        struct texel_point at = {rows->weights[across + i], rows->weights[up + i], 0, 0};
+        double error;
+        if (bound) {
+            at.e_u = rows->errors[across + i];
+            at.e_v = rows->errors[up + i];
+        }
+        double value =
+            texel_value(finish->texture, band % BANDS_PER_PASS, at, bound ? &error : NULL);
+        if (bound)
+            bound[i] = bound[i] * (value + error) + fabs(expected[i]) * error;
+        expected[i] *= value;
+    }
+}
+
+/* Radiance of a run in one band, times scale, and its bound where errors are given. */
+static void evaluate(const struct plan *plan, const struct finish *finish, const struct rows *rows,
+                     size_t n, int band, double scale, double *expected, double *bound)
+{
+    double rounding = (COLOUR_ROUNDINGS + finish->n_terms + plan->n_light_groups) * u;
+    memset(expected, 0, n * sizeof *expected);
+    if (bound)
+        memset(bound, 0, n * sizeof *bound);
+    for (int t = 0; t < finish->n_terms; t++) {
+        double spectrum = finish->spectra[(size_t)t * (size_t)plan->n_bands + (size_t)band] * scale;
+        const double *weight = rows->weights + (size_t)t * rows->stride;
+        for (size_t i = 0; i < n; i++)
+            expected[i] += weight[i] * spectrum;
+        if (!bound)
+            continue;
+        const float *error = rows->errors + (size_t)t * rows->stride;
+        for (size_t i = 0; i < n; i++)
+            bound[i] += (double)error[i] * spectrum;
+    }
+    if (finish->texture && finish->texture->spectral)
+        apply_texture(finish, rows, n, band, expected, bound);
+    for (size_t i = 0; i < n && bound; i++)
+        bound[i] += flushed + rounding * fabs(expected[i]);
+}
+
 /* ---- pixels with a single candidate ---- */
-
-/* Radiance of a run of pixels of one surface, times scale. */
-static void evaluate(const struct plan *plan, const struct finish *finish, const double *weights,
-                     size_t stride, size_t n, int band, double scale, double *out)
-{
-    double constant = finish->constant[band] * scale;
-    for (size_t i = 0; i < n; i++)
-        out[i] = constant;
-    for (int t = 0; t < finish->n_terms; t++) {
-        double spectrum = finish->spectra[(size_t)t * (size_t)plan->n_bands + (size_t)band] * scale;
-        const double *weight = weights + (size_t)t * stride;
-        for (size_t i = 0; i < n; i++)
-            out[i] += weight[i] * spectrum;
-    }
-}
-
-static double rounding_bound(const struct finish *finish)
-{
-    return (COLOUR_ROUNDINGS + finish->n_terms) * u;
-}
-
-static void evaluate_bound(const struct plan *plan, const struct finish *finish,
-                           const float *errors, size_t stride, size_t n, int band, double scale,
-                           const double *expected, double *out)
-{
-    double constant = finish->constant[band] * scale, rounding = rounding_bound(finish);
-    for (size_t i = 0; i < n; i++)
-        out[i] = flushed + rounding * expected[i] + constant * (double)errors[i];
-    for (int t = 0; t < finish->n_terms; t++) {
-        double spectrum = finish->spectra[(size_t)t * (size_t)plan->n_bands + (size_t)band] * scale;
-        const float *error = errors + (size_t)(1 + t) * stride;
-        for (size_t i = 0; i < n; i++)
-            out[i] += (double)error[i] * spectrum;
-    }
-}
 
 static void note_failure(struct check *check, size_t pixel, int band, double seen, double expected,
                          double bound)
@@ -216,11 +235,9 @@ static void expect_run(const struct check *check, size_t first, size_t n, int ba
         memset(bound, 0, n * sizeof *bound);
         return;
     }
-    const struct finish *finish = check->surfaces[chunk->surface[first]].finish;
-    double scale = full_count / check->full_scale;
-    evaluate(check->plan, finish, chunk->weights + first, n_pixels, n, band, scale, expected);
-    evaluate_bound(check->plan, finish, chunk->errors + first, n_pixels, n, band, scale, expected,
-                   bound);
+    struct rows rows = {chunk->weights + first, chunk->errors + first, n_pixels};
+    evaluate(check->plan, check->surfaces[chunk->surface[first]].finish, &rows, n, band,
+             full_count / check->full_scale, expected, bound);
 }
 
 /* Statistics of a block's bounds, after compare. Nearly all bounds are tight. */
@@ -275,28 +292,22 @@ static size_t run_length(const struct chunk *chunk, size_t first, size_t row_end
 static void try_candidate(struct check *check, const struct candidate *candidate,
                           struct check_trial *trial, int band, double seen)
 {
-    double expected = 0, bound = 0;
+    struct block single;
     if (!trial->alive)
         return;
-    if (candidate) {
-        const struct finish *finish = check->surfaces[candidate->surface].finish;
-        const double *numbers = check->chunk->numbers + candidate->first;
-        size_t n_terms = (size_t)finish->n_terms, n_bands = (size_t)check->plan->n_bands;
-        double scale = full_count / check->full_scale;
-        expected = finish->constant[band] * scale;
-        bound = flushed + finish->constant[band] * scale * numbers[n_terms];
-        for (size_t t = 0; t < n_terms; t++) {
-            double spectrum = finish->spectra[t * n_bands + (size_t)band] * scale;
-            expected += numbers[t] * spectrum;
-            bound += numbers[n_terms + 1 + t] * spectrum;
-        }
-        bound += rounding_bound(finish) * fabs(expected);
-    }
-    struct block single;
     single.n = 1;
-    single.seen[0] = trial->seen = seen;
-    single.expected[0] = trial->expected = expected;
-    single.bound[0] = trial->bound = bound;
+    single.seen[0] = seen;
+    single.expected[0] = single.bound[0] = 0;
+    if (candidate) {
+        const struct chunk *chunk = check->chunk;
+        struct rows rows = {chunk->candidate_weights + candidate->first,
+                            chunk->candidate_errors + candidate->first, 1};
+        evaluate(check->plan, check->surfaces[candidate->surface].finish, &rows, 1, band,
+                 full_count / check->full_scale, single.expected, single.bound);
+    }
+    trial->seen = seen;
+    trial->expected = single.expected[0];
+    trial->bound = single.bound[0];
     trial->band = band;
     trial->alive = compare(&trial->samples, &single);
 }
@@ -453,13 +464,14 @@ struct odd_samples counts_of_reference(const struct plan *plan, const struct sur
     double counts[BLOCK];
     for (size_t at = 0; at < n_pixels; at += n) {
         size_t last = n_pixels - at < BLOCK ? n_pixels : at + BLOCK;
+        struct rows rows = {chunk->weights + at, NULL, n_pixels};
         for (n = 1; at + n < last && chunk->surface[at + n] == chunk->surface[at];)
             n++;
         if (chunk->surface[at] < 0)
             memset(counts, 0, n * sizeof *counts);
         else
-            evaluate(plan, surfaces[chunk->surface[at]].finish, chunk->weights + at, n_pixels, n,
-                     band, full_count / full_scale, counts);
+            evaluate(plan, surfaces[chunk->surface[at]].finish, &rows, n, band,
+                     full_count / full_scale, counts, NULL);
         store(plan, counts, n, full_scale, at, out, &odd);
     }
     return odd;

@@ -103,13 +103,14 @@ static void widen(const struct plan *plan, const struct surface *surface,
     facet->slack_depth = fmax(facet->slack_depth, slack_depth);
 }
 
-static void turn(struct facet *facet)
+/* True if the corners turned the other way, counter-clockwise with y upwards. */
+static bool turn(struct facet *facet)
 {
     double area = (facet->x[1] - facet->x[0]) * (facet->y[2] - facet->y[0]) -
                   (facet->x[2] - facet->x[0]) * (facet->y[1] - facet->y[0]);
     facet->twice_area = fabs(area);
     if (area >= 0)
-        return;
+        return false;
     struct facet old = *facet;
     static const int order[3] = {0, 2, 1};
     for (int i = 0; i < 3; i++) {
@@ -121,6 +122,19 @@ static void turn(struct facet *facet)
         for (int j = 0; j < 3; j++)
             facet->share[i][j] = old.share[order[i]][order[j]];
     }
+    return true;
+}
+
+/* Whether OpenGL may take the front for the back: moving every corner by e in x and y changes twice
+ * the area by at most e times the perimeter's 1-norm, and 8 e^2. */
+static bool is_edge_on(const struct facet *facet)
+{
+    double e = facet->slack_px + SNAP_PX, perimeter = 0;
+    for (int i = 0; i < 3; i++) {
+        int next = (i + 1) % 3;
+        perimeter += fabs(facet->x[next] - facet->x[i]) + fabs(facet->y[next] - facet->y[i]);
+    }
+    return facet->twice_area <= e * perimeter + 8 * e * e;
 }
 
 /* ---- what OpenGL sets up ---- */
@@ -175,14 +189,16 @@ int facet_pieces(const struct plan *plan, const struct surface *surfaces, const 
     return n < 3 ? 0 : n - 2;
 }
 
-/* Bounds that hold for all pieces. A piece too thin for a bound makes the facet loose; where all
- * are, its depth has no bound either. */
+/* Bounds that hold for all pieces, and the side that is seen. A piece too thin for a bound makes
+ * the facet loose; where all are, its depth has no bound either. */
 static void finish_facet(const struct plan *plan, const struct surface *surfaces,
                          const struct tile *tile, struct facet *facet)
 {
     struct piece pieces[CLIP_CORNERS - 2];
+    const struct surface *surface = &surfaces[facet->surface];
     double error = -1;
-    turn(facet);
+    bool counter_clockwise = turn(facet);
+    facet->side = surface->n_sides == 2 && counter_clockwise == surface->body->mirrored;
     int n = facet_pieces(plan, surfaces, tile, facet, pieces);
     for (int i = 0; i < n; i++) {
         double magnification = bound_magnification(&pieces[i].outline);
@@ -249,6 +265,19 @@ static int depth_pieces(const struct plan *plan, const struct surface *surfaces,
     return n_out;
 }
 
+/* Facets seen edge-on may show their other side as well. */
+static int add_other_sides(const struct surface *surface, int n,
+                           struct facet facets[FACETS_PER_TRIANGLE])
+{
+    int n_out = n;
+    for (int i = 0; i < n && surface->n_sides == 2; i++)
+        if (is_edge_on(&facets[i])) {
+            facets[n_out] = facets[i];
+            facets[n_out++].side = !facets[i].side;
+        }
+    return n_out;
+}
+
 int facets_of(const struct plan *plan, const struct surface *surfaces, int surface, int triangle,
               const struct tile *tile, const struct tile *rows,
               struct facet out[FACETS_PER_TRIANGLE])
@@ -259,11 +288,11 @@ int facets_of(const struct plan *plan, const struct surface *surfaces, int surfa
     if (front && beside(of, vertex, rows))
         return 0;
     struct facet *facet = &out[0];
-    *facet = (struct facet){.surface = surface, .whole = true};
+    *facet = (struct facet){.surface = surface, .provoking = vertex[2], .whole = true};
     memcpy(facet->vertex, vertex, sizeof facet->vertex);
     if (!front || crosses_depth(of, vertex)) {
         struct facet whole = *facet;
-        return depth_pieces(plan, surfaces, tile, &whole, out);
+        return add_other_sides(of, depth_pieces(plan, surfaces, tile, &whole, out), out);
     }
     struct corner corners[3];
     whole_corners(of, vertex, corners);
@@ -273,5 +302,5 @@ int facets_of(const struct plan *plan, const struct surface *surfaces, int surfa
     }
     facet->straddles = crosses_border(of, vertex, tile);
     finish_facet(plan, surfaces, tile, facet);
-    return 1;
+    return add_other_sides(of, 1, out);
 }

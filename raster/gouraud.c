@@ -13,10 +13,6 @@
 
 #include "spectral.h"
 
-/* OpenGL may snap corners to a grid of 1/256 pixel before it tests coverage: half a step, plus the
- * rounding of the coordinate itself, which place_vertex has counted. */
-static const double snap_px = 1.0 / 512;
-
 /* ---- the state of a chunk while facets go by ---- */
 
 /* A fragment kept for a pixel: a link in the pixel's list. */
@@ -40,8 +36,11 @@ struct coverage {
     struct fragment *fragments;
     size_t n_facets, n_fragments, facet_capacity, fragment_capacity;
     int32_t unused; /* list of fragments to use again */
-    float *bounds;  /* [facet][1 + max_terms], filled when first needed */
+    float *bounds;  /* [facet][max_attributes], filled when first needed */
     bool *bounded;
+    size_t max_attributes; /* of a surface */
+    double *raw_weights;   /* of one pixel: max_attributes each */
+    float *raw_errors;
 };
 
 static bool grow(void *array, size_t *capacity, size_t needed, size_t size)
@@ -202,7 +201,7 @@ static bool scan_facet(struct coverage *coverage, int32_t index)
 {
     const struct facet *facet = &coverage->facets[index];
     const struct tile *rows = &coverage->rows;
-    double error = facet->slack_px + snap_px;
+    double error = facet->slack_px + SNAP_PX;
     int left = clamp_to(floor(least(facet->x) - error - 0.5), rows->x, rows->x + rows->width);
     int right = clamp_to(ceil(most(facet->x) + error + 0.5), rows->x, rows->x + rows->width);
     int top = clamp_to(floor(least(facet->y) - error - 0.5), rows->y, rows->y + rows->height);
@@ -266,30 +265,25 @@ static void shares_at(const struct facet *facet, double px, double py, double ou
     }
 }
 
-/* A term's weight (row 0: the constant part, which is 1) at a corner of a piece. */
-static double weight_at(const struct coverage *coverage, const struct facet *facet,
-                        const double share[3], size_t row)
+/* In flat shading one vertex colours the whole triangle; its texture is smooth all the same. */
+static bool is_flat(const struct coverage *coverage, const struct facet *facet, size_t attribute)
 {
-    const struct surface *surface = &coverage->surfaces[facet->surface];
-    size_t n_terms = (size_t)surface->finish->n_terms;
-    double weight = 0;
-    for (int j = 0; j < 3; j++)
-        weight += share[j] * surface->weights[(size_t)facet->vertex[j] * n_terms + row - 1];
-    return weight;
+    return coverage->plan->scene->flat_shading &&
+           attribute < (size_t)coverage->surfaces[facet->surface].finish->n_terms;
 }
 
-/* The bound of one term in one piece: of its interpolation, and by how much position errors magnify
- * those of its vertices. Where the piece has no bound, its values' range. */
+/* The bound of one attribute in one piece: of its interpolation, and by how much position errors
+ * magnify those of its vertices. Where the piece has no bound, its values' range. */
 static double piece_bound(const struct coverage *coverage, const struct facet *facet,
-                          const struct piece *piece, size_t row)
+                          const struct piece *piece, size_t attribute)
 {
     const struct surface *surface = &coverage->surfaces[facet->surface];
-    size_t n_terms = (size_t)surface->finish->n_terms;
-    double values[3] = {1, 1, 1}, e_vertex = 0,
+    double values[3] = {0, 0, 0}, e_vertex = 0,
            magnification = bound_magnification(&piece->outline);
-    for (int c = 0; c < 3 && row > 0; c++) {
-        size_t at = (size_t)facet->vertex[c] * n_terms + row - 1;
-        values[c] = weight_at(coverage, facet, piece->share[c], row);
+    for (int j = 0; j < 3; j++) {
+        size_t at = surface_attributes(surface, facet->vertex[j], facet->side) + attribute;
+        for (int c = 0; c < 3; c++)
+            values[c] += piece->share[c][j] * surface->weights[at];
         e_vertex = fmax(e_vertex, (double)surface->errors[at]);
     }
     if (magnification < HUGE_VAL)
@@ -298,76 +292,117 @@ static double piece_bound(const struct coverage *coverage, const struct facet *f
     return most(values) - least(values);
 }
 
-/* Bounds of all terms that hold in the whole facet: the worst of the pieces that OpenGL sets up. */
+/* Bounds of all attributes that hold in the whole facet: the worst of the pieces that OpenGL sets
+ * up. */
 static const float *bounds_of(struct coverage *coverage, int32_t index)
 {
-    size_t n_rows = 1 + (size_t)coverage->plan->max_terms;
-    float *bounds = coverage->bounds + (size_t)index * n_rows;
+    float *bounds = coverage->bounds + (size_t)index * coverage->max_attributes;
     if (coverage->bounded[index])
         return bounds;
     coverage->bounded[index] = true;
     const struct facet *facet = &coverage->facets[index];
     struct piece pieces[CLIP_CORNERS - 2];
     int n = facet_pieces(coverage->plan, coverage->surfaces, coverage->tile, facet, pieces);
-    size_t n_terms = (size_t)coverage->surfaces[facet->surface].finish->n_terms;
-    for (size_t row = 0; row <= n_terms; row++) {
+    size_t n_attributes = (size_t)coverage->surfaces[facet->surface].n_attributes;
+    for (size_t attribute = 0; attribute < n_attributes; attribute++) {
         double worst = 0;
-        for (int i = 0; i < n; i++)
-            worst = fmax(worst, piece_bound(coverage, facet, &pieces[i], row));
-        bounds[row] = (float)worst;
+        for (int i = 0; i < n && !is_flat(coverage, facet, attribute); i++)
+            worst = fmax(worst, piece_bound(coverage, facet, &pieces[i], attribute));
+        bounds[attribute] = (float)worst;
     }
     return bounds;
 }
 
-/* Weights of all terms at a pixel, and bounds on OpenGL's error at vertices and between. */
-static void interpolate(struct coverage *coverage, int32_t index, int x, int y, double *weights,
-                        size_t weight_stride, float *errors, size_t error_stride)
+/* All attributes at a pixel and bounds on OpenGL's error, into the coverage's raw numbers. */
+static void interpolate(struct coverage *coverage, int32_t index, int x, int y)
 {
+    static const double all = 1;
     const struct facet *facet = &coverage->facets[index];
     const struct surface *surface = &coverage->surfaces[facet->surface];
-    size_t n_terms = (size_t)surface->finish->n_terms;
-    const float *bounds = errors ? bounds_of(coverage, index) : NULL;
+    const float *bounds = coverage->plan->options.check ? bounds_of(coverage, index) : NULL;
     double share[3];
     shares_at(facet, x + 0.5, y + 0.5, share);
-    if (errors)
-        errors[0] = bounds[0];
-    for (size_t t = 0; t < n_terms; t++) {
+    for (size_t a = 0; a < (size_t)surface->n_attributes; a++) {
+        bool flat = is_flat(coverage, facet, a);
+        const int32_t *vertex = flat ? &facet->provoking : facet->vertex;
+        const double *part = flat ? &all : share;
         double weight = 0, error = 0;
-        for (int j = 0; j < 3; j++) {
-            size_t at = (size_t)facet->vertex[j] * n_terms + t;
-            weight += share[j] * surface->weights[at];
-            error += fabs(share[j]) * (double)surface->errors[at];
+        for (int j = 0; j < (flat ? 1 : 3); j++) {
+            size_t at = surface_attributes(surface, vertex[j], facet->side) + a;
+            weight += part[j] * surface->weights[at];
+            error += fabs(part[j]) * (double)surface->errors[at];
         }
-        weights[t * weight_stride] = weight;
+        coverage->raw_weights[a] = weight;
+        coverage->raw_errors[a] = bounds ? (float)error + bounds[a] : 0;
+    }
+}
+
+/* ---- textures ---- */
+
+/* Where the pixel just interpolated lies in its texture, as OpenGL may see it. */
+static int texture_choices(const struct coverage *coverage, const struct finish *finish,
+                           struct texel_point choices[TEXEL_CHOICES])
+{
+    const double *s_t = coverage->raw_weights + finish->n_terms;
+    const float *e_s_t = coverage->raw_errors + finish->n_terms;
+    struct texel_point at = texel_point(finish->texture, s_t[0], s_t[1], e_s_t[0], e_s_t[1]);
+    return texel_choices(finish->texture, at, choices);
+}
+
+/* Gives out the rows of a pixel: of a grey texture its products with the weights, of a spectral one
+ * the place in it. errors may be NULL. */
+static void put_rows(const struct coverage *coverage, const struct finish *finish,
+                     const struct texel_point *place, double *weights, float *errors, size_t stride)
+{
+    double value = 1, e_value = 0;
+    size_t n_terms = (size_t)finish->n_terms;
+    bool spectral = place && finish->texture->spectral;
+    if (place && !spectral)
+        value = texel_value(finish->texture, 0, *place, &e_value);
+    for (size_t t = 0; t < n_terms; t++) {
+        double weight = coverage->raw_weights[t], error = (double)coverage->raw_errors[t];
+        weights[t * stride] = weight * value;
         if (errors)
-            errors[(1 + t) * error_stride] = (float)error + bounds[1 + t];
+            errors[t * stride] = (float)(error * (value + e_value) + fabs(weight) * e_value);
+    }
+    for (size_t i = 0; i < 2 && spectral; i++) {
+        weights[(n_terms + i) * stride] = i == 0 ? place->u : place->v;
+        if (errors)
+            errors[(n_terms + i) * stride] = i == 0 ? place->e_u : place->e_v;
     }
 }
 
 /* ---- the finished chunk ---- */
 
-/* Candidates of one pixel: weights, then errors, in the chunk's numbers. */
-static bool add_candidate(struct coverage *coverage, struct chunk *out, int32_t index, int x, int y,
-                          size_t capacity[3])
+/* A surface that may be seen at a pixel: one candidate, or as many as OpenGL may take texels. */
+static bool add_candidates(struct coverage *coverage, struct chunk *out, int32_t index, int x,
+                           int y, size_t capacity[4])
 {
     const struct facet *facet = &coverage->facets[index];
-    size_t n_terms = (size_t)coverage->surfaces[facet->surface].finish->n_terms;
-    float errors[1 + 2 * MAX_GL_LIGHTS];
-    if (!grow(&out->candidates, &capacity[1], out->n_candidates + 1, sizeof *out->candidates) ||
-        !grow(&out->numbers, &capacity[2], out->n_numbers + 2 * n_terms + 1, sizeof *out->numbers))
-        return false;
-    double *numbers = out->numbers + out->n_numbers;
-    interpolate(coverage, index, x, y, numbers, 1, errors, 1);
-    for (size_t i = 0; i <= n_terms; i++)
-        numbers[n_terms + i] = (double)errors[i];
-    out->candidates[out->n_candidates++] =
-        (struct candidate){facet->surface, facet->loose, out->n_numbers};
-    out->n_numbers += 2 * n_terms + 1;
+    const struct finish *finish = coverage->surfaces[facet->surface].finish;
+    size_t n_rows = (size_t)finish_rows(finish);
+    struct texel_point choices[TEXEL_CHOICES];
+    interpolate(coverage, index, x, y);
+    int n = finish->texture ? texture_choices(coverage, finish, choices) : 1;
+    for (int i = 0; i < n; i++) {
+        size_t first = out->n_numbers;
+        if (!grow(&out->candidates, &capacity[1], out->n_candidates + 1, sizeof *out->candidates) ||
+            !grow(&out->candidate_weights, &capacity[2], first + n_rows,
+                  sizeof *out->candidate_weights) ||
+            !grow(&out->candidate_errors, &capacity[3], first + n_rows,
+                  sizeof *out->candidate_errors))
+            return false;
+        put_rows(coverage, finish, finish->texture ? &choices[i] : NULL,
+                 out->candidate_weights + first, out->candidate_errors + first, 1);
+        out->candidates[out->n_candidates++] =
+            (struct candidate){facet->surface, facet->loose, first};
+        out->n_numbers += n_rows;
+    }
     return true;
 }
 
 static bool add_contest(struct coverage *coverage, struct chunk *out, int32_t index,
-                        size_t capacity[3])
+                        size_t capacity[4])
 {
     const struct pixel *pixel = &coverage->pixels[index];
     if (!grow(&out->contests, &capacity[0], out->n_contests + 1, sizeof *out->contests))
@@ -377,11 +412,10 @@ static bool add_contest(struct coverage *coverage, struct chunk *out, int32_t in
                                 .first = (int32_t)out->n_candidates,
                                 .background = pixel->limit == HUGE_VAL};
     int x = out->rows.x + index % out->rows.width, y = out->rows.y + index / out->rows.width;
-    for (int32_t f = pixel->head; f >= 0; f = coverage->fragments[f].next) {
-        if (!add_candidate(coverage, out, coverage->fragments[f].facet, x, y, capacity))
+    for (int32_t f = pixel->head; f >= 0; f = coverage->fragments[f].next)
+        if (!add_candidates(coverage, out, coverage->fragments[f].facet, x, y, capacity))
             return false;
-        contest->count++;
-    }
+    contest->count = (int32_t)out->n_candidates - contest->first;
     return true;
 }
 
@@ -395,43 +429,64 @@ static bool is_contested(const struct coverage *coverage, const struct pixel *pi
            pixel->winner != only->facet;
 }
 
-static bool resolve_pixel(struct coverage *coverage, struct chunk *out, int32_t index,
-                          size_t capacity[3])
+/* The reference's own fragment; returns whether its texture leaves OpenGL a choice. */
+static bool put_winner(struct coverage *coverage, struct chunk *out, int32_t index, int x, int y)
 {
     const struct pixel *pixel = &coverage->pixels[index];
     size_t n_pixels = (size_t)out->rows.width * (size_t)out->rows.height;
-    int x = out->rows.x + index % out->rows.width, y = out->rows.y + index / out->rows.width;
-    bool check = coverage->plan->options.check;
-    out->surface[index] = -1;
-    if (pixel->winner >= 0) {
-        out->surface[index] = coverage->facets[pixel->winner].surface;
-        interpolate(coverage, pixel->winner, x, y, out->weights + index, n_pixels,
-                    check ? out->errors + index : NULL, n_pixels);
+    int32_t surface = coverage->facets[pixel->winner].surface;
+    const struct finish *finish = coverage->surfaces[surface].finish;
+    struct texel_point choices[TEXEL_CHOICES], *place = NULL;
+    int n = 1;
+    out->surface[index] = surface;
+    interpolate(coverage, pixel->winner, x, y);
+    if (finish->texture) {
+        const double *s_t = coverage->raw_weights + finish->n_terms;
+        n = texture_choices(coverage, finish, choices);
+        place = choices;
+        if (n > 1) /* what the reference itself takes */
+            *place = texel_point(finish->texture, s_t[0], s_t[1], 0, 0);
     }
-    out->contested[index] = check && is_contested(coverage, pixel);
+    put_rows(coverage, finish, place, out->weights + index,
+             out->errors ? out->errors + index : NULL, n_pixels);
+    return n > 1;
+}
+
+static bool resolve_pixel(struct coverage *coverage, struct chunk *out, int32_t index,
+                          size_t capacity[4])
+{
+    const struct pixel *pixel = &coverage->pixels[index];
+    int x = out->rows.x + index % out->rows.width, y = out->rows.y + index / out->rows.width;
+    bool open = is_contested(coverage, pixel);
+    out->surface[index] = -1;
+    if (pixel->winner >= 0)
+        open = put_winner(coverage, out, index, x, y) || open;
+    out->contested[index] = coverage->plan->options.check && open;
     return !out->contested[index] || add_contest(coverage, out, index, capacity);
 }
 
 static bool chunk_alloc(const struct plan *plan, const struct tile *rows, struct chunk *out)
 {
     size_t n_pixels = (size_t)rows->width * (size_t)rows->height;
-    size_t n_terms = (size_t)plan->max_terms;
+    size_t n_numbers = n_pixels * (size_t)plan->max_rows;
     *out = (struct chunk){.rows = *rows};
     out->surface = malloc(n_pixels * sizeof *out->surface);
     out->contested = malloc(n_pixels * sizeof *out->contested);
-    out->weights = malloc(n_pixels * n_terms * sizeof *out->weights + 1);
-    out->errors =
-        plan->options.check ? malloc(n_pixels * (1 + n_terms) * sizeof *out->errors) : NULL;
+    out->weights = malloc(n_numbers * sizeof *out->weights + 1);
+    out->errors = plan->options.check ? malloc(n_numbers * sizeof *out->errors + 1) : NULL;
     return out->surface && out->contested && out->weights && (out->errors || !plan->options.check);
 }
 
 static bool resolve_all(struct coverage *coverage, struct chunk *out)
 {
-    size_t n_pixels = (size_t)out->rows.width * (size_t)out->rows.height, capacity[3] = {0, 0, 0};
-    size_t n_rows = 1 + (size_t)coverage->plan->max_terms;
-    coverage->bounds = malloc((coverage->n_facets * n_rows + 1) * sizeof *coverage->bounds);
+    size_t n_pixels = (size_t)out->rows.width * (size_t)out->rows.height, capacity[4] = {0};
+    size_t n_attributes = (size_t)coverage->plan->max_rows + 2;
+    coverage->max_attributes = n_attributes;
+    coverage->bounds = malloc((coverage->n_facets * n_attributes + 1) * sizeof *coverage->bounds);
     coverage->bounded = calloc(coverage->n_facets + 1, sizeof *coverage->bounded);
-    if (!coverage->bounds || !coverage->bounded)
+    coverage->raw_weights = malloc(n_attributes * sizeof *coverage->raw_weights);
+    coverage->raw_errors = malloc(n_attributes * sizeof *coverage->raw_errors);
+    if (!coverage->bounds || !coverage->bounded || !coverage->raw_weights || !coverage->raw_errors)
         return false;
     for (size_t i = 0; i < n_pixels; i++)
         if (!resolve_pixel(coverage, out, (int32_t)i, capacity))
@@ -466,6 +521,8 @@ bool chunk_rasterize(const struct plan *plan, const struct surface *surfaces,
     free(coverage.fragments);
     free(coverage.bounds);
     free(coverage.bounded);
+    free(coverage.raw_weights);
+    free(coverage.raw_errors);
     return done || error_memory(err);
 }
 
@@ -477,6 +534,7 @@ void chunk_free(struct chunk *chunk)
     free(chunk->errors);
     free(chunk->contests);
     free(chunk->candidates);
-    free(chunk->numbers);
+    free(chunk->candidate_weights);
+    free(chunk->candidate_errors);
     *chunk = (struct chunk){0};
 }

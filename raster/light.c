@@ -121,18 +121,24 @@ static struct body_bounds body_bounds(const struct body *body)
     return bounds;
 }
 
-/* From the vertex towards the light. e_eye bounds the error of the vertex's eye coordinates. */
-static struct direction towards_light(const struct plan_light *light, struct vector eye,
-                                      double e_eye, double e_rigid)
+/* From the vertex towards the light, and how far that is. */
+struct path {
+    struct direction towards;
+    double length, e_length;
+};
+
+/* e_eye bounds the error of the vertex's eye coordinates. */
+static struct path path_to_light(const struct plan_light *light, struct vector eye, double e_eye,
+                                 double e_rigid)
 {
     if (light->light->directional)
-        return (struct direction){light->eye_position, 8 * u + e_rigid};
+        return (struct path){{light->eye_position, 8 * u + e_rigid}, 0, 0};
     struct vector path = vector_subtract(light->eye_position, eye);
     double length = vector_length(path);
     double e_path = e_eye + 2 * u * vector_length(light->eye_position);
-    if (!(length > e_path)) /* the light is at the vertex: any direction may come out */
-        return (struct direction){vector_normalise(path), 2};
-    return (struct direction){vector_normalise(path), 6 * u + e_path / length};
+    /* where the light is at the vertex any direction may come out */
+    double turn = length > e_path ? 6 * u + e_path / length : 2;
+    return (struct path){{vector_normalise(path), turn}, length, e_path + 6 * u * length};
 }
 
 static struct direction towards_viewer(const struct plan *plan, struct vector eye, double e_eye)
@@ -172,10 +178,16 @@ struct weight {
     double value, error;
 };
 
-static struct weight diffuse_weight(struct cosine n_l)
+static struct weight product(struct weight a, struct weight b)
 {
-    double value = fmax(0, n_l.value);
-    return (struct weight){value, n_l.value + n_l.error > 0 ? n_l.error : 0};
+    return (struct weight){a.value * b.value, a.value * b.error + a.error * (b.value + b.error)};
+}
+
+/* Counts the power functions that are computed. */
+static double power(double base, double exponent, struct light_work *work)
+{
+    work->power_functions++;
+    return pow(base, exponent);
 }
 
 /* Relative error of Mesa's pow: exp2(g log2 x), log2 to 2.2e-7 plus a rounding of its value, the
@@ -186,50 +198,119 @@ static double pow_error(double base, double exponent)
     return 0.6931471805599453 * exponent * (2.2e-7 + 2 * u * octaves) + 3e-7;
 }
 
-/* [N.L > 0] max(0, N.H)^gloss. Where the sign of N.L is open, both outcomes are. */
-static struct weight specular_weight(struct cosine n_l, struct cosine n_h, double gloss)
+/* [on] max(0, c)^exponent, where the gate is on for a value above 0 and open within its error: both
+ * outcomes may be OpenGL's then. */
+static struct weight gated_power(struct cosine gate, struct cosine c, double exponent,
+                                 struct light_work *work)
 {
     static const double least = 2e-38; /* results below are flushed to 0 by Mesa */
-    if (n_l.value + n_l.error <= 0)
+    if (gate.value + gate.error <= 0)
         return (struct weight){0, 0};
-    double base = fmax(0, n_h.value);
-    double high = fmax(0, n_h.value + n_h.error), low = fmax(0, n_h.value - n_h.error);
-    double at_high = pow(high, gloss) * (1 + pow_error(high, gloss));
-    double at_low = n_l.value > n_l.error ? pow(low, gloss) * (1 - pow_error(low, gloss)) : 0;
-    double value = n_l.value > 0 ? pow(base, gloss) : 0;
+    if (exponent == 0)
+        return (struct weight){gate.value > 0, fabs(gate.value) > gate.error ? 0 : 1};
+    double base = fmax(0, c.value);
+    double high = fmax(0, c.value + c.error), low = fmax(0, c.value - c.error);
+    double at_high = power(high, exponent, work) * (1 + pow_error(high, exponent));
+    double at_low =
+        gate.value > gate.error ? power(low, exponent, work) * (1 - pow_error(low, exponent)) : 0;
+    double value = gate.value > 0 ? power(base, exponent, work) : 0;
     return (struct weight){value, fmax(at_high - value, value - at_low) + least};
 }
 
-/* Weights of all terms at one vertex; returns how many highlights were computed. */
-static int light_vertex(const struct plan *plan, const struct surface *surface,
-                        struct direction normal, struct vector eye, double e_eye, double e_rigid,
-                        double *weights, float *errors)
+static struct weight diffuse_weight(struct cosine n_l)
+{
+    double value = fmax(0, n_l.value);
+    return (struct weight){value, n_l.value + n_l.error > 0 ? n_l.error : 0};
+}
+
+/* 1 / (k0 + k1 d + k2 d^2). NaN where OpenGL's divisor may be anything: a light at the vertex. */
+static struct weight attenuation(const struct plan_light *light, const struct path *path)
+{
+    const double *k = light->light->attenuation, d = path->length, e_d = path->e_length;
+    double divisor = k[0] + k[1] * d + k[2] * d * d;
+    double error = k[1] * e_d + k[2] * (2 * d + e_d) * e_d + 8 * u * divisor;
+    if (!(error < 0.25 * divisor))
+        return (struct weight){(double)NAN, 0};
+    return (struct weight){1 / divisor, error / (divisor * (divisor - error)) + 2 * u / divisor};
+}
+
+/* What distance and spot leave of a light. */
+static struct weight falloff(const struct plan_light *light, const struct path *path,
+                             struct light_work *work)
+{
+    struct weight out = {1, 0};
+    if (light->attenuated)
+        out = attenuation(light, path);
+    if (light->spot) {
+        struct direction axis = {vector_scale(light->eye_spot, -1), 6 * u};
+        struct cosine c = cosine_between(path->towards, axis), gate = c;
+        gate.value -= light->spot_cosine;
+        gate.error += 2 * u;
+        out = product(out, gated_power(gate, c, light->light->spot_exponent, work));
+    }
+    return out;
+}
+
+/* A vertex about to be lit. */
+struct vertex_view {
+    struct direction normal;
+    struct vector eye;
+    double e_eye, e_rigid;
+};
+
+static struct weight term_weight(const struct plan *plan, const struct finish *finish,
+                                 const struct term *term, const struct vertex_view *view,
+                                 struct light_work *work)
+{
+    if (term->kind == TERM_CONSTANT)
+        return (struct weight){1, 0};
+    const struct plan_light *light = &plan->lights[term->light];
+    struct path path = path_to_light(light, view->eye, view->e_eye, view->e_rigid);
+    struct cosine n_l = cosine_between(view->normal, path.towards);
+    struct weight weight;
+    if (term->kind == TERM_SPECULAR) {
+        struct direction half =
+            half_way(path.towards, towards_viewer(plan, view->eye, view->e_eye));
+        weight =
+            gated_power(n_l, cosine_between(view->normal, half), finish->material->gloss, work);
+        work->specular_vertices++;
+    } else {
+        weight = diffuse_weight(n_l);
+    }
+    return light->attenuated || light->spot ? product(weight, falloff(light, &path, work)) : weight;
+}
+
+/* Attributes of one side of a vertex: weights of all terms, then texture coordinates, which OpenGL
+ * rounds once. */
+static void light_side(const struct plan *plan, const struct surface *surface,
+                       const struct vertex *vertex, const struct vertex_view *view,
+                       struct light_work *work, double *weights, float *errors)
 {
     const struct finish *finish = surface->finish;
-    int highlights = 0;
     for (int i = 0; i < finish->n_terms; i++) {
-        struct direction light =
-            towards_light(&plan->lights[finish->terms[i].light], eye, e_eye, e_rigid);
-        struct cosine n_l = cosine_between(normal, light);
-        struct weight weight;
-        if (finish->terms[i].kind == TERM_SPECULAR) {
-            struct direction half = half_way(light, towards_viewer(plan, eye, e_eye));
-            struct cosine n_h = cosine_between(normal, half);
-            weight = specular_weight(n_l, n_h, finish->material->gloss);
-            highlights++;
-        } else {
-            weight = diffuse_weight(n_l);
-        }
+        struct weight weight = term_weight(plan, finish, &finish->terms[i], view, work);
         weights[i] = weight.value;
         errors[i] = (float)weight.error;
     }
-    return highlights;
+    if (!finish->texture)
+        return;
+    double *place = weights + finish->n_terms;
+    place[0] = vertex->s;
+    place[1] = vertex->t;
+    for (int i = 0; i < 2; i++)
+        errors[finish->n_terms + i] = (float)(u * fabs(place[i]));
 }
 
 /* ---- surfaces ---- */
 
-static int process_vertex(const struct plan *plan, struct surface *surface,
-                          const struct body_bounds *bounds, int index)
+size_t surface_attributes(const struct surface *surface, int vertex, int side)
+{
+    return ((size_t)vertex * (size_t)surface->n_sides + (size_t)side) *
+           (size_t)surface->n_attributes;
+}
+
+static void process_vertex(const struct plan *plan, struct surface *surface,
+                           const struct body_bounds *bounds, int index, struct light_work *work)
 {
     const struct body *body = surface->body;
     const struct vertex *vertex = &surface->mesh->vertices[index];
@@ -242,36 +323,55 @@ static int process_vertex(const struct plan *plan, struct surface *surface,
     magnitudes(&plan->projection, eye_magnitude, clip_magnitude);
     place_vertex(plan, clip_magnitude, out);
 
-    size_t first = (size_t)index * (size_t)surface->finish->n_terms;
-    double e_eye = EYE_ROUNDINGS * u * (eye_magnitude[0] + eye_magnitude[1] + eye_magnitude[2]);
-    struct direction normal = {
-        vector_normalise(matrix_direction(&body->normal_matrix, vertex->normal)), bounds->e_normal};
-    return light_vertex(plan, surface, normal, (struct vector){eye[0], eye[1], eye[2]}, e_eye,
-                        bounds->e_rigid, surface->weights + first, surface->errors + first);
+    struct vertex_view view = {
+        .normal = {vector_normalise(matrix_direction(&body->normal_matrix, vertex->normal)),
+                   bounds->e_normal},
+        .eye = {eye[0], eye[1], eye[2]},
+        .e_eye = EYE_ROUNDINGS * u * (eye_magnitude[0] + eye_magnitude[1] + eye_magnitude[2]),
+        .e_rigid = bounds->e_rigid};
+    for (int side = 0; side < surface->n_sides; side++) {
+        size_t first = surface_attributes(surface, index, side);
+        light_side(plan, surface, vertex, &view, work, surface->weights + first,
+                   surface->errors + first);
+        view.normal.unit = vector_scale(view.normal.unit, -1);
+    }
+    work->vertices_lit++;
 }
 
 static bool surface_alloc(const struct plan *plan, const struct body *body, struct surface *out)
 {
     out->body = body;
-    out->mesh = &plan->meshes[body->mesh];
+    out->mesh = &plan->meshes[body->mesh].mesh;
     out->finish = &plan->finishes[body->finish];
-    size_t n_vertices = (size_t)out->mesh->n_vertices,
-           n_weights = n_vertices * (size_t)out->finish->n_terms + 1;
+    out->n_sides = body->object->two_sided ? 2 : 1;
+    out->n_attributes = out->finish->n_terms + (out->finish->texture ? 2 : 0);
+    size_t n_vertices = (size_t)out->mesh->n_vertices;
+    size_t n_weights = surface_attributes(out, out->mesh->n_vertices, 0) + 1;
     out->vertices = calloc(n_vertices, sizeof *out->vertices);
     out->weights = calloc(n_weights, sizeof *out->weights);
     out->errors = calloc(n_weights, sizeof *out->errors);
     return out->vertices && out->weights && out->errors;
 }
 
-static bool vertex_is_finite(const struct surface *surface, int index)
+static bool check_vertex(const struct surface *surface, int index, struct error *err)
 {
     const struct lit_vertex *vertex = &surface->vertices[index];
-    double sum = vertex->x + vertex->y + vertex->z + (double)vertex->slack_px;
+    size_t first = surface_attributes(surface, index, 0),
+           last = surface_attributes(surface, index + 1, 0);
+    double sum = vertex->x + vertex->y + vertex->z + (double)vertex->slack_px, weights = 0;
     for (int i = 0; i < 4; i++)
         sum += vertex->clip[i];
-    for (int i = 0; i < surface->finish->n_terms; i++)
-        sum += surface->weights[(size_t)index * (size_t)surface->finish->n_terms + (size_t)i];
-    return isfinite(sum);
+    for (size_t i = first; i < last; i++)
+        weights += surface->weights[i];
+    if (!isfinite(sum))
+        return error_at(err, surface->body->object->place,
+                        "vertex %d of this object is not finite in the window; "
+                        "coordinates and scales are too large",
+                        index + 1);
+    return isfinite(weights) || error_at(err, surface->body->object->place,
+                                         "vertex %d of this object reflects no finite radiance; "
+                                         "a light that weakens with distance may be too near",
+                                         index + 1);
 }
 
 /* Window bounds of the whole surface, or everything where a vertex is beside or behind the eye. */
@@ -302,27 +402,30 @@ static bool surface_light(const struct plan *plan, const struct body *body, stru
     if (!surface_alloc(plan, body, out))
         return error_memory(err);
     struct body_bounds bounds = body_bounds(body);
-    long highlights = 0;
-    int n_vertices = out->mesh->n_vertices;
-#pragma omp parallel for reduction(+ : highlights) num_threads(plan->options.threads)
+    long lit = 0, specular = 0, powers = 0;
+    int n_vertices = out->mesh->n_vertices, n_threads = plan->options.threads;
+#pragma omp parallel for reduction(+ : lit, specular, powers) num_threads(n_threads)
+    for (int i = 0; i < n_vertices; i++) {
+        struct light_work own = {0, 0, 0};
+        process_vertex(plan, out, &bounds, i, &own);
+        lit += own.vertices_lit;
+        specular += own.specular_vertices;
+        powers += own.power_functions;
+    }
+    work->vertices_lit += lit;
+    work->specular_vertices += specular;
+    work->power_functions += powers;
     for (int i = 0; i < n_vertices; i++)
-        highlights += process_vertex(plan, out, &bounds, i);
-    for (int i = 0; i < n_vertices; i++)
-        if (!vertex_is_finite(out, i))
-            return error_at(err, body->object->place,
-                            "vertex %d of this object is not finite in the window; "
-                            "coordinates and scales are too large",
-                            i + 1);
+        if (!check_vertex(out, i, err))
+            return false;
     surface_bounds(out);
-    work->vertices_lit += n_vertices;
-    work->specular_vertices += highlights;
     return true;
 }
 
 bool surfaces_light(const struct plan *plan, struct surface **out, struct light_work *work,
                     struct error *err)
 {
-    *work = (struct light_work){0, 0};
+    *work = (struct light_work){0, 0, 0};
     *out = calloc((size_t)plan->n_bodies + 1, sizeof **out);
     if (!*out)
         return error_memory(err);
@@ -339,19 +442,19 @@ static double largest_radiance(const struct plan *plan, const struct surface *su
     const struct finish *finish = surface->finish;
     size_t n_terms = (size_t)finish->n_terms, n_bands = (size_t)plan->n_bands;
     double largest = -1;
-    for (int i = 0; i < surface->mesh->n_vertices; i++) {
-        const double *weights = surface->weights + (size_t)i * n_terms;
-        double radiance = finish->constant[band];
+    for (int i = 0; i < surface->mesh->n_vertices * surface->n_sides; i++) {
+        const double *weights = surface->weights + (size_t)i * (size_t)surface->n_attributes;
+        double radiance = 0;
         for (size_t t = 0; t < n_terms; t++)
             radiance += weights[t] * finish->spectra[t * n_bands + (size_t)band];
         if (!(radiance <= largest)) { /* NaN counts as larger, so that it is found */
             largest = radiance;
-            *vertex = i;
+            *vertex = i / surface->n_sides;
         }
         if (!isfinite(largest))
             break;
     }
-    return largest;
+    return finish->texture ? largest * finish->texture->largest : largest;
 }
 
 bool surfaces_full_scale(const struct plan *plan, const struct surface *surfaces, double *out,

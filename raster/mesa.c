@@ -4,8 +4,9 @@
  * exact single-wavelength renderings. The only file that knows OpenGL.
  *
  * Products of light and material spectra are made in double and given to OpenGL as the colours of
- * the lights, with white materials: what fluoresces, too, is then one pass however many lights
- * shine. Geometry is uploaded once; a pass changes colours only. */
+ * the lights, with white materials: what fluoresces, too, is then one pass under eight lights. More
+ * lights take more passes, whose colours are added here; each draws everything anew, so that all
+ * agree on what is seen. Geometry is uploaded once; a pass changes colours only. */
 #include <stdio.h>
 #include <stdlib.h>
 
@@ -20,15 +21,17 @@ struct gl {
     const struct plan *plan;
     const struct surface *surfaces;
     OSMesaContext context;
-    float *pixels;   /* tile_height rows of tile_width pixels of 4 floats, from the top */
-    GLuint *buffers; /* vertices and indices of each mesh */
+    float *pixels;    /* tile_height rows of tile_width pixels of 4 floats, from the top */
+    float *sum;       /* the same, of all passes; NULL where there is one */
+    GLuint *buffers;  /* vertices and indices of each mesh */
+    GLuint *textures; /* of each texture */
     struct tile tile;
     struct gl_work work;
 };
 
 /* A vertex as OpenGL reads it. */
 struct gl_vertex {
-    GLfloat position[3], normal[3];
+    GLfloat position[3], normal[3], place[2];
 };
 
 static const GLfloat white[4] = {1, 1, 1, 1}, black[4] = {0, 0, 0, 1};
@@ -50,9 +53,11 @@ static bool open_context(struct gl *gl, struct error *err)
                                      0};
     const struct plan *plan = gl->plan;
     size_t n_pixels = (size_t)plan->tile_width * (size_t)plan->tile_height;
+    bool adding = plan->n_light_groups > 1;
     char threads[16];
     gl->pixels = calloc(n_pixels, 4 * sizeof *gl->pixels);
-    if (!gl->pixels)
+    gl->sum = adding ? calloc(n_pixels, 4 * sizeof *gl->sum) : NULL;
+    if (!gl->pixels || (adding && !gl->sum))
         return error_memory(err);
     snprintf(threads, sizeof threads, "%d", plan->options.threads);
     setenv("LP_NUM_THREADS", threads, 0); /* for llvmpipe; a user's own setting stands */
@@ -82,9 +87,11 @@ static bool upload_mesh(const struct mesh *mesh, GLuint vertices, GLuint indices
     if (!copy)
         return error_memory(err);
     for (int i = 0; i < mesh->n_vertices; i++) {
-        struct vector p = mesh->vertices[i].position, n = mesh->vertices[i].normal;
+        const struct vertex *v = &mesh->vertices[i];
+        struct vector p = v->position, n = v->normal;
         copy[i] = (struct gl_vertex){{(GLfloat)p.x, (GLfloat)p.y, (GLfloat)p.z},
-                                     {(GLfloat)n.x, (GLfloat)n.y, (GLfloat)n.z}};
+                                     {(GLfloat)n.x, (GLfloat)n.y, (GLfloat)n.z},
+                                     {(GLfloat)v->s, (GLfloat)v->t}};
     }
     glBindBuffer(GL_ARRAY_BUFFER, vertices);
     glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)((size_t)mesh->n_vertices * sizeof *copy), copy,
@@ -105,12 +112,80 @@ static bool upload_meshes(struct gl *gl, struct error *err)
         return error_memory(err);
     glGenBuffers(2 * n_meshes, gl->buffers);
     for (int i = 0; i < n_meshes; i++)
-        if (!upload_mesh(&gl->plan->meshes[i], gl->buffers[2 * i], gl->buffers[2 * i + 1], err))
+        if (!upload_mesh(&gl->plan->meshes[i].mesh, gl->buffers[2 * i], gl->buffers[2 * i + 1],
+                         err))
             return false;
     glEnableClientState(GL_VERTEX_ARRAY);
     glEnableClientState(GL_NORMAL_ARRAY);
     return true;
 }
+
+/* ---- textures ---- */
+
+/* Single-precision texels: Mesa filters those of 8 bits with weights of 8 bits. */
+static bool open_texture(const struct texture *texture, GLuint name, struct error *err)
+{
+    GLint filter = texture->linear ? GL_LINEAR : GL_NEAREST, largest = 0;
+    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+    if (texture->image.width > largest || texture->image.height > largest)
+        return error_system(err, "%.500s: this OpenGL has textures of at most %d texels a side",
+                            texture->image.path, largest);
+    glBindTexture(GL_TEXTURE_2D, name);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
+    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_REPEAT);
+    if (!texture->spectral)
+        glTexImage2D(GL_TEXTURE_2D, 0, GL_LUMINANCE32F_ARB, texture->image.width,
+                     texture->image.height, 0, GL_LUMINANCE, GL_FLOAT, texture->plane[0]);
+    return true;
+}
+
+static bool open_textures(struct gl *gl, struct error *err)
+{
+    int n_textures = gl->plan->n_textures;
+    gl->textures = calloc((size_t)n_textures + 1, sizeof *gl->textures);
+    if (!gl->textures)
+        return error_memory(err);
+    glGenTextures(n_textures, gl->textures);
+    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
+    glTexEnvi(GL_TEXTURE_ENV, GL_TEXTURE_ENV_MODE, GL_MODULATE);
+    for (int i = 0; i < n_textures; i++)
+        if (!open_texture(&gl->plan->textures[i], gl->textures[i], err))
+            return false;
+    return true;
+}
+
+/* Gives OpenGL the planes of a spectral texture's loaded bands. */
+static bool upload_planes(const struct texture *texture, GLuint name, struct error *err)
+{
+    size_t n = (size_t)texture->image.width * (size_t)texture->image.height;
+    float *texels = malloc(n * BANDS_PER_PASS * sizeof *texels);
+    if (!texels)
+        return error_memory(err);
+    for (size_t i = 0; i < n; i++)
+        for (size_t c = 0; c < BANDS_PER_PASS; c++)
+            texels[BANDS_PER_PASS * i + c] = texture->plane[c][i];
+    glBindTexture(GL_TEXTURE_2D, name);
+    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F_ARB, texture->image.width, texture->image.height, 0,
+                 GL_RGB, GL_FLOAT, texels);
+    free(texels);
+    return true;
+}
+
+static void use_texture(const struct gl *gl, const struct finish *finish)
+{
+    if (!finish->texture) {
+        glDisable(GL_TEXTURE_2D);
+        glDisableClientState(GL_TEXTURE_COORD_ARRAY);
+        return;
+    }
+    glBindTexture(GL_TEXTURE_2D, gl->textures[finish->texture - gl->plan->textures]);
+    glEnable(GL_TEXTURE_2D);
+    glEnableClientState(GL_TEXTURE_COORD_ARRAY);
+}
+
+/* ---- state ---- */
 
 /* State that no pass changes. Clamps are off: colours may exceed 1 on their way through a triangle
  * (Mesa clamps vertex colours by default, even for float buffers). */
@@ -122,7 +197,7 @@ static void set_state(const struct gl *gl)
     glDisable(GL_DITHER);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LESS);
-    glShadeModel(GL_SMOOTH);
+    glShadeModel(gl->plan->scene->flat_shading ? GL_FLAT : GL_SMOOTH);
     glEnable(GL_NORMALIZE);
     glEnable(GL_LIGHTING);
     glLightModelfv(GL_LIGHT_MODEL_AMBIENT, white);
@@ -131,16 +206,38 @@ static void set_state(const struct gl *gl)
     glMaterialfv(GL_FRONT_AND_BACK, GL_EMISSION, black);
     glClearColor(0, 0, 0, 0);
     glMatrixMode(GL_MODELVIEW);
+}
+
+static void place_light(GLenum name, const struct plan_light *light)
+{
+    const struct light *source = light->light;
+    struct vector at = light->eye_position, axis = light->eye_spot;
+    GLfloat position[4] = {(GLfloat)at.x, (GLfloat)at.y, (GLfloat)at.z,
+                           source->directional ? 0.0F : 1.0F};
+    GLfloat direction[3] = {(GLfloat)axis.x, (GLfloat)axis.y, (GLfloat)axis.z};
+    static const GLenum attenuations[] = {GL_CONSTANT_ATTENUATION, GL_LINEAR_ATTENUATION,
+                                          GL_QUADRATIC_ATTENUATION};
+    glEnable(name);
+    glLightfv(name, GL_AMBIENT, black);
+    glLightfv(name, GL_POSITION, position);
+    for (int i = 0; i < 3; i++)
+        glLightf(name, attenuations[i], (GLfloat)source->attenuation[i]);
+    glLightf(name, GL_SPOT_CUTOFF, light->spot ? (GLfloat)source->spot_cutoff_deg : 180.0F);
+    glLightf(name, GL_SPOT_EXPONENT, light->spot ? (GLfloat)source->spot_exponent : 0.0F);
+    if (light->spot)
+        glLightfv(name, GL_SPOT_DIRECTION, direction);
+}
+
+/* The lights of a group, in eye coordinates. */
+static void place_lights(const struct gl *gl, int group)
+{
     glLoadIdentity();
-    for (int i = 0; i < gl->plan->n_lights; i++) {
-        const struct plan_light *light = &gl->plan->lights[i];
-        GLfloat position[4] = {(GLfloat)light->eye_position.x, (GLfloat)light->eye_position.y,
-                               (GLfloat)light->eye_position.z,
-                               light->light->directional ? 0.0F : 1.0F};
-        GLenum name = GL_LIGHT0 + (GLenum)i;
-        glEnable(name);
-        glLightfv(name, GL_AMBIENT, black);
-        glLightfv(name, GL_POSITION, position);
+    for (int i = 0; i < LIGHTS_PER_PASS; i++) {
+        int light = group * LIGHTS_PER_PASS + i;
+        if (light < gl->plan->n_lights)
+            place_light(GL_LIGHT0 + (GLenum)i, &gl->plan->lights[light]);
+        else
+            glDisable(GL_LIGHT0 + (GLenum)i);
     }
 }
 
@@ -159,7 +256,7 @@ bool gl_open(const struct plan *plan, const struct surface *surfaces, struct gl 
         return error_memory(err);
     gl->plan = plan;
     gl->surfaces = surfaces;
-    if (!open_context(gl, err) || !upload_meshes(gl, err))
+    if (!open_context(gl, err) || !upload_meshes(gl, err) || !open_textures(gl, err))
         return false;
     set_state(gl);
     return no_gl_error(err);
@@ -223,7 +320,7 @@ void gl_aim(struct gl *gl, const struct tile *tile)
     gl->tile = *tile;
 }
 
-/* Colour of a term (or of the constant part, row NULL is black) in the three bands of a pass. */
+/* Colour of a term in the three bands of a pass; black without one (row NULL). */
 static void band_colour(const struct plan *plan, const double *row, int first_band,
                         double full_scale, GLfloat out[4])
 {
@@ -242,25 +339,36 @@ static const double *term_row(const struct plan *plan, const struct finish *fini
     return NULL;
 }
 
-static void set_finish(const struct gl *gl, const struct finish *finish, int first_band,
-                       double full_scale)
+/* What one pass draws: the bands and the lights of it. */
+struct pass {
+    int first_band, group;
+    double full_scale;
+};
+
+static void set_finish(const struct gl *gl, const struct finish *finish, const struct pass *pass)
 {
+    const struct plan *plan = gl->plan;
+    const double *constant = pass->group == 0 ? term_row(plan, finish, TERM_CONSTANT, -1) : NULL;
     GLfloat colour[4];
     bool shiny = false;
-    for (int i = 0; i < gl->plan->n_lights; i++) {
+    for (int i = 0; i < LIGHTS_PER_PASS; i++) {
         GLenum name = GL_LIGHT0 + (GLenum)i;
-        const double *specular = term_row(gl->plan, finish, TERM_SPECULAR, i);
-        band_colour(gl->plan, term_row(gl->plan, finish, TERM_DIFFUSE, i), first_band, full_scale,
-                    colour);
+        int light = pass->group * LIGHTS_PER_PASS + i;
+        if (light >= plan->n_lights)
+            break;
+        const double *specular = term_row(plan, finish, TERM_SPECULAR, light);
+        band_colour(plan, term_row(plan, finish, TERM_DIFFUSE, light), pass->first_band,
+                    pass->full_scale, colour);
         glLightfv(name, GL_DIFFUSE, colour);
-        band_colour(gl->plan, specular, first_band, full_scale, colour);
+        band_colour(plan, specular, pass->first_band, pass->full_scale, colour);
         glLightfv(name, GL_SPECULAR, colour);
         shiny = shiny || specular;
     }
-    band_colour(gl->plan, finish->constant, first_band, full_scale, colour);
+    band_colour(plan, constant, pass->first_band, pass->full_scale, colour);
     glMaterialfv(GL_FRONT_AND_BACK, GL_AMBIENT, colour);
     glMaterialfv(GL_FRONT_AND_BACK, GL_SPECULAR, shiny ? white : black);
     glMaterialf(GL_FRONT_AND_BACK, GL_SHININESS, shiny ? (GLfloat)finish->material->gloss : 0.0F);
+    use_texture(gl, finish);
 }
 
 static void draw_body(const struct gl *gl, const struct body *body)
@@ -270,8 +378,11 @@ static void draw_body(const struct gl *gl, const struct body *body)
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, gl->buffers[2 * body->mesh + 1]);
     glVertexPointer(3, GL_FLOAT, sizeof *first, (const void *)offsetof(struct gl_vertex, position));
     glNormalPointer(GL_FLOAT, sizeof *first, (const void *)offsetof(struct gl_vertex, normal));
+    glTexCoordPointer(2, GL_FLOAT, sizeof *first, (const void *)offsetof(struct gl_vertex, place));
+    glLightModeli(GL_LIGHT_MODEL_TWO_SIDE, body->object->two_sided);
+    glFrontFace(body->mirrored ? GL_CW : GL_CCW);
     load_matrix(&body->model_view);
-    glDrawElements(GL_TRIANGLES, 3 * gl->plan->meshes[body->mesh].n_triangles, GL_UNSIGNED_INT,
+    glDrawElements(GL_TRIANGLES, 3 * gl->plan->meshes[body->mesh].mesh.n_triangles, GL_UNSIGNED_INT,
                    NULL);
 }
 
@@ -280,6 +391,7 @@ static void draw_body(const struct gl *gl, const struct body *body)
 static void blacken(void)
 {
     glDisable(GL_LIGHTING);
+    glDisable(GL_TEXTURE_2D);
     glDisable(GL_DEPTH_TEST); /* which also leaves the cleared depth alone */
     glMatrixMode(GL_PROJECTION);
     glPushMatrix();
@@ -295,26 +407,47 @@ static void blacken(void)
     glEnable(GL_LIGHTING);
 }
 
-bool gl_draw(struct gl *gl, int first_band, double full_scale, const float **pixels,
-             struct error *err)
+static void draw_pass(struct gl *gl, const struct pass *pass)
 {
     const struct plan *plan = gl->plan;
     int finish = -1;
     glClear(GL_DEPTH_BUFFER_BIT);
     blacken();
+    place_lights(gl, pass->group);
     for (int i = 0; i < plan->n_bodies; i++) {
         const struct body *body = &plan->bodies[i];
         if (!surface_reaches(&gl->surfaces[i], &gl->tile))
             continue;
         if (body->finish != finish)
-            set_finish(gl, &plan->finishes[body->finish], first_band, full_scale);
+            set_finish(gl, &plan->finishes[body->finish], pass);
         finish = body->finish;
         draw_body(gl, body);
         gl->work.draw_calls++;
     }
     glFinish(); /* only now does OSMesa fill the buffer */
     gl->work.passes++;
-    *pixels = gl->pixels;
+}
+
+static void add_pass(struct gl *gl, bool first)
+{
+    size_t n = 4 * (size_t)gl->plan->tile_width * (size_t)gl->plan->tile_height;
+    for (size_t i = 0; i < n; i++)
+        gl->sum[i] = first ? gl->pixels[i] : gl->sum[i] + gl->pixels[i];
+}
+
+bool gl_draw(struct gl *gl, int first_band, double full_scale, const float **pixels,
+             struct error *err)
+{
+    const struct plan *plan = gl->plan;
+    for (int i = 0; i < plan->n_textures; i++)
+        if (plan->textures[i].spectral && !upload_planes(&plan->textures[i], gl->textures[i], err))
+            return false;
+    for (int group = 0; group < plan->n_light_groups; group++) {
+        draw_pass(gl, &(struct pass){first_band, group, full_scale});
+        if (gl->sum)
+            add_pass(gl, group == 0);
+    }
+    *pixels = gl->sum ? gl->sum : gl->pixels;
     return no_gl_error(err);
 }
 
@@ -330,6 +463,8 @@ void gl_close(struct gl *gl)
     if (gl->context)
         OSMesaDestroyContext(gl->context);
     free(gl->buffers);
+    free(gl->textures);
     free(gl->pixels);
+    free(gl->sum);
     free(gl);
 }

@@ -150,6 +150,9 @@ static bool render_pass(struct render_state *state, const struct tile *tile, int
     struct render_seconds *seconds = &state->result->seconds;
     const float *pixels = NULL;
     double since = render_clock();
+    if (!plan_load_textures(state->plan, pass * BANDS_PER_PASS, err))
+        return false;
+    clock_in(&seconds->read, &since);
     if (state->gl &&
         !gl_draw(state->gl, pass * BANDS_PER_PASS, state->result->full_scale, &pixels, err))
         return false;

@@ -236,18 +236,16 @@ static void json_effects(struct json *json, const struct plan *plan)
 static void json_work(struct json *json, const struct plan *plan,
                       const struct render_result *result)
 {
-    uint64_t terms = 0;
-    for (int i = 0; i < plan->n_finishes; i++)
-        terms += (uint64_t)plan->finishes[i].n_terms;
     json_open(json, "work", '{');
     json_count(json, "gl_passes", (uint64_t)result->gl.passes);
     json_count(json, "draw_calls", (uint64_t)result->gl.draw_calls);
     json_count(json, "vertices_lit", (uint64_t)result->light.vertices_lit);
     json_count(json, "specular_vertices", (uint64_t)result->light.specular_vertices);
-    json_count(json, "excitation_integrals", 0);
-    json_count(json, "textures_loaded", 0);
-    json_count(json, "materials_loaded", (uint64_t)plan->n_finishes);
-    json_count(json, "terms", terms);
+    json_count(json, "power_functions", (uint64_t)result->light.power_functions);
+    json_count(json, "excitation_integrals", (uint64_t)plan->work.excitation_integrals);
+    json_count(json, "textures_loaded", (uint64_t)plan->work.textures_loaded);
+    json_count(json, "materials_loaded", (uint64_t)plan->work.materials_loaded);
+    json_count(json, "terms", (uint64_t)plan->work.terms);
     json_close(json, '}');
 }
 

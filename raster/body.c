@@ -1,0 +1,270 @@
+/* SPDX-License-Identifier: MIT */
+/* Objects become bodies: each mesh is built once, parted by material and cut in half where a
+ * material has a metameric partner, moved to its centre and placed. Objects that show the same mesh
+ * share it. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "plan.h"
+
+/* A mesh as its shape describes it, before it is parted and moved. */
+struct whole {
+    const struct shape *shape;
+    struct mesh mesh;
+};
+/* What a mesh of the plan shows of a whole: one part, or all (-1), and of that one side of x = 0,
+ * or both (-1). */
+struct cutting {
+    int whole, part, side;
+};
+struct body_maker {
+    struct plan *plan;
+    struct whole *wholes;
+    struct cutting *cuttings; /* of each mesh of the plan */
+    int n_wholes;
+};
+
+/* ---- whole meshes ---- */
+
+static bool same_shape(const struct shape *a, const struct shape *b)
+{
+    if (a->kind != b->kind || a->planar != b->planar ||
+        memcmp(a->repeat, b->repeat, sizeof a->repeat) != 0)
+        return false;
+    if (a->kind == SHAPE_MESH)
+        return strcmp(a->path, b->path) == 0 && a->unitize == b->unitize &&
+               a->crease_deg == b->crease_deg;
+    return memcmp(a->parameter, b->parameter, sizeof a->parameter) == 0;
+}
+
+static bool build_whole(const struct shape *shape, struct mesh *out, struct error *err)
+{
+    if (!shape_build(shape, out, err))
+        return false;
+    if (shape->planar)
+        mesh_planar(out);
+    for (int i = 0; i < out->n_vertices; i++) {
+        out->vertices[i].s *= shape->repeat[0];
+        out->vertices[i].t *= shape->repeat[1];
+    }
+    return true;
+}
+
+/* The index of a shape's mesh, which is built when it is first asked for; -1 after an error. */
+static int find_whole(struct body_maker *maker, const struct shape *shape, struct error *err)
+{
+    for (int i = 0; i < maker->n_wholes; i++)
+        if (same_shape(maker->wholes[i].shape, shape))
+            return i;
+    struct whole *more = array_more(maker->wholes, maker->n_wholes, sizeof *more, err);
+    if (!more)
+        return -1;
+    maker->wholes = more;
+    more[maker->n_wholes].shape = shape;
+    return build_whole(shape, &more[maker->n_wholes].mesh, err) ? maker->n_wholes++ : -1;
+}
+
+/* ---- meshes as they are drawn ---- */
+
+static struct vector centre_of(const struct mesh *mesh)
+{
+    struct vector low = mesh->vertices[0].position, high = low;
+    for (int i = 1; i < mesh->n_vertices; i++) {
+        struct vector p = mesh->vertices[i].position;
+        low = (struct vector){fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z)};
+        high = (struct vector){fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z)};
+    }
+    return vector_add(vector_scale(low, 0.5), vector_scale(high, 0.5));
+}
+
+/* Replaces *mesh by its part on one side of x = 0. */
+static bool keep_side(struct mesh *mesh, int side, struct error *err)
+{
+    struct mesh halves = {.n_vertices = 0}, half = {.n_vertices = 0};
+    bool done = mesh_cut(mesh, &halves, err) && mesh_part(&halves, side, &half, err);
+    mesh_free(&halves);
+    mesh_free(mesh);
+    *mesh = half;
+    return done;
+}
+
+/* All that a cutting shows, moved by the centre of the whole: halves and parts that meet have the
+ * same numbers where they do. */
+static bool cut_out(const struct whole *whole, const struct cutting *cutting, struct plan_mesh *out,
+                    struct error *err)
+{
+    struct mesh from = whole->mesh;
+    if (cutting->part < 0)
+        from.part = NULL; /* everything is part 0 */
+    out->centre = centre_of(&whole->mesh);
+    if (!mesh_part(&from, cutting->part < 0 ? 0 : cutting->part, &out->mesh, err) ||
+        (cutting->side >= 0 && !keep_side(&out->mesh, cutting->side, err)))
+        return false;
+    for (int i = 0; i < out->mesh.n_vertices; i++) {
+        struct vector *position = &out->mesh.vertices[i].position;
+        *position = vector_subtract(*position, out->centre);
+    }
+    return true;
+}
+
+/* The index of the mesh in the plan; -1 after an error. */
+static int find_mesh(struct body_maker *maker, struct cutting wanted, struct error *err)
+{
+    struct plan *plan = maker->plan;
+    for (int i = 0; i < plan->n_meshes; i++)
+        if (memcmp(&maker->cuttings[i], &wanted, sizeof wanted) == 0)
+            return i;
+    struct cutting *cuttings =
+        array_more(maker->cuttings, plan->n_meshes, sizeof *maker->cuttings, err);
+    if (!cuttings)
+        return -1;
+    maker->cuttings = cuttings;
+    struct plan_mesh *meshes = array_more(plan->meshes, plan->n_meshes, sizeof *meshes, err);
+    if (!meshes)
+        return -1;
+    plan->meshes = meshes;
+    cuttings[plan->n_meshes] = wanted;
+    int index = plan->n_meshes++; /* counted first, so that plan_free reaches it after a failure */
+    return cut_out(&maker->wholes[wanted.whole], &wanted, &meshes[index], err) ? index : -1;
+}
+
+/* ---- bodies ---- */
+
+/* Whether the upper 3x3 turns left into right. Rows are brought to unit length, so that small and
+ * large scales neither underflow nor overflow. */
+static bool is_mirrored(const struct matrix *m)
+{
+    struct vector row[3];
+    for (int i = 0; i < 3; i++)
+        row[i] = vector_normalise((struct vector){m->row[i][0], m->row[i][1], m->row[i][2]});
+    return vector_dot(vector_cross(row[0], row[1]), row[2]) < 0;
+}
+
+static bool add_body(struct body_maker *maker, const struct object *object, struct cutting cutting,
+                     const struct material *material, struct error *err)
+{
+    struct plan *plan = maker->plan;
+    struct body body = {.object = object, .mesh = find_mesh(maker, cutting, err)};
+    if (body.mesh < 0)
+        return false;
+    const struct plan_mesh *mesh = &plan->meshes[body.mesh];
+    if (mesh->mesh.n_triangles == 0) /* all of it lies on the other side */
+        return true;
+    struct body *more = array_more(plan->bodies, plan->n_bodies, sizeof *more, err);
+    if (!more)
+        return false;
+    plan->bodies = more;
+    if (!finish_find(plan, material, &body.finish, err))
+        return false;
+    body.model_view = matrix_product(
+        plan->view, matrix_product(object->transform, matrix_translation(mesh->centre)));
+    body.mirrored = is_mirrored(&body.model_view);
+    if (!matrix_normal(&body.model_view, &body.normal_matrix))
+        return error_at(err, object->place,
+                        "the object's transform is singular or not finite; "
+                        "scale factors must not be 0 nor overflow together");
+    more[plan->n_bodies++] = body;
+    plan->n_vertices += mesh->mesh.n_vertices;
+    plan->n_triangles += mesh->mesh.n_triangles;
+    return true;
+}
+
+/* A mesh, or a part of it, of one material: in two halves if that has a partner. */
+static bool add_halves(struct body_maker *maker, const struct object *object,
+                       struct cutting cutting, const struct material *material, struct error *err)
+{
+    const struct material *partner = material->partner;
+    if (material->partner_name)
+        partner = &maker->plan->scene->materials[material->partner_index];
+    if (!partner)
+        return add_body(maker, object, cutting, material, err);
+    cutting.side = 0;
+    if (!add_body(maker, object, cutting, material, err))
+        return false;
+    cutting.side = 1;
+    return add_body(maker, object, cutting, partner, err);
+}
+
+/* ---- several materials on one mesh ---- */
+
+static const char *part_name(const struct mesh *mesh, int part)
+{
+    return mesh->part_names ? mesh->part_names[part] : "";
+}
+
+static int count_parts(const struct mesh *mesh)
+{
+    return mesh->part ? mesh->n_parts : 1;
+}
+
+static const struct part_use *find_use(const struct object *object, const char *name)
+{
+    const struct part_use *all = NULL;
+    for (int i = 0; i < object->n_uses; i++)
+        if (strcmp(object->uses[i].name, name) == 0)
+            return &object->uses[i];
+        else if (strcmp(object->uses[i].name, "*") == 0)
+            all = &object->uses[i];
+    return all;
+}
+
+/* A line for a usemtl that the mesh does not have is a mistake. */
+static bool check_uses(const struct object *object, const struct mesh *mesh, struct error *err)
+{
+    for (int i = 0; i < object->n_uses; i++) {
+        bool found = strcmp(object->uses[i].name, "*") == 0;
+        for (int part = 0; part < count_parts(mesh); part++)
+            found = found || strcmp(object->uses[i].name, part_name(mesh, part)) == 0;
+        if (!found)
+            return error_at(err, object->uses[i].place, "%.300s has no usemtl '%.100s'",
+                            object->shape.path, object->uses[i].name);
+    }
+    return true;
+}
+
+static bool add_parts(struct body_maker *maker, const struct object *object, int whole,
+                      struct error *err)
+{
+    const struct material *materials = maker->plan->scene->materials;
+    int n_parts = count_parts(&maker->wholes[whole].mesh);
+    if (!check_uses(object, &maker->wholes[whole].mesh, err))
+        return false;
+    for (int part = 0; part < n_parts; part++) {
+        const char *name = part_name(&maker->wholes[whole].mesh, part);
+        const struct part_use *use = find_use(object, name);
+        if (!use)
+            return error_at(err, object->place,
+                            "usemtl '%.100s' of %.300s has no line in %.300s; a line for '*' "
+                            "stands for all others",
+                            name, object->shape.path, object->material_map);
+        if (!add_halves(maker, object, (struct cutting){whole, part, -1}, &materials[use->material],
+                        err))
+            return false;
+    }
+    return true;
+}
+
+static bool add_object(struct body_maker *maker, const struct object *object, struct error *err)
+{
+    int whole = find_whole(maker, &object->shape, err);
+    if (whole < 0)
+        return false;
+    if (object->material_map)
+        return add_parts(maker, object, whole, err);
+    return add_halves(maker, object, (struct cutting){whole, -1, -1},
+                      &maker->plan->scene->materials[object->material], err);
+}
+
+bool bodies_make(struct plan *plan, struct error *err)
+{
+    struct body_maker maker = {.plan = plan};
+    bool done = true;
+    for (int i = 0; i < plan->scene->n_objects && done; i++)
+        done = add_object(&maker, &plan->scene->objects[i], err);
+    for (int i = 0; i < maker.n_wholes; i++)
+        mesh_free(&maker.wholes[i].mesh);
+    free(maker.wholes);
+    free(maker.cuttings);
+    return done;
+}

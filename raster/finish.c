@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: MIT */
+/* Which lights shine and what each material makes of them: spectra of light, reflectance and
+ * fluorescence multiplied once, for all vertices. A term that is 0 in every band is not a term, a
+ * light without terms does not shine, and a texture without terms is not opened. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "plan.h"
+
+/* ---- lights ---- */
+
+static bool is_zero(const struct spectrum *spectrum)
+{
+    bool zero = spectrum->kind == SPECTRUM_CONSTANT && spectrum->parameter[0] == 0;
+    if (spectrum->kind == SPECTRUM_SAMPLED) {
+        zero = true;
+        for (int i = 0; i < spectrum->count; i++)
+            zero = zero && spectrum->value[i] == 0;
+    }
+    return zero || spectrum->factor == 0;
+}
+
+static struct plan_light plan_light(const struct plan *plan, const struct light *light)
+{
+    struct plan_light out = {.light = light};
+    const double *k = light->attenuation;
+    if (light->directional) {
+        struct vector towards = vector_normalise(light->position);
+        out.eye_position = vector_normalise(matrix_direction(&plan->view, towards));
+        return out;
+    }
+    out.eye_position = matrix_point(&plan->view, light->position);
+    out.attenuated = k[0] != 1 || k[1] != 0 || k[2] != 0;
+    out.spot = light->spot && light->spot_cutoff_deg <= 90;
+    if (out.spot) {
+        double sine;
+        struct vector axis = vector_normalise(light->spot_direction);
+        out.eye_spot = vector_normalise(matrix_direction(&plan->view, axis));
+        sine_cosine(light->spot_cutoff_deg, &sine, &out.spot_cosine);
+    }
+    return out;
+}
+
+bool lights_list(struct plan *plan, struct error *err)
+{
+    const struct scene *scene = plan->scene;
+    plan->lights = calloc((size_t)scene->n_lights + 1, sizeof *plan->lights);
+    if (!plan->lights)
+        return error_memory(err);
+    for (int i = 0; i < scene->n_lights; i++)
+        if (scene->lights[i].intensity != 0 && !is_zero(&scene->lights[i].spectrum))
+            plan->lights[plan->n_lights++] = plan_light(plan, &scene->lights[i]);
+    return true;
+}
+
+void lights_drop_idle(struct plan *plan)
+{
+    int n = 0;
+    for (int light = 0; light < plan->n_lights; light++) {
+        bool used = false;
+        for (int f = 0; f < plan->n_finishes; f++)
+            for (int t = 0; t < plan->finishes[f].n_terms; t++) {
+                struct term *term = &plan->finishes[f].terms[t];
+                if (term->kind == TERM_CONSTANT || term->light != light)
+                    continue;
+                used = true;
+                term->light = n;
+            }
+        if (used)
+            plan->lights[n++] = plan->lights[light];
+    }
+    plan->n_lights = n;
+}
+
+/* ---- spectra of terms ---- */
+
+struct finish_maker {
+    struct plan *plan;
+    struct finish *finish;
+    struct donaldson matrix; /* n_emission 0: none */
+};
+
+/* Adds factor x spectrum x reflectance (NULL: 1) to a row of bands. */
+static void add_product(const struct plan *plan, double factor, const struct spectrum *spectrum,
+                        const struct spectrum *reflectance, double *row)
+{
+    const double *nm = plan->scene->wavelengths_nm;
+    for (int i = 0; i < plan->n_bands; i++)
+        row[i] += factor * spectrum_at(spectrum, nm[i], SPECTRUM_ZERO) *
+                  (reflectance ? spectrum_at(reflectance, nm[i], SPECTRUM_HOLD) : 1);
+}
+
+/* Adds what fluoresces under a light. */
+static bool add_luminescence(struct finish_maker *maker, const struct spectrum *light,
+                             double intensity, double *row, struct error *err)
+{
+    const struct material *material = maker->finish->material;
+    struct plan *plan = maker->plan;
+    if (material->excitation.kind != SPECTRUM_NONE) {
+        double mean = excitation_mean(light, &material->excitation);
+        plan->work.excitation_integrals++;
+        add_product(plan, intensity * mean, &material->emission, NULL, row);
+    }
+    if (maker->matrix.n_emission > 0) {
+        struct spectrum emission = {.kind = SPECTRUM_NONE};
+        if (!donaldson_emission(&maker->matrix, light, &emission, err))
+            return false;
+        plan->work.excitation_integrals += maker->matrix.n_emission;
+        add_product(plan, intensity, &emission, NULL, row);
+        spectrum_free(&emission);
+    }
+    return true;
+}
+
+/* The row that the next term fills; zeroed. */
+static double *next_row(const struct finish_maker *maker)
+{
+    size_t n_bands = (size_t)maker->plan->n_bands;
+    return maker->finish->spectra + (size_t)maker->finish->n_terms * n_bands;
+}
+
+static bool is_lit(const double *row, int n)
+{
+    for (int i = 0; i < n; i++)
+        if (row[i] != 0)
+            return true;
+    return false;
+}
+
+/* Keeps the row as a term, unless it is 0. */
+static void keep_term(struct finish_maker *maker, enum term_kind kind, int light)
+{
+    if (!is_lit(next_row(maker), maker->plan->n_bands))
+        return;
+    maker->finish->terms[maker->finish->n_terms++] = (struct term){kind, light};
+    maker->plan->work.terms++;
+}
+
+static bool add_constant(struct finish_maker *maker, struct error *err)
+{
+    const struct scene *scene = maker->plan->scene;
+    struct finish *finish = maker->finish;
+    double *row = next_row(maker);
+    for (int i = 0; i < scene->n_ambients; i++) {
+        const struct ambient *ambient = &scene->ambients[i];
+        if (ambient->intensity == 0 || is_zero(&ambient->spectrum))
+            continue;
+        add_product(maker->plan, ambient->intensity, &ambient->spectrum, &finish->material->diffuse,
+                    row);
+        if (!add_luminescence(maker, &ambient->spectrum, ambient->intensity, row, err))
+            return false;
+    }
+    finish->ambient = is_lit(row, maker->plan->n_bands);
+    if (finish->material->glow.kind != SPECTRUM_NONE && !is_zero(&finish->material->glow)) {
+        add_product(maker->plan, 1, &finish->material->glow, NULL, row);
+        finish->emits = true;
+    }
+    keep_term(maker, TERM_CONSTANT, -1);
+    return true;
+}
+
+static bool add_light(struct finish_maker *maker, int index, struct error *err)
+{
+    const struct light *light = maker->plan->lights[index].light;
+    const struct material *material = maker->finish->material;
+    double *row = next_row(maker);
+    add_product(maker->plan, light->intensity, &light->spectrum, &material->diffuse, row);
+    if (!add_luminescence(maker, &light->spectrum, light->intensity, row, err))
+        return false;
+    keep_term(maker, TERM_DIFFUSE, index);
+    if (material->gloss == 0)
+        return true;
+    add_product(maker->plan, light->intensity, &light->spectrum,
+                material->specular.kind != SPECTRUM_NONE ? &material->specular : NULL,
+                next_row(maker));
+    keep_term(maker, TERM_SPECULAR, index);
+    return true;
+}
+
+/* ---- textures ---- */
+
+static bool same_texture(const struct texture *a, const char *path, bool spectral, bool linear)
+{
+    return a->spectral == spectral && a->linear == linear && strcmp(a->image.path, path) == 0;
+}
+
+/* A texture is read when it is first asked for; NULL after an error. */
+static struct texture *find_texture(struct plan *plan, const struct material *material,
+                                    struct error *err)
+{
+    bool spectral = material->spectral_texture != NULL, linear = material->texture_linear;
+    const char *path = spectral ? material->spectral_texture : material->texture;
+    struct place place = spectral ? material->spectral_texture_place : material->texture_place;
+    struct texture *new = &plan->textures[plan->n_textures];
+    for (int i = 0; i < plan->n_textures; i++)
+        if (same_texture(&plan->textures[i], path, spectral, linear))
+            return &plan->textures[i];
+    if (!(spectral ? texture_read_spectral : texture_read)(path, place, linear, new, err))
+        return NULL;
+    plan->n_textures++;
+    plan->work.textures_loaded++;
+    return new;
+}
+
+bool plan_load_textures(const struct plan *plan, int first_band, struct error *err)
+{
+    int n = plan->n_bands - first_band;
+    for (int i = 0; i < plan->n_textures; i++)
+        if (!texture_load(&plan->textures[i], plan->scene->wavelengths_nm + first_band,
+                          n < BANDS_PER_PASS ? n : BANDS_PER_PASS, err))
+            return false;
+    return true;
+}
+
+/* ---- finishes ---- */
+
+int finish_rows(const struct finish *finish)
+{
+    bool places = finish->texture && finish->texture->spectral;
+    return finish->n_terms + (places ? 2 : 0);
+}
+
+static bool add_terms(struct finish_maker *maker, struct error *err)
+{
+    struct plan *plan = maker->plan;
+    struct finish *finish = maker->finish;
+    size_t most = 1 + 2 * (size_t)plan->n_lights;
+    finish->terms = calloc(most, sizeof *finish->terms);
+    finish->spectra = calloc(most * (size_t)plan->n_bands, sizeof *finish->spectra);
+    if (!finish->terms || !finish->spectra)
+        return error_memory(err);
+    if (!add_constant(maker, err))
+        return false;
+    for (int light = 0; light < plan->n_lights; light++)
+        if (!add_light(maker, light, err))
+            return false;
+    return true;
+}
+
+static bool make_finish(struct plan *plan, const struct material *material, struct finish *finish,
+                        struct error *err)
+{
+    struct finish_maker maker = {.plan = plan, .finish = finish};
+    bool textured = material->texture || material->spectral_texture;
+    finish->material = material;
+    plan->work.materials_loaded++;
+    if (material->donaldson && !donaldson_read(material->donaldson, material->donaldson_place,
+                                               &material->diffuse, &maker.matrix, err))
+        return false;
+    bool done = add_terms(&maker, err);
+    donaldson_free(&maker.matrix);
+    if (done && textured && finish->n_terms > 0) {
+        finish->texture = find_texture(plan, material, err);
+        done = finish->texture != NULL;
+    }
+    if (finish_rows(finish) > plan->max_rows)
+        plan->max_rows = finish_rows(finish);
+    return done;
+}
+
+bool finish_find(struct plan *plan, const struct material *material, int *out, struct error *err)
+{
+    for (*out = 0; *out < plan->n_finishes; ++*out)
+        if (plan->finishes[*out].material == material)
+            return true;
+    plan->n_finishes++; /* counted first, so that plan_free reaches it after a failure */
+    return make_finish(plan, material, &plan->finishes[*out], err);
+}
