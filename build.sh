@@ -51,7 +51,7 @@ need() {
 
 # The text files under data/ as C, so that the program runs alone.
 builtin_files() {
-    find data/tables data/materials data/models data/scenes -type f | LC_ALL=C sort >build/builtin.list
+    find data/tables data/materials data/models data/scenes data/textures -type f | LC_ALL=C sort >build/builtin.list
     echo '#include "spectral.h"'
     number=0
     while read -r file; do
@@ -141,7 +141,10 @@ test)
 bench)
     build
     program build/bench -Itest test/bench.c $(find data raster -name '*.c') build/builtin.c
-    build/bench
+    case ${2:-all} in
+    effects) /usr/bin/python3 test/bench_effects.py build/spectral build/tmp/bench ;;
+    *) build/bench ;;
+    esac
     ;;
 install)
     [ $# = 2 ] || { echo "$usage" >&2; exit 2; }

@@ -330,7 +330,7 @@ static bool render_planned(const struct options *options, const struct plan *pla
         progress.step = show_progress;
     if (!render(plan, output, options->keep, &progress, &result, err))
         return false;
-    result.seconds.read = before->read;
+    result.seconds.read += before->read;
     result.seconds.plan = before->plan;
     result.seconds.total += before->read + before->plan;
     return report(options, plan, &result, output, err);
