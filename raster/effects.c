@@ -211,8 +211,8 @@ static void print_texture(const struct plan *plan, const struct texture *texture
     const struct image *image = &texture->image;
     struct spectrum pages = {
         .kind = SPECTRUM_SAMPLED, .count = image->n_pages, .wavelength_nm = image->wavelengths_nm};
-    fprintf(to, "texture           %s: %d x %d texels, %s\n", image->path, image->width,
-            image->height, texture->linear ? "linear" : "nearest");
+    fprintf(to, "texture           %s: %d x %d texels, %d pages, %s\n", image->path, image->width,
+            image->height, image->n_pages, texture->linear ? "linear" : "nearest");
     if (texture->spectral)
         print_extrapolation(plan, "texture", "the end page holds", &pages, image->path, to);
 }
