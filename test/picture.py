@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Makes a PNG for people of a stack: CIE 1931 observer, sRGB (IEC 61966-2-1), the light D65 as white.
-usage: test/picture.py STACK.tif PICTURE.png"""
+"""Makes a PNG for people of a stack: CIE 1931 observer, sRGB (IEC 61966-2-1), a built-in light as white.
+usage: test/picture.py STACK.tif PICTURE.png [LIGHT]"""
 import struct
 import sys
 import zlib
@@ -20,7 +20,8 @@ def table(name):
 
 def png(path, pixels):
     height, width, _ = pixels.shape
-    rows = b"".join(b"\0" + row.tobytes() for row in pixels)
+    up = np.diff(pixels, axis=0, prepend=np.zeros((1, width, 3), np.uint8))  # PNG's filter 2
+    rows = b"".join(b"\2" + row.tobytes() for row in up)
 
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
@@ -29,13 +30,14 @@ def png(path, pixels):
                   + chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b""))
 
 
-stack, picture = sys.argv[1:]
+stack, picture = sys.argv[1:3]
+light = sys.argv[3] if len(sys.argv) > 3 else "d65"
 with tifffile.TiffFile(stack) as tiff:
     radiance = np.array([page.asarray() for page in tiff.pages], float)
     wavelengths = np.array(tiff.pages[0].tags[65000].value, float)
 observer = table("cie1931")
 curves = np.array([np.interp(wavelengths, observer[0], curve) for curve in observer[1:]])
-white = curves @ np.interp(wavelengths, *table("d65"))
+white = curves @ np.interp(wavelengths, *table(light))
 xyz = np.tensordot(curves, radiance, 1)
 xyz *= (D65_WHITE / white)[:, None, None] / (xyz[1] / white[1]).max()
 rgb = np.tensordot(TO_SRGB, xyz, 1).clip(0, 1)
