@@ -519,7 +519,7 @@ bool shape_build(const struct shape *shape, struct mesh *out, struct error *err)
 
 /* ---- raster/plan.c: what a scene calls for, decided once ---- */
 
-enum { LIGHTS_PER_PASS = 8, BANDS_PER_PASS = 3 };
+enum { LIGHTS_PER_PASS = 8, BANDS_PER_PASS = TEXTURE_PLANES };
 
 /* Radiance at a point is a sum over terms of weight(point) x spectrum(wavelength) (local
  * illumination is linear), times the texture there: weights depend on geometry only, spectra on
@@ -549,6 +549,7 @@ struct finish {
 struct plan_mesh {
     struct mesh mesh;
     struct vector centre; /* of the whole mesh */
+    bool textured;        /* some body of it is */
 };
 /* An object, or a part of one, as it will be drawn: transform and camera composed in double. */
 struct body {
@@ -694,6 +695,8 @@ struct outline {
 /* Above 1: the factor by which position errors magnify the others; HUGE_VAL where they leave no
  * bound. */
 double bound_magnification(const struct outline *outline);
+/* Whether OpenGL may show the triangle at this point. */
+bool outline_touches(const struct outline *outline, double x, double y);
 /* Bound on OpenGL's error in a value interpolated with perspective (colours). */
 double bound_colour(const struct outline *outline, const double values[3]);
 /* The same for a value interpolated linearly in the window (depth). */
@@ -708,16 +711,16 @@ struct facet {
     int32_t vertex[3]; /* of the whole triangle */
     int32_t provoking; /* the vertex that colours all of it in flat shading */
     int side;          /* 1: seen from behind, and that matters */
-    bool whole;        /* corner i is vertex[i] */
     bool straddles;    /* OpenGL cuts it at the tile's border */
-    bool loose;        /* some of it is too thin for a bound on single precision */
+    bool thin; /* a piece that OpenGL makes of it is too thin for a bound on single precision */
+    int32_t first_thin, n_thin; /* such pieces, as its chunk keeps them */
     double x[3], y[3], z[3], inverse_w[3];
     double share[3][3]; /* of each corner: barycentric coordinates in the whole triangle */
     double twice_area;
     double slack_px;    /* bound on GL's position of a corner, its snapping left out */
     double slack_w;     /* relative bound on GL's w */
     double slack_depth; /* bound on GL's depth of a corner */
-    double depth_error; /* bound on GL's depth at a pixel; HUGE_VAL: none */
+    double depth_error; /* bound on GL's depth at a pixel off thin pieces; HUGE_VAL: none */
 };
 /* OpenGL may snap corners to a grid of 1/256 pixel before it tests coverage and facing: half a
  * step, beside the rounding of the coordinate, which slack_px counts. */

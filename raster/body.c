@@ -148,7 +148,7 @@ static bool add_body(struct body_maker *maker, const struct object *object, stru
     struct body body = {.object = object, .mesh = find_mesh(maker, cutting, err)};
     if (body.mesh < 0)
         return false;
-    const struct plan_mesh *mesh = &plan->meshes[body.mesh];
+    struct plan_mesh *mesh = &plan->meshes[body.mesh];
     if (mesh->mesh.n_triangles == 0) /* all of it lies on the other side */
         return true;
     struct body *more = array_more(plan->bodies, plan->n_bodies, sizeof *more, err);
@@ -157,6 +157,7 @@ static bool add_body(struct body_maker *maker, const struct object *object, stru
     plan->bodies = more;
     if (!finish_find(plan, material, &body.finish, err))
         return false;
+    mesh->textured = mesh->textured || plan->finishes[body.finish].texture;
     body.model_view = matrix_product(
         plan->view, matrix_product(object->transform, matrix_translation(mesh->centre)));
     body.mirrored = is_mirrored(&body.model_view);
@@ -235,9 +236,10 @@ static bool add_parts(struct body_maker *maker, const struct object *object, int
         const struct part_use *use = find_use(object, name);
         if (!use)
             return error_at(err, object->place,
-                            "usemtl '%.100s' of %.300s has no line in %.300s; a line for '*' "
-                            "stands for all others",
-                            name, object->shape.path, object->material_map);
+                            "%s%.100s of %.300s has no line in %.300s; a line for * stands for all "
+                            "others",
+                            name[0] ? "usemtl " : "what comes before the first usemtl", name,
+                            object->shape.path, object->material_map);
         if (!add_halves(maker, object, (struct cutting){whole, part, -1}, &materials[use->material],
                         err))
             return false;

@@ -30,6 +30,7 @@ enum { BLOCK = 256 };
 /* A candidate on trial: it lives as long as it has explained every sample. */
 struct check_trial {
     bool alive;
+    bool undefined; /* of a contest's background: OpenGL drew what is no finite number */
     struct check_samples samples;
     double seen, expected, bound; /* where it died */
     int band;
@@ -202,8 +203,10 @@ static void evaluate(const struct plan *plan, const struct finish *finish, const
     }
     if (finish->texture && finish->texture->spectral)
         apply_texture(finish, rows, n, band, expected, bound);
-    for (size_t i = 0; i < n && bound; i++)
-        bound[i] += flushed + rounding * fabs(expected[i]);
+    for (size_t i = 0; i < n && bound; i++) {
+        double whole = bound[i] + flushed + rounding * fabs(expected[i]);
+        bound[i] = whole <= DBL_MAX ? whole : -1; /* what is not finite explains nothing */
+    }
 }
 
 /* ---- pixels with a single candidate ---- */
@@ -323,7 +326,9 @@ static void judge_contests(struct check *check, int band, int channel, const flo
             (double)pixels[((size_t)y * stride + (size_t)x) * 4 + (size_t)channel] * full_count;
         for (int c = contest->first; c < contest->first + contest->count; c++)
             try_candidate(check, &chunk->candidates[c], &check->trials[c], band, seen);
-        try_candidate(check, NULL, &check->trials[chunk->n_candidates + i], band, seen);
+        struct check_trial *background = &check->trials[chunk->n_candidates + i];
+        try_candidate(check, NULL, background, band, seen);
+        background->undefined = background->undefined || !isfinite(seen);
     }
 }
 
@@ -350,11 +355,14 @@ static void settle(struct check *check, size_t index)
         best = best ? best_trial(&check->trials[c], best) : &check->trials[c];
         loose = loose || chunk->candidates[c].loose;
     }
+    struct check_samples samples = best->samples;
+    if (loose) /* OpenGL may show what has no bound */
+        samples.worst_ratio = 0;
     check->tally.ambiguous++;
-    add_samples(&check->tally.samples, &best->samples);
+    add_samples(&check->tally.samples, &samples);
     if (best->alive)
         return;
-    if (loose) {
+    if (loose && !background->undefined) {
         check->tally.unbounded++;
         return;
     }
@@ -377,6 +385,7 @@ bool check_open(const struct plan *plan, const struct surface *surfaces, const s
     if (!out->failed || !out->trials) {
         free(out->failed);
         free(out->trials);
+        *out = (struct check){.plan = NULL};
         return error_memory(err);
     }
     for (size_t i = 0; i < n_trials; i++)

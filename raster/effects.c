@@ -32,10 +32,20 @@ static bool is_specular(const struct finish *finish)
 
 static bool is_fluorescent(const struct finish *finish)
 {
-    return finish->material->excitation.kind != SPECTRUM_NONE;
+    return finish->fluoresces && finish->material->excitation.kind != SPECTRUM_NONE;
 }
 
 static bool is_bispectral(const struct finish *finish)
+{
+    return finish->fluoresces && finish->material->donaldson != NULL;
+}
+
+static bool has_excitation(const struct finish *finish)
+{
+    return finish->material->excitation.kind != SPECTRUM_NONE;
+}
+
+static bool has_matrix(const struct finish *finish)
 {
     return finish->material->donaldson != NULL;
 }
@@ -135,8 +145,12 @@ void plan_effects(struct plan *plan)
                "no highlight depends on it");
     add_effect(plan, "attenuation", attenuated, plan->n_lights, "lights", "no light weakens");
     add_effect(plan, "spot", spots, plan->n_lights, "lights", "no light is a spot");
-    add_finish_effect(plan, "fluorescence", is_fluorescent, "no material has excitation");
-    add_finish_effect(plan, "bispectral", is_bispectral, "no material has a Donaldson matrix");
+    add_finish_effect(plan, "fluorescence", is_fluorescent,
+                      count_finishes(plan, has_excitation) ? "nothing is excited and shown"
+                                                           : "no material has excitation");
+    add_finish_effect(plan, "bispectral", is_bispectral,
+                      count_finishes(plan, has_matrix) ? "nothing is excited and shown"
+                                                       : "no material has a Donaldson matrix");
     add_finish_effect(plan, "texture", is_textured, "no lit material has a texture");
     add_finish_effect(plan, "spectral_texture", is_spectrally_textured,
                       "no lit material has a spectral texture");
@@ -163,7 +177,7 @@ static const char *why_off(const struct plan *plan, const struct light *light)
     for (int i = 0; i < scene->n_wavelengths; i++)
         zero = zero && spectrum_at(&light->spectrum, scene->wavelengths_nm[i], SPECTRUM_ZERO) == 0;
     return light->intensity == 0 ? "intensity 0"
-           : zero                ? "spectrum 0 at every wavelength"
+           : zero                ? "spectrum 0 at every wavelength shown"
                                  : "no material reflects it";
 }
 

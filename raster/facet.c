@@ -189,8 +189,8 @@ int facet_pieces(const struct plan *plan, const struct surface *surfaces, const 
     return n < 3 ? 0 : n - 2;
 }
 
-/* Bounds that hold for all pieces, and the side that is seen. A piece too thin for a bound makes
- * the facet loose; where all are, its depth has no bound either. */
+/* Bounds that hold for all pieces but those too thin for one, and the side that is seen. Where all
+ * are too thin, the depth has no bound. */
 static void finish_facet(const struct plan *plan, const struct surface *surfaces,
                          const struct tile *tile, struct facet *facet)
 {
@@ -207,7 +207,7 @@ static void finish_facet(const struct plan *plan, const struct surface *surfaces
         if (magnification < HUGE_VAL)
             error = fmax(error, magnification * bound_linear(&pieces[i].outline, pieces[i].z));
         else
-            facet->loose = true;
+            facet->thin = true;
     }
     facet->depth_error = error < 0 ? HUGE_VAL : error + facet->slack_depth + depth_unit;
 }
@@ -255,7 +255,6 @@ static int depth_pieces(const struct plan *plan, const struct surface *surfaces,
     for (int i = 2; i < n; i++) {
         struct facet *piece = &out[n_out++];
         *piece = *triangle;
-        piece->whole = false;
         piece->straddles = true;
         set_corner(plan, surface, &left[0], 0, piece);
         set_corner(plan, surface, &left[i - 1], 1, piece);
@@ -288,7 +287,7 @@ int facets_of(const struct plan *plan, const struct surface *surfaces, int surfa
     if (front && beside(of, vertex, rows))
         return 0;
     struct facet *facet = &out[0];
-    *facet = (struct facet){.surface = surface, .provoking = vertex[2], .whole = true};
+    *facet = (struct facet){.surface = surface, .provoking = vertex[2]};
     memcpy(facet->vertex, vertex, sizeof facet->vertex);
     if (!front || crosses_depth(of, vertex)) {
         struct facet whole = *facet;

@@ -77,38 +77,47 @@ void lights_drop_idle(struct plan *plan)
 struct finish_maker {
     struct plan *plan;
     struct finish *finish;
-    struct donaldson matrix; /* n_emission 0: none */
+    bool glows;              /* excitation and emission, of which the picture shows something */
+    struct donaldson matrix; /* likewise; n_emission 0: none */
 };
 
-/* Adds factor x spectrum x reflectance (NULL: 1) to a row of bands. */
-static void add_product(const struct plan *plan, double factor, const struct spectrum *spectrum,
+/* Adds factor x spectrum x reflectance (NULL: 1) to a row of bands; whether that is anything. */
+static bool add_product(const struct plan *plan, double factor, const struct spectrum *spectrum,
                         const struct spectrum *reflectance, double *row)
 {
     const double *nm = plan->scene->wavelengths_nm;
-    for (int i = 0; i < plan->n_bands; i++)
-        row[i] += factor * spectrum_at(spectrum, nm[i], SPECTRUM_ZERO) *
-                  (reflectance ? spectrum_at(reflectance, nm[i], SPECTRUM_HOLD) : 1);
+    bool any = false;
+    for (int i = 0; i < plan->n_bands; i++) {
+        double radiance = factor * spectrum_at(spectrum, nm[i], SPECTRUM_ZERO) *
+                          (reflectance ? spectrum_at(reflectance, nm[i], SPECTRUM_HOLD) : 1);
+        row[i] += radiance;
+        any = any || radiance != 0;
+    }
+    return any;
 }
 
-/* Adds what fluoresces under a light. */
+/* Adds what fluoresces under a light to *lit and the row. */
 static bool add_luminescence(struct finish_maker *maker, const struct spectrum *light,
-                             double intensity, double *row, struct error *err)
+                             double intensity, double *row, bool *lit, struct error *err)
 {
     const struct material *material = maker->finish->material;
     struct plan *plan = maker->plan;
-    if (material->excitation.kind != SPECTRUM_NONE) {
+    bool any = false;
+    if (maker->glows) {
         double mean = excitation_mean(light, &material->excitation);
         plan->work.excitation_integrals++;
-        add_product(plan, intensity * mean, &material->emission, NULL, row);
+        any = add_product(plan, intensity * mean, &material->emission, NULL, row);
     }
     if (maker->matrix.n_emission > 0) {
         struct spectrum emission = {.kind = SPECTRUM_NONE};
         if (!donaldson_emission(&maker->matrix, light, &emission, err))
             return false;
         plan->work.excitation_integrals += maker->matrix.n_emission;
-        add_product(plan, intensity, &emission, NULL, row);
+        any = add_product(plan, intensity, &emission, NULL, row);
         spectrum_free(&emission);
     }
+    maker->finish->fluoresces = maker->finish->fluoresces || any;
+    *lit = *lit || any;
     return true;
 }
 
@@ -119,19 +128,8 @@ static double *next_row(const struct finish_maker *maker)
     return maker->finish->spectra + (size_t)maker->finish->n_terms * n_bands;
 }
 
-static bool is_lit(const double *row, int n)
-{
-    for (int i = 0; i < n; i++)
-        if (row[i] != 0)
-            return true;
-    return false;
-}
-
-/* Keeps the row as a term, unless it is 0. */
 static void keep_term(struct finish_maker *maker, enum term_kind kind, int light)
 {
-    if (!is_lit(next_row(maker), maker->plan->n_bands))
-        return;
     maker->finish->terms[maker->finish->n_terms++] = (struct term){kind, light};
     maker->plan->work.terms++;
 }
@@ -145,17 +143,17 @@ static bool add_constant(struct finish_maker *maker, struct error *err)
         const struct ambient *ambient = &scene->ambients[i];
         if (ambient->intensity == 0 || is_zero(&ambient->spectrum))
             continue;
-        add_product(maker->plan, ambient->intensity, &ambient->spectrum, &finish->material->diffuse,
-                    row);
-        if (!add_luminescence(maker, &ambient->spectrum, ambient->intensity, row, err))
+        if (add_product(maker->plan, ambient->intensity, &ambient->spectrum,
+                        &finish->material->diffuse, row))
+            finish->ambient = true;
+        if (!add_luminescence(maker, &ambient->spectrum, ambient->intensity, row, &finish->ambient,
+                              err))
             return false;
     }
-    finish->ambient = is_lit(row, maker->plan->n_bands);
-    if (finish->material->glow.kind != SPECTRUM_NONE && !is_zero(&finish->material->glow)) {
-        add_product(maker->plan, 1, &finish->material->glow, NULL, row);
-        finish->emits = true;
-    }
-    keep_term(maker, TERM_CONSTANT, -1);
+    finish->emits = finish->material->glow.kind != SPECTRUM_NONE &&
+                    add_product(maker->plan, 1, &finish->material->glow, NULL, row);
+    if (finish->ambient || finish->emits)
+        keep_term(maker, TERM_CONSTANT, -1);
     return true;
 }
 
@@ -164,16 +162,17 @@ static bool add_light(struct finish_maker *maker, int index, struct error *err)
     const struct light *light = maker->plan->lights[index].light;
     const struct material *material = maker->finish->material;
     double *row = next_row(maker);
-    add_product(maker->plan, light->intensity, &light->spectrum, &material->diffuse, row);
-    if (!add_luminescence(maker, &light->spectrum, light->intensity, row, err))
+    bool lit =
+        add_product(maker->plan, light->intensity, &light->spectrum, &material->diffuse, row);
+    if (!add_luminescence(maker, &light->spectrum, light->intensity, row, &lit, err))
         return false;
-    keep_term(maker, TERM_DIFFUSE, index);
-    if (material->gloss == 0)
-        return true;
-    add_product(maker->plan, light->intensity, &light->spectrum,
-                material->specular.kind != SPECTRUM_NONE ? &material->specular : NULL,
-                next_row(maker));
-    keep_term(maker, TERM_SPECULAR, index);
+    if (lit)
+        keep_term(maker, TERM_DIFFUSE, index);
+    if (material->gloss > 0 &&
+        add_product(maker->plan, light->intensity, &light->spectrum,
+                    material->specular.kind != SPECTRUM_NONE ? &material->specular : NULL,
+                    next_row(maker)))
+        keep_term(maker, TERM_SPECULAR, index);
     return true;
 }
 
@@ -237,6 +236,33 @@ static bool add_terms(struct finish_maker *maker, struct error *err)
     return true;
 }
 
+static bool shows(const struct plan *plan, const struct spectrum *spectrum)
+{
+    for (int i = 0; i < plan->n_bands; i++)
+        if (spectrum_at(spectrum, plan->scene->wavelengths_nm[i], SPECTRUM_ZERO) != 0)
+            return true;
+    return false;
+}
+
+/* Reads what fluoresces; nothing where the picture has no band of its emission. */
+static bool open_luminescence(struct finish_maker *maker, struct error *err)
+{
+    const struct material *material = maker->finish->material;
+    struct donaldson *matrix = &maker->matrix;
+    const double *nm = maker->plan->scene->wavelengths_nm;
+    maker->glows =
+        material->excitation.kind != SPECTRUM_NONE && shows(maker->plan, &material->emission);
+    if (!material->donaldson)
+        return true;
+    if (!donaldson_read(material->donaldson, material->donaldson_place, &material->diffuse, matrix,
+                        err))
+        return false;
+    if (matrix->emission_nm[0] > nm[maker->plan->n_bands - 1] ||
+        matrix->emission_nm[matrix->n_emission - 1] < nm[0])
+        donaldson_free(matrix);
+    return true;
+}
+
 static bool make_finish(struct plan *plan, const struct material *material, struct finish *finish,
                         struct error *err)
 {
@@ -244,10 +270,7 @@ static bool make_finish(struct plan *plan, const struct material *material, stru
     bool textured = material->texture || material->spectral_texture;
     finish->material = material;
     plan->work.materials_loaded++;
-    if (material->donaldson && !donaldson_read(material->donaldson, material->donaldson_place,
-                                               &material->diffuse, &maker.matrix, err))
-        return false;
-    bool done = add_terms(&maker, err);
+    bool done = open_luminescence(&maker, err) && add_terms(&maker, err);
     donaldson_free(&maker.matrix);
     if (done && textured && finish->n_terms > 0) {
         finish->texture = find_texture(plan, material, err);

@@ -18,6 +18,7 @@
 /* A fragment kept for a pixel: a link in the pixel's list. */
 struct fragment {
     int32_t facet, next;
+    bool loose;     /* on a piece too thin for a bound */
     double nearest; /* lower bound on its depth in OpenGL */
 };
 struct pixel {
@@ -34,7 +35,8 @@ struct coverage {
     struct pixel *pixels;
     struct facet *facets;
     struct fragment *fragments;
-    size_t n_facets, n_fragments, facet_capacity, fragment_capacity;
+    struct outline *thin; /* pieces of facets that are too thin for a bound */
+    size_t n_facets, n_fragments, n_thin, facet_capacity, fragment_capacity, thin_capacity;
     int32_t unused; /* list of fragments to use again */
     float *bounds;  /* [facet][max_attributes], filled when first needed */
     bool *bounded;
@@ -78,7 +80,7 @@ static void drop_hidden(struct coverage *coverage, struct pixel *pixel)
     }
 }
 
-/* Adds a possible or definite fragment to a pixel's candidates. */
+/* Adds a possible or definite fragment to a pixel's candidates. One of any depth is loose. */
 static bool add_fragment(struct coverage *coverage, struct pixel *pixel, int32_t facet,
                          double depth, double error, bool definite)
 {
@@ -97,7 +99,8 @@ static bool add_fragment(struct coverage *coverage, struct pixel *pixel, int32_t
             return false;
         place = (int32_t)coverage->n_fragments++;
     }
-    coverage->fragments[place] = (struct fragment){facet, pixel->head, depth - error};
+    coverage->fragments[place] =
+        (struct fragment){facet, pixel->head, error == HUGE_VAL, depth - error};
     pixel->head = place;
     return true;
 }
@@ -156,6 +159,33 @@ static double depth_at(const struct facet *facet, const struct edge_values *edge
            sum;
 }
 
+/* Notes the pieces that have no bound, so that only pixels upon them go without. */
+static bool note_thin_pieces(struct coverage *coverage, struct facet *facet)
+{
+    struct piece pieces[CLIP_CORNERS - 2];
+    int n = facet_pieces(coverage->plan, coverage->surfaces, coverage->tile, facet, pieces);
+    facet->first_thin = (int32_t)coverage->n_thin;
+    for (int i = 0; i < n; i++) {
+        if (bound_magnification(&pieces[i].outline) < HUGE_VAL)
+            continue;
+        if (!grow(&coverage->thin, &coverage->thin_capacity, coverage->n_thin + 1,
+                  sizeof *coverage->thin))
+            return false;
+        coverage->thin[coverage->n_thin++] = pieces[i].outline;
+        facet->n_thin++;
+    }
+    return true;
+}
+
+static bool is_thin_at(const struct coverage *coverage, const struct facet *facet, double px,
+                       double py)
+{
+    for (int32_t i = 0; i < facet->n_thin; i++)
+        if (outline_touches(&coverage->thin[facet->first_thin + i], px, py))
+            return true;
+    return false;
+}
+
 static bool visit_pixel(struct coverage *coverage, int32_t index, int x, int y, double error)
 {
     const struct facet *facet = &coverage->facets[index];
@@ -178,8 +208,10 @@ static bool visit_pixel(struct coverage *coverage, int32_t index, int x, int y, 
     }
     if (!coverage->plan->options.check)
         return true;
-    definite = definite && depth > facet->depth_error && depth < 1 - facet->depth_error;
-    return add_fragment(coverage, pixel, index, depth, facet->depth_error, definite);
+    bool thin = is_thin_at(coverage, facet, x + 0.5, y + 0.5);
+    double depth_error = thin ? HUGE_VAL : facet->depth_error;
+    definite = definite && depth > depth_error && depth < 1 - depth_error;
+    return add_fragment(coverage, pixel, index, depth, depth_error, definite);
 }
 
 static int clamp_to(double value, int low, int high)
@@ -221,6 +253,8 @@ static bool cover_triangle(struct coverage *coverage, int surface, int triangle)
     for (int i = 0; i < n; i++) {
         if (!grow(&coverage->facets, &coverage->facet_capacity, coverage->n_facets + 1,
                   sizeof *coverage->facets))
+            return false;
+        if (facets[i].thin && !note_thin_pieces(coverage, &facets[i]))
             return false;
         coverage->facets[coverage->n_facets] = facets[i];
         if (!scan_facet(coverage, (int32_t)coverage->n_facets++))
@@ -293,7 +327,7 @@ static double piece_bound(const struct coverage *coverage, const struct facet *f
 }
 
 /* Bounds of all attributes that hold in the whole facet: the worst of the pieces that OpenGL sets
- * up. */
+ * up, but for those too thin for a bound. */
 static const float *bounds_of(struct coverage *coverage, int32_t index)
 {
     float *bounds = coverage->bounds + (size_t)index * coverage->max_attributes;
@@ -307,7 +341,8 @@ static const float *bounds_of(struct coverage *coverage, int32_t index)
     for (size_t attribute = 0; attribute < n_attributes; attribute++) {
         double worst = 0;
         for (int i = 0; i < n && !is_flat(coverage, facet, attribute); i++)
-            worst = fmax(worst, piece_bound(coverage, facet, &pieces[i], attribute));
+            if (facet->n_thin == n || bound_magnification(&pieces[i].outline) < HUGE_VAL)
+                worst = fmax(worst, piece_bound(coverage, facet, &pieces[i], attribute));
         bounds[attribute] = (float)worst;
     }
     return bounds;
@@ -339,14 +374,13 @@ static void interpolate(struct coverage *coverage, int32_t index, int x, int y)
 
 /* ---- textures ---- */
 
-/* Where the pixel just interpolated lies in its texture, as OpenGL may see it. */
-static int texture_choices(const struct coverage *coverage, const struct finish *finish,
-                           struct texel_point choices[TEXEL_CHOICES])
+/* Where the pixel just interpolated lies in its texture. */
+static struct texel_point texture_place(const struct coverage *coverage,
+                                        const struct finish *finish)
 {
     const double *s_t = coverage->raw_weights + finish->n_terms;
     const float *e_s_t = coverage->raw_errors + finish->n_terms;
-    struct texel_point at = texel_point(finish->texture, s_t[0], s_t[1], e_s_t[0], e_s_t[1]);
-    return texel_choices(finish->texture, at, choices);
+    return texel_point(finish->texture, s_t[0], s_t[1], e_s_t[0], e_s_t[1]);
 }
 
 /* Gives out the rows of a pixel: of a grey texture its products with the weights, of a spectral one
@@ -358,7 +392,7 @@ static void put_rows(const struct coverage *coverage, const struct finish *finis
     size_t n_terms = (size_t)finish->n_terms;
     bool spectral = place && finish->texture->spectral;
     if (place && !spectral)
-        value = texel_value(finish->texture, 0, *place, &e_value);
+        value = texel_value(finish->texture, 0, *place, errors ? &e_value : NULL);
     for (size_t t = 0; t < n_terms; t++) {
         double weight = coverage->raw_weights[t], error = (double)coverage->raw_errors[t];
         weights[t * stride] = weight * value;
@@ -375,15 +409,18 @@ static void put_rows(const struct coverage *coverage, const struct finish *finis
 /* ---- the finished chunk ---- */
 
 /* A surface that may be seen at a pixel: one candidate, or as many as OpenGL may take texels. */
-static bool add_candidates(struct coverage *coverage, struct chunk *out, int32_t index, int x,
-                           int y, size_t capacity[4])
+static bool add_candidates(struct coverage *coverage, struct chunk *out,
+                           const struct fragment *fragment, int x, int y, size_t capacity[4])
 {
+    int32_t index = fragment->facet;
     const struct facet *facet = &coverage->facets[index];
     const struct finish *finish = coverage->surfaces[facet->surface].finish;
     size_t n_rows = (size_t)finish_rows(finish);
     struct texel_point choices[TEXEL_CHOICES];
     interpolate(coverage, index, x, y);
-    int n = finish->texture ? texture_choices(coverage, finish, choices) : 1;
+    int n = 1;
+    if (finish->texture)
+        n = texel_choices(finish->texture, texture_place(coverage, finish), choices);
     for (int i = 0; i < n; i++) {
         size_t first = out->n_numbers;
         if (!grow(&out->candidates, &capacity[1], out->n_candidates + 1, sizeof *out->candidates) ||
@@ -395,7 +432,7 @@ static bool add_candidates(struct coverage *coverage, struct chunk *out, int32_t
         put_rows(coverage, finish, finish->texture ? &choices[i] : NULL,
                  out->candidate_weights + first, out->candidate_errors + first, 1);
         out->candidates[out->n_candidates++] =
-            (struct candidate){facet->surface, facet->loose, first};
+            (struct candidate){facet->surface, fragment->loose, first};
         out->n_numbers += n_rows;
     }
     return true;
@@ -413,7 +450,7 @@ static bool add_contest(struct coverage *coverage, struct chunk *out, int32_t in
                                 .background = pixel->limit == HUGE_VAL};
     int x = out->rows.x + index % out->rows.width, y = out->rows.y + index / out->rows.width;
     for (int32_t f = pixel->head; f >= 0; f = coverage->fragments[f].next)
-        if (!add_candidates(coverage, out, coverage->fragments[f].facet, x, y, capacity))
+        if (!add_candidates(coverage, out, &coverage->fragments[f], x, y, capacity))
             return false;
     contest->count = (int32_t)out->n_candidates - contest->first;
     return true;
@@ -425,7 +462,7 @@ static bool is_contested(const struct coverage *coverage, const struct pixel *pi
     if (pixel->head < 0)
         return false;
     const struct fragment *only = &coverage->fragments[pixel->head];
-    return only->next >= 0 || pixel->limit == HUGE_VAL || coverage->facets[only->facet].loose ||
+    return only->next >= 0 || pixel->limit == HUGE_VAL || only->loose ||
            pixel->winner != only->facet;
 }
 
@@ -436,18 +473,17 @@ static bool put_winner(struct coverage *coverage, struct chunk *out, int32_t ind
     size_t n_pixels = (size_t)out->rows.width * (size_t)out->rows.height;
     int32_t surface = coverage->facets[pixel->winner].surface;
     const struct finish *finish = coverage->surfaces[surface].finish;
-    struct texel_point choices[TEXEL_CHOICES], *place = NULL;
+    struct texel_point choices[TEXEL_CHOICES], place;
     int n = 1;
     out->surface[index] = surface;
     interpolate(coverage, pixel->winner, x, y);
     if (finish->texture) {
-        const double *s_t = coverage->raw_weights + finish->n_terms;
-        n = texture_choices(coverage, finish, choices);
-        place = choices;
-        if (n > 1) /* what the reference itself takes */
-            *place = texel_point(finish->texture, s_t[0], s_t[1], 0, 0);
+        place = texture_place(coverage, finish);
+        n = texel_choices(finish->texture, place, choices);
+        if (n == 1)
+            place = choices[0];
     }
-    put_rows(coverage, finish, place, out->weights + index,
+    put_rows(coverage, finish, finish->texture ? &place : NULL, out->weights + index,
              out->errors ? out->errors + index : NULL, n_pixels);
     return n > 1;
 }
@@ -519,6 +555,7 @@ bool chunk_rasterize(const struct plan *plan, const struct surface *surfaces,
     free(coverage.pixels);
     free(coverage.facets);
     free(coverage.fragments);
+    free(coverage.thin);
     free(coverage.bounds);
     free(coverage.bounded);
     free(coverage.raw_weights);

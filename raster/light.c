@@ -6,6 +6,7 @@
  * roundings of a single-precision pipeline in any order of operations, with or without fused
  * multiply-add; u = 2^-24 is the unit roundoff of single precision. "e_" is a bound on an absolute
  * error. */
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -73,21 +74,22 @@ struct direction {
     double e_turn;
 };
 
-/* The condition number of the upper 3x3 in the 2-norm, from Frobenius norms: with singular values
- * s1 >= s2 >= s3, |M|_F |M^-1|_F >= s1/s3 + s3/s1 + 1. Exactly 1 for rotation times scale. */
-static double condition(const struct matrix *m, const struct matrix *normal_matrix)
+/* What the rounding errors of a transformed normal are relative to: each cofactor is a difference
+ * of two products. Entries are scaled as matrix_normal scales them. */
+static void cofactor_magnitudes(const struct matrix *m, double out[3][3])
 {
-    double forward = 0, inverse = 0, trace = 0;
+    double a[3][3], largest = 0;
+    int exponent;
+    for (int i = 0; i < 9; i++)
+        largest = fmax(largest, fabs(m->row[i / 3][i % 3]));
+    frexp(largest, &exponent);
+    for (int i = 0; i < 9; i++)
+        a[i / 3][i % 3] = fabs(ldexp(m->row[i / 3][i % 3], -exponent));
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
-            forward += m->row[i][j] * m->row[i][j];
-            inverse += normal_matrix->row[i][j] * normal_matrix->row[i][j];
-            trace += m->row[i][j] * normal_matrix->row[i][j];
+            int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+            out[i][j] = a[i1][j1] * a[i2][j2] + a[i1][j2] * a[i2][j1];
         }
-    /* normal_matrix is a multiple of the inverse transpose: sum m_ij n_ij is 3 of it */
-    double product = sqrt(forward) * sqrt(inverse) / fabs(trace / 3);
-    double c = fmax(product - 1, 2);
-    return (c + sqrt(c * c - 4)) / 2;
 }
 
 /* How far the upper 3x3 is from a rotation. Mesa takes a modelview within 1e-6 of rigid for rigid
@@ -107,7 +109,7 @@ static double distance_from_rigid(const struct matrix *m)
 
 /* What the vertices of one body have in common. */
 struct body_bounds {
-    double e_normal; /* turn of a normal */
+    double cofactor[3][3]; /* of cofactor_magnitudes */
     double e_rigid;
 };
 
@@ -115,10 +117,24 @@ static struct body_bounds body_bounds(const struct body *body)
 {
     struct body_bounds bounds;
     bounds.e_rigid = distance_from_rigid(&body->model_view);
-    /* inverse by cofactors: 8 roundings, magnified by the condition; input, product, length: 6 */
-    bounds.e_normal =
-        (6 + 8 * condition(&body->model_view, &body->normal_matrix)) * u + bounds.e_rigid;
+    cofactor_magnitudes(&body->model_view, bounds.cofactor);
     return bounds;
+}
+
+/* A normal in eye space. Entries (2), product and difference make a cofactor (2), over the
+ * determinant (1) it multiplies a rounded coordinate (2), of which three are added (2); the length
+ * takes 3, second-order terms 2: 14 roundings. */
+static struct direction eye_normal(const struct body *body, const struct body_bounds *bounds,
+                                   struct vector normal)
+{
+    struct vector turned = matrix_direction(&body->normal_matrix, normal);
+    double sum[3], length = vector_length(turned);
+    for (int i = 0; i < 3; i++)
+        sum[i] = bounds->cofactor[i][0] * fabs(normal.x) + bounds->cofactor[i][1] * fabs(normal.y) +
+                 bounds->cofactor[i][2] * fabs(normal.z);
+    double magnitude = vector_length((struct vector){sum[0], sum[1], sum[2]});
+    double turn = length > 0 ? 14 * u * magnitude / length + bounds->e_rigid : 2;
+    return (struct direction){vector_normalise(turned), fmin(turn, 2)};
 }
 
 /* From the vertex towards the light, and how far that is. */
@@ -174,8 +190,20 @@ static struct cosine cosine_between(struct direction a, struct direction b)
 
 /* ---- weights ---- */
 
+/* Of two vectors whose lengths are right to 4 roundings each, and 4 of the product. */
+#define LARGEST_COSINE (1 + 12 * u)
+
 struct weight {
     double value, error;
+};
+
+/* A vertex about to be lit. */
+struct vertex_view {
+    struct direction normal;
+    struct vector eye;
+    double e_eye, e_rigid;
+    bool bounded; /* whether bounds are wanted */
+    struct light_work *work;
 };
 
 static struct weight product(struct weight a, struct weight b)
@@ -184,9 +212,9 @@ static struct weight product(struct weight a, struct weight b)
 }
 
 /* Counts the power functions that are computed. */
-static double power(double base, double exponent, struct light_work *work)
+static double power(double base, double exponent, const struct vertex_view *view)
 {
-    work->power_functions++;
+    view->work->power_functions++;
     return pow(base, exponent);
 }
 
@@ -201,7 +229,7 @@ static double pow_error(double base, double exponent)
 /* [on] max(0, c)^exponent, where the gate is on for a value above 0 and open within its error: both
  * outcomes may be OpenGL's then. */
 static struct weight gated_power(struct cosine gate, struct cosine c, double exponent,
-                                 struct light_work *work)
+                                 const struct vertex_view *view)
 {
     static const double least = 2e-38; /* results below are flushed to 0 by Mesa */
     if (gate.value + gate.error <= 0)
@@ -209,18 +237,21 @@ static struct weight gated_power(struct cosine gate, struct cosine c, double exp
     if (exponent == 0)
         return (struct weight){gate.value > 0, fabs(gate.value) > gate.error ? 0 : 1};
     double base = fmax(0, c.value);
-    double high = fmax(0, c.value + c.error), low = fmax(0, c.value - c.error);
-    double at_high = power(high, exponent, work) * (1 + pow_error(high, exponent));
+    if (!view->bounded)
+        return (struct weight){gate.value > 0 ? power(base, exponent, view) : 0, 0};
+    double high = fmin(fmax(0, c.value + c.error), LARGEST_COSINE),
+           low = fmax(0, c.value - c.error);
+    double at_high = power(high, exponent, view) * (1 + pow_error(high, exponent));
     double at_low =
-        gate.value > gate.error ? power(low, exponent, work) * (1 - pow_error(low, exponent)) : 0;
-    double value = gate.value > 0 ? power(base, exponent, work) : 0;
+        gate.value > gate.error ? power(low, exponent, view) * (1 - pow_error(low, exponent)) : 0;
+    double value = gate.value > 0 ? power(base, exponent, view) : 0;
     return (struct weight){value, fmax(at_high - value, value - at_low) + least};
 }
 
 static struct weight diffuse_weight(struct cosine n_l)
 {
-    double value = fmax(0, n_l.value);
-    return (struct weight){value, n_l.value + n_l.error > 0 ? n_l.error : 0};
+    double value = fmax(0, n_l.value), high = fmin(n_l.value + n_l.error, LARGEST_COSINE);
+    return (struct weight){value, high > 0 ? fmin(n_l.error, fmax(value, high - value)) : 0};
 }
 
 /* 1 / (k0 + k1 d + k2 d^2). NaN where OpenGL's divisor may be anything: a light at the vertex. */
@@ -228,7 +259,9 @@ static struct weight attenuation(const struct plan_light *light, const struct pa
 {
     const double *k = light->light->attenuation, d = path->length, e_d = path->e_length;
     double divisor = k[0] + k[1] * d + k[2] * d * d;
-    double error = k[1] * e_d + k[2] * (2 * d + e_d) * e_d + 8 * u * divisor;
+    /* OpenGL may flush factors below the least normal number to 0 */
+    double flushed = (double)FLT_MIN * (1 + d + d * d);
+    double error = k[1] * e_d + k[2] * (2 * d + e_d) * e_d + 8 * u * divisor + flushed;
     if (!(error < 0.25 * divisor))
         return (struct weight){(double)NAN, 0};
     return (struct weight){1 / divisor, error / (divisor * (divisor - error)) + 2 * u / divisor};
@@ -236,7 +269,7 @@ static struct weight attenuation(const struct plan_light *light, const struct pa
 
 /* What distance and spot leave of a light. */
 static struct weight falloff(const struct plan_light *light, const struct path *path,
-                             struct light_work *work)
+                             const struct vertex_view *view)
 {
     struct weight out = {1, 0};
     if (light->attenuated)
@@ -245,22 +278,14 @@ static struct weight falloff(const struct plan_light *light, const struct path *
         struct direction axis = {vector_scale(light->eye_spot, -1), 6 * u};
         struct cosine c = cosine_between(path->towards, axis), gate = c;
         gate.value -= light->spot_cosine;
-        gate.error += 2 * u;
-        out = product(out, gated_power(gate, c, light->light->spot_exponent, work));
+        gate.error += 3 * u; /* the cutoff in degrees, in radians, its cosine */
+        out = product(out, gated_power(gate, c, light->light->spot_exponent, view));
     }
     return out;
 }
 
-/* A vertex about to be lit. */
-struct vertex_view {
-    struct direction normal;
-    struct vector eye;
-    double e_eye, e_rigid;
-};
-
 static struct weight term_weight(const struct plan *plan, const struct finish *finish,
-                                 const struct term *term, const struct vertex_view *view,
-                                 struct light_work *work)
+                                 const struct term *term, const struct vertex_view *view)
 {
     if (term->kind == TERM_CONSTANT)
         return (struct weight){1, 0};
@@ -272,25 +297,25 @@ static struct weight term_weight(const struct plan *plan, const struct finish *f
         struct direction half =
             half_way(path.towards, towards_viewer(plan, view->eye, view->e_eye));
         weight =
-            gated_power(n_l, cosine_between(view->normal, half), finish->material->gloss, work);
-        work->specular_vertices++;
+            gated_power(n_l, cosine_between(view->normal, half), finish->material->gloss, view);
+        view->work->specular_vertices++;
     } else {
         weight = diffuse_weight(n_l);
     }
-    return light->attenuated || light->spot ? product(weight, falloff(light, &path, work)) : weight;
+    return light->attenuated || light->spot ? product(weight, falloff(light, &path, view)) : weight;
 }
 
 /* Attributes of one side of a vertex: weights of all terms, then texture coordinates, which OpenGL
  * rounds once. */
 static void light_side(const struct plan *plan, const struct surface *surface,
-                       const struct vertex *vertex, const struct vertex_view *view,
-                       struct light_work *work, double *weights, float *errors)
+                       const struct vertex *vertex, const struct vertex_view *view, double *weights,
+                       float *errors)
 {
     const struct finish *finish = surface->finish;
     for (int i = 0; i < finish->n_terms; i++) {
-        struct weight weight = term_weight(plan, finish, &finish->terms[i], view, work);
+        struct weight weight = term_weight(plan, finish, &finish->terms[i], view);
         weights[i] = weight.value;
-        errors[i] = (float)weight.error;
+        errors[i] = weight.error <= (double)FLT_MAX ? (float)weight.error : HUGE_VALF;
     }
     if (!finish->texture)
         return;
@@ -323,16 +348,16 @@ static void process_vertex(const struct plan *plan, struct surface *surface,
     magnitudes(&plan->projection, eye_magnitude, clip_magnitude);
     place_vertex(plan, clip_magnitude, out);
 
-    struct vertex_view view = {
-        .normal = {vector_normalise(matrix_direction(&body->normal_matrix, vertex->normal)),
-                   bounds->e_normal},
-        .eye = {eye[0], eye[1], eye[2]},
-        .e_eye = EYE_ROUNDINGS * u * (eye_magnitude[0] + eye_magnitude[1] + eye_magnitude[2]),
-        .e_rigid = bounds->e_rigid};
+    struct vertex_view view = {.normal = eye_normal(body, bounds, vertex->normal),
+                               .eye = {eye[0], eye[1], eye[2]},
+                               .e_eye = EYE_ROUNDINGS * u *
+                                        (eye_magnitude[0] + eye_magnitude[1] + eye_magnitude[2]),
+                               .e_rigid = bounds->e_rigid,
+                               .bounded = plan->options.check,
+                               .work = work};
     for (int side = 0; side < surface->n_sides; side++) {
         size_t first = surface_attributes(surface, index, side);
-        light_side(plan, surface, vertex, &view, work, surface->weights + first,
-                   surface->errors + first);
+        light_side(plan, surface, vertex, &view, surface->weights + first, surface->errors + first);
         view.normal.unit = vector_scale(view.normal.unit, -1);
     }
     work->vertices_lit++;
@@ -353,6 +378,20 @@ static bool surface_alloc(const struct plan *plan, const struct body *body, stru
     return out->vertices && out->weights && out->errors;
 }
 
+/* Half a texel off, OpenGL may show any of the texture's values. */
+static bool check_texture(const struct surface *surface, size_t first, int index, struct error *err)
+{
+    const double *s_t = surface->weights + first + surface->finish->n_terms;
+    const float *e_s_t = surface->errors + first + surface->finish->n_terms;
+    struct texel_point at =
+        texel_point(surface->finish->texture, s_t[0], s_t[1], e_s_t[0], e_s_t[1]);
+    return ((double)at.e_u < 0.5 && (double)at.e_v < 0.5) ||
+           error_at(err, surface->body->object->place,
+                    "the texture coordinates %.6g %.6g of vertex %d are too large for single "
+                    "precision; the texture must repeat less often",
+                    s_t[0], s_t[1], index + 1);
+}
+
 static bool check_vertex(const struct surface *surface, int index, struct error *err)
 {
     const struct lit_vertex *vertex = &surface->vertices[index];
@@ -362,12 +401,14 @@ static bool check_vertex(const struct surface *surface, int index, struct error 
     for (int i = 0; i < 4; i++)
         sum += vertex->clip[i];
     for (size_t i = first; i < last; i++)
-        weights += surface->weights[i];
+        weights += surface->weights[i] + (double)surface->errors[i];
     if (!isfinite(sum))
         return error_at(err, surface->body->object->place,
                         "vertex %d of this object is not finite in the window; "
                         "coordinates and scales are too large",
                         index + 1);
+    if (surface->finish->texture && !check_texture(surface, first, index, err))
+        return false;
     return isfinite(weights) || error_at(err, surface->body->object->place,
                                          "vertex %d of this object reflects no finite radiance; "
                                          "a light that weakens with distance may be too near",
@@ -442,14 +483,14 @@ static double largest_radiance(const struct plan *plan, const struct surface *su
     const struct finish *finish = surface->finish;
     size_t n_terms = (size_t)finish->n_terms, n_bands = (size_t)plan->n_bands;
     double largest = -1;
-    for (int i = 0; i < surface->mesh->n_vertices * surface->n_sides; i++) {
-        const double *weights = surface->weights + (size_t)i * (size_t)surface->n_attributes;
+    for (size_t i = 0; i < (size_t)surface->mesh->n_vertices * (size_t)surface->n_sides; i++) {
+        const double *weights = surface->weights + i * (size_t)surface->n_attributes;
         double radiance = 0;
         for (size_t t = 0; t < n_terms; t++)
             radiance += weights[t] * finish->spectra[t * n_bands + (size_t)band];
         if (!(radiance <= largest)) { /* NaN counts as larger, so that it is found */
             largest = radiance;
-            *vertex = i / surface->n_sides;
+            *vertex = (int)(i / (size_t)surface->n_sides);
         }
         if (!isfinite(largest))
             break;

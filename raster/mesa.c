@@ -23,20 +23,40 @@ struct gl {
     OSMesaContext context;
     float *pixels;    /* tile_height rows of tile_width pixels of 4 floats, from the top */
     float *sum;       /* the same, of all passes; NULL where there is one */
-    GLuint *buffers;  /* vertices and indices of each mesh */
+    GLuint *buffers;  /* BUFFERS of each mesh */
     GLuint *textures; /* of each texture */
     struct tile tile;
     struct gl_work work;
 };
 
-/* A vertex as OpenGL reads it. */
+enum { VERTICES, INDICES, PLACES, BUFFERS };
+
+/* A vertex as OpenGL reads it; its place in a texture lies apart, where there is one. */
 struct gl_vertex {
-    GLfloat position[3], normal[3], place[2];
+    GLfloat position[3], normal[3];
+};
+struct gl_place {
+    GLfloat s, t;
 };
 
 static const GLfloat white[4] = {1, 1, 1, 1}, black[4] = {0, 0, 0, 1};
 
 /* ---- opening ---- */
+
+static bool check_context(const struct plan *plan, struct error *err)
+{
+    GLint red_bits = 0, depth_bits = 0, viewport[2] = {0, 0};
+    glGetIntegerv(GL_RED_BITS, &red_bits);
+    glGetIntegerv(GL_DEPTH_BITS, &depth_bits);
+    glGetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
+    if (red_bits < 32 || depth_bits < 24)
+        return error_system(err,
+                            "OSMesa gives %d bits of colour and %d of depth; 32 and 24 are needed",
+                            red_bits, depth_bits);
+    return (viewport[0] >= plan->tile_width && viewport[1] >= plan->tile_height) ||
+           error_system(err, "OSMesa draws at most %d x %d pixels at once", viewport[0],
+                        viewport[1]);
+}
 
 static bool open_context(struct gl *gl, struct error *err)
 {
@@ -67,53 +87,64 @@ static bool open_context(struct gl *gl, struct error *err)
         return error_system(err, "OSMesa gives no float context of %d x %d pixels",
                             plan->tile_width, plan->tile_height);
     OSMesaPixelStore(OSMESA_Y_UP, 0); /* first row on top, as in the picture */
-    GLint red_bits = 0, depth_bits = 0, viewport[2] = {0, 0};
-    glGetIntegerv(GL_RED_BITS, &red_bits);
-    glGetIntegerv(GL_DEPTH_BITS, &depth_bits);
-    glGetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
-    if (red_bits < 32 || depth_bits < 24)
-        return error_system(err,
-                            "OSMesa gives %d bits of colour and %d of depth; 32 and 24 are needed",
-                            red_bits, depth_bits);
-    if (viewport[0] < plan->tile_width || viewport[1] < plan->tile_height)
-        return error_system(err, "OSMesa draws at most %d x %d pixels at once", viewport[0],
-                            viewport[1]);
-    return true;
+    return check_context(plan, err);
 }
 
-static bool upload_mesh(const struct mesh *mesh, GLuint vertices, GLuint indices, struct error *err)
+static bool upload_vertices(const struct mesh *mesh, struct error *err)
 {
     struct gl_vertex *copy = malloc((size_t)mesh->n_vertices * sizeof *copy);
     if (!copy)
         return error_memory(err);
     for (int i = 0; i < mesh->n_vertices; i++) {
-        const struct vertex *v = &mesh->vertices[i];
-        struct vector p = v->position, n = v->normal;
+        struct vector p = mesh->vertices[i].position, n = mesh->vertices[i].normal;
         copy[i] = (struct gl_vertex){{(GLfloat)p.x, (GLfloat)p.y, (GLfloat)p.z},
-                                     {(GLfloat)n.x, (GLfloat)n.y, (GLfloat)n.z},
-                                     {(GLfloat)v->s, (GLfloat)v->t}};
+                                     {(GLfloat)n.x, (GLfloat)n.y, (GLfloat)n.z}};
     }
-    glBindBuffer(GL_ARRAY_BUFFER, vertices);
     glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)((size_t)mesh->n_vertices * sizeof *copy), copy,
-                 GL_STATIC_DRAW);
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, indices);
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER,
-                 (GLsizeiptr)((size_t)mesh->n_triangles * sizeof *mesh->triangles), mesh->triangles,
                  GL_STATIC_DRAW);
     free(copy);
     return true;
 }
 
+static bool upload_places(const struct mesh *mesh, struct error *err)
+{
+    struct gl_place *copy = malloc((size_t)mesh->n_vertices * sizeof *copy);
+    if (!copy)
+        return error_memory(err);
+    for (int i = 0; i < mesh->n_vertices; i++)
+        copy[i] = (struct gl_place){(GLfloat)mesh->vertices[i].s, (GLfloat)mesh->vertices[i].t};
+    glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)((size_t)mesh->n_vertices * sizeof *copy), copy,
+                 GL_STATIC_DRAW);
+    free(copy);
+    return true;
+}
+
+static bool upload_mesh(const struct gl *gl, int index, struct error *err)
+{
+    const struct mesh *mesh = &gl->plan->meshes[index].mesh;
+    const GLuint *buffers = gl->buffers + BUFFERS * index;
+    if (mesh->n_triangles == 0)
+        return true;
+    glBindBuffer(GL_ARRAY_BUFFER, buffers[VERTICES]);
+    if (!upload_vertices(mesh, err))
+        return false;
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffers[INDICES]);
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER,
+                 (GLsizeiptr)((size_t)mesh->n_triangles * sizeof *mesh->triangles), mesh->triangles,
+                 GL_STATIC_DRAW);
+    glBindBuffer(GL_ARRAY_BUFFER, buffers[PLACES]);
+    return !gl->plan->meshes[index].textured || upload_places(mesh, err);
+}
+
 static bool upload_meshes(struct gl *gl, struct error *err)
 {
     int n_meshes = gl->plan->n_meshes;
-    gl->buffers = calloc(2 * (size_t)n_meshes + 1, sizeof *gl->buffers);
+    gl->buffers = calloc(BUFFERS * (size_t)n_meshes + 1, sizeof *gl->buffers);
     if (!gl->buffers)
         return error_memory(err);
-    glGenBuffers(2 * n_meshes, gl->buffers);
+    glGenBuffers(BUFFERS * n_meshes, gl->buffers);
     for (int i = 0; i < n_meshes; i++)
-        if (!upload_mesh(&gl->plan->meshes[i].mesh, gl->buffers[2 * i], gl->buffers[2 * i + 1],
-                         err))
+        if (!upload_mesh(gl, i, err))
             return false;
     glEnableClientState(GL_VERTEX_ARRAY);
     glEnableClientState(GL_NORMAL_ARRAY);
@@ -144,7 +175,9 @@ static bool open_texture(const struct texture *texture, GLuint name, struct erro
 static bool open_textures(struct gl *gl, struct error *err)
 {
     int n_textures = gl->plan->n_textures;
-    gl->textures = calloc((size_t)n_textures + 1, sizeof *gl->textures);
+    if (n_textures == 0)
+        return true;
+    gl->textures = calloc((size_t)n_textures, sizeof *gl->textures);
     if (!gl->textures)
         return error_memory(err);
     glGenTextures(n_textures, gl->textures);
@@ -165,7 +198,7 @@ static bool upload_planes(const struct texture *texture, GLuint name, struct err
         return error_memory(err);
     for (size_t i = 0; i < n; i++)
         for (size_t c = 0; c < BANDS_PER_PASS; c++)
-            texels[BANDS_PER_PASS * i + c] = texture->plane[c][i];
+            texels[BANDS_PER_PASS * i + c] = texture->plane[c] ? texture->plane[c][i] : 0;
     glBindTexture(GL_TEXTURE_2D, name);
     glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F_ARB, texture->image.width, texture->image.height, 0,
                  GL_RGB, GL_FLOAT, texels);
@@ -374,11 +407,15 @@ static void set_finish(const struct gl *gl, const struct finish *finish, const s
 static void draw_body(const struct gl *gl, const struct body *body)
 {
     const struct gl_vertex *first = NULL; /* offsets into the bound buffer */
-    glBindBuffer(GL_ARRAY_BUFFER, gl->buffers[2 * body->mesh]);
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, gl->buffers[2 * body->mesh + 1]);
+    const GLuint *buffers = gl->buffers + BUFFERS * body->mesh;
+    glBindBuffer(GL_ARRAY_BUFFER, buffers[VERTICES]);
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffers[INDICES]);
     glVertexPointer(3, GL_FLOAT, sizeof *first, (const void *)offsetof(struct gl_vertex, position));
     glNormalPointer(GL_FLOAT, sizeof *first, (const void *)offsetof(struct gl_vertex, normal));
-    glTexCoordPointer(2, GL_FLOAT, sizeof *first, (const void *)offsetof(struct gl_vertex, place));
+    if (gl->plan->finishes[body->finish].texture) {
+        glBindBuffer(GL_ARRAY_BUFFER, buffers[PLACES]);
+        glTexCoordPointer(2, GL_FLOAT, 0, NULL);
+    }
     glLightModeli(GL_LIGHT_MODEL_TWO_SIDE, body->object->two_sided);
     glFrontFace(body->mirrored ? GL_CW : GL_CCW);
     load_matrix(&body->model_view);

@@ -12,9 +12,10 @@
 #include "plan.h"
 
 /* Bytes that a pixel of a tile takes apart from its rows: Mesa's own colour and depth (20), our
- * copy of its colour (16), counts (4), surface and flag (5), and room for contested pixels (15). A
- * row has a weight (8) and an error (4). */
-enum { PIXEL_BYTES = 60, ROW_BYTES = 12 };
+ * copy of its colour (16), samples of three bands (12), surface and flag (5), and room for
+ * contested pixels (15). A row has a weight (8) and an error (4); a sum of passes is a colour (16).
+ */
+enum { PIXEL_BYTES = 68, ROW_BYTES = 12, SUM_BYTES = 16 };
 /* What a tile may take, so that a render stays well below 300 MiB with Mesa's own memory. */
 static const size_t tile_budget = (size_t)96 << 20;
 /* Tiles no larger than Mesa's largest viewport (16384), with room for older drivers. */
@@ -49,10 +50,13 @@ static struct matrix projection_of(const struct camera *camera, int width, int h
 /* Whole rows of the picture where they fit, so that a band of a tile is one piece of its page. */
 static void plan_tiles(struct plan *plan)
 {
-    size_t pixel = PIXEL_BYTES + ROW_BYTES * (size_t)plan->max_rows;
-    size_t pixels = tile_budget / pixel;
+    size_t pixel = PIXEL_BYTES + ROW_BYTES * (size_t)plan->max_rows +
+                   (plan->n_light_groups > 1 ? SUM_BYTES : 0);
+    size_t pixels = tile_budget / pixel, most = pixels / CHUNK_ROWS, columns = LARGEST_TILE;
     int width = plan->scene->width, height = plan->scene->height;
-    plan->tile_width = width < LARGEST_TILE ? width : LARGEST_TILE;
+    while (columns > most && columns > 1)
+        columns /= 2;
+    plan->tile_width = width < (int)columns ? width : (int)columns;
     size_t rows = pixels / (size_t)plan->tile_width;
     rows -= rows % CHUNK_ROWS;
     if (rows < CHUNK_ROWS)

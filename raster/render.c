@@ -57,7 +57,8 @@ static bool rasterize_tile(struct render_state *state, const struct tile *tile, 
             continue;
 #pragma omp critical
         {
-            *err = own;
+            if (!failed)
+                *err = own;
             failed = true;
         }
     }
@@ -254,10 +255,10 @@ static bool prepare(struct render_state *state, struct error *err)
     double since = render_clock();
     if (!surfaces_light(plan, &state->surfaces, &result->light, err))
         return false;
-    result->full_scale = plan->options.full_scale;
-    if (result->full_scale == 0 &&
-        !surfaces_full_scale(plan, state->surfaces, &result->full_scale, err))
+    if (!surfaces_full_scale(plan, state->surfaces, &result->full_scale, err))
         return false;
+    if (plan->options.full_scale > 0)
+        result->full_scale = plan->options.full_scale;
     clock_in(&result->seconds.raster, &since);
     if (plan->options.use_gl && !open_gl(state, err))
         return false;

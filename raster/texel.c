@@ -4,6 +4,7 @@
  *
  * OpenGL turns a coordinate s into texels by scale, offset and wrapping (4 roundings relative to
  * s x width or to the width), finds weights exactly, and mixes four texels. u = 2^-24. */
+#include <float.h>
 #include <math.h>
 
 #include "spectral.h"
@@ -15,14 +16,20 @@ enum { MIX_ROUNDINGS = 9 };
 /* Bounds wider than this many texels take in the whole texture. */
 enum { WIDEST_SPREAD = 4, MOST_TEXELS = 2 * WIDEST_SPREAD + 2 };
 
+/* Extrapolated far outside a thin triangle, a place may be anywhere: beyond 2^40 texels no texel is
+ * known any more. */
 struct texel_point texel_point(const struct texture *texture, double s, double t, float e_s,
                                float e_t)
 {
     double width = texture->image.width, height = texture->image.height;
-    return (struct texel_point){.u = s * width,
-                                .v = t * height,
-                                .e_u = (float)(width * ((double)e_s + 4 * u * (1 + fabs(s)))),
-                                .e_v = (float)(height * ((double)e_t + 4 * u * (1 + fabs(t))))};
+    struct texel_point at = {
+        .u = s * width,
+        .v = t * height,
+        .e_u = (float)fmin((double)FLT_MAX, width * ((double)e_s + 4 * u * (1 + fabs(s)))),
+        .e_v = (float)fmin((double)FLT_MAX, height * ((double)e_t + 4 * u * (1 + fabs(t))))};
+    if (fabs(at.u) < 0x1p40 && fabs(at.v) < 0x1p40)
+        return at;
+    return (struct texel_point){0, 0, FLT_MAX, FLT_MAX};
 }
 
 /* Texels along one direction. */
@@ -117,9 +124,10 @@ double texel_value(const struct texture *texture, int plane, struct texel_point 
     double offset = texture->linear ? 0.5 : 0, x = at.u - offset, y = at.v - offset;
     double e_u = (double)at.e_u, e_v = (double)at.e_v;
     bool wide = e_u > WIDEST_SPREAD - 1 || e_v > WIDEST_SPREAD - 1;
+    double reach_u = wide ? 0 : e_u, reach_v = wide ? 0 : e_v;
     struct patch patch;
-    patch.across = wide ? span_of(x, x) : span_of(x - e_u, x + e_u);
-    patch.up = wide ? span_of(y, y) : span_of(y - e_v, y + e_v);
+    patch.across = span_of(x - reach_u, x + reach_u);
+    patch.up = span_of(y - reach_v, y + reach_v);
     patch.across.n += texture->linear;
     patch.up.n += texture->linear;
     fetch(texture, plane, &patch);
