@@ -10,68 +10,53 @@
 
 /* ---- the wavelengths of two spectra ---- */
 
-/* Wavelengths that do not decrease: a table's, or evenly spaced ones about a centre. */
-struct series {
-    const double *table; /* NULL: evenly spaced */
-    double centre, step;
-    int count;
-};
-
-/* What shows the course of a spectrum; smooth ones need nothing. At 4 widths from its centre a
- * gaussian is down to 2^-64, which no sum shows. */
-static struct series series_of(const struct spectrum *spectrum)
+/* The next wavelength where the course of a spectrum shows; HUGE_VAL: none, as in smooth ones. At 4
+ * widths from its centre a gaussian is down to 2^-64, which no sum shows. */
+static double next_above(const struct spectrum *spectrum, double nm)
 {
-    struct series out = {0};
-    if (spectrum->kind == SPECTRUM_SAMPLED)
-        out = (struct series){.table = spectrum->wavelength_nm, .count = spectrum->count};
-    if (spectrum->kind == SPECTRUM_GAUSSIAN)
-        out = (struct series){NULL, spectrum->parameter[0], spectrum->parameter[1] / 40, 321};
-    return out;
+    if (spectrum->kind == SPECTRUM_GAUSSIAN) {
+        const double centre = spectrum->parameter[0], step = spectrum->parameter[1] / 40;
+        for (double i = fmax(floor((nm - centre) / step), -160); i <= 160; i++)
+            if (centre + i * step > nm)
+                return centre + i * step;
+    }
+    if (spectrum->kind != SPECTRUM_SAMPLED)
+        return HUGE_VAL;
+    int low = 0, high = spectrum->count;
+    while (low < high) {
+        const int middle = low + (high - low) / 2;
+        if (spectrum->wavelength_nm[middle] > nm)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return low < spectrum->count ? spectrum->wavelength_nm[low] : HUGE_VAL;
 }
 
-static double series_at(const struct series *series, int i)
-{
-    return series->table != NULL ? series->table[i]
-                                 : series->centre + (i - series->count / 2) * series->step;
-}
-
-/* A walk over the positive wavelengths of two series, equal ones once. */
+/* A walk over the positive wavelengths of two spectra, equal ones once. */
 struct walk {
-    struct series series[2];
-    int index[2];
-    double first, last;
+    const struct spectrum *within, *other;
     double before, nm, after; /* 0 and HUGE_VAL: none */
     double weight;            /* how many nm the wavelength stands for */
 };
 
-/* The next wavelength above `after`. */
-static double walk_peek(struct walk *walk)
+/* It stays between the first and the last sample of `within`, if that has any: as all else counts
+ * for nothing there, it must not change what the ends stand for. Two smooth spectra are taken every
+ * nm over the visible range. */
+static double walk_peek(const struct walk *walk, double nm)
 {
-    double least = HUGE_VAL;
-    for (int k = 0; k < 2; k++) {
-        const struct series *series = &walk->series[k];
-        int *i = &walk->index[k];
-        while (*i < series->count &&
-               (series_at(series, *i) <= walk->after || series_at(series, *i) < walk->first))
-            ++*i;
-        if (*i < series->count)
-            least = fmin(least, series_at(series, *i));
-    }
-    return least <= walk->last ? least : HUGE_VAL;
+    const double next = next_above(walk->within, nm), other = next_above(walk->other, nm);
+    if (walk->within->kind == SPECTRUM_SAMPLED && (nm == 0 || next == HUGE_VAL))
+        return next;
+    if (next_above(walk->within, 0) == HUGE_VAL && next_above(walk->other, 0) == HUGE_VAL)
+        return nm < 300 ? 300 : nm < 780 ? nm + 1 : HUGE_VAL;
+    return fmin(next, other);
 }
 
-/* Within the samples of `within`, if it has any: as all else counts for nothing there, it must not
- * change what the ends stand for. Two smooth spectra are taken every nm over the visible range. */
 static struct walk walk_start(const struct spectrum *within, const struct spectrum *other)
 {
-    struct walk walk = {.series = {series_of(within), series_of(other)}, .last = DBL_MAX};
-    if (within->kind == SPECTRUM_SAMPLED) {
-        walk.first = within->wavelength_nm[0];
-        walk.last = within->wavelength_nm[within->count - 1];
-    }
-    if (walk.series[0].count + walk.series[1].count == 0)
-        walk.series[0] = (struct series){NULL, 540, 1, 481}; /* 300 to 780 */
-    walk.after = walk_peek(&walk);
+    struct walk walk = {.within = within, .other = other};
+    walk.after = walk_peek(&walk, 0);
     return walk;
 }
 
@@ -83,7 +68,7 @@ static bool walk_step(struct walk *walk)
     walk->nm = walk->after;
     if (walk->nm == HUGE_VAL)
         return false;
-    walk->after = walk_peek(walk);
+    walk->after = walk_peek(walk, walk->nm);
     left = walk->nm - walk->before;
     right = walk->after - walk->nm;
     if (walk->before == 0)

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads TIFF files as textures, through libtiff and callbacks of our own, so that a compiled-in
- * file is read like any other. What libtiff has to say is kept for our own message. Where a page
+/* Reads TIFF files as textures, through libtiff, whose messages are kept for our own. Where a page
  * tells its wavelength and scale is where data/tags.c lets a stack tell them. */
 #include "spectral.h"
 
-#include <fcntl.h>
 #include <float.h>
 #include <inttypes.h>
 #include <math.h>
@@ -13,92 +11,47 @@
 #include <tiffio.h>
 #include <unistd.h>
 
-/* How a page's samples lie in its blocks, which are tiles, or strips as wide as the page. */
+/* How a page's samples lie in its blocks, which are tiles, or strips as wide as the page: colour i
+ * of pixel p is sample i * colour_step + p * pixel_step of the planes of a block. */
 struct layout {
     uint32_t width, height, block_width, block_height;
-    uint16_t bits, n_samples, n_colours;
-    size_t block_bytes;
-    bool tiled, separate; /* a block of each colour, instead of its samples side by side */
-    bool inverted;        /* 0 is white */
+    uint16_t bits, n_samples, n_colours, n_planes;
+    size_t block_bytes, colour_step, pixel_step;
+    double largest;       /* sample; 1 where they are float */
+    bool tiled, inverted; /* 0 is white */
 };
 struct image_file {
     TIFF *tiff;
-    int descriptor;
-    const struct builtin_file *builtin; /* NULL: the descriptor is read */
-    uint64_t length, position;
-    struct layout first;   /* of page 0 */
-    double count_scale;    /* radiance of a count, by page 0's GDAL metadata */
-    uint64_t *directories; /* where each page's lies */
-    char *description;     /* of page 0; NULL: none */
-    char *channel;         /* in it: the OME-XML channel of the next page; NULL: none */
+    const struct builtin_file *builtin; /* NULL: libtiff reads a descriptor */
+    uint64_t position;                  /* in it */
+    struct layout first;                /* of page 0 */
+    double count_scale;                 /* radiance of a count, by page 0's GDAL metadata */
+    uint64_t *directories;              /* where each page's lies */
+    char *description;                  /* of page 0 */
+    const char *channels;               /* of its OME-XML, those of the pages to come */
     struct place from;
     bool decoding;     /* a warning then means lost samples */
     char message[256]; /* libtiff's first */
 };
 
-/* ---- the file, as libtiff sees it ---- */
-
-static tmsize_t client_read(thandle_t handle, void *bytes, tmsize_t length)
-{
-    struct image_file *file = handle;
-    const uint64_t left = file->position < file->length ? file->length - file->position : 0;
-    if ((uint64_t)length > left)
-        length = (tmsize_t)left;
-    if (file->builtin != NULL)
-        memcpy(bytes, file->builtin->bytes + (length > 0 ? file->position : 0), (size_t)length);
-    else
-        length = pread(file->descriptor, bytes, (size_t)length, (off_t)file->position);
-    file->position += length > 0 ? (uint64_t)length : 0;
-    return length;
-}
-
-static tmsize_t client_write(thandle_t handle, void *bytes, tmsize_t length)
-{
-    (void)handle;
-    (void)bytes;
-    (void)length;
-    return -1; /* it is open for reading */
-}
-
-static toff_t client_size(thandle_t handle)
-{
-    const struct image_file *file = handle;
-    return file->length;
-}
-
-static toff_t client_seek(thandle_t handle, toff_t offset, int whence)
-{
-    struct image_file *file = handle;
-    const uint64_t base = whence == SEEK_CUR   ? file->position
-                          : whence == SEEK_END ? file->length
-                                               : 0;
-    file->position = base + offset;
-    return file->position;
-}
-
-static int client_close(thandle_t handle)
-{
-    (void)handle; /* image_close does it */
-    return 0;
-}
-
+/* Nothing goes to standard error. */
 static int PRINTF_LIKE(4, 0)
-    client_error(TIFF *tiff, void *data, const char *module, const char *format, va_list arguments)
+    keep_error(TIFF *tiff, void *data, const char *module, const char *format, va_list arguments)
 {
     struct image_file *file = data;
     (void)tiff;
     (void)module;
     if (file->message[0] == '\0')
         vsnprintf(file->message, sizeof file->message, format, arguments);
-    return 1; /* kept: nothing goes to standard error */
+    return 1;
 }
 
 /* Private tags are no news. */
-static int PRINTF_LIKE(4, 0) client_warning(TIFF *tiff, void *data, const char *module,
-                                            const char *format, va_list arguments)
+static int PRINTF_LIKE(4, 0)
+    keep_warning(TIFF *tiff, void *data, const char *module, const char *format, va_list arguments)
 {
     const struct image_file *file = data;
-    return file->decoding ? client_error(tiff, data, module, format, arguments) : 1;
+    return file->decoding ? keep_error(tiff, data, module, format, arguments) : 1;
 }
 
 /* ---- what a page is ---- */
@@ -130,37 +83,29 @@ static bool refuse_broken(const struct image *image, int page, struct error *err
                   message[0] != '\0' ? message : "its pages cannot be read");
 }
 
-static bool blocks_read(const struct image *image, int page, struct layout *layout,
-                        struct error *err)
+static bool blocks_read(const struct image *image, int page, struct layout *out, struct error *err)
 {
     TIFF *tiff = image->file->tiff;
-    uint32_t rows = layout->height;
-    layout->tiled = TIFFIsTiled(tiff);
-    layout->block_width = layout->width;
-    if (layout->tiled) {
-        TIFFGetField(tiff, TIFFTAG_TILEWIDTH, &layout->block_width);
-        TIFFGetField(tiff, TIFFTAG_TILELENGTH, &layout->block_height);
-    } else {
-        TIFFGetFieldDefaulted(tiff, TIFFTAG_ROWSPERSTRIP, &rows);
-        layout->block_height = rows < layout->height ? rows : layout->height;
-    }
-    if (layout->block_width - 1 >= LONGEST_IMAGE || layout->block_height - 1 >= LONGEST_IMAGE)
-        return refuse(image, page, err, "its tiles have %" PRIu32 "x%" PRIu32 " pixels",
-                      layout->block_width, layout->block_height);
-    layout->block_bytes = (size_t)(layout->tiled ? TIFFTileSize(tiff) : TIFFStripSize(tiff));
-    return layout->block_bytes > 0 || refuse_broken(image, page, err);
+    out->tiled = TIFFIsTiled(tiff);
+    out->block_width = out->width;
+    if (out->tiled)
+        TIFFGetField(tiff, TIFFTAG_TILEWIDTH, &out->block_width);
+    TIFFGetFieldDefaulted(tiff, out->tiled ? TIFFTAG_TILELENGTH : TIFFTAG_ROWSPERSTRIP,
+                          &out->block_height);
+    out->block_bytes = (size_t)(out->tiled ? TIFFTileSize(tiff) : TIFFStripSize(tiff));
+    out->colour_step = out->n_planes > 1 ? out->block_bytes / (out->bits / 8u) : 1;
+    return out->block_bytes > 0 || refuse_broken(image, page, err);
 }
 
-static bool samples_read(const struct image *image, int page, struct layout *layout,
-                         struct error *err)
+static bool samples_read(const struct image *image, int page, struct layout *out, struct error *err)
 {
     TIFF *tiff = image->file->tiff;
     uint16_t photometric = UINT16_MAX, compression = 0, format = 0, planar = 0, n_extra = 0;
     uint16_t *extra = NULL;
     TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &photometric);
     TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
-    TIFFGetFieldDefaulted(tiff, TIFFTAG_BITSPERSAMPLE, &layout->bits);
-    TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLESPERPIXEL, &layout->n_samples);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_BITSPERSAMPLE, &out->bits);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLESPERPIXEL, &out->n_samples);
     TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLEFORMAT, &format);
     TIFFGetFieldDefaulted(tiff, TIFFTAG_PLANARCONFIG, &planar);
     TIFFGetFieldDefaulted(tiff, TIFFTAG_EXTRASAMPLES, &n_extra, &extra);
@@ -168,26 +113,28 @@ static bool samples_read(const struct image *image, int page, struct layout *lay
         planar == PLANARCONFIG_CONTIG &&
         TIFFSetField(tiff, TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB))
         photometric = PHOTOMETRIC_RGB;
-    layout->inverted = photometric == PHOTOMETRIC_MINISWHITE;
-    layout->n_colours = photometric == PHOTOMETRIC_RGB ? 3 : 1;
-    layout->separate = planar == PLANARCONFIG_SEPARATE;
+    out->inverted = photometric == PHOTOMETRIC_MINISWHITE;
+    out->n_colours = photometric == PHOTOMETRIC_RGB ? 3 : 1;
+    out->n_planes = planar == PLANARCONFIG_SEPARATE ? out->n_colours : 1;
+    out->pixel_step = planar == PLANARCONFIG_SEPARATE ? 1 : out->n_samples;
+    out->largest = out->bits == 8 ? 255 : out->bits == 16 ? 65535 : 1;
     if (photometric > PHOTOMETRIC_RGB) /* which comes after the two kinds of grey */
         return refuse(image, page, err, "its colours are neither grey nor RGB");
-    if (layout->n_samples != layout->n_colours + n_extra || n_extra > 1 ||
+    if (out->n_samples != out->n_colours + n_extra || n_extra > 1 ||
         (n_extra == 1 && extra[0] == EXTRASAMPLE_UNSPECIFIED))
         return refuse(image, page, err, "it has %d samples a pixel, not %d and perhaps an alpha",
-                      layout->n_samples, layout->n_colours);
-    if (!(format == SAMPLEFORMAT_UINT && (layout->bits == 8 || layout->bits == 16)) &&
-        !(format == SAMPLEFORMAT_IEEEFP && layout->bits == 32 &&
+                      out->n_samples, out->n_colours);
+    if (!(format == SAMPLEFORMAT_UINT && (out->bits == 8 || out->bits == 16)) &&
+        !(format == SAMPLEFORMAT_IEEEFP && out->bits == 32 &&
           photometric == PHOTOMETRIC_MINISBLACK))
-        return refuse(image, page, err, "its samples are %d of %d bits, %s", layout->n_samples,
-                      layout->bits,
+        return refuse(image, page, err, "its samples are %d of %d bits, %s", out->n_samples,
+                      out->bits,
                       format == SAMPLEFORMAT_UINT     ? "unsigned"
                       : format == SAMPLEFORMAT_IEEEFP ? "float"
                                                       : "of another kind");
-    const uint64_t bytes =
-        (uint64_t)layout->width * layout->height * layout->n_samples * layout->bits / 8;
-    return compression != COMPRESSION_NONE || bytes <= image->file->length ||
+    const uint64_t bytes = (uint64_t)out->width * out->height * out->n_samples * out->bits / 8;
+    return compression != COMPRESSION_NONE ||
+           bytes <= TIFFGetSizeProc(tiff)(TIFFClientdata(tiff)) ||
            refuse(image, page, err, "its pixels are %" PRIu64 " bytes, the file is shorter", bytes);
 }
 
@@ -215,12 +162,11 @@ static bool layout_read(const struct image *image, int page, struct layout *out,
 /* ---- what a page says of itself ---- */
 
 /* NaN: there is none. */
-static double number_at(const char *at, size_t *length)
+static double number_at(const char *at)
 {
     const struct word word = {.start = at, .length = strcspn(at, " \t\r\n<\"")};
     struct error ignored = {0};
     double number;
-    *length = word.length;
     return word_number(&word, "it", 0, HUGE_VAL, &number, &ignored) ? number : (double)NAN;
 }
 
@@ -229,9 +175,8 @@ static double number_at(const char *at, size_t *length)
 static double number_after(const char *text, const char *mark, const char *then, double otherwise)
 {
     const char *at = text != NULL ? strstr(text, mark) : NULL;
-    size_t length;
     at = at != NULL ? strstr(at, then) : NULL;
-    return at != NULL ? number_at(at + strlen(then), &length) : otherwise;
+    return at != NULL ? number_at(at + strlen(then)) : otherwise;
 }
 
 /* The page's GDAL_METADATA; NULL: none. libtiff does not know this tag and promises no NUL. */
@@ -245,38 +190,23 @@ static const char *gdal_metadata(TIFF *tiff)
                : NULL;
 }
 
-/* That of the next OME-XML channel, in nm; NaN: none. */
-static double channel_wavelength(struct image_file *file)
-{
-    char *channel = file->channel != NULL ? strstr(file->channel, "<Channel ") : NULL;
-    char *end = channel != NULL ? strchr(channel, '>') : NULL;
-    double nm;
-    file->channel = end;
-    if (end == NULL)
-        return (double)NAN;
-    *end = '\0';
-    nm = strstr(channel, "EmissionWavelengthUnit=") != NULL &&
-                 strstr(channel, "EmissionWavelengthUnit=\"nm\"") == NULL
-             ? (double)NAN
-             : number_after(channel, "EmissionWavelength=", "\"", (double)NAN);
-    *end = '>';
-    return nm;
-}
-
-/* In nm; NaN: the page tells none. */
+/* In nm; NaN: the page tells none. OME-XML tells them in the order of pages. */
 static double page_wavelength(struct image_file *file)
 {
+    static const char emission[] = "EmissionWavelength=\"";
     const char *name = "", *gdal = gdal_metadata(file->tiff);
-    const double channel = channel_wavelength(file);
-    size_t length;
+    const char *channel = strstr(file->channels, emission);
+    double nm = (double)NAN;
+    if (channel != NULL)
+        file->channels = channel + strlen(emission);
     TIFFGetField(file->tiff, TIFFTAG_PAGENAME, &name);
-    double nm = number_at(name, &length);
-    if (!isnan(nm) && strcmp(name + length, " nm") == 0)
-        return nm;
-    nm = 1000 * number_after(gdal, "name=\"CENTRAL_WAVELENGTH_UM\"", ">", (double)NAN);
-    if (gdal != NULL && strstr(gdal, ">Nanometers<") != NULL)
+    if (strcmp(name + strcspn(name, " "), " nm") == 0)
+        nm = number_at(name);
+    if (isnan(nm) && gdal != NULL && strstr(gdal, ">Nanometers<") != NULL)
         nm = number_after(gdal, "name=\"wavelength\"", ">", nm);
-    return isnan(nm) ? channel : nm;
+    if (isnan(nm))
+        nm = 1000 * number_after(gdal, "name=\"CENTRAL_WAVELENGTH_UM\"", ">", nm);
+    return isnan(nm) && channel != NULL ? number_at(file->channels) : nm;
 }
 
 /* Float samples are radiances themselves. Counts have one scale in all pages; page 0's description
@@ -285,29 +215,35 @@ static bool scale_read(struct image *image, int page, const struct layout *layou
                        struct error *err)
 {
     const char *gdal = gdal_metadata(image->file->tiff);
-    const double largest = layout->bits == 8 ? 255 : 65535;
-    const double count_scale = number_after(gdal, "role=\"scale\"", ">", 1 / largest);
+    const double count_scale = number_after(gdal, "role=\"scale\"", ">", 1 / layout->largest);
     if (layout->bits == 32)
         return true;
     if (number_after(gdal, "role=\"offset\"", ">", 0) != 0)
         return refuse(image, page, err, "its samples have an offset");
     if (page == 0) {
         image->file->count_scale = count_scale;
-        image->scale = number_after(image->file->description, "full_scale:", " ",
-                                    count_scale == 1 / largest ? 1 : count_scale * largest);
+        image->scale =
+            number_after(image->file->description, "full_scale:", " ",
+                         count_scale == 1 / layout->largest ? 1 : count_scale * layout->largest);
     }
     return (image->scale > 0 && image->scale <= DBL_MAX &&
             count_scale == image->file->count_scale) ||
            refuse(image, page, err, "its scale is not positive, or not that of the first page");
 }
 
+/* Channels are in nm where they name no unit. */
 static bool description_read(struct image_file *file, struct error *err)
 {
-    const char *text;
-    if (!TIFFGetField(file->tiff, TIFFTAG_IMAGEDESCRIPTION, &text))
-        return true;
-    file->channel = file->description = strdup(text);
-    return file->description != NULL || error_memory(err);
+    static const char unit[] = "EmissionWavelengthUnit=\"";
+    const char *text = "";
+    TIFFGetField(file->tiff, TIFFTAG_IMAGEDESCRIPTION, &text);
+    file->channels = file->description = strdup(text);
+    if (file->description == NULL)
+        return error_memory(err);
+    for (const char *at = text; (at = strstr(at, unit)) != NULL; at += strlen(unit))
+        if (strncmp(at + strlen(unit), "nm\"", 3) != 0)
+            file->channels = "";
+    return true;
 }
 
 /* ---- opening ---- */
@@ -316,19 +252,17 @@ static bool page_add(struct image *image, struct error *err)
 {
     struct image_file *file = image->file;
     const int page = image->n_pages;
+    uint64_t *directories = array_more(file->directories, page, sizeof *directories, err);
     struct layout layout;
-    void *grown = array_more(file->directories, page, sizeof *file->directories, err);
-    if (grown == NULL)
+    if (directories == NULL)
         return false;
-    file->directories = grown;
-    file->directories[page] = TIFFCurrentDirOffset(file->tiff);
-    grown = array_more(image->wavelengths_nm, page, sizeof *image->wavelengths_nm, err);
-    if (grown == NULL)
+    file->directories = directories;
+    double *nm = array_more(image->wavelengths_nm, page, sizeof *nm, err);
+    if (nm == NULL)
         return false;
-    image->wavelengths_nm = grown;
-    if (page == 0 && !description_read(file, err))
-        return false;
-    image->wavelengths_nm[page] = page_wavelength(file);
+    image->wavelengths_nm = nm;
+    directories[page] = TIFFCurrentDirOffset(file->tiff);
+    nm[page] = page_wavelength(file);
     if (!layout_read(image, page, &layout, err))
         return false;
     if (page == 0)
@@ -346,22 +280,19 @@ static bool page_add(struct image *image, struct error *err)
 
 static bool pages_read(struct image *image, struct error *err)
 {
-    enum { MOST_PAGES = 65535 }; /* as in a stack of our own */
     TIFF *tiff = image->file->tiff;
     double before = 0;
     bool rising = true;
+    if (!description_read(image->file, err))
+        return false;
     do {
-        if (image->n_pages == MOST_PAGES)
-            return refuse(image, -1, err, "it has more than %d pages", MOST_PAGES);
         if (image->n_pages > 0 && !TIFFReadDirectory(tiff))
             return refuse_broken(image, -1, err);
         if (!page_add(image, err))
             return false;
+        rising = rising && image->wavelengths_nm[image->n_pages - 1] > before;
+        before = image->wavelengths_nm[image->n_pages - 1];
     } while (!TIFFLastDirectory(tiff));
-    for (int page = 0; page < image->n_pages; page++) {
-        rising = rising && image->wavelengths_nm[page] > before;
-        before = image->wavelengths_nm[page];
-    }
     if (!rising) {
         free(image->wavelengths_nm);
         image->wavelengths_nm = NULL;
@@ -371,32 +302,83 @@ static bool pages_read(struct image *image, struct error *err)
     return true;
 }
 
+/* ---- a compiled-in file, as libtiff sees it ---- */
+
+static tmsize_t builtin_read(thandle_t handle, void *bytes, tmsize_t length)
+{
+    struct image_file *file = handle;
+    size_t at = (size_t)file->position, left = 0;
+    if (file->position < file->builtin->length)
+        left = file->builtin->length - at;
+    if (left < (size_t)length)
+        length = (tmsize_t)left;
+    memcpy(bytes, file->builtin->bytes + (left > 0 ? at : 0), (size_t)length);
+    file->position += (uint64_t)length;
+    return length;
+}
+
+static tmsize_t builtin_write(thandle_t handle, void *bytes, tmsize_t length)
+{
+    (void)handle;
+    (void)bytes;
+    (void)length;
+    return -1;
+}
+
+static toff_t builtin_size(thandle_t handle)
+{
+    const struct image_file *file = handle;
+    return file->builtin->length;
+}
+
+static toff_t builtin_seek(thandle_t handle, toff_t offset, int whence)
+{
+    struct image_file *file = handle;
+    file->position = offset + (whence == SEEK_CUR   ? file->position
+                               : whence == SEEK_END ? file->builtin->length
+                                                    : 0);
+    return file->position;
+}
+
+static int builtin_close(thandle_t handle)
+{
+    (void)handle;
+    return 0;
+}
+
 static bool tiff_open(struct image *image, struct error *err)
 {
     const tmsize_t most_bytes = 1 << 30; /* of one allocation, whatever a broken file asks for */
     struct image_file *file = image->file;
+    int descriptor;
+    if (!file_open(image->path, file->from, &descriptor, &file->builtin, err))
+        return false;
     TIFFOpenOptions *options = TIFFOpenOptionsAlloc();
-    file->length = file->builtin != NULL ? file->builtin->length
-                                         : (uint64_t)lseek(file->descriptor, 0, SEEK_END);
-    if (options == NULL)
-        return error_memory(err);
-    TIFFOpenOptionsSetMaxSingleMemAlloc(options, most_bytes);
-    TIFFOpenOptionsSetErrorHandlerExtR(options, client_error, file);
-    TIFFOpenOptionsSetWarningHandlerExtR(options, client_warning, file);
-    file->tiff = TIFFClientOpenExt(image->path, "r", file, client_read, client_write, client_seek,
-                                   client_close, client_size, NULL, NULL, options);
-    TIFFOpenOptionsFree(options);
-    return file->tiff != NULL || refuse_broken(image, -1, err);
+    if (options != NULL) {
+        TIFFOpenOptionsSetMaxSingleMemAlloc(options, most_bytes);
+        TIFFOpenOptionsSetErrorHandlerExtR(options, keep_error, file);
+        TIFFOpenOptionsSetWarningHandlerExtR(options, keep_warning, file);
+        /* m: not mapped into memory, where a file cut short while it is open would end us. */
+        file->tiff =
+            file->builtin == NULL
+                ? TIFFFdOpenExt(descriptor, image->path, "rm", options)
+                : TIFFClientOpenExt(image->path, "rm", file, builtin_read, builtin_write,
+                                    builtin_seek, builtin_close, builtin_size, NULL, NULL, options);
+        TIFFOpenOptionsFree(options);
+    }
+    if (file->tiff == NULL && descriptor >= 0)
+        close(descriptor);
+    return file->tiff != NULL ||
+           (options == NULL ? error_memory(err) : refuse_broken(image, -1, err));
 }
 
 bool image_open(const char *path, struct place from, struct image *out, struct error *err)
 {
     *out = (struct image){.scale = 1, .path = strdup(path), .file = calloc(1, sizeof *out->file)};
     if (out->file != NULL)
-        *out->file = (struct image_file){.descriptor = -1, .from = from};
-    if (((out->path != NULL && out->file != NULL) || error_memory(err)) &&
-        file_open(path, from, &out->file->descriptor, &out->file->builtin, err) &&
-        tiff_open(out, err) && pages_read(out, err))
+        out->file->from = from;
+    if (((out->path != NULL && out->file != NULL) || error_memory(err)) && tiff_open(out, err) &&
+        pages_read(out, err))
         return true;
     image_close(out);
     return false;
@@ -404,16 +386,13 @@ bool image_open(const char *path, struct place from, struct image *out, struct e
 
 void image_close(struct image *image)
 {
-    struct image_file *file = image->file;
-    if (file != NULL) {
-        if (file->tiff != NULL)
-            TIFFClose(file->tiff);
-        if (file->descriptor >= 0)
-            close(file->descriptor);
-        free(file->directories);
-        free(file->description);
+    if (image->file != NULL) {
+        if (image->file->tiff != NULL)
+            TIFFClose(image->file->tiff);
+        free(image->file->directories);
+        free(image->file->description);
     }
-    free(file);
+    free(image->file);
     free(image->path);
     free(image->wavelengths_nm);
     *image = (struct image){0};
@@ -433,18 +412,14 @@ static double sample_at(const struct layout *layout, const void *samples, size_t
 /* 0 to 1, or a float sample. The sum of RGB is a whole number: grey of the three gives the grey. */
 static double pixel_value(const struct layout *layout, const char *blocks, size_t pixel)
 {
+    static const int grey[] = {1};
     static const int luma[] = {2126, 7152, 722}; /* ITU-R BT.709-6, item 3.2, in 1/10000 */
-    const double largest = layout->bits == 8 ? 255 : layout->bits == 16 ? 65535 : 1;
-    double sum, white = largest;
-    if (layout->n_colours == 1) {
-        sum = sample_at(layout, blocks, layout->separate ? pixel : pixel * layout->n_samples);
-    } else {
-        sum = 0;
-        white = 10000 * largest;
-        for (size_t i = 0; i < 3; i++)
-            sum += luma[i] * (layout->separate
-                                  ? sample_at(layout, blocks + i * layout->block_bytes, pixel)
-                                  : sample_at(layout, blocks, pixel * layout->n_samples + i));
+    const int *parts = layout->n_colours == 1 ? grey : luma;
+    double sum = 0, white = 0;
+    for (size_t i = 0; i < layout->n_colours; i++) {
+        const size_t at = i * layout->colour_step + pixel * layout->pixel_step;
+        sum += parts[i] * sample_at(layout, blocks, at);
+        white += parts[i] * layout->largest;
     }
     return (layout->inverted ? white - sum : sum) / white;
 }
@@ -454,13 +429,11 @@ static bool block_decode(const struct image *image, int page, const struct layou
                          uint32_t x, uint32_t y, char *blocks, struct error *err)
 {
     TIFF *tiff = image->file->tiff;
-    const uint16_t n_planes = layout->separate ? layout->n_colours : 1;
-    for (uint16_t plane = 0; plane < n_planes; plane++) {
+    for (uint16_t plane = 0; plane < layout->n_planes; plane++) {
         char *block = blocks + plane * layout->block_bytes;
         const tmsize_t got =
-            layout->tiled
-                ? TIFFReadEncodedTile(tiff, TIFFComputeTile(tiff, x, y, 0, plane), block, -1)
-                : TIFFReadEncodedStrip(tiff, TIFFComputeStrip(tiff, y, plane), block, -1);
+            layout->tiled ? TIFFReadTile(tiff, block, x, y, 0, plane)
+                          : TIFFReadEncodedStrip(tiff, TIFFComputeStrip(tiff, y, plane), block, -1);
         if (got < 0 || image->file->message[0] != '\0')
             return refuse_broken(image, page, err);
     }
@@ -471,11 +444,9 @@ static bool block_decode(const struct image *image, int page, const struct layou
 static bool block_place(const struct image *image, int page, const struct layout *layout,
                         uint32_t x, uint32_t y, const char *blocks, float *out, struct error *err)
 {
-    const uint32_t right = layout->width - x, below = layout->height - y;
-    const uint32_t width = layout->block_width < right ? layout->block_width : right;
-    const uint32_t height = layout->block_height < below ? layout->block_height : below;
-    for (uint32_t row = 0; row < height; row++)
-        for (uint32_t column = 0; column < width; column++) {
+    for (uint32_t row = 0; row < layout->block_height && y + row < layout->height; row++)
+        for (uint32_t column = 0; column < layout->block_width && x + column < layout->width;
+             column++) {
             const size_t pixel = (size_t)row * layout->block_width + column;
             const double value = pixel_value(layout, blocks, pixel) * image->scale;
             if (!(value >= 0 && value <= (double)FLT_MAX))
@@ -493,12 +464,11 @@ bool image_read(struct image *image, int page, float *out, struct error *err)
     struct image_file *file = image->file;
     struct layout layout;
     bool good = true;
-    file->message[0] = '\0';
     if (!TIFFSetSubDirectory(file->tiff, file->directories[page]))
         return refuse_broken(image, page, err);
     if (!layout_read(image, page, &layout, err))
         return false;
-    char *blocks = calloc(layout.separate ? layout.n_colours : 1, layout.block_bytes);
+    char *blocks = calloc(layout.n_planes, layout.block_bytes);
     if (blocks == NULL)
         return error_memory(err);
     file->message[0] = '\0';

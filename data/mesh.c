@@ -14,7 +14,6 @@
 static void *resize(void *items, int have, size_t more, size_t size)
 {
     const size_t n = (size_t)have + more;
-
     if (more > (size_t)(INT32_MAX - have) || n > SIZE_MAX / size)
         return NULL;
     return realloc(items, (n > 0 ? n : 1) * size);
@@ -23,7 +22,6 @@ static void *resize(void *items, int have, size_t more, size_t size)
 bool mesh_reserve(struct mesh *mesh, size_t n_vertices, size_t n_triangles, struct error *err)
 {
     void *more = resize(mesh->vertices, mesh->n_vertices, n_vertices, sizeof *mesh->vertices);
-
     if (!more)
         return error_memory(err);
     mesh->vertices = more;
@@ -50,8 +48,7 @@ void mesh_free(struct mesh *mesh)
 
 struct builder {
     struct obj obj;
-    struct vector low, high; /* bounds of the points that faces use */
-    struct vector *ring;     /* a face */
+    struct vector *ring; /* a face */
     struct cutter cutter;
     /* Facets are whole faces, so that normals do not depend on how a face is cut. One without area
      * keeps a zero normal, and angles 0: it takes part in nothing. */
@@ -77,7 +74,6 @@ static bool builder_allocate(struct builder *b, struct error *err)
 {
     const size_t n_points = (size_t)b->obj.list[POINT].n, n_corners = (size_t)b->obj.n_corners;
     int longest = 0;
-
     for (int face = 0; face < b->obj.n_faces; face++) {
         const int n = b->obj.faces[face].end - face_start(&b->obj, face);
         longest = n > longest ? n : longest;
@@ -100,7 +96,6 @@ static void builder_free(struct builder *b)
 {
     void *const owned[] = {b->ring,  b->normals, b->angles,       b->faces,
                            b->order, b->starts,  b->first_vertex, b->links};
-
     for (size_t i = 0; i < sizeof owned / sizeof *owned; i++)
         free(owned[i]);
     cutter_free(&b->cutter);
@@ -111,13 +106,12 @@ static void builder_free(struct builder *b)
 static int gather_ring(struct builder *b, int face)
 {
     const int first = face_start(&b->obj, face), n = b->obj.faces[face].end - first;
-
     for (int i = 0; i < n; i++)
         b->ring[i] = b->obj.list[POINT].at[b->obj.corners[first + i].index[POINT]];
     return n;
 }
 
-/* ---- bounds ---- */
+/* ---- the cube ---- */
 
 static void widen_side(double *low, double *high, double by)
 {
@@ -132,30 +126,21 @@ static void widen(struct vector *low, struct vector *high, struct vector by)
     widen_side(&low->z, &high->z, by.z);
 }
 
-static void find_bounds(struct builder *b)
-{
-    const struct vector *points = b->obj.list[POINT].at;
-
-    b->low = b->high = points[b->obj.corners[0].index[POINT]];
-    for (int i = 1; i < b->obj.n_corners; i++)
-        widen(&b->low, &b->high, points[b->obj.corners[i].index[POINT]]);
-}
-
-/* Into [-1, 1]^3, which no coordinate leaves: half is the largest distance from the centre as it
- * was rounded. It is above 0, since corners beside one another differ. */
+/* The points that faces use go into [-1, 1]^3, which none leaves: half is the largest distance from
+ * the centre as it was rounded. It is above 0, since corners beside one another differ. */
 static void unitize_points(struct builder *b)
 {
-    const struct vector centre = vector_scale(vector_add(b->low, b->high), 0.5);
-    const struct vector up = vector_subtract(b->high, centre);
-    const struct vector down = vector_subtract(centre, b->low);
+    struct vector *points = b->obj.list[POINT].at;
+    struct vector low = points[b->obj.corners[0].index[POINT]], high = low;
+    for (int i = 1; i < b->obj.n_corners; i++)
+        widen(&low, &high, points[b->obj.corners[i].index[POINT]]);
+    const struct vector centre = vector_scale(vector_add(low, high), 0.5);
+    const struct vector up = vector_subtract(high, centre), down = vector_subtract(centre, low);
     const double half = fmax(fmax(fmax(up.x, down.x), fmax(up.y, down.y)), fmax(up.z, down.z));
-
     for (int i = 0; i < b->obj.list[POINT].n; i++) {
-        struct vector *point = &b->obj.list[POINT].at[i];
-        const struct vector from = vector_subtract(*point, centre);
-        *point = (struct vector){from.x / half, from.y / half, from.z / half};
+        const struct vector from = vector_subtract(points[i], centre);
+        points[i] = (struct vector){from.x / half, from.y / half, from.z / half};
     }
-    find_bounds(b);
 }
 
 /* ---- normals where the file has none ---- */
@@ -195,7 +180,6 @@ static struct vector weighted_normal(const struct builder *b, int32_t corner)
 static struct vector whole_average(const struct builder *b, int point, bool *smooth)
 {
     struct vector sum = {0, 0, 0};
-
     for (int i = b->starts[point]; i < b->starts[point + 1]; i++)
         sum = vector_add(sum, weighted_normal(b, b->order[i]));
     sum = vector_normalise(sum);
@@ -212,7 +196,6 @@ static struct vector crease_average(const struct builder *b, int point, int32_t 
     const int32_t own_face = b->faces[corner];
     const struct vector own = b->normals[own_face];
     struct vector sum = {0, 0, 0};
-
     for (int i = b->starts[point]; i < b->starts[point + 1]; i++) {
         const int32_t face = b->faces[b->order[i]];
         if (face == own_face || vector_dot(b->normals[face], own) > b->cosine)
@@ -229,7 +212,6 @@ static bool fill_point(struct builder *b, int point, struct error *err)
     const int first = list->n;
     bool smooth;
     struct vector average = whole_average(b, point, &smooth);
-
     if (vector_dot(average, average) == 0)
         average.z = 1;
     for (int i = b->starts[point]; i < b->starts[point + 1]; i++) {
@@ -255,7 +237,6 @@ static bool fill_normals(struct builder *b, double crease_deg, struct error *err
 {
     const double slack_deg = 0.001;
     double sine;
-
     sine_cosine(fmax(crease_deg - slack_deg, 0), &sine, &b->cosine);
     b->half_cosine = sqrt((1 + b->cosine) / 2);
     measure_facets(b);
@@ -276,7 +257,6 @@ static double share(double at, double low, double high)
 void mesh_planar(struct mesh *mesh)
 {
     struct vector low = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = vector_scale(low, -1);
-
     for (int i = 0; i < mesh->n_vertices; i++)
         widen(&low, &high, mesh->vertices[i].position);
     for (int i = 0; i < mesh->n_vertices; i++) {
@@ -286,16 +266,17 @@ void mesh_planar(struct mesh *mesh)
     }
 }
 
-static struct vertex make_vertex(const struct builder *b, const struct obj_corner *corner)
+/* Planar coordinates where the file has none. */
+static void fill_texture(const struct builder *b, struct mesh *mesh)
 {
-    const struct vector place = b->obj.list[POINT].at[corner->index[POINT]];
-    struct vector texture = {share(place.x, b->low.x, b->high.x),
-                             share(place.y, b->low.y, b->high.y), 0};
-
-    if (corner->index[TEXTURE] >= 0)
-        texture = b->obj.list[TEXTURE].at[corner->index[TEXTURE]];
-    return (struct vertex){place, b->obj.list[NORMAL].at[corner->index[NORMAL]], texture.x,
-                           texture.y};
+    mesh_planar(mesh);
+    for (int i = 0; i < mesh->n_vertices; i++) {
+        const int32_t index = b->obj.corners[b->links[i].corner].index[TEXTURE];
+        if (index >= 0) {
+            mesh->vertices[i].s = b->obj.list[TEXTURE].at[index].x;
+            mesh->vertices[i].t = b->obj.list[TEXTURE].at[index].y;
+        }
+    }
 }
 
 /* The vertex of a corner, which may be new; -1: no memory. */
@@ -303,7 +284,6 @@ static int32_t find_vertex(struct builder *b, int32_t corner, struct mesh *mesh,
 {
     const struct obj_corner *corners = b->obj.corners, *wanted = &corners[corner];
     int32_t *link = &b->first_vertex[wanted->index[POINT]];
-
     for (; *link >= 0; link = &b->links[*link].next)
         if (memcmp(&corners[b->links[*link].corner], wanted, sizeof *wanted) == 0)
             return *link;
@@ -311,7 +291,8 @@ static int32_t find_vertex(struct builder *b, int32_t corner, struct mesh *mesh,
     if (!more)
         return -1;
     mesh->vertices = more;
-    more[mesh->n_vertices] = make_vertex(b, wanted);
+    more[mesh->n_vertices].position = b->obj.list[POINT].at[wanted->index[POINT]];
+    more[mesh->n_vertices].normal = b->obj.list[NORMAL].at[wanted->index[NORMAL]];
     *link = mesh->n_vertices++;
     b->links[*link] = (struct link){-1, corner};
     return *link;
@@ -320,7 +301,6 @@ static int32_t find_vertex(struct builder *b, int32_t corner, struct mesh *mesh,
 static bool add_face(struct builder *b, int face, struct mesh *mesh, struct error *err)
 {
     const int first = face_start(&b->obj, face);
-
     cutter_run(&b->cutter, b->ring, gather_ring(b, face));
     for (int i = 0; i < b->cutter.n_triangles; i++) {
         int32_t *vertices = mesh->triangles[mesh->n_triangles];
@@ -355,7 +335,6 @@ static bool divide(struct obj *obj, size_t n_triangles, struct mesh *mesh, struc
 static bool add_faces(struct builder *b, struct mesh *mesh, struct error *err)
 {
     const size_t most = (size_t)(b->obj.n_corners - 2 * b->obj.n_faces);
-
     for (int p = 0; p < b->obj.list[POINT].n; p++)
         b->first_vertex[p] = -1;
     if (!mesh_reserve(mesh, 0, most, err) || !divide(&b->obj, most, mesh, err))
@@ -363,6 +342,7 @@ static bool add_faces(struct builder *b, struct mesh *mesh, struct error *err)
     for (int face = 0; face < b->obj.n_faces; face++)
         if (!add_face(b, face, mesh, err))
             return false;
+    fill_texture(b, mesh);
     return mesh_reserve(mesh, 0, 0, err); /* gives back what was not needed */
 }
 
@@ -371,10 +351,7 @@ bool mesh_read(const char *path, struct place from, bool unitize, double crease_
 {
     struct builder builder = {.ring = NULL};
     bool good = obj_read(path, from, &builder.obj, err) && builder_allocate(&builder, err);
-
     *out = (struct mesh){.n_vertices = 0};
-    if (good)
-        find_bounds(&builder);
     if (good && unitize)
         unitize_points(&builder);
     good = good && (!builder.obj.lacks_normals || fill_normals(&builder, crease_deg, err)) &&

@@ -127,7 +127,5 @@ bool mtl_read(const char *path, struct place from, const struct word *name, stru
                : error_memory(err);
     text.path = NULL;
     text_free(&text);
-    if (!done)
-        material_free(out);
     return done;
 }

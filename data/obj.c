@@ -35,7 +35,6 @@ static bool next_word(struct text *text, struct word *out)
 bool obj_add(struct obj_list *list, struct vector item, struct error *err)
 {
     struct vector *more = array_more(list->at, list->n, sizeof *more, err);
-
     if (!more)
         return false;
     list->at = more;
@@ -50,7 +49,6 @@ static bool read_item(struct text *text, const struct list_form *form, struct ob
     double number[7] = {0};
     struct word word;
     int n = 0;
-
     for (; next_word(text, &word); n++) {
         if (n == form->most)
             return error_at(err, word.place, "too many numbers: %s takes at most %d", form->keyword,
@@ -75,7 +73,6 @@ static bool read_index(const struct word *word, const char *item, int n, int32_t
                        struct error *err)
 {
     long index;
-
     if (!word_integer(word, item, LONG_MIN, LONG_MAX, &index, err))
         return false;
     if (index == 0)
@@ -93,7 +90,6 @@ static bool read_corner(const struct word *word, const struct obj *obj, struct o
 {
     const char *at = word->start, *end = at + word->length;
     int slashes = 0;
-
     *out = (struct obj_corner){{-1, -1, -1}};
     for (const char *c = at; c < end; c++)
         slashes += *c == '/';
@@ -126,7 +122,6 @@ static bool add_corner(struct obj *obj, int first, struct obj_corner corner, str
     const struct vector nothing = {0, 0, 0};
     struct obj_corner *more = array_more(obj->corners, obj->n_corners, sizeof *more, err);
     int32_t *normal = &corner.index[NORMAL];
-
     if (!more)
         return false;
     obj->corners = more;
@@ -142,31 +137,25 @@ static bool add_corner(struct obj *obj, int first, struct obj_corner corner, str
 /* Finds the current usemtl among the names, or adds it. */
 static bool find_name(struct obj *obj, struct error *err)
 {
-    char *name = word_copy(&obj->material);
-    char **more;
-
-    if (!name)
-        return error_memory(err);
-    for (obj->name = 0; obj->name < obj->n_names; obj->name++)
-        if (strcmp(obj->names[obj->name], name) == 0) {
-            free(name);
+    const struct word *word = &obj->material;
+    for (obj->name = 0; obj->name < obj->n_names; obj->name++) {
+        const char *name = obj->names[obj->name];
+        if (strncmp(name, word->start, word->length) == 0 && name[word->length] == '\0')
             return true;
-        }
-    more = array_more(obj->names, obj->n_names, sizeof *more, err);
-    if (!more) {
-        free(name);
-        return false;
     }
+    char **more = array_more(obj->names, obj->n_names, sizeof *more, err);
+    if (!more)
+        return false;
     obj->names = more;
-    more[obj->n_names++] = name;
-    return true;
+    more[obj->name] = word_copy(word);
+    obj->n_names += more[obj->name] != NULL;
+    return more[obj->name] != NULL || error_memory(err);
 }
 
 /* Ends the face that began at `first`; one that is only a point or an edge is forgotten. */
 static bool end_face(struct obj *obj, int first, struct error *err)
 {
     struct obj_face *more = array_more(obj->faces, obj->n_faces, sizeof *more, err);
-
     if (!more)
         return false;
     obj->faces = more;
@@ -189,7 +178,6 @@ static bool read_face(struct text *text, struct obj *obj, struct error *err)
     struct obj_corner corner, form = {{0}};
     struct word word, opening = {0};
     int n = 0;
-
     for (; next_word(text, &word); n++) {
         if (!read_corner(&word, obj, &corner, err))
             return false;
@@ -212,15 +200,6 @@ static bool read_face(struct text *text, struct obj *obj, struct error *err)
 
 /* ---- the file ---- */
 
-static void read_usemtl(struct text *text, struct obj *obj)
-{
-    const struct word none = {.start = ""};
-
-    if (!next_word(text, &obj->material))
-        obj->material = none;
-    obj->name = -1;
-}
-
 /* Known statements that say nothing about polygons. */
 static bool is_skipped(const struct word *keyword)
 {
@@ -230,7 +209,6 @@ static bool is_skipped(const struct word *keyword)
         "surf", "parm",  "trim",       "hole",      "scrv",   "sp",     "end",  "con",
         "lod",  "bevel", "c_interp",   "d_interp",  "ctech",  "stech",  "bsp",  "bzp",
         "cdc",  "cdp",   "shadow_obj", "trace_obj", "res"};
-
     for (size_t i = 0; i < sizeof skipped / sizeof *skipped; i++)
         if (word_is(keyword, skipped[i]))
             return true;
@@ -241,19 +219,21 @@ static bool read_statement(struct text *text, const struct word *keyword, struct
                            struct error *err)
 {
     struct word word;
-
     if (word_is(keyword, "f"))
         return read_face(text, obj, err);
     for (int i = POINT; i <= NORMAL; i++)
         if (word_is(keyword, forms[i].keyword))
             return read_item(text, &forms[i], &obj->list[i], err);
-    if (word_is(keyword, "usemtl"))
-        read_usemtl(text, obj);
-    else if (!is_skipped(keyword))
+    if (word_is(keyword, "usemtl")) {
+        obj->material.length = 0;
+        obj->name = -1;
+        next_word(text, &obj->material);
+    } else if (!is_skipped(keyword)) {
         return error_at(err, keyword->place,
                         "unknown statement %.*s; OBJ has v, vt, vn, f, g, o, s, usemtl, mtllib, "
                         "...",
                         word_shown(keyword), keyword->start);
+    }
     while (next_word(text, &word))
         continue;
     return true;
@@ -264,7 +244,6 @@ bool obj_read(const char *path, struct place from, struct obj *out, struct error
     struct text text;
     struct word keyword;
     bool good = true;
-
     *out = (struct obj){.material = {.start = ""}, .name = -1};
     if (!text_open(&text, path, from, err))
         return false;

@@ -7,15 +7,6 @@
 
 /* ---- cutting at x = 0 ---- */
 
-/* An edge whose ends lie on different sides, as the indices of its vertices. */
-struct crossing {
-    int32_t low, high;
-};
-struct crossings {
-    struct crossing *at; /* sorted, each once; the new vertices are in this order */
-    int n;
-};
-
 static int side_of(const struct vertex *vertex)
 {
     return (vertex->position.x > 0) - (vertex->position.x < 0);
@@ -24,44 +15,6 @@ static int side_of(const struct vertex *vertex)
 static bool crosses(const struct mesh *mesh, int32_t a, int32_t b)
 {
     return side_of(&mesh->vertices[a]) * side_of(&mesh->vertices[b]) < 0;
-}
-
-static struct crossing crossing_of(int32_t a, int32_t b)
-{
-    return (struct crossing){a < b ? a : b, a < b ? b : a};
-}
-
-static int compare(const void *a, const void *b)
-{
-    const struct crossing *p = a, *q = b;
-    return p->low != q->low ? (p->low > q->low) - (p->low < q->low)
-                            : (p->high > q->high) - (p->high < q->high);
-}
-
-/* *repeated counts an edge for each triangle that has it: so many triangles more are needed. */
-static bool find_crossings(const struct mesh *mesh, struct crossings *out, int *repeated,
-                           struct error *err)
-{
-    int n = 0;
-    for (int i = 0; i < mesh->n_triangles; i++)
-        for (int k = 0; k < 3; k++) {
-            const int32_t a = mesh->triangles[i][k], b = mesh->triangles[i][(k + 1) % 3];
-            struct crossing *more;
-            if (!crosses(mesh, a, b))
-                continue;
-            more = array_more(out->at, n, sizeof *more, err);
-            if (!more)
-                return false;
-            out->at = more;
-            more[n++] = crossing_of(a, b);
-        }
-    *repeated = n;
-    if (n > 0)
-        qsort(out->at, (size_t)n, sizeof *out->at, compare);
-    for (int i = 0; i < n; i++)
-        if (i == 0 || compare(&out->at[i - 1], &out->at[i]) != 0)
-            out->at[out->n++] = out->at[i];
-    return true;
 }
 
 /* Where a value that is a at -1 and b at 1 is at `where`. Equal ones stay what they are, and seen
@@ -84,87 +37,104 @@ static struct vertex cut_edge(const struct vertex *a, const struct vertex *b)
                            between(a->t, b->t, where)};
 }
 
-/* The corners of what a triangle has on one side, in its own sense of rotation; returns how many.
- * Fewer than 3 are at most an edge. */
-static int clip_to_side(const struct mesh *mesh, const struct crossings *crossings,
-                        const int32_t triangle[3], int side, int32_t out[4])
+/* An edge by its vertices, the lower one first. */
+static int64_t edge_of(int32_t a, int32_t b)
 {
-    int n = 0;
-    for (int k = 0; k < 3; k++) {
-        const int32_t a = triangle[k], b = triangle[(k + 1) % 3];
-        if (side_of(&mesh->vertices[a]) * side >= 0)
-            out[n++] = a;
-        if (crosses(mesh, a, b)) {
-            const struct crossing key = crossing_of(a, b);
-            const struct crossing *found =
-                bsearch(&key, crossings->at, (size_t)crossings->n, sizeof *crossings->at, compare);
-            out[n++] = mesh->n_vertices + (int32_t)(found - crossings->at);
+    return a < b ? (int64_t)a * INT32_MAX + b : (int64_t)b * INT32_MAX + a;
+}
+
+static int compare_edges(const void *a, const void *b)
+{
+    const int64_t p = *(const int64_t *)a, q = *(const int64_t *)b;
+    return (p > q) - (p < q);
+}
+
+/* Adds a vertex for each edge that crosses, in the order of the edges; returns how many. */
+static int cut_edges(struct mesh *mesh, const struct mesh *from, int64_t *edges)
+{
+    int n = 0, n_cut = 0;
+    for (int i = 0; i < from->n_triangles; i++)
+        for (int k = 0; k < 3; k++) {
+            const int32_t a = from->triangles[i][k], b = from->triangles[i][(k + 1) % 3];
+            if (crosses(mesh, a, b))
+                edges[n++] = edge_of(a, b);
         }
+    qsort(edges, (size_t)n, sizeof *edges, compare_edges);
+    for (int i = 0; i < n; i++) {
+        if (i > 0 && edges[i] == edges[n_cut - 1])
+            continue;
+        mesh->vertices[mesh->n_vertices++] =
+            cut_edge(&mesh->vertices[edges[i] / INT32_MAX], &mesh->vertices[edges[i] % INT32_MAX]);
+        edges[n_cut++] = edges[i];
     }
-    return n;
+    return n_cut;
 }
 
-static void add_triangle(struct mesh *mesh, int part, int32_t a, int32_t b, int32_t c)
-{
-    const int32_t corner[3] = {a, b, c};
-    mesh->part[mesh->n_triangles] = part;
-    memcpy(mesh->triangles[mesh->n_triangles++], corner, sizeof corner);
-}
-
-/* A quadrilateral is divided from its lowest vertex, so that a mirrored mesh is cut alike. */
-static void add_side(struct mesh *mesh, int part, const int32_t corner[4], int n)
+/* What a triangle has on one side: 3 or 4 corners, fewer are at most an edge. A quadrilateral is
+ * divided from its lowest vertex, so that a mirrored mesh is cut alike. */
+static void add_side(struct mesh *mesh, int part, const int32_t *corner, int n)
 {
     int low = 0;
     for (int i = 1; n == 4 && i < 4; i++)
         low = corner[i] < corner[low] ? i : low;
-    for (int i = 1; i + 1 < n; i++)
-        add_triangle(mesh, part, corner[low], corner[(low + i) % n], corner[(low + i + 1) % n]);
+    for (int i = 1; i + 1 < n; i++) {
+        int32_t *triangle = mesh->triangles[mesh->n_triangles];
+        mesh->part[mesh->n_triangles++] = part;
+        triangle[0] = corner[low];
+        triangle[1] = corner[(low + i) % n];
+        triangle[2] = corner[(low + i + 1) % n];
+    }
 }
 
-/* Both sides would take a triangle in the plane itself. */
-static void cut_triangle(const struct mesh *from, const struct crossings *crossings,
-                         const int32_t triangle[3], struct mesh *out)
+/* The new vertices are the mesh's last n_edges. */
+static void cut_triangle(const int32_t triangle[3], const int64_t *edges, int n_edges,
+                         struct mesh *mesh)
 {
-    int32_t corner[4];
-    bool flat = true;
-    for (int k = 0; k < 3; k++)
-        flat = flat && side_of(&from->vertices[triangle[k]]) == 0;
-    for (int part = 0; part < (flat ? 1 : 2); part++)
-        add_side(out, part, corner,
-                 clip_to_side(from, crossings, triangle, part == 0 ? -1 : 1, corner));
+    int32_t corner[2][4]; /* of each side */
+    int n[2] = {0, 0};
+    bool cut = false;
+    for (int k = 0; k < 3; k++) {
+        const int32_t a = triangle[k], b = triangle[(k + 1) % 3];
+        const int side = side_of(&mesh->vertices[a]);
+        const int64_t edge = edge_of(a, b), *found;
+        if (side <= 0)
+            corner[0][n[0]++] = a;
+        if (side >= 0)
+            corner[1][n[1]++] = a;
+        if (!crosses(mesh, a, b))
+            continue;
+        found = bsearch(&edge, edges, (size_t)n_edges, sizeof *edges, compare_edges);
+        corner[0][n[0]++] = corner[1][n[1]++] =
+            mesh->n_vertices - n_edges + (int32_t)(found - edges);
+        cut = true;
+    }
+    add_side(mesh, 0, corner[0], n[0]);
+    if (cut || n[0] < 3) /* both sides have a triangle in the plane itself */
+        add_side(mesh, 1, corner[1], n[1]);
 }
 
-static bool cut(const struct mesh *from, struct crossings *crossings, struct mesh *out,
-                struct error *err)
-{
-    int more;
-    if (!find_crossings(from, crossings, &more, err) ||
-        !mesh_reserve(out, (size_t)from->n_vertices + (size_t)crossings->n,
-                      (size_t)from->n_triangles + (size_t)more, err))
-        return false;
-    out->part = calloc((size_t)from->n_triangles + (size_t)more + 1, sizeof *out->part);
-    if (!out->part)
-        return error_memory(err);
-    out->n_parts = 2;
-    for (int i = 0; i < from->n_vertices; i++)
-        out->vertices[out->n_vertices++] = from->vertices[i];
-    for (int i = 0; i < crossings->n; i++)
-        out->vertices[out->n_vertices++] =
-            cut_edge(&from->vertices[crossings->at[i].low], &from->vertices[crossings->at[i].high]);
-    for (int i = 0; i < from->n_triangles; i++)
-        cut_triangle(from, crossings, from->triangles[i], out);
-    return true;
-}
-
+/* A triangle becomes at most 3, with 2 new vertices. */
 bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err)
 {
-    struct crossings crossings = {.n = 0};
+    const size_t n = (size_t)from->n_triangles;
+    int64_t *edges;
     *out = (struct mesh){.n_vertices = 0};
-    const bool good = cut(from, &crossings, out, err);
-    free(crossings.at);
-    if (!good)
-        mesh_free(out);
-    return good;
+    if (!mesh_reserve(out, (size_t)from->n_vertices + 2 * n, 3 * n, err))
+        return false;
+    out->part = calloc(3 * n + 1, sizeof *out->part);
+    edges = malloc((2 * n + 1) * sizeof *edges);
+    if (!out->part || !edges) {
+        free(edges);
+        return error_memory(err);
+    }
+    out->n_parts = 2;
+    out->n_vertices = from->n_vertices;
+    memcpy(out->vertices, from->vertices, (size_t)from->n_vertices * sizeof *out->vertices);
+    const int n_edges = cut_edges(out, from, edges);
+    for (int i = 0; i < from->n_triangles; i++)
+        cut_triangle(from->triangles[i], edges, n_edges, out);
+    free(edges);
+    return mesh_reserve(out, 0, 0, err); /* gives back what was not needed */
 }
 
 /* ---- taking a part out ---- */
@@ -202,9 +172,5 @@ bool mesh_part(const struct mesh *from, int part, struct mesh *out, struct error
     if (good)
         take(from, part, number, out);
     free(number);
-    if (!good || !mesh_reserve(out, 0, 0, err)) { /* gives back what was not needed */
-        mesh_free(out);
-        return false;
-    }
-    return true;
+    return good && mesh_reserve(out, 0, 0, err); /* gives back what was not needed */
 }

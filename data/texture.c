@@ -4,6 +4,7 @@
 #include "spectral.h"
 
 #include <assert.h>
+#include <math.h>
 #include <stdlib.h>
 
 static size_t plane_size(const struct texture *texture)
@@ -43,44 +44,44 @@ static bool find_largest(struct texture *texture, struct error *err)
         if (!plane_read(texture, page, texture->plane[0], err))
             return false;
         for (size_t i = 0; i < plane_size(texture); i++)
-            if ((double)texture->plane[0][i] > texture->largest)
-                texture->largest = (double)texture->plane[0][i];
+            texture->largest = fmax(texture->largest, (double)texture->plane[0][i]);
     }
     return true;
+}
+
+static bool read_texture(const char *path, struct place from, struct texture *out,
+                         struct error *err)
+{
+    if (!image_open(path, from, &out->image, err))
+        return false;
+    if (out->spectral && out->image.wavelengths_nm == NULL)
+        error_at(err, from,
+                 "%s: its pages tell no wavelengths that increase; a spectral texture is a stack as"
+                 " this program writes it, or has page names such as \"305 nm\"",
+                 path);
+    else if (!out->spectral && out->image.n_pages > 1)
+        error_at(err, from,
+                 "%s: it has %d pages; a texture is one page, and a stack of pages with"
+                 " wavelengths a spectral-texture",
+                 path, out->image.n_pages);
+    else if (find_largest(out, err))
+        return true;
+    texture_free(out);
+    return false;
 }
 
 bool texture_read(const char *path, struct place from, bool linear, struct texture *out,
                   struct error *err)
 {
     *out = (struct texture){.linear = linear};
-    if (!image_open(path, from, &out->image, err))
-        return false;
-    if ((out->image.n_pages == 1 ||
-         error_at(err, from,
-                  "%s: it has %d pages; a texture is one page, and a stack of pages with"
-                  " wavelengths a spectral-texture",
-                  path, out->image.n_pages)) &&
-        find_largest(out, err))
-        return true;
-    texture_free(out);
-    return false;
+    return read_texture(path, from, out, err);
 }
 
 bool texture_read_spectral(const char *path, struct place from, bool linear, struct texture *out,
                            struct error *err)
 {
-    *out = (struct texture){.spectral = true, .linear = linear};
-    if (!image_open(path, from, &out->image, err))
-        return false;
-    if ((out->image.wavelengths_nm != NULL ||
-         error_at(err, from,
-                  "%s: its pages tell no wavelengths that increase; a spectral texture is a stack"
-                  " as this program writes it, or has page names such as \"305 nm\"",
-                  path)) &&
-        find_largest(out, err))
-        return true;
-    texture_free(out);
-    return false;
+    *out = (struct texture){.linear = linear, .spectral = true};
+    return read_texture(path, from, out, err);
 }
 
 /* `other` is room for one more page. */
