@@ -14,33 +14,6 @@ for scene in test/bad/*.scene; do
     ok $? "$(basename "$scene" .scene): ${expected#*error: }"
 done
 
-# What the scene language has but this version does not simulate is refused, never left out.
-refused() { # NAME LINE:COLUMN STATEMENT...
-    name=$1
-    place=$2
-    printf '%s\n' 'material m { diffuse 0.5 }' 'light d65 1 position 0 0 8' "$3" "${4:-}" \
-        >"$tmp/refused.scene"
-    exits 2 "$name is refused" "$SPECTRAL" render "$tmp/refused.scene" -o "$tmp/refused.tif"
-    says "refused\.scene:$place: error: .*cannot be simulated" "$name: at its place"
-    one_line "$name"
-    absent "$tmp/refused.tif" "$name"
-}
-
-refused fluorescence 3:39 'material f { diffuse 0.5 fluorescence uv 0.1 }' 'object sphere 1 9 9 material f'
-refused texture 3:26 'material f { diffuse 0.5 texture a.tif }' 'object sphere 1 9 9 material f'
-refused 'a spectral texture' 3:26 'material f { diffuse 0.5 spectral-texture a.tif }' \
-    'object sphere 1 9 9 material f'
-refused emission 3:35 'material f { diffuse 0.5 emission 0.2 }' 'object sphere 1 9 9 material f'
-refused 'a metameric partner' 3:26 'material f { diffuse 0.5 metamer m }' \
-    'object sphere 1 9 9 material f'
-refused 'a Donaldson matrix' 3:26 'material f { diffuse 0.5 donaldson d.csv }' \
-    'object sphere 1 9 9 material f'
-refused 'a spot light' 3:28 'light d65 1 position 0 0 8 spot 0 0 -1 30 2' 'object sphere 1 9 9 material m'
-refused attenuation 3:28 'light d65 1 position 0 0 8 attenuation 1 0.1 0' \
-    'object sphere 1 9 9 material m'
-refused 'flat shading' 3:1 'shading flat' 'object sphere 1 9 9 material m'
-refused 'a material map' 3:13 'object mesh a.obj materials a.mtl-map'
-
 printf '%s\n' 'material unused no/such/file.txt' 'material m { diffuse 0.5 }' \
     'object sphere 1 9 9 material m' >"$tmp/unused.scene"
 exits 0 "a material that no object uses is not even read" "$SPECTRAL" plan "$tmp/unused.scene"
@@ -52,4 +25,19 @@ says 'range\.obj:4:7: error: ' "at its place in the OBJ file"
 printf 'material m { diffuse 0.5 }\nobject mesh none.obj material m\n' >"$tmp/mesh.scene"
 exits 2 "a missing mesh is refused" "$SPECTRAL" plan "$tmp/mesh.scene"
 says 'mesh\.scene:2:13: error: .*none\.obj' "where the scene names it"
+
+exits 2 "a texture that is none is refused by render, too" \
+    "$SPECTRAL" render test/bad/texture-not-tiff.scene -o "$tmp/none.tif"
+one_line "a texture that is none"
+absent "$tmp/none.tif" "a texture that is none"
+
+# a corner of the square is where the light is
+printf '%s\n' 'material m { diffuse 0.5 }' 'object plane 2 2 material m' \
+    'light d65 1 position 1 1 0 attenuation 0 0 1' >"$tmp/near.scene"
+exits 2 "a light that weakens with distance must not be at a vertex" \
+    "$SPECTRAL" render "$tmp/near.scene" -o "$tmp/near.tif"
+says 'near\.scene:2:1: error: vertex [1-4] of this object reflects no finite radiance' \
+    "the object and the vertex are named"
+one_line "a light at a vertex"
+absent "$tmp/near.tif" "a light at a vertex"
 done_testing

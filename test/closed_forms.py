@@ -1,79 +1,16 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Pictures whose radiance is known in closed form, rendered by the program ($SPECTRAL) with both
-renderers, read back with tifffile and compared in every band. Everything expected is computed here
-from the tables and geometry, nothing from the program. Prints TAP."""
-import json
-import os
-import subprocess
+"""Pictures of light, surfaces and perspective whose radiance is known in closed form, rendered with
+both renderers and compared in every band. Prints TAP."""
 import sys
 
 import numpy as np
-import tifffile
 
-SPECTRAL = os.environ.get("SPECTRAL", "build/spectral")
-TMP = os.path.join(os.environ.get("TEST_TMP", "build/tmp"), "closed_forms")
-MATERIAL = "data/materials/colorchecker/15-red.txt"
-WAVELENGTHS = np.arange(300.0, 765.0, 5.0)
-count = 0
-
-
-def table(path, separator=None):
-    rows = [line.split(separator) for line in open(path) if line[0].isdigit()]
-    return np.array(rows, float).T
-
-
-D65 = np.interp(WAVELENGTHS, *table("data/tables/d65.csv", ","))
-LAMP_A = np.interp(WAVELENGTHS, *table("data/tables/a.csv", ","))
-RED = np.interp(WAVELENGTHS, *table(MATERIAL))  # np.interp holds the end values, as reflectances do
-
-
-def check(holds, name, *remarks):
-    global count
-    count += 1
-    print("ok" if holds else "not ok", count, "-", name)
-    if not holds:
-        for remark in remarks:
-            print("#", remark)
-
-
-class Picture:
-    """A rendered scene: radiances [band, y, x], and the tolerance of a stored sample in radiance:
-    half a count, plus in GL the largest bound that the program derives and prints."""
-
-    def __init__(self, name, renderer, scene, *options):
-        os.makedirs(TMP, exist_ok=True)
-        path = os.path.join(TMP, name + ".scene")
-        stack = os.path.join(TMP, f"{name}-{renderer}.tif")
-        with open(path, "w") as out:
-            out.write(scene.replace("RED", os.path.relpath(MATERIAL, TMP)))
-        result = subprocess.run(
-            [SPECTRAL, "render", path, "-o", stack, "--renderer", renderer, "--json", "-", "--quiet",
-             *options], stdout=subprocess.PIPE, check=False)
-        if result.returncode != 0:
-            print("Bail out! cannot render", path)
-            sys.exit(1)
-        report = json.loads(result.stdout)
-        self.full_scale = report["full_scale"]
-        count_radiance = self.full_scale / 65535
-        with tifffile.TiffFile(stack) as tiff:
-            self.radiance = np.array([p.asarray() for p in tiff.pages]) * count_radiance
-        bound = report["check"]["max_bound_counts"] if renderer == "gl" else 1e-6
-        self.tolerance = (0.5 + bound) * count_radiance
-
-    def agrees(self, expected, name, where=np.s_[:, :, :]):
-        seen = self.radiance[where]
-        error = np.abs(seen - expected).max()
-        check(seen.size > 0 and error <= self.tolerance, name,
-              f"largest error {error}, tolerance {self.tolerance}")
-
+sys.dont_write_bytecode = True
+from rendered import D65, LAMP_A, RED, Picture, check, done, per_band, write
 
 HEAD = "size 61 61\ncamera ortho 2\nmaterial red RED\n"
 SQUARE = "object plane 4 4 material red"
-
-
-def per_band(spectrum):
-    return spectrum[:, None, None]
 
 
 def matt(renderer):
@@ -112,14 +49,13 @@ def watertight(renderer):
     steps = np.arange(cells + 1) / cells * 4 - 2
     x, y = (v + random.integers(0, 2, v.shape) * random.uniform(-0.04, 0.04, v.shape)
             for v in np.meshgrid(steps, steps))
-    with open(os.path.join(TMP, "square.obj"), "w") as mesh:
-        for point in zip(x.flat, y.flat):
-            mesh.write("v %.17g %.17g 0\n" % point)
-        for row in range(cells):
-            for column in range(cells):
-                first = row * (cells + 1) + column + 1
-                mesh.write(f"f {first} {first + 1} {first + cells + 2}\n"
-                           f"f {first} {first + cells + 2} {first + cells + 1}\n")
+    mesh = ["v %.17g %.17g 0\n" % point for point in zip(x.flat, y.flat)]
+    for row in range(cells):
+        for column in range(cells):
+            first = row * (cells + 1) + column + 1
+            mesh.append(f"f {first} {first + 1} {first + cells + 2}\n"
+                        f"f {first} {first + cells + 2} {first + cells + 1}\n")
+    write("square.obj", "".join(mesh))
     scene = ("size 80 80\ncamera ortho 3.2\nambient d65 1\nmaterial red RED\n"
              "object mesh square.obj material red")
     picture = Picture("watertight", renderer, scene)
@@ -163,4 +99,4 @@ for each in ("raster", "gl"):
     two_lights(each)
     watertight(each)
     perspective(each)
-print(f"1..{count}")
+done()
