@@ -621,7 +621,7 @@ void plan_free(struct plan *plan);
 void plan_effects(struct plan *plan);
 void plan_print(const struct plan *plan, FILE *to);
 
-/* ---- raster/light.c: the reference's vertices, and how far GL may be off there ---- */
+/* ---- raster/surface.c: the reference's vertices, and how far GL may be off there ---- */
 
 /* Window coordinates of a vertex in double, with bounds on OpenGL's single-precision error. */
 struct lit_vertex {

@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: MIT */
+/* The reference's surfaces: where the vertices of each body stand in the window, how far OpenGL may
+ * be off there, and what becomes of them together. u = 2^-24 is the unit roundoff of single
+ * precision; "e_" is a bound on an absolute error. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "light.h"
+
+static const double u = 1.0 / 16777216;
+
+/* A homogeneous coordinate goes through: one rounding of the vertex, of the modelview and of the
+ * projection entry (3), the product of the two matrices and the product with the vertex, each four
+ * multiplications and three additions (4 + 4); one more for second-order terms. */
+enum { TRANSFORM_ROUNDINGS = 12 };
+/* Eye space: vertex, modelview, product (1 + 1 + 4), one for second-order terms. */
+enum { EYE_ROUNDINGS = 7 };
+
+/* ---- position ---- */
+
+/* sum_j |m_ij| |v_j|, what the rounding errors of row i are relative to. */
+static void magnitudes(const struct matrix *m, const double v[4], double out[4])
+{
+    for (int i = 0; i < 4; i++) {
+        out[i] = 0;
+        for (int j = 0; j < 4; j++)
+            out[i] += fabs(m->row[i][j]) * fabs(v[j]);
+    }
+}
+
+static void transform(const struct matrix *m, const double v[4], double out[4])
+{
+    for (int i = 0; i < 4; i++)
+        out[i] =
+            m->row[i][0] * v[0] + m->row[i][1] * v[1] + m->row[i][2] * v[2] + m->row[i][3] * v[3];
+}
+
+/* Window coordinates and their bounds. OpenGL draws a picture in tiles, each with a projection that
+ * scales and shifts clip space; in pixels of the picture the shift adds at most half the picture
+ * times the error of w, whichever the tile. Division, scale and offset of the viewport: 4 roundings
+ * of a coordinate as large as the picture. */
+static void place_vertex(const struct plan *plan, const double magnitude[4], struct lit_vertex *out)
+{
+    double w = out->clip[3], half_width = 0.5 * plan->scene->width,
+           half_height = 0.5 * plan->scene->height;
+    double largest = fmax(fmax(magnitude[0], magnitude[1]), fmax(magnitude[2], magnitude[3]));
+    out->clip_error = (float)(TRANSFORM_ROUNDINGS * u * largest);
+    if (!(w > 0))
+        return;
+    double nx = out->clip[0] / w, ny = out->clip[1] / w, nz = out->clip[2] / w;
+    out->x = (nx + 1) * half_width;
+    out->y = (1 - ny) * half_height;
+    out->z = (nz + 1) * 0.5;
+    out->inverse_w = 1 / w;
+    double unit = TRANSFORM_ROUNDINGS * u / w;
+    double e_w = unit * magnitude[3];
+    double e_x = half_width * (unit * magnitude[0] + (fabs(nx) + 1) * e_w + 8 * u);
+    double e_y = half_height * (unit * magnitude[1] + (fabs(ny) + 1) * e_w + 8 * u);
+    out->slack_px = (float)fmax(e_x, e_y);
+    out->slack_depth = (float)(0.5 * (unit * magnitude[2] + fabs(nz) * e_w) + 4 * u);
+    out->slack_w = plan->scene->camera.perspective ? (float)(e_w + 2 * u) : 0;
+}
+
+/* ---- surfaces ---- */
+
+size_t surface_attributes(const struct surface *surface, int vertex, int side)
+{
+    return ((size_t)vertex * (size_t)surface->n_sides + (size_t)side) *
+           (size_t)surface->n_attributes;
+}
+
+static void process_vertex(const struct plan *plan, struct surface *surface,
+                           const struct body_bounds *bounds, int index, struct light_work *work)
+{
+    const struct body *body = surface->body;
+    struct vector position = surface->mesh->vertices[index].position;
+    struct lit_vertex *out = &surface->vertices[index];
+    double object[4] = {position.x, position.y, position.z, 1};
+    double eye[4], eye_magnitude[4], clip_magnitude[4];
+    transform(&body->model_view, object, eye);
+    magnitudes(&body->model_view, object, eye_magnitude);
+    transform(&plan->projection, eye, out->clip);
+    magnitudes(&plan->projection, eye_magnitude, clip_magnitude);
+    place_vertex(plan, clip_magnitude, out);
+    double e_eye = EYE_ROUNDINGS * u * (eye_magnitude[0] + eye_magnitude[1] + eye_magnitude[2]);
+    light_vertex(plan, surface, bounds, index, (struct vector){eye[0], eye[1], eye[2]}, e_eye,
+                 work);
+}
+
+static bool surface_alloc(const struct plan *plan, const struct body *body, struct surface *out)
+{
+    out->body = body;
+    out->mesh = &plan->meshes[body->mesh].mesh;
+    out->finish = &plan->finishes[body->finish];
+    out->n_sides = body->object->two_sided ? 2 : 1;
+    out->n_attributes = out->finish->n_terms + (out->finish->texture ? 2 : 0);
+    size_t n_vertices = (size_t)out->mesh->n_vertices;
+    size_t n_weights = surface_attributes(out, out->mesh->n_vertices, 0) + 1;
+    out->vertices = calloc(n_vertices, sizeof *out->vertices);
+    out->weights = calloc(n_weights, sizeof *out->weights);
+    out->errors = calloc(n_weights, sizeof *out->errors);
+    return out->vertices && out->weights && out->errors;
+}
+
+/* Half a texel off, OpenGL may show any of the texture's values. */
+static bool check_texture(const struct surface *surface, size_t first, int index, struct error *err)
+{
+    const double *s_t = surface->weights + first + surface->finish->n_terms;
+    const float *e_s_t = surface->errors + first + surface->finish->n_terms;
+    struct texel_point at =
+        texel_point(surface->finish->texture, s_t[0], s_t[1], e_s_t[0], e_s_t[1]);
+    return ((double)at.e_u < 0.5 && (double)at.e_v < 0.5) ||
+           error_at(err, surface->body->object->place,
+                    "the texture coordinates %.6g %.6g of vertex %d are too large for single "
+                    "precision; the texture must repeat less often",
+                    s_t[0], s_t[1], index + 1);
+}
+
+static bool check_vertex(const struct surface *surface, int index, struct error *err)
+{
+    const struct lit_vertex *vertex = &surface->vertices[index];
+    size_t first = surface_attributes(surface, index, 0),
+           last = surface_attributes(surface, index + 1, 0);
+    double sum = vertex->x + vertex->y + vertex->z + (double)vertex->slack_px, weights = 0;
+    for (int i = 0; i < 4; i++)
+        sum += vertex->clip[i];
+    for (size_t i = first; i < last; i++)
+        weights += surface->weights[i] + (double)surface->errors[i];
+    if (!isfinite(sum))
+        return error_at(err, surface->body->object->place,
+                        "vertex %d of this object is not finite in the window; "
+                        "coordinates and scales are too large",
+                        index + 1);
+    if (surface->finish->texture && !check_texture(surface, first, index, err))
+        return false;
+    return isfinite(weights) || error_at(err, surface->body->object->place,
+                                         "vertex %d of this object reflects no finite radiance; "
+                                         "a light that weakens with distance may be too near",
+                                         index + 1);
+}
+
+/* Window bounds of the whole surface, or everything where a vertex is beside or behind the eye. */
+static void surface_bounds(struct surface *surface)
+{
+    surface->left = surface->top = HUGE_VAL;
+    surface->right = surface->bottom = -HUGE_VAL;
+    for (int i = 0; i < surface->mesh->n_vertices; i++) {
+        const struct lit_vertex *vertex = &surface->vertices[i];
+        bool in_front = vertex->clip[3] > 0;
+        double slack = 1 + (double)vertex->slack_px; /* a pixel more costs nothing */
+        surface->left = fmin(surface->left, in_front ? vertex->x - slack : -HUGE_VAL);
+        surface->top = fmin(surface->top, in_front ? vertex->y - slack : -HUGE_VAL);
+        surface->right = fmax(surface->right, in_front ? vertex->x + slack : HUGE_VAL);
+        surface->bottom = fmax(surface->bottom, in_front ? vertex->y + slack : HUGE_VAL);
+    }
+}
+
+bool surface_reaches(const struct surface *surface, const struct tile *tile)
+{
+    return surface->right >= tile->x && surface->left <= tile->x + tile->width &&
+           surface->bottom >= tile->y && surface->top <= tile->y + tile->height;
+}
+
+static bool surface_light(const struct plan *plan, const struct body *body, struct surface *out,
+                          struct light_work *work, struct error *err)
+{
+    if (!surface_alloc(plan, body, out))
+        return error_memory(err);
+    struct body_bounds bounds = body_bounds(body);
+    long lit = 0, specular = 0, powers = 0;
+    int n_vertices = out->mesh->n_vertices, n_threads = plan->options.threads;
+#pragma omp parallel for reduction(+ : lit, specular, powers) num_threads(n_threads)
+    for (int i = 0; i < n_vertices; i++) {
+        struct light_work own = {0, 0, 0};
+        process_vertex(plan, out, &bounds, i, &own);
+        lit += own.vertices_lit;
+        specular += own.specular_vertices;
+        powers += own.power_functions;
+    }
+    work->vertices_lit += lit;
+    work->specular_vertices += specular;
+    work->power_functions += powers;
+    for (int i = 0; i < n_vertices; i++)
+        if (!check_vertex(out, i, err))
+            return false;
+    surface_bounds(out);
+    return true;
+}
+
+bool surfaces_light(const struct plan *plan, struct surface **out, struct light_work *work,
+                    struct error *err)
+{
+    *work = (struct light_work){0, 0, 0};
+    *out = calloc((size_t)plan->n_bodies + 1, sizeof **out);
+    if (!*out)
+        return error_memory(err);
+    for (int i = 0; i < plan->n_bodies; i++)
+        if (!surface_light(plan, &plan->bodies[i], &(*out)[i], work, err))
+            return false;
+    return true;
+}
+
+/* The largest radiance of one surface's vertices in one band, and which vertex has it. */
+static double largest_radiance(const struct plan *plan, const struct surface *surface, int band,
+                               int *vertex)
+{
+    const struct finish *finish = surface->finish;
+    size_t n_terms = (size_t)finish->n_terms, n_bands = (size_t)plan->n_bands;
+    double largest = -1;
+    for (size_t i = 0; i < (size_t)surface->mesh->n_vertices * (size_t)surface->n_sides; i++) {
+        const double *weights = surface->weights + i * (size_t)surface->n_attributes;
+        double radiance = 0;
+        for (size_t t = 0; t < n_terms; t++)
+            radiance += weights[t] * finish->spectra[t * n_bands + (size_t)band];
+        if (!(radiance <= largest)) { /* NaN counts as larger, so that it is found */
+            largest = radiance;
+            *vertex = (int)(i / (size_t)surface->n_sides);
+        }
+        if (!isfinite(largest))
+            break;
+    }
+    return finish->texture ? largest * finish->texture->largest : largest;
+}
+
+bool surfaces_full_scale(const struct plan *plan, const struct surface *surfaces, double *out,
+                         struct error *err)
+{
+    double largest = 0;
+    for (int s = 0; s < plan->n_bodies; s++)
+        for (int band = 0; band < plan->n_bands; band++) {
+            int vertex = 0;
+            double radiance = largest_radiance(plan, &surfaces[s], band, &vertex);
+            if (!isfinite(radiance))
+                return error_at(err, surfaces[s].body->object->place,
+                                "the radiance of vertex %d at %.10g nm is not finite; lights and "
+                                "factors are too large",
+                                vertex + 1, plan->scene->wavelengths_nm[band]);
+            largest = fmax(largest, radiance);
+        }
+    *out = largest > 0 ? largest : 1;
+    return true;
+}
+
+void surfaces_free(const struct plan *plan, struct surface *surfaces)
+{
+    if (!surfaces)
+        return;
+    for (int i = 0; i < plan->n_bodies; i++) {
+        free(surfaces[i].vertices);
+        free(surfaces[i].weights);
+        free(surfaces[i].errors);
+    }
+    free(surfaces);
+}
