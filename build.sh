@@ -7,7 +7,7 @@
 set -eu
 cd "$(dirname "$0")"
 
-usage='usage: ./build.sh [build | run | test | bench | install PREFIX | clean]'
+usage='usage: ./build.sh [build | run | test | bench [effects] | install PREFIX | clean]'
 CC=${CC:-gcc}
 CFLAGS=${CFLAGS:--O3}
 # No floating-point traps are taken and no errno is read after sqrt: both let loops be done several
@@ -114,7 +114,7 @@ build_tests() {
     done
     rm -f build/test/spectral.c.o build/test/library.a
     ar rcs build/test/library.a build/test/*.o
-    for source in test/test_*.c; do
+    for source in test/test_*.c test/bench.c; do
         CFLAGS='-O1 -Itest' program "build/test/$(basename "$source" .c)" "$source" build/test/library.a
     done
     CC=clang CFLAGS=-O2 program build/test/spectral-clang spectral.c data/*.c raster/*.c build/builtin.c

@@ -42,7 +42,7 @@ static void load(const struct matrix *m)
 static void compile_lists(const struct plan *plan)
 {
     for (int i = 0; i < plan->n_meshes; i++) {
-        const struct mesh *mesh = &plan->meshes[i];
+        const struct mesh *mesh = &plan->meshes[i].mesh;
         glNewList((GLuint)i + 1, GL_COMPILE);
         glBegin(GL_TRIANGLES);
         for (int t = 0; t < mesh->n_triangles; t++)
