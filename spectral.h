@@ -531,14 +531,14 @@ enum term_kind {
 };
 struct term {
     enum term_kind kind;
-    int light; /* index into plan.lights */
+    int light; /* index into plan.lights of the first light of its spectrum */
 };
-/* A material under the lights of the scene. Terms whose spectrum is 0 in all bands are left out;
- * those of one light follow each other. */
+/* A material under the lights of the scene. Lights of one spectrum share their terms, and terms
+ * whose spectrum is 0 in all bands are left out. */
 struct finish {
     const struct material *material;
     struct texture *texture; /* NULL: none */
-    int n_terms;
+    int n_terms, n_colours;  /* colours: those that OpenGL adds up, a term's one for each light */
     struct term *terms;
     double *spectra; /* n_terms rows of n_bands radiances */
     bool ambient, emits, fluoresces;
@@ -565,6 +565,8 @@ struct plan_light {
     struct vector eye_spot;     /* unit vector along the axis of a spot */
     double spot_cosine;         /* of the cutoff */
     bool attenuated, spot;      /* whether the distance counts; whether it is a spot */
+    int first;                  /* light of the same spectrum; perhaps this one */
+    double share;               /* of this light's radiation in that one's */
 };
 struct plan_effect {
     const char *name;

@@ -16,7 +16,7 @@ static const double u = 1.0 / 16777216;
 static const double full_count = 65535;
 
 /* A colour: its spectrum rounded to single precision (1), light times material (2), a texture's
- * value and its product (2), the buffer (1); each term and each pass added (1 each). */
+ * value and its product (2), the buffer (1); each colour and each pass added (1 each). */
 enum { COLOUR_ROUNDINGS = 6 };
 /* Mesa flushes results below 2^-126 = 1.2e-38 to zero. In a plane's set-up that is magnified by one
  * over the triangle's area (10^4 at most, smaller ones are too thin for a bound) and by the
@@ -186,7 +186,7 @@ static void apply_texture(const struct finish *finish, const struct rows *rows, 
 static void evaluate(const struct plan *plan, const struct finish *finish, const struct rows *rows,
                      size_t n, int band, double scale, double *expected, double *bound)
 {
-    double rounding = (COLOUR_ROUNDINGS + finish->n_terms + plan->n_light_groups) * u;
+    double rounding = (COLOUR_ROUNDINGS + finish->n_colours + plan->n_light_groups) * u;
     memset(expected, 0, n * sizeof *expected);
     if (bound)
         memset(bound, 0, n * sizeof *bound);

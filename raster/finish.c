@@ -20,6 +20,43 @@ static bool is_zero(const struct spectrum *spectrum)
     return zero || spectrum->factor == 0;
 }
 
+/* Whether one spectrum is the other times a factor, as far as that can be seen without rounding. */
+static bool same_spectrum(const struct spectrum *a, const struct spectrum *b)
+{
+    if (a->kind != b->kind || a->count != b->count)
+        return false;
+    size_t size = (size_t)a->count * sizeof *a->value;
+    return a->kind == SPECTRUM_CONSTANT ||
+           (memcmp(a->parameter, b->parameter, sizeof a->parameter) == 0 &&
+            (size == 0 || (memcmp(a->wavelength_nm, b->wavelength_nm, size) == 0 &&
+                           memcmp(a->value, b->value, size) == 0)));
+}
+
+static double strength(const struct light *light)
+{
+    const struct spectrum *spectrum = &light->spectrum;
+    double level = spectrum->kind == SPECTRUM_CONSTANT ? spectrum->parameter[0] : 1;
+    return light->intensity * spectrum->factor * level;
+}
+
+/* Finds the first light of this one's spectrum. Shares that are hardly a number are not shared. */
+static void find_first(const struct plan *plan, int index)
+{
+    struct plan_light *light = &plan->lights[index];
+    light->first = index;
+    light->share = 1;
+    for (int i = 0; i < index; i++) {
+        const struct light *other = plan->lights[i].light;
+        double share = strength(light->light) / strength(other);
+        if (plan->lights[i].first != i || !(share > 1e-30 && share < 1e30) ||
+            !same_spectrum(&light->light->spectrum, &other->spectrum))
+            continue;
+        light->first = i;
+        light->share = share;
+        return;
+    }
+}
+
 static struct plan_light plan_light(const struct plan *plan, const struct light *light)
 {
     struct plan_light out = {.light = light};
@@ -48,28 +85,46 @@ bool lights_list(struct plan *plan, struct error *err)
     if (!plan->lights)
         return error_memory(err);
     for (int i = 0; i < scene->n_lights; i++)
-        if (scene->lights[i].intensity != 0 && !is_zero(&scene->lights[i].spectrum))
-            plan->lights[plan->n_lights++] = plan_light(plan, &scene->lights[i]);
+        if (scene->lights[i].intensity != 0 && !is_zero(&scene->lights[i].spectrum)) {
+            plan->lights[plan->n_lights] = plan_light(plan, &scene->lights[i]);
+            find_first(plan, plan->n_lights++);
+        }
     return true;
 }
 
-void lights_drop_idle(struct plan *plan)
+/* Gives the terms of a light another number; whether there are any. */
+static bool renumber_terms(struct plan *plan, int from, int to)
 {
+    bool any = false;
+    for (int f = 0; f < plan->n_finishes; f++)
+        for (int t = 0; t < plan->finishes[f].n_terms; t++) {
+            struct term *term = &plan->finishes[f].terms[t];
+            if (term->kind == TERM_CONSTANT || term->light != from)
+                continue;
+            term->light = to;
+            any = true;
+        }
+    return any;
+}
+
+/* Lights that share a spectrum are kept or dropped together. */
+bool lights_drop_idle(struct plan *plan, struct error *err)
+{
+    int *number = calloc((size_t)plan->n_lights + 1, sizeof *number); /* new one; -1: dropped */
+    if (!number)
+        return error_memory(err);
     int n = 0;
-    for (int light = 0; light < plan->n_lights; light++) {
-        bool used = false;
-        for (int f = 0; f < plan->n_finishes; f++)
-            for (int t = 0; t < plan->finishes[f].n_terms; t++) {
-                struct term *term = &plan->finishes[f].terms[t];
-                if (term->kind == TERM_CONSTANT || term->light != light)
-                    continue;
-                used = true;
-                term->light = n;
-            }
-        if (used)
-            plan->lights[n++] = plan->lights[light];
+    for (int i = 0; i < plan->n_lights; i++) {
+        struct plan_light light = plan->lights[i];
+        bool kept = light.first == i ? renumber_terms(plan, i, n) : number[light.first] >= 0;
+        number[i] = kept ? n : -1;
+        light.first = number[light.first];
+        if (kept)
+            plan->lights[n++] = light;
     }
+    free(number);
     plan->n_lights = n;
+    return true;
 }
 
 /* ---- spectra of terms ---- */
@@ -130,6 +185,9 @@ static double *next_row(const struct finish_maker *maker)
 
 static void keep_term(struct finish_maker *maker, enum term_kind kind, int light)
 {
+    maker->finish->n_colours += kind == TERM_CONSTANT;
+    for (int i = 0; i < maker->plan->n_lights && kind != TERM_CONSTANT; i++)
+        maker->finish->n_colours += maker->plan->lights[i].first == light;
     maker->finish->terms[maker->finish->n_terms++] = (struct term){kind, light};
     maker->plan->work.terms++;
 }
@@ -231,7 +289,7 @@ static bool add_terms(struct finish_maker *maker, struct error *err)
     if (!add_constant(maker, err))
         return false;
     for (int light = 0; light < plan->n_lights; light++)
-        if (!add_light(maker, light, err))
+        if (plan->lights[light].first == light && !add_light(maker, light, err))
             return false;
     return true;
 }

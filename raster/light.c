@@ -225,25 +225,39 @@ static struct weight falloff(const struct plan_light *light, const struct path *
     return out;
 }
 
-static struct weight term_weight(const struct plan *plan, const struct finish *finish,
-                                 const struct term *term, const struct vertex_view *view)
+static struct weight light_weight(const struct plan *plan, const struct finish *finish,
+                                  enum term_kind kind, const struct plan_light *light,
+                                  const struct vertex_view *view)
 {
-    if (term->kind == TERM_CONSTANT)
-        return (struct weight){1, 0};
-    const struct plan_light *light = &plan->lights[term->light];
     struct path path = path_to_light(light, view->eye, view->e_eye, view->e_rigid);
     struct cosine n_l = cosine_between(view->normal, path.towards);
     struct weight weight;
-    if (term->kind == TERM_SPECULAR) {
+    if (kind == TERM_SPECULAR) {
         struct direction half =
             half_way(path.towards, towards_viewer(plan, view->eye, view->e_eye));
-        weight =
-            gated_power(n_l, cosine_between(view->normal, half), finish->material->gloss, view);
+        struct cosine n_h = cosine_between(view->normal, half);
+        weight = gated_power(n_l, n_h, finish->material->gloss, view);
         view->work->specular_vertices++;
     } else {
         weight = diffuse_weight(n_l);
     }
     return light->attenuated || light->spot ? product(weight, falloff(light, &path, view)) : weight;
+}
+
+/* All lights of the term's spectrum together. */
+static struct weight term_weight(const struct plan *plan, const struct finish *finish,
+                                 const struct term *term, const struct vertex_view *view)
+{
+    struct weight sum = {term->kind == TERM_CONSTANT, 0};
+    for (int i = 0; i < plan->n_lights && term->kind != TERM_CONSTANT; i++) {
+        const struct plan_light *light = &plan->lights[i];
+        if (light->first != term->light)
+            continue;
+        struct weight weight = light_weight(plan, finish, term->kind, light, view);
+        sum.value += light->share * weight.value;
+        sum.error += light->share * weight.error;
+    }
+    return sum;
 }
 
 /* Attributes of one side of a vertex: weights of all terms, then texture coordinates, which OpenGL

@@ -389,11 +389,13 @@ static void set_finish(const struct gl *gl, const struct finish *finish, const s
         int light = pass->group * LIGHTS_PER_PASS + i;
         if (light >= plan->n_lights)
             break;
-        const double *specular = term_row(plan, finish, TERM_SPECULAR, light);
-        band_colour(plan, term_row(plan, finish, TERM_DIFFUSE, light), pass->first_band,
-                    pass->full_scale, colour);
+        int first = plan->lights[light].first;
+        double full_scale = pass->full_scale / plan->lights[light].share;
+        const double *specular = term_row(plan, finish, TERM_SPECULAR, first);
+        band_colour(plan, term_row(plan, finish, TERM_DIFFUSE, first), pass->first_band, full_scale,
+                    colour);
         glLightfv(name, GL_DIFFUSE, colour);
-        band_colour(plan, specular, pass->first_band, pass->full_scale, colour);
+        band_colour(plan, specular, pass->first_band, full_scale, colour);
         glLightfv(name, GL_SPECULAR, colour);
         shiny = shiny || specular;
     }

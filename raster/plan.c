@@ -99,9 +99,9 @@ bool plan_make(const struct scene *scene, const struct plan_options *options, st
     out->n_passes = (out->n_bands + BANDS_PER_PASS - 1) / BANDS_PER_PASS;
     out->view = matrix_look_at(camera->eye, camera->look, camera->up);
     out->projection = projection_of(camera, scene->width, scene->height);
-    if (!allocate(out, err) || !lights_list(out, err) || !bodies_make(out, err))
+    if (!allocate(out, err) || !lights_list(out, err) || !bodies_make(out, err) ||
+        !lights_drop_idle(out, err))
         return false;
-    lights_drop_idle(out);
     out->n_light_groups = (out->n_lights + LIGHTS_PER_PASS - 1) / LIGHTS_PER_PASS;
     if (out->n_light_groups == 0)
         out->n_light_groups = 1;

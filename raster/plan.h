@@ -13,7 +13,7 @@ bool lights_list(struct plan *plan, struct error *err);
 /* The finish of a material, made when it is first asked for; its index into the plan. */
 bool finish_find(struct plan *plan, const struct material *material, int *out, struct error *err);
 /* Forgets the lights that no finish uses; to be called when all finishes are made. */
-void lights_drop_idle(struct plan *plan);
+bool lights_drop_idle(struct plan *plan, struct error *err);
 
 /* ---- raster/body.c: objects become meshes in their places ---- */
 

@@ -130,6 +130,9 @@ def minimal_terms():
             ("plastic under the same", "diffuse 0.5 gloss 5", two + "\nambient a 1", 5),
             ("emission joins ambient light", "diffuse 0.5 emission 1", LIGHT + "\nambient a 1", 2),
             ("two ambient lights join", "diffuse 0.5", "ambient a 1\nambient d65 1", 1),
+            ("lights of one spectrum share their terms", "diffuse 0.5 gloss 5",
+             two + "\nlight d65*2 0.3 position 1 1 9 spot 0 0 -1 50 2\nlight 0.5 1 direction 0 0 1"
+             "\nlight 0.7 2 direction 0 1 1", 6),
             ("black with a highlight", "diffuse 0 specular 0.5 gloss 5", LIGHT, 1),
             ("what only emits", "emission 1", LIGHT, 1),
             ("black", "diffuse 0", two, 0)):
