@@ -312,8 +312,7 @@ void donaldson_free(struct donaldson *matrix);
 struct image {
     char *path; /* owned */
     int width, height, n_pages;
-    double
-        *wavelengths_nm; /* one a page, strictly increasing; NULL where a page tells none; owned */
+    double *wavelengths_nm; /* of each page, increasing; NULL where one tells none; owned */
     double scale; /* radiance of sample value 1 (16 bits: of 65535); 1 where the file tells none */
     struct image_file *file; /* owned */
 };
@@ -375,9 +374,10 @@ bool mesh_reserve(struct mesh *mesh, size_t n_vertices, size_t n_triangles, stru
  * scaled into the cube [-1, 1]^3 first. Zero-area faces are kept out of normals. */
 bool mesh_read(const char *path, struct place from, bool unitize, double crease_deg,
                struct mesh *out, struct error *err);
-/* Cuts all triangles that cross x = 0 there and makes two parts: 0 on the side of negative x, 1 on
- * that of positive x. New vertices lie at exactly x = 0 and are the same numbers on both sides and
- * in neighbouring triangles, so that no crack opens. Replaces parts and names that *from has. */
+/* In data/part.c. Cuts all triangles that cross x = 0 there and makes two parts: 0 on the side of
+ * negative x, 1 on that of positive x. New vertices lie at exactly x = 0 and are the same numbers
+ * on both sides and in neighbouring triangles, so that no crack opens. Replaces parts and names
+ * that *from has. */
 bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err);
 /* A mesh of the triangles of one part, with the vertices that they use, in their order. It may be
  * empty: n_triangles 0. */
