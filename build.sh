@@ -140,10 +140,19 @@ test)
     ;;
 bench)
     build
-    program build/bench -Itest test/bench.c $(find data raster -name '*.c') build/builtin.c
-    case ${2:-all} in
-    effects) /usr/bin/python3 test/bench_effects.py build/spectral build/tmp/bench ;;
-    *) build/bench ;;
+    case ${2:-} in
+    effects)
+        need python3-tifffile python3-numpy
+        /usr/bin/python3 test/bench_effects.py build/spectral build/tmp/bench
+        ;;
+    '')
+        program build/bench -Itest test/bench.c $(find data raster -name '*.c') build/builtin.c
+        build/bench
+        ;;
+    *)
+        echo "$usage" >&2
+        exit 2
+        ;;
     esac
     ;;
 install)
