@@ -9,7 +9,7 @@
  * to the origin. u = 2^-24 is the unit roundoff of single precision. */
 #include <math.h>
 
-#include "spectral.h"
+#include "coverage.h"
 
 static const double u = 1.0 / 16777216;
 

@@ -2,7 +2,7 @@
 /* Homogeneous clipping: a triangle is cut plane by plane in clip space, before any division. */
 #include <math.h>
 
-#include "spectral.h"
+#include "coverage.h"
 
 /* Cutting an edge in single precision: weight and sum round three times, relative to both ends. */
 static const double cut_roundings = 3.0 / 16777216;

@@ -1,10 +1,90 @@
 /* SPDX-License-Identifier: MIT */
-/* What the two halves of the reference rasterizer share: coverage.c finds which facets cover a
- * pixel, gouraud.c what they look like there. Nobody else includes this. */
+/* What the files of the reference rasterizer share, in the order in which a triangle goes by:
+ * clip.c cuts it, bound.c says how far OpenGL may be off in it, facet.c places it in a tile,
+ * coverage.c finds the pixels that it covers, gouraud.c what they look like. Nobody else includes
+ * this but a test. */
 #ifndef COVERAGE_H
 #define COVERAGE_H
 
 #include "spectral.h"
+
+/* ---- raster/clip.c: homogeneous clipping ---- */
+
+enum { CLIP_PLANES = 6, CLIP_CORNERS = 3 + CLIP_PLANES };
+
+/* A corner of a triangle, or of what clipping left of it. */
+struct corner {
+    double clip[4];
+    double share[3];  /* barycentric coordinates in the whole triangle */
+    double cut_error; /* bound on GL's error in clip coordinates from cutting */
+    int whole;        /* 0..2: which corner of the whole triangle this is; -1: made by a cut */
+};
+/* Inside is where normal . clip + offset >= 0. */
+struct clip_plane {
+    double normal[4], offset;
+};
+/* Cuts a triangle by planes in the given order; returns the number of corners left, in the
+ * triangle's own sense of rotation (0: nothing is left). A cut edge gives the same corner whichever
+ * of its two triangles is cut (Sutherland and Hodgman 1974). */
+int clip_triangle(const struct corner whole[3], const struct clip_plane *planes, int n_planes,
+                  struct corner out[CLIP_CORNERS]);
+
+/* ---- raster/bound.c: how far OpenGL may be off inside a facet ---- */
+
+/* A triangle that OpenGL sets up for interpolation: window corners relative to the tile. */
+struct outline {
+    double x[3], y[3], inverse_w[3];
+    double slack_px, slack_w;
+    double reach_x, reach_y; /* largest window coordinates in the tile */
+};
+/* Above 1: the factor by which position errors magnify the others; HUGE_VAL where they leave no
+ * bound. */
+double bound_magnification(const struct outline *outline);
+/* Whether OpenGL may show the triangle at this point. */
+bool outline_touches(const struct outline *outline, double x, double y);
+/* Bound on OpenGL's error in a value interpolated with perspective (colours). */
+double bound_colour(const struct outline *outline, const double values[3]);
+/* The same for a value interpolated linearly in the window (depth). */
+double bound_linear(const struct outline *outline, const double values[3]);
+
+/* ---- raster/facet.c: a triangle as it lies in a tile ---- */
+
+/* A triangle in front of the eye and between the near and far plane, or a piece of one. The corners
+ * turn so that twice_area >= 0. */
+struct facet {
+    int32_t surface;
+    int32_t vertex[3]; /* of the whole triangle */
+    int32_t provoking; /* the vertex that colours all of it in flat shading */
+    int side;          /* 1: seen from behind, and that matters */
+    bool straddles;    /* OpenGL cuts it at the tile's border */
+    bool thin; /* a piece that OpenGL makes of it is too thin for a bound on single precision */
+    int32_t first_thin, n_thin; /* such pieces, as its chunk keeps them */
+    double x[3], y[3], z[3], inverse_w[3];
+    double share[3][3]; /* of each corner: barycentric coordinates in the whole triangle */
+    double twice_area;
+    double slack_px;    /* bound on GL's position of a corner, its snapping left out */
+    double slack_w;     /* relative bound on GL's w */
+    double slack_depth; /* bound on GL's depth of a corner */
+    double depth_error; /* bound on GL's depth at a pixel off thin pieces; HUGE_VAL: none */
+};
+/* OpenGL may snap corners to a grid of 1/256 pixel before it tests coverage and facing: half a
+ * step, beside the rounding of the coordinate, which slack_px counts. */
+#define SNAP_PX (1.0 / 512)
+/* Two planes cut at most two corners off; a facet seen edge-on shows either side. */
+enum { FACETS_PER_TRIANGLE = 6 };
+/* Facets of one triangle of surfaces[surface]; returns how many (0: nothing of it is in `rows`, the
+ * part of the tile that the caller looks at). */
+int facets_of(const struct plan *plan, const struct surface *surfaces, int surface, int triangle,
+              const struct tile *tile, const struct tile *rows,
+              struct facet out[FACETS_PER_TRIANGLE]);
+/* The triangles that OpenGL sets up for a facet: itself, or what clipping at the tile's border and
+ * in depth makes of its whole triangle, fanned from the first corner. Returns how many. */
+struct piece {
+    struct outline outline;
+    double slack_depth, z[3], share[3][3];
+};
+int facet_pieces(const struct plan *plan, const struct surface *surfaces, const struct tile *tile,
+                 const struct facet *facet, struct piece out[CLIP_CORNERS - 2]);
 
 /* ---- raster/coverage.c: fragments ---- */
 

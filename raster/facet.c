@@ -4,7 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "spectral.h"
+#include "coverage.h"
 
 static const double u = 1.0 / 16777216;
 

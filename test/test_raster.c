@@ -3,7 +3,7 @@
  * hold for single precision arithmetic as Mesa does it, without being far too wide. */
 #include <stdlib.h>
 
-#include "spectral.h"
+#include "raster/coverage.h"
 #include "test.h"
 
 /* A small generator of its own (Knuth's MMIX constants), so that every machine tests the same. */
