@@ -531,7 +531,7 @@ enum term_kind {
 };
 struct term {
     enum term_kind kind;
-    int light; /* index into plan.lights of the first light of its spectrum */
+    int light; /* index into plan.lights of the first light of its spectrum; -1: none */
 };
 /* A material under the lights of the scene. Lights of one spectrum share their terms, and terms
  * whose spectrum is 0 in all bands are left out. */

@@ -54,30 +54,6 @@ double bound_magnification(const struct outline *outline)
     return thinness <= 0.25 && edges.e_area <= 0.25 ? 1.001 / (1 - thinness) : HUGE_VAL;
 }
 
-/* Moving corners a and b, seen from the point, by up to e in x and y changes a x b by at most
- * e (|a|_1 + |b|_1) + 2 e^2. A triangle without area touches its longest edge only. */
-bool outline_touches(const struct outline *outline, double x, double y)
-{
-    double e = outline->slack_px + SNAP_PX, edge[3], slack[3], sum = 0;
-    bool left = false, right = false, above = false, below = false;
-    for (int i = 0; i < 3; i++) {
-        int next = (i + 1) % 3;
-        double ax = outline->x[i] - x, ay = outline->y[i] - y;
-        double bx = outline->x[next] - x, by = outline->y[next] - y;
-        edge[i] = ax * by - bx * ay;
-        slack[i] = e * (fabs(ax) + fabs(ay) + fabs(bx) + fabs(by)) + 2 * e * e;
-        sum += edge[i];
-        left = left || ax <= e;
-        right = right || ax >= -e;
-        above = above || ay <= e;
-        below = below || ay >= -e;
-    }
-    bool inside = left && right && above && below;
-    for (int i = 0; i < 3; i++)
-        inside = inside && (sum < 0 ? -edge[i] : edge[i]) >= -slack[i];
-    return inside;
-}
-
 struct gradient {
     double x, y;
 };

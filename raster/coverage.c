@@ -78,18 +78,18 @@ static double cross(double ax, double ay, double bx, double by)
     return ax * by - bx * ay;
 }
 
-void edges_at(const struct facet *facet, double px, double py, double error,
+void edges_at(const double x[3], const double y[3], double px, double py, double error,
               struct edge_values *out)
 {
-    double x[3], y[3], reach[3];
+    double dx[3], dy[3], reach[3];
     for (int i = 0; i < 3; i++) {
-        x[i] = facet->x[i] - px;
-        y[i] = facet->y[i] - py;
-        reach[i] = fabs(x[i]) + fabs(y[i]);
+        dx[i] = x[i] - px;
+        dy[i] = y[i] - py;
+        reach[i] = fabs(dx[i]) + fabs(dy[i]);
     }
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3, k = (i + 2) % 3;
-        out->e[i] = cross(x[j], y[j], x[k], y[k]);
+        out->e[i] = cross(dx[j], dy[j], dx[k], dy[k]);
         out->slack[i] = error * (reach[j] + reach[k]) + 2 * error * error;
     }
 }
@@ -139,11 +139,35 @@ static bool note_thin_pieces(struct coverage *coverage, struct facet *facet)
     return true;
 }
 
+static double least(const double v[3])
+{
+    return fmin(v[0], fmin(v[1], v[2]));
+}
+
+static double most(const double v[3])
+{
+    return fmax(v[0], fmax(v[1], v[2]));
+}
+
+/* Whether OpenGL may show a triangle at a point. One without area touches its longest edge only. */
+static bool touches(const struct outline *outline, double px, double py)
+{
+    const double *x = outline->x, *y = outline->y, error = outline->slack_px + SNAP_PX;
+    struct edge_values edges;
+    edges_at(x, y, px, py, error, &edges);
+    double turn = edges.e[0] + edges.e[1] + edges.e[2] < 0 ? -1 : 1;
+    bool inside = least(x) - error <= px && px <= most(x) + error && least(y) - error <= py &&
+                  py <= most(y) + error;
+    for (int i = 0; i < 3; i++)
+        inside = inside && turn * edges.e[i] >= -edges.slack[i];
+    return inside;
+}
+
 static bool is_thin_at(const struct coverage *coverage, const struct facet *facet, double px,
                        double py)
 {
     for (int32_t i = 0; i < facet->n_thin; i++)
-        if (outline_touches(&coverage->thin[facet->first_thin + i], px, py))
+        if (touches(&coverage->thin[facet->first_thin + i], px, py))
             return true;
     return false;
 }
@@ -152,7 +176,7 @@ static bool visit_pixel(struct coverage *coverage, int32_t index, int x, int y, 
 {
     const struct facet *facet = &coverage->facets[index];
     struct edge_values edges;
-    edges_at(facet, x + 0.5, y + 0.5, error, &edges);
+    edges_at(facet->x, facet->y, x + 0.5, y + 0.5, error, &edges);
     bool possible = true, definite = true;
     for (int i = 0; i < 3; i++) {
         possible = possible && edges.e[i] >= -edges.slack[i];
@@ -179,16 +203,6 @@ static bool visit_pixel(struct coverage *coverage, int32_t index, int x, int y, 
 static int clamp_to(double value, int low, int high)
 {
     return value < low ? low : value > high ? high : (int)value;
-}
-
-static double least(const double v[3])
-{
-    return fmin(v[0], fmin(v[1], v[2]));
-}
-
-static double most(const double v[3])
-{
-    return fmax(v[0], fmax(v[1], v[2]));
 }
 
 static bool scan_facet(struct coverage *coverage, int32_t index)

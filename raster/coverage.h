@@ -40,8 +40,6 @@ struct outline {
 /* Above 1: the factor by which position errors magnify the others; HUGE_VAL where they leave no
  * bound. */
 double bound_magnification(const struct outline *outline);
-/* Whether OpenGL may show the triangle at this point. */
-bool outline_touches(const struct outline *outline, double x, double y);
 /* Bound on OpenGL's error in a value interpolated with perspective (colours). */
 double bound_colour(const struct outline *outline, const double values[3]);
 /* The same for a value interpolated linearly in the window (depth). */
@@ -117,13 +115,13 @@ struct coverage {
 bool coverage_fill(struct coverage *coverage);
 void coverage_free(struct coverage *coverage);
 
-/* Edge functions at a pixel centre; corner i is opposite to edge i. */
+/* Edge functions at a point; corner i is opposite to edge i. */
 struct edge_values {
     double e[3];
     double slack[3];
 };
-/* `error` bounds OpenGL's corners in x and y. */
-void edges_at(const struct facet *facet, double px, double py, double error,
+/* Of a triangle; `error` bounds OpenGL's corners in x and y. */
+void edges_at(const double x[3], const double y[3], double px, double py, double error,
               struct edge_values *out);
 
 /* Makes room for `needed` elements of an array. False: no memory, or more than int32_t counts. */

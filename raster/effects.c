@@ -30,16 +30,6 @@ static bool is_specular(const struct finish *finish)
     return has_term(finish, TERM_SPECULAR);
 }
 
-static bool is_fluorescent(const struct finish *finish)
-{
-    return finish->fluoresces && finish->material->excitation.kind != SPECTRUM_NONE;
-}
-
-static bool is_bispectral(const struct finish *finish)
-{
-    return finish->fluoresces && finish->material->donaldson != NULL;
-}
-
 static bool has_excitation(const struct finish *finish)
 {
     return finish->material->excitation.kind != SPECTRUM_NONE;
@@ -48,6 +38,16 @@ static bool has_excitation(const struct finish *finish)
 static bool has_matrix(const struct finish *finish)
 {
     return finish->material->donaldson != NULL;
+}
+
+static bool is_fluorescent(const struct finish *finish)
+{
+    return finish->fluoresces && has_excitation(finish);
+}
+
+static bool is_bispectral(const struct finish *finish)
+{
+    return finish->fluoresces && has_matrix(finish);
 }
 
 static bool is_textured(const struct finish *finish)

@@ -99,7 +99,7 @@ static bool renumber_terms(struct plan *plan, int from, int to)
     for (int f = 0; f < plan->n_finishes; f++)
         for (int t = 0; t < plan->finishes[f].n_terms; t++) {
             struct term *term = &plan->finishes[f].terms[t];
-            if (term->kind == TERM_CONSTANT || term->light != from)
+            if (term->light != from)
                 continue;
             term->light = to;
             any = true;
@@ -186,7 +186,7 @@ static double *next_row(const struct finish_maker *maker)
 static void keep_term(struct finish_maker *maker, enum term_kind kind, int light)
 {
     maker->finish->n_colours += kind == TERM_CONSTANT;
-    for (int i = 0; i < maker->plan->n_lights && kind != TERM_CONSTANT; i++)
+    for (int i = 0; i < maker->plan->n_lights; i++)
         maker->finish->n_colours += maker->plan->lights[i].first == light;
     maker->finish->terms[maker->finish->n_terms++] = (struct term){kind, light};
     maker->plan->work.terms++;

@@ -25,7 +25,7 @@ static void shares_at(const struct facet *facet, double px, double py, double ou
 {
     struct edge_values edges;
     double share[3], sum = 0;
-    edges_at(facet, px, py, 0, &edges);
+    edges_at(facet->x, facet->y, px, py, 0, &edges);
     for (int i = 0; i < 3; i++) {
         share[i] = facet->twice_area > 0 ? edges.e[i] * facet->inverse_w[i] : 1;
         sum += share[i];
@@ -178,7 +178,7 @@ static bool add_candidates(struct shading *shading, struct chunk *out,
     return true;
 }
 
-static bool add_contest(struct shading *shading, struct chunk *out, int32_t index,
+static bool add_contest(struct shading *shading, struct chunk *out, int32_t index, int x, int y,
                         size_t capacity[4])
 {
     const struct pixel *pixel = &shading->coverage.pixels[index];
@@ -188,7 +188,6 @@ static bool add_contest(struct shading *shading, struct chunk *out, int32_t inde
     *contest = (struct contest){.pixel = index,
                                 .first = (int32_t)out->n_candidates,
                                 .background = pixel->limit == HUGE_VAL};
-    int x = out->rows.x + index % out->rows.width, y = out->rows.y + index / out->rows.width;
     for (int32_t f = pixel->head; f >= 0; f = shading->coverage.fragments[f].next)
         if (!add_candidates(shading, out, &shading->coverage.fragments[f], x, y, capacity))
             return false;
@@ -238,7 +237,7 @@ static bool resolve_pixel(struct shading *shading, struct chunk *out, int32_t in
     if (pixel->winner >= 0)
         open = put_winner(shading, out, index, x, y) || open;
     out->contested[index] = shading->coverage.plan->options.check && open;
-    return !out->contested[index] || add_contest(shading, out, index, capacity);
+    return !out->contested[index] || add_contest(shading, out, index, x, y, capacity);
 }
 
 static bool chunk_alloc(const struct plan *plan, const struct tile *rows, struct chunk *out)

@@ -225,56 +225,67 @@ static struct weight falloff(const struct plan_light *light, const struct path *
     return out;
 }
 
-static struct weight light_weight(const struct plan *plan, const struct finish *finish,
-                                  enum term_kind kind, const struct plan_light *light,
-                                  const struct vertex_view *view)
+static struct weight specular_weight(const struct plan *plan, double gloss, struct cosine n_l,
+                                     struct direction towards, const struct vertex_view *view)
+{
+    struct direction half = half_way(towards, towards_viewer(plan, view->eye, view->e_eye));
+    view->work->specular_vertices++;
+    return gated_power(n_l, cosine_between(view->normal, half), gloss, view);
+}
+
+/* What is not finite in single precision is refused later. */
+static void add_weight(struct weight weight, double share, double *sum, float *error)
+{
+    double e_sum = (double)*error + share * weight.error;
+    *sum += share * weight.value;
+    *error = e_sum <= (double)FLT_MAX ? (float)e_sum : HUGE_VALF;
+}
+
+/* Adds a light to the terms of its spectrum, of which there is one at least. */
+static void add_light(const struct plan *plan, const struct finish *finish,
+                      const struct plan_light *light, const struct vertex_view *view,
+                      double *weights, float *errors)
 {
     struct path path = path_to_light(light, view->eye, view->e_eye, view->e_rigid);
     struct cosine n_l = cosine_between(view->normal, path.towards);
-    struct weight weight;
-    if (kind == TERM_SPECULAR) {
-        struct direction half =
-            half_way(path.towards, towards_viewer(plan, view->eye, view->e_eye));
-        struct cosine n_h = cosine_between(view->normal, half);
-        weight = gated_power(n_l, n_h, finish->material->gloss, view);
-        view->work->specular_vertices++;
-    } else {
-        weight = diffuse_weight(n_l);
-    }
-    return light->attenuated || light->spot ? product(weight, falloff(light, &path, view)) : weight;
-}
-
-/* All lights of the term's spectrum together. */
-static struct weight term_weight(const struct plan *plan, const struct finish *finish,
-                                 const struct term *term, const struct vertex_view *view)
-{
-    struct weight sum = {term->kind == TERM_CONSTANT, 0};
-    for (int i = 0; i < plan->n_lights && term->kind != TERM_CONSTANT; i++) {
-        const struct plan_light *light = &plan->lights[i];
-        if (light->first != term->light)
+    bool weakened = light->attenuated || light->spot;
+    struct weight left = weakened ? falloff(light, &path, view) : (struct weight){1, 0};
+    for (int t = 0; t < finish->n_terms; t++) {
+        const struct term *term = &finish->terms[t];
+        if (term->light != light->first)
             continue;
-        struct weight weight = light_weight(plan, finish, term->kind, light, view);
-        sum.value += light->share * weight.value;
-        sum.error += light->share * weight.error;
+        struct weight weight =
+            term->kind == TERM_DIFFUSE
+                ? diffuse_weight(n_l)
+                : specular_weight(plan, finish->material->gloss, n_l, path.towards, view);
+        add_weight(weakened ? product(weight, left) : weight, light->share, &weights[t],
+                   &errors[t]);
     }
-    return sum;
 }
 
-/* Attributes of one side of a vertex: weights of all terms, then texture coordinates, which OpenGL
- * rounds once. */
+static bool reflects(const struct finish *finish, const struct plan_light *light)
+{
+    for (int t = 0; t < finish->n_terms; t++)
+        if (finish->terms[t].light == light->first)
+            return true;
+    return false;
+}
+
+/* Attributes of one side of a vertex, zeroed before: weights of all terms, then texture
+ * coordinates, which OpenGL rounds once. */
 static void light_side(const struct plan *plan, const struct surface *surface,
                        const struct vertex *vertex, const struct vertex_view *view, double *weights,
                        float *errors)
 {
     const struct finish *finish = surface->finish;
-    for (int i = 0; i < finish->n_terms; i++) {
-        struct weight weight = term_weight(plan, finish, &finish->terms[i], view);
-        weights[i] = weight.value;
-        errors[i] = weight.error <= (double)FLT_MAX ? (float)weight.error : HUGE_VALF;
-    }
+    double *place = weights + finish->n_terms;
+    for (int t = 0; t < finish->n_terms; t++)
+        weights[t] = finish->terms[t].kind == TERM_CONSTANT;
+    for (int i = 0; i < plan->n_lights; i++)
+        if (reflects(finish, &plan->lights[i]))
+            add_light(plan, finish, &plan->lights[i], view, weights, errors);
     if (!finish->texture)
         return;
-    double *place = weights + finish->n_terms;
     place[0] = vertex->s;
     place[1] = vertex->t;
     for (int i = 0; i < 2; i++)

@@ -13,8 +13,9 @@ static const double u = 1.0 / 16777216;
 
 /* Three mixes of two values, each a difference, a product and a sum. */
 enum { MIX_ROUNDINGS = 9 };
-/* Bounds wider than this many texels take in the whole texture. */
-enum { WIDEST_SPREAD = 4, MOST_TEXELS = 2 * WIDEST_SPREAD + 2 };
+/* Bounds wider than this many texels take in the whole texture. Within them lie twice as many
+ * texels, one for either end, and a neighbour; one more if an end is rounded. */
+enum { WIDEST_BOUND = 3, MOST_TEXELS = 2 * WIDEST_BOUND + 4 };
 
 /* Extrapolated far outside a thin triangle, a place may be anywhere: beyond 2^40 texels no texel is
  * known any more. */
@@ -123,7 +124,7 @@ double texel_value(const struct texture *texture, int plane, struct texel_point 
 {
     double offset = texture->linear ? 0.5 : 0, x = at.u - offset, y = at.v - offset;
     double e_u = (double)at.e_u, e_v = (double)at.e_v;
-    bool wide = e_u > WIDEST_SPREAD - 1 || e_v > WIDEST_SPREAD - 1;
+    bool wide = e_u > WIDEST_BOUND || e_v > WIDEST_BOUND;
     double reach_u = wide ? 0 : e_u, reach_v = wide ? 0 : e_v;
     struct patch patch;
     patch.across = span_of(x - reach_u, x + reach_u);
