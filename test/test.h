@@ -8,7 +8,9 @@
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static int test_count, test_failures;
 
@@ -44,6 +46,27 @@ static bool test_truth(bool holds, const char *file, int line, const char *forma
         if (!CHECK(strcmp(seen_, expected_) == 0, __VA_ARGS__))                                    \
             printf("# saw      %s\n# expected %s\n", seen_, expected_);                            \
     } while (0)
+
+/* The folder for temporary files, made if need be. */
+static inline const char *test_folder(void)
+{
+    const char *folder = getenv("TEST_TMP");
+    if (folder == NULL)
+        folder = "build/tmp";
+    mkdir(folder, 0777);
+    return folder;
+}
+
+/* Writes a text file; `path` again. */
+static inline const char *test_write(const char *path, const char *content)
+{
+    FILE *file = fopen(path, "w");
+    if (file != NULL) {
+        fputs(content, file);
+        fclose(file);
+    }
+    return path;
+}
 
 static int test_end(void)
 {

@@ -19,10 +19,7 @@ static const struct place nowhere = {NULL, 0, 0};
 /* A path in a folder of this test's own, so that leftovers can be counted. */
 static const char *temporary(const char *name, char path[PATH_SIZE])
 {
-    const char *folder = getenv("TEST_TMP");
-    if (folder == NULL)
-        folder = "build/tmp";
-    mkdir(folder, 0777);
+    const char *folder = test_folder();
     snprintf(path, PATH_SIZE, "%s/file", folder);
     mkdir(path, 0777);
     snprintf(path, PATH_SIZE, "%s/file/%s", folder, name);

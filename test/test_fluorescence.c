@@ -217,18 +217,8 @@ static void check_gaussians(void)
 static const char *write_matrix(const char *content)
 {
     static char path[PATH_SIZE];
-    const char *folder = getenv("TEST_TMP");
-    FILE *file;
-    if (folder == NULL)
-        folder = "build/tmp";
-    mkdir(folder, 0777);
-    snprintf(path, sizeof path, "%s/matrix.csv", folder);
-    file = fopen(path, "w");
-    if (file != NULL) {
-        fputs(content, file);
-        fclose(file);
-    }
-    return path;
+    snprintf(path, sizeof path, "%s/matrix.csv", test_folder());
+    return test_write(path, content);
 }
 
 /* A zeroed matrix stands for an error. */

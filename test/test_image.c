@@ -680,11 +680,9 @@ static void test_builtin(void)
 
 int main(void)
 {
-    const char *folder = getenv("TEST_TMP") != NULL ? getenv("TEST_TMP") : "build/tmp";
+    const char *folder = test_folder();
     char command[512];
-    mkdir(folder, 0777);
-    snprintf(command, sizeof command, "/usr/bin/python3 test/images.py '%s'",
-             folder != NULL ? folder : "");
+    snprintf(command, sizeof command, "/usr/bin/python3 test/images.py '%s'", folder);
     if (!CHECK(system(command) == 0, "tifffile writes its pictures") ||
         !CHECK(chdir(folder) == 0, "there is a folder for temporary files"))
         return test_end();

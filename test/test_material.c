@@ -12,18 +12,8 @@ enum { PATH_SIZE = 512 };
 static const char *write_material(const char *name, const char *content)
 {
     static char path[PATH_SIZE];
-    const char *folder = getenv("TEST_TMP");
-    FILE *file;
-    if (folder == NULL)
-        folder = "build/tmp";
-    mkdir(folder, 0777);
-    snprintf(path, sizeof path, "%s/%s", folder, name);
-    file = fopen(path, "w");
-    if (file != NULL) {
-        fputs(content, file);
-        fclose(file);
-    }
-    return path;
+    snprintf(path, sizeof path, "%s/%s", test_folder(), name);
+    return test_write(path, content);
 }
 
 /* An absent diffuse spectrum stands for an error. */

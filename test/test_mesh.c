@@ -15,14 +15,7 @@ static char obj_path[512];
 
 static void choose_path(void)
 {
-    const char *folder = getenv("TEST_TMP");
-
-    if (!folder) {
-        folder = "build/tmp";
-        mkdir("build", 0777);
-        mkdir(folder, 0777);
-    }
-    snprintf(obj_path, sizeof obj_path, "%s/test_mesh.obj", folder);
+    snprintf(obj_path, sizeof obj_path, "%s/test_mesh.obj", test_folder());
 }
 
 static FILE *begin_obj(void)

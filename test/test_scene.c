@@ -12,10 +12,7 @@ enum { PATH_SIZE = 512 };
 static const char *temporary(const char *name)
 {
     static char path[PATH_SIZE];
-    const char *folder = getenv("TEST_TMP");
-    if (folder == NULL)
-        folder = "build/tmp";
-    mkdir(folder, 0777);
+    const char *folder = test_folder();
     snprintf(path, sizeof path, "%s/scene", folder);
     mkdir(path, 0777);
     snprintf(path, sizeof path, "%s/scene/%s", folder, name);
@@ -24,13 +21,7 @@ static const char *temporary(const char *name)
 
 static const char *write_text(const char *name, const char *content)
 {
-    const char *path = temporary(name);
-    FILE *file = fopen(path, "w");
-    if (file != NULL) {
-        fputs(content, file);
-        fclose(file);
-    }
-    return path;
+    return test_write(temporary(name), content);
 }
 
 /* A scene that cannot be read is a failed check, and empty. */

@@ -12,10 +12,7 @@ enum { PATH_SIZE = 512 };
 
 static const char *temporary(const char *name, char path[PATH_SIZE])
 {
-    const char *folder = getenv("TEST_TMP");
-    if (folder == NULL)
-        folder = "build/tmp";
-    mkdir(folder, 0777);
+    const char *folder = test_folder();
     snprintf(path, PATH_SIZE, "%s/spectrum-%s", folder, name);
     return path;
 }

@@ -170,8 +170,7 @@ static void test_cut(void)
 
 int main(void)
 {
-    const char *folder = getenv("TEST_TMP") != NULL ? getenv("TEST_TMP") : "build/tmp";
-    mkdir(folder, 0777);
+    const char *folder = test_folder();
     if (!CHECK(chdir(folder) == 0, "there is a folder for temporary files"))
         return test_end();
     test_grey();
