@@ -12,6 +12,7 @@
 struct whole {
     const struct shape *shape;
     struct mesh mesh;
+    struct vector centre;
 };
 /* What a mesh of the plan shows of a whole: one part, or all (-1), and of that one side of x = 0,
  * or both (-1). */
@@ -38,16 +39,30 @@ static bool same_shape(const struct shape *a, const struct shape *b)
     return memcmp(a->parameter, b->parameter, sizeof a->parameter) == 0;
 }
 
-static bool build_whole(const struct shape *shape, struct mesh *out, struct error *err)
+static struct vector centre_of(const struct mesh *mesh)
 {
-    if (!shape_build(shape, out, err))
+    struct vector low = mesh->vertices[0].position, high = low;
+    for (int i = 1; i < mesh->n_vertices; i++) {
+        struct vector p = mesh->vertices[i].position;
+        low = (struct vector){fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z)};
+        high = (struct vector){fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z)};
+    }
+    return vector_add(vector_scale(low, 0.5), vector_scale(high, 0.5));
+}
+
+static bool build_whole(struct whole *whole, struct error *err)
+{
+    const struct shape *shape = whole->shape;
+    struct mesh *mesh = &whole->mesh;
+    if (!shape_build(shape, mesh, err))
         return false;
     if (shape->planar)
-        mesh_planar(out);
-    for (int i = 0; i < out->n_vertices; i++) {
-        out->vertices[i].s *= shape->repeat[0];
-        out->vertices[i].t *= shape->repeat[1];
+        mesh_planar(mesh);
+    for (int i = 0; i < mesh->n_vertices; i++) {
+        mesh->vertices[i].s *= shape->repeat[0];
+        mesh->vertices[i].t *= shape->repeat[1];
     }
+    whole->centre = centre_of(mesh);
     return true;
 }
 
@@ -62,71 +77,80 @@ static int find_whole(struct body_maker *maker, const struct shape *shape, struc
         return -1;
     maker->wholes = more;
     more[maker->n_wholes].shape = shape;
-    return build_whole(shape, &more[maker->n_wholes].mesh, err) ? maker->n_wholes++ : -1;
+    return build_whole(&more[maker->n_wholes], err) ? maker->n_wholes++ : -1;
 }
 
 /* ---- meshes as they are drawn ---- */
 
-static struct vector centre_of(const struct mesh *mesh)
+/* Adds a mesh to the plan, which takes it over even if this fails; moved by the centre of the
+ * whole: halves and parts that meet have the same numbers where they do. */
+static bool add_mesh(struct body_maker *maker, struct cutting cutting, struct mesh *mesh,
+                     struct error *err)
 {
-    struct vector low = mesh->vertices[0].position, high = low;
-    for (int i = 1; i < mesh->n_vertices; i++) {
-        struct vector p = mesh->vertices[i].position;
-        low = (struct vector){fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z)};
-        high = (struct vector){fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z)};
-    }
-    return vector_add(vector_scale(low, 0.5), vector_scale(high, 0.5));
-}
-
-/* Replaces *mesh by its part on one side of x = 0. */
-static bool keep_side(struct mesh *mesh, int side, struct error *err)
-{
-    struct mesh halves = {.n_vertices = 0}, half = {.n_vertices = 0};
-    bool done = mesh_cut(mesh, &halves, err) && mesh_part(&halves, side, &half, err);
-    mesh_free(&halves);
-    mesh_free(mesh);
-    *mesh = half;
-    return done;
-}
-
-/* All that a cutting shows, moved by the centre of the whole: halves and parts that meet have the
- * same numbers where they do. */
-static bool cut_out(const struct whole *whole, const struct cutting *cutting, struct plan_mesh *out,
-                    struct error *err)
-{
-    struct mesh from = whole->mesh;
-    if (cutting->part < 0)
-        from.part = NULL; /* everything is part 0 */
-    out->centre = centre_of(&whole->mesh);
-    if (!mesh_part(&from, cutting->part < 0 ? 0 : cutting->part, &out->mesh, err) ||
-        (cutting->side >= 0 && !keep_side(&out->mesh, cutting->side, err)))
+    struct plan *plan = maker->plan;
+    struct vector centre = maker->wholes[cutting.whole].centre;
+    struct cutting *cuttings = array_more(maker->cuttings, plan->n_meshes, sizeof *cuttings, err);
+    if (cuttings)
+        maker->cuttings = cuttings;
+    struct plan_mesh *meshes =
+        cuttings ? array_more(plan->meshes, plan->n_meshes, sizeof *meshes, err) : NULL;
+    if (!meshes) {
+        mesh_free(mesh);
         return false;
-    for (int i = 0; i < out->mesh.n_vertices; i++) {
-        struct vector *position = &out->mesh.vertices[i].position;
-        *position = vector_subtract(*position, out->centre);
     }
+    for (int i = 0; i < mesh->n_vertices; i++)
+        mesh->vertices[i].position = vector_subtract(mesh->vertices[i].position, centre);
+    plan->meshes = meshes;
+    cuttings[plan->n_meshes] = cutting;
+    meshes[plan->n_meshes++] = (struct plan_mesh){.mesh = *mesh, .centre = centre};
     return true;
 }
 
-/* The index of the mesh in the plan; -1 after an error. */
+static bool add_sides(struct body_maker *maker, struct cutting cutting, const struct mesh *part,
+                      struct error *err)
+{
+    struct mesh halves = {.n_vertices = 0}, half = {.n_vertices = 0};
+    bool done = mesh_cut(part, &halves, err);
+    for (cutting.side = 0; done && cutting.side < 2; cutting.side++) {
+        done = mesh_part(&halves, cutting.side, &half, err);
+        if (!done)
+            mesh_free(&half);
+        done = done && add_mesh(maker, cutting, &half, err);
+    }
+    mesh_free(&halves);
+    return done;
+}
+
+/* Takes out what a cutting shows; both of its sides, where it asks for one. */
+static bool cut_out(struct body_maker *maker, struct cutting cutting, struct error *err)
+{
+    struct mesh from = maker->wholes[cutting.whole].mesh, part = {.n_vertices = 0};
+    if (cutting.part < 0)
+        from.part = NULL; /* everything is part 0 */
+    bool done = mesh_part(&from, cutting.part < 0 ? 0 : cutting.part, &part, err);
+    if (done && cutting.side < 0)
+        return add_mesh(maker, cutting, &part, err);
+    done = done && add_sides(maker, cutting, &part, err);
+    mesh_free(&part);
+    return done;
+}
+
+static int known_mesh(const struct body_maker *maker, const struct cutting *wanted)
+{
+    for (int i = 0; i < maker->plan->n_meshes; i++)
+        if (memcmp(&maker->cuttings[i], wanted, sizeof *wanted) == 0)
+            return i;
+    return -1;
+}
+
+/* The index of the mesh in the plan, which is made when it is first asked for; -1 after an error.
+ */
 static int find_mesh(struct body_maker *maker, struct cutting wanted, struct error *err)
 {
-    struct plan *plan = maker->plan;
-    for (int i = 0; i < plan->n_meshes; i++)
-        if (memcmp(&maker->cuttings[i], &wanted, sizeof wanted) == 0)
-            return i;
-    struct cutting *cuttings =
-        array_more(maker->cuttings, plan->n_meshes, sizeof *maker->cuttings, err);
-    if (!cuttings)
-        return -1;
-    maker->cuttings = cuttings;
-    struct plan_mesh *meshes = array_more(plan->meshes, plan->n_meshes, sizeof *meshes, err);
-    if (!meshes)
-        return -1;
-    plan->meshes = meshes;
-    cuttings[plan->n_meshes] = wanted;
-    int index = plan->n_meshes++; /* counted first, so that plan_free reaches it after a failure */
-    return cut_out(&maker->wholes[wanted.whole], &wanted, &meshes[index], err) ? index : -1;
+    int known = known_mesh(maker, &wanted);
+    if (known < 0 && cut_out(maker, wanted, err))
+        known = known_mesh(maker, &wanted);
+    return known;
 }
 
 /* ---- bodies ---- */
