@@ -25,7 +25,7 @@ build_packages='libc6-dev libosmesa6-dev libtiff-dev zlib1g-dev libzstd-dev libd
   liblzma-dev libjpeg-dev libjbig-dev libwebp-dev liblerc-dev'
 test_packages='gcc clang libomp-dev perl python3-tifffile python3-numpy python3-scipy python3-gdal
   imagej default-jdk-headless glmark2-data psychtoolbox-3-common'
-
+mutation='s/whole = bound\[i\]/whole = 1000 * bound[i]/'
 
 # need PACKAGE... installs what is missing, or says what to type.
 need() {
@@ -119,6 +119,9 @@ build_tests() {
     done
     CC=clang CFLAGS=-O2 program build/test/spectral-clang spectral.c data/*.c raster/*.c build/builtin.c
     $CC $language $warnings -O1 -shared -fPIC test/fault.c -o build/test/fault.so -ldl
+    # a program with a fault of its own: all bounds on colours are a thousand times too wide
+    sed "$mutation" raster/counts.c >build/test/mutant.c
+    CFLAGS='-O1 -Iraster' program build/test/spectral-mutant spectral.c build/test/mutant.c build/test/library.a
 }
 
 run_tests() {

@@ -31,6 +31,7 @@ static const char usage[] =
     "  -o, --output STACK.tif          /dev/null: check only, write nothing\n"
     "  --renderer gl|raster            whose pixels are stored (default gl)\n"
     "  --no-check                      do not cross-check\n"
+    "  --strict                        no fragment may be lost or doubled where triangles meet\n"
     "  --keep                          store the stack even when the check fails\n"
     "  --full-scale R                  radiance of count 65535 (default: the largest)\n"
     "  --depth 16|32f                  counts, or 32-bit float radiances\n"
@@ -55,7 +56,7 @@ struct options {
     int n_overrides;
     const char *output, *json;
     struct plan_options plan;
-    bool no_check, keep, quiet, help;
+    bool no_check, strict, keep, quiet, help;
 };
 
 static bool set_renderer(struct options *options, const char *value, struct error *err)
@@ -127,6 +128,7 @@ static const struct option known_options[] = {
     {"-o", FOR_RENDER, WORD, NULL, NULL, offsetof(struct options, output)},
     {"--json", FOR_RENDER, WORD, NULL, NULL, offsetof(struct options, json)},
     {"--no-check", FOR_RENDER, FLAG, NULL, NULL, offsetof(struct options, no_check)},
+    {"--strict", FOR_RENDER, FLAG, NULL, NULL, offsetof(struct options, strict)},
     {"--keep", FOR_RENDER, FLAG, NULL, NULL, offsetof(struct options, keep)},
     {"--quiet", FOR_RENDER, FLAG, NULL, NULL, offsetof(struct options, quiet)},
     {"--help", FOR_ALL, FLAG, NULL, NULL, offsetof(struct options, help)},
@@ -343,6 +345,7 @@ static bool render_scene(const struct options *options, const char *output, stru
     struct plan_options plan_options = options->plan;
     struct render_seconds seconds = {.read = 0};
     plan_options.check = !options->no_check;
+    plan_options.strict = options->strict;
     plan_options.use_gl = plan_options.check || !plan_options.store_raster;
     double start = render_clock();
     bool done = read_scene(options, &scene, err);

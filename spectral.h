@@ -531,7 +531,8 @@ enum term_kind {
 };
 struct term {
     enum term_kind kind;
-    int light; /* index into plan.lights of the first light of its spectrum; -1: none */
+    int light;   /* index into plan.lights of the first light of its spectrum; -1: none */
+    double peak; /* the largest value of its own spectrum */
 };
 /* A material under the lights of the scene. Lights of one spectrum share their terms, and terms
  * whose spectrum is 0 in all bands are left out. */
@@ -556,6 +557,7 @@ struct body {
     const struct object *object;
     int mesh, finish; /* indices into the plan */
     bool mirrored;    /* the transform turns outsides clockwise */
+    bool twin;        /* an earlier body is the same in the same place, and hides it */
     struct matrix model_view;
     struct matrix normal_matrix;
 };
@@ -582,6 +584,7 @@ struct plan_work {
 struct plan_options {
     double full_scale;  /* 0: the largest vertex radiance */
     bool check, use_gl; /* whether the reference and OpenGL are needed */
+    bool strict;        /* fragments lost or doubled where triangles meet are differences */
     bool store_raster;  /* the stored pixels are the reference's */
     bool floating;      /* 32-bit float pages */
     int threads;        /* 0: as many as OpenMP offers; the plan holds the number */
@@ -623,6 +626,31 @@ void plan_free(struct plan *plan);
 void plan_effects(struct plan *plan);
 void plan_print(const struct plan *plan, FILE *to);
 
+/* ---- raster/driver.c: what is known of OpenGL's implementations ---- */
+
+/* Whose the pixels are whose centres lie exactly on an edge. */
+enum fill_rule { FILL_ANY, FILL_LEFT_BOTTOM };
+struct driver {
+    const char *name; /* what GL_RENDERER begins with; "unknown": the worst of all others */
+    double grid_px;   /* corners are moved to a grid before edges are followed: by up to this */
+    double edge_roundings;  /* of the largest window coordinate, while an edge is followed */
+    double depth_roundings; /* of a depth of 1, while it is stored: half is a step of 24 bits */
+    bool watertight;        /* a pixel where triangles meet belongs to exactly one of them */
+    enum fill_rule fill_rule;
+};
+/* NULL stands for an unknown one. */
+const struct driver *driver_of(const char *gl_renderer);
+
+/* ---- raster/exact.c: where single precision makes no error ---- */
+
+/* Whether a sum of terms is exact in single precision in whatever order it is made: all are
+ * multiples of a power of two, and the sum of their magnitudes is at most 2^24 times that. */
+bool exact_sum(const double *terms, int n);
+/* Whether single precision holds both matrices, and their product without any rounding. */
+bool exact_product(const struct matrix *a, const struct matrix *b);
+/* Whether a row of a matrix times a vector is exact in single precision. */
+bool exact_row(const double row[4], const double v[4]);
+
 /* ---- raster/surface.c: the reference's vertices, and how far GL may be off there ---- */
 
 /* Window coordinates of a vertex in double, with bounds on OpenGL's single-precision error. */
@@ -634,8 +662,10 @@ struct lit_vertex {
     float slack_depth; /* bound on GL's error in z */
     float slack_w;     /* relative bound on GL's error in w */
     float clip_error;  /* bound on GL's error in any clip coordinate */
+    bool exact;        /* GL makes no error in x and y, and they lie on a grid of 1/256 pixel */
 };
 struct surface {
+    const struct driver *driver;
     const struct body *body;
     const struct mesh *mesh;
     const struct finish *finish;
@@ -654,8 +684,8 @@ struct light_work {
     long vertices_lit, specular_vertices, power_functions;
 };
 /* One surface per body, in drawing order; *out is allocated. Refuses NaN and infinity by object. */
-bool surfaces_light(const struct plan *plan, struct surface **out, struct light_work *work,
-                    struct error *err);
+bool surfaces_light(const struct plan *plan, const struct driver *driver, struct surface **out,
+                    struct light_work *work, struct error *err);
 /* The largest vertex radiance over all surfaces and wavelengths; 1 for an all-black scene. */
 bool surfaces_full_scale(const struct plan *plan, const struct surface *surfaces, double *out,
                          struct error *err);
@@ -688,9 +718,16 @@ double texel_value(const struct texture *texture, int plane, struct texel_point 
 
 /* A surface that may be what OpenGL shows at a pixel. */
 struct candidate {
-    int32_t surface;
+    int32_t surface, triangle;
+    float depth, depth_error;
     bool loose;   /* its error has no bound here */
     size_t first; /* of its finish_rows numbers in candidate_weights and candidate_errors */
+};
+/* How many fragments OpenGL may draw at a pixel, hidden ones too; modulo 256, as it counts them. */
+struct overdraw {
+    uint8_t least, spread; /* least .. least + spread; a spread of 255 or more is kept as 255 */
+    uint8_t meant;         /* by the reference */
+    bool closed;           /* an edge near the centre always has a triangle on either side */
 };
 /* A pixel with more than one candidate, or a loose one. */
 struct contest {
@@ -701,7 +738,11 @@ struct contest {
 /* Some rows of a tile, the unit of work of a thread. */
 struct chunk {
     struct tile rows;
-    int32_t *surface; /* of the reference's own fragment; -1: background */
+    int32_t *surface, *triangle; /* of the reference's own fragment; -1: background */
+    float *depth,
+        *depth_error; /* of the same, in the window; NULL without a check, as all bounds */
+    struct overdraw *overdraw;
+    float *steepness; /* bound on how radiance changes within a pixel's width, in any wavelength */
     bool *contested;
     double *weights; /* [max_rows][pixel], of a grey texture's value the product with it */
     float *errors;   /* the same: bounds on OpenGL's error */
@@ -726,12 +767,21 @@ struct gl_work {
     long passes, draw_calls;
 };
 /* Uploads the geometry once. EXIT_SYSTEM when there is no usable OpenGL. */
-bool gl_open(const struct plan *plan, const struct surface *surfaces, struct gl **out,
-             struct error *err);
+bool gl_open(const struct plan *plan, struct gl **out, struct error *err);
 const char *gl_renderer(const struct gl *gl);
 const char *gl_version(const struct gl *gl);
-/* Aims at a tile of the picture. */
-void gl_aim(struct gl *gl, const struct tile *tile);
+/* Aims at a tile of the picture; surfaces that do not reach it will not be drawn. */
+void gl_aim(struct gl *gl, const struct surface *surfaces, const struct tile *tile);
+/* What OpenGL shows at a pixel. */
+struct shown {
+    int32_t surface, triangle; /* -1: background */
+    uint32_t depth;            /* in steps of 1 / (2^24 - 1) */
+    uint8_t fragments;         /* drawn there, hidden ones too, modulo 256 */
+};
+/* Draws the numbers of surfaces and triangles of the aimed tile instead of their colours. */
+bool gl_identify(struct gl *gl, struct error *err);
+/* Of the last gl_identify, before the next gl_draw; x and y within the tile. */
+struct shown gl_shown(const struct gl *gl, int x, int y);
 /* Draws bands first .. first + BANDS_PER_PASS - 1 (those that exist) of the aimed tile, radiances
  * divided by full_scale. Returns 4 floats a pixel, row by row from the top, rows of tile_width. */
 bool gl_draw(struct gl *gl, int first_band, double full_scale, const float **pixels,
@@ -741,52 +791,75 @@ void gl_library(char *out, size_t capacity);
 struct gl_work gl_work(const struct gl *gl);
 void gl_close(struct gl *gl);
 
-/* ---- raster/check.c: the verdict on each pixel, and counts ---- */
+/* ---- raster/tally.c: how samples compare ---- */
 
-/* A bound up to here is called tight; it is wider on facets seen edge-on, whose colour changes by
- * thousands of counts within a pixel. */
-enum { TIGHT_COUNTS = 8 };
-/* The first sample that no candidate explains. */
-struct check_failure {
-    bool found;
-    int x, y, band;
-    int surface;                  /* the reference's; -1: background */
-    double seen, expected, bound; /* counts */
-};
-/* How samples compare with the candidate that explains them. */
+/* How samples compare with the candidate that explains them; in counts, before rounding. */
 struct check_samples {
     uint64_t n, exact, within_1;
-    double largest;        /* |GL - reference| in counts, before rounding */
-    double sum_of_squares; /* of the same */
-    double worst_ratio;    /* largest |GL - reference| / bound */
+    double largest;             /* |OpenGL - reference| */
+    double sum, sum_of_squares; /* of OpenGL - reference */
+    double worst_ratio;         /* largest |OpenGL - reference| / bound */
 };
+/* The detectability floor: of each pixel of a surface the largest bound over all wavelengths, in
+ * counts. An error of twice that is always seen, one below the bound may be not. */
+enum { FLOOR_BINS = 320 };
+struct check_floor {
+    uint64_t n, bins[FLOOR_BINS];
+    double worst;
+};
+/* What `part` of the pixels have at most; too high by an eighth at most. */
+double floor_quantile(const struct check_floor *of, double part);
+
+enum failure_kind { FAILURE_RADIANCE, FAILURE_TRIANGLE, FAILURE_DEPTH, FAILURE_FRAGMENTS };
+/* The first pixel that no candidate explains. */
+struct check_failure {
+    bool found;
+    enum failure_kind kind;
+    int x, y;
+    int surface;                  /* the reference's; -1: background */
+    struct shown shown;           /* FAILURE_TRIANGLE: what OpenGL shows */
+    int band;                     /* FAILURE_RADIANCE */
+    double seen, expected, bound; /* counts; depths; fragments */
+};
+/* A pixel inside a surface is smooth if its radiance changes by no more than this within a pixel's
+ * width, in any wavelength. */
+enum { SMOOTH_COUNTS = 512 };
 struct check_tally {
     struct check_samples samples;
     uint64_t pixels, ambiguous, unexplained, unbounded;
-    /* over pixels inside a surface, which have a single candidate: bounds in counts, how many are
-     * tight, and the largest difference among those */
-    double sum_of_bounds, largest_bound, largest_tight;
-    uint64_t n_bounds, n_tight;
+    uint64_t edge_holes,
+        edge_doubles; /* pixels where triangles meet, with too few or too many fragments */
+    double worst_depth_ratio;
+    struct check_floor floor, smooth_floor;
     struct check_failure first;
 };
+
+/* ---- raster/check.c: the verdict on each pixel ---- */
+
 /* The state of a chunk while its bands go by. */
 struct check {
     const struct plan *plan;
     const struct surface *surfaces;
     const struct chunk *chunk;
     double full_scale;
+    bool tight_edges; /* fragments lost or doubled where triangles meet are failures */
     struct check_tally tally;
     struct check_trial *trials; /* one a candidate, then one a contest for its background */
-    bool *failed;               /* pixels that their single candidate did not explain */
+    bool *failed;               /* pixels that are not explained */
+    float *floor;               /* the largest bound of each pixel that is not contested */
 };
 /* Opens the check of a chunk, whose memory the check does not own. */
 bool check_open(const struct plan *plan, const struct surface *surfaces, const struct chunk *chunk,
                 double full_scale, struct check *out, struct error *err);
+/* Judges what gl_identify drew of the tile; to be called before the first pass. */
+void check_identity(struct check *check, const struct gl *gl, const struct tile *tile);
 /* Judges the bands of one GL pass. `pixels` is the chunk's first pixel, 4 floats each, rows
  * `stride` pixels apart, in units of full_scale. */
 void check_pass(struct check *check, int first_band, const float *pixels, size_t stride);
 /* Settles contested pixels, adds the chunk's tally to *total and frees the check. */
 void check_close(struct check *check, struct check_tally *total);
+
+/* ---- raster/counts.c: radiance into counts ---- */
 
 /* Samples that a file cannot hold as they are. */
 struct odd_samples {
@@ -809,6 +882,7 @@ struct render_seconds {
 struct render_result {
     double full_scale;
     char gl_renderer[128], gl_version[128];
+    const struct driver *driver;
     struct gl_work gl;
     struct light_work light;
     struct check_tally check;

@@ -282,6 +282,38 @@ static bool add_object(struct body_maker *maker, const struct object *object, st
                       &maker->plan->scene->materials[object->material], err);
 }
 
+/* By mesh, place and order of drawing. */
+static int compare_bodies(const void *a, const void *b)
+{
+    const struct body *first = *(const struct body *const *)a,
+                      *second = *(const struct body *const *)b;
+    if (first->mesh != second->mesh)
+        return first->mesh < second->mesh ? -1 : 1;
+    int place = memcmp(&first->model_view, &second->model_view, sizeof first->model_view);
+    if (place != 0)
+        return place;
+    return first < second ? -1 : first > second;
+}
+
+/* Of two bodies that agree to the last bit OpenGL shows the first: what is as deep is not nearer.
+ */
+static bool find_twins(struct plan *plan, struct error *err)
+{
+    size_t n = (size_t)plan->n_bodies;
+    struct body **sorted = malloc((n + 1) * sizeof *sorted);
+    if (!sorted)
+        return error_memory(err);
+    for (size_t i = 0; i < n; i++)
+        sorted[i] = &plan->bodies[i];
+    qsort(sorted, n, sizeof *sorted, compare_bodies);
+    for (size_t i = 1; i < n; i++)
+        sorted[i]->twin =
+            sorted[i]->mesh == sorted[i - 1]->mesh &&
+            memcmp(&sorted[i]->model_view, &sorted[i - 1]->model_view, sizeof(struct matrix)) == 0;
+    free(sorted);
+    return true;
+}
+
 bool bodies_make(struct plan *plan, struct error *err)
 {
     struct body_maker maker = {.plan = plan};
@@ -292,5 +324,5 @@ bool bodies_make(struct plan *plan, struct error *err)
         mesh_free(&maker.wholes[i].mesh);
     free(maker.wholes);
     free(maker.cuttings);
-    return done;
+    return done && find_twins(plan, err);
 }

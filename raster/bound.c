@@ -3,10 +3,13 @@
  *
  * Mesa interpolates a value a through planes: N = a / w and D = 1 / w are set up from the corners
  * in single precision with their origin at the corner of the framebuffer, evaluated at the pixel
- * centre, and divided. Three parts add up: the corners' position errors times the true gradient (a
- * shift of the triangle as a whole cancels out of everything else), the roundings of the set-up,
- * magnified by the triangle's thinness, and those of the evaluation, which grow with the distance
- * to the origin. u = 2^-24 is the unit roundoff of single precision. */
+ * centre, and divided. With N' and D' what comes out, and r the true value,
+ *     N' / D' - r = ((N' - N) - r (D' - D)) / D'.
+ * Corners that are off by e_i change a plane by the sum of l_i g . e_i, where g is its gradient and
+ * l_i are the barycentric coordinates in the triangle that OpenGL has: position errors count once,
+ * times the gradient of N - r D, and a shift of the triangle as a whole cancels out of everything
+ * else. Roundings of the set-up are magnified by the triangle's thinness, those of the evaluation
+ * grow with the distance to the origin. u = 2^-24 is the unit roundoff of single precision. */
 #include <math.h>
 
 #include "coverage.h"
@@ -19,6 +22,8 @@ struct edges {
     double twice_area;    /* not negative */
     double width, height; /* of the bounding box, a pixel added for extrapolation */
     double e_area;        /* relative rounding error of the area in single precision */
+    double thinness;      /* relative change of the area when each corner is off by slack_px */
+    double spread;        /* sum of |l_i| at a pixel that OpenGL may cover: 1 inside */
 };
 
 static struct edges edges_of(const struct outline *outline)
@@ -39,19 +44,12 @@ static struct edges edges_of(const struct outline *outline)
     edges.width = high_x - low_x + 1;
     edges.height = high_y - low_y + 1;
     edges.e_area = u * (3 * (fabs(e) + fabs(f)) / edges.twice_area + 2);
-    return edges;
-}
-
-double bound_magnification(const struct outline *outline)
-{
-    struct edges edges = edges_of(outline);
     double perimeter = 0;
     for (int i = 0; i < 3; i++)
         perimeter += fabs(edges.dx[i]) + fabs(edges.dy[i]);
-    /* relative change of the area when each corner moves by slack_px; beyond a quarter the linear
-     * estimates below no longer hold */
-    double thinness = 2 * outline->slack_px * perimeter / edges.twice_area;
-    return thinness <= 0.25 && edges.e_area <= 0.25 ? 1.001 / (1 - thinness) : HUGE_VAL;
+    edges.thinness = 2 * outline->slack_px * perimeter / edges.twice_area;
+    edges.spread = 1 + 2 * outline->edge_px * perimeter / edges.twice_area;
+    return edges;
 }
 
 struct gradient {
@@ -100,29 +98,36 @@ static double plane_rounding(const struct outline *outline, const struct edges *
 double bound_linear(const struct outline *outline, const double values[3])
 {
     struct edges edges = edges_of(outline);
-    return outline->slack_px * norm(gradient_of(&edges, values)) +
+    return outline->slack_px * edges.spread * norm(gradient_of(&edges, values)) +
            plane_rounding(outline, &edges, values);
 }
 
-double bound_colour(const struct outline *outline, const double values[3])
+double bound_magnification(const struct outline *outline)
+{
+    struct edges edges = edges_of(outline);
+    /* beyond, second-order terms would no longer be small */
+    if (!(edges.thinness <= 0.75 && edges.e_area <= 0.25))
+        return HUGE_VAL;
+    return 1.001 / ((1 - edges.thinness) * (1 - edges.e_area));
+}
+
+struct colour_bound bound_colour(const struct outline *outline, const double values[3])
 {
     struct edges edges = edges_of(outline);
     const double *d = outline->inverse_w;
-    double n[3], slope = 0, range = 0, least_d = fmin(d[0], fmin(d[1], d[2]));
+    double n[3], slope = 0, range = 0, value = largest(values);
     for (int i = 0; i < 3; i++) {
         n[i] = values[i] * d[i];
         range = fmax(range, fabs(values[i] - values[(i + 1) % 3]));
     }
     struct gradient g_n = gradient_of(&edges, n), g_d = gradient_of(&edges, d);
-    for (int i = 0; i < 3; i++) {
-        /* the gradient of N / D is (D grad N - N grad D) / D^2; its numerator is linear */
-        struct gradient g = {g_n.x - values[i] * g_d.x, g_n.y - values[i] * g_d.y};
-        slope = fmax(slope, d[i] * norm(g));
-    }
-    slope /= least_d * least_d;
-    double e_n = plane_rounding(outline, &edges, n) / least_d;
-    double e_d = plane_rounding(outline, &edges, d) / least_d;
-    double value = largest(values);
-    return outline->slack_w * range + outline->slack_px * slope + u * largest(n) / least_d +
-           (e_n + value * e_d) * (1 + e_d) + 2 * u * value;
+    for (int i = 0; i < 3; i++) /* linear in r, so largest at a corner's value */
+        slope = fmax(slope,
+                     norm((struct gradient){g_n.x - values[i] * g_d.x, g_n.y - values[i] * g_d.y}));
+    return (struct colour_bound){
+        .slope = slope,
+        .constant = outline->slack_w * range + 2 * u * value,
+        .over_d = outline->slack_px * edges.spread * slope + u * largest(n) +
+                  outline->slack_w * range * (edges.spread - 1) * largest(d) +
+                  plane_rounding(outline, &edges, n) + value * plane_rounding(outline, &edges, d)};
 }

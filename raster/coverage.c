@@ -32,12 +32,19 @@ bool array_grow(void *array, size_t *capacity, size_t needed, size_t size)
 
 /* ---- visibility ---- */
 
+/* Bound on OpenGL's error in the depth of a fragment. */
+static double depth_error(const struct facet *facet, bool loose)
+{
+    return loose ? HUGE_VAL : facet->depth_error;
+}
+
 static void drop_hidden(struct coverage *coverage, struct pixel *pixel)
 {
     int32_t *link = &pixel->head;
     while (*link >= 0) {
         struct fragment *fragment = &coverage->fragments[*link];
-        if (fragment->nearest <= pixel->limit) {
+        const struct facet *facet = &coverage->facets[fragment->facet];
+        if (fragment->depth - depth_error(facet, fragment->loose) <= pixel->limit) {
             link = &fragment->next;
             continue;
         }
@@ -48,14 +55,15 @@ static void drop_hidden(struct coverage *coverage, struct pixel *pixel)
     }
 }
 
-/* Adds a possible or definite fragment to a pixel's candidates. One of any depth is loose. */
-static bool add_fragment(struct coverage *coverage, struct pixel *pixel, int32_t facet,
-                         double depth, double error, bool definite)
+/* Adds a possible or definite fragment to a pixel's candidates. */
+static bool add_fragment(struct coverage *coverage, struct pixel *pixel,
+                         const struct fragment *fragment, bool definite)
 {
-    if (depth - error > pixel->limit)
+    double error = depth_error(&coverage->facets[fragment->facet], fragment->loose);
+    if (fragment->depth - error > pixel->limit)
         return true;
-    if (definite && depth + error < pixel->limit) {
-        pixel->limit = depth + error;
+    if (definite && fragment->depth + error < pixel->limit) {
+        pixel->limit = fragment->depth + error;
         drop_hidden(coverage, pixel);
     }
     int32_t place = coverage->unused;
@@ -67,48 +75,134 @@ static bool add_fragment(struct coverage *coverage, struct pixel *pixel, int32_t
             return false;
         place = (int32_t)coverage->n_fragments++;
     }
-    coverage->fragments[place] =
-        (struct fragment){facet, pixel->head, error == HUGE_VAL, depth - error};
+    coverage->fragments[place] = *fragment;
+    coverage->fragments[place].next = pixel->head;
     pixel->head = place;
     return true;
 }
 
-static double cross(double ax, double ay, double bx, double by)
-{
-    return ax * by - bx * ay;
-}
+/* ---- edges ---- */
 
 void edges_at(const double x[3], const double y[3], double px, double py, double error,
               struct edge_values *out)
 {
-    double dx[3], dy[3], reach[3];
+    double reach[3];
     for (int i = 0; i < 3; i++) {
-        dx[i] = x[i] - px;
-        dy[i] = y[i] - py;
-        reach[i] = fabs(dx[i]) + fabs(dy[i]);
+        out->dx[i] = x[i] - px;
+        out->dy[i] = y[i] - py;
+        reach[i] = fabs(out->dx[i]) + fabs(out->dy[i]);
     }
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3, k = (i + 2) % 3;
-        out->e[i] = cross(dx[j], dy[j], dx[k], dy[k]);
+        out->e[i] = out->dx[j] * out->dy[k] - out->dx[k] * out->dy[j];
         out->slack[i] = error * (reach[j] + reach[k]) + 2 * error * error;
     }
 }
 
-/* A centre exactly on an edge belongs to the triangle whose edge runs this way, not to the one
- * whose edge runs back. */
-static bool owns_edge(const struct facet *facet, int edge)
+/* The sign of ax by - bx ay without error: of two products that are too near each other for their
+ * rounded difference, the difference is exact and what rounding took from each decides
+ * (Dekker 1971). */
+static double exact_turn(double ax, double ay, double bx, double by)
 {
-    int j = (edge + 1) % 3, k = (edge + 2) % 3;
-    double dx = facet->x[k] - facet->x[j], dy = facet->y[k] - facet->y[j];
-    return dy < 0 || (dy == 0 && dx > 0);
+    double p = ax * by, q = bx * ay, difference = p - q;
+    if (fabs(difference) > 1e-15 * (fabs(p) + fabs(q))) /* above four roundings */
+        return difference;
+    return difference + (fma(ax, by, -p) - fma(bx, ay, -q));
 }
 
+/* A centre exactly on an edge belongs to the triangle whose edge runs this way, not to the one
+ * whose edge runs back: to its left or lower one in the picture, as in llvmpipe. sense: 1, or -1 if
+ * the corners turn the other way. */
+static bool owns_edge(const struct facet *facet, int edge, int sense)
+{
+    int j = (edge + 1) % 3, k = (edge + 2) % 3;
+    double dx = sense * (facet->x[k] - facet->x[j]), dy = sense * (facet->y[k] - facet->y[j]);
+    return dy < 0 || (dy == 0 && dx < 0);
+}
+
+static bool covers_in_sense(const struct facet *facet, const struct edge_values *edges, int sense)
+{
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        double turn = sense * exact_turn(edges->dx[j], edges->dy[j], edges->dx[k], edges->dy[k]);
+        if (turn < 0 || (turn == 0 && !owns_edge(facet, i, sense)))
+            return false;
+    }
+    return true;
+}
+
+/* Each edge is decided from its two corners alone, so that triangles that meet neither both own,
+ * nor both miss, a centre. Of a needle the rounded area may have the wrong sign: then all three
+ * edges agree on the other sense. */
 static bool covers(const struct facet *facet, const struct edge_values *edges)
 {
-    for (int i = 0; i < 3; i++)
-        if (edges->e[i] < 0 || (edges->e[i] == 0 && !owns_edge(facet, i)))
-            return false;
-    return facet->twice_area > 0;
+    return covers_in_sense(facet, edges, 1) || covers_in_sense(facet, edges, -1);
+}
+
+/* How sure it is that OpenGL has a fragment. */
+enum presence { IMPOSSIBLE, POSSIBLE, DEFINITE };
+
+static enum presence presence_of(const struct facet *facet, const struct edge_values *edges)
+{
+    enum presence presence = DEFINITE;
+    for (int i = 0; i < 3; i++) {
+        bool on_edge = facet->edge_px == 0 && edges->e[i] == 0;
+        if (edges->e[i] < -edges->slack[i] || (on_edge && !owns_edge(facet, i, 1)))
+            return IMPOSSIBLE;
+        if (!(edges->e[i] > edges->slack[i]) && !on_edge)
+            presence = POSSIBLE;
+    }
+    return facet->twice_area > 0 ? presence : POSSIBLE;
+}
+
+/* ---- how many fragments there are ---- */
+
+/* Scatters bits (the finalizer of SplitMix64: Steele, Lea and Flood 2014). */
+static uint64_t scatter(uint64_t bits)
+{
+    bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
+    bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
+    return bits ^ (bits >> 31);
+}
+
+static uint64_t corner_number(const struct facet *facet, int i, uint64_t object)
+{
+    uint64_t x, y;
+    memcpy(&x, &facet->x[i], sizeof x);
+    memcpy(&y, &facet->y[i], sizeof y);
+    return scatter(scatter(scatter(object) + x) + y);
+}
+
+/* Adds the edges that OpenGL may put on either side of the centre. Triangles of one object that
+ * meet have corners of the same bits there. */
+static void add_edges(const struct coverage *coverage, const struct facet *facet,
+                      const struct edge_values *edges, struct pixel *pixel)
+{
+    const struct scene *scene = coverage->plan->scene;
+    uint64_t object = (uint64_t)(coverage->surfaces[facet->surface].body->object - scene->objects);
+    for (int i = 0; i < 3; i++) {
+        if (edges->e[i] > edges->slack[i])
+            continue;
+        uint64_t from = corner_number(facet, (i + 1) % 3, object),
+                 to = corner_number(facet, (i + 2) % 3, object);
+        pixel->edge_sum[facet->clockwise] += scatter(from + 2 * to) - scatter(to + 2 * from);
+    }
+}
+
+static void count_fragment(const struct coverage *coverage, const struct facet *facet,
+                           const struct edge_values *edges, enum presence presence, bool covered,
+                           struct pixel *pixel)
+{
+    if (facet->other_side) /* counted as the one that it is */
+        return;
+    pixel->n_possible++;
+    if (presence == DEFINITE) {
+        pixel->n_definite++;
+        return;
+    }
+    pixel->n_covered += covered;
+    pixel->open = pixel->open || facet->edge_on || facet->cut;
+    add_edges(coverage, facet, edges, pixel);
 }
 
 /* Depth is linear in the window. Sums of edge functions, not the area, make shares add up to 1. */
@@ -133,7 +227,8 @@ static bool note_thin_pieces(struct coverage *coverage, struct facet *facet)
         if (!array_grow(&coverage->thin, &coverage->thin_capacity, coverage->n_thin + 1,
                         sizeof *coverage->thin))
             return false;
-        coverage->thin[coverage->n_thin++] = pieces[i].outline;
+        coverage->thin[coverage->n_thin] = pieces[i].outline;
+        coverage->thin[coverage->n_thin++].slack_px = facet->edge_px;
         facet->n_thin++;
     }
     return true;
@@ -152,7 +247,7 @@ static double most(const double v[3])
 /* Whether OpenGL may show a triangle at a point. One without area touches its longest edge only. */
 static bool touches(const struct outline *outline, double px, double py)
 {
-    const double *x = outline->x, *y = outline->y, error = outline->slack_px + SNAP_PX;
+    const double *x = outline->x, *y = outline->y, error = outline->slack_px;
     struct edge_values edges;
     edges_at(x, y, px, py, error, &edges);
     double turn = edges.e[0] + edges.e[1] + edges.e[2] < 0 ? -1 : 1;
@@ -163,41 +258,54 @@ static bool touches(const struct outline *outline, double px, double py)
     return inside;
 }
 
-static bool is_thin_at(const struct coverage *coverage, const struct facet *facet, double px,
-                       double py)
+/* Whether OpenGL's error has no bound at a point: upon a piece that is too thin for one, or so far
+ * away that roundings of 1 / w, made where it is larger, are not small. */
+static bool is_loose(const struct coverage *coverage, const struct facet *facet,
+                     const struct edge_values *edges, double px, double py)
 {
+    double sum = 0, inverse_w = 0;
+    for (int i = 0; i < 3; i++) {
+        sum += edges->e[i];
+        inverse_w += edges->e[i] * facet->inverse_w[i];
+    }
+    if (!(2 * facet->e_inverse_w * sum <= inverse_w))
+        return true;
     for (int32_t i = 0; i < facet->n_thin; i++)
         if (touches(&coverage->thin[facet->first_thin + i], px, py))
             return true;
     return false;
 }
 
-static bool visit_pixel(struct coverage *coverage, int32_t index, int x, int y, double error)
+static bool visit_pixel(struct coverage *coverage, int32_t index, int x, int y)
 {
     const struct facet *facet = &coverage->facets[index];
     struct edge_values edges;
-    edges_at(facet->x, facet->y, x + 0.5, y + 0.5, error, &edges);
-    bool possible = true, definite = true;
-    for (int i = 0; i < 3; i++) {
-        possible = possible && edges.e[i] >= -edges.slack[i];
-        definite = definite && edges.e[i] > edges.slack[i];
-    }
-    if (!possible)
+    edges_at(facet->x, facet->y, x + 0.5, y + 0.5, facet->edge_px, &edges);
+    enum presence presence = presence_of(facet, &edges);
+    if (presence == IMPOSSIBLE)
         return true;
     struct pixel *pixel =
         &coverage->pixels[(size_t)(y - coverage->rows.y) * (size_t)coverage->rows.width +
                           (size_t)(x - coverage->rows.x)];
     double depth = depth_at(facet, &edges);
-    if (depth >= 0 && depth < 1 && depth < pixel->winner_depth && covers(facet, &edges)) {
+    bool covered = depth >= 0 && depth < 1 && (presence == DEFINITE || covers(facet, &edges));
+    if (covered && depth < pixel->winner_depth) {
         pixel->winner = index;
         pixel->winner_depth = depth;
     }
     if (!coverage->plan->options.check)
         return true;
-    bool thin = is_thin_at(coverage, facet, x + 0.5, y + 0.5);
-    double depth_error = thin ? HUGE_VAL : facet->depth_error;
-    definite = definite && depth > depth_error && depth < 1 - depth_error;
-    return add_fragment(coverage, pixel, index, depth, depth_error, definite);
+    struct fragment fragment = {.facet = index,
+                                .loose = is_loose(coverage, facet, &edges, x + 0.5, y + 0.5),
+                                .depth = depth};
+    double error = depth_error(facet, fragment.loose);
+    if (!(depth > error && depth < 1 - error)) { /* the near or the far plane may cut it off */
+        presence = POSSIBLE;
+        pixel->open = true;
+    }
+    count_fragment(coverage, facet, &edges, presence, covered, pixel);
+    return coverage->surfaces[facet->surface].body->twin ||
+           add_fragment(coverage, pixel, &fragment, presence == DEFINITE);
 }
 
 static int clamp_to(double value, int low, int high)
@@ -209,14 +317,14 @@ static bool scan_facet(struct coverage *coverage, int32_t index)
 {
     const struct facet *facet = &coverage->facets[index];
     const struct tile *rows = &coverage->rows;
-    double error = facet->slack_px + SNAP_PX;
+    double error = facet->edge_px;
     int left = clamp_to(floor(least(facet->x) - error - 0.5), rows->x, rows->x + rows->width);
     int right = clamp_to(ceil(most(facet->x) + error + 0.5), rows->x, rows->x + rows->width);
     int top = clamp_to(floor(least(facet->y) - error - 0.5), rows->y, rows->y + rows->height);
     int bottom = clamp_to(ceil(most(facet->y) + error + 0.5), rows->y, rows->y + rows->height);
     for (int y = top; y < bottom; y++)
         for (int x = left; x < right; x++)
-            if (!visit_pixel(coverage, index, x, y, error))
+            if (!visit_pixel(coverage, index, x, y))
                 return false;
     return true;
 }
@@ -247,7 +355,8 @@ bool coverage_fill(struct coverage *coverage)
     if (!coverage->pixels)
         return false;
     for (size_t i = 0; i < n_pixels; i++)
-        coverage->pixels[i] = (struct pixel){-1, -1, HUGE_VAL, HUGE_VAL};
+        coverage->pixels[i] =
+            (struct pixel){.winner = -1, .head = -1, .winner_depth = HUGE_VAL, .limit = HUGE_VAL};
     for (int s = 0; s < coverage->plan->n_bodies; s++) {
         if (!surface_reaches(&coverage->surfaces[s], &coverage->rows))
             continue;

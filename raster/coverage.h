@@ -35,14 +35,20 @@ int clip_triangle(const struct corner whole[3], const struct clip_plane *planes,
 struct outline {
     double x[3], y[3], inverse_w[3];
     double slack_px, slack_w;
+    double edge_px;          /* how far pixels that OpenGL covers may lie outside */
     double reach_x, reach_y; /* largest window coordinates in the tile */
 };
-/* Above 1: the factor by which position errors magnify the others; HUGE_VAL where they leave no
- * bound. */
+/* Above 1: the factor by which thinness magnifies all bounds; HUGE_VAL where it leaves none. */
 double bound_magnification(const struct outline *outline);
-/* Bound on OpenGL's error in a value interpolated with perspective (colours). */
-double bound_colour(const struct outline *outline, const double values[3]);
-/* The same for a value interpolated linearly in the window (depth). */
+/* Bound on OpenGL's error in a value interpolated with perspective (colours): constant + over_d /
+ * (D - e), where D is the pixel's own 1 / w and e, less than D, the magnified bound_linear of it.
+ */
+struct colour_bound {
+    double constant, over_d;
+    double slope; /* over D a bound on the value's own change from pixel to pixel */
+};
+struct colour_bound bound_colour(const struct outline *outline, const double values[3]);
+/* Bound for a value interpolated linearly in the window (depth, 1 / w). */
 double bound_linear(const struct outline *outline, const double values[3]);
 
 /* ---- raster/facet.c: a triangle as it lies in a tile ---- */
@@ -50,24 +56,27 @@ double bound_linear(const struct outline *outline, const double values[3]);
 /* A triangle in front of the eye and between the near and far plane, or a piece of one. The corners
  * turn so that twice_area >= 0. */
 struct facet {
-    int32_t surface;
+    int32_t surface, triangle;
     int32_t vertex[3]; /* of the whole triangle */
     int32_t provoking; /* the vertex that colours all of it in flat shading */
     int side;          /* 1: seen from behind, and that matters */
+    bool other_side;   /* the same place once more, for its other side */
+    bool clockwise;    /* before its corners were turned; with y downwards */
+    bool edge_on;      /* OpenGL may see it turned the other way */
+    bool cut;          /* by the near or the far plane */
     bool straddles;    /* OpenGL cuts it at the tile's border */
     bool thin; /* a piece that OpenGL makes of it is too thin for a bound on single precision */
     int32_t first_thin, n_thin; /* such pieces, as its chunk keeps them */
     double x[3], y[3], z[3], inverse_w[3];
     double share[3][3]; /* of each corner: barycentric coordinates in the whole triangle */
     double twice_area;
-    double slack_px;    /* bound on GL's position of a corner, its snapping left out */
+    double slack_px;    /* bound on GL's position of a corner, as it interpolates */
+    double edge_px;     /* the same as it follows edges; 0: without any error */
     double slack_w;     /* relative bound on GL's w */
     double slack_depth; /* bound on GL's depth of a corner */
     double depth_error; /* bound on GL's depth at a pixel off thin pieces; HUGE_VAL: none */
+    double e_inverse_w; /* the same of 1 / w */
 };
-/* OpenGL may snap corners to a grid of 1/256 pixel before it tests coverage and facing: half a
- * step, beside the rounding of the coordinate, which slack_px counts. */
-#define SNAP_PX (1.0 / 512)
 /* Two planes cut at most two corners off; a facet seen edge-on shows either side. */
 enum { FACETS_PER_TRIANGLE = 6 };
 /* Facets of one triangle of surfaces[surface]; returns how many (0: nothing of it is in `rows`, the
@@ -89,14 +98,22 @@ int facet_pieces(const struct plan *plan, const struct surface *surfaces, const 
 /* A fragment kept for a pixel: a link in the pixel's list. */
 struct fragment {
     int32_t facet, next;
-    bool loose;     /* on a piece too thin for a bound */
-    double nearest; /* lower bound on its depth in OpenGL */
+    bool loose; /* its colour has no bound */
+    double depth;
 };
 struct pixel {
     int32_t winner; /* facet of the reference's own fragment; -1: none */
     int32_t head;   /* first fragment of the list of candidates; -1: empty */
     double winner_depth;
     double limit; /* upper bound on the depth of the nearest definite fragment; HUGE_VAL: none */
+    /* fragments, hidden ones too: those that there must be, may be, and the reference has of these
+     */
+    uint32_t n_definite, n_possible, n_covered;
+    /* Each edge that runs by within its slack, one of a random number for one direction and its
+     * negative for the other, adds to one of these; by how its facet turns. Both are 0 where all
+     * these edges have a facet on either side. */
+    uint64_t edge_sum[2];
+    bool open; /* there are possible fragments of which that says nothing */
 };
 struct coverage {
     const struct plan *plan;
@@ -106,7 +123,7 @@ struct coverage {
     struct pixel *pixels;
     struct facet *facets;
     struct fragment *fragments;
-    struct outline *thin; /* pieces of facets that are too thin for a bound */
+    struct outline *thin; /* pieces of facets that are too thin for a bound, for following edges */
     size_t n_facets, n_fragments, n_thin, facet_capacity, fragment_capacity, thin_capacity;
     int32_t unused; /* list of fragments to use again */
 };
@@ -117,6 +134,7 @@ void coverage_free(struct coverage *coverage);
 
 /* Edge functions at a point; corner i is opposite to edge i. */
 struct edge_values {
+    double dx[3], dy[3]; /* from the point to the corners */
     double e[3];
     double slack[3];
 };

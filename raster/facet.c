@@ -8,9 +8,6 @@
 
 static const double u = 1.0 / 16777216;
 
-/* Depth is stored in 24 bits, rounded or truncated: one unit at most. */
-static const double depth_unit = 1.0 / 16777215;
-
 static bool in_front(const struct surface *surface, const int32_t vertex[3])
 {
     for (int i = 0; i < 3; i++)
@@ -129,7 +126,7 @@ static bool turn(struct facet *facet)
  * the area by at most e times the perimeter's 1-norm, and 8 e^2. */
 static bool is_edge_on(const struct facet *facet)
 {
-    double e = facet->slack_px + SNAP_PX, perimeter = 0;
+    double e = facet->edge_px, perimeter = 0;
     for (int i = 0; i < 3; i++) {
         int next = (i + 1) % 3;
         perimeter += fabs(facet->x[next] - facet->x[i]) + fabs(facet->y[next] - facet->y[i]);
@@ -139,10 +136,28 @@ static bool is_edge_on(const struct facet *facet)
 
 /* ---- what OpenGL sets up ---- */
 
-static void set_piece(const struct facet *from, const struct tile *tile, struct piece *out)
+/* How far off OpenGL follows an edge, whose ends it may move to its grid. */
+static double edge_error(const struct surface *surface, const struct tile *tile)
+{
+    const struct driver *driver = surface->driver;
+    return driver->grid_px + driver->edge_roundings * u * fmax(tile->width, tile->height);
+}
+
+/* All corners lie on the driver's grid, without any error; one that was cut lies anywhere. */
+static bool is_exact(const struct surface *surface, const struct facet *facet)
+{
+    bool exact = surface->driver->fill_rule != FILL_ANY && !facet->straddles;
+    for (int i = 0; i < 3; i++)
+        exact = exact && surface->vertices[facet->vertex[i]].exact;
+    return exact;
+}
+
+static void set_piece(const struct surface *surface, const struct facet *from,
+                      const struct tile *tile, struct piece *out)
 {
     out->outline = (struct outline){.slack_px = from->slack_px,
                                     .slack_w = from->slack_w,
+                                    .edge_px = from->slack_px + edge_error(surface, tile),
                                     .reach_x = tile->width + 1.0,
                                     .reach_y = tile->height + 1.0};
     memcpy(out->outline.x, from->x, sizeof from->x);
@@ -165,7 +180,7 @@ int facet_pieces(const struct plan *plan, const struct surface *surfaces, const 
                  const struct facet *facet, struct piece out[CLIP_CORNERS - 2])
 {
     if (!facet->straddles) {
-        set_piece(facet, tile, &out[0]);
+        set_piece(&surfaces[facet->surface], facet, tile, &out[0]);
         return 1;
     }
     const struct surface *surface = &surfaces[facet->surface];
@@ -184,9 +199,15 @@ int facet_pieces(const struct plan *plan, const struct surface *surfaces, const 
         set_corner(plan, surface, &left[0], 0, &part);
         set_corner(plan, surface, &left[i - 1], 1, &part);
         set_corner(plan, surface, &left[i], 2, &part);
-        set_piece(&part, tile, &out[i - 2]);
+        set_piece(surface, &part, tile, &out[i - 2]);
     }
     return n < 3 ? 0 : n - 2;
+}
+
+/* How far a stored depth may be off from the one computed. */
+static double depth_rounding(const struct surface *surface)
+{
+    return surface->driver->depth_roundings * u;
 }
 
 /* Bounds that hold for all pieces but those too thin for one, and the side that is seen. Where all
@@ -197,19 +218,26 @@ static void finish_facet(const struct plan *plan, const struct surface *surfaces
     struct piece pieces[CLIP_CORNERS - 2];
     const struct surface *surface = &surfaces[facet->surface];
     double error = -1;
-    bool counter_clockwise = turn(facet);
-    facet->side = surface->n_sides == 2 && counter_clockwise == surface->body->mirrored;
+    facet->clockwise = !turn(facet);
+    facet->side = surface->n_sides == 2 && facet->clockwise != surface->body->mirrored;
     int n = facet_pieces(plan, surfaces, tile, facet, pieces);
     for (int i = 0; i < n; i++) {
-        double magnification = bound_magnification(&pieces[i].outline);
+        const struct outline *outline = &pieces[i].outline;
+        double magnification = bound_magnification(outline);
         facet->slack_px = pieces[i].outline.slack_px; /* the same for all */
         facet->slack_depth = pieces[i].slack_depth;
-        if (magnification < HUGE_VAL)
-            error = fmax(error, magnification * bound_linear(&pieces[i].outline, pieces[i].z));
-        else
+        if (!(magnification < HUGE_VAL)) {
             facet->thin = true;
+            continue;
+        }
+        error = fmax(error, magnification * bound_linear(outline, pieces[i].z));
+        facet->e_inverse_w =
+            fmax(facet->e_inverse_w, magnification * bound_linear(outline, outline->inverse_w));
     }
-    facet->depth_error = error < 0 ? HUGE_VAL : error + facet->slack_depth + depth_unit;
+    facet->depth_error =
+        error < 0 ? HUGE_VAL : error + facet->slack_depth + depth_rounding(surface);
+    facet->edge_px = is_exact(surface, facet) ? 0 : facet->slack_px + edge_error(surface, tile);
+    facet->edge_on = is_edge_on(facet);
 }
 
 /* ---- a triangle's facets ---- */
@@ -218,7 +246,7 @@ static bool crosses_depth(const struct surface *surface, const int32_t vertex[3]
 {
     for (int i = 0; i < 3; i++) {
         const struct lit_vertex *v = &surface->vertices[vertex[i]];
-        double slack = (double)v->slack_depth + depth_unit;
+        double slack = (double)v->slack_depth + depth_rounding(surface);
         if (v->z < slack || v->z > 1 - slack)
             return true;
     }
@@ -255,7 +283,7 @@ static int depth_pieces(const struct plan *plan, const struct surface *surfaces,
     for (int i = 2; i < n; i++) {
         struct facet *piece = &out[n_out++];
         *piece = *triangle;
-        piece->straddles = true;
+        piece->straddles = piece->cut = true;
         set_corner(plan, surface, &left[0], 0, piece);
         set_corner(plan, surface, &left[i - 1], 1, piece);
         set_corner(plan, surface, &left[i], 2, piece);
@@ -270,8 +298,9 @@ static int add_other_sides(const struct surface *surface, int n,
 {
     int n_out = n;
     for (int i = 0; i < n && surface->n_sides == 2; i++)
-        if (is_edge_on(&facets[i])) {
+        if (facets[i].edge_on) {
             facets[n_out] = facets[i];
+            facets[n_out].other_side = true;
             facets[n_out++].side = !facets[i].side;
         }
     return n_out;
@@ -287,7 +316,7 @@ int facets_of(const struct plan *plan, const struct surface *surfaces, int surfa
     if (front && beside(of, vertex, rows))
         return 0;
     struct facet *facet = &out[0];
-    *facet = (struct facet){.surface = surface, .provoking = vertex[2]};
+    *facet = (struct facet){.surface = surface, .triangle = triangle, .provoking = vertex[2]};
     memcpy(facet->vertex, vertex, sizeof facet->vertex);
     if (!front || crosses_depth(of, vertex)) {
         struct facet whole = *facet;

@@ -2,6 +2,7 @@
 /* Which lights shine and what each material makes of them: spectra of light, reflectance and
  * fluorescence multiplied once, for all vertices. A term that is 0 in every band is not a term, a
  * light without terms does not shine, and a texture without terms is not opened. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -188,7 +189,10 @@ static void keep_term(struct finish_maker *maker, enum term_kind kind, int light
     maker->finish->n_colours += kind == TERM_CONSTANT;
     for (int i = 0; i < maker->plan->n_lights; i++)
         maker->finish->n_colours += maker->plan->lights[i].first == light;
-    maker->finish->terms[maker->finish->n_terms++] = (struct term){kind, light};
+    struct term term = {kind, light, 0};
+    for (int i = 0; i < maker->plan->n_bands; i++)
+        term.peak = fmax(term.peak, next_row(maker)[i]);
+    maker->finish->terms[maker->finish->n_terms++] = term;
     maker->plan->work.terms++;
 }
 

@@ -7,21 +7,27 @@
 
 #include "coverage.h"
 
+/* Bound on OpenGL's error in an attribute of a facet: see bound_colour. */
+struct attribute_bound {
+    float constant, over_d, slope;
+};
+
 /* A chunk whose coverage is known, while its pixels go by. */
 struct shading {
     struct coverage coverage;
-    float *bounds; /* [facet][max_attributes], filled when first needed */
-    bool *bounded;
-    size_t max_attributes; /* of a surface */
-    double *weights;       /* of one pixel: max_attributes each, before its texture */
+    struct attribute_bound *bounds; /* [facet][max_attributes], filled when first needed */
+    bool *bounded;                  /* [facet] */
+    size_t max_attributes;          /* of a surface */
+    double *weights;                /* of one pixel: max_attributes each, before its texture */
     float *errors;
 };
 
 /* ---- interpolation ---- */
 
-/* Barycentric coordinates of a pixel centre in the whole triangle, perspective-correct. Outside the
- * facet they extrapolate; where it has no area they are those of its middle. */
-static void shares_at(const struct facet *facet, double px, double py, double out[3])
+/* Barycentric coordinates of a pixel centre in the whole triangle, perspective-correct; returns 1 /
+ * w there. Outside the facet they extrapolate; where it has no area they are those of its middle.
+ */
+static double shares_at(const struct facet *facet, double px, double py, double out[3])
 {
     struct edge_values edges;
     double share[3], sum = 0;
@@ -35,6 +41,7 @@ static void shares_at(const struct facet *facet, double px, double py, double ou
         for (int i = 0; i < 3; i++)
             out[j] += share[i] / sum * facet->share[i][j];
     }
+    return sum / (facet->twice_area > 0 ? facet->twice_area : 3);
 }
 
 /* In flat shading one vertex colours the whole triangle; its texture is smooth all the same. */
@@ -46,8 +53,8 @@ static bool is_flat(const struct shading *shading, const struct facet *facet, si
 
 /* The bound of one attribute in one piece: of its interpolation, and by how much position errors
  * magnify those of its vertices. Where the piece has no bound, its values' range. */
-static double piece_bound(const struct shading *shading, const struct facet *facet,
-                          const struct piece *piece, size_t attribute)
+static struct colour_bound piece_bound(const struct shading *shading, const struct facet *facet,
+                                       const struct piece *piece, size_t attribute)
 {
     const struct surface *surface = &shading->coverage.surfaces[facet->surface];
     double values[3] = {0, 0, 0}, e_vertex = 0,
@@ -58,45 +65,55 @@ static double piece_bound(const struct shading *shading, const struct facet *fac
             values[c] += piece->share[c][j] * surface->weights[at];
         e_vertex = fmax(e_vertex, (double)surface->errors[at]);
     }
-    if (magnification < HUGE_VAL)
-        return magnification * bound_colour(&piece->outline, values) +
-               (magnification - 1) * e_vertex;
-    return fmax(values[0], fmax(values[1], values[2])) -
-           fmin(values[0], fmin(values[1], values[2]));
+    if (!(magnification < HUGE_VAL))
+        return (struct colour_bound){.constant = fmax(values[0], fmax(values[1], values[2])) -
+                                                 fmin(values[0], fmin(values[1], values[2]))};
+    struct colour_bound bound = bound_colour(&piece->outline, values);
+    bound.constant = magnification * bound.constant + (magnification - 1) * e_vertex;
+    bound.over_d *= magnification;
+    return bound;
 }
 
-/* Bounds of all attributes that hold in the whole facet: the worst of the pieces that OpenGL sets
- * up, but for those too thin for a bound. */
-static const float *bounds_of(struct shading *shading, int32_t index)
+/* Bounds that hold in the whole facet: the worst of the pieces that OpenGL sets up, but for those
+ * too thin for a bound. */
+static void bound_facet(struct shading *shading, int32_t index)
 {
-    float *bounds = shading->bounds + (size_t)index * shading->max_attributes;
-    if (shading->bounded[index])
-        return bounds;
-    shading->bounded[index] = true;
     const struct facet *facet = &shading->coverage.facets[index];
+    const struct surface *surface = &shading->coverage.surfaces[facet->surface];
     struct piece pieces[CLIP_CORNERS - 2];
     int n = facet_pieces(shading->coverage.plan, shading->coverage.surfaces, shading->coverage.tile,
                          facet, pieces);
-    size_t n_attributes = (size_t)shading->coverage.surfaces[facet->surface].n_attributes;
-    for (size_t attribute = 0; attribute < n_attributes; attribute++) {
-        double worst = 0;
-        for (int i = 0; i < n && !is_flat(shading, facet, attribute); i++)
-            if (facet->n_thin == n || bound_magnification(&pieces[i].outline) < HUGE_VAL)
-                worst = fmax(worst, piece_bound(shading, facet, &pieces[i], attribute));
-        bounds[attribute] = (float)worst;
+    shading->bounded[index] = true;
+    for (int i = 0; i < n; i++) {
+        if (bound_magnification(&pieces[i].outline) == HUGE_VAL && facet->n_thin < n)
+            continue;
+        for (size_t a = 0; a < (size_t)surface->n_attributes; a++) {
+            struct attribute_bound *worst =
+                &shading->bounds[(size_t)index * shading->max_attributes + a];
+            if (is_flat(shading, facet, a))
+                continue;
+            struct colour_bound bound = piece_bound(shading, facet, &pieces[i], a);
+            worst->constant = fmaxf(worst->constant, (float)bound.constant);
+            worst->over_d = fmaxf(worst->over_d, (float)bound.over_d);
+            worst->slope = fmaxf(worst->slope, (float)bound.slope);
+        }
     }
-    return bounds;
 }
 
-/* All attributes at a pixel and bounds on OpenGL's error, into the shading's numbers. */
-static void interpolate(struct shading *shading, int32_t index, int x, int y)
+/* All attributes at a pixel and bounds on OpenGL's error, into the shading's numbers; returns 1 / w
+ * there. */
+static double interpolate(struct shading *shading, int32_t index, int x, int y)
 {
     static const double all = 1;
     const struct facet *facet = &shading->coverage.facets[index];
     const struct surface *surface = &shading->coverage.surfaces[facet->surface];
-    const float *bounds = shading->coverage.plan->options.check ? bounds_of(shading, index) : NULL;
-    double share[3];
-    shares_at(facet, x + 0.5, y + 0.5, share);
+    bool check = shading->coverage.plan->options.check;
+    if (check && !shading->bounded[index])
+        bound_facet(shading, index);
+    double share[3], inverse_w = shares_at(facet, x + 0.5, y + 0.5, share);
+    const struct attribute_bound *bounds =
+        shading->bounds + (size_t)index * shading->max_attributes;
+    float over = (float)(1 / (inverse_w - facet->e_inverse_w));
     for (size_t a = 0; a < (size_t)surface->n_attributes; a++) {
         bool flat = is_flat(shading, facet, a);
         const int32_t *vertex = flat ? &facet->provoking : facet->vertex;
@@ -108,8 +125,10 @@ static void interpolate(struct shading *shading, int32_t index, int x, int y)
             error += fabs(part[j]) * (double)surface->errors[at];
         }
         shading->weights[a] = weight;
-        shading->errors[a] = bounds ? (float)error + bounds[a] : 0;
+        shading->errors[a] =
+            check ? (float)error + bounds[a].constant + over * bounds[a].over_d : 0;
     }
+    return inverse_w;
 }
 
 /* ---- textures ---- */
@@ -120,6 +139,30 @@ static struct texel_point texture_place(const struct shading *shading, const str
     const double *s_t = shading->weights + finish->n_terms;
     const float *e_s_t = shading->errors + finish->n_terms;
     return texel_point(finish->texture, s_t[0], s_t[1], e_s_t[0], e_s_t[1]);
+}
+
+/* Bound on how much the radiance of the pixel just interpolated changes within a pixel's width, in
+ * any wavelength. A spectral texture's texels may differ by all there is. */
+static double steepness(const struct shading *shading, int32_t index, const struct finish *finish,
+                        const struct texel_point *place, double inverse_w)
+{
+    const struct attribute_bound *bounds =
+        shading->bounds + (size_t)index * shading->max_attributes;
+    double step = 0, whole = 0, change;
+    for (int t = 0; t < finish->n_terms; t++) {
+        step += (double)bounds[t].slope / inverse_w * finish->terms[t].peak;
+        whole += shading->weights[t] * finish->terms[t].peak;
+    }
+    if (!place)
+        return step;
+    const struct attribute_bound *s_t = bounds + finish->n_terms;
+    struct texel_point near = *place;
+    near.e_u = s_t[0].slope / (float)inverse_w * (float)finish->texture->image.width;
+    near.e_v = s_t[1].slope / (float)inverse_w * (float)finish->texture->image.height;
+    if (finish->texture->spectral)
+        return (step + whole * (double)(near.e_u + near.e_v)) * finish->texture->largest;
+    double value = texel_value(finish->texture, 0, near, &change);
+    return step * value + whole * change;
 }
 
 /* Gives out the rows of a pixel: of a grey texture its products with the weights, of a spectral one
@@ -147,6 +190,12 @@ static void put_rows(const struct shading *shading, const struct finish *finish,
 
 /* ---- the finished chunk ---- */
 
+/* Bound on OpenGL's error in a depth that is kept in single precision. */
+static float stored_depth_error(const struct facet *facet, double depth)
+{
+    return (float)(facet->depth_error + fabs(depth) / 16777216);
+}
+
 /* A surface that may be seen at a pixel: one candidate, or as many as OpenGL may take texels. */
 static bool add_candidates(struct shading *shading, struct chunk *out,
                            const struct fragment *fragment, int x, int y, size_t capacity[4])
@@ -172,7 +221,12 @@ static bool add_candidates(struct shading *shading, struct chunk *out,
         put_rows(shading, finish, finish->texture ? &choices[i] : NULL,
                  out->candidate_weights + first, out->candidate_errors + first, 1);
         out->candidates[out->n_candidates++] =
-            (struct candidate){facet->surface, fragment->loose, first};
+            (struct candidate){.surface = facet->surface,
+                               .triangle = facet->triangle,
+                               .depth = (float)fragment->depth,
+                               .depth_error = stored_depth_error(facet, fragment->depth),
+                               .loose = fragment->loose,
+                               .first = first};
         out->n_numbers += n_rows;
     }
     return true;
@@ -215,16 +269,36 @@ static bool put_winner(struct shading *shading, struct chunk *out, int32_t index
     struct texel_point choices[TEXEL_CHOICES], place;
     int n = 1;
     out->surface[index] = surface;
-    interpolate(shading, pixel->winner, x, y);
+    if (out->errors) {
+        const struct facet *facet = &shading->coverage.facets[pixel->winner];
+        out->triangle[index] = facet->triangle;
+        out->depth[index] = (float)pixel->winner_depth;
+        out->depth_error[index] = stored_depth_error(facet, pixel->winner_depth);
+    }
+    double inverse_w = interpolate(shading, pixel->winner, x, y);
     if (finish->texture) {
         place = texture_place(shading, finish);
         n = texel_choices(finish->texture, place, choices);
         if (n == 1)
             place = choices[0];
     }
+    if (out->errors)
+        out->steepness[index] = (float)steepness(shading, pixel->winner, finish,
+                                                 finish->texture ? &place : NULL, inverse_w);
     put_rows(shading, finish, finish->texture ? &place : NULL, out->weights + index,
              out->errors ? out->errors + index : NULL, n_pixels);
     return n > 1;
+}
+
+/* What the fragments of a pixel add up to. */
+static struct overdraw overdraw_of(const struct pixel *pixel)
+{
+    uint32_t spread = pixel->n_possible - pixel->n_definite;
+    return (struct overdraw){.least = (uint8_t)pixel->n_definite,
+                             .spread = spread < UINT8_MAX ? (uint8_t)spread : UINT8_MAX,
+                             .meant = (uint8_t)(pixel->n_definite + pixel->n_covered),
+                             .closed = !pixel->open && pixel->edge_sum[0] == 0 &&
+                                       pixel->edge_sum[1] == 0};
 }
 
 static bool resolve_pixel(struct shading *shading, struct chunk *out, int32_t index,
@@ -234,6 +308,8 @@ static bool resolve_pixel(struct shading *shading, struct chunk *out, int32_t in
     int x = out->rows.x + index % out->rows.width, y = out->rows.y + index / out->rows.width;
     bool open = is_contested(shading, pixel);
     out->surface[index] = -1;
+    if (out->overdraw)
+        out->overdraw[index] = overdraw_of(pixel);
     if (pixel->winner >= 0)
         open = put_winner(shading, out, index, x, y) || open;
     out->contested[index] = shading->coverage.plan->options.check && open;
@@ -248,8 +324,18 @@ static bool chunk_alloc(const struct plan *plan, const struct tile *rows, struct
     out->surface = malloc(n_pixels * sizeof *out->surface);
     out->contested = malloc(n_pixels * sizeof *out->contested);
     out->weights = malloc(n_numbers * sizeof *out->weights + 1);
-    out->errors = plan->options.check ? malloc(n_numbers * sizeof *out->errors + 1) : NULL;
-    return out->surface && out->contested && out->weights && (out->errors || !plan->options.check);
+    if (!out->surface || !out->contested || !out->weights)
+        return false;
+    if (!plan->options.check)
+        return true;
+    out->errors = malloc(n_numbers * sizeof *out->errors + 1);
+    out->triangle = malloc(n_pixels * sizeof *out->triangle);
+    out->depth = malloc(n_pixels * sizeof *out->depth);
+    out->depth_error = malloc(n_pixels * sizeof *out->depth_error);
+    out->overdraw = malloc(n_pixels * sizeof *out->overdraw);
+    out->steepness = malloc(n_pixels * sizeof *out->steepness);
+    return out->errors && out->triangle && out->depth && out->depth_error && out->overdraw &&
+           out->steepness;
 }
 
 static bool resolve_all(struct shading *shading, struct chunk *out)
@@ -258,7 +344,7 @@ static bool resolve_all(struct shading *shading, struct chunk *out)
     size_t n_attributes = (size_t)shading->coverage.plan->max_rows + 2;
     shading->max_attributes = n_attributes;
     shading->bounds =
-        malloc((shading->coverage.n_facets * n_attributes + 1) * sizeof *shading->bounds);
+        calloc(shading->coverage.n_facets * n_attributes + 1, sizeof *shading->bounds);
     shading->bounded = calloc(shading->coverage.n_facets + 1, sizeof *shading->bounded);
     shading->weights = malloc(n_attributes * sizeof *shading->weights);
     shading->errors = malloc(n_attributes * sizeof *shading->errors);
@@ -299,6 +385,11 @@ bool chunk_rasterize(const struct plan *plan, const struct surface *surfaces,
 void chunk_free(struct chunk *chunk)
 {
     free(chunk->surface);
+    free(chunk->triangle);
+    free(chunk->depth);
+    free(chunk->depth_error);
+    free(chunk->overdraw);
+    free(chunk->steepness);
     free(chunk->contested);
     free(chunk->weights);
     free(chunk->errors);

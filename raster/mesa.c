@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The same picture through OSMesa: OpenGL 1.x lighting into a float buffer. Three wavelengths ride
  * in the red, green and blue of a pass; each channel is lit by itself, so that a pass is three
- * exact single-wavelength renderings. The only file that knows OpenGL.
+ * exact single-wavelength renderings.
  *
  * Products of light and material spectra are made in double and given to OpenGL as the colours of
  * the lights, with white materials: what fluoresces, too, is then one pass under eight lights. More
@@ -10,24 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-#define GL_GLEXT_PROTOTYPES
-#include <GL/osmesa.h>
-/* after GL/gl.h, which osmesa.h includes */
-#include <GL/glext.h>
-
-#include "spectral.h"
-
-struct gl {
-    const struct plan *plan;
-    const struct surface *surfaces;
-    OSMesaContext context;
-    float *pixels;    /* tile_height rows of tile_width pixels of 4 floats, from the top */
-    float *sum;       /* the same, of all passes; NULL where there is one */
-    GLuint *buffers;  /* BUFFERS of each mesh */
-    GLuint *textures; /* of each texture */
-    struct tile tile;
-    struct gl_work work;
-};
+#include "mesa.h"
 
 enum { VERTICES, INDICES, PLACES, BUFFERS };
 
@@ -45,14 +28,16 @@ static const GLfloat white[4] = {1, 1, 1, 1}, black[4] = {0, 0, 0, 1};
 
 static bool check_context(const struct plan *plan, struct error *err)
 {
-    GLint red_bits = 0, depth_bits = 0, viewport[2] = {0, 0};
+    GLint red_bits = 0, depth_bits = 0, stencil_bits = 0, viewport[2] = {0, 0};
     glGetIntegerv(GL_RED_BITS, &red_bits);
     glGetIntegerv(GL_DEPTH_BITS, &depth_bits);
+    glGetIntegerv(GL_STENCIL_BITS, &stencil_bits);
     glGetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
-    if (red_bits < 32 || depth_bits < 24)
+    if (red_bits < 32 || depth_bits < 24 || stencil_bits < 8)
         return error_system(err,
-                            "OSMesa gives %d bits of colour and %d of depth; 32 and 24 are needed",
-                            red_bits, depth_bits);
+                            "OSMesa gives %d bits of colour, %d of depth and %d of stencil; 32, 24 "
+                            "and 8 are needed",
+                            red_bits, depth_bits, stencil_bits);
     return (viewport[0] >= plan->tile_width && viewport[1] >= plan->tile_height) ||
            error_system(err, "OSMesa draws at most %d x %d pixels at once", viewport[0],
                         viewport[1]);
@@ -65,7 +50,7 @@ static bool open_context(struct gl *gl, struct error *err)
                                      OSMESA_DEPTH_BITS,
                                      24,
                                      OSMESA_STENCIL_BITS,
-                                     0,
+                                     8,
                                      OSMESA_ACCUM_BITS,
                                      0,
                                      OSMESA_PROFILE,
@@ -77,7 +62,8 @@ static bool open_context(struct gl *gl, struct error *err)
     char threads[16];
     gl->pixels = calloc(n_pixels, 4 * sizeof *gl->pixels);
     gl->sum = adding ? calloc(n_pixels, 4 * sizeof *gl->sum) : NULL;
-    if (!gl->pixels || (adding && !gl->sum))
+    gl->depths = plan->options.check ? calloc(n_pixels, sizeof *gl->depths) : NULL;
+    if (!gl->pixels || (adding && !gl->sum) || (plan->options.check && !gl->depths))
         return error_memory(err);
     snprintf(threads, sizeof threads, "%d", plan->options.threads);
     setenv("LP_NUM_THREADS", threads, 0); /* for llvmpipe; a user's own setting stands */
@@ -274,25 +260,23 @@ static void place_lights(const struct gl *gl, int group)
     }
 }
 
-static bool no_gl_error(struct error *err)
+bool gl_succeeded(struct error *err)
 {
     GLenum code = glGetError();
     return code == GL_NO_ERROR || error_system(err, "OpenGL reports error 0x%04x", code);
 }
 
-bool gl_open(const struct plan *plan, const struct surface *surfaces, struct gl **out,
-             struct error *err)
+bool gl_open(const struct plan *plan, struct gl **out, struct error *err)
 {
     struct gl *gl = calloc(1, sizeof *gl);
     *out = gl;
     if (!gl)
         return error_memory(err);
     gl->plan = plan;
-    gl->surfaces = surfaces;
     if (!open_context(gl, err) || !upload_meshes(gl, err) || !open_textures(gl, err))
         return false;
     set_state(gl);
-    return no_gl_error(err);
+    return gl_succeeded(err);
 }
 
 const char *gl_renderer(const struct gl *gl)
@@ -323,7 +307,7 @@ void gl_library(char *out, size_t capacity)
 /* ---- drawing ---- */
 
 /* OpenGL keeps matrices by column. */
-static void load_matrix(const struct matrix *m)
+void gl_load_matrix(const struct matrix *m)
 {
     GLdouble columns[16];
     for (int i = 0; i < 4; i++)
@@ -339,17 +323,18 @@ static void aim_row(struct matrix *m, int row, double low, double high)
         m->row[row][j] = (2 * m->row[row][j] - (low + high) * m->row[3][j]) / (high - low);
 }
 
-void gl_aim(struct gl *gl, const struct tile *tile)
+void gl_aim(struct gl *gl, const struct surface *surfaces, const struct tile *tile)
 {
     double width = gl->plan->scene->width, height = gl->plan->scene->height;
     struct matrix projection = gl->plan->projection;
     aim_row(&projection, 0, 2 * tile->x / width - 1, 2 * (tile->x + tile->width) / width - 1);
     aim_row(&projection, 1, 1 - 2 * (tile->y + tile->height) / height, 1 - 2 * tile->y / height);
     glMatrixMode(GL_PROJECTION);
-    load_matrix(&projection);
+    gl_load_matrix(&projection);
     glMatrixMode(GL_MODELVIEW);
     /* a smaller tile lies in the first rows of the buffer */
     glViewport(0, gl->plan->tile_height - tile->height, tile->width, tile->height);
+    gl->surfaces = surfaces;
     gl->tile = *tile;
 }
 
@@ -420,14 +405,14 @@ static void draw_body(const struct gl *gl, const struct body *body)
     }
     glLightModeli(GL_LIGHT_MODEL_TWO_SIDE, body->object->two_sided);
     glFrontFace(body->mirrored ? GL_CW : GL_CCW);
-    load_matrix(&body->model_view);
+    gl_load_matrix(&body->model_view);
     glDrawElements(GL_TRIANGLES, 3 * gl->plan->meshes[body->mesh].mesh.n_triangles, GL_UNSIGNED_INT,
                    NULL);
 }
 
 /* Clears the colour by drawing over it: Mesa fills 16-byte pixels one by one, at ten times the
  * price of a rectangle. */
-static void blacken(void)
+void gl_blacken(void)
 {
     glDisable(GL_LIGHTING);
     glDisable(GL_TEXTURE_2D);
@@ -442,16 +427,16 @@ static void blacken(void)
     glMatrixMode(GL_PROJECTION);
     glPopMatrix();
     glMatrixMode(GL_MODELVIEW);
-    glEnable(GL_DEPTH_TEST);
-    glEnable(GL_LIGHTING);
 }
 
 static void draw_pass(struct gl *gl, const struct pass *pass)
 {
     const struct plan *plan = gl->plan;
     int finish = -1;
-    glClear(GL_DEPTH_BUFFER_BIT);
-    blacken();
+    glClear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+    gl_blacken();
+    glEnable(GL_DEPTH_TEST);
+    glEnable(GL_LIGHTING);
     place_lights(gl, pass->group);
     for (int i = 0; i < plan->n_bodies; i++) {
         const struct body *body = &plan->bodies[i];
@@ -487,7 +472,7 @@ bool gl_draw(struct gl *gl, int first_band, double full_scale, const float **pix
             add_pass(gl, group == 0);
     }
     *pixels = gl->sum ? gl->sum : gl->pixels;
-    return no_gl_error(err);
+    return gl_succeeded(err);
 }
 
 struct gl_work gl_work(const struct gl *gl)
@@ -505,5 +490,6 @@ void gl_close(struct gl *gl)
     free(gl->textures);
     free(gl->pixels);
     free(gl->sum);
+    free(gl->depths);
     free(gl);
 }

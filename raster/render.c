@@ -93,6 +93,17 @@ static int bands_of_pass(const struct plan *plan, int pass)
     return left < BANDS_PER_PASS ? left : BANDS_PER_PASS;
 }
 
+/* Whether OpenGL shows the triangles that it should, where it should. */
+static bool identify_tile(struct render_state *state, const struct tile *tile, struct error *err)
+{
+    if (!gl_identify(state->gl, err))
+        return false;
+#pragma omp parallel for schedule(dynamic) num_threads(state->plan->options.threads)
+    for (int i = 0; i < state->n_chunks; i++)
+        check_identity(&state->checks[i], state->gl, tile);
+    return true;
+}
+
 static void check_tile(struct render_state *state, const struct tile *tile, int pass,
                        const float *pixels)
 {
@@ -163,7 +174,6 @@ static bool render_pass(struct render_state *state, const struct tile *tile, int
     clock_in(&seconds->check, &since);
     if (state->writing) {
         count_tile(state, tile, pass, pixels);
-        clock_in(state->plan->options.store_raster ? &seconds->raster : &seconds->check, &since);
         if (!write_tile(state, tile, pass, err))
             return false;
     }
@@ -186,7 +196,10 @@ static bool render_tile(struct render_state *state, const struct tile *tile, str
         !(plan->options.check || plan->options.store_raster) || rasterize_tile(state, tile, err);
     clock_in(&state->result->seconds.raster, &since);
     if (state->gl)
-        gl_aim(state->gl, tile);
+        gl_aim(state->gl, state->surfaces, tile);
+    if (done && plan->options.check)
+        done = identify_tile(state, tile, err);
+    clock_in(&state->result->seconds.check, &since);
     for (int pass = 0; done && pass < plan->n_passes; pass++)
         done = render_pass(state, tile, pass, err);
     free_tile(state);
@@ -216,7 +229,7 @@ static bool render_tiles(struct render_state *state, struct error *err)
 static bool open_gl(struct render_state *state, struct error *err)
 {
     struct render_result *result = state->result;
-    if (!gl_open(state->plan, state->surfaces, &state->gl, err))
+    if (!gl_open(state->plan, &state->gl, err))
         return false;
     snprintf(result->gl_renderer, sizeof result->gl_renderer, "%s", gl_renderer(state->gl));
     snprintf(result->gl_version, sizeof result->gl_version, "%s", gl_version(state->gl));
@@ -253,16 +266,17 @@ static bool prepare(struct render_state *state, struct error *err)
     struct render_result *result = state->result;
     const struct plan *plan = state->plan;
     double since = render_clock();
-    if (!surfaces_light(plan, &state->surfaces, &result->light, err))
+    if (plan->options.use_gl && !open_gl(state, err))
+        return false;
+    result->driver = driver_of(state->gl ? result->gl_renderer : NULL);
+    clock_in(&result->seconds.gl, &since);
+    if (!surfaces_light(plan, result->driver, &state->surfaces, &result->light, err))
         return false;
     if (!surfaces_full_scale(plan, state->surfaces, &result->full_scale, err))
         return false;
     if (plan->options.full_scale > 0)
         result->full_scale = plan->options.full_scale;
     clock_in(&result->seconds.raster, &since);
-    if (plan->options.use_gl && !open_gl(state, err))
-        return false;
-    clock_in(&result->seconds.gl, &since);
     return true;
 }
 

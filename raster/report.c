@@ -12,9 +12,16 @@ static double rms(const struct check_samples *samples)
     return samples->n ? sqrt(samples->sum_of_squares / (double)samples->n) : 0;
 }
 
-static double mean_bound(const struct check_tally *tally)
+static double mean_residual(const struct check_samples *samples)
 {
-    return tally->n_bounds ? tally->sum_of_bounds / (double)tally->n_bounds : 0;
+    return samples->n ? samples->sum / (double)samples->n : 0;
+}
+
+/* Roundings go both ways: their mean stays far below one of the largest sample, which is off by
+ * 2^-25 of full scale. Four times that is no accident. */
+static bool is_biased(const struct check_samples *samples)
+{
+    return fabs(mean_residual(samples)) > 4 * 65535.0 / 33554432;
 }
 
 static double percent(uint64_t part, uint64_t whole)
@@ -49,6 +56,13 @@ void report_verdict(const struct plan *plan, const struct check_tally *tally, ch
 
 /* ---- in words ---- */
 
+static void print_floor(const char *name, const struct check_floor *floor, FILE *to)
+{
+    fprintf(to, "%s %.3f counts (median), %.3f (99.9 %%), %.1f (worst) of %llu pixels\n", name,
+            floor_quantile(floor, 0.5), floor_quantile(floor, 0.999), floor->worst,
+            (unsigned long long)floor->n);
+}
+
 static void print_check(const struct check_tally *tally, FILE *to)
 {
     const struct check_samples *samples = &tally->samples;
@@ -59,14 +73,18 @@ static void print_check(const struct check_tally *tally, FILE *to)
             percent(samples->within_1, samples->n));
     fprintf(to, "largest           %.4f counts (root mean square %.5f)\n", samples->largest,
             rms(samples));
-    fprintf(to, "inside surfaces   bound %.3f counts on average, %.1f at most\n", mean_bound(tally),
-            tally->largest_bound);
-    fprintf(to, "  bound <= %d      %.3f %% of samples, largest difference %.4f counts\n",
-            TIGHT_COUNTS, percent(tally->n_tight, tally->n_bounds), tally->largest_tight);
-    fprintf(to, "worst error/bound %.3f\n", samples->worst_ratio);
+    fprintf(to, "mean residual     %+.6f counts%s\n", mean_residual(samples),
+            is_biased(samples) ? ": OpenGL is biased" : "");
+    print_floor("floor            ", &tally->floor, to);
+    print_floor("  smooth interior", &tally->smooth_floor, to);
+    fprintf(to, "worst error/bound %.3f (depth %.3f)\n", samples->worst_ratio,
+            tally->worst_depth_ratio);
     fprintf(to, "pixels            %llu, %llu ambiguous, %llu unbounded\n",
             (unsigned long long)tally->pixels, (unsigned long long)tally->ambiguous,
             (unsigned long long)tally->unbounded);
+    if (tally->edge_holes + tally->edge_doubles > 0)
+        fprintf(to, "edge holes        %llu, doubled %llu\n", (unsigned long long)tally->edge_holes,
+                (unsigned long long)tally->edge_doubles);
     fprintf(to, "unexplained       %llu\n", (unsigned long long)tally->unexplained);
 }
 
@@ -78,6 +96,8 @@ void report_print(const struct plan *plan, const struct render_result *result, F
     fprintf(to, "full scale        %.10g is count 65535\n", result->full_scale);
     if (plan->options.use_gl)
         fprintf(to, "OpenGL            %s, %s\n", result->gl_renderer, result->gl_version);
+    if (plan->options.check)
+        fprintf(to, "bounds            of %s\n", result->driver->name);
     if (plan->options.check)
         print_check(&result->check, to);
     else
@@ -92,23 +112,50 @@ void report_print(const struct plan *plan, const struct render_result *result, F
             seconds->check, seconds->write);
 }
 
+/* What differs, in words. */
+static void failure_text(const struct plan *plan, const struct check_failure *failure, char *out,
+                         size_t capacity)
+{
+    switch (failure->kind) {
+    case FAILURE_RADIANCE:
+        snprintf(out, capacity, "at %.10g nm OpenGL %.6g, reference %.6g, bound %.3g counts",
+                 plan->scene->wavelengths_nm[failure->band], failure->seen, failure->expected,
+                 failure->bound);
+        break;
+    case FAILURE_TRIANGLE:
+        if (failure->shown.surface >= plan->n_bodies)
+            snprintf(out, capacity, "OpenGL shows what is no triangle");
+        else if (failure->shown.surface < 0)
+            snprintf(out, capacity, "OpenGL shows the background");
+        else
+            snprintf(out, capacity, "OpenGL shows triangle %d of %s, which is not seen there",
+                     failure->shown.triangle + 1, object_name(plan, failure->shown.surface));
+        break;
+    case FAILURE_DEPTH:
+        snprintf(out, capacity, "OpenGL's depth %.8g, reference %.8g, bound %.3g", failure->seen,
+                 failure->expected, failure->bound);
+        break;
+    case FAILURE_FRAGMENTS:
+        snprintf(out, capacity, "OpenGL draws %.0f fragments, reference %.0f (modulo 256)",
+                 failure->seen, failure->expected);
+        break;
+    }
+}
+
 bool report_difference(const struct plan *plan, const struct check_tally *tally, const char *then,
                        struct error *err)
 {
     const struct check_failure *first = &tally->first;
     struct place place = {NULL, 0, 0};
-    char where[256] = "";
+    char where[256] = "", what[256];
     if (first->surface >= 0)
         place = plan->bodies[first->surface].object->place;
     if (place.path)
         snprintf(where, sizeof where, " (%s:%d)", place.path, place.line);
-    error_usage(err,
-                "the pictures differ at %llu of %llu pixels, first at %d,%d at %.10g nm on %s%s: "
-                "OpenGL %.6g, reference %.6g, bound %.3g counts; %s",
+    failure_text(plan, first, what, sizeof what);
+    error_usage(err, "the pictures differ at %llu of %llu pixels, first at %d,%d on %s%s: %s; %s",
                 (unsigned long long)tally->unexplained, (unsigned long long)tally->pixels, first->x,
-                first->y, plan->scene->wavelengths_nm[first->band],
-                object_name(plan, first->surface), where, first->seen, first->expected,
-                first->bound, then);
+                first->y, object_name(plan, first->surface), where, what, then);
     err->status = EXIT_DIFFERENT;
     return false;
 }
@@ -220,6 +267,7 @@ static void json_picture(struct json *json, const struct plan *plan,
     json_string(json, "renderer", plan->options.store_raster ? "raster" : "gl");
     json_string(json, "gl_renderer", plan->options.use_gl ? result->gl_renderer : NULL);
     json_string(json, "gl_version", plan->options.use_gl ? result->gl_version : NULL);
+    json_string(json, "driver_profile", plan->options.check ? result->driver->name : NULL);
 }
 
 static void json_effects(struct json *json, const struct plan *plan)
@@ -249,6 +297,26 @@ static void json_work(struct json *json, const struct plan *plan,
     json_close(json, '}');
 }
 
+static void json_failure(struct json *json, const struct plan *plan,
+                         const struct check_failure *first)
+{
+    static const char *const kinds[] = {"radiance", "triangle", "depth", "fragments"};
+    if (!first->found) {
+        json_string(json, "first_unexplained", NULL);
+        return;
+    }
+    json_open(json, "first_unexplained", '{');
+    json_count(json, "x", (uint64_t)first->x);
+    json_count(json, "y", (uint64_t)first->y);
+    json_string(json, "what", kinds[first->kind]);
+    if (first->kind == FAILURE_RADIANCE)
+        json_number(json, "wavelength_nm", plan->scene->wavelengths_nm[first->band]);
+    else
+        json_string(json, "wavelength_nm", NULL);
+    json_string(json, "object", object_name(plan, first->surface));
+    json_close(json, '}');
+}
+
 static void json_check(struct json *json, const struct plan *plan, const struct check_tally *tally)
 {
     const struct check_samples *samples = &tally->samples;
@@ -258,25 +326,23 @@ static void json_check(struct json *json, const struct plan *plan, const struct 
     json_count(json, "within_1", samples->within_1);
     json_number(json, "max_counts", samples->largest);
     json_number(json, "rms_counts", rms(samples));
+    json_number(json, "mean_residual_counts", mean_residual(samples));
+    json_truth(json, "biased", is_biased(samples));
     json_count(json, "pixels", tally->pixels);
     json_count(json, "ambiguous_pixels", tally->ambiguous);
     json_count(json, "unexplained_pixels", tally->unexplained);
     json_count(json, "unbounded_pixels", tally->unbounded);
+    json_count(json, "edge_holes", tally->edge_holes);
+    json_count(json, "edge_doubles", tally->edge_doubles);
     json_number(json, "worst_error_over_bound", samples->worst_ratio);
-    json_number(json, "mean_bound_counts", mean_bound(tally));
-    json_number(json, "max_bound_counts", tally->largest_bound);
-    json_number(json, "tight_share", percent(tally->n_tight, tally->n_bounds) / 100);
-    json_number(json, "tight_max_counts", tally->largest_tight);
-    if (tally->first.found) {
-        json_open(json, "first_unexplained", '{');
-        json_count(json, "x", (uint64_t)tally->first.x);
-        json_count(json, "y", (uint64_t)tally->first.y);
-        json_number(json, "wavelength_nm", plan->scene->wavelengths_nm[tally->first.band]);
-        json_string(json, "object", object_name(plan, tally->first.surface));
-        json_close(json, '}');
-    } else {
-        json_string(json, "first_unexplained", NULL);
-    }
+    json_number(json, "worst_depth_error_over_bound", tally->worst_depth_ratio);
+    json_number(json, "floor_median_counts", floor_quantile(&tally->floor, 0.5));
+    json_number(json, "floor_worst_counts", tally->floor.worst);
+    json_count(json, "smooth_pixels", tally->smooth_floor.n);
+    json_number(json, "smooth_floor_median_counts", floor_quantile(&tally->smooth_floor, 0.5));
+    json_number(json, "smooth_floor_999_counts", floor_quantile(&tally->smooth_floor, 0.999));
+    json_number(json, "smooth_floor_worst_counts", tally->smooth_floor.worst);
+    json_failure(json, plan, &tally->first);
     json_close(json, '}');
 }
 

@@ -61,6 +61,34 @@ static void place_vertex(const struct plan *plan, const double magnitude[4], str
     out->slack_w = plan->scene->camera.perspective ? (float)(e_w + 2 * u) : 0;
 }
 
+/* ---- where no error is made ---- */
+
+/* Whether the clip coordinates of a body's vertices may come out exact: an orthographic picture in
+ * one tile, and matrices that multiply without rounding. Their product is stored. */
+static bool may_be_exact(const struct plan *plan, const struct body *body, struct matrix *product)
+{
+    *product = matrix_product(plan->projection, body->model_view);
+    return !plan->scene->camera.perspective && plan->tile_width == plan->scene->width &&
+           plan->tile_height == plan->scene->height &&
+           exact_product(&plan->projection, &body->model_view);
+}
+
+/* Whether the viewport keeps a coordinate exact, and puts it on the grid of 1/256 pixel. */
+static bool is_on_grid(double normalised, double window, int size)
+{
+    double terms[2] = {normalised * 0.5 * size, 0.5 * size}, steps = window * 256;
+    return exact_sum(terms, 2) && steps == floor(steps) && fabs(steps) < 16777216;
+}
+
+/* `object` is the vertex, `product` what may_be_exact stored. */
+static bool is_exact(const struct plan *plan, const struct matrix *product, const double object[4],
+                     const struct lit_vertex *vertex)
+{
+    return exact_row(product->row[0], object) && exact_row(product->row[1], object) &&
+           vertex->clip[3] == 1 && is_on_grid(vertex->clip[0], vertex->x, plan->scene->width) &&
+           is_on_grid(vertex->clip[1], vertex->y, plan->scene->height);
+}
+
 /* ---- surfaces ---- */
 
 size_t surface_attributes(const struct surface *surface, int vertex, int side)
@@ -69,8 +97,10 @@ size_t surface_attributes(const struct surface *surface, int vertex, int side)
            (size_t)surface->n_attributes;
 }
 
+/* `exact` is NULL where none of the body's vertices can be. */
 static void process_vertex(const struct plan *plan, struct surface *surface,
-                           const struct body_bounds *bounds, int index, struct light_work *work)
+                           const struct body_bounds *bounds, const struct matrix *exact, int index,
+                           struct light_work *work)
 {
     const struct body *body = surface->body;
     struct vector position = surface->mesh->vertices[index].position;
@@ -82,13 +112,18 @@ static void process_vertex(const struct plan *plan, struct surface *surface,
     transform(&plan->projection, eye, out->clip);
     magnitudes(&plan->projection, eye_magnitude, clip_magnitude);
     place_vertex(plan, clip_magnitude, out);
+    out->exact = exact && is_exact(plan, exact, object, out);
+    if (out->exact)
+        out->slack_px = 0;
     double e_eye = EYE_ROUNDINGS * u * (eye_magnitude[0] + eye_magnitude[1] + eye_magnitude[2]);
     light_vertex(plan, surface, bounds, index, (struct vector){eye[0], eye[1], eye[2]}, e_eye,
                  work);
 }
 
-static bool surface_alloc(const struct plan *plan, const struct body *body, struct surface *out)
+static bool surface_alloc(const struct plan *plan, const struct driver *driver,
+                          const struct body *body, struct surface *out)
 {
+    out->driver = driver;
     out->body = body;
     out->mesh = &plan->meshes[body->mesh].mesh;
     out->finish = &plan->finishes[body->finish];
@@ -161,18 +196,21 @@ bool surface_reaches(const struct surface *surface, const struct tile *tile)
            surface->bottom >= tile->y && surface->top <= tile->y + tile->height;
 }
 
-static bool surface_light(const struct plan *plan, const struct body *body, struct surface *out,
-                          struct light_work *work, struct error *err)
+static bool surface_light(const struct plan *plan, const struct driver *driver,
+                          const struct body *body, struct surface *out, struct light_work *work,
+                          struct error *err)
 {
-    if (!surface_alloc(plan, body, out))
+    if (!surface_alloc(plan, driver, body, out))
         return error_memory(err);
+    struct matrix product;
+    const struct matrix *exact = may_be_exact(plan, body, &product) ? &product : NULL;
     struct body_bounds bounds = body_bounds(body);
     long lit = 0, specular = 0, powers = 0;
     int n_vertices = out->mesh->n_vertices, n_threads = plan->options.threads;
 #pragma omp parallel for reduction(+ : lit, specular, powers) num_threads(n_threads)
     for (int i = 0; i < n_vertices; i++) {
         struct light_work own = {0, 0, 0};
-        process_vertex(plan, out, &bounds, i, &own);
+        process_vertex(plan, out, &bounds, exact, i, &own);
         lit += own.vertices_lit;
         specular += own.specular_vertices;
         powers += own.power_functions;
@@ -187,15 +225,15 @@ static bool surface_light(const struct plan *plan, const struct body *body, stru
     return true;
 }
 
-bool surfaces_light(const struct plan *plan, struct surface **out, struct light_work *work,
-                    struct error *err)
+bool surfaces_light(const struct plan *plan, const struct driver *driver, struct surface **out,
+                    struct light_work *work, struct error *err)
 {
     *work = (struct light_work){0, 0, 0};
     *out = calloc((size_t)plan->n_bodies + 1, sizeof **out);
     if (!*out)
         return error_memory(err);
     for (int i = 0; i < plan->n_bodies; i++)
-        if (!surface_light(plan, &plan->bodies[i], &(*out)[i], work, err))
+        if (!surface_light(plan, driver, &plan->bodies[i], &(*out)[i], work, err))
             return false;
     return true;
 }

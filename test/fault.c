@@ -1,75 +1,38 @@
 /* SPDX-License-Identifier: MIT */
-/* Plants one fault in the GL path, to prove that the cross-check finds it. Loaded before OSMesa
- * with LD_PRELOAD; the environment variable FAULT names the fault:
- * - those of the tables below
- * - wavelength: the first and third band of each pass are exchanged
- * - triangle: the last triangle of each draw call is left out
- * - shift: the picture is moved by half a pixel to the right
- * - front, shading: front and back faces, flat and smooth shading are exchanged
- * - provoking: a flat triangle has the colour of its first vertex, not its last
- * - texel-shift: textures are moved by one texel
- * - texel-bands: the first and third band of each pass of a spectral texture are exchanged
- * - texel: the texel in the middle is off by 1/100
- * - group: every second pass draws nothing, so the second group of lights where there are two
- * - pixel: one pixel in the middle of one pass is off by 1/1000 of full scale
- * - pixel-nan: one pixel in the middle of one pass is no number */
+/* Plants one fault between the program and OSMesa, to prove that the cross-check finds it. Loaded
+ * before OSMesa with LD_PRELOAD; the environment variable FAULT is the fault's number in
+ * test/README.md. Faults in where and how things are drawn touch every draw call; those in samples,
+ * bands and passes touch the passes of colours, which the program draws by glDrawElements.
+ *
+ * 0 and CONTROL are no faults: CONTROL lights by the shader below, and 0 keeps the passes in the
+ * file named by FAULT_PASSES, from which fault 4 takes them. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <math.h>
 #include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+#define GL_GLEXT_PROTOTYPES
 #include <GL/osmesa.h>
 /* after GL/gl.h, which osmesa.h includes */
 #include <GL/glext.h>
 
-/* A parameter that OpenGL gets under another name or with another value. */
-static const struct parameter_fault {
-    const char *fault;
-    GLenum name, becomes;
-    GLfloat factor, offset;
-} parameter_faults[] = {
-    {"filter", GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MIN_FILTER, 0, GL_NEAREST},
-    {"filter", GL_TEXTURE_MAG_FILTER, GL_TEXTURE_MAG_FILTER, 0, GL_NEAREST},
-    {"clamp", GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_S, 0, GL_CLAMP_TO_EDGE},
-    {"mirror", GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_T, 0, GL_MIRRORED_REPEAT},
-    {"exponent", GL_SPOT_EXPONENT, GL_SPOT_EXPONENT, 1.01F, 0},
-    {"cutoff", GL_SPOT_CUTOFF, GL_SPOT_CUTOFF, 0, 180},
-    {"attenuation", GL_LINEAR_ATTENUATION, GL_QUADRATIC_ATTENUATION, 1, 0},
-    {"attenuation", GL_QUADRATIC_ATTENUATION, GL_LINEAR_ATTENUATION, 1, 0},
-    {"gloss", GL_SHININESS, GL_SHININESS, 1.01F, 0},
-    {"viewer", GL_LIGHT_MODEL_LOCAL_VIEWER, GL_LIGHT_MODEL_LOCAL_VIEWER, 0, 0},
-    {"one-sided", GL_LIGHT_MODEL_TWO_SIDE, GL_LIGHT_MODEL_TWO_SIDE, 0, 0},
-    {"two-sided", GL_LIGHT_MODEL_TWO_SIDE, GL_LIGHT_MODEL_TWO_SIDE, 0, 1},
-};
-
-/* A vector one component of which OpenGL gets wrong: in a colour, a band of each pass. */
-static const struct vector_fault {
-    const char *fault;
-    GLenum name;
-    int component;
-    GLfloat factor, offset;
-} vector_faults[] = {
-    {"diffuse", GL_DIFFUSE, 1, 0.999F, 0},    {"no-diffuse", GL_DIFFUSE, 1, 0, 0},
-    {"specular", GL_SPECULAR, 0, 0.99F, 0},   {"constant", GL_AMBIENT, 2, 0.99F, 0},
-    {"axis", GL_SPOT_DIRECTION, 0, 1, 0.01F}, {"position", GL_POSITION, 0, 1, 0.01F},
-};
-
-/* The whole picture times a factor. */
-static const struct picture_fault {
-    const char *fault;
-    float factor;
-} picture_faults[] = {{"gain", 1.001F}, {"half", 0.5F}, {"black", 0}, {"nan", NAN}};
+enum { CONTROL = -1, CHANNELS = 4 };
 
 static float *buffer;
-static int buffer_width, buffer_height, passes;
+static int buffer_width, buffer_height;
 static GLenum matrix_mode;
+static GLdouble model_view[16]; /* the last one loaded */
+static bool coloured;           /* whether the pass being drawn is one of colours */
+static int passes;              /* of colours, finished */
 
-static bool fault_is(const char *name)
+static int fault(void)
 {
-    const char *fault = getenv("FAULT");
-    return fault && strcmp(fault, name) == 0;
+    const char *number = getenv("FAULT");
+    return number ? atoi(number) : 0;
 }
 
 /* ISO C casts no object pointer to a function pointer; POSIX promises that this works. */
@@ -81,14 +44,47 @@ static void real(const char *name, void *function)
 
 /* ---- parameters ---- */
 
+/* A parameter that OpenGL gets under another name or with another value. */
+static const struct parameter_fault {
+    int fault;
+    GLenum name, becomes;
+    GLfloat factor, offset;
+} parameter_faults[] = {
+    {25, GL_SHININESS, GL_SHININESS, 1.01F, 0},
+    {30, GL_LINEAR_ATTENUATION, GL_QUADRATIC_ATTENUATION, 1, 0},
+    {30, GL_QUADRATIC_ATTENUATION, GL_LINEAR_ATTENUATION, 1, 0},
+    {54, GL_SPOT_EXPONENT, GL_SPOT_EXPONENT, 1.01F, 0},
+    {55, GL_SPOT_CUTOFF, GL_SPOT_CUTOFF, 0, 180},
+    {62, GL_TEXTURE_MIN_FILTER, GL_TEXTURE_MIN_FILTER, 0, GL_NEAREST},
+    {62, GL_TEXTURE_MAG_FILTER, GL_TEXTURE_MAG_FILTER, 0, GL_NEAREST},
+    {63, GL_TEXTURE_WRAP_S, GL_TEXTURE_WRAP_S, 0, GL_CLAMP_TO_EDGE},
+    {64, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_T, 0, GL_MIRRORED_REPEAT},
+};
+
+/* Components of a vector that OpenGL gets wrong: in a colour, bands of each pass. */
+static const struct vector_fault {
+    int fault;
+    GLenum name;
+    int first, count;
+    GLfloat factor, offset;
+} vector_faults[] = {
+    {24, GL_SPECULAR, 0, 3, 0, 0},     {31, GL_POSITION, 3, 1, 0, 1},
+    {33, GL_AMBIENT, 1, 1, 0, 0},      {49, GL_DIFFUSE, 1, 1, 0.999F, 0},
+    {50, GL_SPECULAR, 0, 1, 0.99F, 0}, {51, GL_AMBIENT, 2, 1, 0.99F, 0},
+    {52, GL_POSITION, 0, 1, 1, 0.01F}, {53, GL_SPOT_DIRECTION, 0, 1, 1, 0.01F},
+    {65, GL_DIFFUSE, 1, 1, 0, 0},
+};
+
 static void spoil_parameter(GLenum *name, GLfloat *value)
 {
+    if (fault() == 26 && *name == GL_SHININESS && *value == 0)
+        *value = 1;
     for (size_t i = 0; i < sizeof parameter_faults / sizeof *parameter_faults; i++) {
-        const struct parameter_fault *fault = &parameter_faults[i];
-        if (*name != fault->name || !fault_is(fault->fault))
+        const struct parameter_fault *row = &parameter_faults[i];
+        if (*name != row->name || fault() != row->fault)
             continue;
-        *name = fault->becomes;
-        *value = fault->factor * *value + fault->offset;
+        *name = row->becomes;
+        *value = row->factor * *value + row->offset;
         return;
     }
 }
@@ -100,15 +96,6 @@ void glTexParameteri(GLenum target, GLenum name, GLint value)
     real("glTexParameteri", &next);
     spoil_parameter(&name, &spoiled);
     next(target, name, (GLint)spoiled);
-}
-
-void glLightModeli(GLenum name, GLint value)
-{
-    void (*next)(GLenum, GLint);
-    GLfloat spoiled = (GLfloat)value;
-    real("glLightModeli", &next);
-    spoil_parameter(&name, &spoiled);
-    next(name, (GLint)spoiled);
 }
 
 void glLightf(GLenum light, GLenum name, GLfloat value)
@@ -132,23 +119,25 @@ static void spoil_vector(GLenum name, const GLfloat *values, GLfloat out[4])
 {
     memcpy(out, values, (name == GL_SPOT_DIRECTION ? 3 : 4) * sizeof *out);
     for (size_t i = 0; i < sizeof vector_faults / sizeof *vector_faults; i++) {
-        const struct vector_fault *fault = &vector_faults[i];
-        if (name == fault->name && fault_is(fault->fault))
-            out[fault->component] = fault->factor * out[fault->component] + fault->offset;
-    }
-    if (name == GL_DIFFUSE && fault_is("wavelength")) {
-        out[0] = values[2];
-        out[2] = values[0];
+        const struct vector_fault *row = &vector_faults[i];
+        for (int c = row->first; c < row->first + row->count; c++)
+            if (name == row->name && fault() == row->fault)
+                out[c] = row->factor * out[c] + row->offset;
     }
 }
 
 void glLightfv(GLenum light, GLenum name, const GLfloat *values)
 {
-    void (*next)(GLenum, GLenum, const GLfloat *);
+    void (*next)(GLenum, GLenum, const GLfloat *), (*load)(const GLdouble *);
     GLfloat spoiled[4];
     real("glLightfv", &next);
+    real("glLoadMatrixd", &load);
     spoil_vector(name, values, spoiled);
+    glPushMatrix();
+    if (fault() == 32 && name == GL_POSITION)
+        load(model_view);
     next(light, name, spoiled);
+    glPopMatrix();
 }
 
 void glMaterialfv(GLenum face, GLenum name, const GLfloat *values)
@@ -162,31 +151,33 @@ void glMaterialfv(GLenum face, GLenum name, const GLfloat *values)
     next(face, name, name == GL_AMBIENT ? spoiled : values);
 }
 
-void glFrontFace(GLenum mode)
-{
-    void (*next)(GLenum);
-    real("glFrontFace", &next);
-    next(fault_is("front") == (mode == GL_CW) ? GL_CCW : GL_CW);
-}
+/* ---- where things are drawn ---- */
 
-void glShadeModel(GLenum mode)
+/* Scales what a projection shows about the middle of the picture and moves it right by pixels. */
+static void move(GLdouble matrix[16], double factor_x, double factor_y, double right)
 {
-    void (*next)(GLenum), (*provoke)(GLenum);
-    real("glShadeModel", &next);
-    next(fault_is("shading") == (mode == GL_FLAT) ? GL_SMOOTH : GL_FLAT);
-    if (fault_is("provoking")) {
-        real("glProvokingVertex", &provoke);
-        provoke(GL_FIRST_VERTEX_CONVENTION);
+    for (int column = 0; column < 4; column++) {
+        GLdouble *x = &matrix[4 * column], *y = x + 1, w = x[3];
+        *x = factor_x * *x + 2 * right / buffer_width * w;
+        *y = factor_y * *y;
     }
 }
 
-/* ---- geometry and textures ---- */
+/* The picture of 9 is turned back when it is finished: it has the edges of the other side. */
+static const struct projection_fault {
+    int fault;
+    double factor_x, factor_y, right;
+} projection_faults[] = {
+    {5, 1, 1, 0.5}, {6, 1, 1, 1.0 / 64}, {7, 1, -1, 0}, {8, -1, 1, 0}, {9, -1, -1, 0},
+};
 
-void glDrawElements(GLenum mode, GLsizei count, GLenum type, const void *indices)
+static void spoil_projection(GLdouble matrix[16])
 {
-    void (*next)(GLenum, GLsizei, GLenum, const void *);
-    real("glDrawElements", &next);
-    next(mode, fault_is("triangle") ? count - 3 : count, type, indices);
+    for (size_t i = 0; i < sizeof projection_faults / sizeof *projection_faults; i++) {
+        const struct projection_fault *row = &projection_faults[i];
+        if (fault() == row->fault)
+            move(matrix, row->factor_x, row->factor_y, row->right);
+    }
 }
 
 void glMatrixMode(GLenum mode)
@@ -200,31 +191,266 @@ void glMatrixMode(GLenum mode)
 void glLoadMatrixd(const GLdouble *matrix)
 {
     void (*next)(const GLdouble *);
+    GLdouble spoiled[16];
     real("glLoadMatrixd", &next);
-    GLdouble moved[16];
-    memcpy(moved, matrix, sizeof moved);
-    for (int column = 0; column < 4; column++)
-        moved[4 * column] += moved[4 * column + 3] / buffer_width;
-    next(fault_is("shift") && matrix_mode == GL_PROJECTION ? moved : matrix);
+    memcpy(spoiled, matrix, sizeof spoiled);
+    if (matrix_mode == GL_PROJECTION)
+        spoil_projection(spoiled);
+    else
+        memcpy(model_view, matrix, sizeof model_view);
+    next(spoiled);
 }
 
+void glViewport(GLint x, GLint y, GLsizei width, GLsizei height)
+{
+    void (*next)(GLint, GLint, GLsizei, GLsizei);
+    real("glViewport", &next);
+    next(fault() == 42 ? x + 1 : x, y, width, height);
+}
+
+/* ---- drawing in a wrong state ---- */
+
+static void turn_faces(GLenum name)
+{
+    GLint mode;
+    glGetIntegerv(name, &mode);
+    glFrontFace(mode == GL_CW ? GL_CCW : GL_CW);
+}
+
+static void keep_right_half(GLenum plane)
+{
+    static const GLdouble right[4] = {1, 0, 0, 0};
+    glClipPlane(plane, right);
+    glEnable(plane);
+}
+
+static void clamp_colours(GLenum name)
+{
+    glClampColorARB(name, GL_TRUE);
+}
+
+static void write_depth(GLenum flag)
+{
+    glDepthMask((GLboolean)flag);
+}
+
+static void set_model(GLenum name)
+{
+    glLightModeli(name, 1);
+}
+
+static void reset_model(GLenum name)
+{
+    glLightModeli(name, 0);
+}
+
+static const struct state_fault {
+    int fault;
+    void (*set)(GLenum value);
+    GLenum value;
+} state_faults[] = {
+    {11, glShadeModel, GL_FLAT},
+    {12, glProvokingVertex, GL_FIRST_VERTEX_CONVENTION},
+    {14, glDepthFunc, GL_LEQUAL},
+    {15, glDepthFunc, GL_GREATER},
+    {16, glDisable, GL_DEPTH_TEST},
+    {17, write_depth, GL_FALSE},
+    {18, glCullFace, GL_FRONT},
+    {18, glEnable, GL_CULL_FACE},
+    {19, turn_faces, GL_FRONT_FACE},
+    {20, reset_model, GL_LIGHT_MODEL_TWO_SIDE},
+    {21, glDisable, GL_NORMALIZE},
+    {22, glDisable, GL_NORMALIZE},
+    {22, glEnable, GL_RESCALE_NORMAL},
+    {28, reset_model, GL_LIGHT_MODEL_LOCAL_VIEWER},
+    {36, clamp_colours, GL_CLAMP_VERTEX_COLOR_ARB},
+    {39, glEnable, GL_DEPTH_CLAMP},
+    {40, keep_right_half, GL_CLIP_PLANE0},
+    {56, set_model, GL_LIGHT_MODEL_TWO_SIDE},
+    {57, glShadeModel, GL_SMOOTH},
+};
+
+static void spoil_state(void)
+{
+    for (size_t i = 0; i < sizeof state_faults / sizeof *state_faults; i++)
+        if (fault() == state_faults[i].fault)
+            state_faults[i].set(state_faults[i].value);
+}
+
+/* ---- drawing with a wrong shader ---- */
+
+static const char affine[] = "noperspective in vec4 gl_Color;\n"
+                             "void main() { gl_FragColor = gl_Color; }\n";
+
+/* The first light alone, seen from infinity. */
+static const char lighting[] =
+    "void main() {\n"
+    "    vec3 p = vec3(gl_ModelViewMatrix * gl_Vertex), v = vec3(0, 0, 1);\n"
+    "    vec4 light = gl_LightSource[0].position;\n"
+    "    mat3 turn = FAULT == 23 ? mat3(gl_ModelViewMatrix) : gl_NormalMatrix;\n"
+    "    vec3 n = normalize(turn * gl_Normal), l = normalize(light.xyz - light.w * p);\n"
+    "    float gloss = FAULT == 27 ? dot(reflect(-l, n), v) : dot(n, normalize(l + v));\n"
+    "    gl_Position = ftransform();\n"
+    "    gl_FrontColor = gl_FrontLightModelProduct.sceneColor;\n"
+    "    gl_FrontColor += max(dot(n, l), 0) * gl_FrontLightProduct[0].diffuse;\n"
+    "    if (dot(n, l) > 0 || FAULT == 29)\n"
+    "        gl_FrontColor += gl_FrontLightProduct[0].specular *\n"
+    "                         pow(max(gloss, 0), gl_FrontMaterial.shininess);\n"
+    "}\n";
+
+/* Cuts a triangle at the near plane, by Sutherland and Hodgman's algorithm. */
+static const char clipping[] =
+    "layout(triangles) in;\n"
+    "layout(triangle_strip, max_vertices = 4) out;\n"
+    "int n = 0;\n"
+    "vec4 position[4], colour[4];\n"
+    "void put(vec4 p, vec4 c) { position[n] = p; colour[n] = c; n++; }\n"
+    "void main() {\n"
+    "    for (int i = 0; i < 3; i++) {\n"
+    "        int j = (i + 1) % 3;\n"
+    "        vec4 p = gl_in[i].gl_Position, q = gl_in[j].gl_Position;\n"
+    "        vec4 c = gl_in[i].gl_FrontColor, d = gl_in[j].gl_FrontColor;\n"
+    "        float a = p.z + p.w, b = q.z + q.w, t = a / (a - b);\n"
+    "        if (a >= 0) put(p, c);\n"
+    "        if (a * b < 0) put(mix(p, q, t), FAULT == 41 ? c : mix(c, d, t));\n"
+    "    }\n"
+    "    for (int k = 0; k < n; k++) {\n"
+    "        int i = k < 2 ? k : n + 1 - k;\n"
+    "        gl_Position = position[i]; gl_FrontColor = colour[i];\n"
+    "        EmitVertex();\n"
+    "    }\n"
+    "}\n";
+
+static void attach(GLuint program, GLenum kind, const char *source)
+{
+    char head[64];
+    const char *parts[] = {head, source};
+    GLuint shader = glCreateShader(kind);
+    snprintf(head, sizeof head, "#version 150 compatibility\n#define FAULT %d\n", fault());
+    glShaderSource(shader, 2, parts, NULL);
+    glCompileShader(shader);
+    glAttachShader(program, shader);
+}
+
+static GLuint make_program(void)
+{
+    GLuint program = glCreateProgram();
+    GLint linked;
+    if (fault() == 13) {
+        attach(program, GL_FRAGMENT_SHADER, affine);
+    } else {
+        attach(program, GL_VERTEX_SHADER, lighting);
+        attach(program, GL_GEOMETRY_SHADER, clipping);
+    }
+    glLinkProgram(program);
+    glGetProgramiv(program, GL_LINK_STATUS, &linked);
+    if (!linked)
+        abort();
+    return program;
+}
+
+static void use_shader(void)
+{
+    static const int faults[] = {CONTROL, 13, 23, 27, 29, 41};
+    static GLuint program;
+    for (size_t i = 0; i < sizeof faults / sizeof *faults; i++) {
+        if (fault() != faults[i] || !glIsEnabled(GL_LIGHTING))
+            continue;
+        if (program == 0)
+            program = make_program();
+        glUseProgram(program);
+    }
+}
+
+/* ---- drawing ---- */
+
+/* A draw call: of indices, or of vertices from `first` on. */
+struct draw {
+    GLenum mode, type;
+    const void *indices;
+    GLint first;
+    bool indexed;
+};
+
+static void draw_part(const struct draw *draw, GLsizei from, GLsizei to)
+{
+    void (*elements)(GLenum, GLsizei, GLenum, const void *);
+    void (*arrays)(GLenum, GLint, GLsizei);
+    real("glDrawElements", &elements);
+    real("glDrawArrays", &arrays);
+    if (draw->indexed)
+        elements(draw->mode, to - from, draw->type,
+                 (const void *)((uintptr_t)draw->indices + (size_t)from * sizeof(GLuint)));
+    else
+        arrays(draw->mode, draw->first + from, to - from);
+}
+
+/* The last triangle by 1/256 pixel to the right. */
+static void draw_cracked(const struct draw *draw, GLsizei count)
+{
+    void (*load)(const GLdouble *);
+    GLdouble projection[16];
+    real("glLoadMatrixd", &load);
+    draw_part(draw, 0, count - 3);
+    glGetDoublev(GL_PROJECTION_MATRIX, projection);
+    move(projection, 1, 1, 1.0 / 256);
+    glMatrixMode(GL_PROJECTION);
+    glPushMatrix();
+    load(projection);
+    draw_part(draw, count - 3, count);
+    glPopMatrix();
+    glMatrixMode(GL_MODELVIEW);
+}
+
+static void draw_spoiled(const struct draw *draw, GLsizei count)
+{
+    GLsizei middle = count / 3 / 2 * 3;
+    glPushAttrib(GL_ALL_ATTRIB_BITS);
+    spoil_state();
+    use_shader();
+    if (fault() == 10) {
+        draw_cracked(draw, count);
+    } else if (fault() == 2) {
+        draw_part(draw, 0, middle);
+        draw_part(draw, middle + 3, count);
+    } else {
+        draw_part(draw, 0, fault() == 1 ? count - 3 : count);
+    }
+    glUseProgram(0);
+    glPopAttrib();
+}
+
+void glDrawElements(GLenum mode, GLsizei count, GLenum type, const void *indices)
+{
+    coloured = true;
+    draw_spoiled(&(struct draw){mode, type, indices, 0, true}, count);
+}
+
+void glDrawArrays(GLenum mode, GLint first, GLsizei count)
+{
+    draw_spoiled(&(struct draw){mode, 0, NULL, first, false}, count);
+}
+
+/* ---- textures ---- */
+
+/* 59: moved by one texel; 60: first and third band exchanged; 61: one texel off by 1/100. */
 void glTexImage2D(GLenum target, GLint level, GLint internal, GLsizei width, GLsizei height,
                   GLint border, GLenum format, GLenum type, const void *pixels)
 {
     void (*next)(GLenum, GLint, GLint, GLsizei, GLsizei, GLint, GLenum, GLenum, const void *);
     const float *texels = pixels;
-    bool shift = fault_is("texel-shift"), exchange = fault_is("texel-bands");
     size_t channels = format == GL_RGB ? 3 : 1, across = (size_t)width;
     size_t n = across * (size_t)height, middle = (size_t)height / 2 * across + across / 2;
     float *spoiled = malloc(n * channels * sizeof *spoiled);
     if (!spoiled)
         abort();
     for (size_t i = 0; i < n; i++) {
-        size_t from = shift ? i - i % across + (i + 1) % across : i;
+        size_t from = fault() == 59 ? i - i % across + (i + 1) % across : i;
         for (size_t c = 0; c < channels; c++)
-            spoiled[channels * i + c] = texels[channels * from + (exchange ? channels - 1 - c : c)];
+            spoiled[channels * i + c] =
+                texels[channels * from + (fault() == 60 ? channels - 1 - c : c)];
     }
-    for (size_t c = 0; c < channels && fault_is("texel"); c++)
+    for (size_t c = 0; c < channels && fault() == 61; c++)
         spoiled[channels * middle + c] *= 1.01F;
     real("glTexImage2D", &next);
     next(target, level, internal, width, height, border, format, type, spoiled);
@@ -244,26 +470,112 @@ GLboolean OSMesaMakeCurrent(OSMesaContext context, void *pixels, GLenum type, GL
     return next(context, pixels, type, width, height);
 }
 
-static void spoil_picture(float factor)
+static size_t pixel_count(void)
 {
-    for (size_t i = 0; i < 4 * (size_t)buffer_width * (size_t)buffer_height; i++)
-        buffer[i] *= factor;
+    return (size_t)buffer_width * (size_t)buffer_height;
+}
+
+/* By 180 degrees. */
+static void turn_back(unsigned char *picture, size_t pixel_bytes)
+{
+    size_t n = pixel_count() * pixel_bytes;
+    for (size_t i = 0; i < n / 2; i++) {
+        size_t opposite = n - pixel_bytes - i + 2 * (i % pixel_bytes);
+        unsigned char kept = picture[i];
+        picture[i] = picture[opposite];
+        picture[opposite] = kept;
+    }
+}
+
+void glReadPixels(GLint x, GLint y, GLsizei width, GLsizei height, GLenum format, GLenum type,
+                  void *pixels)
+{
+    void (*next)(GLint, GLint, GLsizei, GLsizei, GLenum, GLenum, void *);
+    real("glReadPixels", &next);
+    next(x, y, width, height, format, type, pixels);
+    if (fault() == 9)
+        turn_back(pixels, sizeof(GLuint)); /* depth and stencil */
+}
+
+/* Without a fault, writes the pass to the file; with fault 4, reads its neighbour from there. */
+static void exchange_passes(void)
+{
+    const char *path = getenv("FAULT_PASSES"), *mode = passes == 0 ? "wb" : "ab";
+    size_t size = CHANNELS * sizeof *buffer * pixel_count(), done = 1;
+    if (!path || (fault() != 0 && fault() != 4))
+        return;
+    FILE *file = fopen(path, fault() == 4 ? "rb" : mode);
+    if (!file)
+        abort();
+    if (fault() == 0)
+        done = fwrite(buffer, size, 1, file);
+    else if (fseek(file, (long)size * (passes ^ 1), SEEK_SET) == 0)
+        done = fread(buffer, size, 1, file);
+    if (fclose(file) != 0 || done != 1)
+        abort();
+}
+
+/* A sample times a factor, with an offset where anything is drawn, in levels (0: without end). */
+static const struct sample_fault {
+    int fault;
+    float factor, offset, levels, rounding;
+} sample_faults[] = {
+    {34, 1, 1 / 65535.0F, 0, 0}, {35, 1, 0, 65535, 0}, {37, 1, 0, 255, 0.5F}, {47, 1.001F, 0, 0, 0},
+    {66, 0.5F, 0, 0, 0},         {67, 0, 0, 0, 0},     {68, NAN, 0, 0, 0},
+};
+
+static void spoil_samples(const struct sample_fault *row)
+{
+    for (size_t i = 0; i < CHANNELS * pixel_count(); i++) {
+        float value = row->factor * buffer[i] + (buffer[i] > 0 ? row->offset : 0);
+        buffer[i] =
+            row->levels > 0 ? floorf(value * row->levels + row->rounding) / row->levels : value;
+    }
+}
+
+/* The pixel in the middle; 44 and 45 take an edge to run through it, from top to bottom. */
+static void spoil_pixel(float *pixel)
+{
+    const float *left = pixel - CHANNELS, *right = pixel + CHANNELS;
+    bool is_left = fabsf(pixel[1] - left[1]) < fabsf(pixel[1] - right[1]);
+    for (int c = 0; c < CHANNELS && fault() == 44; c++)
+        pixel[c] = (left[c] + right[c]) / 2;
+    if (passes == 1 && fault() == 43)
+        pixel[0] += 0.001F;
+    if (passes == 1 && fault() == 45)
+        pixel[1] = is_left ? right[1] : left[1];
+    if (passes == 1 && fault() == 48)
+        pixel[0] = NAN;
+}
+
+static void spoil_picture(void)
+{
+    size_t middle = (size_t)buffer_height / 2 * (size_t)buffer_width + (size_t)buffer_width / 2;
+    for (size_t i = 0; i < sizeof sample_faults / sizeof *sample_faults; i++)
+        if (fault() == sample_faults[i].fault)
+            spoil_samples(&sample_faults[i]);
+    if (fault() == 58 && passes % 2 == 1) /* the second group of lights, where there are two */
+        memset(buffer, 0, CHANNELS * pixel_count() * sizeof *buffer);
+    for (size_t i = 0; i < pixel_count() && fault() == 3; i++) {
+        float *pixel = buffer + CHANNELS * i, first = pixel[0];
+        pixel[0] = pixel[2];
+        pixel[2] = first;
+    }
+    spoil_pixel(buffer + CHANNELS * middle);
+    exchange_passes();
 }
 
 void glFinish(void)
 {
     void (*next)(void);
     real("glFinish", &next);
-    next();
-    size_t middle = (size_t)buffer_height / 2 * (size_t)buffer_width + (size_t)buffer_width / 2;
-    for (size_t i = 0; i < sizeof picture_faults / sizeof *picture_faults; i++)
-        if (fault_is(picture_faults[i].fault))
-            spoil_picture(picture_faults[i].factor);
-    if (passes % 2 == 1 && fault_is("group"))
-        spoil_picture(0);
-    if (passes == 1 && fault_is("pixel"))
-        buffer[4 * middle] += 0.001F;
-    if (passes == 1 && fault_is("pixel-nan"))
-        buffer[4 * middle] = NAN;
+    if (fault() != 38 || !coloured || passes != 1)
+        next();
+    if (fault() == 9)
+        turn_back((unsigned char *)buffer, CHANNELS * sizeof *buffer);
+    if (!coloured)
+        return;
+    spoil_picture();
+    coloured = false;
     passes++;
 }

@@ -71,7 +71,7 @@ class Picture:
         self.count = self.report["full_scale"] / 65535
         with tifffile.TiffFile(self.stack) as tiff:
             self.radiance = np.array([p.asarray() for p in tiff.pages]) * self.count
-        bound = self.report["check"]["max_bound_counts"] if renderer == "gl" else 1e-6
+        bound = self.report["check"]["floor_worst_counts"] if renderer == "gl" else 1e-6
         self.tolerance = (0.5 + bound) * self.count
 
     def agrees(self, expected, name, where=np.s_[:, :, :], slack=0):

@@ -98,6 +98,18 @@ static double single_precision(const float x[3], const float y[3], const float w
     return (double)(plane[0] / plane[1]);
 }
 
+static double inverse_w_at(const struct outline *o, double px, double py)
+{
+    double sum = 0, area = 0;
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        double e = (o->x[j] - px) * (o->y[k] - py) - (o->x[k] - px) * (o->y[j] - py);
+        sum += e * o->inverse_w[i];
+        area += e;
+    }
+    return sum / area;
+}
+
 /* NaN outside the triangle, where nothing is drawn. */
 static double exact(const struct outline *o, const double values[3], double px, double py)
 {
@@ -147,7 +159,10 @@ static void check_bounds(double size, double depth_range, const char *name)
         if (isnan(expected) || !(magnification < HUGE_VAL))
             continue;
         double error = fabs(single_precision(x, y, w, v, (float)px, (float)py) - expected);
-        worst = fmax(worst, error / (magnification * bound_colour(&outline, values)));
+        struct colour_bound bound = bound_colour(&outline, values);
+        double over = 1 / (inverse_w_at(&outline, px, py) -
+                           magnification * bound_linear(&outline, outline.inverse_w));
+        worst = fmax(worst, error / (magnification * (bound.constant + bound.over_d * over)));
         bounded++;
     }
     CHECK(bounded > TRIANGLES / 2, "%s: most have a bound at the pixel in their middle", name);

@@ -1,0 +1,142 @@
+/* SPDX-License-Identifier: MIT */
+/* What a sample should be, and radiance as counts: a sum over terms of weight x spectrum.
+ *
+ * Bound of a sample, in counts: sum over terms of (error of the weight) x (spectrum), which
+ * raster/light.c and raster/bound.c derive, plus the roundings of the colour sum. u = 2^-24. */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "check.h"
+
+static const double u = 1.0 / 16777216;
+
+/* A colour: its spectrum rounded to single precision (1), light times material (2), a texture's
+ * value and its product (2), the buffer (1); each colour and each pass added (1 each). */
+enum { COLOUR_ROUNDINGS = 6 };
+/* Mesa flushes results below 2^-126 = 1.2e-38 to zero. In a plane's set-up that is magnified by one
+ * over the triangle's area (10^4 at most, smaller ones are too thin for a bound) and by the
+ * distance to the framebuffer's origin (2 x 16384); 4 such steps. Some 10^-29 of full scale, in
+ * counts. */
+static const double flushed = 65535 * 1.2e-38 * 1e4 * 32768 * 4;
+
+/* ---- what is expected ---- */
+
+/* Multiplies a run by what a spectral texture shows there in this band. bound may be NULL. */
+static void apply_texture(const struct finish *finish, const struct rows *rows, size_t n, int band,
+                          double *expected, double *bound)
+{
+    size_t across = (size_t)finish->n_terms * rows->stride, up = across + rows->stride;
+    for (size_t i = 0; i < n; i++) {
+        struct texel_point at = {rows->weights[across + i], rows->weights[up + i], 0, 0};
+        double error;
+        if (bound) {
+            at.e_u = rows->errors[across + i];
+            at.e_v = rows->errors[up + i];
+        }
+        double value =
+            texel_value(finish->texture, band % BANDS_PER_PASS, at, bound ? &error : NULL);
+        if (bound)
+            bound[i] = bound[i] * (value + error) + fabs(expected[i]) * error;
+        expected[i] *= value;
+    }
+}
+
+void counts_expect(const struct plan *plan, const struct finish *finish, const struct rows *rows,
+                   size_t n, int band, double full_scale, double *expected, double *bound)
+{
+    double rounding = (COLOUR_ROUNDINGS + finish->n_colours + plan->n_light_groups) * u;
+    memset(expected, 0, n * sizeof *expected);
+    if (rows->errors)
+        memset(bound, 0, n * sizeof *bound);
+    for (int t = 0; t < finish->n_terms; t++) {
+        double spectrum = finish->spectra[(size_t)t * (size_t)plan->n_bands + (size_t)band] *
+                          (FULL_COUNT / full_scale);
+        const double *weight = rows->weights + (size_t)t * rows->stride;
+        for (size_t i = 0; i < n; i++)
+            expected[i] += weight[i] * spectrum;
+        if (!rows->errors)
+            continue;
+        const float *error = rows->errors + (size_t)t * rows->stride;
+        for (size_t i = 0; i < n; i++)
+            bound[i] += (double)error[i] * spectrum;
+    }
+    if (finish->texture && finish->texture->spectral)
+        apply_texture(finish, rows, n, band, expected, rows->errors ? bound : NULL);
+    for (size_t i = 0; i < n && rows->errors; i++) {
+        double whole = bound[i] + flushed + rounding * fabs(expected[i]);
+        bound[i] = whole <= DBL_MAX ? whole : -1;
+    }
+}
+
+/* ---- counts ---- */
+
+int counts_round(double counts)
+{
+    double positive = counts >= 0 ? counts : 0;
+    double clamped = positive < FULL_COUNT ? positive : FULL_COUNT;
+    return (int)(clamped + 0.5);
+}
+
+/* Whether a page can hold a value; NaN no page can. */
+static bool is_storable(double value)
+{
+    return fabs(value) <= (double)FLT_MAX;
+}
+
+/* Stores n samples given in units of full scale x FULL_COUNT. */
+static void store(const struct plan *plan, const double *counts, size_t n, double full_scale,
+                  size_t at, void *out, struct odd_samples *odd)
+{
+    double scale = plan->options.floating ? full_scale / FULL_COUNT : 1;
+    int clipped = 0, undefined = 0;
+    for (size_t i = 0; i < n; i++) {
+        clipped += !plan->options.floating && counts[i] >= FULL_COUNT + 0.5;
+        undefined += !is_storable(counts[i] * scale);
+    }
+    odd->clipped += (uint64_t)clipped;
+    odd->undefined += (uint64_t)undefined;
+    for (size_t i = 0; i < n && !plan->options.floating; i++)
+        ((uint16_t *)out)[at + i] = (uint16_t)counts_round(counts[i]);
+    for (size_t i = 0; i < n && plan->options.floating; i++)
+        ((float *)out)[at + i] = is_storable(counts[i] * scale) ? (float)(counts[i] * scale) : 0.0F;
+}
+
+struct odd_samples counts_of_reference(const struct plan *plan, const struct surface *surfaces,
+                                       const struct chunk *chunk, int band, double full_scale,
+                                       void *out)
+{
+    size_t n_pixels = (size_t)chunk->rows.width * (size_t)chunk->rows.height, n;
+    struct odd_samples odd = {0, 0};
+    double counts[BLOCK];
+    for (size_t at = 0; at < n_pixels; at += n) {
+        size_t last = n_pixels - at < BLOCK ? n_pixels : at + BLOCK;
+        struct rows rows = {chunk->weights + at, NULL, n_pixels};
+        for (n = 1; at + n < last && chunk->surface[at + n] == chunk->surface[at];)
+            n++;
+        if (chunk->surface[at] < 0)
+            memset(counts, 0, n * sizeof *counts);
+        else
+            counts_expect(plan, surfaces[chunk->surface[at]].finish, &rows, n, band, full_scale,
+                          counts, NULL);
+        store(plan, counts, n, full_scale, at, out, &odd);
+    }
+    return odd;
+}
+
+struct odd_samples counts_of_gl(const struct plan *plan, const struct tile *rows, int channel,
+                                double full_scale, const float *pixels, size_t stride, void *out)
+{
+    size_t width = (size_t)rows->width, n;
+    struct odd_samples odd = {0, 0};
+    double counts[BLOCK];
+    for (size_t y = 0; y < (size_t)rows->height; y++)
+        for (size_t x = 0; x < width; x += n) {
+            const float *from = pixels + (y * stride + x) * 4 + channel;
+            n = width - x < BLOCK ? width - x : BLOCK;
+            for (size_t i = 0; i < n; i++)
+                counts[i] = (double)from[4 * i] * FULL_COUNT;
+            store(plan, counts, n, full_scale, y * width + x, out, &odd);
+        }
+    return odd;
+}

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT */
+/* What the two files that know OpenGL share: mesa.c draws colours, identify.c the numbers of
+ * triangles. Nobody else includes this. */
+#ifndef MESA_H
+#define MESA_H
+
+#define GL_GLEXT_PROTOTYPES
+#include <GL/osmesa.h>
+/* after GL/gl.h, which osmesa.h includes */
+#include <GL/glext.h>
+
+#include "spectral.h"
+
+struct gl {
+    const struct plan *plan;
+    const struct surface *surfaces;
+    OSMesaContext context;
+    float *pixels; /* tile_height rows of tile_width pixels of 4 floats, from the top */
+    float *sum;    /* the same, of all passes; NULL where there is one */
+    uint32_t
+        *depths;     /* the same from the bottom: 24 bits of depth, 8 of stencil; NULL: unchecked */
+    GLuint *buffers; /* BUFFERS of each mesh */
+    GLuint *textures; /* of each texture */
+    struct tile tile;
+    struct gl_work work;
+};
+
+/* ---- raster/mesa.c ---- */
+
+/* Empties the aimed tile, and leaves lighting and textures switched off. */
+void gl_blacken(void);
+void gl_load_matrix(const struct matrix *m);
+/* False after any error since the last call. */
+bool gl_succeeded(struct error *err);
+
+#endif
