@@ -545,11 +545,12 @@ struct finish {
     bool ambient, emits, fluoresces;
 };
 
-/* A mesh, or a part of one, that is drawn: re-centred, so that single precision spends its digits
- * on the shape and not on where it stands. */
+/* A mesh, or a part of one, that is drawn: re-centred and brought to a common size, so that single
+ * precision spends its digits on the shape and not on where it stands. */
 struct plan_mesh {
     struct mesh mesh;
     struct vector centre; /* of the whole mesh */
+    double unit;          /* what its lengths are measured in: a power of two, about its size */
     bool textured;        /* some body of it is */
 };
 /* An object, or a part of one, as it will be drawn: transform and camera composed in double. */
@@ -567,6 +568,7 @@ struct plan_light {
     struct vector eye_spot;     /* unit vector along the axis of a spot */
     double spot_cosine;         /* of the cutoff */
     bool attenuated, spot;      /* whether the distance counts; whether it is a spot */
+    double attenuation[3];      /* of a distance in eye space */
     int first;                  /* light of the same spectrum; perhaps this one */
     double share;               /* of this light's radiation in that one's */
 };
@@ -593,6 +595,8 @@ struct plan {
     const struct scene *scene;
     struct plan_options options;
     int n_bands, n_passes; /* n_passes: groups of bands */
+    double unit; /* of lengths in eye space: a power of two, 1/1024 of the picture's size */
+    double near; /* distance of the near plane, in that unit */
     struct matrix view, projection;
     struct plan_mesh *meshes;
     struct finish *finishes;
@@ -662,6 +666,7 @@ struct lit_vertex {
     float slack_depth; /* bound on GL's error in z */
     float slack_w;     /* relative bound on GL's error in w */
     float clip_error;  /* bound on GL's error in any clip coordinate */
+    float near_error;  /* the same in z and w */
     bool exact;        /* GL makes no error in x and y, and they lie on a grid of 1/256 pixel */
 };
 struct surface {

@@ -463,6 +463,8 @@ static bool read_body(const struct word *word, double lowest, double highest, st
 static bool check_peak(const struct spectrum *s, double highest, struct error *err)
 {
     const double largest = s->factor * peak(s), limit = fmin(highest, DBL_MAX);
+    if (!isfinite(largest))
+        return error_at(err, s->place, "'%.100s' reaches what no number holds", s->name);
     return largest <= limit ||
            error_at(err, s->place,
                     "'%.100s' reaches %.15g, above %.15g; scale it by a factor, "

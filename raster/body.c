@@ -13,6 +13,7 @@ struct whole {
     const struct shape *shape;
     struct mesh mesh;
     struct vector centre;
+    double unit; /* as in plan_mesh */
 };
 /* What a mesh of the plan shows of a whole: one part, or all (-1), and of that one side of x = 0,
  * or both (-1). */
@@ -50,6 +51,19 @@ static struct vector centre_of(const struct mesh *mesh)
     return vector_add(vector_scale(low, 0.5), vector_scale(high, 0.5));
 }
 
+/* The power of two next to the largest distance from the centre along an axis. */
+static double unit_of(const struct mesh *mesh, struct vector centre)
+{
+    double largest = 0;
+    int exponent;
+    for (int i = 0; i < mesh->n_vertices; i++) {
+        struct vector p = vector_subtract(mesh->vertices[i].position, centre);
+        largest = fmax(largest, fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))));
+    }
+    frexp(largest, &exponent);
+    return largest > 0 ? ldexp(1, exponent) : 1;
+}
+
 static bool build_whole(struct whole *whole, struct error *err)
 {
     const struct shape *shape = whole->shape;
@@ -63,6 +77,7 @@ static bool build_whole(struct whole *whole, struct error *err)
         mesh->vertices[i].t *= shape->repeat[1];
     }
     whole->centre = centre_of(mesh);
+    whole->unit = unit_of(mesh, whole->centre);
     return true;
 }
 
@@ -88,7 +103,7 @@ static bool add_mesh(struct body_maker *maker, struct cutting cutting, struct me
                      struct error *err)
 {
     struct plan *plan = maker->plan;
-    struct vector centre = maker->wholes[cutting.whole].centre;
+    const struct whole *whole = &maker->wholes[cutting.whole];
     struct cutting *cuttings = array_more(maker->cuttings, plan->n_meshes, sizeof *cuttings, err);
     if (cuttings)
         maker->cuttings = cuttings;
@@ -99,10 +114,12 @@ static bool add_mesh(struct body_maker *maker, struct cutting cutting, struct me
         return false;
     }
     for (int i = 0; i < mesh->n_vertices; i++)
-        mesh->vertices[i].position = vector_subtract(mesh->vertices[i].position, centre);
+        mesh->vertices[i].position = vector_scale(
+            vector_subtract(mesh->vertices[i].position, whole->centre), 1 / whole->unit);
     plan->meshes = meshes;
     cuttings[plan->n_meshes] = cutting;
-    meshes[plan->n_meshes++] = (struct plan_mesh){.mesh = *mesh, .centre = centre};
+    meshes[plan->n_meshes++] =
+        (struct plan_mesh){.mesh = *mesh, .centre = whole->centre, .unit = whole->unit};
     return true;
 }
 
@@ -165,6 +182,36 @@ static bool is_mirrored(const struct matrix *m)
     return vector_dot(vector_cross(row[0], row[1]), row[2]) < 0;
 }
 
+/* From a mesh as it is drawn to the mesh as it was read. */
+static struct matrix placement(const struct plan_mesh *mesh)
+{
+    struct matrix place = matrix_translation(mesh->centre);
+    for (int i = 0; i < 3; i++)
+        place.row[i][i] = mesh->unit;
+    return place;
+}
+
+/* Whether Mesa can invert the upper 3x3 and use it on normals: in single precision its determinant
+ * must be a number above 1e-25 (m_matrix.c), and above its own rounding error, 16 of its terms; and
+ * so must be the square of what its inverse, cofactors over the determinant, makes of a normal. */
+static bool has_inverse(const struct matrix *m)
+{
+    double determinant = 0, magnitude = 0, largest = 0;
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        for (int row = 0; row < 3; row++) {
+            const double *a = m->row[(row + 1) % 3], *b = m->row[(row + 2) % 3];
+            double plus = a[j] * b[k], minus = a[k] * b[j];
+            largest = fmax(largest, fabs(plus - minus));
+            determinant += row == 0 ? m->row[0][i] * (plus - minus) : 0;
+            magnitude += row == 0 ? fabs(m->row[0][i]) * (fabs(plus) + fabs(minus)) : 0;
+        }
+    }
+    determinant = fabs(determinant);
+    return determinant > 2e-25 && determinant > magnitude * 16 / 16777216 && magnitude < 1e37 &&
+           largest < 1e18 * determinant;
+}
+
 static bool add_body(struct body_maker *maker, const struct object *object, struct cutting cutting,
                      const struct material *material, struct error *err)
 {
@@ -182,13 +229,13 @@ static bool add_body(struct body_maker *maker, const struct object *object, stru
     if (!finish_find(plan, material, &body.finish, err))
         return false;
     mesh->textured = mesh->textured || plan->finishes[body.finish].texture;
-    body.model_view = matrix_product(
-        plan->view, matrix_product(object->transform, matrix_translation(mesh->centre)));
+    body.model_view =
+        matrix_product(plan->view, matrix_product(object->transform, placement(mesh)));
     body.mirrored = is_mirrored(&body.model_view);
-    if (!matrix_normal(&body.model_view, &body.normal_matrix))
+    if (!matrix_normal(&body.model_view, &body.normal_matrix) || !has_inverse(&body.model_view))
         return error_at(err, object->place,
-                        "the object's transform is singular or not finite; "
-                        "scale factors must not be 0 nor overflow together");
+                        "the object's transform is singular or not finite, or the object is too "
+                        "small, too large or too flat beside the picture for single precision");
     more[plan->n_bodies++] = body;
     plan->n_vertices += mesh->mesh.n_vertices;
     plan->n_triangles += mesh->mesh.n_triangles;

@@ -50,8 +50,8 @@ void counts_expect(const struct plan *plan, const struct finish *finish, const s
     if (rows->errors)
         memset(bound, 0, n * sizeof *bound);
     for (int t = 0; t < finish->n_terms; t++) {
-        double spectrum = finish->spectra[(size_t)t * (size_t)plan->n_bands + (size_t)band] *
-                          (FULL_COUNT / full_scale);
+        double spectrum = finish->spectra[(size_t)t * (size_t)plan->n_bands + (size_t)band] /
+                          full_scale * FULL_COUNT;
         const double *weight = rows->weights + (size_t)t * rows->stride;
         for (size_t i = 0; i < n; i++)
             expected[i] += weight[i] * spectrum;

@@ -38,6 +38,7 @@ static double depth_error(const struct facet *facet, bool loose)
     return loose ? HUGE_VAL : facet->depth_error;
 }
 
+/* Rids a pixel's list of what lies behind its limit. */
 static void drop_hidden(struct coverage *coverage, struct pixel *pixel)
 {
     int32_t *link = &pixel->head;
@@ -49,6 +50,7 @@ static void drop_hidden(struct coverage *coverage, struct pixel *pixel)
             continue;
         }
         int32_t dropped = *link;
+        pixel->n_candidates--;
         *link = fragment->next;
         fragment->next = coverage->unused;
         coverage->unused = dropped;
@@ -62,9 +64,11 @@ static bool add_fragment(struct coverage *coverage, struct pixel *pixel,
     double error = depth_error(&coverage->facets[fragment->facet], fragment->loose);
     if (fragment->depth - error > pixel->limit)
         return true;
-    if (definite && fragment->depth + error < pixel->limit) {
-        pixel->limit = fragment->depth + error;
+    if (definite)
+        pixel->limit = fmin(pixel->limit, fragment->depth + error);
+    if (pixel->n_candidates >= 2 * pixel->n_pruned) { /* seldom enough that time stays linear */
         drop_hidden(coverage, pixel);
+        pixel->n_pruned = pixel->n_candidates + 1;
     }
     int32_t place = coverage->unused;
     if (place >= 0) {
@@ -78,6 +82,7 @@ static bool add_fragment(struct coverage *coverage, struct pixel *pixel,
     coverage->fragments[place] = *fragment;
     coverage->fragments[place].next = pixel->head;
     pixel->head = place;
+    pixel->n_candidates++;
     return true;
 }
 
@@ -215,21 +220,33 @@ static double depth_at(const struct facet *facet, const struct edge_values *edge
            sum;
 }
 
-/* Notes the pieces that have no bound, so that only pixels upon them go without. */
-static bool note_thin_pieces(struct coverage *coverage, struct facet *facet)
+static bool is_watertight(const struct coverage *coverage, const struct facet *facet)
+{
+    return coverage->surfaces[facet->surface].driver->watertight;
+}
+
+/* Notes the pieces that have no bound, so that only pixels upon them go without; all pieces where
+ * seams between them may leak. */
+static bool note_pieces(struct coverage *coverage, struct facet *facet)
 {
     struct piece pieces[CLIP_CORNERS - 2];
+    bool leaks = !is_watertight(coverage, facet);
+    if (!facet->thin && !(leaks && facet->straddles))
+        return true;
     int n = facet_pieces(coverage->plan, coverage->surfaces, coverage->tile, facet, pieces);
-    facet->first_thin = (int32_t)coverage->n_thin;
+    facet->first_piece = (int32_t)coverage->n_pieces;
     for (int i = 0; i < n; i++) {
-        if (bound_magnification(&pieces[i].outline) < HUGE_VAL)
+        bool thin = bound_magnification(&pieces[i].outline) == HUGE_VAL;
+        if (!thin && !(leaks && n > 1))
             continue;
-        if (!array_grow(&coverage->thin, &coverage->thin_capacity, coverage->n_thin + 1,
-                        sizeof *coverage->thin))
+        if (!array_grow(&coverage->pieces, &coverage->piece_capacity, coverage->n_pieces + 1,
+                        sizeof *coverage->pieces))
             return false;
-        coverage->thin[coverage->n_thin] = pieces[i].outline;
-        coverage->thin[coverage->n_thin++].slack_px = facet->edge_px;
-        facet->n_thin++;
+        struct odd_piece *piece = &coverage->pieces[coverage->n_pieces++];
+        *piece = (struct odd_piece){pieces[i].outline, thin};
+        piece->outline.edge_px = facet->edge_px;
+        facet->n_pieces++;
+        facet->n_thin += thin;
     }
     return true;
 }
@@ -244,18 +261,34 @@ static double most(const double v[3])
     return fmax(v[0], fmax(v[1], v[2]));
 }
 
-/* Whether OpenGL may show a triangle at a point. One without area touches its longest edge only. */
-static bool touches(const struct outline *outline, double px, double py)
+/* Whether OpenGL may show a piece at a point. One without area touches its longest edge only. */
+static enum presence touches(const struct outline *outline, double px, double py)
 {
-    const double *x = outline->x, *y = outline->y, error = outline->slack_px;
+    const double *x = outline->x, *y = outline->y, error = outline->edge_px;
     struct edge_values edges;
+    if (least(x) - error > px || px > most(x) + error || least(y) - error > py ||
+        py > most(y) + error)
+        return IMPOSSIBLE;
     edges_at(x, y, px, py, error, &edges);
     double turn = edges.e[0] + edges.e[1] + edges.e[2] < 0 ? -1 : 1;
-    bool inside = least(x) - error <= px && px <= most(x) + error && least(y) - error <= py &&
-                  py <= most(y) + error;
-    for (int i = 0; i < 3; i++)
-        inside = inside && turn * edges.e[i] >= -edges.slack[i];
-    return inside;
+    enum presence presence = DEFINITE;
+    for (int i = 0; i < 3; i++) {
+        if (turn * edges.e[i] < -edges.slack[i])
+            return IMPOSSIBLE;
+        if (!(turn * edges.e[i] > edges.slack[i]))
+            presence = POSSIBLE;
+    }
+    return presence;
+}
+
+/* Whether a point lies where OpenGL sets two pieces of a facet side by side. */
+static bool is_on_seam(const struct coverage *coverage, const struct facet *facet, double px,
+                       double py)
+{
+    for (int32_t i = 0; i < facet->n_pieces; i++)
+        if (touches(&coverage->pieces[facet->first_piece + i].outline, px, py) == POSSIBLE)
+            return true;
+    return false;
 }
 
 /* Whether OpenGL's error has no bound at a point: upon a piece that is too thin for one, or so far
@@ -270,9 +303,11 @@ static bool is_loose(const struct coverage *coverage, const struct facet *facet,
     }
     if (!(2 * facet->e_inverse_w * sum <= inverse_w))
         return true;
-    for (int32_t i = 0; i < facet->n_thin; i++)
-        if (touches(&coverage->thin[facet->first_thin + i], px, py))
+    for (int32_t i = 0; i < facet->n_pieces && facet->n_thin > 0; i++) {
+        const struct odd_piece *piece = &coverage->pieces[facet->first_piece + i];
+        if (piece->thin && touches(&piece->outline, px, py) != IMPOSSIBLE)
             return true;
+    }
     return false;
 }
 
@@ -302,6 +337,10 @@ static bool visit_pixel(struct coverage *coverage, int32_t index, int x, int y)
     if (!(depth > error && depth < 1 - error)) { /* the near or the far plane may cut it off */
         presence = POSSIBLE;
         pixel->open = true;
+    }
+    if (!is_watertight(coverage, facet) && is_on_seam(coverage, facet, x + 0.5, y + 0.5)) {
+        presence = POSSIBLE;
+        pixel->n_possible++; /* one by each piece */
     }
     count_fragment(coverage, facet, &edges, presence, covered, pixel);
     return coverage->surfaces[facet->surface].body->twin ||
@@ -338,7 +377,7 @@ static bool cover_triangle(struct coverage *coverage, int surface, int triangle)
         if (!array_grow(&coverage->facets, &coverage->facet_capacity, coverage->n_facets + 1,
                         sizeof *coverage->facets))
             return false;
-        if (facets[i].thin && !note_thin_pieces(coverage, &facets[i]))
+        if (!note_pieces(coverage, &facets[i]))
             return false;
         coverage->facets[coverage->n_facets] = facets[i];
         if (!scan_facet(coverage, (int32_t)coverage->n_facets++))
@@ -365,6 +404,8 @@ bool coverage_fill(struct coverage *coverage)
             if (!cover_triangle(coverage, s, t))
                 return false;
     }
+    for (size_t i = 0; i < n_pixels; i++)
+        drop_hidden(coverage, &coverage->pixels[i]);
     return true;
 }
 
@@ -373,5 +414,5 @@ void coverage_free(struct coverage *coverage)
     free(coverage->pixels);
     free(coverage->facets);
     free(coverage->fragments);
-    free(coverage->thin);
+    free(coverage->pieces);
 }

@@ -66,7 +66,8 @@ struct facet {
     bool cut;          /* by the near or the far plane */
     bool straddles;    /* OpenGL cuts it at the tile's border */
     bool thin; /* a piece that OpenGL makes of it is too thin for a bound on single precision */
-    int32_t first_thin, n_thin; /* such pieces, as its chunk keeps them */
+    int32_t first_piece, n_pieces,
+        n_thin; /* those that its chunk keeps, and the thin ones of them */
     double x[3], y[3], z[3], inverse_w[3];
     double share[3][3]; /* of each corner: barycentric coordinates in the whole triangle */
     double twice_area;
@@ -95,6 +96,12 @@ int facet_pieces(const struct plan *plan, const struct surface *surfaces, const 
 
 /* ---- raster/coverage.c: fragments ---- */
 
+/* A piece of a facet that does not behave like the whole of it. */
+struct odd_piece {
+    struct outline outline; /* with edge_px as OpenGL follows edges */
+    bool thin;
+};
+
 /* A fragment kept for a pixel: a link in the pixel's list. */
 struct fragment {
     int32_t facet, next;
@@ -102,8 +109,9 @@ struct fragment {
     double depth;
 };
 struct pixel {
-    int32_t winner; /* facet of the reference's own fragment; -1: none */
-    int32_t head;   /* first fragment of the list of candidates; -1: empty */
+    int32_t winner;                 /* facet of the reference's own fragment; -1: none */
+    int32_t head;                   /* first fragment of the list of candidates; -1: empty */
+    int32_t n_candidates, n_pruned; /* in the list; when it was last rid of hidden ones */
     double winner_depth;
     double limit; /* upper bound on the depth of the nearest definite fragment; HUGE_VAL: none */
     /* fragments, hidden ones too: those that there must be, may be, and the reference has of these
@@ -123,8 +131,8 @@ struct coverage {
     struct pixel *pixels;
     struct facet *facets;
     struct fragment *fragments;
-    struct outline *thin; /* pieces of facets that are too thin for a bound, for following edges */
-    size_t n_facets, n_fragments, n_thin, facet_capacity, fragment_capacity, thin_capacity;
+    struct odd_piece *pieces; /* too thin for a bound; all, where a driver's edges leak */
+    size_t n_facets, n_fragments, n_pieces, facet_capacity, fragment_capacity, piece_capacity;
     int32_t unused; /* list of fragments to use again */
 };
 /* Finds the fragments of all pixels of coverage->rows; plan, surfaces, tile and rows are set.

@@ -39,10 +39,10 @@ static void whole_corners(const struct surface *surface, const int32_t vertex[3]
     }
 }
 
-/* The planes in Mesa's order: right, left, top, bottom of the tile, then near, far. `margin` widens
- * near and far by what single precision may be off there, so that no possible pixel is lost. */
-static void planes_of(const struct plan *plan, const struct tile *tile, double margin,
-                      struct clip_plane planes[CLIP_PLANES])
+/* The planes in Mesa's order: right, left, top, bottom of the tile, then near, far. Margins widen
+ * the last two by what single precision may be off there, so that no possible pixel is lost. */
+static void planes_of(const struct plan *plan, const struct tile *tile, double near_margin,
+                      double far_margin, struct clip_plane planes[CLIP_PLANES])
 {
     double width = plan->scene->width, height = plan->scene->height;
     double left = 2 * tile->x / width - 1, right = 2 * (tile->x + tile->width) / width - 1;
@@ -51,8 +51,8 @@ static void planes_of(const struct plan *plan, const struct tile *tile, double m
     planes[1] = (struct clip_plane){{1, 0, 0, -left}, 0};
     planes[2] = (struct clip_plane){{0, -1, 0, top}, 0};
     planes[3] = (struct clip_plane){{0, 1, 0, -bottom}, 0};
-    planes[4] = (struct clip_plane){{0, 0, 1, 1}, margin};
-    planes[5] = (struct clip_plane){{0, 0, -1, 1}, margin};
+    planes[4] = (struct clip_plane){{0, 0, 1, 1}, near_margin};
+    planes[5] = (struct clip_plane){{0, 0, -1, 1}, far_margin};
 }
 
 /* ---- one facet ---- */
@@ -187,7 +187,7 @@ int facet_pieces(const struct plan *plan, const struct surface *surfaces, const 
     struct corner whole[3], left[CLIP_CORNERS];
     struct clip_plane planes[CLIP_PLANES];
     whole_corners(surface, facet->vertex, whole);
-    planes_of(plan, tile, 0, planes);
+    planes_of(plan, tile, 0, 0, planes);
     int n = clip_triangle(whole, planes, CLIP_PLANES, left);
     struct facet part = *facet;
     double clip_error = clip_error_of(surface, facet->vertex);
@@ -272,13 +272,15 @@ static int depth_pieces(const struct plan *plan, const struct surface *surfaces,
                         struct facet out[FACETS_PER_TRIANGLE])
 {
     const struct surface *surface = &surfaces[triangle->surface];
-    double clip_error = clip_error_of(surface, triangle->vertex);
+    double error = 0;
     struct corner whole[3], left[CLIP_CORNERS];
     struct clip_plane planes[CLIP_PLANES];
+    for (int i = 0; i < 3; i++)
+        error = fmax(error, (double)surface->vertices[triangle->vertex[i]].near_error);
     /* w at the near plane; a wider margin would let w = 0 in */
-    double near_w = plan->scene->camera.perspective ? plan->scene->camera.near : 1;
+    double near_w = plan->scene->camera.perspective ? plan->near : 1;
     whole_corners(surface, triangle->vertex, whole);
-    planes_of(plan, tile, fmin(2 * clip_error, 0.25 * near_w), planes);
+    planes_of(plan, tile, fmin(2 * error, 0.25 * near_w), 2 * error, planes);
     int n = clip_triangle(whole, planes + 4, 2, left), n_out = 0;
     for (int i = 2; i < n; i++) {
         struct facet *piece = &out[n_out++];

@@ -68,6 +68,8 @@ static struct plan_light plan_light(const struct plan *plan, const struct light 
         return out;
     }
     out.eye_position = matrix_point(&plan->view, light->position);
+    for (int i = 0; i < 3; i++)
+        out.attenuation[i] = k[i] * (i > 0 ? plan->unit : 1) * (i > 1 ? plan->unit : 1);
     out.attenuated = k[0] != 1 || k[1] != 0 || k[2] != 0;
     out.spot = light->spot && light->spot_cutoff_deg <= 90;
     if (out.spot) {
@@ -79,6 +81,24 @@ static struct plan_light plan_light(const struct plan *plan, const struct light 
     return out;
 }
 
+/* Whether OpenGL can take a light's distances and their squares in single precision. */
+static bool check_light(const struct plan_light *light, struct error *err)
+{
+    const double *k = light->attenuation;
+    if (light->light->directional)
+        return true;
+    if (!(vector_length(light->eye_position) < FARTHEST))
+        return error_at(err, light->light->place,
+                        "this light is too far away for single precision; give it a direction");
+    for (int i = 0; i < 3; i++)
+        if (!(k[i] < 1e18))
+            return error_at(err, light->light->attenuation_place,
+                            "attenuation %g is too strong for single precision, beside the "
+                            "picture's size",
+                            light->light->attenuation[i]);
+    return true;
+}
+
 bool lights_list(struct plan *plan, struct error *err)
 {
     const struct scene *scene = plan->scene;
@@ -88,6 +108,8 @@ bool lights_list(struct plan *plan, struct error *err)
     for (int i = 0; i < scene->n_lights; i++)
         if (scene->lights[i].intensity != 0 && !is_zero(&scene->lights[i].spectrum)) {
             plan->lights[plan->n_lights] = plan_light(plan, &scene->lights[i]);
+            if (!check_light(&plan->lights[plan->n_lights], err))
+                return false;
             find_first(plan, plan->n_lights++);
         }
     return true;

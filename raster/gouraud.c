@@ -113,7 +113,9 @@ static double interpolate(struct shading *shading, int32_t index, int x, int y)
     double share[3], inverse_w = shares_at(facet, x + 0.5, y + 0.5, share);
     const struct attribute_bound *bounds =
         shading->bounds + (size_t)index * shading->max_attributes;
-    float over = (float)(1 / (inverse_w - facet->e_inverse_w));
+    /* where 1 / w is not known to be positive the fragment is loose */
+    double least = inverse_w - facet->e_inverse_w;
+    float over = least > 0 ? (float)(1 / least) : 0;
     for (size_t a = 0; a < (size_t)surface->n_attributes; a++) {
         bool flat = is_flat(shading, facet, a);
         const int32_t *vertex = flat ? &facet->provoking : facet->vertex;

@@ -39,19 +39,25 @@ static void cofactor_magnitudes(const struct matrix *m, double out[3][3])
         }
 }
 
-/* How far the upper 3x3 is from a rotation. Mesa takes a modelview within 1e-6 of rigid for rigid
- * (m_matrix.c) and then uses its transpose as its inverse, so such a distance is an error. */
+/* How far the upper 3x3 is from a rotation, scaled by the same in all directions. Mesa takes it for
+ * one where the squared lengths of its columns and their products are apart by less than 1e-6
+ * (m_matrix.c), and then uses its transpose for its inverse, so that such a distance is an error.
+ */
 static double distance_from_rigid(const struct matrix *m)
 {
-    double distance = 0;
+    double dots[3][3], distance = 0;
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
-            double dot = 0;
+            dots[i][j] = 0;
             for (int k = 0; k < 3; k++)
-                dot += m->row[k][i] * m->row[k][j];
-            distance = fmax(distance, fabs(dot - (i == j)));
+                dots[i][j] += m->row[k][i] * m->row[k][j];
         }
-    return distance < 4e-6 ? distance : 0;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            distance = fmax(distance, fabs(dots[i][j] - (i == j) * dots[0][0]));
+    if (fabs(dots[0][0] - 1) < 4e-6) /* Mesa may leave a scale away that is so near 1 */
+        distance = fmax(distance, fabs(dots[0][0] - 1));
+    return distance < 4e-6 ? 3 * distance / dots[0][0] : 0;
 }
 
 struct body_bounds body_bounds(const struct body *body)
@@ -198,7 +204,7 @@ static struct weight diffuse_weight(struct cosine n_l)
 /* 1 / (k0 + k1 d + k2 d^2). NaN where OpenGL's divisor may be anything: a light at the vertex. */
 static struct weight attenuation(const struct plan_light *light, const struct path *path)
 {
-    const double *k = light->light->attenuation, d = path->length, e_d = path->e_length;
+    const double *k = light->attenuation, d = path->length, e_d = path->e_length;
     double divisor = k[0] + k[1] * d + k[2] * d * d;
     /* OpenGL may flush factors below the least normal number to 0 */
     double flushed = (double)FLT_MIN * (1 + d + d * d);
@@ -213,6 +219,9 @@ static struct weight falloff(const struct plan_light *light, const struct path *
                              const struct vertex_view *view)
 {
     struct weight out = {1, 0};
+    /* Mesa multiplies by 0 / 0 where it takes light and vertex for one */
+    if (path->length <= path->e_length)
+        return (struct weight){(double)NAN, 0};
     if (light->attenuated)
         out = attenuation(light, path);
     if (light->spot) {

@@ -240,7 +240,7 @@ static void place_light(GLenum name, const struct plan_light *light)
     glLightfv(name, GL_AMBIENT, black);
     glLightfv(name, GL_POSITION, position);
     for (int i = 0; i < 3; i++)
-        glLightf(name, attenuations[i], (GLfloat)source->attenuation[i]);
+        glLightf(name, attenuations[i], (GLfloat)light->attenuation[i]);
     glLightf(name, GL_SPOT_CUTOFF, light->spot ? (GLfloat)source->spot_cutoff_deg : 180.0F);
     glLightf(name, GL_SPOT_EXPONENT, light->spot ? (GLfloat)source->spot_exponent : 0.0F);
     if (light->spot)

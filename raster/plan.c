@@ -23,6 +23,19 @@ enum { LARGEST_TILE = 8192 };
 
 /* ---- camera and tiles ---- */
 
+/* A unit for eye space in which what is seen measures 1024 to 2048, so that squares and
+ * determinants of lengths, however small or large the scene, are numbers in single precision, and
+ * differences that Mesa takes for none are none. A power of two changes no digit. */
+static double unit_of(const struct camera *camera)
+{
+    int exponent;
+    double size = fmax(fabs(camera->near), fabs(camera->far));
+    if (!camera->perspective)
+        size = fmax(size, camera->extent);
+    frexp(size, &exponent);
+    return ldexp(1, exponent - 11);
+}
+
 /* Eye space to clip space, as OpenGL's glOrtho and glFrustum define it. */
 static struct matrix projection_of(const struct camera *camera, int width, int height)
 {
@@ -91,14 +104,20 @@ static bool allocate(struct plan *plan, struct error *err)
 bool plan_make(const struct scene *scene, const struct plan_options *options, struct plan *out,
                struct error *err)
 {
-    const struct camera *camera = &scene->camera;
-    *out = (struct plan){.scene = scene, .options = *options};
+    struct camera camera = scene->camera;
+    *out = (struct plan){.scene = scene, .options = *options, .unit = unit_of(&camera)};
+    camera.near /= out->unit;
+    camera.far /= out->unit;
+    camera.extent /= camera.perspective ? 1 : out->unit;
     if (out->options.threads == 0)
         out->options.threads = available_threads();
     out->n_bands = scene->n_wavelengths;
     out->n_passes = (out->n_bands + BANDS_PER_PASS - 1) / BANDS_PER_PASS;
-    out->view = matrix_look_at(camera->eye, camera->look, camera->up);
-    out->projection = projection_of(camera, scene->width, scene->height);
+    out->near = camera.near;
+    out->view =
+        matrix_product(matrix_scaling((struct vector){1 / out->unit, 1 / out->unit, 1 / out->unit}),
+                       matrix_look_at(camera.eye, camera.look, camera.up));
+    out->projection = projection_of(&camera, scene->width, scene->height);
     if (!allocate(out, err) || !lights_list(out, err) || !bodies_make(out, err) ||
         !lights_drop_idle(out, err))
         return false;

@@ -6,6 +6,9 @@
 
 #include "spectral.h"
 
+/* Distances in eye space are below this: their squares are numbers in single precision. */
+#define FARTHEST 1e18
+
 /* ---- raster/finish.c: materials and lights become terms ---- */
 
 /* Lists all lights that may shine; finishes then use those that matter to them. */

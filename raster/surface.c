@@ -2,9 +2,12 @@
 /* The reference's surfaces: where the vertices of each body stand in the window, how far OpenGL may
  * be off there, and what becomes of them together. u = 2^-24 is the unit roundoff of single
  * precision; "e_" is a bound on an absolute error. */
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
+#include "coverage.h"
 #include "light.h"
 
 static const double u = 1.0 / 16777216;
@@ -45,6 +48,7 @@ static void place_vertex(const struct plan *plan, const double magnitude[4], str
            half_height = 0.5 * plan->scene->height;
     double largest = fmax(fmax(magnitude[0], magnitude[1]), fmax(magnitude[2], magnitude[3]));
     out->clip_error = (float)(TRANSFORM_ROUNDINGS * u * largest);
+    out->near_error = (float)(TRANSFORM_ROUNDINGS * u * fmax(magnitude[2], magnitude[3]));
     if (!(w > 0))
         return;
     double nx = out->clip[0] / w, ny = out->clip[1] / w, nz = out->clip[2] / w;
@@ -174,6 +178,44 @@ static bool check_vertex(const struct surface *surface, int index, struct error 
                                          index + 1);
 }
 
+/* The least w of what the sides of the view, widened by how far OpenGL may be off, leave of a
+ * triangle; HUGE_VAL: nothing. */
+static double least_w(const struct surface *surface, const int32_t vertex[3])
+{
+    struct clip_plane sides[4] = {
+        {{-1, 0, 0, 1}, 0}, {{1, 0, 0, 1}, 0}, {{0, -1, 0, 1}, 0}, {{0, 1, 0, 1}, 0}};
+    struct corner whole[3], left[CLIP_CORNERS];
+    double least = HUGE_VAL;
+    for (int i = 0; i < 3; i++) {
+        const struct lit_vertex *corner = &surface->vertices[vertex[i]];
+        whole[i] = (struct corner){.whole = i};
+        memcpy(whole[i].clip, corner->clip, sizeof whole[i].clip);
+        for (int p = 0; p < 4; p++)
+            sides[p].offset = fmax(sides[p].offset, 2 * (double)corner->clip_error);
+    }
+    int n = clip_triangle(whole, sides, 4, left);
+    for (int i = 0; i < n; i++)
+        least = fmin(least, left[i].clip[3]);
+    return least;
+}
+
+/* Where a triangle reaches the eye, OpenGL must know depths better than where the near plane is. */
+static bool check_near(const struct plan *plan, const struct surface *surface, int triangle,
+                       struct error *err)
+{
+    const int32_t *vertex = surface->mesh->triangles[triangle];
+    double error = 0;
+    for (int i = 0; i < 3; i++)
+        error = fmax(error, (double)surface->vertices[vertex[i]].near_error);
+    return error <= 0.25 * plan->near || least_w(surface, vertex) > 8 * error ||
+           error_at(
+               err, surface->body->object->place,
+               "triangle %d of this object reaches the eye, and single precision does not know "
+               "depths there better than %.3g; the camera's near plane, at %.6g, must lie "
+               "farther away",
+               triangle + 1, error * plan->unit, plan->scene->camera.near);
+}
+
 /* Window bounds of the whole surface, or everything where a vertex is beside or behind the eye. */
 static void surface_bounds(struct surface *surface)
 {
@@ -221,6 +263,9 @@ static bool surface_light(const struct plan *plan, const struct driver *driver,
     for (int i = 0; i < n_vertices; i++)
         if (!check_vertex(out, i, err))
             return false;
+    for (int i = 0; i < out->mesh->n_triangles && plan->scene->camera.perspective; i++)
+        if (!check_near(plan, out, i, err))
+            return false;
     surface_bounds(out);
     return true;
 }
@@ -260,6 +305,19 @@ static double largest_radiance(const struct plan *plan, const struct surface *su
     return finish->texture ? largest * finish->texture->largest : largest;
 }
 
+/* The colours that OpenGL is given are spectra over full scale: below 2^100 they, and their sums,
+ * are numbers in single precision. What is seen beside such light is black. */
+static double least_full_scale(const struct plan *plan)
+{
+    double largest = 0, share = 1;
+    for (int i = 0; i < plan->n_lights; i++)
+        share = fmax(share, plan->lights[i].share);
+    for (int f = 0; f < plan->n_finishes; f++)
+        for (int t = 0; t < plan->finishes[f].n_terms; t++)
+            largest = fmax(largest, plan->finishes[f].terms[t].peak);
+    return ldexp(largest * share, -100);
+}
+
 bool surfaces_full_scale(const struct plan *plan, const struct surface *surfaces, double *out,
                          struct error *err)
 {
@@ -273,8 +331,20 @@ bool surfaces_full_scale(const struct plan *plan, const struct surface *surfaces
                                 "the radiance of vertex %d at %.10g nm is not finite; lights and "
                                 "factors are too large",
                                 vertex + 1, plan->scene->wavelengths_nm[band]);
+            if (plan->options.floating && radiance > (double)FLT_MAX)
+                return error_at(err, surfaces[s].body->object->place,
+                                "the radiance of vertex %d at %.10g nm is %.3g, above what a float "
+                                "page holds",
+                                vertex + 1, plan->scene->wavelengths_nm[band], radiance);
             largest = fmax(largest, radiance);
         }
+    if (plan->options.floating && largest > 0 && largest < (double)FLT_MIN / u)
+        return error_at(
+            err, surfaces[0].body->object->place,
+            "the largest radiance is %.3g, so small that a float page would lose digits; "
+            "lights and factors are too small",
+            largest);
+    largest = fmax(largest, least_full_scale(plan));
     *out = largest > 0 ? largest : 1;
     return true;
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* How samples compare with what is expected of them, and the sums over many of them. */
+#include <float.h>
 #include <math.h>
 
 #include "check.h"
@@ -105,11 +106,12 @@ enum { BINS_PER_OCTAVE = 8, FIRST_OCTAVE = -16 };
 
 void floor_note(struct check_floor *to, double counts)
 {
-    int exponent;
+    int exponent, bin = counts > 0 ? FLOOR_BINS - 1 : 0;
     double fraction = frexp(counts, &exponent); /* counts = fraction x 2^exponent, from 0.5 to 1 */
-    int bin =
-        (exponent - FIRST_OCTAVE) * BINS_PER_OCTAVE + (int)(2 * BINS_PER_OCTAVE * (fraction - 0.5));
-    to->bins[bin < 0 || counts == 0 ? 0 : bin < FLOOR_BINS ? bin : FLOOR_BINS - 1]++;
+    if (counts > 0 && counts <= DBL_MAX)
+        bin = (exponent - FIRST_OCTAVE) * BINS_PER_OCTAVE +
+              (int)(2 * BINS_PER_OCTAVE * (fraction - 0.5));
+    to->bins[bin < 0 ? 0 : bin < FLOOR_BINS ? bin : FLOOR_BINS - 1]++;
     to->n++;
     to->worst = fmax(to->worst, counts);
 }
