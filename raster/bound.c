@@ -22,7 +22,7 @@ struct edges {
     double twice_area;    /* not negative */
     double width, height; /* of the bounding box, a pixel added for extrapolation */
     double e_area;        /* relative rounding error of the area in single precision */
-    double thinness;      /* relative change of the area when each corner is off by slack_px */
+    double thinness;      /* relative change of the area when each corner is off by its slack */
     double spread;        /* sum of |l_i| at a pixel that OpenGL may cover: 1 inside */
 };
 
@@ -44,10 +44,13 @@ static struct edges edges_of(const struct outline *outline)
     edges.width = high_x - low_x + 1;
     edges.height = high_y - low_y + 1;
     edges.e_area = u * (3 * (fabs(e) + fabs(f)) / edges.twice_area + 2);
-    double perimeter = 0;
-    for (int i = 0; i < 3; i++)
-        perimeter += fabs(edges.dx[i]) + fabs(edges.dy[i]);
-    edges.thinness = 2 * outline->slack_px * perimeter / edges.twice_area;
+    double perimeter = 0, change = 8 * outline->slack_px * outline->slack_px;
+    for (int i = 0; i < 3; i++) { /* a corner moves the area by the length of the edge opposite */
+        double length = fabs(edges.dx[i]) + fabs(edges.dy[i]);
+        perimeter += length;
+        change += outline->corner_slack[(i + 2) % 3] * length;
+    }
+    edges.thinness = change / edges.twice_area;
     edges.spread = 1 + 2 * outline->edge_px * perimeter / edges.twice_area;
     return edges;
 }

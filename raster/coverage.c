@@ -292,7 +292,7 @@ static bool is_on_seam(const struct coverage *coverage, const struct facet *face
 }
 
 /* Whether OpenGL's error has no bound at a point: upon a piece that is too thin for one, or so far
- * away that roundings of 1 / w, made where it is larger, are not small. */
+ * away that roundings of 1 / w, made where it is larger, may be nearly all of it. */
 static bool is_loose(const struct coverage *coverage, const struct facet *facet,
                      const struct edge_values *edges, double px, double py)
 {
@@ -301,7 +301,7 @@ static bool is_loose(const struct coverage *coverage, const struct facet *facet,
         sum += edges->e[i];
         inverse_w += edges->e[i] * facet->inverse_w[i];
     }
-    if (!(2 * facet->e_inverse_w * sum <= inverse_w))
+    if (!(1.125 * facet->e_inverse_w * sum <= inverse_w))
         return true;
     for (int32_t i = 0; i < facet->n_pieces && facet->n_thin > 0; i++) {
         const struct odd_piece *piece = &coverage->pieces[facet->first_piece + i];

@@ -34,9 +34,10 @@ int clip_triangle(const struct corner whole[3], const struct clip_plane *planes,
 /* A triangle that OpenGL sets up for interpolation: window corners relative to the tile. */
 struct outline {
     double x[3], y[3], inverse_w[3];
-    double slack_px, slack_w;
-    double edge_px;          /* how far pixels that OpenGL covers may lie outside */
-    double reach_x, reach_y; /* largest window coordinates in the tile */
+    double corner_slack[3];   /* bounds on GL's error in x and y of each, in pixels */
+    double slack_px, slack_w; /* the largest of these; relative bound on GL's error in w */
+    double edge_px;           /* how far pixels that OpenGL covers may lie outside */
+    double reach_x, reach_y;  /* largest window coordinates in the tile */
 };
 /* Above 1: the factor by which thinness magnifies all bounds; HUGE_VAL where it leaves none. */
 double bound_magnification(const struct outline *outline);

@@ -29,13 +29,16 @@ static bool beside(const struct surface *surface, const int32_t vertex[3], const
            fmin(a->y, fmin(b->y, c->y)) - slack > rows->y + rows->height;
 }
 
-static void whole_corners(const struct surface *surface, const int32_t vertex[3],
+/* The corners of a whole triangle in the order in which OpenGL gets them, which decides how it cuts
+ * them into pieces. turned: they lie in vertex[] the other way round. */
+static void whole_corners(const struct surface *surface, const int32_t vertex[3], bool turned,
                           struct corner out[3])
 {
     for (int i = 0; i < 3; i++) {
-        out[i] = (struct corner){.whole = i};
-        memcpy(out[i].clip, surface->vertices[vertex[i]].clip, sizeof out[i].clip);
-        out[i].share[i] = 1;
+        int whole = turned ? (3 - i) % 3 : i;
+        out[i] = (struct corner){.whole = whole};
+        memcpy(out[i].clip, surface->vertices[vertex[whole]].clip, sizeof out[i].clip);
+        out[i].share[whole] = 1;
     }
 }
 
@@ -76,28 +79,36 @@ static void set_corner(const struct plan *plan, const struct surface *surface,
     out->inverse_w[i] = 1 / w;
 }
 
-/* Bounds on a corner's place, depth and w. A cut adds its own error to those of the whole corners,
- * in clip coordinates. */
-static void widen(const struct plan *plan, const struct surface *surface,
-                  const struct corner *corner, double clip_error, struct facet *facet)
+/* Bounds on OpenGL's errors in a corner's place, w and depth. */
+struct slack {
+    double px, w, depth;
+};
+
+/* A cut adds its own error to those of the whole corners, in clip coordinates. */
+static struct slack slack_of(const struct plan *plan, const struct surface *surface,
+                             const struct facet *facet, const struct corner *corner,
+                             double clip_error)
 {
-    double slack_px, slack_w, slack_depth;
     if (corner->whole >= 0) {
         const struct lit_vertex *vertex = &surface->vertices[facet->vertex[corner->whole]];
-        slack_px = (double)vertex->slack_px;
-        slack_w = (double)vertex->slack_w;
-        slack_depth = (double)vertex->slack_depth;
-    } else {
-        double half = 0.5 * fmax(plan->scene->width, plan->scene->height), w = corner->clip[3];
-        double nx = fabs(corner->clip[0] / w), ny = fabs(corner->clip[1] / w);
-        double error = clip_error + corner->cut_error;
-        slack_px = half * (error * (2 + fmax(nx, ny)) / w + 8 * u);
-        slack_w = error / w + 2 * u;
-        slack_depth = error / w + 4 * u; /* half of (1 + |z / w|) of it, and |z| <= w */
+        return (struct slack){(double)vertex->slack_px, (double)vertex->slack_w,
+                              (double)vertex->slack_depth};
     }
-    facet->slack_px = fmax(facet->slack_px, slack_px);
-    facet->slack_w = fmax(facet->slack_w, slack_w);
-    facet->slack_depth = fmax(facet->slack_depth, slack_depth);
+    double half = 0.5 * fmax(plan->scene->width, plan->scene->height), w = corner->clip[3];
+    double nx = fabs(corner->clip[0] / w), ny = fabs(corner->clip[1] / w);
+    double error = clip_error + corner->cut_error;
+    return (struct slack){
+        .px = half * (error * (2 + fmax(nx, ny)) / w + 8 * u),
+        .w = error / w + 2 * u,
+        .depth = error / w + 4 * u /* half of (1 + |z / w|) of it, and |z| <= w */
+    };
+}
+
+static void widen(struct facet *facet, const struct slack *slack)
+{
+    facet->slack_px = fmax(facet->slack_px, slack->px);
+    facet->slack_w = fmax(facet->slack_w, slack->w);
+    facet->slack_depth = fmax(facet->slack_depth, slack->depth);
 }
 
 /* True if the corners turned the other way, counter-clockwise with y upwards. */
@@ -153,7 +164,7 @@ static bool is_exact(const struct surface *surface, const struct facet *facet)
 }
 
 static void set_piece(const struct surface *surface, const struct facet *from,
-                      const struct tile *tile, struct piece *out)
+                      const struct tile *tile, const double corner_slack[3], struct piece *out)
 {
     out->outline = (struct outline){.slack_px = from->slack_px,
                                     .slack_w = from->slack_w,
@@ -162,6 +173,7 @@ static void set_piece(const struct surface *surface, const struct facet *from,
                                     .reach_y = tile->height + 1.0};
     memcpy(out->outline.x, from->x, sizeof from->x);
     memcpy(out->outline.y, from->y, sizeof from->y);
+    memcpy(out->outline.corner_slack, corner_slack, sizeof out->outline.corner_slack);
     memcpy(out->outline.inverse_w, from->inverse_w, sizeof from->inverse_w);
     out->slack_depth = from->slack_depth;
     memcpy(out->z, from->z, sizeof from->z);
@@ -179,27 +191,35 @@ static double clip_error_of(const struct surface *surface, const int32_t vertex[
 int facet_pieces(const struct plan *plan, const struct surface *surfaces, const struct tile *tile,
                  const struct facet *facet, struct piece out[CLIP_CORNERS - 2])
 {
+    const struct surface *surface = &surfaces[facet->surface];
     if (!facet->straddles) {
-        set_piece(&surfaces[facet->surface], facet, tile, &out[0]);
+        double corner_slack[3];
+        for (int i = 0; i < 3; i++)
+            corner_slack[i] = (double)surface->vertices[facet->vertex[i]].slack_px;
+        set_piece(surface, facet, tile, corner_slack, &out[0]);
         return 1;
     }
-    const struct surface *surface = &surfaces[facet->surface];
     struct corner whole[3], left[CLIP_CORNERS];
     struct clip_plane planes[CLIP_PLANES];
-    whole_corners(surface, facet->vertex, whole);
+    whole_corners(surface, facet->vertex, !facet->clockwise, whole);
     planes_of(plan, tile, 0, 0, planes);
     int n = clip_triangle(whole, planes, CLIP_PLANES, left);
     struct facet part = *facet;
     double clip_error = clip_error_of(surface, facet->vertex);
     /* what counts is the corners that OpenGL has in the tile */
     part.slack_px = part.slack_w = part.slack_depth = 0;
-    for (int i = 0; i < n; i++)
-        widen(plan, surface, &left[i], clip_error, &part);
+    double slacks[CLIP_CORNERS];
+    for (int i = 0; i < n; i++) {
+        struct slack slack = slack_of(plan, surface, facet, &left[i], clip_error);
+        slacks[i] = slack.px;
+        widen(&part, &slack);
+    }
     for (int i = 2; i < n; i++) {
         set_corner(plan, surface, &left[0], 0, &part);
         set_corner(plan, surface, &left[i - 1], 1, &part);
         set_corner(plan, surface, &left[i], 2, &part);
-        set_piece(surface, &part, tile, &out[i - 2]);
+        const double corner_slack[3] = {slacks[0], slacks[i - 1], slacks[i]};
+        set_piece(surface, &part, tile, corner_slack, &out[i - 2]);
     }
     return n < 3 ? 0 : n - 2;
 }
@@ -279,7 +299,7 @@ static int depth_pieces(const struct plan *plan, const struct surface *surfaces,
         error = fmax(error, (double)surface->vertices[triangle->vertex[i]].near_error);
     /* w at the near plane; a wider margin would let w = 0 in */
     double near_w = plan->scene->camera.perspective ? plan->near : 1;
-    whole_corners(surface, triangle->vertex, whole);
+    whole_corners(surface, triangle->vertex, false, whole);
     planes_of(plan, tile, fmin(2 * error, 0.25 * near_w), 2 * error, planes);
     int n = clip_triangle(whole, planes + 4, 2, left), n_out = 0;
     for (int i = 2; i < n; i++) {
@@ -325,10 +345,11 @@ int facets_of(const struct plan *plan, const struct surface *surfaces, int surfa
         return add_other_sides(of, depth_pieces(plan, surfaces, tile, &whole, out), out);
     }
     struct corner corners[3];
-    whole_corners(of, vertex, corners);
+    whole_corners(of, vertex, false, corners);
     for (int i = 0; i < 3; i++) {
+        struct slack slack = slack_of(plan, of, facet, &corners[i], 0);
         set_corner(plan, of, &corners[i], i, facet);
-        widen(plan, of, &corners[i], 0, facet);
+        widen(facet, &slack);
     }
     facet->straddles = crosses_border(of, vertex, tile);
     finish_facet(plan, surfaces, tile, facet);

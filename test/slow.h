@@ -123,12 +123,12 @@ static long double slow_gate(long double gate, long double value, long double *d
     return gate > 0 ? value : 0;
 }
 
-/* What distance and spot leave of a light. */
-static long double slow_falloff(const struct plan_light *from, struct triple path,
+/* What distance and spot leave of a light; `unit` is that of the path, in scene units. */
+static long double slow_falloff(const struct plan_light *from, struct triple path, double unit,
                                 long double *doubt)
 {
     const struct light *light = from->light;
-    long double distance = sqrtl(triple_dot(path, path));
+    long double distance = sqrtl(triple_dot(path, path)) * (long double)unit;
     if (light->directional)
         return 1;
     long double left =
@@ -155,7 +155,7 @@ static long double slow_weight(const struct plan *plan, const struct plan_light 
         view = triple_unit(triple_sum(none, eye, -1));
     struct triple half = triple_unit(triple_sum(towards, view, 1));
     long double n_l = triple_dot(normal, towards), in_spot = 0;
-    long double left = (long double)light->share * slow_falloff(light, path, &in_spot);
+    long double left = (long double)light->share * slow_falloff(light, path, plan->unit, &in_spot);
     long double factor = fmaxl(n_l, 0);
     if (kind == TERM_SPECULAR)
         factor = powl(fmaxl(triple_dot(normal, half), 0), (long double)gloss);

@@ -150,6 +150,8 @@ static void check_bounds(double size, double depth_range, const char *name)
         }
         /* corners, w and values are rounded once: 2^-24 relative */
         outline.slack_px = 1024.0 / 16777216;
+        for (int c = 0; c < 3; c++)
+            outline.corner_slack[c] = outline.slack_px;
         outline.slack_w = 2.0 / 16777216;
         double magnification = bound_magnification(&outline);
         /* the pixel at the centre of gravity */
