@@ -152,10 +152,9 @@ static void judge_run(struct check *check, size_t first, size_t n, int band, con
         block.seen[i] = (double)channel[4 * i] * FULL_COUNT;
     expect_run(check, first, n, band, &block);
     bool explained = samples_compare(&check->tally.samples, &block);
-    for (size_t i = 0; i < n; i++) {
-        float bound = (float)block.bound[i];
-        check->floor[first + i] = check->floor[first + i] < bound ? bound : check->floor[first + i];
-    }
+    float *floor = check->floor + first;
+    for (size_t i = 0; i < n; i++)
+        floor[i] = floor[i] < block.bound[i] ? block.bound[i] : floor[i];
     for (size_t i = 0; i < n && !explained; i++) {
         if (block.difference[i] <= block.bound[i])
             continue;
@@ -165,7 +164,7 @@ static void judge_run(struct check *check, size_t first, size_t n, int band, con
                                              .band = band,
                                              .seen = block.seen[i],
                                              .expected = block.expected[i],
-                                             .bound = block.bound[i]});
+                                             .bound = (double)block.bound[i]});
     }
 }
 
@@ -189,7 +188,8 @@ static void try_candidate(struct check *check, const struct candidate *candidate
         return;
     single.n = 1;
     single.seen[0] = seen;
-    single.expected[0] = single.bound[0] = 0;
+    single.expected[0] = 0;
+    single.bound[0] = 0;
     if (candidate) {
         const struct chunk *chunk = check->chunk;
         struct rows rows = {chunk->candidate_weights + candidate->first,
@@ -199,9 +199,9 @@ static void try_candidate(struct check *check, const struct candidate *candidate
     }
     trial->seen = seen;
     trial->expected = single.expected[0];
-    trial->bound = single.bound[0];
+    trial->bound = (double)single.bound[0];
     trial->band = band;
-    trial->floor = fmax(trial->floor, single.bound[0]);
+    trial->floor = fmax(trial->floor, trial->bound);
     trial->alive = samples_compare(&trial->samples, &single);
     if (candidate && candidate->loose)
         trial->alive = isfinite(seen);

@@ -21,18 +21,25 @@ struct rows {
 /* Counts of a run of n <= BLOCK pixels in one band, before rounding, and bounds on OpenGL's error
  * where errors are given; what has no finite bound gets -1, which explains nothing. */
 void counts_expect(const struct plan *plan, const struct finish *finish, const struct rows *rows,
-                   size_t n, int band, double full_scale, double *expected, double *bound);
-/* As stored: clamped and rounded; NaN becomes 0. */
-int counts_round(double counts);
+                   size_t n, int band, double full_scale, double *expected, float *bound);
+/* As stored: clamped and rounded; NaN becomes 0. Here, so that loops over samples take it in. */
+static inline int counts_round(double counts)
+{
+    double positive = counts > 0 ? counts : 0;
+    double clamped = positive < FULL_COUNT ? positive : FULL_COUNT;
+    return (int)(clamped + 0.5);
+}
 
 /* ---- raster/tally.c ---- */
 
 /* Samples together with what is expected of them. */
 struct block {
     size_t n;
-    double seen[BLOCK], expected[BLOCK], bound[BLOCK], difference[BLOCK];
+    double seen[BLOCK], expected[BLOCK];
+    float bound[BLOCK], difference[BLOCK];
 };
-/* Adds a block to a comparison, and fills its differences; false when any is outside its bound. */
+/* Adds a block to a comparison, and fills the magnitudes of its differences; false when any is
+ * outside its bound. */
 bool samples_compare(struct check_samples *samples, struct block *block);
 void samples_add(struct check_samples *to, const struct check_samples *from);
 void floor_note(struct check_floor *to, double counts);

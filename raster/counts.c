@@ -12,19 +12,20 @@
 static const double u = 1.0 / 16777216;
 
 /* A colour: its spectrum rounded to single precision (1), light times material (2), a texture's
- * value and its product (2), the buffer (1); each colour and each pass added (1 each). */
-enum { COLOUR_ROUNDINGS = 6 };
+ * value and its product (2), the buffer (1); each colour and each pass added (1 each). One more for
+ * those of the bound itself. */
+enum { COLOUR_ROUNDINGS = 7 };
 /* Mesa flushes results below 2^-126 = 1.2e-38 to zero. In a plane's set-up that is magnified by one
  * over the triangle's area (10^4 at most, smaller ones are too thin for a bound) and by the
- * distance to the framebuffer's origin (2 x 16384); 4 such steps. Some 10^-29 of full scale, in
- * counts. */
-static const double flushed = 65535 * 1.2e-38 * 1e4 * 32768 * 4;
+ * distance to the framebuffer's origin (2 x 16384), and by a w of up to 2048; 4 such steps. Some
+ * 10^-25 of full scale, in counts. */
+static const double flushed = 65535 * 1.2e-38 * 1e4 * 32768 * 2048 * 4;
 
 /* ---- what is expected ---- */
 
 /* Multiplies a run by what a spectral texture shows there in this band. bound may be NULL. */
 static void apply_texture(const struct finish *finish, const struct rows *rows, size_t n, int band,
-                          double *expected, double *bound)
+                          double *expected, float *bound)
 {
     size_t across = (size_t)finish->n_terms * rows->stride, up = across + rows->stride;
     for (size_t i = 0; i < n; i++) {
@@ -37,13 +38,13 @@ static void apply_texture(const struct finish *finish, const struct rows *rows, 
         double value =
             texel_value(finish->texture, band % BANDS_PER_PASS, at, bound ? &error : NULL);
         if (bound)
-            bound[i] = bound[i] * (value + error) + fabs(expected[i]) * error;
+            bound[i] = (float)((double)bound[i] * (value + error) + fabs(expected[i]) * error);
         expected[i] *= value;
     }
 }
 
 void counts_expect(const struct plan *plan, const struct finish *finish, const struct rows *rows,
-                   size_t n, int band, double full_scale, double *expected, double *bound)
+                   size_t n, int band, double full_scale, double *expected, float *bound)
 {
     double rounding = (COLOUR_ROUNDINGS + finish->n_colours + plan->n_light_groups) * u;
     memset(expected, 0, n * sizeof *expected);
@@ -59,24 +60,17 @@ void counts_expect(const struct plan *plan, const struct finish *finish, const s
             continue;
         const float *error = rows->errors + (size_t)t * rows->stride;
         for (size_t i = 0; i < n; i++)
-            bound[i] += (double)error[i] * spectrum;
+            bound[i] += error[i] * (float)spectrum;
     }
     if (finish->texture && finish->texture->spectral)
         apply_texture(finish, rows, n, band, expected, rows->errors ? bound : NULL);
     for (size_t i = 0; i < n && rows->errors; i++) {
-        double whole = bound[i] + flushed + rounding * fabs(expected[i]);
-        bound[i] = whole <= DBL_MAX ? whole : -1;
+        float whole = bound[i] + (float)(flushed + rounding * fabs(expected[i]));
+        bound[i] = whole <= FLT_MAX ? whole : -1;
     }
 }
 
 /* ---- counts ---- */
-
-int counts_round(double counts)
-{
-    double positive = counts >= 0 ? counts : 0;
-    double clamped = positive < FULL_COUNT ? positive : FULL_COUNT;
-    return (int)(clamped + 0.5);
-}
 
 /* Whether a page can hold a value; NaN no page can. */
 static bool is_storable(double value)

@@ -352,6 +352,24 @@ static int clamp_to(double value, int low, int high)
     return value < low ? low : value > high ? high : (int)value;
 }
 
+/* Leaves of a row's pixels, from *left up to *right, those that all edges may have inside, and a
+ * few more. Edge functions are linear along a row; `slack` is above that of all its pixels. */
+static void narrow_row(const struct facet *facet, int y, double slack, int *left, int *right)
+{
+    double py = y + 0.5, px = *left + 0.5;
+    int first = *left, last = *right;
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        double p = (facet->x[j] - px) * (facet->y[k] - py),
+               q = (facet->x[k] - px) * (facet->y[j] - py), step = facet->y[j] - facet->y[k];
+        double inside = p - q + slack + 1e-15 * (fabs(p) + fabs(q)), pixels = -inside / step;
+        if (step > 0 && pixels > 2)
+            *left = clamp_to(fmax(*left, first + pixels - 2), first, last);
+        if (step < 0 && pixels < last - first)
+            *right = clamp_to(fmin(*right, first + pixels + 2), first, last);
+    }
+}
+
 static bool scan_facet(struct coverage *coverage, int32_t index)
 {
     const struct facet *facet = &coverage->facets[index];
@@ -361,10 +379,15 @@ static bool scan_facet(struct coverage *coverage, int32_t index)
     int right = clamp_to(ceil(most(facet->x) + error + 0.5), rows->x, rows->x + rows->width);
     int top = clamp_to(floor(least(facet->y) - error - 0.5), rows->y, rows->y + rows->height);
     int bottom = clamp_to(ceil(most(facet->y) + error + 0.5), rows->y, rows->y + rows->height);
-    for (int y = top; y < bottom; y++)
-        for (int x = left; x < right; x++)
+    double reach = most(facet->x) - least(facet->x) + most(facet->y) - least(facet->y) + 2;
+    double slack = 2 * error * (reach + 3 * error);
+    for (int y = top; y < bottom; y++) {
+        int first = left, last = right;
+        narrow_row(facet, y, slack, &first, &last);
+        for (int x = first; x < last; x++)
             if (!visit_pixel(coverage, index, x, y))
                 return false;
+    }
     return true;
 }
 

@@ -9,72 +9,37 @@
 
 /* Sums over a block are kept in lanes, which the compiler can do together. A block is filled up to
  * whole lanes with samples that are 0 and expected to be 0. */
-enum { LANES = 4 };
+enum { LANES = 8 };
 
 static size_t fill_lanes(struct block *block)
 {
     size_t n = block->n;
-    for (; n % LANES != 0; n++)
-        block->seen[n] = block->expected[n] = block->bound[n] = 0;
+    for (; n % LANES != 0; n++) {
+        block->seen[n] = block->expected[n] = 0;
+        block->bound[n] = 0;
+    }
     return n;
 }
 
-static double lane_sum(const double lanes[LANES])
-{
-    return lanes[0] + lanes[1] + lanes[2] + lanes[3];
-}
-
-/* Fills the magnitudes of differences. */
 static void differ(struct check_samples *samples, struct block *block, size_t all)
 {
     double sums[LANES] = {0}, squares[LANES] = {0};
     for (size_t i = 0; i < all; i += LANES)
         for (size_t k = 0; k < LANES; k++) {
             double difference = block->seen[i + k] - block->expected[i + k];
-            block->difference[i + k] = fabs(difference);
+            block->difference[i + k] = (float)fabs(difference);
             sums[k] += difference;
             squares[k] += difference * difference;
         }
-    samples->sum += lane_sum(sums);
-    samples->sum_of_squares += lane_sum(squares);
+    for (size_t k = 0; k < LANES; k++) {
+        samples->sum += sums[k];
+        samples->sum_of_squares += squares[k];
+    }
 }
 
-/* How many values are above factor x limits (NaN is above all). */
-static double count_above(const double *values, double factor, const double *limits, size_t all)
+static void count_equal(struct check_samples *samples, const struct block *block)
 {
-    double above[LANES] = {0};
-    for (size_t i = 0; i < all; i += LANES)
-        for (size_t k = 0; k < LANES; k++)
-            above[k] += values[i + k] <= factor * limits[i + k] ? 0.0 : 1.0;
-    return lane_sum(above);
-}
-
-/* The largest of the values and what is known already; looks closer only where one is larger. */
-static void raise_to(double *largest, const double *values, size_t n, size_t all)
-{
-    double above[LANES] = {0};
-    for (size_t i = 0; i < all; i += LANES)
-        for (size_t k = 0; k < LANES; k++)
-            above[k] += values[i + k] <= *largest ? 0.0 : 1.0;
-    for (size_t i = 0; i < n && lane_sum(above) > 0; i++)
-        *largest = fmax(*largest, values[i]);
-}
-
-static void raise_ratio(double *worst, const struct block *block, size_t all)
-{
-    if (count_above(block->difference, *worst, block->bound, all) == 0)
-        return;
-    for (size_t i = 0; i < block->n; i++)
-        if (block->difference[i] <= block->bound[i] &&
-            block->difference[i] > *worst * block->bound[i])
-            *worst = block->difference[i] / block->bound[i];
-}
-
-bool samples_compare(struct check_samples *samples, struct block *block)
-{
-    size_t all = fill_lanes(block);
     int exact = 0, within_1 = 0;
-    differ(samples, block, all);
     for (size_t i = 0; i < block->n; i++) {
         int apart = counts_round(block->seen[i]) - counts_round(block->expected[i]);
         exact += apart == 0;
@@ -83,9 +48,52 @@ bool samples_compare(struct check_samples *samples, struct block *block)
     samples->n += block->n;
     samples->exact += (uint64_t)exact;
     samples->within_1 += (uint64_t)within_1;
-    raise_to(&samples->largest, block->difference, block->n, all);
+}
+
+/* Whether all differences are at most `factor` times their bounds; NaN is not. */
+static bool are_within(const struct block *block, float factor, size_t all)
+{
+    int above[LANES] = {0};
+    int sum = 0;
+    for (size_t i = 0; i < all; i += LANES)
+        for (size_t k = 0; k < LANES; k++)
+            above[k] |= !(block->difference[i + k] <= factor * block->bound[i + k]);
+    for (size_t k = 0; k < LANES; k++)
+        sum |= above[k];
+    return sum == 0;
+}
+
+/* NaN is not larger than anything. */
+static void raise_largest(double *largest, const struct block *block, size_t all)
+{
+    float most[LANES] = {0};
+    for (size_t i = 0; i < all; i += LANES)
+        for (size_t k = 0; k < LANES; k++)
+            most[k] = most[k] < block->difference[i + k] ? block->difference[i + k] : most[k];
+    for (size_t k = 0; k < LANES; k++)
+        *largest = fmax(*largest, (double)most[k]);
+}
+
+/* Looks closer only where a ratio may be larger. */
+static void raise_ratio(double *worst, const struct block *block, size_t all)
+{
+    if (are_within(block, (float)*worst, all))
+        return;
+    for (size_t i = 0; i < block->n; i++) {
+        double difference = (double)block->difference[i], bound = (double)block->bound[i];
+        if (difference <= bound && difference > *worst * bound)
+            *worst = difference / bound;
+    }
+}
+
+bool samples_compare(struct check_samples *samples, struct block *block)
+{
+    size_t all = fill_lanes(block);
+    differ(samples, block, all);
+    count_equal(samples, block);
+    raise_largest(&samples->largest, block, all);
     raise_ratio(&samples->worst_ratio, block, all);
-    return count_above(block->difference, 1, block->bound, all) == 0;
+    return are_within(block, 1, all);
 }
 
 void samples_add(struct check_samples *to, const struct check_samples *from)
