@@ -827,8 +827,8 @@ struct check_failure {
     double seen, expected, bound; /* counts; depths; fragments */
 };
 /* A pixel inside a surface is smooth if its radiance changes by no more than this within a pixel's
- * width, in any wavelength. */
-enum { SMOOTH_COUNTS = 512 };
+ * width, in any wavelength: one step of a picture of 8 bits. */
+enum { SMOOTH_COUNTS = 256 };
 struct check_tally {
     struct check_samples samples;
     uint64_t pixels, ambiguous, unexplained, unbounded;

@@ -24,11 +24,19 @@ struct edges {
     double e_area;        /* relative rounding error of the area in single precision */
     double thinness;      /* relative change of the area when each corner is off by its slack */
     double spread;        /* sum of |l_i| at a pixel that OpenGL may cover: 1 inside */
+    /* slack_px of corner i is at most slack + slack_per_d / w_i: cutting near the eye makes errors
+     * that are of no matter far from it */
+    double slack, slack_per_d;
 };
+
+static double largest(const double q[3])
+{
+    return fmax(fabs(q[0]), fmax(fabs(q[1]), fabs(q[2])));
+}
 
 static struct edges edges_of(const struct outline *outline)
 {
-    struct edges edges;
+    struct edges edges = {.slack_per_d = 0};
     double low_x = outline->x[0], high_x = low_x, low_y = outline->y[0], high_y = low_y;
     for (int i = 0; i < 3; i++) {
         int next = (i + 1) % 3;
@@ -44,14 +52,18 @@ static struct edges edges_of(const struct outline *outline)
     edges.width = high_x - low_x + 1;
     edges.height = high_y - low_y + 1;
     edges.e_area = u * (3 * (fabs(e) + fabs(f)) / edges.twice_area + 2);
-    double perimeter = 0, change = 8 * outline->slack_px * outline->slack_px;
+    double worst = largest(outline->slack_px), perimeter = 0, change = 8 * worst * worst;
     for (int i = 0; i < 3; i++) { /* a corner moves the area by the length of the edge opposite */
         double length = fabs(edges.dx[i]) + fabs(edges.dy[i]);
         perimeter += length;
-        change += outline->corner_slack[(i + 2) % 3] * length;
+        change += outline->slack_px[(i + 2) % 3] * length;
     }
     edges.thinness = change / edges.twice_area;
     edges.spread = 1 + 2 * outline->edge_px * perimeter / edges.twice_area;
+    edges.slack = fmin(outline->slack_px[0], fmin(outline->slack_px[1], outline->slack_px[2]));
+    for (int i = 0; i < 3; i++)
+        edges.slack_per_d =
+            fmax(edges.slack_per_d, (outline->slack_px[i] - edges.slack) / outline->inverse_w[i]);
     return edges;
 }
 
@@ -71,11 +83,6 @@ static struct gradient gradient_of(const struct edges *edges, const double q[3])
 static double norm(struct gradient g)
 {
     return fabs(g.x) + fabs(g.y);
-}
-
-static double largest(const double q[3])
-{
-    return fmax(fabs(q[0]), fmax(fabs(q[1]), fabs(q[2])));
 }
 
 /* Roundings of a plane through q: each gradient is a difference of two products over the area (5
@@ -101,8 +108,25 @@ static double plane_rounding(const struct outline *outline, const struct edges *
 double bound_linear(const struct outline *outline, const double values[3])
 {
     struct edges edges = edges_of(outline);
-    return outline->slack_px * edges.spread * norm(gradient_of(&edges, values)) +
+    return largest(outline->slack_px) * edges.spread * norm(gradient_of(&edges, values)) +
            plane_rounding(outline, &edges, values);
+}
+
+/* The sum of |l_i| slack_px of corner i, without the part that grows with D: the sum of l_i / w_i
+ * is D itself, and what lies outside adds to it. */
+static double fixed_slack(const struct outline *outline, const struct edges *edges)
+{
+    return edges->slack * edges->spread +
+           edges->slack_per_d * (edges->spread - 1) * largest(outline->inverse_w);
+}
+
+struct inverse_w_bound bound_inverse_w(const struct outline *outline)
+{
+    struct edges edges = edges_of(outline);
+    double slope = norm(gradient_of(&edges, outline->inverse_w));
+    return (struct inverse_w_bound){.fixed = slope * fixed_slack(outline, &edges) +
+                                             plane_rounding(outline, &edges, outline->inverse_w),
+                                    .per_d = slope * edges.slack_per_d};
 }
 
 double bound_magnification(const struct outline *outline)
@@ -130,7 +154,8 @@ struct colour_bound bound_colour(const struct outline *outline, const double val
     return (struct colour_bound){
         .slope = slope,
         .constant = outline->slack_w * range + 2 * u * value,
-        .over_d = outline->slack_px * edges.spread * slope + u * largest(n) +
-                  outline->slack_w * range * (edges.spread - 1) * largest(d) +
-                  plane_rounding(outline, &edges, n) + value * plane_rounding(outline, &edges, d)};
+        .per_d = slope * edges.slack_per_d,
+        .fixed = slope * fixed_slack(outline, &edges) + u * largest(n) +
+                 outline->slack_w * range * (edges.spread - 1) * largest(d) +
+                 plane_rounding(outline, &edges, n) + value * plane_rounding(outline, &edges, d)};
 }

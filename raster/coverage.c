@@ -225,29 +225,15 @@ static bool is_watertight(const struct coverage *coverage, const struct facet *f
     return coverage->surfaces[facet->surface].driver->watertight;
 }
 
-/* Notes the pieces that have no bound, so that only pixels upon them go without; all pieces where
- * seams between them may leak. */
 static bool note_pieces(struct coverage *coverage, struct facet *facet)
 {
-    struct piece pieces[CLIP_CORNERS - 2];
-    bool leaks = !is_watertight(coverage, facet);
-    if (!facet->thin && !(leaks && facet->straddles))
-        return true;
-    int n = facet_pieces(coverage->plan, coverage->surfaces, coverage->tile, facet, pieces);
+    if (!array_grow(&coverage->pieces, &coverage->piece_capacity, coverage->n_pieces + CLIP_CORNERS,
+                    sizeof *coverage->pieces))
+        return false;
     facet->first_piece = (int32_t)coverage->n_pieces;
-    for (int i = 0; i < n; i++) {
-        bool thin = bound_magnification(&pieces[i].outline) == HUGE_VAL;
-        if (!thin && !(leaks && n > 1))
-            continue;
-        if (!array_grow(&coverage->pieces, &coverage->piece_capacity, coverage->n_pieces + 1,
-                        sizeof *coverage->pieces))
-            return false;
-        struct odd_piece *piece = &coverage->pieces[coverage->n_pieces++];
-        *piece = (struct odd_piece){pieces[i].outline, thin};
-        piece->outline.edge_px = facet->edge_px;
-        facet->n_pieces++;
-        facet->n_thin += thin;
-    }
+    facet->n_pieces = facet_pieces(coverage->plan, coverage->surfaces, coverage->tile, facet,
+                                   coverage->pieces + coverage->n_pieces);
+    coverage->n_pieces += (size_t)facet->n_pieces;
     return true;
 }
 
@@ -285,10 +271,17 @@ static enum presence touches(const struct outline *outline, double px, double py
 static bool is_on_seam(const struct coverage *coverage, const struct facet *facet, double px,
                        double py)
 {
-    for (int32_t i = 0; i < facet->n_pieces; i++)
+    for (int32_t i = 0; i < facet->n_pieces && facet->n_pieces > 1; i++)
         if (touches(&coverage->pieces[facet->first_piece + i].outline, px, py) == POSSIBLE)
             return true;
     return false;
+}
+
+bool piece_touches(const struct coverage *coverage, const struct facet *facet, int32_t piece,
+                   double px, double py)
+{
+    const struct piece *at = &coverage->pieces[facet->first_piece + piece];
+    return facet->n_pieces == 1 || touches(&at->outline, px, py) != IMPOSSIBLE;
 }
 
 /* Whether OpenGL's error has no bound at a point: upon a piece that is too thin for one, or so far
@@ -301,11 +294,13 @@ static bool is_loose(const struct coverage *coverage, const struct facet *facet,
         sum += edges->e[i];
         inverse_w += edges->e[i] * facet->inverse_w[i];
     }
-    if (!(1.125 * facet->e_inverse_w * sum <= inverse_w))
-        return true;
-    for (int32_t i = 0; i < facet->n_pieces && facet->n_thin > 0; i++) {
-        const struct odd_piece *piece = &coverage->pieces[facet->first_piece + i];
-        if (piece->thin && touches(&piece->outline, px, py) != IMPOSSIBLE)
+    for (int32_t i = 0; i < facet->n_pieces; i++) {
+        const struct piece *piece = &coverage->pieces[facet->first_piece + i];
+        const struct inverse_w_bound *bound = &piece->inverse_w_bound;
+        if (piece->magnification < HUGE_VAL &&
+            1.125 * (bound->fixed * sum + bound->per_d * inverse_w) <= inverse_w)
+            continue;
+        if (piece_touches(coverage, facet, i, px, py))
             return true;
     }
     return false;

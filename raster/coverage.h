@@ -34,23 +34,27 @@ int clip_triangle(const struct corner whole[3], const struct clip_plane *planes,
 /* A triangle that OpenGL sets up for interpolation: window corners relative to the tile. */
 struct outline {
     double x[3], y[3], inverse_w[3];
-    double corner_slack[3];   /* bounds on GL's error in x and y of each, in pixels */
-    double slack_px, slack_w; /* the largest of these; relative bound on GL's error in w */
-    double edge_px;           /* how far pixels that OpenGL covers may lie outside */
-    double reach_x, reach_y;  /* largest window coordinates in the tile */
+    double slack_px[3];      /* bounds on GL's error in x and y of each corner */
+    double slack_w;          /* relative bound on GL's error in w */
+    double edge_px;          /* how far pixels that OpenGL covers may lie outside */
+    double reach_x, reach_y; /* largest window coordinates in the tile */
 };
 /* Above 1: the factor by which thinness magnifies all bounds; HUGE_VAL where it leaves none. */
 double bound_magnification(const struct outline *outline);
-/* Bound on OpenGL's error in a value interpolated with perspective (colours): constant + over_d /
- * (D - e), where D is the pixel's own 1 / w and e, less than D, the magnified bound_linear of it.
- */
+/* Bound for a value interpolated linearly in the window (depth). */
+double bound_linear(const struct outline *outline, const double values[3]);
+/* Bound on OpenGL's error in D = 1 / w at a pixel: fixed + per_d D. */
+struct inverse_w_bound {
+    double fixed, per_d;
+};
+struct inverse_w_bound bound_inverse_w(const struct outline *outline);
+/* Bound on OpenGL's error in a value interpolated with perspective (colours): constant + (fixed +
+ * per_d D) / (D - e), where e is the bound of D, and less than it. */
 struct colour_bound {
-    double constant, over_d;
+    double constant, fixed, per_d;
     double slope; /* over D a bound on the value's own change from pixel to pixel */
 };
 struct colour_bound bound_colour(const struct outline *outline, const double values[3]);
-/* Bound for a value interpolated linearly in the window (depth, 1 / w). */
-double bound_linear(const struct outline *outline, const double values[3]);
 
 /* ---- raster/facet.c: a triangle as it lies in a tile ---- */
 
@@ -58,17 +62,15 @@ double bound_linear(const struct outline *outline, const double values[3]);
  * turn so that twice_area >= 0. */
 struct facet {
     int32_t surface, triangle;
-    int32_t vertex[3]; /* of the whole triangle */
-    int32_t provoking; /* the vertex that colours all of it in flat shading */
-    int side;          /* 1: seen from behind, and that matters */
-    bool other_side;   /* the same place once more, for its other side */
-    bool clockwise;    /* before its corners were turned; with y downwards */
-    bool edge_on;      /* OpenGL may see it turned the other way */
-    bool cut;          /* by the near or the far plane */
-    bool straddles;    /* OpenGL cuts it at the tile's border */
-    bool thin; /* a piece that OpenGL makes of it is too thin for a bound on single precision */
-    int32_t first_piece, n_pieces,
-        n_thin; /* those that its chunk keeps, and the thin ones of them */
+    int32_t vertex[3];             /* of the whole triangle */
+    int32_t provoking;             /* the vertex that colours all of it in flat shading */
+    int side;                      /* 1: seen from behind, and that matters */
+    bool other_side;               /* the same place once more, for its other side */
+    bool clockwise;                /* before its corners were turned; with y downwards */
+    bool edge_on;                  /* OpenGL may see it turned the other way */
+    bool cut;                      /* by the near or the far plane */
+    bool straddles;                /* OpenGL cuts it at the tile's border */
+    int32_t first_piece, n_pieces; /* that OpenGL makes of it, as its chunk keeps them */
     double x[3], y[3], z[3], inverse_w[3];
     double share[3][3]; /* of each corner: barycentric coordinates in the whole triangle */
     double twice_area;
@@ -77,7 +79,6 @@ struct facet {
     double slack_w;     /* relative bound on GL's w */
     double slack_depth; /* bound on GL's depth of a corner */
     double depth_error; /* bound on GL's depth at a pixel off thin pieces; HUGE_VAL: none */
-    double e_inverse_w; /* the same of 1 / w */
 };
 /* Two planes cut at most two corners off; a facet seen edge-on shows either side. */
 enum { FACETS_PER_TRIANGLE = 6 };
@@ -91,17 +92,13 @@ int facets_of(const struct plan *plan, const struct surface *surfaces, int surfa
 struct piece {
     struct outline outline;
     double slack_depth, z[3], share[3][3];
+    double magnification; /* of its bounds; HUGE_VAL: too thin for any */
+    struct inverse_w_bound inverse_w_bound;
 };
 int facet_pieces(const struct plan *plan, const struct surface *surfaces, const struct tile *tile,
                  const struct facet *facet, struct piece out[CLIP_CORNERS - 2]);
 
 /* ---- raster/coverage.c: fragments ---- */
-
-/* A piece of a facet that does not behave like the whole of it. */
-struct odd_piece {
-    struct outline outline; /* with edge_px as OpenGL follows edges */
-    bool thin;
-};
 
 /* A fragment kept for a pixel: a link in the pixel's list. */
 struct fragment {
@@ -132,7 +129,7 @@ struct coverage {
     struct pixel *pixels;
     struct facet *facets;
     struct fragment *fragments;
-    struct odd_piece *pieces; /* too thin for a bound; all, where a driver's edges leak */
+    struct piece *pieces;
     size_t n_facets, n_fragments, n_pieces, facet_capacity, fragment_capacity, piece_capacity;
     int32_t unused; /* list of fragments to use again */
 };
@@ -150,6 +147,10 @@ struct edge_values {
 /* Of a triangle; `error` bounds OpenGL's corners in x and y. */
 void edges_at(const double x[3], const double y[3], double px, double py, double error,
               struct edge_values *out);
+
+/* Whether OpenGL may have a piece of a facet at a point. */
+bool piece_touches(const struct coverage *coverage, const struct facet *facet, int32_t piece,
+                   double px, double py);
 
 /* Makes room for `needed` elements of an array. False: no memory, or more than int32_t counts. */
 bool array_grow(void *array, size_t *capacity, size_t needed, size_t size);

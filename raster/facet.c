@@ -164,20 +164,23 @@ static bool is_exact(const struct surface *surface, const struct facet *facet)
 }
 
 static void set_piece(const struct surface *surface, const struct facet *from,
-                      const struct tile *tile, const double corner_slack[3], struct piece *out)
+                      const struct tile *tile, const double slack_px[3], struct piece *out)
 {
-    out->outline = (struct outline){.slack_px = from->slack_px,
-                                    .slack_w = from->slack_w,
+    out->outline = (struct outline){.slack_w = from->slack_w,
                                     .edge_px = from->slack_px + edge_error(surface, tile),
                                     .reach_x = tile->width + 1.0,
                                     .reach_y = tile->height + 1.0};
     memcpy(out->outline.x, from->x, sizeof from->x);
     memcpy(out->outline.y, from->y, sizeof from->y);
-    memcpy(out->outline.corner_slack, corner_slack, sizeof out->outline.corner_slack);
+    memcpy(out->outline.slack_px, slack_px, sizeof out->outline.slack_px);
     memcpy(out->outline.inverse_w, from->inverse_w, sizeof from->inverse_w);
     out->slack_depth = from->slack_depth;
     memcpy(out->z, from->z, sizeof from->z);
     memcpy(out->share, from->share, sizeof from->share);
+    out->magnification = bound_magnification(&out->outline);
+    out->inverse_w_bound = bound_inverse_w(&out->outline);
+    out->inverse_w_bound.fixed *= out->magnification;
+    out->inverse_w_bound.per_d *= out->magnification;
 }
 
 static double clip_error_of(const struct surface *surface, const int32_t vertex[3])
@@ -193,10 +196,10 @@ int facet_pieces(const struct plan *plan, const struct surface *surfaces, const 
 {
     const struct surface *surface = &surfaces[facet->surface];
     if (!facet->straddles) {
-        double corner_slack[3];
+        double slack_px[3];
         for (int i = 0; i < 3; i++)
-            corner_slack[i] = (double)surface->vertices[facet->vertex[i]].slack_px;
-        set_piece(surface, facet, tile, corner_slack, &out[0]);
+            slack_px[i] = (double)surface->vertices[facet->vertex[i]].slack_px;
+        set_piece(surface, facet, tile, slack_px, &out[0]);
         return 1;
     }
     struct corner whole[3], left[CLIP_CORNERS];
@@ -218,8 +221,8 @@ int facet_pieces(const struct plan *plan, const struct surface *surfaces, const 
         set_corner(plan, surface, &left[0], 0, &part);
         set_corner(plan, surface, &left[i - 1], 1, &part);
         set_corner(plan, surface, &left[i], 2, &part);
-        const double corner_slack[3] = {slacks[0], slacks[i - 1], slacks[i]};
-        set_piece(surface, &part, tile, corner_slack, &out[i - 2]);
+        const double slack_px[3] = {slacks[0], slacks[i - 1], slacks[i]};
+        set_piece(surface, &part, tile, slack_px, &out[i - 2]);
     }
     return n < 3 ? 0 : n - 2;
 }
@@ -242,17 +245,11 @@ static void finish_facet(const struct plan *plan, const struct surface *surfaces
     facet->side = surface->n_sides == 2 && facet->clockwise != surface->body->mirrored;
     int n = facet_pieces(plan, surfaces, tile, facet, pieces);
     for (int i = 0; i < n; i++) {
-        const struct outline *outline = &pieces[i].outline;
-        double magnification = bound_magnification(outline);
-        facet->slack_px = pieces[i].outline.slack_px; /* the same for all */
-        facet->slack_depth = pieces[i].slack_depth;
-        if (!(magnification < HUGE_VAL)) {
-            facet->thin = true;
-            continue;
-        }
-        error = fmax(error, magnification * bound_linear(outline, pieces[i].z));
-        facet->e_inverse_w =
-            fmax(facet->e_inverse_w, magnification * bound_linear(outline, outline->inverse_w));
+        const struct piece *piece = &pieces[i];
+        facet->slack_px = piece->outline.edge_px - edge_error(surface, tile); /* the same for all */
+        facet->slack_depth = piece->slack_depth;
+        if (piece->magnification < HUGE_VAL)
+            error = fmax(error, piece->magnification * bound_linear(&piece->outline, piece->z));
     }
     facet->depth_error =
         error < 0 ? HUGE_VAL : error + facet->slack_depth + depth_rounding(surface);

@@ -7,19 +7,19 @@
 
 #include "coverage.h"
 
-/* Bound on OpenGL's error in an attribute of a facet: see bound_colour. */
+/* Bound on OpenGL's error in an attribute of a piece of a facet: see bound_colour. */
 struct attribute_bound {
-    float constant, over_d, slope;
+    float constant, fixed, per_d, slope;
 };
 
 /* A chunk whose coverage is known, while its pixels go by. */
 struct shading {
     struct coverage coverage;
-    struct attribute_bound *bounds; /* [facet][max_attributes], filled when first needed */
-    bool *bounded;                  /* [facet] */
+    struct attribute_bound *bounds; /* [piece][max_attributes], filled when first needed */
+    bool *bounded;                  /* [piece] */
     size_t max_attributes;          /* of a surface */
     double *weights;                /* of one pixel: max_attributes each, before its texture */
-    float *errors;
+    float *errors, *interpolation, *slopes;
 };
 
 /* ---- interpolation ---- */
@@ -57,8 +57,7 @@ static struct colour_bound piece_bound(const struct shading *shading, const stru
                                        const struct piece *piece, size_t attribute)
 {
     const struct surface *surface = &shading->coverage.surfaces[facet->surface];
-    double values[3] = {0, 0, 0}, e_vertex = 0,
-           magnification = bound_magnification(&piece->outline);
+    double values[3] = {0, 0, 0}, e_vertex = 0, magnification = piece->magnification;
     for (int j = 0; j < 3; j++) {
         size_t at = surface_attributes(surface, facet->vertex[j], facet->side) + attribute;
         for (int c = 0; c < 3; c++)
@@ -70,52 +69,64 @@ static struct colour_bound piece_bound(const struct shading *shading, const stru
                                                  fmin(values[0], fmin(values[1], values[2]))};
     struct colour_bound bound = bound_colour(&piece->outline, values);
     bound.constant = magnification * bound.constant + (magnification - 1) * e_vertex;
-    bound.over_d *= magnification;
+    bound.fixed *= magnification;
+    bound.per_d *= magnification;
     return bound;
 }
 
-/* Bounds that hold in the whole facet: the worst of the pieces that OpenGL sets up, but for those
- * too thin for a bound. */
-static void bound_facet(struct shading *shading, int32_t index)
+/* Bounds of all attributes in a piece of a facet. */
+static const struct attribute_bound *bounds_of(struct shading *shading, const struct facet *facet,
+                                               int32_t index)
 {
-    const struct facet *facet = &shading->coverage.facets[index];
     const struct surface *surface = &shading->coverage.surfaces[facet->surface];
-    struct piece pieces[CLIP_CORNERS - 2];
-    int n = facet_pieces(shading->coverage.plan, shading->coverage.surfaces, shading->coverage.tile,
-                         facet, pieces);
-    shading->bounded[index] = true;
-    for (int i = 0; i < n; i++) {
-        if (bound_magnification(&pieces[i].outline) == HUGE_VAL && facet->n_thin < n)
-            continue;
-        for (size_t a = 0; a < (size_t)surface->n_attributes; a++) {
-            struct attribute_bound *worst =
-                &shading->bounds[(size_t)index * shading->max_attributes + a];
-            if (is_flat(shading, facet, a))
-                continue;
-            struct colour_bound bound = piece_bound(shading, facet, &pieces[i], a);
-            worst->constant = fmaxf(worst->constant, (float)bound.constant);
-            worst->over_d = fmaxf(worst->over_d, (float)bound.over_d);
-            worst->slope = fmaxf(worst->slope, (float)bound.slope);
-        }
+    size_t piece = (size_t)(facet->first_piece + index);
+    struct attribute_bound *bounds = shading->bounds + piece * shading->max_attributes;
+    for (size_t a = 0; a < (size_t)surface->n_attributes && !shading->bounded[piece]; a++) {
+        struct colour_bound bound = {.constant = 0};
+        if (!is_flat(shading, facet, a))
+            bound = piece_bound(shading, facet, &shading->coverage.pieces[piece], a);
+        bounds[a] = (struct attribute_bound){(float)bound.constant, (float)bound.fixed,
+                                             (float)bound.per_d, (float)bound.slope};
     }
+    shading->bounded[piece] = true;
+    return bounds;
 }
 
-/* All attributes at a pixel and bounds on OpenGL's error, into the shading's numbers; returns 1 / w
- * there. */
-static double interpolate(struct shading *shading, int32_t index, int x, int y)
+/* Widens the errors of the shading's numbers by the worst that the pieces at a pixel may add to
+ * them, and notes how steep they are. */
+static void add_bounds(struct shading *shading, const struct facet *facet, double inverse_w, int x,
+                       int y)
+{
+    size_t n_attributes = (size_t)shading->coverage.surfaces[facet->surface].n_attributes;
+    float d = (float)inverse_w;
+    for (size_t a = 0; a < n_attributes; a++)
+        shading->interpolation[a] = shading->slopes[a] = 0;
+    for (int32_t i = 0; i < facet->n_pieces; i++) {
+        const struct piece *piece = &shading->coverage.pieces[facet->first_piece + i];
+        if (!piece_touches(&shading->coverage, facet, i, x + 0.5, y + 0.5))
+            continue;
+        const struct attribute_bound *bounds = bounds_of(shading, facet, i);
+        /* where 1 / w is not known to be positive the fragment is loose */
+        double least =
+            inverse_w * (1 - piece->inverse_w_bound.per_d) - piece->inverse_w_bound.fixed;
+        float over = least > 0 ? (float)(1 / least) : 0;
+        for (size_t a = 0; a < n_attributes; a++) {
+            float bound = bounds[a].constant + over * (bounds[a].fixed + d * bounds[a].per_d);
+            shading->interpolation[a] = fmaxf(shading->interpolation[a], bound);
+            shading->slopes[a] = fmaxf(shading->slopes[a], bounds[a].slope / d);
+        }
+    }
+    for (size_t a = 0; a < n_attributes; a++)
+        shading->errors[a] += shading->interpolation[a];
+}
+
+/* All attributes at a pixel and bounds on OpenGL's error, into the shading's numbers. */
+static void interpolate(struct shading *shading, int32_t index, int x, int y)
 {
     static const double all = 1;
     const struct facet *facet = &shading->coverage.facets[index];
     const struct surface *surface = &shading->coverage.surfaces[facet->surface];
-    bool check = shading->coverage.plan->options.check;
-    if (check && !shading->bounded[index])
-        bound_facet(shading, index);
     double share[3], inverse_w = shares_at(facet, x + 0.5, y + 0.5, share);
-    const struct attribute_bound *bounds =
-        shading->bounds + (size_t)index * shading->max_attributes;
-    /* where 1 / w is not known to be positive the fragment is loose */
-    double least = inverse_w - facet->e_inverse_w;
-    float over = least > 0 ? (float)(1 / least) : 0;
     for (size_t a = 0; a < (size_t)surface->n_attributes; a++) {
         bool flat = is_flat(shading, facet, a);
         const int32_t *vertex = flat ? &facet->provoking : facet->vertex;
@@ -127,10 +138,10 @@ static double interpolate(struct shading *shading, int32_t index, int x, int y)
             error += fabs(part[j]) * (double)surface->errors[at];
         }
         shading->weights[a] = weight;
-        shading->errors[a] =
-            check ? (float)error + bounds[a].constant + over * bounds[a].over_d : 0;
+        shading->errors[a] = (float)error;
     }
-    return inverse_w;
+    if (shading->coverage.plan->options.check)
+        add_bounds(shading, facet, inverse_w, x, y);
 }
 
 /* ---- textures ---- */
@@ -145,22 +156,19 @@ static struct texel_point texture_place(const struct shading *shading, const str
 
 /* Bound on how much the radiance of the pixel just interpolated changes within a pixel's width, in
  * any wavelength. A spectral texture's texels may differ by all there is. */
-static double steepness(const struct shading *shading, int32_t index, const struct finish *finish,
-                        const struct texel_point *place, double inverse_w)
+static double steepness(const struct shading *shading, const struct finish *finish,
+                        const struct texel_point *place)
 {
-    const struct attribute_bound *bounds =
-        shading->bounds + (size_t)index * shading->max_attributes;
     double step = 0, whole = 0, change;
     for (int t = 0; t < finish->n_terms; t++) {
-        step += (double)bounds[t].slope / inverse_w * finish->terms[t].peak;
+        step += (double)shading->slopes[t] * finish->terms[t].peak;
         whole += shading->weights[t] * finish->terms[t].peak;
     }
     if (!place)
         return step;
-    const struct attribute_bound *s_t = bounds + finish->n_terms;
     struct texel_point near = *place;
-    near.e_u = s_t[0].slope / (float)inverse_w * (float)finish->texture->image.width;
-    near.e_v = s_t[1].slope / (float)inverse_w * (float)finish->texture->image.height;
+    near.e_u = shading->slopes[finish->n_terms] * (float)finish->texture->image.width;
+    near.e_v = shading->slopes[finish->n_terms + 1] * (float)finish->texture->image.height;
     if (finish->texture->spectral)
         return (step + whole * (double)(near.e_u + near.e_v)) * finish->texture->largest;
     double value = texel_value(finish->texture, 0, near, &change);
@@ -277,7 +285,7 @@ static bool put_winner(struct shading *shading, struct chunk *out, int32_t index
         out->depth[index] = (float)pixel->winner_depth;
         out->depth_error[index] = stored_depth_error(facet, pixel->winner_depth);
     }
-    double inverse_w = interpolate(shading, pixel->winner, x, y);
+    interpolate(shading, pixel->winner, x, y);
     if (finish->texture) {
         place = texture_place(shading, finish);
         n = texel_choices(finish->texture, place, choices);
@@ -285,8 +293,7 @@ static bool put_winner(struct shading *shading, struct chunk *out, int32_t index
             place = choices[0];
     }
     if (out->errors)
-        out->steepness[index] = (float)steepness(shading, pixel->winner, finish,
-                                                 finish->texture ? &place : NULL, inverse_w);
+        out->steepness[index] = (float)steepness(shading, finish, finish->texture ? &place : NULL);
     put_rows(shading, finish, finish->texture ? &place : NULL, out->weights + index,
              out->errors ? out->errors + index : NULL, n_pixels);
     return n > 1;
@@ -345,13 +352,15 @@ static bool resolve_all(struct shading *shading, struct chunk *out)
     size_t n_pixels = (size_t)out->rows.width * (size_t)out->rows.height, capacity[4] = {0};
     size_t n_attributes = (size_t)shading->coverage.plan->max_rows + 2;
     shading->max_attributes = n_attributes;
-    shading->bounds =
-        calloc(shading->coverage.n_facets * n_attributes + 1, sizeof *shading->bounds);
-    shading->bounded = calloc(shading->coverage.n_facets + 1, sizeof *shading->bounded);
+    size_t n_pieces = shading->coverage.n_pieces;
+    shading->bounds = calloc(n_pieces * n_attributes + 1, sizeof *shading->bounds);
+    shading->bounded = calloc(n_pieces + 1, sizeof *shading->bounded);
     shading->weights = malloc(n_attributes * sizeof *shading->weights);
-    shading->errors = malloc(n_attributes * sizeof *shading->errors);
+    shading->errors = malloc(3 * n_attributes * sizeof *shading->errors);
     if (!shading->bounds || !shading->bounded || !shading->weights || !shading->errors)
         return false;
+    shading->interpolation = shading->errors + n_attributes;
+    shading->slopes = shading->interpolation + n_attributes;
     for (size_t i = 0; i < n_pixels; i++)
         if (!resolve_pixel(shading, out, (int32_t)i, capacity))
             return false;

@@ -57,7 +57,7 @@ cat >"$tmp/table" <<'TABLE'
 | 43 | one sample of one pixel is wrong by 1/1000 | patches |
 | 44 | a pixel at an edge is midway between both sides | edge |
 | 45 | a pixel at an edge has the other side's value in one band | edge |
-| 46 | every bound is 1000 times too wide (in the program itself) | glossy |
+| 46 | every bound is 1000 times too wide (in the program itself) | soft |
 | 47 | every sample is 1/1000 too large | patches |
 | 48 | one sample is no number | patches |
 | 49 | diffuse light is 1/1000 too weak in one band | lights |

@@ -149,9 +149,8 @@ static void check_bounds(double size, double depth_range, const char *name)
             v[c] = (float)values[c];
         }
         /* corners, w and values are rounded once: 2^-24 relative */
-        outline.slack_px = 1024.0 / 16777216;
         for (int c = 0; c < 3; c++)
-            outline.corner_slack[c] = outline.slack_px;
+            outline.slack_px[c] = 1024.0 / 16777216;
         outline.slack_w = 2.0 / 16777216;
         double magnification = bound_magnification(&outline);
         /* the pixel at the centre of gravity */
@@ -162,9 +161,11 @@ static void check_bounds(double size, double depth_range, const char *name)
             continue;
         double error = fabs(single_precision(x, y, w, v, (float)px, (float)py) - expected);
         struct colour_bound bound = bound_colour(&outline, values);
-        double over = 1 / (inverse_w_at(&outline, px, py) -
-                           magnification * bound_linear(&outline, outline.inverse_w));
-        worst = fmax(worst, error / (magnification * (bound.constant + bound.over_d * over)));
+        struct inverse_w_bound of_d = bound_inverse_w(&outline);
+        double d = inverse_w_at(&outline, px, py),
+               least = d - magnification * (of_d.fixed + of_d.per_d * d);
+        worst = fmax(worst, error / magnification /
+                                (bound.constant + (bound.fixed + bound.per_d * d) / least));
         bounded++;
     }
     CHECK(bounded > TRIANGLES / 2, "%s: most have a bound at the pixel in their middle", name);
@@ -181,7 +182,7 @@ int main(void)
     struct outline line = {.x = {0, 10, 20},
                            .y = {0, 10, 20},
                            .inverse_w = {1, 1, 1},
-                           .slack_px = 1e-4,
+                           .slack_px = {1e-4, 1e-4, 1e-4},
                            .reach_x = 100,
                            .reach_y = 100};
     CHECK(bound_magnification(&line) == HUGE_VAL, "a triangle without area has no bound");
