@@ -7,7 +7,7 @@
 set -eu
 cd "$(dirname "$0")"
 
-usage='usage: ./build.sh [build | run | test | bench [effects] | install PREFIX | clean]'
+usage='usage: ./build.sh [build | run | test [full] | bench [effects] | install PREFIX | clean]'
 CC=${CC:-gcc}
 CFLAGS=${CFLAGS:--O3}
 # No floating-point traps are taken and no errno is read after sqrt: both let loops be done several
@@ -130,6 +130,13 @@ run_tests() {
     prove --timer --exec '' $(find build/test -name 'test_*' -perm -u+x | LC_ALL=C sort) $scripts
 }
 
+# 5,000 random scenes on llvmpipe and 500 on softpipe.
+run_full_tests() {
+    for random in 'llvmpipe --count 5000' 'softpipe --count 500'; do
+        prove --timer --exec '' test/random_scenes.py :: --first 1000 --driver $random
+    done
+}
+
 case ${1:-build} in
 build) build ;;
 run)
@@ -140,6 +147,14 @@ test)
     build
     build_tests
     run_tests
+    case ${2:-} in
+    full) run_full_tests ;;
+    '') ;;
+    *)
+        echo "$usage" >&2
+        exit 2
+        ;;
+    esac
     ;;
 bench)
     build

@@ -48,6 +48,14 @@ static bool fits_depth(struct check *check, const struct shown *shown, double de
     return off <= error;
 }
 
+static struct check_failure depth_failure(const struct shown *shown, double depth, double error)
+{
+    return (struct check_failure){.kind = FAILURE_DEPTH,
+                                  .seen = shown->depth / depth_steps,
+                                  .expected = depth,
+                                  .bound = error};
+}
+
 static void identify_settled(struct check *check, size_t pixel, const struct shown *shown)
 {
     const struct chunk *chunk = check->chunk;
@@ -59,10 +67,7 @@ static void identify_settled(struct check *check, size_t pixel, const struct sho
         (background || shown->triangle == chunk->triangle[pixel])) {
         if (fits_depth(check, shown, depth, error))
             return;
-        failure = (struct check_failure){.kind = FAILURE_DEPTH,
-                                         .seen = shown->depth / depth_steps,
-                                         .expected = depth,
-                                         .bound = error};
+        failure = depth_failure(shown, depth, error);
     }
     check->failed[pixel] = true;
     note_failure(check, pixel, &failure);
@@ -75,18 +80,20 @@ static void identify_contest(struct check *check, size_t index, const struct sho
     const struct contest *contest = &chunk->contests[index];
     struct check_trial *background = &check->trials[chunk->n_candidates + index];
     background->alive = background->alive && shown->surface < 0 && fits_depth(check, shown, 1, 0);
+    struct check_failure failure = {.kind = FAILURE_TRIANGLE, .shown = *shown};
     bool any = background->alive;
     for (int c = contest->first; c < contest->first + contest->count; c++) {
         const struct candidate *candidate = &chunk->candidates[c];
-        double error = candidate->loose ? HUGE_VAL : (double)candidate->depth_error;
-        check->trials[c].alive = candidate->surface == shown->surface &&
-                                 candidate->triangle == shown->triangle &&
-                                 fits_depth(check, shown, (double)candidate->depth, error);
+        double depth = (double)candidate->depth,
+               error = candidate->loose ? HUGE_VAL : (double)candidate->depth_error;
+        bool named = candidate->surface == shown->surface && candidate->triangle == shown->triangle;
+        check->trials[c].alive = named && fits_depth(check, shown, depth, error);
         any = any || check->trials[c].alive;
+        if (named)
+            failure = depth_failure(shown, depth, error);
     }
     if (!any)
-        note_failure(check, (size_t)contest->pixel,
-                     &(struct check_failure){.kind = FAILURE_TRIANGLE, .shown = *shown});
+        note_failure(check, (size_t)contest->pixel, &failure);
 }
 
 /* Fragments are counted modulo 256. Where triangles meet, a driver whose edges leak may have one
