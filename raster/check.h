@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* What the files of the verdict share: counts.c says what a sample should be, tally.c how samples
- * compare with that, check.c what it means for a pixel. Nobody else includes this. */
+ * compare with that, check.c what it means for a pixel. Nobody else includes this but a test. */
 #ifndef CHECK_H
 #define CHECK_H
 

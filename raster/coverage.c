@@ -1,12 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Which facets cover each pixel of a chunk: the reference's own fragment, and every other one that
- * OpenGL may show there without being wrong.
- *
- * With p the pixel centre and a, b two corners minus p, the edge function a x b is twice the area
- * of the triangle (p, a, b). Swapping a and b changes exactly its sign in floating point too, so
- * that two triangles with a common edge never both own, nor both miss, a pixel. Moving a and b by
- * up to e in x and y changes a x b by at most e (|a|_1 + |b|_1) + 2 e^2: the slack. A fragment
- * whose three edge functions exceed their slack is definite, one within it is possible. */
+/* Which facets cover each pixel of a chunk: the reference's own fragment, every other one that
+ * OpenGL may show there without being wrong, and how many there may be, hidden ones included. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -86,80 +80,6 @@ static bool add_fragment(struct coverage *coverage, struct pixel *pixel,
     return true;
 }
 
-/* ---- edges ---- */
-
-void edges_at(const double x[3], const double y[3], double px, double py, double error,
-              struct edge_values *out)
-{
-    double reach[3];
-    for (int i = 0; i < 3; i++) {
-        out->dx[i] = x[i] - px;
-        out->dy[i] = y[i] - py;
-        reach[i] = fabs(out->dx[i]) + fabs(out->dy[i]);
-    }
-    for (int i = 0; i < 3; i++) {
-        int j = (i + 1) % 3, k = (i + 2) % 3;
-        out->e[i] = out->dx[j] * out->dy[k] - out->dx[k] * out->dy[j];
-        out->slack[i] = error * (reach[j] + reach[k]) + 2 * error * error;
-    }
-}
-
-/* The sign of ax by - bx ay without error: of two products that are too near each other for their
- * rounded difference, the difference is exact and what rounding took from each decides
- * (Dekker 1971). */
-static double exact_turn(double ax, double ay, double bx, double by)
-{
-    double p = ax * by, q = bx * ay, difference = p - q;
-    if (fabs(difference) > 1e-15 * (fabs(p) + fabs(q))) /* above four roundings */
-        return difference;
-    return difference + (fma(ax, by, -p) - fma(bx, ay, -q));
-}
-
-/* A centre exactly on an edge belongs to the triangle whose edge runs this way, not to the one
- * whose edge runs back: to its left or lower one in the picture, as in llvmpipe. sense: 1, or -1 if
- * the corners turn the other way. */
-static bool owns_edge(const struct facet *facet, int edge, int sense)
-{
-    int j = (edge + 1) % 3, k = (edge + 2) % 3;
-    double dx = sense * (facet->x[k] - facet->x[j]), dy = sense * (facet->y[k] - facet->y[j]);
-    return dy < 0 || (dy == 0 && dx < 0);
-}
-
-static bool covers_in_sense(const struct facet *facet, const struct edge_values *edges, int sense)
-{
-    for (int i = 0; i < 3; i++) {
-        int j = (i + 1) % 3, k = (i + 2) % 3;
-        double turn = sense * exact_turn(edges->dx[j], edges->dy[j], edges->dx[k], edges->dy[k]);
-        if (turn < 0 || (turn == 0 && !owns_edge(facet, i, sense)))
-            return false;
-    }
-    return true;
-}
-
-/* Each edge is decided from its two corners alone, so that triangles that meet neither both own,
- * nor both miss, a centre. Of a needle the rounded area may have the wrong sign: then all three
- * edges agree on the other sense. */
-static bool covers(const struct facet *facet, const struct edge_values *edges)
-{
-    return covers_in_sense(facet, edges, 1) || covers_in_sense(facet, edges, -1);
-}
-
-/* How sure it is that OpenGL has a fragment. */
-enum presence { IMPOSSIBLE, POSSIBLE, DEFINITE };
-
-static enum presence presence_of(const struct facet *facet, const struct edge_values *edges)
-{
-    enum presence presence = DEFINITE;
-    for (int i = 0; i < 3; i++) {
-        bool on_edge = facet->edge_px == 0 && edges->e[i] == 0;
-        if (edges->e[i] < -edges->slack[i] || (on_edge && !owns_edge(facet, i, 1)))
-            return IMPOSSIBLE;
-        if (!(edges->e[i] > edges->slack[i]) && !on_edge)
-            presence = POSSIBLE;
-    }
-    return facet->twice_area > 0 ? presence : POSSIBLE;
-}
-
 /* ---- how many fragments there are ---- */
 
 /* Scatters bits (the finalizer of SplitMix64: Steele, Lea and Flood 2014). */
@@ -237,42 +157,12 @@ static bool note_pieces(struct coverage *coverage, struct facet *facet)
     return true;
 }
 
-static double least(const double v[3])
-{
-    return fmin(v[0], fmin(v[1], v[2]));
-}
-
-static double most(const double v[3])
-{
-    return fmax(v[0], fmax(v[1], v[2]));
-}
-
-/* Whether OpenGL may show a piece at a point. One without area touches its longest edge only. */
-static enum presence touches(const struct outline *outline, double px, double py)
-{
-    const double *x = outline->x, *y = outline->y, error = outline->edge_px;
-    struct edge_values edges;
-    if (least(x) - error > px || px > most(x) + error || least(y) - error > py ||
-        py > most(y) + error)
-        return IMPOSSIBLE;
-    edges_at(x, y, px, py, error, &edges);
-    double turn = edges.e[0] + edges.e[1] + edges.e[2] < 0 ? -1 : 1;
-    enum presence presence = DEFINITE;
-    for (int i = 0; i < 3; i++) {
-        if (turn * edges.e[i] < -edges.slack[i])
-            return IMPOSSIBLE;
-        if (!(turn * edges.e[i] > edges.slack[i]))
-            presence = POSSIBLE;
-    }
-    return presence;
-}
-
 /* Whether a point lies where OpenGL sets two pieces of a facet side by side. */
 static bool is_on_seam(const struct coverage *coverage, const struct facet *facet, double px,
                        double py)
 {
     for (int32_t i = 0; i < facet->n_pieces && facet->n_pieces > 1; i++)
-        if (touches(&coverage->pieces[facet->first_piece + i].outline, px, py) == POSSIBLE)
+        if (outline_presence(&coverage->pieces[facet->first_piece + i].outline, px, py) == POSSIBLE)
             return true;
     return false;
 }
@@ -281,7 +171,7 @@ bool piece_touches(const struct coverage *coverage, const struct facet *facet, i
                    double px, double py)
 {
     const struct piece *at = &coverage->pieces[facet->first_piece + piece];
-    return facet->n_pieces == 1 || touches(&at->outline, px, py) != IMPOSSIBLE;
+    return facet->n_pieces == 1 || outline_presence(&at->outline, px, py) != IMPOSSIBLE;
 }
 
 /* Whether OpenGL's error has no bound at a point: upon a piece that is too thin for one, or so far
@@ -311,14 +201,14 @@ static bool visit_pixel(struct coverage *coverage, int32_t index, int x, int y)
     const struct facet *facet = &coverage->facets[index];
     struct edge_values edges;
     edges_at(facet->x, facet->y, x + 0.5, y + 0.5, facet->edge_px, &edges);
-    enum presence presence = presence_of(facet, &edges);
+    enum presence presence = edges_presence(facet, &edges);
     if (presence == IMPOSSIBLE)
         return true;
     struct pixel *pixel =
         &coverage->pixels[(size_t)(y - coverage->rows.y) * (size_t)coverage->rows.width +
                           (size_t)(x - coverage->rows.x)];
     double depth = depth_at(facet, &edges);
-    bool covered = depth >= 0 && depth < 1 && (presence == DEFINITE || covers(facet, &edges));
+    bool covered = depth >= 0 && depth < 1 && (presence == DEFINITE || edges_cover(facet, &edges));
     if (covered && depth < pixel->winner_depth) {
         pixel->winner = index;
         pixel->winner_depth = depth;
@@ -370,11 +260,12 @@ static bool scan_facet(struct coverage *coverage, int32_t index)
     const struct facet *facet = &coverage->facets[index];
     const struct tile *rows = &coverage->rows;
     double error = facet->edge_px;
-    int left = clamp_to(floor(least(facet->x) - error - 0.5), rows->x, rows->x + rows->width);
-    int right = clamp_to(ceil(most(facet->x) + error + 0.5), rows->x, rows->x + rows->width);
-    int top = clamp_to(floor(least(facet->y) - error - 0.5), rows->y, rows->y + rows->height);
-    int bottom = clamp_to(ceil(most(facet->y) + error + 0.5), rows->y, rows->y + rows->height);
-    double reach = most(facet->x) - least(facet->x) + most(facet->y) - least(facet->y) + 2;
+    int left = clamp_to(floor(least_of(facet->x) - error - 0.5), rows->x, rows->x + rows->width);
+    int right = clamp_to(ceil(most_of(facet->x) + error + 0.5), rows->x, rows->x + rows->width);
+    int top = clamp_to(floor(least_of(facet->y) - error - 0.5), rows->y, rows->y + rows->height);
+    int bottom = clamp_to(ceil(most_of(facet->y) + error + 0.5), rows->y, rows->y + rows->height);
+    double reach =
+        most_of(facet->x) - least_of(facet->x) + most_of(facet->y) - least_of(facet->y) + 2;
     double slack = 2 * error * (reach + 3 * error);
     for (int y = top; y < bottom; y++) {
         int first = left, last = right;

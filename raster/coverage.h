@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* What the files of the reference rasterizer share, in the order in which a triangle goes by:
- * clip.c cuts it, bound.c says how far OpenGL may be off in it, facet.c places it in a tile,
- * coverage.c finds the pixels that it covers, gouraud.c what they look like. Nobody else includes
- * this but a test. */
+ * clip.c cuts it, bound.c says how far OpenGL may be off in it, facet.c places it in a tile, edge.c
+ * tells its inside, coverage.c finds the pixels that it covers, gouraud.c what they look like.
+ * Nobody else includes this but a test. */
 #ifndef COVERAGE_H
 #define COVERAGE_H
 
@@ -98,6 +98,27 @@ struct piece {
 int facet_pieces(const struct plan *plan, const struct surface *surfaces, const struct tile *tile,
                  const struct facet *facet, struct piece out[CLIP_CORNERS - 2]);
 
+/* ---- raster/edge.c: on which side of its edges a pixel centre lies ---- */
+
+/* Edge functions at a point; corner i is opposite to edge i. */
+struct edge_values {
+    double dx[3], dy[3]; /* from the point to the corners */
+    double e[3];
+    double slack[3];
+};
+/* Of a triangle; `error` bounds OpenGL's corners in x and y. */
+void edges_at(const double x[3], const double y[3], double px, double py, double error,
+              struct edge_values *out);
+/* Whether the reference has a fragment there, decided without rounding. */
+bool edges_cover(const struct facet *facet, const struct edge_values *edges);
+/* How sure it is that OpenGL has one; edges are those of the facet's edge_px. */
+enum presence { IMPOSSIBLE, POSSIBLE, DEFINITE };
+enum presence edges_presence(const struct facet *facet, const struct edge_values *edges);
+/* The same of a piece at a point. */
+enum presence outline_presence(const struct outline *outline, double px, double py);
+double least_of(const double v[3]);
+double most_of(const double v[3]);
+
 /* ---- raster/coverage.c: fragments ---- */
 
 /* A fragment kept for a pixel: a link in the pixel's list. */
@@ -137,16 +158,6 @@ struct coverage {
  * False: no memory. */
 bool coverage_fill(struct coverage *coverage);
 void coverage_free(struct coverage *coverage);
-
-/* Edge functions at a point; corner i is opposite to edge i. */
-struct edge_values {
-    double dx[3], dy[3]; /* from the point to the corners */
-    double e[3];
-    double slack[3];
-};
-/* Of a triangle; `error` bounds OpenGL's corners in x and y. */
-void edges_at(const double x[3], const double y[3], double px, double py, double error,
-              struct edge_values *out);
 
 /* Whether OpenGL may have a piece of a facet at a point. */
 bool piece_touches(const struct coverage *coverage, const struct facet *facet, int32_t piece,

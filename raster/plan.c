@@ -12,12 +12,12 @@
 #include "plan.h"
 
 /* Bytes that a pixel of a tile takes apart from its rows: Mesa's own colour and depth (20), our
- * copy of its colour (16), samples of three bands (12), surface and flag (5), and room for
- * contested pixels (15). A row has a weight (8) and an error (4); a sum of passes is a colour (16).
- */
-enum { PIXEL_BYTES = 68, ROW_BYTES = 12, SUM_BYTES = 16 };
+ * copies of them (20), samples of three bands (12), surface, triangle, depth and its bound (16),
+ * fragments, steepness and floor (12), flags (2), and room for contested pixels (14). A row has a
+ * weight (8) and an error (4); a sum of passes is a colour (16). */
+enum { PIXEL_BYTES = 96, ROW_BYTES = 12, SUM_BYTES = 16 };
 /* What a tile may take, so that a render stays well below 300 MiB with Mesa's own memory. */
-static const size_t tile_budget = (size_t)96 << 20;
+static const size_t tile_budget = (size_t)128 << 20;
 /* Tiles no larger than Mesa's largest viewport (16384), with room for older drivers. */
 enum { LARGEST_TILE = 8192 };
 

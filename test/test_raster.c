@@ -3,6 +3,7 @@
  * hold for single precision arithmetic as Mesa does it, without being far too wide. */
 #include <stdlib.h>
 
+#include "raster/check.h"
 #include "raster/coverage.h"
 #include "test.h"
 
@@ -173,8 +174,60 @@ static void check_bounds(double size, double depth_range, const char *name)
         printf("# worst error / bound %g of %d\n", worst, bounded);
 }
 
+static void check_exactness(void)
+{
+    const double last_bit[] = {1, 0x1p-23}, beyond[] = {1, 0x1p-24}, signs[] = {1, -1, 0x1p-30},
+                 halves[] = {0.5, 0.25, 8192}, denormal[] = {0x1p-140}, zeros[] = {0, 0};
+    CHECK(exact_sum(last_bit, 2) && !exact_sum(beyond, 2),
+          "a sum is exact that spans 24 bits, and no more");
+    CHECK(!exact_sum(signs, 3), "what cancels counts all the same: the order may be another");
+    CHECK(exact_sum(halves, 3) && exact_sum(zeros, 2), "short fractions and zeros are exact");
+    CHECK(!exact_sum(denormal, 1), "what single precision flushes to 0 is not");
+    const double row[4] = {0.5, -0.25, 3, 1}, tenth[4] = {0.1, 0, 0, 1}, v[4] = {1, 2, 3, 1};
+    CHECK(exact_row(row, v) && !exact_row(tenth, v), "a tenth is not held in single precision");
+    struct matrix turned = matrix_rotation(30, (struct vector){0, 0, 1}),
+                  doubled = matrix_scaling((struct vector){2, 2, 2});
+    CHECK(exact_product(&doubled, &doubled) && !exact_product(&doubled, &turned),
+          "nor is a rotation by 30 degrees");
+}
+
+static void check_drivers(void)
+{
+    const struct driver *llvmpipe = driver_of("llvmpipe (LLVM 15.0.6, 256 bits)"),
+                        *softpipe = driver_of("softpipe"), *unknown = driver_of("Mesa Foo");
+    CHECK_TEXT(llvmpipe->name, "llvmpipe", "a driver is known by how its name begins");
+    CHECK_TEXT(unknown->name, "unknown", "and another one is not");
+    CHECK(driver_of(NULL) == unknown, "none at all is another one");
+    CHECK(unknown->grid_px >= llvmpipe->grid_px && unknown->grid_px >= softpipe->grid_px &&
+              unknown->edge_roundings >= llvmpipe->edge_roundings &&
+              unknown->edge_roundings >= softpipe->edge_roundings &&
+              unknown->depth_roundings >= llvmpipe->depth_roundings &&
+              unknown->depth_roundings >= softpipe->depth_roundings && !unknown->watertight &&
+              unknown->fill_rule == FILL_ANY,
+          "it gets the wider of all bounds");
+}
+
+static void check_floor(void)
+{
+    static struct check_floor floor;
+    for (int i = 1; i <= 1000; i++)
+        floor_note(&floor, i * 0.01);
+    CHECK(floor.n == 1000 && floor.worst >= 10 && floor.worst <= 10,
+          "a floor counts pixels and keeps the worst");
+    for (int part = 1; part <= 9; part++) {
+        double at = floor_quantile(&floor, 0.1 * part);
+        CHECK(at >= part * 0.9999 && at <= part * 1.13,
+              "%d0 %% lie below what is printed, at most an eighth too high", part);
+    }
+    floor_note(&floor, HUGE_VAL);
+    CHECK(floor.bins[FLOOR_BINS - 1] == 1 && isinf(floor.worst), "an infinite one is the worst");
+}
+
 int main(void)
 {
+    check_exactness();
+    check_drivers();
+    check_floor();
     check_clipping();
     check_bounds(200, 1, "large triangles");
     check_bounds(5, 1, "small triangles");
