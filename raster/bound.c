@@ -52,14 +52,14 @@ static struct edges edges_of(const struct outline *outline)
     edges.width = high_x - low_x + 1;
     edges.height = high_y - low_y + 1;
     edges.e_area = u * (3 * (fabs(e) + fabs(f)) / edges.twice_area + 2);
-    double worst = largest(outline->slack_px), perimeter = 0, change = 8 * worst * worst;
+    double worst = largest(outline->slack_px), change = 8 * worst * worst, perimeter = 0;
     for (int i = 0; i < 3; i++) { /* a corner moves the area by the length of the edge opposite */
         double length = fabs(edges.dx[i]) + fabs(edges.dy[i]);
-        perimeter += length;
         change += outline->slack_px[(i + 2) % 3] * length;
+        perimeter += length;
     }
     edges.thinness = change / edges.twice_area;
-    edges.spread = 1 + 2 * outline->edge_px * perimeter / edges.twice_area;
+    edges.spread = 1 + 2 * outline->grid_px * perimeter / edges.twice_area;
     edges.slack = fmin(outline->slack_px[0], fmin(outline->slack_px[1], outline->slack_px[2]));
     for (int i = 0; i < 3; i++)
         edges.slack_per_d =

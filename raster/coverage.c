@@ -174,6 +174,17 @@ bool piece_touches(const struct coverage *coverage, const struct facet *facet, i
     return facet->n_pieces == 1 || outline_presence(&at->outline, px, py) != IMPOSSIBLE;
 }
 
+/* Whether OpenGL may have any piece of a facet at a point: each of its corners has a slack of its
+ * own, where the facet takes the largest. */
+static bool is_on_piece(const struct coverage *coverage, const struct facet *facet, double px,
+                        double py)
+{
+    for (int32_t i = 0; i < facet->n_pieces; i++)
+        if (piece_touches(coverage, facet, i, px, py))
+            return true;
+    return false;
+}
+
 /* Whether OpenGL's error has no bound at a point: upon a piece that is too thin for one, or so far
  * away that roundings of 1 / w, made where it is larger, may be nearly all of it. */
 static bool is_loose(const struct coverage *coverage, const struct facet *facet,
@@ -202,7 +213,7 @@ static bool visit_pixel(struct coverage *coverage, int32_t index, int x, int y)
     struct edge_values edges;
     edges_at(facet->x, facet->y, x + 0.5, y + 0.5, facet->edge_px, &edges);
     enum presence presence = edges_presence(facet, &edges);
-    if (presence == IMPOSSIBLE)
+    if (presence == IMPOSSIBLE || !is_on_piece(coverage, facet, x + 0.5, y + 0.5))
         return true;
     struct pixel *pixel =
         &coverage->pixels[(size_t)(y - coverage->rows.y) * (size_t)coverage->rows.width +
@@ -259,7 +270,7 @@ static bool scan_facet(struct coverage *coverage, int32_t index)
 {
     const struct facet *facet = &coverage->facets[index];
     const struct tile *rows = &coverage->rows;
-    double error = facet->edge_px;
+    double error = most_of(facet->edge_px);
     int left = clamp_to(floor(least_of(facet->x) - error - 0.5), rows->x, rows->x + rows->width);
     int right = clamp_to(ceil(most_of(facet->x) + error + 0.5), rows->x, rows->x + rows->width);
     int top = clamp_to(floor(least_of(facet->y) - error - 0.5), rows->y, rows->y + rows->height);

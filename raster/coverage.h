@@ -35,8 +35,9 @@ int clip_triangle(const struct corner whole[3], const struct clip_plane *planes,
 struct outline {
     double x[3], y[3], inverse_w[3];
     double slack_px[3];      /* bounds on GL's error in x and y of each corner */
+    double edge_px[3];       /* the same as GL follows edges */
+    double grid_px;          /* by how much that differs from where GL interpolates between */
     double slack_w;          /* relative bound on GL's error in w */
-    double edge_px;          /* how far pixels that OpenGL covers may lie outside */
     double reach_x, reach_y; /* largest window coordinates in the tile */
 };
 /* Above 1: the factor by which thinness magnifies all bounds; HUGE_VAL where it leaves none. */
@@ -75,7 +76,7 @@ struct facet {
     double share[3][3]; /* of each corner: barycentric coordinates in the whole triangle */
     double twice_area;
     double slack_px;    /* bound on GL's position of a corner, as it interpolates */
-    double edge_px;     /* the same as it follows edges; 0: without any error */
+    double edge_px[3];  /* of each corner the same as GL follows edges; 0: without any error */
     double slack_w;     /* relative bound on GL's w */
     double slack_depth; /* bound on GL's depth of a corner */
     double depth_error; /* bound on GL's depth at a pixel off thin pieces; HUGE_VAL: none */
@@ -106,8 +107,8 @@ struct edge_values {
     double e[3];
     double slack[3];
 };
-/* Of a triangle; `error` bounds OpenGL's corners in x and y. */
-void edges_at(const double x[3], const double y[3], double px, double py, double error,
+/* Of a triangle; errors bound OpenGL's corners in x and y. */
+void edges_at(const double x[3], const double y[3], double px, double py, const double errors[3],
               struct edge_values *out);
 /* Whether the reference has a fragment there, decided without rounding. */
 bool edges_cover(const struct facet *facet, const struct edge_values *edges);

@@ -3,8 +3,8 @@
  *
  * With p the centre and a, b two corners minus p, the edge function a x b is twice the area of the
  * triangle (p, a, b). Swapping a and b changes exactly its sign in floating point too, so that two
- * triangles with a common edge never both own, nor both miss, a pixel. Moving a and b by up to e in
- * x and y changes a x b by at most e (|a|_1 + |b|_1) + 2 e^2: the slack. */
+ * triangles with a common edge never both own, nor both miss, a pixel. Moving a by up to e and b by
+ * up to f in x and y changes a x b by at most e |b|_1 + f |a|_1 + 2 e f: the slack. */
 #include <math.h>
 
 #include "coverage.h"
@@ -19,7 +19,7 @@ double most_of(const double v[3])
     return fmax(v[0], fmax(v[1], v[2]));
 }
 
-void edges_at(const double x[3], const double y[3], double px, double py, double error,
+void edges_at(const double x[3], const double y[3], double px, double py, const double errors[3],
               struct edge_values *out)
 {
     double reach[3];
@@ -31,7 +31,7 @@ void edges_at(const double x[3], const double y[3], double px, double py, double
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3, k = (i + 2) % 3;
         out->e[i] = out->dx[j] * out->dy[k] - out->dx[k] * out->dy[j];
-        out->slack[i] = error * (reach[j] + reach[k]) + 2 * error * error;
+        out->slack[i] = errors[j] * reach[k] + errors[k] * reach[j] + 2 * errors[j] * errors[k];
     }
 }
 
@@ -79,7 +79,8 @@ enum presence edges_presence(const struct facet *facet, const struct edge_values
 {
     enum presence presence = DEFINITE;
     for (int i = 0; i < 3; i++) {
-        bool on_edge = facet->edge_px == 0 && edges->e[i] == 0;
+        bool exact = facet->edge_px[(i + 1) % 3] <= 0 && facet->edge_px[(i + 2) % 3] <= 0,
+             on_edge = exact && edges->e[i] == 0;
         if (edges->e[i] < -edges->slack[i] || (on_edge && !owns_edge(facet, i, 1)))
             return IMPOSSIBLE;
         if (!(edges->e[i] > edges->slack[i]) && !on_edge)
@@ -91,12 +92,12 @@ enum presence edges_presence(const struct facet *facet, const struct edge_values
 /* A triangle without area touches its longest edge only. */
 enum presence outline_presence(const struct outline *outline, double px, double py)
 {
-    const double *x = outline->x, *y = outline->y, error = outline->edge_px;
+    const double *x = outline->x, *y = outline->y, error = most_of(outline->edge_px);
     struct edge_values edges;
     if (least_of(x) - error > px || px > most_of(x) + error || least_of(y) - error > py ||
         py > most_of(y) + error)
         return IMPOSSIBLE;
-    edges_at(x, y, px, py, error, &edges);
+    edges_at(x, y, px, py, outline->edge_px, &edges);
     double turn = edges.e[0] + edges.e[1] + edges.e[2] < 0 ? -1 : 1;
     enum presence presence = DEFINITE;
     for (int i = 0; i < 3; i++) {

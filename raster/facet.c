@@ -133,16 +133,17 @@ static bool turn(struct facet *facet)
     return true;
 }
 
-/* Whether OpenGL may take the front for the back: moving every corner by e in x and y changes twice
- * the area by at most e times the perimeter's 1-norm, and 8 e^2. */
+/* Whether OpenGL may take the front for the back: moving a corner by e in x and y changes twice the
+ * area by at most e times the 1-norm of the edge opposite, all together by 8 e^2 more. */
 static bool is_edge_on(const struct facet *facet)
 {
-    double e = facet->edge_px, perimeter = 0;
+    double worst = most_of(facet->edge_px), change = 8 * worst * worst;
     for (int i = 0; i < 3; i++) {
-        int next = (i + 1) % 3;
-        perimeter += fabs(facet->x[next] - facet->x[i]) + fabs(facet->y[next] - facet->y[i]);
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        change +=
+            facet->edge_px[i] * (fabs(facet->x[k] - facet->x[j]) + fabs(facet->y[k] - facet->y[j]));
     }
-    return facet->twice_area <= e * perimeter + 8 * e * e;
+    return facet->twice_area <= change;
 }
 
 /* ---- what OpenGL sets up ---- */
@@ -166,13 +167,15 @@ static bool is_exact(const struct surface *surface, const struct facet *facet)
 static void set_piece(const struct surface *surface, const struct facet *from,
                       const struct tile *tile, const double slack_px[3], struct piece *out)
 {
-    out->outline = (struct outline){.slack_w = from->slack_w,
-                                    .edge_px = from->slack_px + edge_error(surface, tile),
+    out->outline = (struct outline){.grid_px = edge_error(surface, tile),
+                                    .slack_w = from->slack_w,
                                     .reach_x = tile->width + 1.0,
                                     .reach_y = tile->height + 1.0};
     memcpy(out->outline.x, from->x, sizeof from->x);
     memcpy(out->outline.y, from->y, sizeof from->y);
     memcpy(out->outline.slack_px, slack_px, sizeof out->outline.slack_px);
+    for (int i = 0; i < 3; i++)
+        out->outline.edge_px[i] = slack_px[i] + out->outline.grid_px;
     memcpy(out->outline.inverse_w, from->inverse_w, sizeof from->inverse_w);
     out->slack_depth = from->slack_depth;
     memcpy(out->z, from->z, sizeof from->z);
@@ -209,7 +212,6 @@ int facet_pieces(const struct plan *plan, const struct surface *surfaces, const 
     int n = clip_triangle(whole, planes, CLIP_PLANES, left);
     struct facet part = *facet;
     double clip_error = clip_error_of(surface, facet->vertex);
-    /* what counts is the corners that OpenGL has in the tile */
     part.slack_px = part.slack_w = part.slack_depth = 0;
     double slacks[CLIP_CORNERS];
     for (int i = 0; i < n; i++) {
@@ -233,6 +235,18 @@ static double depth_rounding(const struct surface *surface)
     return surface->driver->depth_roundings * u;
 }
 
+/* Corners that are cut off lie nowhere for OpenGL; those that cutting makes are off by slack_px. */
+static void set_edge_errors(const struct surface *surface, const struct tile *tile,
+                            struct facet *facet)
+{
+    bool exact = is_exact(surface, facet);
+    for (int i = 0; i < 3; i++) {
+        double slack = facet->straddles ? facet->slack_px
+                                        : (double)surface->vertices[facet->vertex[i]].slack_px;
+        facet->edge_px[i] = exact ? 0 : slack + edge_error(surface, tile);
+    }
+}
+
 /* Bounds that hold for all pieces but those too thin for one, and the side that is seen. Where all
  * are too thin, the depth has no bound. */
 static void finish_facet(const struct plan *plan, const struct surface *surfaces,
@@ -244,16 +258,17 @@ static void finish_facet(const struct plan *plan, const struct surface *surfaces
     facet->clockwise = !turn(facet);
     facet->side = surface->n_sides == 2 && facet->clockwise != surface->body->mirrored;
     int n = facet_pieces(plan, surfaces, tile, facet, pieces);
+    facet->slack_px = 0; /* what counts is the corners that OpenGL has in the tile */
     for (int i = 0; i < n; i++) {
         const struct piece *piece = &pieces[i];
-        facet->slack_px = piece->outline.edge_px - edge_error(surface, tile); /* the same for all */
+        facet->slack_px = fmax(facet->slack_px, most_of(piece->outline.slack_px));
         facet->slack_depth = piece->slack_depth;
         if (piece->magnification < HUGE_VAL)
             error = fmax(error, piece->magnification * bound_linear(&piece->outline, piece->z));
     }
     facet->depth_error =
         error < 0 ? HUGE_VAL : error + facet->slack_depth + depth_rounding(surface);
-    facet->edge_px = is_exact(surface, facet) ? 0 : facet->slack_px + edge_error(surface, tile);
+    set_edge_errors(surface, tile, facet);
     facet->edge_on = is_edge_on(facet);
 }
 

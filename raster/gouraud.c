@@ -29,9 +29,10 @@ struct shading {
  */
 static double shares_at(const struct facet *facet, double px, double py, double out[3])
 {
+    static const double none[3] = {0, 0, 0};
     struct edge_values edges;
     double share[3], sum = 0;
-    edges_at(facet->x, facet->y, px, py, 0, &edges);
+    edges_at(facet->x, facet->y, px, py, none, &edges);
     for (int i = 0; i < 3; i++) {
         share[i] = facet->twice_area > 0 ? edges.e[i] * facet->inverse_w[i] : 1;
         sum += share[i];

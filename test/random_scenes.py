@@ -37,7 +37,7 @@ SHRINK_S, MOST_SHRUNK = 240, 3  # a scene; scenes a run
 REFUSALS = [
     "the texture must repeat less often",
     "is not finite in the window; coordinates and scales are too large",
-    "single precision does not know depths better than",
+    "single precision does not know depths there better than",
     "reflects no finite radiance; a light that weakens with distance may be too near",
     "the object's transform is singular or not finite",
 ]

@@ -746,6 +746,7 @@ static void check_signs(void)
 {
     enum { POINTS = 300000 };
     uint64_t state = 10;
+    const double none[3] = {0, 0, 0};
     int wrong = 0, unequal = 0, near = 0;
     for (int i = 0; i < POINTS; i++) {
         struct point p = random_centre(&state);
@@ -757,13 +758,13 @@ static void check_signs(void)
             y[c] = nudged(&state, p.y + along * to.y);
         }
         struct edge_values edges, back;
-        edges_at(x, y, p.x, p.y, 0, &edges);
+        edges_at(x, y, p.x, p.y, none, &edges);
         double ax = x[1] - p.x, ay = y[1] - p.y, bx = x[2] - p.x, by = y[2] - p.y;
         double bound = 0x1.01p-53 * (fabs(ax * by) + fabs(bx * ay)), e = edges.e[0];
         near += fabs(e) <= 8 * bound;
         wrong += fabs(e) > bound && (e < 0 ? -1 : 1) != exact_sign(ax, ay, bx, by);
         const double x_back[3] = {x[0], x[2], x[1]}, y_back[3] = {y[0], y[2], y[1]};
-        edges_at(x_back, y_back, p.x, p.y, 0, &back);
+        edges_at(x_back, y_back, p.x, p.y, none, &back);
         unequal += back.e[0] < -e || back.e[0] > -e;
     }
     CHECK(near > POINTS / 4, "many corners are in line with the centre but for a few roundings");
