@@ -2,7 +2,7 @@
 /* The vocabulary of spectral, grouped by file in dependency order.
  *
  * Data flows one way: scene -> plan -> pixels -> verdict -> stack. raster/ knows data/, never the
- * other way; only raster/mesa.c knows OpenGL.
+ * other way; only raster/mesa.c and raster/identify.c know OpenGL.
  *
  * Conventions. Wavelengths are in nm, angles in degrees, lengths in scene units, window coordinates
  * in pixels (x to the right, y downwards, pixel centres at half-integers). Radiance, irradiance and
@@ -691,7 +691,9 @@ struct light_work {
 /* One surface per body, in drawing order; *out is allocated. Refuses NaN and infinity by object. */
 bool surfaces_light(const struct plan *plan, const struct driver *driver, struct surface **out,
                     struct light_work *work, struct error *err);
-/* The largest vertex radiance over all surfaces and wavelengths; 1 for an all-black scene. */
+/* The full scale that is asked for, or the largest vertex radiance over all surfaces and
+ * wavelengths; not below 2^-100 of the light, which would be too much for single precision beside
+ * it, and 1 for an all-black scene. Refuses radiances that are not finite, by object. */
 bool surfaces_full_scale(const struct plan *plan, const struct surface *surfaces, double *out,
                          struct error *err);
 /* Where the attributes of a vertex begin in weights and errors. */
@@ -777,6 +779,8 @@ const char *gl_renderer(const struct gl *gl);
 const char *gl_version(const struct gl *gl);
 /* Aims at a tile of the picture; surfaces that do not reach it will not be drawn. */
 void gl_aim(struct gl *gl, const struct surface *surfaces, const struct tile *tile);
+/* ---- raster/identify.c: which triangle OpenGL shows ---- */
+
 /* What OpenGL shows at a pixel. */
 struct shown {
     int32_t surface, triangle; /* -1: background */

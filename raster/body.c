@@ -52,7 +52,7 @@ static struct vector centre_of(const struct mesh *mesh)
 }
 
 /* The power of two next to the largest distance from the centre along an axis. */
-static double unit_of(const struct mesh *mesh, struct vector centre)
+static double mesh_unit(const struct mesh *mesh, struct vector centre)
 {
     double largest = 0;
     int exponent;
@@ -77,7 +77,7 @@ static bool build_whole(struct whole *whole, struct error *err)
         mesh->vertices[i].t *= shape->repeat[1];
     }
     whole->centre = centre_of(mesh);
-    whole->unit = unit_of(mesh, whole->centre);
+    whole->unit = mesh_unit(mesh, whole->centre);
     return true;
 }
 

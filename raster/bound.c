@@ -105,11 +105,11 @@ static double plane_rounding(const struct outline *outline, const struct edges *
            4 * u * largest(q);
 }
 
-double bound_linear(const struct outline *outline, const double values[3])
+double bound_linear(const struct outline *outline, const double values[3], double e_values)
 {
     struct edges edges = edges_of(outline);
     return largest(outline->slack_px) * edges.spread * norm(gradient_of(&edges, values)) +
-           plane_rounding(outline, &edges, values);
+           e_values * edges.spread + plane_rounding(outline, &edges, values);
 }
 
 /* The sum of |l_i| slack_px of corner i, without the part that grows with D: the sum of l_i / w_i

@@ -85,8 +85,7 @@ static void identify_contest(struct check *check, size_t index, const struct sho
     bool any = background->alive;
     for (int c = contest->first; c < contest->first + contest->count; c++) {
         const struct candidate *candidate = &chunk->candidates[c];
-        double depth = (double)candidate->depth,
-               error = candidate->loose ? HUGE_VAL : (double)candidate->depth_error;
+        double depth = (double)candidate->depth, error = (double)candidate->depth_error;
         bool named = candidate->surface == shown->surface && candidate->triangle == shown->triangle;
         check->trials[c].alive = named && fits_depth(check, shown, depth, error);
         any = any || check->trials[c].alive;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Homogeneous clipping: a triangle is cut plane by plane in clip space, before any division. */
+#include <float.h>
 #include <math.h>
 
 #include "coverage.h"
@@ -35,19 +36,41 @@ static struct corner cut(const struct corner *inner, double d_inner, const struc
     return out;
 }
 
+/* Rounding may tell the corners of a polygon that lies in the plane, or nearly, in and out by
+ * turns. Of several runs inside the longest is kept, so that a plane adds one corner at most. */
+static void keep_longest_run(double distances[CLIP_CORNERS], int n)
+{
+    int longest = 0, first = 0;
+    for (int i = 0; i < n; i++) {
+        int run = 0;
+        while (run < n && distances[(i + run) % n] >= 0)
+            run++;
+        if (run > longest) {
+            longest = run;
+            first = i;
+        }
+    }
+    for (int i = longest; i < n; i++) /* not more than 0, so that a cut lands on the corner */
+        distances[(first + i) % n] = fmin(distances[(first + i) % n], -DBL_MIN);
+}
+
 static int clip_by(const struct clip_plane *plane, const struct corner *in, int n_in,
                    struct corner *out)
 {
+    double distances[CLIP_CORNERS];
     int n_out = 0;
+    for (int i = 0; i < n_in; i++)
+        distances[i] = distance(plane, &in[i]);
+    keep_longest_run(distances, n_in);
     for (int i = 0; i < n_in; i++) {
-        const struct corner *here = &in[i], *next = &in[(i + 1) % n_in];
-        double d_here = distance(plane, here), d_next = distance(plane, next);
+        int next = (i + 1) % n_in;
+        double d_here = distances[i], d_next = distances[next];
         if (d_here >= 0)
-            out[n_out++] = *here;
+            out[n_out++] = in[i];
         if (d_here >= 0 && d_next < 0)
-            out[n_out++] = cut(here, d_here, next, d_next);
+            out[n_out++] = cut(&in[i], d_here, &in[next], d_next);
         else if (d_here < 0 && d_next >= 0)
-            out[n_out++] = cut(next, d_next, here, d_here);
+            out[n_out++] = cut(&in[next], d_next, &in[i], d_here);
     }
     return n_out;
 }

@@ -26,20 +26,13 @@ bool array_grow(void *array, size_t *capacity, size_t needed, size_t size)
 
 /* ---- visibility ---- */
 
-/* Bound on OpenGL's error in the depth of a fragment. */
-static double depth_error(const struct facet *facet, bool loose)
-{
-    return loose ? HUGE_VAL : facet->depth_error;
-}
-
 /* Rids a pixel's list of what lies behind its limit. */
 static void drop_hidden(struct coverage *coverage, struct pixel *pixel)
 {
     int32_t *link = &pixel->head;
     while (*link >= 0) {
         struct fragment *fragment = &coverage->fragments[*link];
-        const struct facet *facet = &coverage->facets[fragment->facet];
-        if (fragment->depth - depth_error(facet, fragment->loose) <= pixel->limit) {
+        if (fragment->depth - fragment->depth_error <= pixel->limit) {
             link = &fragment->next;
             continue;
         }
@@ -55,11 +48,10 @@ static void drop_hidden(struct coverage *coverage, struct pixel *pixel)
 static bool add_fragment(struct coverage *coverage, struct pixel *pixel,
                          const struct fragment *fragment, bool definite)
 {
-    double error = depth_error(&coverage->facets[fragment->facet], fragment->loose);
-    if (fragment->depth - error > pixel->limit)
+    if (fragment->depth - fragment->depth_error > pixel->limit)
         return true;
     if (definite)
-        pixel->limit = fmin(pixel->limit, fragment->depth + error);
+        pixel->limit = fmin(pixel->limit, fragment->depth + fragment->depth_error);
     if (pixel->n_candidates >= 2 * pixel->n_pruned) { /* seldom enough that time stays linear */
         drop_hidden(coverage, pixel);
         pixel->n_pruned = pixel->n_candidates + 1;
@@ -167,53 +159,78 @@ static bool is_on_seam(const struct coverage *coverage, const struct facet *face
     return false;
 }
 
-bool piece_touches(const struct coverage *coverage, const struct facet *facet, int32_t piece,
-                   double px, double py)
+static unsigned count_bits(unsigned bits)
 {
-    const struct piece *at = &coverage->pieces[facet->first_piece + piece];
-    return facet->n_pieces == 1 || outline_presence(&at->outline, px, py) != IMPOSSIBLE;
+    unsigned n = 0;
+    for (; bits != 0; bits &= bits - 1)
+        n++;
+    return n;
 }
 
-/* Whether OpenGL may have any piece of a facet at a point: each of its corners has a slack of its
- * own, where the facet takes the largest. */
-static bool is_on_piece(const struct coverage *coverage, const struct facet *facet, double px,
-                        double py)
+unsigned pieces_at(const struct coverage *coverage, const struct facet *facet, double px, double py)
 {
+    unsigned all = (1u << facet->n_pieces) - 1, some = 0;
+    if (facet->n_pieces == 1)
+        return all;
     for (int32_t i = 0; i < facet->n_pieces; i++)
-        if (piece_touches(coverage, facet, i, px, py))
-            return true;
-    return false;
+        if (outline_presence(&coverage->pieces[facet->first_piece + i].outline, px, py) !=
+            IMPOSSIBLE)
+            some |= 1u << i;
+    return some == 0 && facet->cut ? all : some;
 }
 
-/* Whether OpenGL's error has no bound at a point: upon a piece that is too thin for one, or so far
- * away that roundings of 1 / w, made where it is larger, may be nearly all of it. */
+/* Whether OpenGL's error has no bound at a point: upon a piece that is too thin for one, where
+ * depth has none either, or so far away that roundings of 1 / w, made where it is larger, may be
+ * nearly all of it. */
 static bool is_loose(const struct coverage *coverage, const struct facet *facet,
-                     const struct edge_values *edges, double px, double py)
+                     const struct edge_values *edges, unsigned pieces, bool *thin)
 {
     double sum = 0, inverse_w = 0;
+    bool far = false;
     for (int i = 0; i < 3; i++) {
         sum += edges->e[i];
         inverse_w += edges->e[i] * facet->inverse_w[i];
     }
+    *thin = false;
     for (int32_t i = 0; i < facet->n_pieces; i++) {
         const struct piece *piece = &coverage->pieces[facet->first_piece + i];
         const struct inverse_w_bound *bound = &piece->inverse_w_bound;
-        if (piece->magnification < HUGE_VAL &&
-            1.125 * (bound->fixed * sum + bound->per_d * inverse_w) <= inverse_w)
+        if (!(pieces >> i & 1))
             continue;
-        if (piece_touches(coverage, facet, i, px, py))
-            return true;
+        *thin = *thin || !(piece->magnification < HUGE_VAL);
+        far = far || !(1.125 * (bound->fixed * sum + bound->per_d * inverse_w) <= inverse_w);
     }
-    return false;
+    return *thin || far;
 }
 
-static bool visit_pixel(struct coverage *coverage, int32_t index, int x, int y)
+/* A fragment of a facet that OpenGL has, or may have. */
+static bool judge_fragment(struct coverage *coverage, int32_t index,
+                           const struct edge_values *edges, enum presence presence, unsigned pieces,
+                           bool covered, struct pixel *pixel)
+{
+    const struct facet *facet = &coverage->facets[index];
+    struct fragment fragment = {.facet = index, .depth = depth_at(facet, edges)};
+    bool thin;
+    fragment.loose = is_loose(coverage, facet, edges, pieces, &thin);
+    fragment.depth_error = thin ? HUGE_VAL : facet->depth_error;
+    /* the near or the far plane may cut it off */
+    if (!(fragment.depth > fragment.depth_error && fragment.depth < 1 - fragment.depth_error)) {
+        presence = POSSIBLE;
+        pixel->open = true;
+    }
+    count_fragment(coverage, facet, edges, presence, covered, pixel);
+    return coverage->surfaces[facet->surface].body->twin ||
+           add_fragment(coverage, pixel, &fragment, presence == DEFINITE);
+}
+
+/* *any: whether there may be a fragment. */
+static bool visit_pixel(struct coverage *coverage, int32_t index, int x, int y, bool *any)
 {
     const struct facet *facet = &coverage->facets[index];
     struct edge_values edges;
     edges_at(facet->x, facet->y, x + 0.5, y + 0.5, facet->edge_px, &edges);
     enum presence presence = edges_presence(facet, &edges);
-    if (presence == IMPOSSIBLE || !is_on_piece(coverage, facet, x + 0.5, y + 0.5))
+    if (presence == IMPOSSIBLE)
         return true;
     struct pixel *pixel =
         &coverage->pixels[(size_t)(y - coverage->rows.y) * (size_t)coverage->rows.width +
@@ -224,23 +241,18 @@ static bool visit_pixel(struct coverage *coverage, int32_t index, int x, int y)
         pixel->winner = index;
         pixel->winner_depth = depth;
     }
+    *any = true;
     if (!coverage->plan->options.check)
         return true;
-    struct fragment fragment = {.facet = index,
-                                .loose = is_loose(coverage, facet, &edges, x + 0.5, y + 0.5),
-                                .depth = depth};
-    double error = depth_error(facet, fragment.loose);
-    if (!(depth > error && depth < 1 - error)) { /* the near or the far plane may cut it off */
-        presence = POSSIBLE;
-        pixel->open = true;
-    }
+    unsigned pieces = pieces_at(coverage, facet, x + 0.5, y + 0.5);
+    if (pieces == 0)
+        return true;
     if (!is_watertight(coverage, facet) && is_on_seam(coverage, facet, x + 0.5, y + 0.5)) {
         presence = POSSIBLE;
-        pixel->n_possible++; /* one by each piece */
+        if (!facet->other_side) /* a fragment by each piece */
+            pixel->n_possible += count_bits(pieces) - 1;
     }
-    count_fragment(coverage, facet, &edges, presence, covered, pixel);
-    return coverage->surfaces[facet->surface].body->twin ||
-           add_fragment(coverage, pixel, &fragment, presence == DEFINITE);
+    return judge_fragment(coverage, index, &edges, presence, pieces, covered, pixel);
 }
 
 static int clamp_to(double value, int low, int high)
@@ -266,7 +278,8 @@ static void narrow_row(const struct facet *facet, int y, double slack, int *left
     }
 }
 
-static bool scan_facet(struct coverage *coverage, int32_t index)
+/* *any: whether there may be a fragment of the facet. */
+static bool scan_facet(struct coverage *coverage, int32_t index, bool *any)
 {
     const struct facet *facet = &coverage->facets[index];
     const struct tile *rows = &coverage->rows;
@@ -282,26 +295,33 @@ static bool scan_facet(struct coverage *coverage, int32_t index)
         int first = left, last = right;
         narrow_row(facet, y, slack, &first, &last);
         for (int x = first; x < last; x++)
-            if (!visit_pixel(coverage, index, x, y))
+            if (!visit_pixel(coverage, index, x, y, any))
                 return false;
     }
     return true;
 }
 
+/* Facets without a fragment are forgotten at once: there may be thousands to a pixel. */
 static bool cover_triangle(struct coverage *coverage, int surface, int triangle)
 {
     struct facet facets[FACETS_PER_TRIANGLE];
     int n = facets_of(coverage->plan, coverage->surfaces, surface, triangle, coverage->tile,
                       &coverage->rows, facets);
     for (int i = 0; i < n; i++) {
+        bool any = false;
+        size_t n_pieces = coverage->n_pieces;
         if (!array_grow(&coverage->facets, &coverage->facet_capacity, coverage->n_facets + 1,
                         sizeof *coverage->facets))
             return false;
-        if (!note_pieces(coverage, &facets[i]))
+        if (coverage->plan->options.check && !note_pieces(coverage, &facets[i]))
             return false;
         coverage->facets[coverage->n_facets] = facets[i];
-        if (!scan_facet(coverage, (int32_t)coverage->n_facets++))
+        if (!scan_facet(coverage, (int32_t)coverage->n_facets, &any))
             return false;
+        if (any)
+            coverage->n_facets++;
+        else
+            coverage->n_pieces = n_pieces;
     }
     return true;
 }

@@ -42,8 +42,9 @@ struct outline {
 };
 /* Above 1: the factor by which thinness magnifies all bounds; HUGE_VAL where it leaves none. */
 double bound_magnification(const struct outline *outline);
-/* Bound for a value interpolated linearly in the window (depth). */
-double bound_linear(const struct outline *outline, const double values[3]);
+/* Bound for a value interpolated linearly in the window (depth), whose corners are off by e_values.
+ */
+double bound_linear(const struct outline *outline, const double values[3], double e_values);
 /* Bound on OpenGL's error in D = 1 / w at a pixel: fixed + per_d D. */
 struct inverse_w_bound {
     double fixed, per_d;
@@ -126,7 +127,7 @@ double most_of(const double v[3]);
 struct fragment {
     int32_t facet, next;
     bool loose; /* its colour has no bound */
-    double depth;
+    double depth, depth_error;
 };
 struct pixel {
     int32_t winner;                 /* facet of the reference's own fragment; -1: none */
@@ -160,9 +161,10 @@ struct coverage {
 bool coverage_fill(struct coverage *coverage);
 void coverage_free(struct coverage *coverage);
 
-/* Whether OpenGL may have a piece of a facet at a point. */
-bool piece_touches(const struct coverage *coverage, const struct facet *facet, int32_t piece,
-                   double px, double py);
+/* Which pieces of a facet OpenGL may have at a point: bit i stands for piece i. Beyond the near and
+ * the far plane there may be any: pieces end there, but single precision does not know where. */
+unsigned pieces_at(const struct coverage *coverage, const struct facet *facet, double px,
+                   double py);
 
 /* Makes room for `needed` elements of an array. False: no memory, or more than int32_t counts. */
 bool array_grow(void *array, size_t *capacity, size_t needed, size_t size);

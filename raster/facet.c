@@ -42,20 +42,25 @@ static void whole_corners(const struct surface *surface, const int32_t vertex[3]
     }
 }
 
-/* The planes in Mesa's order: right, left, top, bottom of the tile, then near, far. Margins widen
- * the last two by what single precision may be off there, so that no possible pixel is lost. */
-static void planes_of(const struct plan *plan, const struct tile *tile, double near_margin,
-                      double far_margin, struct clip_plane planes[CLIP_PLANES])
+/* The planes in Mesa's order: right, left, top, bottom of the tile, then near, far. The last two
+ * are widened by what single precision may be off there, so that no possible pixel is lost; near
+ * not so far that w = 0 comes in, which is of no matter: see check_near in surface.c. */
+static void planes_of(const struct plan *plan, const struct surface *surface,
+                      const int32_t vertex[3], const struct tile *tile,
+                      struct clip_plane planes[CLIP_PLANES])
 {
-    double width = plan->scene->width, height = plan->scene->height;
+    double width = plan->scene->width, height = plan->scene->height, error = 0;
+    double near_w = plan->scene->camera.perspective ? plan->near : 1;
+    for (int i = 0; i < 3; i++)
+        error = fmax(error, (double)surface->vertices[vertex[i]].near_error);
     double left = 2 * tile->x / width - 1, right = 2 * (tile->x + tile->width) / width - 1;
     double top = 1 - 2 * tile->y / height, bottom = 1 - 2 * (tile->y + tile->height) / height;
     planes[0] = (struct clip_plane){{-1, 0, 0, right}, 0};
     planes[1] = (struct clip_plane){{1, 0, 0, -left}, 0};
     planes[2] = (struct clip_plane){{0, -1, 0, top}, 0};
     planes[3] = (struct clip_plane){{0, 1, 0, -bottom}, 0};
-    planes[4] = (struct clip_plane){{0, 0, 1, 1}, near_margin};
-    planes[5] = (struct clip_plane){{0, 0, -1, 1}, far_margin};
+    planes[4] = (struct clip_plane){{0, 0, 1, 1}, fmin(2 * error, 0.25 * near_w)};
+    planes[5] = (struct clip_plane){{0, 0, -1, 1}, 2 * error};
 }
 
 /* ---- one facet ---- */
@@ -208,7 +213,7 @@ int facet_pieces(const struct plan *plan, const struct surface *surfaces, const 
     struct corner whole[3], left[CLIP_CORNERS];
     struct clip_plane planes[CLIP_PLANES];
     whole_corners(surface, facet->vertex, !facet->clockwise, whole);
-    planes_of(plan, tile, 0, 0, planes);
+    planes_of(plan, surface, facet->vertex, tile, planes);
     int n = clip_triangle(whole, planes, CLIP_PLANES, left);
     struct facet part = *facet;
     double clip_error = clip_error_of(surface, facet->vertex);
@@ -226,7 +231,13 @@ int facet_pieces(const struct plan *plan, const struct surface *surfaces, const 
         const double slack_px[3] = {slacks[0], slacks[i - 1], slacks[i]};
         set_piece(surface, &part, tile, slack_px, &out[i - 2]);
     }
-    return n < 3 ? 0 : n - 2;
+    if (n < 3) { /* hardly any of it is in the tile: nothing is known of it */
+        double slack_px[3] = {facet->slack_px, facet->slack_px, facet->slack_px};
+        set_piece(surface, facet, tile, slack_px, &out[0]);
+        out[0].magnification = HUGE_VAL;
+        return 1;
+    }
+    return n - 2;
 }
 
 /* How far a stored depth may be off from the one computed. */
@@ -262,12 +273,11 @@ static void finish_facet(const struct plan *plan, const struct surface *surfaces
     for (int i = 0; i < n; i++) {
         const struct piece *piece = &pieces[i];
         facet->slack_px = fmax(facet->slack_px, most_of(piece->outline.slack_px));
-        facet->slack_depth = piece->slack_depth;
         if (piece->magnification < HUGE_VAL)
-            error = fmax(error, piece->magnification * bound_linear(&piece->outline, piece->z));
+            error = fmax(error, piece->magnification *
+                                    bound_linear(&piece->outline, piece->z, piece->slack_depth));
     }
-    facet->depth_error =
-        error < 0 ? HUGE_VAL : error + facet->slack_depth + depth_rounding(surface);
+    facet->depth_error = error < 0 ? HUGE_VAL : error + depth_rounding(surface);
     set_edge_errors(surface, tile, facet);
     facet->edge_on = is_edge_on(facet);
 }
@@ -304,15 +314,10 @@ static int depth_pieces(const struct plan *plan, const struct surface *surfaces,
                         struct facet out[FACETS_PER_TRIANGLE])
 {
     const struct surface *surface = &surfaces[triangle->surface];
-    double error = 0;
     struct corner whole[3], left[CLIP_CORNERS];
     struct clip_plane planes[CLIP_PLANES];
-    for (int i = 0; i < 3; i++)
-        error = fmax(error, (double)surface->vertices[triangle->vertex[i]].near_error);
-    /* w at the near plane; a wider margin would let w = 0 in */
-    double near_w = plan->scene->camera.perspective ? plan->near : 1;
     whole_corners(surface, triangle->vertex, false, whole);
-    planes_of(plan, tile, fmin(2 * error, 0.25 * near_w), 2 * error, planes);
+    planes_of(plan, surface, triangle->vertex, tile, planes);
     int n = clip_triangle(whole, planes + 4, 2, left), n_out = 0;
     for (int i = 2; i < n; i++) {
         struct facet *piece = &out[n_out++];

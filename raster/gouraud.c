@@ -52,24 +52,29 @@ static bool is_flat(const struct shading *shading, const struct facet *facet, si
            attribute < (size_t)shading->coverage.surfaces[facet->surface].finish->n_terms;
 }
 
+/* Of an attribute where six planes may cut: a difference, a product and a sum each. */
+enum { CUT_ROUNDINGS = 18 };
+
 /* The bound of one attribute in one piece: of its interpolation, and by how much position errors
  * magnify those of its vertices. Where the piece has no bound, its values' range. */
 static struct colour_bound piece_bound(const struct shading *shading, const struct facet *facet,
                                        const struct piece *piece, size_t attribute)
 {
     const struct surface *surface = &shading->coverage.surfaces[facet->surface];
-    double values[3] = {0, 0, 0}, e_vertex = 0, magnification = piece->magnification;
+    double values[3] = {0, 0, 0}, e_vertex = 0, largest = 0, magnification = piece->magnification;
     for (int j = 0; j < 3; j++) {
         size_t at = surface_attributes(surface, facet->vertex[j], facet->side) + attribute;
         for (int c = 0; c < 3; c++)
             values[c] += piece->share[c][j] * surface->weights[at];
         e_vertex = fmax(e_vertex, (double)surface->errors[at]);
+        largest = fmax(largest, fabs(surface->weights[at]));
     }
+    double e_cut = facet->straddles ? CUT_ROUNDINGS * largest / 16777216 : 0;
     if (!(magnification < HUGE_VAL))
         return (struct colour_bound){.constant = fmax(values[0], fmax(values[1], values[2])) -
                                                  fmin(values[0], fmin(values[1], values[2]))};
     struct colour_bound bound = bound_colour(&piece->outline, values);
-    bound.constant = magnification * bound.constant + (magnification - 1) * e_vertex;
+    bound.constant = magnification * (bound.constant + e_cut) + (magnification - 1) * e_vertex;
     bound.fixed *= magnification;
     bound.per_d *= magnification;
     return bound;
@@ -99,12 +104,13 @@ static void add_bounds(struct shading *shading, const struct facet *facet, doubl
                        int y)
 {
     size_t n_attributes = (size_t)shading->coverage.surfaces[facet->surface].n_attributes;
+    unsigned pieces = pieces_at(&shading->coverage, facet, x + 0.5, y + 0.5);
     float d = (float)inverse_w;
     for (size_t a = 0; a < n_attributes; a++)
         shading->interpolation[a] = shading->slopes[a] = 0;
     for (int32_t i = 0; i < facet->n_pieces; i++) {
         const struct piece *piece = &shading->coverage.pieces[facet->first_piece + i];
-        if (!piece_touches(&shading->coverage, facet, i, x + 0.5, y + 0.5))
+        if (!(pieces >> i & 1))
             continue;
         const struct attribute_bound *bounds = bounds_of(shading, facet, i);
         /* where 1 / w is not known to be positive the fragment is loose */
@@ -202,9 +208,9 @@ static void put_rows(const struct shading *shading, const struct finish *finish,
 /* ---- the finished chunk ---- */
 
 /* Bound on OpenGL's error in a depth that is kept in single precision. */
-static float stored_depth_error(const struct facet *facet, double depth)
+static float stored_depth_error(double error, double depth)
 {
-    return (float)(facet->depth_error + fabs(depth) / 16777216);
+    return (float)(error + fabs(depth) / 16777216);
 }
 
 /* A surface that may be seen at a pixel: one candidate, or as many as OpenGL may take texels. */
@@ -231,16 +237,28 @@ static bool add_candidates(struct shading *shading, struct chunk *out,
             return false;
         put_rows(shading, finish, finish->texture ? &choices[i] : NULL,
                  out->candidate_weights + first, out->candidate_errors + first, 1);
-        out->candidates[out->n_candidates++] =
-            (struct candidate){.surface = facet->surface,
-                               .triangle = facet->triangle,
-                               .depth = (float)fragment->depth,
-                               .depth_error = stored_depth_error(facet, fragment->depth),
-                               .loose = fragment->loose,
-                               .first = first};
+        out->candidates[out->n_candidates++] = (struct candidate){
+            .surface = facet->surface,
+            .triangle = facet->triangle,
+            .depth = (float)fragment->depth,
+            .depth_error = stored_depth_error(fragment->depth_error, fragment->depth),
+            .loose = fragment->loose,
+            .first = first};
         out->n_numbers += n_rows;
     }
     return true;
+}
+
+static bool is_closed(const struct pixel *pixel)
+{
+    return !pixel->open && pixel->edge_sum[0] == 0 && pixel->edge_sum[1] == 0;
+}
+
+/* Where triangles meet without a gap one of them must be there, if the driver is watertight. */
+static bool is_surely_covered(const struct shading *shading, const struct pixel *pixel)
+{
+    return is_closed(pixel) && pixel->n_covered > 0 &&
+           shading->coverage.surfaces[0].driver->watertight;
 }
 
 static bool add_contest(struct shading *shading, struct chunk *out, int32_t index, int x, int y,
@@ -252,7 +270,8 @@ static bool add_contest(struct shading *shading, struct chunk *out, int32_t inde
     struct contest *contest = &out->contests[out->n_contests++];
     *contest = (struct contest){.pixel = index,
                                 .first = (int32_t)out->n_candidates,
-                                .background = pixel->limit == HUGE_VAL};
+                                .background =
+                                    pixel->limit == HUGE_VAL && !is_surely_covered(shading, pixel)};
     for (int32_t f = pixel->head; f >= 0; f = shading->coverage.fragments[f].next)
         if (!add_candidates(shading, out, &shading->coverage.fragments[f], x, y, capacity))
             return false;
@@ -284,7 +303,7 @@ static bool put_winner(struct shading *shading, struct chunk *out, int32_t index
         const struct facet *facet = &shading->coverage.facets[pixel->winner];
         out->triangle[index] = facet->triangle;
         out->depth[index] = (float)pixel->winner_depth;
-        out->depth_error[index] = stored_depth_error(facet, pixel->winner_depth);
+        out->depth_error[index] = stored_depth_error(facet->depth_error, pixel->winner_depth);
     }
     interpolate(shading, pixel->winner, x, y);
     if (finish->texture) {
@@ -307,8 +326,7 @@ static struct overdraw overdraw_of(const struct pixel *pixel)
     return (struct overdraw){.least = (uint8_t)pixel->n_definite,
                              .spread = spread < UINT8_MAX ? (uint8_t)spread : UINT8_MAX,
                              .meant = (uint8_t)(pixel->n_definite + pixel->n_covered),
-                             .closed = !pixel->open && pixel->edge_sum[0] == 0 &&
-                                       pixel->edge_sum[1] == 0};
+                             .closed = is_closed(pixel)};
 }
 
 static bool resolve_pixel(struct shading *shading, struct chunk *out, int32_t index,

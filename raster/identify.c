@@ -88,7 +88,7 @@ struct shown gl_shown(const struct gl *gl, int x, int y)
     uint32_t depth = gl->depths[below * width + (size_t)x];
     struct shown shown = {-1, -1, depth >> 8, (uint8_t)(depth & 0xff)};
     int32_t low = whole(number[0]), high = whole(number[1]), body = whole(number[2]);
-    if (low < 0 || high < 0 || body < 0) {
+    if (low < 0 || low > 0xffff || high < 0 || high > INT16_MAX || body < 0) {
         shown.surface = gl->plan->n_bodies; /* none that there is */
     } else if (body > 0) {
         shown.surface = body - 1;

@@ -26,7 +26,7 @@ enum { LARGEST_TILE = 8192 };
 /* A unit for eye space in which what is seen measures 1024 to 2048, so that squares and
  * determinants of lengths, however small or large the scene, are numbers in single precision, and
  * differences that Mesa takes for none are none. A power of two changes no digit. */
-static double unit_of(const struct camera *camera)
+static double eye_unit(const struct camera *camera)
 {
     int exponent;
     double size = fmax(fabs(camera->near), fabs(camera->far));
@@ -105,7 +105,7 @@ bool plan_make(const struct scene *scene, const struct plan_options *options, st
                struct error *err)
 {
     struct camera camera = scene->camera;
-    *out = (struct plan){.scene = scene, .options = *options, .unit = unit_of(&camera)};
+    *out = (struct plan){.scene = scene, .options = *options, .unit = eye_unit(&camera)};
     camera.near /= out->unit;
     camera.far /= out->unit;
     camera.extent /= camera.perspective ? 1 : out->unit;

@@ -274,8 +274,6 @@ static bool prepare(struct render_state *state, struct error *err)
         return false;
     if (!surfaces_full_scale(plan, state->surfaces, &result->full_scale, err))
         return false;
-    if (plan->options.full_scale > 0)
-        result->full_scale = plan->options.full_scale;
     clock_in(&result->seconds.raster, &since);
     return true;
 }

@@ -207,7 +207,7 @@ static bool check_near(const struct plan *plan, const struct surface *surface, i
     double error = 0;
     for (int i = 0; i < 3; i++)
         error = fmax(error, (double)surface->vertices[vertex[i]].near_error);
-    return error <= 0.25 * plan->near || least_w(surface, vertex) > 8 * error ||
+    return error <= 0.125 * plan->near || least_w(surface, vertex) > 8 * error ||
            error_at(
                err, surface->body->object->place,
                "triangle %d of this object reaches the eye, and single precision does not know "
@@ -344,8 +344,14 @@ bool surfaces_full_scale(const struct plan *plan, const struct surface *surfaces
             "the largest radiance is %.3g, so small that a float page would lose digits; "
             "lights and factors are too small",
             largest);
-    largest = fmax(largest, least_full_scale(plan));
-    *out = largest > 0 ? largest : 1;
+    double least = least_full_scale(plan), wanted = plan->options.full_scale;
+    if (wanted > 0 && wanted < least)
+        return error_usage(err,
+                           "--full-scale: %g is too small beside the lights; the least that single "
+                           "precision can show is %.3g",
+                           wanted, least);
+    largest = fmax(largest, least);
+    *out = wanted > 0 ? wanted : largest > 0 ? largest : 1;
     return true;
 }
 
