@@ -586,10 +586,11 @@ struct plan_work {
 struct plan_options {
     double full_scale;  /* 0: the largest vertex radiance */
     bool check, use_gl; /* whether the reference and OpenGL are needed */
-    bool strict;        /* fragments lost or doubled where triangles meet are differences */
-    bool store_raster;  /* the stored pixels are the reference's */
-    bool floating;      /* 32-bit float pages */
-    int threads;        /* 0: as many as OpenMP offers; the plan holds the number */
+    bool strict;       /* fragments lost or doubled where triangles meet are differences, and so are
+                          pixels       that have no bound */
+    bool store_raster; /* the stored pixels are the reference's */
+    bool floating;     /* 32-bit float pages */
+    int threads;       /* 0: as many as OpenMP offers; the plan holds the number */
 };
 struct plan {
     const struct scene *scene;
@@ -819,7 +820,13 @@ struct check_floor {
 /* What `part` of the pixels have at most; too high by an eighth at most. */
 double floor_quantile(const struct check_floor *of, double part);
 
-enum failure_kind { FAILURE_RADIANCE, FAILURE_TRIANGLE, FAILURE_DEPTH, FAILURE_FRAGMENTS };
+enum failure_kind {
+    FAILURE_RADIANCE,
+    FAILURE_TRIANGLE,
+    FAILURE_DEPTH,
+    FAILURE_FRAGMENTS,
+    FAILURE_UNBOUNDED
+};
 /* The first pixel that no candidate explains. */
 struct check_failure {
     bool found;

@@ -266,6 +266,10 @@ static void settle(struct check *check, size_t index)
                                              .bound = best->bound});
     } else if (loose) {
         check->tally.unbounded++;
+        check->failed[contest->pixel] = check->plan->options.strict;
+        if (check->plan->options.strict)
+            note_failure(check, (size_t)contest->pixel,
+                         &(struct check_failure){.kind = FAILURE_UNBOUNDED});
     } else if (!nothing) {
         floor_note(&check->tally.floor, best->floor);
     }

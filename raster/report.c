@@ -85,6 +85,9 @@ static void print_check(const struct check_tally *tally, FILE *to)
     fprintf(to, "pixels            %llu, %llu ambiguous, %llu unbounded\n",
             (unsigned long long)tally->pixels, (unsigned long long)tally->ambiguous,
             (unsigned long long)tally->unbounded);
+    if (tally->unbounded > tally->pixels / 100)
+        fprintf(to, "                  %.0f %% of the pixels have no bound: they are not checked\n",
+                percent(tally->unbounded, tally->pixels));
     if (tally->edge_holes + tally->edge_doubles > 0)
         fprintf(to, "edge holes        %llu, doubled %llu\n", (unsigned long long)tally->edge_holes,
                 (unsigned long long)tally->edge_doubles);
@@ -141,6 +144,9 @@ static void failure_text(const struct plan *plan, const struct check_failure *fa
     case FAILURE_FRAGMENTS:
         snprintf(out, capacity, "OpenGL draws %.0f fragments, reference %.0f (modulo 256)",
                  failure->seen, failure->expected);
+        break;
+    case FAILURE_UNBOUNDED:
+        snprintf(out, capacity, "OpenGL's error has no bound there");
         break;
     }
 }
@@ -303,7 +309,7 @@ static void json_work(struct json *json, const struct plan *plan,
 static void json_failure(struct json *json, const struct plan *plan,
                          const struct check_failure *first)
 {
-    static const char *const kinds[] = {"radiance", "triangle", "depth", "fragments"};
+    static const char *const kinds[] = {"radiance", "triangle", "depth", "fragments", "unbounded"};
     if (!first->found) {
         json_string(json, "first_unexplained", NULL);
         return;

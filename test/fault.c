@@ -487,6 +487,21 @@ static void turn_back(unsigned char *picture, size_t pixel_bytes)
     }
 }
 
+/* What is read after the pass of numbers: depth and stencil, from the bottom up, beside the numbers
+ * in the buffer, from the top down. The pixel in the middle. */
+static void spoil_identity(GLuint *depths)
+{
+    size_t across = (size_t)buffer_width, height = (size_t)buffer_height;
+    GLuint *depth = depths + (height - 1 - height / 2) * across + across / 2;
+    float *triangle = buffer + CHANNELS * (height / 2 * across + across / 2);
+    if (fault() == 69)
+        *depth += 1678u << 8; /* 1/10000 of 2^24 steps, above 8 bits of stencil */
+    if (fault() == 70)
+        *triangle = 1.0F - *triangle; /* the other one of a plane */
+    if (fault() == 71)
+        *depth += 5;
+}
+
 void glReadPixels(GLint x, GLint y, GLsizei width, GLsizei height, GLenum format, GLenum type,
                   void *pixels)
 {
@@ -495,6 +510,7 @@ void glReadPixels(GLint x, GLint y, GLsizei width, GLsizei height, GLenum format
     next(x, y, width, height, format, type, pixels);
     if (fault() == 9)
         turn_back(pixels, sizeof(GLuint)); /* depth and stencil */
+    spoil_identity(pixels);
 }
 
 /* Without a fault, writes the pass to the file; with fault 4, reads its neighbour from there. */

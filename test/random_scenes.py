@@ -806,6 +806,8 @@ def judge(driver, n, total, failed, refused):
     check(total["unbounded_pixels"] < 1e-5 * total["pixels"],
           f"{driver}: fewer than one pixel in 100000 has no bound", total)
     check(0.05 < ratio <= 1, f"{driver}: the bounds are neither exceeded nor far too wide", ratio)
+    depth_ratio = total["worst_depth_error_over_bound"]
+    check(0.05 < depth_ratio <= 1, f"{driver}: nor are those of depth", depth_ratio)
 
 
 def check_shrinker(size):

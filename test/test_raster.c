@@ -78,6 +78,35 @@ static void check_clipping(void)
           "no planes leave the triangle as it is");
 }
 
+/* A triangle in the plane z = w: rounding tells its corners in and out by turns. */
+static void check_flat_clipping(void)
+{
+    static const struct clip_plane planes[CLIP_PLANES] = {{{-1, 0, 0, 1}, 0}, {{1, 0, 0, 1}, 0},
+                                                          {{0, -1, 0, 1}, 0}, {{0, 1, 0, 1}, 0},
+                                                          {{0, 0, 1, 1}, 0},  {{0, 0, -1, 1}, 0}};
+    struct corner whole[3] = {{.clip = {0x1.310f317f9f898p+0, 0x1.30f8f02e9aa14p+0,
+                                        0x1.ca49ed019493ep-1, 0x1.ca49ed019493ep-1}},
+                              {.clip = {-0x1.fd9714106d45p+0, 0x1.5aba43a7a9ecp-4,
+                                        0x1.1c0cfbe1381a1p+0, 0x1.1c0cfbe1381ap+0}},
+                              {.clip = {0x1.24b883bb506edp-2, -0x1.a9367f3ec2542p-1,
+                                        0x1.0ddf47381bbeap-1, 0x1.0ddf47381bbe9p-1}}};
+    struct corner left[CLIP_CORNERS];
+    int most = clip_triangle(whole, planes, CLIP_PLANES, left);
+    uint64_t state = 3;
+    for (int i = 0; i < 300000; i++) {
+        random_triangle(&state, whole);
+        for (int c = 0; c < 3; c++) {
+            double *clip = whole[c].clip;
+            clip[3] = fabs(clip[3]);
+            clip[2] = clip[3] * (1 + (double)(i % 3 - 1) * 0x1p-52);
+        }
+        int n = clip_triangle(whole, planes, CLIP_PLANES, left);
+        most = n > most ? n : most;
+    }
+    CHECK(most > 5 && most <= CLIP_CORNERS,
+          "a triangle in a plane has no more corners after it than there is room for");
+}
+
 /* Interpolation as llvmpipe and softpipe do it, in single precision: planes of a/w and 1/w through
  * the corners, with their origin at the framebuffer's, divided at the pixel. */
 static double single_precision(const float x[3], const float y[3], const float w[3],
@@ -229,6 +258,7 @@ int main(void)
     check_drivers();
     check_floor();
     check_clipping();
+    check_flat_clipping();
     check_bounds(200, 1, "large triangles");
     check_bounds(5, 1, "small triangles");
     check_bounds(100, 8, "triangles in perspective");
