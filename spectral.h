@@ -598,6 +598,7 @@ struct plan {
     int n_bands, n_passes; /* n_passes: groups of bands */
     double unit; /* of lengths in eye space: a power of two, 1/1024 of the picture's size */
     double near; /* distance of the near plane, in that unit */
+    bool tiled;  /* there is more than one tile */
     struct matrix view, projection;
     struct plan_mesh *meshes;
     struct finish *finishes;
@@ -658,6 +659,7 @@ bool exact_row(const double row[4], const double v[4]);
 
 /* ---- raster/surface.c: the reference's vertices, and how far GL may be off there ---- */
 
+enum { CLIP_XY, CLIP_Z, CLIP_W };
 /* Window coordinates of a vertex in double, with bounds on OpenGL's single-precision error. */
 struct lit_vertex {
     double clip[4]; /* homogeneous clip coordinates */
@@ -666,8 +668,7 @@ struct lit_vertex {
     float slack_px;    /* bound on GL's error in x and in y, before it snaps to its grid */
     float slack_depth; /* bound on GL's error in z */
     float slack_w;     /* relative bound on GL's error in w */
-    float clip_error;  /* bound on GL's error in any clip coordinate */
-    float near_error;  /* the same in z and w */
+    float e_clip[3];   /* bounds on GL's errors in clip coordinates: CLIP_XY, CLIP_Z, CLIP_W */
     bool exact;        /* GL makes no error in x and y, and they lie on a grid of 1/256 pixel */
 };
 struct surface {

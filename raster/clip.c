@@ -14,13 +14,6 @@ static double distance(const struct clip_plane *plane, const struct corner *corn
            plane->normal[2] * corner->clip[2] + plane->normal[3] * corner->clip[3] + plane->offset;
 }
 
-static double magnitude(const struct corner *corner)
-{
-    double x = fabs(corner->clip[0]), y = fabs(corner->clip[1]), z = fabs(corner->clip[2]);
-    /* a tile's clip space is shifted against the picture's by at most w */
-    return fmax(x, fmax(y, z)) + fabs(corner->clip[3]);
-}
-
 /* Where the edge crosses the plane, always computed from the inner end towards the outer one. */
 static struct corner cut(const struct corner *inner, double d_inner, const struct corner *outer,
                          double d_outer)
@@ -31,8 +24,13 @@ static struct corner cut(const struct corner *inner, double d_inner, const struc
         out.clip[i] = inner->clip[i] + t * (outer->clip[i] - inner->clip[i]);
     for (int i = 0; i < 3; i++)
         out.share[i] = inner->share[i] + t * (outer->share[i] - inner->share[i]);
-    out.cut_error = fmax(inner->cut_error, outer->cut_error) +
-                    cut_roundings * (magnitude(inner) + magnitude(outer));
+    double sums[4];
+    for (int i = 0; i < 4; i++)
+        sums[i] = cut_roundings * (fabs(inner->clip[i]) + fabs(outer->clip[i]));
+    const double errors[3] = {
+        [CLIP_XY] = fmax(sums[0], sums[1]), [CLIP_Z] = sums[2], [CLIP_W] = sums[3]};
+    for (int k = 0; k < 3; k++)
+        out.cut_error[k] = fmax(inner->cut_error[k], outer->cut_error[k]) + errors[k];
     return out;
 }
 

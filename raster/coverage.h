@@ -15,9 +15,9 @@ enum { CLIP_PLANES = 6, CLIP_CORNERS = 3 + CLIP_PLANES };
 /* A corner of a triangle, or of what clipping left of it. */
 struct corner {
     double clip[4];
-    double share[3];  /* barycentric coordinates in the whole triangle */
-    double cut_error; /* bound on GL's error in clip coordinates from cutting */
-    int whole;        /* 0..2: which corner of the whole triangle this is; -1: made by a cut */
+    double share[3];     /* barycentric coordinates in the whole triangle */
+    double cut_error[3]; /* bounds on GL's errors in clip coordinates from cutting */
+    int whole;           /* 0..2: which corner of the whole triangle this is; -1: made by a cut */
 };
 /* Inside is where normal . clip + offset >= 0. */
 struct clip_plane {

@@ -52,7 +52,7 @@ static void planes_of(const struct plan *plan, const struct surface *surface,
     double width = plan->scene->width, height = plan->scene->height, error = 0;
     double near_w = plan->scene->camera.perspective ? plan->near : 1;
     for (int i = 0; i < 3; i++)
-        error = fmax(error, (double)surface->vertices[vertex[i]].near_error);
+        error = fmax(error, (double)surface->vertices[vertex[i]].e_clip[CLIP_Z]);
     double left = 2 * tile->x / width - 1, right = 2 * (tile->x + tile->width) / width - 1;
     double top = 1 - 2 * tile->y / height, bottom = 1 - 2 * (tile->y + tile->height) / height;
     planes[0] = (struct clip_plane){{-1, 0, 0, right}, 0};
@@ -91,8 +91,7 @@ struct slack {
 
 /* A cut adds its own error to those of the whole corners, in clip coordinates. */
 static struct slack slack_of(const struct plan *plan, const struct surface *surface,
-                             const struct facet *facet, const struct corner *corner,
-                             double clip_error)
+                             const struct facet *facet, const struct corner *corner)
 {
     if (corner->whole >= 0) {
         const struct lit_vertex *vertex = &surface->vertices[facet->vertex[corner->whole]];
@@ -100,12 +99,19 @@ static struct slack slack_of(const struct plan *plan, const struct surface *surf
                               (double)vertex->slack_depth};
     }
     double half = 0.5 * fmax(plan->scene->width, plan->scene->height), w = corner->clip[3];
-    double nx = fabs(corner->clip[0] / w), ny = fabs(corner->clip[1] / w);
-    double error = clip_error + corner->cut_error;
+    double n = fmax(fabs(corner->clip[0]), fabs(corner->clip[1])) / w, e[3];
+    for (int k = 0; k < 3; k++) {
+        e[k] = 0;
+        for (int i = 0; i < 3; i++)
+            e[k] = fmax(e[k], (double)surface->vertices[facet->vertex[i]].e_clip[k]);
+        e[k] += corner->cut_error[k];
+    }
+    /* a tile's clip space is shifted against the picture's by at most w */
+    double shift = plan->tiled, e_xy = e[CLIP_XY] + shift * corner->cut_error[CLIP_W];
     return (struct slack){
-        .px = half * (error * (2 + fmax(nx, ny)) / w + 8 * u),
-        .w = error / w + 2 * u,
-        .depth = error / w + 4 * u /* half of (1 + |z / w|) of it, and |z| <= w */
+        .px = half * ((e_xy + (n + shift) * e[CLIP_W]) / w + 8 * u),
+        .w = e[CLIP_W] / w + 2 * u,
+        .depth = 0.5 * (e[CLIP_Z] + e[CLIP_W]) / w + 4 * u /* |z| <= w */
     };
 }
 
@@ -191,14 +197,6 @@ static void set_piece(const struct surface *surface, const struct facet *from,
     out->inverse_w_bound.per_d *= out->magnification;
 }
 
-static double clip_error_of(const struct surface *surface, const int32_t vertex[3])
-{
-    double error = 0;
-    for (int i = 0; i < 3; i++)
-        error = fmax(error, (double)surface->vertices[vertex[i]].clip_error);
-    return error;
-}
-
 int facet_pieces(const struct plan *plan, const struct surface *surfaces, const struct tile *tile,
                  const struct facet *facet, struct piece out[CLIP_CORNERS - 2])
 {
@@ -216,11 +214,10 @@ int facet_pieces(const struct plan *plan, const struct surface *surfaces, const 
     planes_of(plan, surface, facet->vertex, tile, planes);
     int n = clip_triangle(whole, planes, CLIP_PLANES, left);
     struct facet part = *facet;
-    double clip_error = clip_error_of(surface, facet->vertex);
     part.slack_px = part.slack_w = part.slack_depth = 0;
     double slacks[CLIP_CORNERS];
     for (int i = 0; i < n; i++) {
-        struct slack slack = slack_of(plan, surface, facet, &left[i], clip_error);
+        struct slack slack = slack_of(plan, surface, facet, &left[i]);
         slacks[i] = slack.px;
         widen(&part, &slack);
     }
@@ -364,7 +361,7 @@ int facets_of(const struct plan *plan, const struct surface *surfaces, int surfa
     struct corner corners[3];
     whole_corners(of, vertex, false, corners);
     for (int i = 0; i < 3; i++) {
-        struct slack slack = slack_of(plan, of, facet, &corners[i], 0);
+        struct slack slack = slack_of(plan, of, facet, &corners[i]);
         set_corner(plan, of, &corners[i], i, facet);
         widen(facet, &slack);
     }

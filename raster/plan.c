@@ -77,6 +77,7 @@ static void plan_tiles(struct plan *plan)
     if (rows > LARGEST_TILE)
         rows = LARGEST_TILE;
     plan->tile_height = (int)rows < height ? (int)rows : height;
+    plan->tiled = plan->tile_width < width || plan->tile_height < height;
     plan->tile_bytes = (uint64_t)pixel * (uint64_t)plan->tile_width * (uint64_t)plan->tile_height;
     plan->file_bytes = (uint64_t)width * (uint64_t)height * (uint64_t)plan->n_bands *
                        (plan->options.floating ? 4 : 2);

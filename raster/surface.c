@@ -16,7 +16,9 @@ static const double u = 1.0 / 16777216;
  * projection entry (3), the product of the two matrices and the product with the vertex, each four
  * multiplications and three additions (4 + 4); one more for second-order terms. */
 enum { TRANSFORM_ROUNDINGS = 12 };
-/* Eye space: vertex, modelview, product (1 + 1 + 4), one for second-order terms. */
+/* Of w only those of the eye's z, whose negative it is, or none: the last row of a projection is
+ * made of 0 and 1. Eye space: vertex, modelview, product (1 + 1 + 4), one for second-order terms.
+ */
 enum { EYE_ROUNDINGS = 7 };
 
 /* ---- position ---- */
@@ -38,17 +40,21 @@ static void transform(const struct matrix *m, const double v[4], double out[4])
             m->row[i][0] * v[0] + m->row[i][1] * v[1] + m->row[i][2] * v[2] + m->row[i][3] * v[3];
 }
 
-/* Window coordinates and their bounds. OpenGL draws a picture in tiles, each with a projection that
- * scales and shifts clip space; in pixels of the picture the shift adds at most half the picture
- * times the error of w, whichever the tile. Division, scale and offset of the viewport: 4 roundings
- * of a coordinate as large as the picture. */
+/* Window coordinates and their bounds. Where OpenGL draws a picture in tiles, each with a
+ * projection that scales and shifts clip space, the shift adds w's roundings and error to those of
+ * x and y, at most once. Division, scale and offset of the viewport: 4 roundings of a coordinate as
+ * large as the picture. */
 static void place_vertex(const struct plan *plan, const double magnitude[4], struct lit_vertex *out)
 {
     double w = out->clip[3], half_width = 0.5 * plan->scene->width,
-           half_height = 0.5 * plan->scene->height;
-    double largest = fmax(fmax(magnitude[0], magnitude[1]), fmax(magnitude[2], magnitude[3]));
-    out->clip_error = (float)(TRANSFORM_ROUNDINGS * u * largest);
-    out->near_error = (float)(TRANSFORM_ROUNDINGS * u * fmax(magnitude[2], magnitude[3]));
+           half_height = 0.5 * plan->scene->height, shift = plan->tiled,
+           unit = TRANSFORM_ROUNDINGS * u,
+           e_w = plan->scene->camera.perspective ? EYE_ROUNDINGS * u * magnitude[3] : 0;
+    double e_x = unit * (magnitude[0] + shift * magnitude[3]),
+           e_y = unit * (magnitude[1] + shift * magnitude[3]), e_z = unit * magnitude[2];
+    out->e_clip[CLIP_XY] = (float)fmax(e_x, e_y);
+    out->e_clip[CLIP_Z] = (float)e_z;
+    out->e_clip[CLIP_W] = (float)e_w;
     if (!(w > 0))
         return;
     double nx = out->clip[0] / w, ny = out->clip[1] / w, nz = out->clip[2] / w;
@@ -56,13 +62,10 @@ static void place_vertex(const struct plan *plan, const double magnitude[4], str
     out->y = (1 - ny) * half_height;
     out->z = (nz + 1) * 0.5;
     out->inverse_w = 1 / w;
-    double unit = TRANSFORM_ROUNDINGS * u / w;
-    double e_w = unit * magnitude[3];
-    double e_x = half_width * (unit * magnitude[0] + (fabs(nx) + 1) * e_w + 8 * u);
-    double e_y = half_height * (unit * magnitude[1] + (fabs(ny) + 1) * e_w + 8 * u);
-    out->slack_px = (float)fmax(e_x, e_y);
-    out->slack_depth = (float)(0.5 * (unit * magnitude[2] + fabs(nz) * e_w) + 4 * u);
-    out->slack_w = plan->scene->camera.perspective ? (float)(e_w + 2 * u) : 0;
+    out->slack_px = (float)fmax(half_width * ((e_x + (fabs(nx) + shift) * e_w) / w + 8 * u),
+                                half_height * ((e_y + (fabs(ny) + shift) * e_w) / w + 8 * u));
+    out->slack_depth = (float)(0.5 * (e_z + fabs(nz) * e_w) / w + 4 * u);
+    out->slack_w = plan->scene->camera.perspective ? (float)(e_w / w + 2 * u) : 0;
 }
 
 /* ---- where no error is made ---- */
@@ -72,8 +75,7 @@ static void place_vertex(const struct plan *plan, const double magnitude[4], str
 static bool may_be_exact(const struct plan *plan, const struct body *body, struct matrix *product)
 {
     *product = matrix_product(plan->projection, body->model_view);
-    return !plan->scene->camera.perspective && plan->tile_width == plan->scene->width &&
-           plan->tile_height == plan->scene->height &&
+    return !plan->scene->camera.perspective && !plan->tiled &&
            exact_product(&plan->projection, &body->model_view);
 }
 
@@ -191,7 +193,8 @@ static double least_w(const struct surface *surface, const int32_t vertex[3])
         whole[i] = (struct corner){.whole = i};
         memcpy(whole[i].clip, corner->clip, sizeof whole[i].clip);
         for (int p = 0; p < 4; p++)
-            sides[p].offset = fmax(sides[p].offset, 2 * (double)corner->clip_error);
+            sides[p].offset = fmax(sides[p].offset,
+                                   2 * (double)(corner->e_clip[CLIP_XY] + corner->e_clip[CLIP_W]));
     }
     int n = clip_triangle(whole, sides, 4, left);
     for (int i = 0; i < n; i++)
@@ -206,7 +209,7 @@ static bool check_near(const struct plan *plan, const struct surface *surface, i
     const int32_t *vertex = surface->mesh->triangles[triangle];
     double error = 0;
     for (int i = 0; i < 3; i++)
-        error = fmax(error, (double)surface->vertices[vertex[i]].near_error);
+        error = fmax(error, (double)surface->vertices[vertex[i]].e_clip[CLIP_Z]);
     return error <= 0.125 * plan->near || least_w(surface, vertex) > 8 * error ||
            error_at(
                err, surface->body->object->place,
