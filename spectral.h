@@ -586,11 +586,10 @@ struct plan_work {
 struct plan_options {
     double full_scale;  /* 0: the largest vertex radiance */
     bool check, use_gl; /* whether the reference and OpenGL are needed */
-    bool strict;       /* fragments lost or doubled where triangles meet are differences, and so are
-                          pixels       that have no bound */
-    bool store_raster; /* the stored pixels are the reference's */
-    bool floating;     /* 32-bit float pages */
-    int threads;       /* 0: as many as OpenMP offers; the plan holds the number */
+    bool strict;        /* pixels without a bound, and edges that leak, are differences */
+    bool store_raster;  /* the stored pixels are the reference's */
+    bool floating;      /* 32-bit float pages */
+    int threads;        /* 0: as many as OpenMP offers; the plan holds the number */
 };
 struct plan {
     const struct scene *scene;
@@ -748,8 +747,7 @@ struct contest {
 struct chunk {
     struct tile rows;
     int32_t *surface, *triangle; /* of the reference's own fragment; -1: background */
-    float *depth,
-        *depth_error; /* of the same, in the window; NULL without a check, as all bounds */
+    float *depth, *depth_error;  /* of the same; NULL without a check, as all bounds */
     struct overdraw *overdraw;
     float *steepness; /* bound on how radiance changes within a pixel's width, in any wavelength */
     bool *contested;
@@ -781,6 +779,15 @@ const char *gl_renderer(const struct gl *gl);
 const char *gl_version(const struct gl *gl);
 /* Aims at a tile of the picture; surfaces that do not reach it will not be drawn. */
 void gl_aim(struct gl *gl, const struct surface *surfaces, const struct tile *tile);
+/* Draws bands first .. first + BANDS_PER_PASS - 1 (those that exist) of the aimed tile, radiances
+ * divided by full_scale. Returns 4 floats a pixel, row by row from the top, rows of tile_width. */
+bool gl_draw(struct gl *gl, int first_band, double full_scale, const float **pixels,
+             struct error *err);
+/* Name, version and driver of the OSMesa in use. */
+void gl_library(char *out, size_t capacity);
+struct gl_work gl_work(const struct gl *gl);
+void gl_close(struct gl *gl);
+
 /* ---- raster/identify.c: which triangle OpenGL shows ---- */
 
 /* What OpenGL shows at a pixel. */
@@ -793,14 +800,6 @@ struct shown {
 bool gl_identify(struct gl *gl, struct error *err);
 /* Of the last gl_identify, before the next gl_draw; x and y within the tile. */
 struct shown gl_shown(const struct gl *gl, int x, int y);
-/* Draws bands first .. first + BANDS_PER_PASS - 1 (those that exist) of the aimed tile, radiances
- * divided by full_scale. Returns 4 floats a pixel, row by row from the top, rows of tile_width. */
-bool gl_draw(struct gl *gl, int first_band, double full_scale, const float **pixels,
-             struct error *err);
-/* Name, version and driver of the OSMesa in use. */
-void gl_library(char *out, size_t capacity);
-struct gl_work gl_work(const struct gl *gl);
-void gl_close(struct gl *gl);
 
 /* ---- raster/tally.c: how samples compare ---- */
 
@@ -844,8 +843,8 @@ enum { SMOOTH_COUNTS = 256 };
 struct check_tally {
     struct check_samples samples;
     uint64_t pixels, ambiguous, unexplained, unbounded;
-    uint64_t edge_holes,
-        edge_doubles; /* pixels where triangles meet, with too few or too many fragments */
+    /* pixels where triangles meet, with too few or too many fragments */
+    uint64_t edge_holes, edge_doubles;
     double worst_depth_ratio;
     struct check_floor floor, smooth_floor;
     struct check_failure first;

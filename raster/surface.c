@@ -16,9 +16,8 @@ static const double u = 1.0 / 16777216;
  * projection entry (3), the product of the two matrices and the product with the vertex, each four
  * multiplications and three additions (4 + 4); one more for second-order terms. */
 enum { TRANSFORM_ROUNDINGS = 12 };
-/* Of w only those of the eye's z, whose negative it is, or none: the last row of a projection is
- * made of 0 and 1. Eye space: vertex, modelview, product (1 + 1 + 4), one for second-order terms.
- */
+/* Eye space: vertex, modelview, product (1 + 1 + 4), one for second-order terms. w is the eye's z,
+ * negative, or 1 in a parallel view: the last row of a projection is made of 0, 1 and -1. */
 enum { EYE_ROUNDINGS = 7 };
 
 /* ---- position ---- */
