@@ -11,16 +11,8 @@
 static double lowest_bit(double x)
 {
     int exponent;
-    double fraction = fabs(frexp(x, &exponent)), bit = 0.5;
-    while (fraction != 0) { /* at most 53 times */
-        if (fraction >= bit) {
-            fraction -= bit;
-            if (fraction == 0)
-                break;
-        }
-        bit /= 2;
-    }
-    return ldexp(bit, exponent);
+    uint64_t digits = (uint64_t)ldexp(fabs(frexp(x, &exponent)), DBL_MANT_DIG);
+    return ldexp((double)(digits & (~digits + 1)), exponent - DBL_MANT_DIG);
 }
 
 bool exact_sum(const double *terms, int n)
