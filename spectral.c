@@ -18,6 +18,7 @@ static const char usage[] =
     "\n"
     "  render [SCENE] [-o STACK.tif]   render, cross-check, write (default: SCENE's name + .tif)\n"
     "  plan   [SCENE]                  what would be simulated, and why; draws nothing\n"
+    "  info   STACK                    how a stack was made\n"
     "  list   [KIND]                   illuminants, observers, materials, shapes or scenes\n"
     "\n"
     "SCENE is a scene file, a list of material files, or a built-in scene (colorchecker).\n"
@@ -29,6 +30,9 @@ static const char usage[] =
     "  --ambient SPECTRUM[*INTENSITY]  another ambient light\n"
     "render:\n"
     "  -o, --output STACK.tif          /dev/null: check only, write nothing\n"
+    "  --again STACK                   make that stack again, from the scene and the options that\n"
+    "                                  it records; it must be the same to the last byte\n"
+    "                                  (default output: STACK's name + -again.tif)\n"
     "  --renderer gl|raster            whose pixels are stored (default gl)\n"
     "  --no-check                      do not cross-check\n"
     "  --strict                        every pixel must have a bound, and no fragment be lost or\n"
@@ -41,24 +45,46 @@ static const char usage[] =
     "  --quiet                         no table and no progress\n"
     "  -h, --help    --version\n"
     "\n"
-    "exit status: 0 agreed, 1 the pictures differ, 2 bad usage or input, 3 the system failed\n";
+    "exit status: 0 agreed, 1 pictures or stacks differ, 2 bad usage or input, 3 the system "
+    "failed\n";
 
 /* ---- options ---- */
-
-enum { MAX_OVERRIDES = 64 };
 
 struct override {
     bool (*apply)(struct scene *scene, const char *value, struct error *err);
     const char *value;
 };
 struct options {
-    const char *operand; /* SCENE, or KIND of list; NULL: none */
-    struct override overrides[MAX_OVERRIDES];
-    int n_overrides;
-    const char *output, *json;
+    const char *operand; /* SCENE, STACK of info or KIND of list; NULL: none */
+    struct override overrides[MAX_RECORD_OPTIONS];
+    char *recorded[MAX_RECORD_OPTIONS]; /* those that a stack records, as one word each; owned */
+    int n_overrides, n_recorded;
+    const char *output, *json, *again;
     struct plan_options plan;
     bool no_check, strict, keep, quiet, help;
 };
+
+static void options_free(struct options *options)
+{
+    for (int i = 0; i < options->n_recorded; i++)
+        free(options->recorded[i]);
+}
+
+/* "NAME=VALUE", or a flag's name. */
+static bool record_option(struct options *options, const char *name, const char *value,
+                          struct error *err)
+{
+    size_t length = strlen(name) + (value ? strlen(value) : 0) + sizeof "=";
+    if (options->n_recorded == MAX_RECORD_OPTIONS)
+        return error_usage(err, "%s: more than %d options of the picture", name,
+                           MAX_RECORD_OPTIONS);
+    char *word = malloc(length);
+    if (!word)
+        return error_memory(err);
+    snprintf(word, length, "%s%s%s", name, value ? "=" : "", value ? value : "");
+    options->recorded[options->n_recorded++] = word;
+    return true;
+}
 
 static bool set_renderer(struct options *options, const char *value, struct error *err)
 {
@@ -103,7 +129,8 @@ static bool set_threads(struct options *options, const char *value, struct error
            error_usage(err, "--threads takes a whole number, not '%s'", value);
 }
 
-enum { FOR_SCENES = 1, FOR_RENDER = 2, FOR_LIST = 4, FOR_ALL = 7 };
+/* RECORDED: what decides the picture, and so is what --again takes from a stack. */
+enum { FOR_SCENES = 1, FOR_RENDER = 2, FOR_LIST = 4, FOR_INFO = 8, FOR_ALL = 15, RECORDED = 16 };
 
 /* An option overrides something in the scene, is set by a function, or is a word or a flag that
  * lies in struct options at `offset`. */
@@ -117,18 +144,19 @@ struct option {
     size_t offset;
 };
 static const struct option known_options[] = {
-    {"--wavelengths", FOR_SCENES, OVERRIDE, scene_set_wavelengths, NULL, 0},
-    {"--size", FOR_SCENES, OVERRIDE, scene_set_size, NULL, 0},
-    {"--light", FOR_SCENES, OVERRIDE, scene_set_light, NULL, 0},
-    {"--ambient", FOR_SCENES, OVERRIDE, scene_set_ambient, NULL, 0},
-    {"--renderer", FOR_RENDER, SETTER, NULL, set_renderer, 0},
-    {"--depth", FOR_RENDER, SETTER, NULL, set_depth, 0},
-    {"--full-scale", FOR_RENDER, SETTER, NULL, set_full_scale, 0},
+    {"--wavelengths", FOR_SCENES | RECORDED, OVERRIDE, scene_set_wavelengths, NULL, 0},
+    {"--size", FOR_SCENES | RECORDED, OVERRIDE, scene_set_size, NULL, 0},
+    {"--light", FOR_SCENES | RECORDED, OVERRIDE, scene_set_light, NULL, 0},
+    {"--ambient", FOR_SCENES | RECORDED, OVERRIDE, scene_set_ambient, NULL, 0},
+    {"--renderer", FOR_RENDER | RECORDED, SETTER, NULL, set_renderer, 0},
+    {"--depth", FOR_RENDER | RECORDED, SETTER, NULL, set_depth, 0},
+    {"--full-scale", FOR_RENDER | RECORDED, SETTER, NULL, set_full_scale, 0},
     {"--threads", FOR_RENDER, SETTER, NULL, set_threads, 0},
     {"--output", FOR_RENDER, WORD, NULL, NULL, offsetof(struct options, output)},
     {"-o", FOR_RENDER, WORD, NULL, NULL, offsetof(struct options, output)},
     {"--json", FOR_RENDER, WORD, NULL, NULL, offsetof(struct options, json)},
-    {"--no-check", FOR_RENDER, FLAG, NULL, NULL, offsetof(struct options, no_check)},
+    {"--again", FOR_RENDER, WORD, NULL, NULL, offsetof(struct options, again)},
+    {"--no-check", FOR_RENDER | RECORDED, FLAG, NULL, NULL, offsetof(struct options, no_check)},
     {"--strict", FOR_RENDER, FLAG, NULL, NULL, offsetof(struct options, strict)},
     {"--keep", FOR_RENDER, FLAG, NULL, NULL, offsetof(struct options, keep)},
     {"--quiet", FOR_RENDER, FLAG, NULL, NULL, offsetof(struct options, quiet)},
@@ -150,6 +178,8 @@ static bool apply_option(struct options *options, const struct option *option, c
                          struct error *err)
 {
     char *at = (char *)options + option->offset;
+    if ((option->commands & RECORDED) && !record_option(options, option->name, value, err))
+        return false;
     switch (option->kind) {
     case SETTER:
         return option->set(options, value, err);
@@ -162,8 +192,6 @@ static bool apply_option(struct options *options, const struct option *option, c
     case OVERRIDE:
         break;
     }
-    if (options->n_overrides == MAX_OVERRIDES)
-        return error_usage(err, "%s: more than %d scene options", option->name, MAX_OVERRIDES);
     options->overrides[options->n_overrides++] = (struct override){option->apply, value};
     return true;
 }
@@ -218,7 +246,7 @@ static bool read_scene(const struct options *options, struct scene *out, struct 
     return true;
 }
 
-static bool command_plan(const struct options *options, struct error *err)
+static bool command_plan(struct options *options, struct error *err)
 {
     struct scene scene;
     struct plan plan = {.scene = NULL};
@@ -250,15 +278,16 @@ static void show_progress(void *context, long done, long all)
     }
 }
 
-/* SCENE's name without folder and ending, with .tif; allocated. */
-static char *default_output(const char *scene)
+/* The file's name without folder and ending, with another ending; allocated. */
+static char *default_output(const char *path, const char *ending)
 {
-    const char *slash = strrchr(scene, '/'), *name = slash ? slash + 1 : scene;
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
     const char *dot = strrchr(name, '.');
     size_t length = dot && dot > name ? (size_t)(dot - name) : strlen(name);
-    char *out = malloc(length + sizeof ".tif");
+    size_t capacity = length + strlen(ending) + 1;
+    char *out = malloc(capacity);
     if (out)
-        snprintf(out, length + sizeof ".tif", "%.*s.tif", (int)length, name);
+        snprintf(out, capacity, "%.*s%s", (int)length, name, ending);
     return out;
 }
 
@@ -288,10 +317,12 @@ static bool write_json(const struct options *options, const struct plan *plan,
     return done;
 }
 
+/* made: how the stack was made that was made again; NULL: none was. */
 static bool report(const struct options *options, const struct plan *plan,
-                   const struct render_result *result, const char *output, struct error *err)
+                   const struct render_result *result, const char *output,
+                   const struct record *made, struct error *err)
 {
-    bool agreed = result->check.unexplained == 0;
+    bool agreed = render_agreed(result);
     const char *stored = agreed || options->keep ? output : NULL;
     /* standard output may carry the JSON, or the stack itself (-o /dev/stdout) */
     bool taken =
@@ -302,14 +333,17 @@ static bool report(const struct options *options, const struct plan *plan,
         report_print(plan, result, taken ? stderr : stdout);
     if (!options->quiet && stored)
         fprintf(taken ? stderr : stdout, "stack             %s\n", stored);
+    if (!options->quiet && stored && made && agreed)
+        fprintf(taken ? stderr : stdout, "again             the same bytes as %s\n",
+                options->again);
     if (agreed)
         return true;
-    return report_difference(plan, &result->check,
-                             !output ? "nothing was to be written"
-                             : options->keep
-                                 ? "the stack was kept"
-                                 : "no stack was written (--keep stores it all the same)",
-                             err);
+    const char *then = !output         ? "nothing was to be written"
+                       : options->keep ? "the stack was kept"
+                                       : "no stack was written (--keep stores it all the same)";
+    return result->check.unexplained > 0
+               ? report_difference(plan, &result->check, then, err)
+               : report_not_again(plan, result, options->again, made, then, err);
 }
 
 /* Finds a report that cannot be written before the picture is drawn, not after. */
@@ -324,22 +358,36 @@ static bool can_report(const struct options *options, struct error *err)
 
 static bool render_planned(const struct options *options, const struct plan *plan,
                            const struct render_seconds *before, const char *output,
-                           struct error *err)
+                           const struct record *made, struct error *err)
 {
     struct progress_line line = {.start = render_clock()};
     struct render_progress progress = {NULL, &line};
+    struct render_output wanted = {
+        .path = output, .again = made ? options->again : NULL, .keep = options->keep};
     struct render_result result;
     if (!options->quiet && isatty(STDERR_FILENO))
         progress.step = show_progress;
-    if (!render(plan, output, options->keep, &progress, &result, err))
+    if (!render(plan, &wanted, &progress, &result, err))
         return false;
     result.seconds.read += before->read;
     result.seconds.plan = before->plan;
     result.seconds.total += before->read + before->plan;
-    return report(options, plan, &result, output, err);
+    return report(options, plan, &result, output, made, err);
 }
 
-static bool render_scene(const struct options *options, const char *output, struct error *err)
+/* Refuses a scene that is not what the record tells. */
+static bool same_scene(const struct scene *scene, const char *stack, const struct record *made,
+                       struct error *err)
+{
+    return strcmp(scene->sha256, made->scene_sha256) == 0 ||
+           error_usage(err,
+                       "%s: the scene's text is not that of %s: its SHA-256 is %s, recorded is "
+                       "%.64s",
+                       scene->path, stack, scene->sha256, made->scene_sha256);
+}
+
+static bool plan_and_render(const struct options *options, const char *output,
+                            const struct record *made, struct error *err)
 {
     struct scene scene;
     struct plan plan = {.scene = NULL};
@@ -348,29 +396,132 @@ static bool render_scene(const struct options *options, const char *output, stru
     plan_options.check = !options->no_check;
     plan_options.strict = options->strict;
     plan_options.use_gl = plan_options.check || !plan_options.store_raster;
+    plan_options.recorded = options->recorded;
+    plan_options.n_recorded = options->n_recorded;
     double start = render_clock();
-    bool done = read_scene(options, &scene, err);
+    bool done = read_scene(options, &scene, err) &&
+                (!made || same_scene(&scene, options->again, made, err));
     seconds.read = render_clock() - start;
     done = done && plan_make(&scene, &plan_options, &plan, err);
     seconds.plan = render_clock() - start - seconds.read;
-    done =
-        done && can_report(options, err) && render_planned(options, &plan, &seconds, output, err);
+    done = done && can_report(options, err) &&
+           render_planned(options, &plan, &seconds, output, made, err);
     plan_free(&plan);
     scene_free(&scene);
     return done;
 }
 
-static bool command_render(const struct options *options, struct error *err)
+/* The reference's stack is the same whether it was checked or not: that is not recorded. */
+static void forget_check(struct options *options)
+{
+    int n = 0;
+    for (int i = 0; i < options->n_recorded; i++)
+        if (strcmp(options->recorded[i], "--no-check") == 0)
+            free(options->recorded[i]);
+        else
+            options->recorded[n++] = options->recorded[i];
+    options->n_recorded = n;
+}
+
+static bool render_scene(struct options *options, struct error *err)
 {
     const char *scene = options->operand ? options->operand : "colorchecker";
-    char *named = options->output ? NULL : default_output(scene);
+    char *named = options->output ? NULL : default_output(scene, ".tif");
     const char *output = options->output ? options->output : named;
     if (!output)
         return error_memory(err);
-    bool nowhere = strcmp(output, "/dev/null") == 0;
-    bool done = render_scene(options, nowhere ? NULL : output, err);
+    if (options->plan.store_raster)
+        forget_check(options);
+    bool done =
+        plan_and_render(options, strcmp(output, "/dev/null") == 0 ? NULL : output, NULL, err);
     free(named);
     return done;
+}
+
+static bool read_record(const char *path, struct record *out, struct error *err)
+{
+    const struct place nowhere = {0};
+    struct image image;
+    bool done = image_open(path, nowhere, &image, err) && record_read(&image, out, err);
+    image_close(&image);
+    return done;
+}
+
+/* What the record says of scene and picture, and what the command line says of all else. */
+static bool recorded_options(const struct options *options, const struct record *record,
+                             struct options *out, struct error *err)
+{
+    char command[] = "render", *words[2 + MAX_RECORD_OPTIONS] = {command, command};
+    for (int i = 0; i < record->n_options; i++)
+        words[2 + i] = record->options[i];
+    if (!parse_options(2 + record->n_options, words, RECORDED, out, err))
+        return false;
+    out->operand = record->scene;
+    out->output = options->output;
+    out->json = options->json;
+    out->again = options->again;
+    out->plan.threads = options->plan.threads;
+    out->strict = options->strict;
+    out->keep = options->keep;
+    out->quiet = options->quiet;
+    return true;
+}
+
+static bool render_again(const struct options *options, struct error *err)
+{
+    struct record record = {.text = NULL};
+    struct options made = {.operand = NULL};
+    char *named = options->output ? NULL : default_output(options->again, "-again.tif");
+    if (options->operand || options->n_recorded > 0)
+        error_usage(err, "--again takes no %s: the stack tells it",
+                    options->operand ? "SCENE" : options->recorded[0]);
+    else if (!options->output && !named)
+        error_memory(err);
+    bool done = err->status == EXIT_AGREED && read_record(options->again, &record, err) &&
+                recorded_options(options, &record, &made, err) &&
+                plan_and_render(&made, named ? named : options->output, &record, err);
+    options_free(&made);
+    record_free(&record);
+    free(named);
+    return done;
+}
+
+static bool command_render(struct options *options, struct error *err)
+{
+    return options->again ? render_again(options, err) : render_scene(options, err);
+}
+
+/* ---- info ---- */
+
+static bool print_info(const char *path, struct error *err)
+{
+    const struct place nowhere = {0};
+    struct image image;
+    struct record record = {.text = NULL};
+    bool done = image_open(path, nowhere, &image, err) && record_read(&image, &record, err);
+    if (done) {
+        printf("program           %s\nscene             %s\nscene SHA-256     %s\n", record.program,
+               record.scene, record.scene_sha256);
+        for (int i = 0; i < record.n_options; i++)
+            printf("option            %s\n", record.options[i]);
+        printf("renderer          %s\n", record.renderer);
+        printf("pages             %d of %d x %d pixels\n", image.n_pages, image.width,
+               image.height);
+        if (image.wavelengths_nm)
+            printf("wavelengths       %.10g to %.10g nm\n", image.wavelengths_nm[0],
+                   image.wavelengths_nm[image.n_pages - 1]);
+        printf("full scale        %s\nscale             %s\n", record.full_scale, record.scale);
+        printf("verdict           %s\n", image.verdict);
+    }
+    record_free(&record);
+    image_close(&image);
+    return done;
+}
+
+static bool command_info(struct options *options, struct error *err)
+{
+    return options->operand ? print_info(options->operand, err)
+                            : error_usage(err, "info takes a STACK; try spectral --help");
 }
 
 /* ---- list ---- */
@@ -417,7 +568,7 @@ static void list_tables(bool observers)
     }
 }
 
-static bool command_list(const struct options *options, struct error *err)
+static bool command_list(struct options *options, struct error *err)
 {
     static const char *const kinds[] = {"illuminants", "observers", "materials", "shapes",
                                         "scenes"};
@@ -457,18 +608,28 @@ static bool print_version(void)
 struct command {
     const char *name;
     int options;
-    bool (*run)(const struct options *options, struct error *err);
+    bool (*run)(struct options *options, struct error *err);
 };
 static const struct command commands[] = {
     {"render", FOR_SCENES | FOR_RENDER, command_render},
     {"plan", FOR_SCENES, command_plan},
+    {"info", FOR_INFO, command_info},
     {"list", FOR_LIST, command_list},
 };
 enum { N_COMMANDS = sizeof commands / sizeof commands[0] };
 
-static bool run_command(int argc, char **argv, struct error *err)
+static bool run_with_options(const struct command *command, int argc, char **argv,
+                             struct error *err)
 {
     struct options options;
+    bool done = parse_options(argc, argv, command->options, &options, err) &&
+                (options.help ? fputs(usage, stdout) >= 0 : command->run(&options, err));
+    options_free(&options);
+    return done;
+}
+
+static bool run_command(int argc, char **argv, struct error *err)
+{
     if (argc < 2)
         return error_usage(err, "a command is missing; try spectral --help");
     if (strcmp(argv[1], "--version") == 0)
@@ -478,9 +639,8 @@ static bool run_command(int argc, char **argv, struct error *err)
         return fputs(usage, stdout) >= 0;
     for (int i = 0; i < N_COMMANDS; i++)
         if (strcmp(argv[1], commands[i].name) == 0)
-            return parse_options(argc, argv, commands[i].options, &options, err) &&
-                   (options.help ? fputs(usage, stdout) >= 0 : commands[i].run(&options, err));
-    return error_usage(err, "'%s' is no command; there are render, plan and list", argv[1]);
+            return run_with_options(&commands[i], argc, argv, err);
+    return error_usage(err, "'%s' is no command; there are render, plan, info and list", argv[1]);
 }
 
 int main(int argc, char **argv)

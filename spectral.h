@@ -20,6 +20,7 @@
 #include <stdio.h>
 
 #define SPECTRAL_VERSION "0.1.0"
+#define PROGRAM "spectral " SPECTRAL_VERSION
 
 #if defined(__GNUC__)
 #define PRINTF_LIKE(text, first) __attribute__((format(printf, text, first)))
@@ -314,12 +315,13 @@ struct image {
     int width, height, n_pages;
     double *wavelengths_nm; /* of each page, increasing; NULL where one tells none; owned */
     double scale; /* radiance of sample value 1 (16 bits: of 65535); 1 where the file tells none */
+    char *description;       /* of the first page; "" where it has none; owned */
+    char *verdict;           /* of stack_finish; "" where it has none; owned */
     struct image_file *file; /* owned */
 };
 /* Opens the file (or "builtin:..." file); reads what its pages say of themselves, no samples.
- * Refuses, blamed on `from`: what is no TIFF, sides of 0 or above LONGEST_IMAGE pixels, pages that
- * differ in size, other samples than the above. */
-enum { LONGEST_IMAGE = 16384 };
+ * Refuses, blamed on `from`: what is no TIFF, pages without pixels or that differ in size, other
+ * samples than the above. */
 bool image_open(const char *path, struct place from, struct image *out, struct error *err);
 /* One page as height rows of width values, the top row first: 0 to 1 (or float samples) times the
  * scale; of RGB the luma 0.2126 R + 0.7152 G + 0.0722 B (ITU-R BT.709) of the stored values. What
@@ -338,6 +340,8 @@ struct texture {
     double largest;               /* of all values of all pages */
     float *plane[TEXTURE_PLANES]; /* of a grey texture the first; of a spectral one those loaded */
 };
+/* The longest side that is read, in texels: OpenGL's textures have a limit, too. */
+enum { LONGEST_TEXTURE = 16384 };
 /* A grey texture: one page, whose values stand for every wavelength. */
 bool texture_read(const char *path, struct place from, bool linear, struct texture *out,
                   struct error *err);
@@ -450,6 +454,7 @@ struct object {
 };
 struct scene {
     char *path;         /* as given: file or built-in name */
+    char sha256[65];    /* of its text: its file, then those that it includes and lists, as read */
     struct text *files; /* every file read: owns the paths of all places */
     int n_files;
     double *wavelengths_nm; /* strictly increasing */
@@ -477,8 +482,38 @@ const char *shape_name(enum shape_kind kind); /* the scene language's word */
 
 /* ---- data/digest.c: SHA-256 (FIPS 180-4) ---- */
 
+struct digest {
+    uint32_t hash[8];
+    unsigned char block[64]; /* what does not fill one yet */
+    uint64_t total;          /* bytes */
+};
+void digest_start(struct digest *out);
+void digest_add(struct digest *digest, const void *bytes, size_t length);
 /* Writes 64 hexadecimal digits and a NUL. */
+void digest_end(struct digest *digest, char out[65]);
 bool digest_file(const char *path, char out[65], struct error *err);
+
+/* ---- data/record.c: how a stack was made ---- */
+
+/* All that decides the bytes of a stack, but for the files that its scene names, and OpenGL. */
+enum { MAX_RECORD_OPTIONS = 64 };
+struct record {
+    const char *program; /* name and version */
+    const char *scene;   /* as the command line named it */
+    const char *scene_sha256;
+    const char *renderer;              /* "raster", or OpenGL's GL_RENDERER */
+    char *options[MAX_RECORD_OPTIONS]; /* each one word: "--size=300x200"; not owned */
+    int n_options;
+    /* Only of record_read: how samples become radiances, and where all of the above lies. */
+    const char *full_scale, *scale;
+    char *text; /* owned */
+};
+/* Lines "KEY: VALUE", allocated; control characters in a value become '?'. NULL: no memory. */
+char *record_text(const struct record *record);
+/* Reads the record in the description of a stack's first page; an image without one is refused as
+ * no stack of this program. */
+bool record_read(const struct image *image, struct record *out, struct error *err);
+void record_free(struct record *record);
 
 /* ---- data/stack.c: the multi-page TIFF ---- */
 
@@ -488,7 +523,7 @@ struct stack_options {
     double full_scale;      /* radiance of count 65535 */
     bool floating;          /* 32-bit float pages of radiance instead of 16-bit counts */
     const char *scene;      /* for the description */
-    const char *provenance; /* free text for the description: how it was made */
+    const char *provenance; /* lines of text for the description: record_text */
 };
 /* A stack being written: laid out at once, then filled rectangle by rectangle in any order. */
 struct stack_writer {
@@ -505,11 +540,20 @@ bool stack_open(struct stack_writer *out, const char *path, const struct stack_o
 bool stack_write(struct stack_writer *writer, int page, int x, int y, int width, int height,
                  const void *samples, struct error *err);
 /* Stores `verdict` (the check in one line, ASCII, at most STACK_VERDICT - 1 bytes) in the room that
- * stack_open left for it, reads all directories again to see that they are whole, commits. */
-enum { STACK_VERDICT = 512 };
-bool stack_commit(struct stack_writer *writer, const char *verdict, struct error *err);
-void stack_discard(struct stack_writer *writer);
-const char *stack_library(void); /* name and version of the libtiff in use */
+ * stack_open left for it, and reads all directories again to see that they are whole. */
+enum { STACK_VERDICT = 512, TAG_VERDICT = 65111 };
+bool stack_finish(struct stack_writer *writer, const char *verdict, struct error *err);
+/* The first byte in which a finished stack and a file are not the same. */
+struct stack_difference {
+    bool found;
+    int page, x, y; /* page -1: outside the pages */
+};
+bool stack_compare(const struct stack_writer *writer, const char *path,
+                   struct stack_difference *out, struct error *err);
+/* Lets a finished stack appear under its name. */
+bool stack_commit(struct stack_writer *writer, struct error *err);
+void stack_discard(struct stack_writer *writer); /* safe after commit */
+const char *stack_library(void);                 /* name and version of the libtiff in use */
 
 /* ---- raster/shape.c: built-in shapes as triangles ---- */
 
@@ -584,12 +628,14 @@ struct plan_work {
 };
 
 struct plan_options {
-    double full_scale;  /* 0: the largest vertex radiance */
-    bool check, use_gl; /* whether the reference and OpenGL are needed */
-    bool strict;        /* pixels without a bound, and edges that leak, are differences */
-    bool store_raster;  /* the stored pixels are the reference's */
-    bool floating;      /* 32-bit float pages */
-    int threads;        /* 0: as many as OpenMP offers; the plan holds the number */
+    double full_scale;     /* 0: the largest vertex radiance */
+    bool check, use_gl;    /* whether the reference and OpenGL are needed */
+    bool strict;           /* pixels without a bound, and edges that leak, are differences */
+    bool store_raster;     /* the stored pixels are the reference's */
+    bool floating;         /* 32-bit float pages */
+    int threads;           /* 0: as many as OpenMP offers; the plan holds the number */
+    char *const *recorded; /* options for the stack's record, each one word; not owned */
+    int n_recorded;        /* at most MAX_RECORD_OPTIONS */
 };
 struct plan {
     const struct scene *scene;
@@ -903,7 +949,13 @@ struct render_result {
     struct light_work light;
     struct check_tally check;
     struct odd_samples odd;
+    struct stack_difference again; /* from the stack that was to be made again */
     struct render_seconds seconds;
+};
+struct render_output {
+    const char *path;  /* of the stack; NULL: none is written */
+    const char *again; /* the stack that it shall be the same as, to the last byte; NULL: none */
+    bool keep;         /* also what failed its check, or is not the same, is stored */
 };
 /* Called between passes with done of all steps. */
 struct render_progress {
@@ -912,10 +964,13 @@ struct render_progress {
 };
 /* Seconds of a clock that only goes forward. */
 double render_clock(void);
-/* Renders into the stack file at `path` (NULL: no file is written). A picture that failed its check
- * is stored only with keep; the result tells. */
-bool render(const struct plan *plan, const char *path, bool keep,
+/* Renders into a stack. True also if the picture failed its check, or is not the same: the result
+ * tells, and render_agreed. */
+bool render(const struct plan *plan, const struct render_output *output,
             const struct render_progress *progress, struct render_result *out, struct error *err);
+bool render_agreed(const struct render_result *result);
+/* Whose pixels are stored: "raster", or OpenGL's GL_RENDERER. */
+const char *render_stored(const struct plan *plan, const struct render_result *result);
 
 /* ---- raster/report.c: results in words and as JSON ---- */
 
@@ -926,6 +981,10 @@ void report_verdict(const struct plan *plan, const struct check_tally *tally, ch
  * it. */
 bool report_difference(const struct plan *plan, const struct check_tally *tally, const char *then,
                        struct error *err);
+/* The same for a stack made again that is not the same; `made` is how the one at `path` was made.
+ */
+bool report_not_again(const struct plan *plan, const struct render_result *result, const char *path,
+                      const struct record *made, const char *then, struct error *err);
 void report_print(const struct plan *plan, const struct render_result *result, FILE *to);
 /* One JSON object, allocated; NULL: no memory. output and sha256 may be NULL. */
 char *report_json(const struct plan *plan, const struct render_result *result, const char *output,

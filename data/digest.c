@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* SHA-256 of a file (FIPS 180-4), so that a report can say which bytes it speaks of. */
+/* SHA-256 (FIPS 180-4), so that reports and records can say which bytes they speak of. */
 #include "spectral.h"
 
 #include <string.h>
 
-enum { BLOCK = 64, BUFFER = 1024 * BLOCK };
+enum { BLOCK = sizeof((struct digest *)0)->block };
 
 /* 4.2.2: the first 32 bits of the fractions of the cube roots of the first 64 primes. */
 static const uint32_t round_constants[64] = {
@@ -66,50 +66,56 @@ static void add_block(uint32_t hash[8], const unsigned char *block)
     hash[7] += h;
 }
 
-/* 5.1.1: the last bytes, a one bit, zeros, and the number of bits in the last eight bytes. */
-static void add_end(uint32_t hash[8], const unsigned char *bytes, size_t length, uint64_t total)
+/* 5.3.3: the fractions of the square roots of the first eight primes. */
+void digest_start(struct digest *out)
 {
-    unsigned char last[2 * BLOCK] = {0};
-    size_t padded = length + 1 + 8 <= BLOCK ? BLOCK : 2 * BLOCK;
-    memcpy(last, bytes, length);
-    last[length] = 0x80;
-    for (size_t i = 0; i < 8; i++)
-        last[padded - 1 - i] = (unsigned char)((8 * total >> 8 * i) & 0xff);
-    for (size_t i = 0; i < padded; i += BLOCK)
-        add_block(hash, last + i);
+    *out = (struct digest){.hash = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a, 0x510e527f,
+                                    0x9b05688c, 0x1f83d9ab, 0x5be0cd19}};
 }
 
-/* 5.3.3: the fractions of the square roots of the first eight primes. False: see errno. */
-static bool digest(FILE *file, char out[65])
+void digest_add(struct digest *digest, const void *bytes, size_t length)
 {
-    uint32_t hash[8] = {0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
-                        0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
-    unsigned char buffer[BUFFER];
-    uint64_t total = 0;
-    size_t got, whole;
-    do { /* fread gives less than a buffer only at the end, or where reading fails */
-        got = fread(buffer, 1, sizeof buffer, file);
-        total += got;
-        whole = got - got % BLOCK;
-        for (size_t i = 0; i < whole; i += BLOCK)
-            add_block(hash, buffer + i);
-    } while (got == sizeof buffer);
-    if (ferror(file))
-        return false;
-    add_end(hash, buffer + whole, got - whole, total);
+    const unsigned char *at = bytes;
+    size_t kept = (size_t)(digest->total % BLOCK), fill;
+    digest->total += length;
+    for (; length > 0; at += fill, length -= fill, kept = 0) {
+        fill = length < BLOCK - kept ? length : BLOCK - kept;
+        if (fill < BLOCK)
+            memcpy(digest->block + kept, at, fill);
+        if (kept + fill == BLOCK)
+            add_block(digest->hash, fill < BLOCK ? digest->block : at);
+    }
+}
+
+/* 5.1.1: after the last byte a one bit, zeros, and the number of bits in the last eight bytes. */
+void digest_end(struct digest *digest, char out[65])
+{
+    unsigned char last[BLOCK + 8] = {0x80}, *bits;
+    const uint64_t total = digest->total;
+    const size_t zeros = (2 * BLOCK - 9 - (size_t)(total % BLOCK)) % BLOCK;
+    bits = last + 1 + zeros;
     for (int i = 0; i < 8; i++)
-        snprintf(out + 8 * i, 9, "%08lx", (unsigned long)hash[i]);
-    return true;
+        bits[i] = (unsigned char)(8 * total >> (56 - 8 * i) & 0xff);
+    digest_add(digest, last, 1 + zeros + 8);
+    for (int i = 0; i < 8; i++)
+        snprintf(out + 8 * i, 9, "%08lx", (unsigned long)digest->hash[i]);
 }
 
 bool digest_file(const char *path, char out[65], struct error *err)
 {
+    struct digest digest;
+    unsigned char buffer[1024 * BLOCK];
+    size_t got;
     FILE *file = fopen(path, "rb");
-    bool done;
     out[0] = '\0';
     if (file == NULL)
         return error_system(err, "cannot read %s", path);
-    done = digest(file, out) || error_system(err, "cannot read %s", path);
+    digest_start(&digest);
+    while ((got = fread(buffer, 1, sizeof buffer, file)) > 0)
+        digest_add(&digest, buffer, got);
+    bool done = !ferror(file) || error_system(err, "cannot read %s", path);
     fclose(file);
+    if (done)
+        digest_end(&digest, out);
     return done;
 }

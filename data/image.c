@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads TIFF files as textures, through libtiff, whose messages are kept for our own. Where a page
+/* Reads TIFF files through libtiff, whose messages are kept for our own. Where a page
  * tells its wavelength and scale is where data/tags.c lets a stack tell them. */
 #include "spectral.h"
 
@@ -27,7 +27,6 @@ struct image_file {
     struct layout first;                /* of page 0 */
     double count_scale;                 /* radiance of a count, by page 0's GDAL metadata */
     uint64_t *directories;              /* where each page's lies */
-    char *description;                  /* of page 0 */
     const char *channels;               /* of its OME-XML, those of the pages to come */
     struct place from;
     bool decoding;     /* a warning then means lost samples */
@@ -71,7 +70,7 @@ static bool PRINTF_LIKE(4, 5)
     else if (page >= 0)
         snprintf(where, sizeof where, "page %d: ", page + 1);
     return error_at(err, image->file->from,
-                    "%s: %s%s; a texture is a TIFF file of grey or RGB pages of 8 or 16 bits or of"
+                    "%s: %s%s; expected a TIFF file of grey or RGB pages of 8 or 16 bits or of"
                     " grey 32-bit float ones",
                     image->path, where, why);
 }
@@ -149,10 +148,9 @@ static bool layout_read(const struct image *image, int page, struct layout *out,
     TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &out->height);
     TIFFGetField(tiff, TIFFTAG_IMAGEDEPTH, &depth);
     TIFFGetField(tiff, TIFFTAG_ORIENTATION, &orientation);
-    if (out->width - 1 >= LONGEST_IMAGE || out->height - 1 >= LONGEST_IMAGE || depth != 1)
-        return refuse(image, page, err,
-                      "it has %" PRIu32 "x%" PRIu32 "x%" PRIu32 " pixels, not 1 to %d a side",
-                      out->width, out->height, depth, LONGEST_IMAGE);
+    if (out->width - 1 >= INT32_MAX || out->height - 1 >= INT32_MAX || depth != 1)
+        return refuse(image, page, err, "it has %" PRIu32 "x%" PRIu32 "x%" PRIu32 " pixels",
+                      out->width, out->height, depth);
     if (orientation != ORIENTATION_TOPLEFT)
         return refuse(image, page, err, "its orientation is %d, not 1 (the top row first)",
                       orientation);
@@ -179,12 +177,12 @@ static double number_after(const char *text, const char *mark, const char *then,
     return at != NULL ? number_at(at + strlen(then)) : otherwise;
 }
 
-/* The page's GDAL_METADATA; NULL: none. libtiff does not know this tag and promises no NUL. */
-static const char *gdal_metadata(TIFF *tiff)
+/* A tag's text; NULL: none. libtiff does not know these tags and promises no NUL. */
+static const char *private_text(TIFF *tiff, uint32_t tag)
 {
     uint32_t length = 0;
     const char *text = NULL;
-    return TIFFGetField(tiff, TIFFTAG_GDAL_METADATA, &length, &text) && length > 0 &&
+    return TIFFGetField(tiff, tag, &length, &text) && length > 0 &&
                    memchr(text, '\0', length) != NULL
                ? text
                : NULL;
@@ -194,7 +192,7 @@ static const char *gdal_metadata(TIFF *tiff)
 static double page_wavelength(struct image_file *file)
 {
     static const char emission[] = "EmissionWavelength=\"";
-    const char *name = "", *gdal = gdal_metadata(file->tiff);
+    const char *name = "", *gdal = private_text(file->tiff, TIFFTAG_GDAL_METADATA);
     const char *channel = strstr(file->channels, emission);
     double nm = (double)NAN;
     if (channel != NULL)
@@ -214,7 +212,7 @@ static double page_wavelength(struct image_file *file)
 static bool scale_read(struct image *image, int page, const struct layout *layout,
                        struct error *err)
 {
-    const char *gdal = gdal_metadata(image->file->tiff);
+    const char *gdal = private_text(image->file->tiff, TIFFTAG_GDAL_METADATA);
     const double count_scale = number_after(gdal, "role=\"scale\"", ">", 1 / layout->largest);
     if (layout->bits == 32)
         return true;
@@ -223,7 +221,7 @@ static bool scale_read(struct image *image, int page, const struct layout *layou
     if (page == 0) {
         image->file->count_scale = count_scale;
         image->scale =
-            number_after(image->file->description, "full_scale:", " ",
+            number_after(image->description, "full_scale:", " ",
                          count_scale == 1 / layout->largest ? 1 : count_scale * layout->largest);
     }
     return (image->scale > 0 && image->scale <= DBL_MAX &&
@@ -232,13 +230,18 @@ static bool scale_read(struct image *image, int page, const struct layout *layou
 }
 
 /* Channels are in nm where they name no unit. */
-static bool description_read(struct image_file *file, struct error *err)
+static bool description_read(struct image *image, struct error *err)
 {
     static const char unit[] = "EmissionWavelengthUnit=\"";
-    const char *text = "";
+    struct image_file *file = image->file;
+    const char *text = "", *verdict = private_text(file->tiff, TAG_VERDICT);
+    size_t length = verdict != NULL ? strlen(verdict) : 0;
+    while (length > 0 && verdict[length - 1] == ' ')
+        length--;
     TIFFGetField(file->tiff, TIFFTAG_IMAGEDESCRIPTION, &text);
-    file->channels = file->description = strdup(text);
-    if (file->description == NULL)
+    file->channels = image->description = strdup(text);
+    image->verdict = strndup(verdict != NULL ? verdict : "", length);
+    if (image->description == NULL || image->verdict == NULL)
         return error_memory(err);
     for (const char *at = text; (at = strstr(at, unit)) != NULL; at += strlen(unit))
         if (strncmp(at + strlen(unit), "nm\"", 3) != 0)
@@ -283,7 +286,7 @@ static bool pages_read(struct image *image, struct error *err)
     TIFF *tiff = image->file->tiff;
     double before = 0;
     bool rising = true;
-    if (!description_read(image->file, err))
+    if (!description_read(image, err))
         return false;
     do {
         if (image->n_pages > 0 && !TIFFReadDirectory(tiff))
@@ -390,10 +393,11 @@ void image_close(struct image *image)
         if (image->file->tiff != NULL)
             TIFFClose(image->file->tiff);
         free(image->file->directories);
-        free(image->file->description);
     }
     free(image->file);
     free(image->path);
+    free(image->description);
+    free(image->verdict);
     free(image->wavelengths_nm);
     *image = (struct image){0};
 }

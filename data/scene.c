@@ -136,6 +136,15 @@ static bool is_list(struct text text, bool *out, struct error *err)
     return error_at(err, text_whole(&text), "empty; neither a scene nor a list of materials");
 }
 
+static void digest_files(struct scene *scene)
+{
+    struct digest digest;
+    digest_start(&digest);
+    for (int i = 0; i < scene->n_files; i++)
+        digest_add(&digest, scene->files[i].bytes, scene->files[i].length);
+    digest_end(&digest, scene->sha256);
+}
+
 /* A list is shown as the built-in colorchecker, with the list in place of the one it names. */
 static bool read_named(struct scene_reader *reader, const char *name, struct error *err)
 {
@@ -161,7 +170,9 @@ bool scene_read(const char *name, struct scene *out, struct error *err)
     *out = (struct scene){0};
     done = read_named(&reader, name, err);
     free(reader.uses);
-    if (!done)
+    if (done)
+        digest_files(out);
+    else
         scene_free(out);
     return done;
 }

@@ -307,7 +307,7 @@ static bool check_file(struct stack_writer *writer, const char room[STACK_VERDIC
 
 /* A verdict fills its room with blanks, so that the size of the file does not depend on it. What is
  * no printable ASCII becomes '?'; what is too long loses its tail. */
-bool stack_commit(struct stack_writer *writer, const char *verdict, struct error *err)
+bool stack_finish(struct stack_writer *writer, const char *verdict, struct error *err)
 {
     char room[STACK_VERDICT];
     snprintf(room, sizeof room, "%-*.*s", STACK_VERDICT - 1, STACK_VERDICT - 1, verdict);
@@ -316,7 +316,78 @@ bool stack_commit(struct stack_writer *writer, const char *verdict, struct error
             *at = '?';
     bool good = write_at(writer->output.descriptor, room, STACK_VERDICT, writer->verdict_offset) ||
                 error_system(err, "%s: cannot write the verdict", writer->output.path);
-    good = good && check_file(writer, room, err) && output_commit(&writer->output, err);
+    return good && check_file(writer, room, err);
+}
+
+/* ---- two stacks ---- */
+
+/* Reads up to `capacity` bytes; less only at the end of the file. -1: see errno. */
+static ssize_t read_at(int descriptor, char *bytes, size_t capacity, uint64_t offset)
+{
+    size_t length = 0;
+    ssize_t got = 1;
+    while (length < capacity && got > 0) {
+        got = pread(descriptor, bytes + length, capacity - length, (off_t)(offset + length));
+        if (got < 0)
+            return -1;
+        length += (size_t)got;
+    }
+    return (ssize_t)length;
+}
+
+/* The offset of the first byte that is not the same, UINT64_MAX where there is none. */
+static bool first_difference(int one, int other, uint64_t *out)
+{
+    char a[65536], b[sizeof a];
+    ssize_t n_a, n_b;
+    *out = 0;
+    do {
+        n_a = read_at(one, a, sizeof a, *out);
+        n_b = read_at(other, b, sizeof b, *out);
+        if (n_a < 0 || n_b < 0)
+            return false;
+        ssize_t same = 0;
+        while (same < n_a && same < n_b && a[same] == b[same])
+            same++;
+        *out += (uint64_t)same;
+        if (same < n_a || same < n_b)
+            return true;
+    } while (n_a > 0);
+    *out = UINT64_MAX;
+    return true;
+}
+
+bool stack_compare(const struct stack_writer *writer, const char *path,
+                   struct stack_difference *out, struct error *err)
+{
+    const struct place nowhere = {0};
+    const struct stack_options *options = &writer->options;
+    const struct builtin_file *builtin;
+    uint64_t offset;
+    int other;
+    if (!file_open(path, nowhere, &other, &builtin, err))
+        return false;
+    bool good = first_difference(writer->output.descriptor, other, &offset) ||
+                error_system(err, "%s: cannot be compared", path);
+    close(other);
+    *out = (struct stack_difference){.found = good && offset != UINT64_MAX, .page = -1};
+    for (int page = 0; out->found && page < options->n_wavelengths; page++)
+        if (offset >= writer->page_offset[page] &&
+            offset - writer->page_offset[page] < page_bytes(options)) {
+            const uint64_t pixel =
+                (offset - writer->page_offset[page]) / (options->floating ? 4 : 2);
+            out->page = page;
+            out->x = (int)(pixel % (uint64_t)options->width);
+            out->y = (int)(pixel / (uint64_t)options->width);
+        }
+    return good;
+}
+
+/* ---- the end ---- */
+
+bool stack_commit(struct stack_writer *writer, struct error *err)
+{
+    bool good = output_commit(&writer->output, err);
     stack_discard(writer);
     return good;
 }

@@ -10,7 +10,6 @@
 
 /* Until the stack is whole its verdict is this, padded to STACK_VERDICT bytes. */
 #define UNFINISHED "not finished"
-enum { TAG_VERDICT = 65111 };
 
 /* ---- data/tags.c: what a page says of itself ---- */
 

@@ -97,9 +97,7 @@ static void put_description(FILE *stream, const struct stack_options *options, i
           "<Image ID=\"Image:0\" Name=\"",
           stream);
     put_escaped(stream, options->scene);
-    fputs("\"><Description>program: spectral " SPECTRAL_VERSION "\nscene: ", stream);
-    put_escaped(stream, options->scene);
-    fprintf(stream, "\n%s", scale);
+    fprintf(stream, "\"><Description>%s", scale);
     put_escaped(stream, options->provenance);
     fprintf(stream,
             "</Description>\n<Pixels ID=\"Pixels:0\" DimensionOrder=\"XYCZT\" Type=\"%s\""
@@ -214,8 +212,7 @@ static bool set_first_page(TIFF *tiff, const struct stack_options *options, stru
     return set_printed(tiff, TAG_IMAGEJ_SIZES, options, 0, put_imagej_sizes, err) &&
            set_printed(tiff, TAG_IMAGEJ_TEXTS, options, 0, put_imagej_texts, err) &&
            set_printed(tiff, TAG_WAVELENGTHS, options, 0, put_wavelengths, err) &&
-           TIFFSetField(tiff, TIFFTAG_SOFTWARE, "spectral " SPECTRAL_VERSION) &&
-           TIFFSetField(tiff, TAG_VERDICT, room);
+           TIFFSetField(tiff, TIFFTAG_SOFTWARE, PROGRAM) && TIFFSetField(tiff, TAG_VERDICT, room);
 }
 
 /* No Orientation: ImageJ would ignore the number of images. */

@@ -54,7 +54,10 @@ static bool read_texture(const char *path, struct place from, struct texture *ou
 {
     if (!image_open(path, from, &out->image, err))
         return false;
-    if (out->spectral && out->image.wavelengths_nm == NULL)
+    if (out->image.width > LONGEST_TEXTURE || out->image.height > LONGEST_TEXTURE)
+        error_at(err, from, "%s: it has %dx%d pixels; a texture has at most %d a side", path,
+                 out->image.width, out->image.height, LONGEST_TEXTURE);
+    else if (out->spectral && out->image.wavelengths_nm == NULL)
         error_at(err, from,
                  "%s: its pages tell no wavelengths that increase; a spectral texture is a stack as"
                  " this program writes it, or has page names such as \"305 nm\"",

@@ -236,18 +236,36 @@ static bool open_gl(struct render_state *state, struct error *err)
     return true;
 }
 
+const char *render_stored(const struct plan *plan, const struct render_result *result)
+{
+    return plan->options.store_raster ? "raster" : result->gl_renderer;
+}
+
+/* Allocated; NULL: no memory. */
+static char *provenance_text(const struct plan *plan, const struct render_result *result)
+{
+    struct record record = {.program = PROGRAM,
+                            .scene = plan->scene->path,
+                            .scene_sha256 = plan->scene->sha256,
+                            .renderer = render_stored(plan, result),
+                            .n_options = plan->options.n_recorded};
+    for (int i = 0; i < record.n_options; i++)
+        record.options[i] = plan->options.recorded[i];
+    return record_text(&record);
+}
+
 static bool open_stack(struct render_state *state, const char *path, struct error *err)
 {
     const struct plan *plan = state->plan;
-    char provenance[512];
     size_t n_samples = (size_t)plan->tile_width * (size_t)plan->tile_height;
     for (int c = 0; c < BANDS_PER_PASS; c++) {
         state->samples[c] = malloc(n_samples * sample_size(plan));
         if (!state->samples[c])
             return error_memory(err);
     }
-    snprintf(provenance, sizeof provenance, "renderer: %s",
-             plan->options.store_raster ? "raster" : state->result->gl_renderer);
+    char *provenance = provenance_text(plan, state->result);
+    if (!provenance)
+        return error_memory(err);
     struct stack_options options = {.width = plan->scene->width,
                                     .height = plan->scene->height,
                                     .n_wavelengths = plan->n_bands,
@@ -257,6 +275,7 @@ static bool open_stack(struct render_state *state, const char *path, struct erro
                                     .scene = plan->scene->path,
                                     .provenance = provenance};
     state->writing = stack_open(&state->writer, path, &options, err);
+    free(provenance);
     return state->writing;
 }
 
@@ -278,46 +297,58 @@ static bool prepare(struct render_state *state, struct error *err)
     return true;
 }
 
-static bool commit(struct render_state *state, bool keep, struct error *err)
+bool render_agreed(const struct render_result *result)
 {
+    return result->check.unexplained == 0 && !result->again.found;
+}
+
+static bool commit(struct render_state *state, const struct render_output *output,
+                   struct error *err)
+{
+    struct render_result *result = state->result;
     char verdict[STACK_VERDICT];
     double since = render_clock();
-    if (!state->writing || !(keep || state->result->check.unexplained == 0))
+    if (!state->writing || !(output->keep || render_agreed(result)))
         return true;
-    if (state->result->odd.undefined > 0) {
+    if (result->odd.undefined > 0) {
         errno = 0;
         return error_system(err,
                             "%llu samples are not finite (or above what a float page holds); "
                             "nothing was written",
-                            (unsigned long long)state->result->odd.undefined);
+                            (unsigned long long)result->odd.undefined);
     }
-    report_verdict(state->plan, &state->result->check, verdict, sizeof verdict);
-    bool done = stack_commit(&state->writer, verdict, err);
-    clock_in(&state->result->seconds.write, &since);
+    report_verdict(state->plan, &result->check, verdict, sizeof verdict);
+    bool done =
+        stack_finish(&state->writer, verdict, err) &&
+        (!output->again || stack_compare(&state->writer, output->again, &result->again, err)) &&
+        (!(output->keep || render_agreed(result)) || stack_commit(&state->writer, err));
+    clock_in(&result->seconds.write, &since);
     return done;
 }
 
-static bool render_all(struct render_state *state, const char *path, bool keep, struct error *err)
+static bool render_all(struct render_state *state, const struct render_output *output,
+                       struct error *err)
 {
     /* OpenMP's and OpenGL's threads start here. None of them may take the signals that are held
      * back while the stack is open, or they would end the program with its temporary file. */
     void *held = signals_hold();
     bool done = prepare(state, err);
     signals_release(held);
-    if (!done || (path && !open_stack(state, path, err)) || !render_tiles(state, err))
+    if (!done || (output->path && !open_stack(state, output->path, err)) ||
+        !render_tiles(state, err))
         return false;
     if (state->gl)
         state->result->gl = gl_work(state->gl);
-    return commit(state, keep, err);
+    return commit(state, output, err);
 }
 
-bool render(const struct plan *plan, const char *path, bool keep,
+bool render(const struct plan *plan, const struct render_output *output,
             const struct render_progress *progress, struct render_result *out, struct error *err)
 {
     struct render_state state = {.plan = plan, .progress = progress, .result = out};
     double since = render_clock();
     *out = (struct render_result){.full_scale = 0};
-    bool done = render_all(&state, path, keep, err);
+    bool done = render_all(&state, output, err);
     if (state.writing)
         stack_discard(&state.writer); /* what was committed stays */
     for (int c = 0; c < BANDS_PER_PASS; c++)

@@ -169,6 +169,29 @@ bool report_difference(const struct plan *plan, const struct check_tally *tally,
     return false;
 }
 
+/* The surest reason first. */
+bool report_not_again(const struct plan *plan, const struct render_result *result, const char *path,
+                      const struct record *made, const char *then, struct error *err)
+{
+    const struct stack_difference *first = &result->again;
+    const char *renderer = render_stored(plan, result);
+    static const char changed[] = "it, or a file that the scene names, has changed";
+    char what[256];
+    if (strcmp(made->program, PROGRAM) != 0)
+        snprintf(what, sizeof what, "it was made by %.80s, this is " PROGRAM, made->program);
+    else if (strcmp(made->renderer, renderer) != 0)
+        snprintf(what, sizeof what, "it was drawn by %.80s, this one by %.80s", made->renderer,
+                 renderer);
+    else if (first->page < 0)
+        snprintf(what, sizeof what, "in what the pages say of themselves; %s", changed);
+    else
+        snprintf(what, sizeof what, "first at %d,%d of page %d (%.10g nm); %s", first->x, first->y,
+                 first->page + 1, plan->scene->wavelengths_nm[first->page], changed);
+    error_usage(err, "the stack is not the same as %s: %s; %s", path, what, then);
+    err->status = EXIT_DIFFERENT;
+    return false;
+}
+
 /* ---- as JSON (RFC 8259) ---- */
 
 struct json {
@@ -266,6 +289,7 @@ static void json_picture(struct json *json, const struct plan *plan,
     json_string(json, "program", "spectral");
     json_string(json, "version", SPECTRAL_VERSION);
     json_string(json, "scene", scene->path);
+    json_string(json, "scene_sha256", scene->sha256);
     json_count(json, "width", (uint64_t)scene->width);
     json_count(json, "height", (uint64_t)scene->height);
     json_open(json, "wavelengths_nm", '[');

@@ -121,6 +121,7 @@ int main(void)
     struct scene scene;
     struct plan plan;
     struct plan_options options = {.check = true, .use_gl = true};
+    const struct render_output output = {.path = "build/bench.tif"};
     double total[RUNS], thesis[RUNS], ratio[RUNS];
     if (!scene_read("colorchecker", &scene, &err) || !scene_set_size(&scene, "2000x2000", &err) ||
         !plan_make(&scene, &options, &plan, &err))
@@ -130,7 +131,7 @@ int main(void)
     printf("  total     gl raster  check  write  thesis's loop  ratio\n");
     for (int i = 0; i < RUNS; i++) {
         struct render_result result;
-        if (!render(&plan, "build/bench.tif", false, NULL, &result, &err))
+        if (!render(&plan, &output, NULL, &result, &err))
             fail(&err);
         const struct render_seconds *s = &result.seconds;
         total[i] = s->total;

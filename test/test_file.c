@@ -343,6 +343,16 @@ static void check_digest(void)
     digest_file(path, out, &err);
     CHECK_TEXT(out, "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0",
                "a million a");
+    struct digest digest;
+    digest_start(&digest);
+    for (size_t at = 0, length = 0; at < sizeof million; at += length) {
+        length = 1 + at * 7 % 200;
+        length = length < sizeof million - at ? length : sizeof million - at;
+        digest_add(&digest, million + at, length);
+    }
+    digest_end(&digest, out);
+    CHECK_TEXT(out, "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0",
+               "a million a in pieces of all sizes");
     CHECK(!digest_file(temporary(".", path), out, &err) && err.status == EXIT_SYSTEM,
           "a folder has no digest");
 }

@@ -58,7 +58,7 @@ static bool write_small(const char *path, int tile, const char *verdict, struct 
                     return false;
                 }
             }
-    return stack_commit(&writer, verdict, err);
+    return stack_finish(&writer, verdict, err) && stack_commit(&writer, err);
 }
 
 /* Allocated; *length is 0 where there is no file. */
@@ -157,7 +157,7 @@ static void test_first_page(TIFF *tiff)
     CHECK(strstr(text, "Name=\"452.5 nm\" SamplesPerPixel=\"1\" EmissionWavelength=\"452.5\"") !=
               NULL,
           "OME-XML tells a fractional wavelength");
-    CHECK(strstr(text, "scene: a&lt;b&gt;&amp;&quot;c&quot;.scene\n") != NULL,
+    CHECK(strstr(text, "Name=\"a&lt;b&gt;&amp;&quot;c&quot;.scene\"") != NULL,
           "the scene's name is escaped");
     CHECK(strstr(text, "full_scale: 2.5\n") != NULL && strstr(text, "renderer: test\n") != NULL,
           "full scale and provenance are told");
@@ -263,7 +263,8 @@ static void test_float(void)
     const char *text = "";
     const char *path = "stack_float.tif";
     CHECK(stack_open(&writer, path, &options, &err), "a stack of 2x2x1 floats");
-    CHECK(stack_write(&writer, 0, 0, 0, 2, 2, radiance, &err) && stack_commit(&writer, "", &err),
+    CHECK(stack_write(&writer, 0, 0, 0, 2, 2, radiance, &err) && stack_finish(&writer, "", &err) &&
+              stack_commit(&writer, &err),
           "is written");
     TIFF *tiff = TIFFOpen(path, "r");
     if (!CHECK(tiff != NULL, "and opens"))
@@ -301,7 +302,7 @@ static void check_large(int width, bool big)
     uint64_t end = writer.page_offset[0] + (uint64_t)width * 2;
     CHECK(big ? end > UINT32_MAX : end <= UINT32_MAX, "%d pixels: as 4 GiB ask for", width);
     CHECK(stack_write(&writer, 0, width - 1, 0, 1, 1, &last, &err) &&
-              stack_commit(&writer, "", &err),
+              stack_finish(&writer, "", &err) && stack_commit(&writer, &err),
           "%d pixels: commits %s", width, err.text);
     int file = open(path, O_RDONLY);
     CHECK(pread(file, head, 4, 0) == 4 && head[2] == (big ? 43 : 42), "%d pixels: magic number",
@@ -334,7 +335,8 @@ static void test_many_pages(void)
     for (int page = 1; page < MANY; page++)
         contiguous = contiguous && writer.page_offset[page] == writer.page_offset[page - 1] + 12;
     CHECK(contiguous, "and follow each other");
-    CHECK(stack_commit(&writer, "", &err), "and commit %s", err.text);
+    CHECK(stack_finish(&writer, "", &err) && stack_commit(&writer, &err), "and commit %s",
+          err.text);
     unlink(path);
 }
 
@@ -392,8 +394,10 @@ static void check_damage(const char *what, void (*damage)(const struct stack_wri
         return;
     CHECK(stack_open(&writer, path, &options, &err), "%s: the stack opens", what);
     damage(&writer);
-    CHECK(!stack_commit(&writer, "", &err) && err.status == EXIT_SYSTEM, "%s: refused: %s", what,
-          err.text);
+    CHECK(!(stack_finish(&writer, "", &err) && stack_commit(&writer, &err)) &&
+              err.status == EXIT_SYSTEM,
+          "%s: refused: %s", what, err.text);
+    stack_discard(&writer);
     CHECK(writer.page_offset == NULL && writer.output.temporary == NULL, "%s: all is freed", what);
     size_t length;
     unsigned char *bytes = read_whole(path, &length);

@@ -39,7 +39,8 @@ static bool write_stack(int n_pages, float times)
             const float value = times * radiance_at(page, i % WIDTH, HEIGHT - 1 - i / WIDTH);
             good = stack_write(&writer, page, i % WIDTH, i / WIDTH, 1, 1, &value, &err);
         }
-    return CHECK(good && stack_commit(&writer, "", &err), "a stack is written %s", err.text);
+    return CHECK(good && stack_finish(&writer, "", &err) && stack_commit(&writer, &err),
+                 "a stack is written %s", err.text);
 }
 
 static bool plane_is(const float *plane, int page)
