@@ -386,20 +386,38 @@ static bool same_scene(const struct scene *scene, const char *stack, const struc
                        scene->path, stack, scene->sha256, made->scene_sha256);
 }
 
+/* What a program without OpenGL lacks is said before anything is read. */
+static bool check_gl(const struct options *options, struct error *err)
+{
+    if (gl_is_built())
+        return true;
+    if (!options->plan.store_raster)
+        return error_usage(err, "this program was built without OpenGL; it renders with "
+                                "--renderer raster");
+    return !options->strict ||
+           error_usage(err, "--strict checks OpenGL, and this program was built without");
+}
+
+static struct plan_options plan_of(const struct options *options)
+{
+    struct plan_options plan = options->plan;
+    plan.check = gl_is_built() && !options->no_check;
+    plan.strict = options->strict;
+    plan.use_gl = plan.check || !plan.store_raster;
+    plan.recorded = options->recorded;
+    plan.n_recorded = options->n_recorded;
+    return plan;
+}
+
 static bool plan_and_render(const struct options *options, const char *output,
                             const struct record *made, struct error *err)
 {
-    struct scene scene;
+    struct scene scene = {.path = NULL};
     struct plan plan = {.scene = NULL};
-    struct plan_options plan_options = options->plan;
+    struct plan_options plan_options = plan_of(options);
     struct render_seconds seconds = {.read = 0};
-    plan_options.check = !options->no_check;
-    plan_options.strict = options->strict;
-    plan_options.use_gl = plan_options.check || !plan_options.store_raster;
-    plan_options.recorded = options->recorded;
-    plan_options.n_recorded = options->n_recorded;
     double start = render_clock();
-    bool done = read_scene(options, &scene, err) &&
+    bool done = check_gl(options, err) && read_scene(options, &scene, err) &&
                 (!made || same_scene(&scene, options->again, made, err));
     seconds.read = render_clock() - start;
     done = done && plan_make(&scene, &plan_options, &plan, err);

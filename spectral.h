@@ -829,6 +829,8 @@ void gl_aim(struct gl *gl, const struct surface *surfaces, const struct tile *ti
  * divided by full_scale. Returns 4 floats a pixel, row by row from the top, rows of tile_width. */
 bool gl_draw(struct gl *gl, int first_band, double full_scale, const float **pixels,
              struct error *err);
+/* False in a program without OpenGL, of which no picture can be asked. */
+bool gl_is_built(void);
 /* Name, version and driver of the OSMesa in use. */
 void gl_library(char *out, size_t capacity);
 struct gl_work gl_work(const struct gl *gl);

@@ -291,6 +291,11 @@ const char *gl_version(const struct gl *gl)
     return (const char *)glGetString(GL_VERSION);
 }
 
+bool gl_is_built(void)
+{
+    return true;
+}
+
 void gl_library(char *out, size_t capacity)
 {
     GLfloat pixel[4];

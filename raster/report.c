@@ -107,7 +107,8 @@ void report_print(const struct plan *plan, const struct render_result *result, F
     if (plan->options.check)
         print_check(&result->check, to);
     else
-        fprintf(to, "cross-check       not made\n");
+        fprintf(to, "cross-check       not made%s\n",
+                gl_is_built() ? "" : ": this program was built without OpenGL");
     if (result->odd.clipped)
         fprintf(to, "clipped           %llu samples above full scale are stored as 65535\n",
                 (unsigned long long)result->odd.clipped);
