@@ -173,6 +173,33 @@ bool text_number(struct text *text, const char *what, double lowest, double high
 bool text_integer(struct text *text, const char *what, long lowest, long highest, long *out,
                   struct error *err);
 
+/* ---- data/elementary.c: functions that are the same to the last bit everywhere ---- */
+
+/* Errors are bounded in units in the last place of the exact result. Nothing else that reaches a
+ * picture may call an inexact function of the C library. */
+#define PI 3.14159265358979323846
+
+/* Multiples of 45 degrees are rounded correctly, others within 2 units in the last place. */
+void sine_cosine(double angle_deg, double *sine, double *cosine);
+/* The same of part/whole of a full turn, both in 0..2^32, within 1.5 units: equal fractions give
+ * equal bits, mirrored ones differ in sign or order only. */
+void sine_cosine_of_turn(int64_t part, int64_t whole, double *sine, double *cosine);
+/* The angle, 0..pi, that has this cosine and this sine, which is not negative: within 11 units
+ * where both are rounded correctly. */
+double angle_of(double sine, double cosine);
+/* e^x within 1.2 units; 0 below -746 and HUGE_VAL above 710, where it is no finite positive double;
+ * 1 of 0. */
+double exponential(double x);
+/* 1 - e^-x for x >= 0 within 2.1 units: 0 of 0, 1 above 40. */
+double one_minus_decay(double x);
+/* log2 x for a finite x > 0 within 0.501 units; exact for powers of two. */
+double binary_logarithm(double x);
+/* base^exponent for a finite base >= 0 and an exponent from 0 to 1e300, within 0.501 units for
+ * exponents up to 128 and 0.51 up to 10,000, subnormal results too. So it is exact where a double
+ * can be; x^0 = 1 even of 0; above all doubles it is HUGE_VAL. With exponents from 0.01 to 10,000
+ * it never falls as the base grows. */
+double power(double base, double exponent);
+
 /* ---- data/vector.c: points, directions and matrices, in double ---- */
 
 struct vector {
@@ -189,12 +216,6 @@ double vector_dot(struct vector a, struct vector b);
 struct vector vector_cross(struct vector a, struct vector b);
 double vector_length(struct vector a);           /* without avoidable overflow or underflow */
 struct vector vector_normalise(struct vector a); /* (0,0,0) stays (0,0,0) */
-
-/* Multiples of 45 degrees are rounded correctly, others within 2 units in the last place. */
-void sine_cosine(double angle_deg, double *sine, double *cosine);
-/* The same of part/whole of a full turn, both in 0..2^32, within 1.5 units: equal fractions give
- * equal bits, mirrored ones differ in sign or order only. */
-void sine_cosine_of_turn(int64_t part, int64_t whole, double *sine, double *cosine);
 
 struct matrix matrix_identity(void);
 struct matrix matrix_product(struct matrix a, struct matrix b); /* a after b */

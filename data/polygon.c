@@ -8,8 +8,6 @@
 
 #include "mesh.h"
 
-static const double pi = 3.14159265358979323846;
-
 bool same_place(struct vector a, struct vector b)
 {
     return a.x == b.x && a.y == b.y && a.z == b.z;
@@ -73,22 +71,6 @@ struct vector polygon_normal(const struct vector *ring, int n)
     return largest_component(sum) > noise ? vector_normalise(sum) : none;
 }
 
-/* The angle, 0..pi, of a sine that is not negative and its cosine. Our own, since the last bits of
- * atan2 differ between C libraries. Halved three times by tan(a/2) = tan a / (1 + sqrt(1 + tan^2)),
- * tan is below 0.2, and the first term of the series left out below 0.2^22/23 < 2^-53. */
-static double angle_of(double sine, double cosine)
-{
-    const double half = sine / (1 + fabs(cosine));
-    const double quarter = half / (1 + sqrt(1 + half * half));
-    const double eighth = quarter / (1 + sqrt(1 + quarter * quarter)), square = eighth * eighth;
-    double series = 1.0 / 21;
-
-    for (int k = 19; k > 0; k -= 2)
-        series = 1.0 / k - square * series;
-    const double angle = 8 * eighth * series;
-    return cosine < 0 ? pi - angle : angle;
-}
-
 double polygon_angle(const struct vector *ring, int n, int i, struct vector normal)
 {
     const struct vector *at = &ring[i], *next = &ring[i + 1 < n ? i + 1 : 0];
@@ -98,7 +80,7 @@ double polygon_angle(const struct vector *ring, int n, int i, struct vector norm
     const struct vector across = vector_cross(out, back);
     const double angle = angle_of(sqrt(vector_dot(across, across)), vector_dot(out, back));
 
-    return vector_dot(across, normal) < 0 ? 2 * pi - angle : angle;
+    return vector_dot(across, normal) < 0 ? 2 * PI - angle : angle;
 }
 
 /* ---- cutting ---- */

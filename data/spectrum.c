@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Spectra: constants, tables in three formats, and two formulas. The formulas use an exponential of
- * our own, for the C libraries' differ in the last bit and pictures must not. */
+/* Spectra: constants, tables in three formats, and two formulas. */
 #include <errno.h>
 #include <float.h>
 #include <limits.h>
@@ -15,43 +14,6 @@
 static const double longest_nm = 1e6;
 
 /* ---- values ---- */
-
-/* e^x as (1 + fraction) 2^power; returns the fraction, e^r - 1 with |r| <= ln(2) / 2. ln 2 comes in
- * two parts: the first has 32 zeros at its end, so that its product with a power of at most 12 bits
- * is exact. The first term of the series left out, r^15 / 15! < 1e-19, is below its last bit. */
-static double reduce(double x, int *power)
-{
-    const double ln2_high = 0x1.62e42feep-1, ln2_low = 0x1.a39ef35793c76p-33;
-    const double n = floor(x / (ln2_high + ln2_low) + 0.5);
-    const double r = (x - n * ln2_high) - n * ln2_low;
-    double sum = 1;
-    for (int k = 14; k > 1; k--)
-        sum = 1 + r * sum / k;
-    *power = (int)n;
-    return r * sum;
-}
-
-/* Outside these bounds e^x is no finite positive double. */
-static double exponential(double x)
-{
-    int power;
-    double fraction;
-    if (x < -746 || x > 710)
-        return x < 0 ? 0 : HUGE_VAL;
-    fraction = reduce(x, &power);
-    return ldexp(1 + fraction, power);
-}
-
-/* 1 - e^-x for x >= 0, without cancellation near 0. From 40 on, e^-x < 2^-54 does not show. */
-static double one_minus_decay(double x)
-{
-    int power;
-    double fraction;
-    if (x > 40)
-        return 1;
-    fraction = reduce(-x, &power);
-    return power == 0 ? -fraction : 1 - ldexp(1 + fraction, power);
-}
 
 /* Planck's radiance over that at 560 nm: (560/nm)^5 (e^x0 - 1) / (e^x - 1), x = c2 / (nm T). With
  * e^x taken out of both, nothing overflows on the way to a result that fits. */

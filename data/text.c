@@ -259,7 +259,7 @@ static bool scan_number(const struct word *word, struct decimal *out)
 
 /* Up to 2^53 the digits are exact in a double, and so is 10^22 = 2^22 5^22 < 2^22 2^53; then one
  * multiplication or division, rounded once as IEEE 754 asks, is the correctly rounded value
- * (Clinger 1990). Wider evaluation would round twice. All else goes the slow way, equally exact. */
+ * (Clinger 1990). All else goes the slow way, equally exact. */
 static double decimal_value(const struct word *word, const struct decimal *decimal)
 {
     static const double power_of_ten[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
@@ -268,8 +268,7 @@ static double decimal_value(const struct word *word, const struct decimal *decim
     const long exponent = decimal->exponent;
     double value = decimal->negative ? -(double)decimal->digits : (double)decimal->digits;
     char copy[LONGEST_NUMBER];
-    if (FLT_EVAL_METHOD == 0 && !decimal->dropped && decimal->digits <= (uint64_t)1 << 53 &&
-        labs(exponent) <= 22)
+    if (!decimal->dropped && decimal->digits <= (uint64_t)1 << 53 && labs(exponent) <= 22)
         return exponent < 0 ? value / power_of_ten[-exponent] : value * power_of_ten[exponent];
     memcpy(copy, word->start, word->length);
     copy[word->length] = '\0';

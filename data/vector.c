@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Points, directions and matrices in double. Only +, -, *, / and sqrt, which IEEE 754 rounds alike
- * everywhere: the C libraries' sin and cos differ in their last bit, which pictures would show. */
+/* Points, directions and matrices in double. */
 #include "spectral.h"
 
 #include <math.h>
@@ -88,61 +87,6 @@ struct matrix matrix_translation(struct vector by)
 struct matrix matrix_scaling(struct vector by)
 {
     return (struct matrix){{{by.x, 0, 0, 0}, {0, by.y, 0, 0}, {0, 0, by.z, 0}, {0, 0, 0, 1}}};
-}
-
-/* Of head + tail of 45 degrees, 0 <= head <= 1 with 31 bits and tail below its last one. Series of
- * the angle x + rest: the first term left out is below x^18/18! < 2^-58, and x + rest carries the
- * angle to 2^-74, so that what remains is the rounding of the last additions: below 1.5 units in
- * the last place, and 2 where head is 0 and all lies in a rounded tail. */
-static void series(double head, double tail, double *sine, double *cosine)
-{
-    /* pi/4 in two pieces; the first has 21 bits, so that its product with head is exact. */
-    const double quarter_pi = 0x1.921fbp-1, quarter_pi_rest = 0x1.5110b4611a626p-23;
-    const double exact = quarter_pi * head;
-    const double small = quarter_pi_rest * head + (quarter_pi + quarter_pi_rest) * tail;
-    const double x = exact + small, rest = small - (x - exact), square = x * x;
-    double even = 1, odd = 1;
-
-    for (int k = 15; k >= 3; k -= 2) {
-        even = 1 - square / (k * (k + 1)) * even;
-        odd = 1 - square / ((k + 1) * (k + 2)) * odd;
-    }
-    *cosine = 1 - (square / 2 * even + rest * x);
-    *sine = x + (rest * *cosine - x * square / 6 * odd);
-    if (head == 1) /* 45 degrees: sqrt(1/2), rounded correctly */
-        *sine = *cosine = 0x1.6a09e667f3bcdp-1;
-}
-
-/* Turns by so many quarters after mirroring. 0 - 0 is +0: no negative zeros. */
-static void place(bool mirrored, int quarters, double *sine, double *cosine)
-{
-    const double s = mirrored ? 0 - *sine : *sine, c = *cosine;
-    const double turned[4] = {c, 0 - s, 0 - c, s};
-
-    *cosine = turned[quarters & 3];
-    *sine = turned[(quarters + 3) & 3];
-}
-
-void sine_cosine_of_turn(int64_t part, int64_t whole, double *sine, double *cosine)
-{
-    /* From the nearest quarter of a turn, in units of 45 degrees / whole. */
-    const int64_t eighths = 8 * (part % whole), quarters = (eighths / whole + 1) / 2;
-    const int64_t off = eighths - 2 * quarters * whole;
-    const uint64_t size = (uint64_t)(off < 0 ? -off : off) << 31, unit = (uint64_t)whole;
-
-    series((double)(size / unit) * 0x1p-31, (double)(size % unit) / (double)whole * 0x1p-31, sine,
-           cosine);
-    place(off < 0, (int)quarters, sine, cosine);
-}
-
-void sine_cosine(double angle_deg, double *sine, double *cosine)
-{
-    int quarters; /* the low bits of the quotient, with its sign */
-    const double off = remquo(angle_deg, 90, &quarters), size = fabs(off); /* exact */
-    const double head = floor(size / 45 * 0x1p31) * 0x1p-31;
-
-    series(head, (size - 45 * head) / 45, sine, cosine); /* the difference is exact, too */
-    place(off < 0, quarters, sine, cosine);
 }
 
 struct matrix matrix_rotation(double angle_deg, struct vector axis)

@@ -159,17 +159,17 @@ static struct weight product(struct weight a, struct weight b)
 }
 
 /* Counts the power functions that are computed. */
-static double power(double base, double exponent, const struct vertex_view *view)
+static double counted_power(double base, double exponent, const struct vertex_view *view)
 {
     view->work->power_functions++;
-    return pow(base, exponent);
+    return power(base, exponent);
 }
 
 /* Relative error of Mesa's pow: exp2(g log2 x), log2 to 2.2e-7 plus a rounding of its value, the
  * product rounded, exp2 to 2.7e-7 (polynomials of lp_bld_arit.c, measured over their range). */
 static double pow_error(double base, double exponent)
 {
-    double octaves = base > 0 ? fabs(log2(base)) : 0;
+    double octaves = base > 0 ? fabs(binary_logarithm(base)) : 0;
     return 0.6931471805599453 * exponent * (2.2e-7 + 2 * u * octaves) + 3e-7;
 }
 
@@ -185,13 +185,14 @@ static struct weight gated_power(struct cosine gate, struct cosine c, double exp
         return (struct weight){gate.value > 0, fabs(gate.value) > gate.error ? 0 : 1};
     double base = fmax(0, c.value);
     if (!view->bounded)
-        return (struct weight){gate.value > 0 ? power(base, exponent, view) : 0, 0};
+        return (struct weight){gate.value > 0 ? counted_power(base, exponent, view) : 0, 0};
     double high = fmin(fmax(0, c.value + c.error), LARGEST_COSINE),
            low = fmax(0, c.value - c.error);
-    double at_high = power(high, exponent, view) * (1 + pow_error(high, exponent));
-    double at_low =
-        gate.value > gate.error ? power(low, exponent, view) * (1 - pow_error(low, exponent)) : 0;
-    double value = gate.value > 0 ? power(base, exponent, view) : 0;
+    double at_high = counted_power(high, exponent, view) * (1 + pow_error(high, exponent));
+    double at_low = gate.value > gate.error
+                        ? counted_power(low, exponent, view) * (1 - pow_error(low, exponent))
+                        : 0;
+    double value = gate.value > 0 ? counted_power(base, exponent, view) : 0;
     return (struct weight){value, fmax(at_high - value, value - at_low) + least};
 }
 

@@ -93,31 +93,6 @@ static void check_rotations(void)
                "a third of a turn about the diagonal takes x to y");
 }
 
-/* Degrees against a turn's exact fractions, and both against the C library in long double. */
-static void check_angles(void)
-{
-    const long double degree = 3.141592653589793238462643383279502884L / 180;
-    double worst = 0, mirrored = 0, sine, cosine, s, c;
-    for (int i = 0; i < 100000; i++) {
-        const double angle = 45e-5 * i; /* half of a camera's angle is below 90 */
-        sine_cosine(angle, &sine, &cosine);
-        sine_cosine(90 - angle, &c, &s);
-        mirrored = fmax(mirrored, fmax(fabs(s - sine), fabs(c - cosine)));
-        const long double exact = (long double)angle * degree;
-        const double sine_off = (double)fabsl((long double)sine - sinl(exact));
-        worst = fmax(worst, sine_off / nextafter(sine, 2));
-        worst = fmax(worst, (double)fabsl((long double)cosine - cosl(exact)));
-    }
-    CHECK_NEAR(worst, 0, 2 * DBL_EPSILON, "sine and cosine to two last places");
-    CHECK_NEAR(mirrored, 0, 90 * DBL_EPSILON / 57, "90 degrees less an angle exchange them");
-    for (int i = 0; i < 24; i++) {
-        sine_cosine(15 * i, &sine, &cosine);
-        sine_cosine_of_turn(i + 48, 24, &s, &c);
-        CHECK_NEAR(fmax(fabs(s - sine), fabs(c - cosine)), 0, i % 3 ? DBL_EPSILON : 0,
-                   "%d degrees are %d/24 of a turn", 15 * i, i);
-    }
-}
-
 static void check_products(void)
 {
     struct matrix move = matrix_translation(vector(1, 2, 3)),
@@ -188,7 +163,6 @@ int main(void)
     check_lengths();
     check_quarters();
     check_rotations();
-    check_angles();
     check_products();
     check_look_at();
     check_normals();

@@ -1,0 +1,245 @@
+/* SPDX-License-Identifier: MIT */
+/* Functions of our own against the C library's in long double. Those are right to a unit in their
+ * own last place, which is 2^-11 of one here: enough to see a bound of 0.501. */
+#include "spectral.h"
+#include "test.h"
+
+#include <float.h>
+
+/* A number from 0 to 1, without 1 (splitmix64, S. Vigna, public domain). */
+static double next_random(uint64_t *state)
+{
+    uint64_t z = *state += 0x9e3779b97f4a7c15;
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9;
+    z = (z ^ z >> 27) * 0x94d049bb133111eb;
+    return (double)((z ^ z >> 31) >> 11) * 0x1p-53;
+}
+
+/* The larger of `worst` and |seen - exact|, in units in the last place; NaN is larger. */
+static double worse(double worst, double seen, long double exact)
+{
+    int exponent;
+    frexpl(exact, &exponent);
+    if (exponent < DBL_MIN_EXP)
+        exponent = DBL_MIN_EXP;
+    double units = (double)ldexpl(fabsl((long double)seen - exact), DBL_MANT_DIG - exponent);
+    return worst != worst || units <= worst ? worst : units;
+}
+
+static double worse_power(double worst, double base, double exponent)
+{
+    return worse(worst, power(base, exponent), powl((long double)base, (long double)exponent));
+}
+
+/* Correctly rounded by GNU MPFR 4.2.0: mpfr_pow, then mpfr_subnormalize. */
+static const struct {
+    double base, exponent, power;
+} rounded[] = {
+    {0x1p-1, 0x1.999999999999ap-4, 0x1.ddb680117ab12p-1},
+    {0x1.6666666666666p-1, 0x1.199999999999ap+1, 0x1.d336ba60b0d77p-2},
+    {0x1.999999999999ap-4, 128, 0x1.bba08cf8c97d4p-426},
+    {0x1.fae147ae147aep-1, 10000, 0x1.00c3c3333189fp-145},
+    {0x1.fffffffffffffp-1, 128, 0x1.fffffffffff8p-1},
+    {0x1.0000000000001p+0, 10000, 0x1.000000000271p+0},
+    {0x1.00000bbe7a23bp+0, 128, 0x1.0005df4e2d05p+0},
+    {1.5, 1.5, 0x1.d64d51e0db1c6p+0},
+    {0x1.3333333333333p-2, 0x1.b7cdfd9d7bdbbp-34, 0x1.fffffffef73e6p-1},
+    {0x1.56e1fc2f8f359p-997, 0x1.47ae147ae147bp-7, 0x1.0624dd2f1a9fbp-10},
+    {0x0.0000000000001p-1022, 0x1.3333333333333p-2, 0x1.bdb8cdadbe161p-323},
+    {0x1.e666666666666p+0, 1000, 0x1.ffcb2f699313dp+925},
+    {0x1.89374bc6a7efap-9, 127.5, 0x0.000000000002cp-1022},
+    {0x1.f75104d551d69p-16, 70, 0x0.00000004d4ecbp-1022},
+    {0x1p-1, 1073.25, 0x0.0000000000002p-1022},
+    {0x1p-2, 0x1.0ca6666666666p+9, 0x0.0000000000001p-1022},
+};
+
+static void check_rounded(void)
+{
+    for (size_t i = 0; i < sizeof rounded / sizeof rounded[0]; i++) {
+        const double seen = power(rounded[i].base, rounded[i].exponent);
+        if (!CHECK(seen == rounded[i].power, "%.17g^%.17g is rounded correctly", rounded[i].base,
+                   rounded[i].exponent))
+            printf("# saw %a, expected %a\n", seen, rounded[i].power);
+    }
+}
+
+static void check_ends(void)
+{
+    static const double bases[] = {0, 0x1p-1074, DBL_MIN, 0.3, 1 - DBL_EPSILON / 2, 1, 1.7, 2};
+    static const double exponents[] = {0x1p-1074, 1e-20, 0.5, 1, 2.2, 128, 1e4, 1e300};
+    bool none = true, once = true, zero = true, one = true;
+    for (size_t i = 0; i < 8; i++) {
+        none = none && power(bases[i], 0) == 1;
+        once = once && power(bases[i], 1) == bases[i];
+        zero = zero && power(0, exponents[i]) == 0 && power(-0.0, exponents[i]) == 0;
+        one = one && power(1, exponents[i]) == 1;
+    }
+    CHECK(none, "x^0 is 1");
+    CHECK(once, "x^1 is x");
+    CHECK(zero, "0^x is 0");
+    CHECK(one, "1^x is 1");
+    CHECK(power(0.5, 1e300) == 0 && power(0.5, 1075) == 0 && power(0x1.8p-1, 1e4) == 0,
+          "what is too small is 0");
+    CHECK(power(0.5, 1074) == 0x1p-1074 && power(0x1.0000000000001p-1, 1075) == 0x1p-1074,
+          "down to half of the smallest number");
+    CHECK(power(2, 1024) == HUGE_VAL && power(2, 1e300) == HUGE_VAL && power(1.9, 1e4) == HUGE_VAL,
+          "what is too large is infinite");
+    CHECK(power(0x1.fffffffffffffp+1023, 1) == DBL_MAX && power(2, 1023) == 0x1p1023,
+          "up to the largest number");
+}
+
+/* Powers that a double holds. */
+static void check_exact(void)
+{
+    int wrong_powers = 0, wrong_roots = 0, wrong_twos = 0;
+    for (int i = 1; i < 256; i++) {
+        double product = 1;
+        for (int n = 1; n <= 6; n++) { /* 48 bits at most */
+            product *= i / 128.;
+            wrong_powers += power(i / 128., n) != product;
+        }
+    }
+    for (int i = 1; i < 1 << 20; i += 7)
+        wrong_roots += power(i * 0x1p-40 * i, 0.5) != i * 0x1p-20;
+    for (int n = 0; n <= 1074; n++)
+        wrong_twos += power(0.5, n) != ldexp(1, -n) || power(0.25, n * 0.5) != ldexp(1, -n) ||
+                      binary_logarithm(ldexp(1, -n)) != -n;
+    CHECK(wrong_powers == 0, "whole powers are exact products (%d wrong)", wrong_powers);
+    CHECK(wrong_roots == 0, "x^0.5 is the root of a square (%d wrong)", wrong_roots);
+    CHECK(wrong_twos == 0, "powers of 1/2 and 1/4, and logarithms, are exact (%d wrong)",
+          wrong_twos);
+}
+
+/* Where the logarithm is hardest, 0.0169 from that of a root, and at random. */
+static void check_power(void)
+{
+    uint64_t state = 1;
+    double gloss = 0, near_one = 0, steep = 0, tiny = 0, root = 0;
+    for (int i = 0; i < 500000; i++) {
+        const double x = next_random(&state) + DBL_MIN, exponent = 128 * next_random(&state);
+        const double near = 1 - x * ldexp(1, -(i % 53));
+        const double hard = exp2(-0.0155 - 0.0015 * x), large = 1e4 - 20 * exponent;
+        const double falls = -(1022 + 53 * next_random(&state)) / log2(x);
+        gloss = worse_power(gloss, 2 * x, exponent);
+        near_one = worse_power(near_one, near, exponent);
+        steep = worse_power(steep, hard, large);
+        if (falls < 1e4)
+            tiny = worse_power(tiny, x, falls);
+        root = worse(root, power(x, 0.5), sqrtl((long double)x));
+    }
+    CHECK_NEAR(gloss, 0, 0.501, "x^y for x up to 2, y up to 128 (%.4f units)", gloss);
+    CHECK_NEAR(near_one, 0, 0.501, "the same for x just below 1 (%.4f units)", near_one);
+    CHECK_NEAR(steep, 0, 0.51, "for y up to 10,000 (%.4f units)", steep);
+    CHECK_NEAR(tiny, 0, 0.51, "and where it is below the normal numbers (%.4f units)", tiny);
+    CHECK_NEAR(root, 0, 0.501, "x^0.5 is the square root (%.4f units)", root);
+}
+
+static void check_grid(void)
+{
+    double worst = 0;
+    for (int i = 1; i <= 2048; i++)
+        for (int n = 1; n <= 256; n++)
+            worst = worse_power(worst, i / 2048., n / 2.);
+    CHECK_NEAR(worst, 0, 0.501, "whole and half exponents on a dense grid (%.4f units)", worst);
+}
+
+static void check_monotone(void)
+{
+    static const double exponents[] = {0.01, 0.3, 1, 2.2, 77.7, 128, 1e4};
+    uint64_t state = 2;
+    int falls = 0;
+    for (int i = 0; i < 7000; i++) {
+        double base = i % 2 ? next_random(&state) : 1 + ldexp(next_random(&state) - 0.5, -i % 9);
+        double last = 0;
+        for (int k = 0; k < 50; k++, base = nextafter(base, 2)) {
+            const double next = power(base, exponents[i % 7]);
+            falls += !(next >= last);
+            last = next;
+        }
+    }
+    CHECK(falls == 0, "a power never falls as its base grows (%d times)", falls);
+}
+
+static void check_logarithm(void)
+{
+    uint64_t state = 3;
+    double worst = 0;
+    for (int i = 0; i < 500000; i++) {
+        const double x = next_random(&state) + DBL_MIN, near = 1 + ldexp(x - 0.5, -(i % 50));
+        const double any = ldexp(1 + x, i % 2000 - 1000);
+        worst = worse(worst, binary_logarithm(near), log2l((long double)near));
+        worst = worse(worst, binary_logarithm(any), log2l((long double)any));
+    }
+    CHECK_NEAR(worst, 0, 0.501, "log2, near 1 and far from it (%.4f units)", worst);
+}
+
+static void check_exponential(void)
+{
+    uint64_t state = 4;
+    double worst = 0, decay = 0;
+    for (int i = 0; i < 500000; i++) {
+        const double x = 2 * next_random(&state) - 1, far = 709 * x;
+        const double fall = 40 * fabs(x) * ldexp(1, -(i % 40));
+        worst = worse(worst, exponential(x), expl((long double)x));
+        worst = worse(worst, exponential(far), expl((long double)far));
+        decay = worse(decay, one_minus_decay(fall), -expm1l((long double)-fall));
+    }
+    CHECK_NEAR(worst, 0, 1.2, "e^x (%.2f units)", worst);
+    CHECK_NEAR(decay, 0, 2.1, "1 - e^-x (%.2f units)", decay);
+    CHECK(exponential(0) == 1 && exponential(-1000) == 0 && exponential(1000) == HUGE_VAL,
+          "e^x at its ends");
+    CHECK(one_minus_decay(0) == 0 && one_minus_decay(1e-300) == 1e-300 && one_minus_decay(41) == 1,
+          "1 - e^-x at its ends");
+}
+
+static void check_angle(void)
+{
+    uint64_t state = 5;
+    double worst = 0;
+    for (int i = 0; i < 500000; i++) {
+        const long double angle = (long double)(PI * next_random(&state) * ldexp(1, -(i % 30)));
+        worst = worse(worst, angle_of((double)sinl(angle), (double)cosl(angle)), angle);
+    }
+    CHECK_NEAR(worst, 0, 11, "the angle of a sine and a cosine (%.2f units)", worst);
+    CHECK(angle_of(0, 1) == 0 && angle_of(0, -1) == PI, "its ends are 0 and pi");
+}
+
+/* Degrees against a turn's exact fractions, and both against the C library in long double. */
+static void check_sine_cosine(void)
+{
+    const long double degree = 3.141592653589793238462643383279502884L / 180;
+    double worst = 0, mirrored = 0, sine, cosine, s, c;
+    for (int i = 0; i < 100000; i++) {
+        const double angle = 45e-5 * i; /* half of a camera's angle is below 90 */
+        sine_cosine(angle, &sine, &cosine);
+        sine_cosine(90 - angle, &c, &s);
+        mirrored = fmax(mirrored, fmax(fabs(s - sine), fabs(c - cosine)));
+        const long double exact = (long double)angle * degree;
+        const double sine_off = (double)fabsl((long double)sine - sinl(exact));
+        worst = fmax(worst, sine_off / nextafter(sine, 2));
+        worst = fmax(worst, (double)fabsl((long double)cosine - cosl(exact)));
+    }
+    CHECK_NEAR(worst, 0, 2 * DBL_EPSILON, "sine and cosine to two last places");
+    CHECK_NEAR(mirrored, 0, 90 * DBL_EPSILON / 57, "90 degrees less an angle exchange them");
+    for (int i = 0; i < 24; i++) {
+        sine_cosine(15 * i, &sine, &cosine);
+        sine_cosine_of_turn(i + 48, 24, &s, &c);
+        CHECK_NEAR(fmax(fabs(s - sine), fabs(c - cosine)), 0, i % 3 ? DBL_EPSILON : 0,
+                   "%d degrees are %d/24 of a turn", 15 * i, i);
+    }
+}
+
+int main(void)
+{
+    check_rounded();
+    check_ends();
+    check_exact();
+    check_power();
+    check_grid();
+    check_monotone();
+    check_logarithm();
+    check_exponential();
+    check_angle();
+    check_sine_cosine();
+    return test_end();
+}
