@@ -1,31 +1,41 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# What it makes lies under build/; the program is build/spectral. CC and CFLAGS come from the
-# environment. On Debian, what is missing is installed when run as root.
+# What it makes lies under $BUILD (build); the program is $BUILD/spectral. From the environment come
+# also CC, CFLAGS, and GL: osmesa, or none for a program without OpenGL. On Debian, what is missing is
+# installed when run as root. Libraries that are built here are kept in $XDG_CACHE_HOME/spectral.
 # Lists are split into words on purpose.
-# shellcheck disable=SC2086,SC2046
+# shellcheck disable=SC2046,SC2086,SC2089,SC2090
 set -eu
+export LC_ALL=C
+called_from=$PWD
 cd "$(dirname "$0")"
 
-usage='usage: ./build.sh [build | run | test [full] | bench [effects] | install PREFIX | clean]'
+usage='usage: ./build.sh [build | static | run | test [full] | bench [effects] | dist | install PREFIX | clean]'
 CC=${CC:-gcc}
 CFLAGS=${CFLAGS:--O3}
+GL=${GL:-osmesa}
+BUILD=${BUILD:-build}
+cache=${XDG_CACHE_HOME:-${HOME:-/var/tmp}/.cache}/spectral
 # No floating-point traps are taken and no errno is read after sqrt: both let loops be done several
 # samples at once and change no result (no -ffast-math, no -march=native, no contraction).
 language="-std=c99 -D_XOPEN_SOURCE=700 -D_FILE_OFFSET_BITS=64 -ffp-contract=off -fno-trapping-math
-  -fno-math-errno -fopenmp -I."
+  -fno-math-errno -I."
 warnings='-pedantic -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes
   -Wmissing-prototypes -Wundef -Wvla -Wcast-qual -Wwrite-strings'
-# libtiff and what it brings are linked statically, so that only OSMesa must be there at run time.
-# Lerc is C++, whose library OSMesa's LLVM brings anyway.
-libraries='-Wl,--exclude-libs,ALL -Wl,-Bstatic -ltiff -lwebp -lzstd -llzma -lLerc -ljbig -ljpeg
-  -ldeflate -lz -Wl,-Bdynamic -lOSMesa -l:libstdc++.so.6 -lm -lpthread'
-
-build_packages='libc6-dev libosmesa6-dev libtiff-dev zlib1g-dev libzstd-dev libdeflate-dev
-  liblzma-dev libjpeg-dev libjbig-dev libwebp-dev liblerc-dev'
+hardening='-fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2'
+static_packages='libtiff-dev zlib1g-dev libzstd-dev libdeflate-dev liblzma-dev libjpeg-dev libwebp-dev
+  liblerc-dev'
 test_packages='gcc clang libomp-dev perl python3-tifffile python3-numpy python3-scipy python3-gdal
-  imagej default-jdk-headless glmark2-data psychtoolbox-3-common'
+  imagej default-jdk-headless glmark2-data psychtoolbox-3-common mandoc bsdextrautils busybox-static
+  file binutils musl-tools gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user'
 mutation='s/whole = bound\[i\]/whole = 1000 * bound[i]/'
+
+refuse() {
+    echo "${1:-$usage}" >&2
+    exit 2
+}
+
+# ---- packages, and libraries from their sources ----
 
 # need PACKAGE... installs what is missing, or says what to type.
 need() {
@@ -37,21 +47,86 @@ need() {
     done
     [ -n "$lacking" ] || return 0
     if [ "$(id -u)" != 0 ]; then
-        echo "build.sh: packages are missing; type: sudo apt-get install$lacking" >&2
-        exit 2
+        refuse "build.sh: packages are missing; type: sudo apt-get install$lacking"
     fi
     echo "installing$lacking"
-    mkdir -p build
-    if ! { apt-get update && DEBIAN_FRONTEND=noninteractive \
-        apt-get install -y --no-install-recommends $lacking; } >build/install.log 2>&1 </dev/null; then
-        tail -n 20 build/install.log >&2
-        exit 3
-    fi
+    logged install install_packages $lacking
 }
+
+install_packages() {
+    apt-get update
+    DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "$@"
+}
+
+# logged NAME COMMAND... writes to $BUILD/NAME.log, whose end is shown if the command fails.
+logged() {
+    mkdir -p "$BUILD"
+    log=$BUILD/$1.log
+    shift
+    set +e # in a condition, the command would go on after an error
+    (set -e; "$@") >"$log" 2>&1 </dev/null
+    status=$?
+    set -e
+    [ "$status" = 0 ] || { tail -n 20 "$log" >&2; exit 3; }
+}
+
+# debian_version BINARY_PACKAGE: the version of its source package, by this machine's package lists
+debian_version() {
+    apt-cache show --no-all-versions "$1" 2>/dev/null | awk '
+        /^Version:/ { version = $2 }
+        /^Source: .*\(/ { version = substr($3, 2, length($3) - 2) }
+        END { print version; exit version == "" }' ||
+        refuse "build.sh: Debian's package lists do not name $1; type: sudo apt-get update"
+}
+
+# debian_source PACKAGE VERSION FOLDER unpacks Debian's source, patched, into FOLDER/source. The
+# archives are those of this machine, but in lists of their own: its configuration stays as it was.
+debian_source() {
+    mkdir -p "$3/sources" "$3/lists/partial"
+    archive='debian([.]org/[^ ]*|-security|[.]list)?/?[[:space:]]'
+    cat /etc/apt/sources.list /etc/apt/sources.list.d/*.list 2>/dev/null |
+        sed -nE "s,^deb([[:space:]].*${archive}.* main),deb-src\1,p" >"$3/sources/debian.list"
+    cat /etc/apt/sources.list.d/*.sources 2>/dev/null |
+        awk -v RS= -v uri="(^|\n)URIs:[^\n]*$archive" '$0 "\n" ~ uri {
+            sub(/(^|\n)Types:[^\n]*/, "\nTypes: deb-src"); print $0 "\n" }' >"$3/sources/debian.sources"
+    (
+        apt="-o Dir::Etc::sourcelist=/dev/null -o Dir::Etc::sourceparts=$3/sources
+            -o Dir::State::Lists=$3/lists -o Dir::Cache=$3 -o APT::Sandbox::User=root"
+        cd "$3" && apt-get $apt update &&
+            apt-get $apt source --only-source --download-only "$1=$2" &&
+            dpkg-source --no-check -x ./*.dsc source
+    )
+}
+
+# cached NAME PACKAGE VERSION KEY sets $library to a folder of the cache: what make_NAME puts into the
+# folder `library` of its own, beside Debian's `source`, when all of it succeeds.
+cached() {
+    library=$cache/$1-$3-$(echo "$4" | sha256sum | cut -c 1-16)
+    [ ! -d "$library" ] || return 0
+    echo "building $1 $3 (minutes, but only once)"
+    mkdir -p "$cache"
+    logged "$1" make_cached "$@"
+}
+
+make_cached() {
+    work=$(mktemp -d "$cache/new.XXXXXX")
+    trap 'rm -rf "$work"' EXIT
+    trap 'exit 3' HUP INT TERM
+    debian_source "$2" "$3" "$work"
+    cd "$work"
+    "make_$1"
+    mv "$work/library" "$library"
+}
+
+. raster/osmesa.sh
+. data/tiff.sh
+
+# ---- the program ----
 
 # The text files under data/ as C, so that the program runs alone.
 builtin_files() {
-    find data/tables data/materials data/models data/scenes data/textures -type f | LC_ALL=C sort >build/builtin.list
+    find data/tables data/materials data/models data/scenes data/textures -type f | sort \
+        >"$BUILD/builtin.list"
     echo '#include "spectral.h"'
     number=0
     while read -r file; do
@@ -59,128 +134,245 @@ builtin_files() {
         echo "static const unsigned char file_${number}[] = {"
         od -An -v -tu1 "$file" | sed 's/  */,/g; s/^,//; s/$/,/'
         echo '0};'
-    done <build/builtin.list
+    done <"$BUILD/builtin.list"
     echo 'const struct builtin_file builtin_files[] = {'
     number=0
     while read -r file; do
         number=$((number + 1))
         echo "{\"${file#data/}\", file_$number, sizeof file_$number - 1},"
-    done <build/builtin.list
+    done <"$BUILD/builtin.list"
     echo '};'
     echo "const size_t builtin_file_count = $number;"
+}
+
+compiler_packages() {
+    case $CC in
+    gcc) echo gcc libc6-dev ;;
+    clang) echo clang libomp-dev libc6-dev ;;
+    musl-gcc) echo musl-tools ;;
+    aarch64-linux-gnu-gcc) echo gcc-aarch64-linux-gnu libc6-dev-arm64-cross ;;
+    esac
+}
+
+# links HEADER FUNCTION OPTION... tells whether $CC makes a program that calls it.
+links() {
+    header=$1
+    function=$2
+    shift 2
+    printf '#include <%s>\nint main(void) { return !%s(); }\n' "$header" "$function" |
+        $CC $CFLAGS -x c - -o "$BUILD/probe" "$@" 2>/dev/null
+}
+
+# Sets $sources and $libraries for $GL. A compiler that sees no libtiff, such as musl-gcc or one for
+# another processor, gets its own, and makes a static program.
+find_libraries() {
+    case $GL in
+    osmesa)
+        left_out='raster/no_gl'
+        libraries='-lOSMesa -ltiff -lm'
+        need libosmesa6-dev libtiff-dev
+        ;;
+    none)
+        left_out='raster/(mesa|identify)'
+        libraries='-ltiff -lm'
+        case $CC in gcc | clang) need libtiff-dev ;; esac
+        if ! links tiffio.h TIFFGetVersion $libraries; then
+            find_tiff
+            libraries="-static -Wl,--gc-sections -I$tiff/include -L$tiff -L$zlib -ltiff -lz -lm"
+        fi
+        ;;
+    *) refuse "build.sh: GL is osmesa or none, not '$GL'" ;;
+    esac
+    sources=$(printf '%s\n' spectral.c data/*.c raster/*.c | grep -vE "${left_out}[.]c")
+}
+
+# The same for a program that is static with an OSMesa of its own, and hardened. Mesa calls the
+# pthread functions only if something else brings them, and crashes without. What would load drivers of
+# accelerators by dlopen is OpenMP's, and never called. Neither is libjbig, which reads pictures of 1
+# bit a pixel, and would put the program under the GPL.
+find_static_libraries() {
+    need g++ libc6-dev $static_packages
+    find_osmesa
+    CFLAGS="$CFLAGS $hardening -ffunction-sections -fdata-sections -isystem $osmesa/include
+        -DOSMESA_VERSION=\"${osmesa_version%%-*}\""
+    libraries="-static-pie -Wl,--gc-sections,-z,relro,-z,now,-z,noexecstack
+        -Wl,-u,pthread_mutexattr_init,-u,pthread_mutexattr_settype,-u,pthread_mutexattr_destroy
+        -Wl,--wrap=dlopen,--defsym=__wrap_dlopen=abort
+        $(printf ' -Wl,--defsym=jbg_%s=abort' dec_free dec_getimage dec_getsize dec_in dec_init enc_free \
+            enc_init enc_out newlen strerror)
+        -L$osmesa -lOSMesa -ltiff -lwebp -lzstd -llzma -lLerc -ljpeg -ldeflate -lz -lstdc++ -lm"
+    sources=$(printf '%s\n' spectral.c data/*.c raster/*.c | grep -v raster/no_gl.c)
+}
+
+# Sets $openmp. Without OpenMP for the C library in use, --threads changes nothing.
+find_openmp() {
+    openmp=-fopenmp
+    links omp.h omp_get_max_threads -fopenmp $libraries || openmp=-Wno-unknown-pragmas
+}
+
+prepare() {
+    mkdir -p "$BUILD"
+    need $(compiler_packages)
+    builtin_files >"$BUILD/builtin.new"
+    cmp -s "$BUILD/builtin.new" "$BUILD/builtin.c" || cp "$BUILD/builtin.new" "$BUILD/builtin.c"
 }
 
 # program OUTPUT SOURCE... with $CC, $CFLAGS and the warnings
 program() {
     output=$1
     shift
-    $CC $language $warnings $CFLAGS "$@" -o "$output.new" $libraries
+    $CC $language $warnings $openmp $CFLAGS "$@" -o "$output.new" $libraries
     mv "$output.new" "$output"
 }
 
-prepare() {
-    mkdir -p build
-    case $CC in
-    gcc) need gcc $build_packages ;;
-    clang) need clang libomp-dev $build_packages ;;
-    *) need $build_packages ;;
-    esac
-    builtin_files >build/builtin.new
-    cmp -s build/builtin.new build/builtin.c || cp build/builtin.new build/builtin.c
+# fresh_program OUTPUT makes it of all sources, unless it is there already.
+fresh_program() {
+    made_with="$CC $CFLAGS $libraries"
+    if [ ! -x "$1" ] || [ "$(cat "$1.made-with" 2>/dev/null)" != "$made_with" ] ||
+        [ -n "$(find spectral.[ch] data raster build.sh "$BUILD/builtin.c" -newer "$1")" ]; then
+        echo "building ${1%.symbols} with $CC"
+        program "$1" $sources "$BUILD/builtin.c"
+        echo "$made_with" >"$1.made-with"
+    fi
 }
 
 build() {
     prepare
-    made_with="$CC $CFLAGS"
-    if [ -x build/spectral ] && [ "$(cat build/made-with 2>/dev/null)" = "$made_with" ] &&
-        [ -z "$(find spectral.[ch] data raster build.sh build/builtin.c -newer build/spectral)" ]; then
-        return
-    fi
-    echo "building build/spectral ($made_with)"
-    program build/spectral spectral.c data/*.c raster/*.c build/builtin.c
-    echo "$made_with" >build/made-with
+    find_libraries
+    find_openmp
+    fresh_program "$BUILD/spectral"
 }
+
+# In a shell of its own, which keeps $CFLAGS and $libraries. The file .symbols is for debuggers.
+static_program() (
+    prepare
+    find_static_libraries
+    find_openmp
+    fresh_program "$BUILD/spectral-static.symbols"
+    strip -o "$BUILD/spectral-static.new" "$BUILD/spectral-static.symbols"
+    mv "$BUILD/spectral-static.new" "$BUILD/spectral-static"
+)
+
+# ---- a release ----
+
+# Copyrights of what the static program holds, beside its own and Mesa's.
+licences() {
+    mkdir "$1"
+    cp "$osmesa/copyright" "$1/mesa"
+    for package in libtiff-dev libwebp-dev libzstd-dev liblzma-dev liblerc-dev libjpeg62-turbo-dev \
+        libdeflate-dev zlib1g-dev libc6-dev gcc-12-base; do
+        cp -L "/usr/share/doc/$package/copyright" "$1/$package"
+    done
+}
+
+# The same bytes wherever and whenever it is made: its date is that of the manual page.
+dist() {
+    static_program
+    find_osmesa
+    version=$(sed -n 's/^#define SPECTRAL_VERSION "\(.*\)"/\1/p' spectral.h)
+    name=spectral-$version-linux-$(uname -m)
+    rm -rf "${BUILD:?}/$name"
+    mkdir "$BUILD/$name" "$BUILD/$name/data"
+    cp "$BUILD/spectral-static" "$BUILD/$name/spectral"
+    cp README.md LICENSE spectral.1 "$BUILD/$name"
+    for folder in data/*/; do
+        cp -R "${folder%/}" "$BUILD/$name/data"
+    done
+    licences "$BUILD/$name/licences"
+    (cd "$BUILD/$name" && find . -type f | sort | xargs sha256sum >../SHA256SUMS && mv ../SHA256SUMS .)
+    tar -C "$BUILD" -c --sort=name --mtime="$(sed -n 's/^[.]Dd //p' spectral.1) UTC" --owner=0 --group=0 \
+        --numeric-owner --mode=u=rwX,go=rX "$name" | gzip -9n >"$BUILD/$name.tar.gz.new"
+    mv "$BUILD/$name.tar.gz.new" "$BUILD/$name.tar.gz"
+    rm -rf "${BUILD:?}/$name"
+    (cd "$BUILD" && sha256sum "$name.tar.gz")
+}
+
+# A relative PREFIX is one of the folder that this was called from.
+install_program() {
+    case ${DESTDIR:-}$1 in
+    /*) target=${DESTDIR:-}$1 ;;
+    *) target=$called_from/${DESTDIR:-}$1 ;;
+    esac
+    install -D -m 755 "$BUILD/spectral" "$target/bin/spectral"
+    install -D -m 644 spectral.1 "$target/share/man/man1/spectral.1"
+}
+
+# ---- tests and benches ----
 
 # Warnings are errors here, with gcc and with clang; each test program is linked with everything but
 # the command line.
 build_tests() {
     need $test_packages
-    mkdir -p build/test build/tmp
+    mkdir -p "$BUILD/test" "$BUILD/tmp"
     warnings="$warnings -Werror"
     echo "building the tests"
-    for source in spectral.c data/*.c raster/*.c build/builtin.c; do
-        object=build/test/$(echo "$source" | tr / -).o
-        $CC $language $warnings -O2 -c "$source" -o "$object"
+    for source in $sources "$BUILD/builtin.c"; do
+        $CC $language $warnings $openmp -O2 -c "$source" -o "$BUILD/test/$(basename "$source").o"
     done
-    rm -f build/test/spectral.c.o build/test/library.a
-    ar rcs build/test/library.a build/test/*.o
+    rm -f "$BUILD/test/spectral.c.o" "$BUILD/test/library.a"
+    ar rcs "$BUILD/test/library.a" "$BUILD"/test/*.o
     for source in test/test_*.c test/bench.c; do
-        CFLAGS='-O1 -Itest' program "build/test/$(basename "$source" .c)" "$source" build/test/library.a
+        CFLAGS='-O1 -Itest' program "$BUILD/test/$(basename "$source" .c)" "$source" "$BUILD/test/library.a"
     done
-    CC=clang CFLAGS=-O2 program build/test/spectral-clang spectral.c data/*.c raster/*.c build/builtin.c
-    $CC $language $warnings -O1 -shared -fPIC test/fault.c -o build/test/fault.so -ldl
+    $CC $language $warnings -O1 -shared -fPIC test/fault.c -o "$BUILD/test/fault.so" -ldl
     # a program with a fault of its own: all bounds on colours are a thousand times too wide
-    sed "$mutation" raster/counts.c >build/test/mutant.c
-    CFLAGS='-O1 -Iraster' program build/test/spectral-mutant spectral.c build/test/mutant.c build/test/library.a
+    sed "$mutation" raster/counts.c >"$BUILD/test/mutant.c"
+    CFLAGS='-O1 -Iraster' program "$BUILD/test/spectral-mutant" spectral.c "$BUILD/test/mutant.c" \
+        "$BUILD/test/library.a"
 }
 
 run_tests() {
-    export SPECTRAL=build/spectral TEST_TMP=build/tmp FAULTS=build/test/fault.so
-    scripts=$(find test -maxdepth 1 -perm -u+x -type f | LC_ALL=C sort)
-    prove --timer --exec '' $(find build/test -name 'test_*' -perm -u+x | LC_ALL=C sort) $scripts
+    export SPECTRAL="$BUILD/spectral" STATIC="$BUILD/spectral-static" TEST_TMP="$BUILD/tmp" BUILD \
+        FAULTS="$BUILD/test/fault.so" LIBRARY="$BUILD/test/library.a"
+    scripts=$(find test -maxdepth 1 -perm -u+x -type f | sort)
+    prove --timer --exec '' $(find "$BUILD/test" -name 'test_*' -perm -u+x | sort) $scripts
 }
 
 # 5,000 random scenes on llvmpipe and 500 on softpipe.
-run_full_tests() {
+run_random_tests() {
     for random in 'llvmpipe --count 5000' 'softpipe --count 500'; do
         prove --timer --exec '' test/random_scenes.py :: --first 1000 --driver $random
     done
 }
 
-case ${1:-build} in
-build) build ;;
-run)
+needs_gl() {
+    [ "$GL" = osmesa ] || refuse "build.sh: this compares with OpenGL, which GL=$GL leaves out"
+}
+
+case "${1:-build} ${2:-}" in
+'build ') build ;;
+'static ') static_program ;;
+'run ')
     build
-    build/spectral render colorchecker -o colorchecker.tif
+    "$BUILD/spectral" render colorchecker $([ "$GL" = osmesa ] || echo --renderer raster) -o colorchecker.tif
     ;;
-test)
+'test ' | 'test full')
+    needs_gl
     build
+    static_program
     build_tests
+    [ "${2:-}" != full ] || export FULL=1
     run_tests
-    case ${2:-} in
-    full) run_full_tests ;;
-    '') ;;
-    *)
-        echo "$usage" >&2
-        exit 2
-        ;;
-    esac
+    [ "${2:-}" != full ] || run_random_tests
     ;;
-bench)
+'bench ')
+    needs_gl
     build
-    case ${2:-} in
-    effects)
-        need python3-tifffile python3-numpy
-        /usr/bin/python3 test/bench_effects.py build/spectral build/tmp/bench
-        ;;
-    '')
-        program build/bench -Itest test/bench.c $(find data raster -name '*.c') build/builtin.c
-        build/bench
-        ;;
-    *)
-        echo "$usage" >&2
-        exit 2
-        ;;
-    esac
+    program "$BUILD/bench" -Itest test/bench.c $(echo $sources | sed 's/^spectral.c//') "$BUILD/builtin.c"
+    "$BUILD/bench"
     ;;
-install)
-    [ $# = 2 ] || { echo "$usage" >&2; exit 2; }
+'bench effects')
+    needs_gl
     build
-    install -D -m 755 build/spectral "${DESTDIR:-}$2/bin/spectral"
+    need python3-tifffile python3-numpy
+    /usr/bin/python3 test/bench_effects.py "$BUILD/spectral" "$BUILD/tmp/bench"
     ;;
-clean) rm -rf build ;;
-*)
-    echo "$usage" >&2
-    exit 2
+'dist ') dist ;;
+'install '?*)
+    [ $# = 2 ] || refuse
+    build
+    install_program "$2"
     ;;
+'clean ') rm -rf "$BUILD" ;;
+*) refuse ;;
 esac

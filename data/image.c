@@ -112,6 +112,9 @@ static bool samples_read(const struct image *image, int page, struct layout *out
         planar == PLANARCONFIG_CONTIG &&
         TIFFSetField(tiff, TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB))
         photometric = PHOTOMETRIC_RGB;
+    if (!TIFFIsCODECConfigured(compression))
+        return refuse(image, page, err, "its compression (%d) is none that this libtiff can read",
+                      compression);
     out->inverted = photometric == PHOTOMETRIC_MINISWHITE;
     out->n_colours = photometric == PHOTOMETRIC_RGB ? 3 : 1;
     out->n_planes = planar == PLANARCONFIG_SEPARATE ? out->n_colours : 1;

@@ -4,7 +4,6 @@
 #include "spectral.h"
 
 #include <assert.h>
-#include <math.h>
 #include <stdlib.h>
 
 static size_t plane_size(const struct texture *texture)
@@ -44,7 +43,8 @@ static bool find_largest(struct texture *texture, struct error *err)
         if (!plane_read(texture, page, texture->plane[0], err))
             return false;
         for (size_t i = 0; i < plane_size(texture); i++)
-            texture->largest = fmax(texture->largest, (double)texture->plane[0][i]);
+            if ((double)texture->plane[0][i] > texture->largest) /* gcc 12 for ARM fails on fmax */
+                texture->largest = (double)texture->plane[0][i];
     }
     return true;
 }

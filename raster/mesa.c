@@ -296,6 +296,12 @@ bool gl_is_built(void)
     return true;
 }
 
+#ifdef OSMESA_VERSION /* built in; asking a context of softpipe would take tens of milliseconds */
+void gl_library(char *out, size_t capacity)
+{
+    snprintf(out, capacity, "OSMesa " OSMESA_VERSION " (softpipe), built in");
+}
+#else
 void gl_library(char *out, size_t capacity)
 {
     GLfloat pixel[4];
@@ -308,6 +314,7 @@ void gl_library(char *out, size_t capacity)
     if (context)
         OSMesaDestroyContext(context);
 }
+#endif
 
 /* ---- drawing ---- */
 

@@ -132,11 +132,12 @@ static struct odd_samples count_chunk(struct render_state *state, const struct t
 static void count_tile(struct render_state *state, const struct tile *tile, int pass,
                        const float *pixels)
 {
+    const struct plan *plan = state->plan;
     uint64_t clipped = 0, undefined = 0;
-    int n_threads = state->plan->options.threads;
-#pragma omp parallel for schedule(dynamic) reduction(+ : clipped, undefined) num_threads(n_threads)
+#pragma omp parallel for schedule(dynamic) num_threads(plan->options.threads) \
+    reduction(+ : clipped, undefined)
     for (int i = 0; i < state->n_chunks; i++)
-        for (int c = 0; c < bands_of_pass(state->plan, pass); c++) {
+        for (int c = 0; c < bands_of_pass(plan, pass); c++) {
             struct odd_samples odd =
                 count_chunk(state, tile, i, pass * BANDS_PER_PASS + c, c, pixels);
             clipped += odd.clipped;

@@ -250,8 +250,8 @@ static bool surface_light(const struct plan *plan, const struct driver *driver,
     const struct matrix *exact = may_be_exact(plan, body, &product) ? &product : NULL;
     struct body_bounds bounds = body_bounds(body);
     long lit = 0, specular = 0, powers = 0;
-    int n_vertices = out->mesh->n_vertices, n_threads = plan->options.threads;
-#pragma omp parallel for reduction(+ : lit, specular, powers) num_threads(n_threads)
+    int n_vertices = out->mesh->n_vertices;
+#pragma omp parallel for reduction(+ : lit, specular, powers) num_threads(plan->options.threads)
     for (int i = 0; i < n_vertices; i++) {
         struct light_work own = {0, 0, 0};
         process_vertex(plan, out, &bounds, exact, i, &own);

@@ -63,7 +63,7 @@ static bool are_within(const struct block *block, float factor, size_t all)
     return sum == 0;
 }
 
-/* NaN is not larger than anything. */
+/* NaN is not larger than anything. (gcc 12 for ARM cannot compile this with fmax.) */
 static void raise_largest(double *largest, const struct block *block, size_t all)
 {
     float most[LANES] = {0};
@@ -71,7 +71,8 @@ static void raise_largest(double *largest, const struct block *block, size_t all
         for (size_t k = 0; k < LANES; k++)
             most[k] = most[k] < block->difference[i + k] ? block->difference[i + k] : most[k];
     for (size_t k = 0; k < LANES; k++)
-        *largest = fmax(*largest, (double)most[k]);
+        if ((double)most[k] > *largest)
+            *largest = (double)most[k];
 }
 
 /* Looks closer only where a ratio may be larger. */

@@ -47,7 +47,7 @@ ok $? "OpenGL's pixels too, under a name of its own"
 exits 0 "unchecked ones too" "$SPECTRAL" render patches --size 8x8 --no-check -o "$tmp/unchecked.tif"
 exits 0 "are still unchecked" "$SPECTRAL" render --again "$tmp/unchecked.tif" -o /dev/null
 
-GALLIUM_DRIVER=softpipe exits 1 "another OpenGL" "$SPECTRAL" render --again "$tmp/gl.tif" -o "$tmp/no.tif"
+exits 1 "another OpenGL" env GALLIUM_DRIVER=softpipe "$SPECTRAL" render --again "$tmp/gl.tif" -o "$tmp/no.tif"
 says 'drawn by llvmpipe.*, this one by softpipe' "is told"
 absent "$tmp/no.tif" "another OpenGL"
 sed 's/0[.]1[.]0/0.0.9/' "$made" >"$tmp/older.tif"

@@ -1,0 +1,54 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# A release archive is the same bytes wherever and by whomever it is made; what it holds is whole, runs
+# and carries its licences. Installing puts the program and its manual where PREFIX says.
+# FULL=1 builds OSMesa twice, too.
+. test/tap.sh
+
+# made_in FOLDER BUILD MASK: another path, another umask, another time zone
+made_in() (
+    mkdir -p "$tmp/$1"
+    cp -R build.sh spectral.c spectral.h spectral.1 README.md LICENSE data raster "$tmp/$1"
+    umask "$3"
+    [ "${FULL:-0}" = 0 ] || export XDG_CACHE_HOME="$PWD/$tmp/$1/cache"
+    BUILD=$2 TZ=Asia/Kathmandu "$tmp/$1/build.sh" dist >"$tmp/$1/log" 2>&1 || cat "$tmp/$1/log" >&2
+)
+made_in one build 022 &
+made_in another/folder/of/a/longer/name elsewhere 077
+wait $!
+archive=$(cd "$tmp/one/build" && echo spectral-*.tar.gz)
+cmp "$tmp/one/build/$archive" "$tmp/another/folder/of/a/longer/name/elsewhere/$archive"
+ok $? "$archive is the same bytes twice"
+[ "$(find "$tmp/one" -name 'spectral-*' -maxdepth 1 | wc -l)" = 0 ]
+ok $? "and lies in the folder for all that is made"
+
+tar -C "$tmp" -xzf "$tmp/one/build/$archive"
+release=$tmp/${archive%.tar.gz}
+(cd "$release" && sha256sum --quiet --check SHA256SUMS && [ "$(find . -type f | wc -l)" = $(($(wc -l <SHA256SUMS) + 1)) ])
+ok $? "its files have the SHA-256 that SHA256SUMS tells, and no file is without"
+for file in spectral spectral.1 README.md LICENSE data/scenes/room.scene data/gallery/room.png licences/mesa \
+    licences/libtiff-dev; do
+    [ -s "$release/$file" ]
+    ok $? "it holds $file"
+done
+! grep -rlE 'GPL-?[0-9]' "$release/licences" | grep -vE '/(gcc-12-base|libc6-dev|liblzma-dev|libzstd-dev)$'
+ok $? "nothing in it is under the GPL alone: the GNU libraries allow it, two others offer a choice"
+tar -tvzf "$tmp/one/build/$archive" >"$tmp/listing"
+! grep -vE '^[-d]rwxr-xr-x 0/0 |^-rw-r--r-- 0/0 ' "$tmp/listing"
+ok $? "all can read it, and its owner is nobody of this machine"
+! grep -v " $(date -u -d "$(sed -n 's/^[.]Dd //p' spectral.1)" +%Y-%m-%d) " "$tmp/listing"
+ok $? "its date is that of the manual page"
+exits 0 "its program renders its scene" "$release/spectral" render "$release/data/scenes/room.scene" \
+    --size 60x40 -o "$tmp/room.tif"
+"$SPECTRAL" render "$release/data/scenes/room.scene" --size 60x40 --renderer raster --quiet -o "$tmp/a.tif" &&
+    "$release/spectral" render --again "$tmp/a.tif" --quiet -o "$tmp/b.tif"
+ok $? "and makes a stack of $SPECTRAL again"
+
+exits 0 "install" ./build.sh install "$tmp/prefix"
+cmp -s "$SPECTRAL" "$tmp/prefix/bin/spectral" && cmp -s spectral.1 "$tmp/prefix/share/man/man1/spectral.1"
+ok $? "puts program and manual below a PREFIX of this folder"
+exits 0 "install with DESTDIR" env DESTDIR="$PWD/$tmp/staged" ./build.sh install /usr
+[ -x "$tmp/staged/usr/bin/spectral" ] && [ -s "$tmp/staged/usr/share/man/man1/spectral.1" ]
+ok $? "puts them below that"
+exits 2 "install without PREFIX is refused" ./build.sh install
+done_testing
