@@ -456,13 +456,11 @@ static bool render_scene(struct options *options, struct error *err)
     return done;
 }
 
-static bool read_record(const char *path, struct record *out, struct error *err)
+static bool read_record(const char *path, struct image *image, struct record *out,
+                        struct error *err)
 {
     const struct place nowhere = {0};
-    struct image image;
-    bool done = image_open(path, nowhere, &image, err) && record_read(&image, out, err);
-    image_close(&image);
-    return done;
+    return image_open(path, nowhere, image, err) && record_read(image, out, err);
 }
 
 /* What the record says of scene and picture, and what the command line says of all else. */
@@ -487,6 +485,7 @@ static bool recorded_options(const struct options *options, const struct record 
 
 static bool render_again(const struct options *options, struct error *err)
 {
+    struct image image = {.path = NULL};
     struct record record = {.text = NULL};
     struct options made = {.operand = NULL};
     char *named = options->output ? NULL : default_output(options->again, "-again.tif");
@@ -495,11 +494,12 @@ static bool render_again(const struct options *options, struct error *err)
                     options->operand ? "SCENE" : options->recorded[0]);
     else if (!options->output && !named)
         error_memory(err);
-    bool done = err->status == EXIT_AGREED && read_record(options->again, &record, err) &&
+    bool done = err->status == EXIT_AGREED && read_record(options->again, &image, &record, err) &&
                 recorded_options(options, &record, &made, err) &&
                 plan_and_render(&made, named ? named : options->output, &record, err);
     options_free(&made);
     record_free(&record);
+    image_close(&image);
     free(named);
     return done;
 }
@@ -511,35 +511,43 @@ static bool command_render(struct options *options, struct error *err)
 
 /* ---- info ---- */
 
-static bool print_info(const char *path, struct error *err)
+/* A file's words: a control character among them could drive the terminal. */
+static void print_fact(const char *name, const char *value)
 {
-    const struct place nowhere = {0};
-    struct image image;
-    struct record record = {.text = NULL};
-    bool done = image_open(path, nowhere, &image, err) && record_read(&image, &record, err);
-    if (done) {
-        printf("program           %s\nscene             %s\nscene SHA-256     %s\n", record.program,
-               record.scene, record.scene_sha256);
-        for (int i = 0; i < record.n_options; i++)
-            printf("option            %s\n", record.options[i]);
-        printf("renderer          %s\n", record.renderer);
-        printf("pages             %d of %d x %d pixels\n", image.n_pages, image.width,
-               image.height);
-        if (image.wavelengths_nm)
-            printf("wavelengths       %.10g to %.10g nm\n", image.wavelengths_nm[0],
-                   image.wavelengths_nm[image.n_pages - 1]);
-        printf("full scale        %s\nscale             %s\n", record.full_scale, record.scale);
-        printf("verdict           %s\n", image.verdict);
-    }
-    record_free(&record);
-    image_close(&image);
-    return done;
+    printf("%-17s ", name);
+    for (; *value; value++)
+        putchar((unsigned char)*value < ' ' || *value == 0x7f ? '?' : *value);
+    putchar('\n');
+}
+
+static void print_record(const struct image *image, const struct record *record)
+{
+    print_fact("program", record->program);
+    print_fact("scene", record->scene);
+    print_fact("scene SHA-256", record->scene_sha256);
+    for (int i = 0; i < record->n_options; i++)
+        print_fact("option", record->options[i]);
+    print_fact("renderer", record->renderer);
+    printf("pages             %d of %d x %d pixels\n", image->n_pages, image->width, image->height);
+    if (image->wavelengths_nm)
+        printf("wavelengths       %.10g to %.10g nm\n", image->wavelengths_nm[0],
+               image->wavelengths_nm[image->n_pages - 1]);
+    print_fact("full scale", record->full_scale);
+    print_fact("scale", record->scale);
+    print_fact("verdict", image->verdict);
 }
 
 static bool command_info(struct options *options, struct error *err)
 {
-    return options->operand ? print_info(options->operand, err)
-                            : error_usage(err, "info takes a STACK; try spectral --help");
+    struct image image = {.path = NULL};
+    struct record record = {.text = NULL};
+    bool done = options->operand ? read_record(options->operand, &image, &record, err)
+                                 : error_usage(err, "info takes a STACK; try spectral --help");
+    if (done)
+        print_record(&image, &record);
+    record_free(&record);
+    image_close(&image);
+    return done;
 }
 
 /* ---- list ---- */

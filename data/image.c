@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads TIFF files through libtiff, whose messages are kept for our own. Where a page
- * tells its wavelength and scale is where data/tags.c lets a stack tell them. */
+/* Reads TIFF files through libtiff, whose messages are kept for our own. Where a page tells its
+ * wavelength and scale is where data/tags.c lets a stack tell them. */
 #include "spectral.h"
 
 #include <float.h>

@@ -367,6 +367,8 @@ bool stack_compare(const struct stack_writer *writer, const char *path,
     int other;
     if (!file_open(path, nowhere, &other, &builtin, err))
         return false;
+    if (builtin != NULL)
+        return error_usage(err, "%s: is compiled in; only a file is compared", path);
     bool good = first_difference(writer->output.descriptor, other, &offset) ||
                 error_system(err, "%s: cannot be compared", path);
     close(other);
