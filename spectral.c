@@ -157,7 +157,7 @@ static const struct option known_options[] = {
     {"--json", FOR_RENDER, WORD, NULL, NULL, offsetof(struct options, json)},
     {"--again", FOR_RENDER, WORD, NULL, NULL, offsetof(struct options, again)},
     {"--no-check", FOR_RENDER | RECORDED, FLAG, NULL, NULL, offsetof(struct options, no_check)},
-    {"--strict", FOR_RENDER, FLAG, NULL, NULL, offsetof(struct options, strict)},
+    {"--strict", FOR_RENDER | RECORDED, FLAG, NULL, NULL, offsetof(struct options, strict)},
     {"--keep", FOR_RENDER, FLAG, NULL, NULL, offsetof(struct options, keep)},
     {"--quiet", FOR_RENDER, FLAG, NULL, NULL, offsetof(struct options, quiet)},
     {"--help", FOR_ALL, FLAG, NULL, NULL, offsetof(struct options, help)},
@@ -319,11 +319,12 @@ static bool write_json(const struct options *options, const struct plan *plan,
 
 /* made: how the stack was made that was made again; NULL: none was. */
 static bool report(const struct options *options, const struct plan *plan,
-                   const struct render_result *result, const char *output,
+                   const struct render_result *result, const struct render_output *output,
                    const struct record *made, struct error *err)
 {
     bool agreed = render_agreed(result);
-    const char *stored = agreed || options->keep ? output : NULL;
+    const char *wanted = output->discard ? NULL : output->path;
+    const char *stored = agreed || output->keep ? wanted : NULL;
     /* standard output may carry the JSON, or the stack itself (-o /dev/stdout) */
     bool taken =
         (options->json && strcmp(options->json, "-") == 0) || (stored && !is_regular_file(stored));
@@ -333,17 +334,17 @@ static bool report(const struct options *options, const struct plan *plan,
         report_print(plan, result, taken ? stderr : stdout);
     if (!options->quiet && stored)
         fprintf(taken ? stderr : stdout, "stack             %s\n", stored);
-    if (!options->quiet && stored && made && agreed)
-        fprintf(taken ? stderr : stdout, "again             the same bytes as %s\n",
-                options->again);
+    if (!options->quiet && result->difference.compared)
+        fprintf(taken ? stderr : stdout, "again             %s bytes as %s\n",
+                result->difference.found ? "not the same" : "the same", output->again);
     if (agreed)
         return true;
-    const char *then = !output         ? "nothing was to be written"
-                       : options->keep ? "the stack was kept"
-                                       : "no stack was written (--keep stores it all the same)";
+    const char *then = !wanted        ? "nothing was to be written"
+                       : output->keep ? "the stack was kept"
+                                      : "no stack was written (--keep stores it all the same)";
     return result->check.unexplained > 0
                ? report_difference(plan, &result->check, then, err)
-               : report_not_again(plan, result, options->again, made, then, err);
+               : report_not_again(plan, result, output->again, made, then, err);
 }
 
 /* Finds a report that cannot be written before the picture is drawn, not after. */
@@ -357,17 +358,15 @@ static bool can_report(const struct options *options, struct error *err)
 }
 
 static bool render_planned(const struct options *options, const struct plan *plan,
-                           const struct render_seconds *before, const char *output,
+                           const struct render_seconds *before, const struct render_output *output,
                            const struct record *made, struct error *err)
 {
     struct progress_line line = {.start = render_clock()};
     struct render_progress progress = {NULL, &line};
-    struct render_output wanted = {
-        .path = output, .again = made ? options->again : NULL, .keep = options->keep};
     struct render_result result;
     if (!options->quiet && isatty(STDERR_FILENO))
         progress.step = show_progress;
-    if (!render(plan, &wanted, &progress, &result, err))
+    if (!render(plan, output, &progress, &result, err))
         return false;
     result.seconds.read += before->read;
     result.seconds.plan = before->plan;
@@ -387,10 +386,13 @@ static bool same_scene(const struct scene *scene, const char *stack, const struc
 }
 
 /* What a program without OpenGL lacks is said before anything is read. */
-static bool check_gl(const struct options *options, struct error *err)
+static bool check_gl(const struct options *options, const char *again, struct error *err)
 {
     if (gl_is_built())
         return true;
+    if (!options->plan.store_raster && again)
+        return error_usage(err, "%s holds OpenGL's pixels, and this program was built without",
+                           again);
     if (!options->plan.store_raster)
         return error_usage(err, "this program was built without OpenGL; it renders with "
                                 "--renderer raster");
@@ -409,7 +411,7 @@ static struct plan_options plan_of(const struct options *options)
     return plan;
 }
 
-static bool plan_and_render(const struct options *options, const char *output,
+static bool plan_and_render(const struct options *options, const struct render_output *output,
                             const struct record *made, struct error *err)
 {
     struct scene scene = {.path = NULL};
@@ -417,8 +419,8 @@ static bool plan_and_render(const struct options *options, const char *output,
     struct plan_options plan_options = plan_of(options);
     struct render_seconds seconds = {.read = 0};
     double start = render_clock();
-    bool done = check_gl(options, err) && read_scene(options, &scene, err) &&
-                (!made || same_scene(&scene, options->again, made, err));
+    bool done = check_gl(options, output->again, err) && read_scene(options, &scene, err) &&
+                (!made || same_scene(&scene, output->again, made, err));
     seconds.read = render_clock() - start;
     done = done && plan_make(&scene, &plan_options, &plan, err);
     seconds.plan = render_clock() - start - seconds.read;
@@ -429,12 +431,13 @@ static bool plan_and_render(const struct options *options, const char *output,
     return done;
 }
 
-/* The reference's stack is the same whether it was checked or not: that is not recorded. */
+/* The reference's stack is the same, however it was checked: that is not recorded. */
 static void forget_check(struct options *options)
 {
     int n = 0;
     for (int i = 0; i < options->n_recorded; i++)
-        if (strcmp(options->recorded[i], "--no-check") == 0)
+        if (strcmp(options->recorded[i], "--no-check") == 0 ||
+            strcmp(options->recorded[i], "--strict") == 0)
             free(options->recorded[i]);
         else
             options->recorded[n++] = options->recorded[i];
@@ -450,8 +453,9 @@ static bool render_scene(struct options *options, struct error *err)
         return error_memory(err);
     if (options->plan.store_raster)
         forget_check(options);
-    bool done =
-        plan_and_render(options, strcmp(output, "/dev/null") == 0 ? NULL : output, NULL, err);
+    struct render_output wanted = {.path = strcmp(output, "/dev/null") == 0 ? NULL : output,
+                                   .keep = options->keep};
+    bool done = plan_and_render(options, &wanted, NULL, err);
     free(named);
     return done;
 }
@@ -472,31 +476,67 @@ static bool recorded_options(const struct options *options, const struct record 
         words[2 + i] = record->options[i];
     if (!parse_options(2 + record->n_options, words, RECORDED, out, err))
         return false;
+    if (out->operand)
+        return error_usage(err, "%s records '%s', which is no option", options->again,
+                           out->operand);
     out->operand = record->scene;
-    out->output = options->output;
     out->json = options->json;
-    out->again = options->again;
     out->plan.threads = options->plan.threads;
-    out->strict = options->strict;
-    out->keep = options->keep;
     out->quiet = options->quiet;
+    if (!out->plan.store_raster)
+        return !(options->no_check || options->strict) ||
+               error_usage(err,
+                           "%s holds OpenGL's pixels: it tells itself whether they are "
+                           "checked, --again takes no %s",
+                           options->again, options->no_check ? "--no-check" : "--strict");
+    out->no_check = options->no_check;
+    out->strict = options->strict;
     return true;
 }
 
-static bool render_again(const struct options *options, struct error *err)
+/* What is known before anything is drawn. */
+static bool can_be_same(const struct record *record, const struct render_output *output,
+                        struct error *err)
+{
+    char builtin[256];
+    const char *scene = record->scene;
+    if (strcmp(record->program, PROGRAM) != 0 && !output->keep) {
+        error_usage(err,
+                    "%s was made by %.80s, this is " PROGRAM ", which tells so in its stacks "
+                    "(--keep stores one all the same)",
+                    output->again, record->program);
+        err->status = EXIT_DIFFERENT;
+        return false;
+    }
+    return builtin_path("scenes/", scene, ".scene", builtin, sizeof builtin) ||
+           strncmp(scene, "builtin:", 8) == 0 || access(scene, F_OK) == 0 ||
+           error_usage(err,
+                       "%s: its scene '%.500s' is not there; names are relative to the folder "
+                       "where it was made",
+                       output->again, scene);
+}
+
+/* -o /dev/null: the stack is laid out under its default name, compared, and not kept. */
+static bool render_again(struct options *options, struct error *err)
 {
     struct image image = {.path = NULL};
     struct record record = {.text = NULL};
     struct options made = {.operand = NULL};
-    char *named = options->output ? NULL : default_output(options->again, "-again.tif");
+    bool discard = options->output && strcmp(options->output, "/dev/null") == 0;
+    char *named = default_output(options->again, "-again.tif");
+    struct render_output wanted = {.path = options->output && !discard ? options->output : named,
+                                   .again = options->again,
+                                   .keep = options->keep,
+                                   .discard = discard};
+    forget_check(options);
     if (options->operand || options->n_recorded > 0)
         error_usage(err, "--again takes no %s: the stack tells it",
                     options->operand ? "SCENE" : options->recorded[0]);
-    else if (!options->output && !named)
+    else if (!named)
         error_memory(err);
     bool done = err->status == EXIT_AGREED && read_record(options->again, &image, &record, err) &&
                 recorded_options(options, &record, &made, err) &&
-                plan_and_render(&made, named ? named : options->output, &record, err);
+                can_be_same(&record, &wanted, err) && plan_and_render(&made, &wanted, &record, err);
     options_free(&made);
     record_free(&record);
     image_close(&image);

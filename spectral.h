@@ -19,7 +19,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#define SPECTRAL_VERSION "0.1.0"
+#define SPECTRAL_VERSION "0.2.0"
 #define PROGRAM "spectral " SPECTRAL_VERSION
 
 #if defined(__GNUC__)
@@ -172,6 +172,9 @@ bool text_number(struct text *text, const char *what, double lowest, double high
                  struct error *err);
 bool text_integer(struct text *text, const char *what, long lowest, long highest, long *out,
                   struct error *err);
+
+/* The bytes of the UTF-8 character at `at`, which ends before a NUL; 0: there is none. */
+int utf8_length(const unsigned char *at);
 
 /* ---- data/elementary.c: functions that are the same to the last bit everywhere ---- */
 
@@ -529,7 +532,8 @@ struct record {
     const char *full_scale, *scale;
     char *text; /* owned */
 };
-/* Lines "KEY: VALUE", allocated; control characters in a value become '?'. NULL: no memory. */
+/* Lines "KEY: VALUE", allocated; NULL: no memory. In values, control characters, what is no UTF-8
+ * and '%' become %XX, as in a URL. */
 char *record_text(const struct record *record);
 /* Reads the record in the description of a stack's first page; an image without one is refused as
  * no stack of this program. */
@@ -566,7 +570,7 @@ enum { STACK_VERDICT = 512, TAG_VERDICT = 65111 };
 bool stack_finish(struct stack_writer *writer, const char *verdict, struct error *err);
 /* The first byte in which a finished stack and a file are not the same. */
 struct stack_difference {
-    bool found;
+    bool compared, found;
     int page, x, y; /* page -1: outside the pages */
 };
 bool stack_compare(const struct stack_writer *writer, const char *path,
@@ -972,13 +976,14 @@ struct render_result {
     struct light_work light;
     struct check_tally check;
     struct odd_samples odd;
-    struct stack_difference again; /* from the stack that was to be made again */
+    struct stack_difference difference; /* from the stack that was to be made again */
     struct render_seconds seconds;
 };
 struct render_output {
     const char *path;  /* of the stack; NULL: none is written */
     const char *again; /* the stack that it shall be the same as, to the last byte; NULL: none */
     bool keep;         /* also what failed its check, or is not the same, is stored */
+    bool discard;      /* nothing is stored: the stack is only compared with the other */
 };
 /* Called between passes with done of all steps. */
 struct render_progress {

@@ -112,9 +112,6 @@ static bool samples_read(const struct image *image, int page, struct layout *out
         planar == PLANARCONFIG_CONTIG &&
         TIFFSetField(tiff, TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB))
         photometric = PHOTOMETRIC_RGB;
-    if (!TIFFIsCODECConfigured(compression))
-        return refuse(image, page, err, "its compression (%d) is none that this libtiff can read",
-                      compression);
     out->inverted = photometric == PHOTOMETRIC_MINISWHITE;
     out->n_colours = photometric == PHOTOMETRIC_RGB ? 3 : 1;
     out->n_planes = planar == PLANARCONFIG_SEPARATE ? out->n_colours : 1;
@@ -144,7 +141,7 @@ static bool samples_read(const struct image *image, int page, struct layout *out
 static bool layout_read(const struct image *image, int page, struct layout *out, struct error *err)
 {
     TIFF *tiff = image->file->tiff;
-    uint16_t orientation = ORIENTATION_TOPLEFT;
+    uint16_t orientation = ORIENTATION_TOPLEFT, compression = 0;
     uint32_t depth = 1;
     *out = (struct layout){0};
     TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &out->width);
@@ -157,6 +154,10 @@ static bool layout_read(const struct image *image, int page, struct layout *out,
     if (orientation != ORIENTATION_TOPLEFT)
         return refuse(image, page, err, "its orientation is %d, not 1 (the top row first)",
                       orientation);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
+    if (!TIFFIsCODECConfigured(compression))
+        return refuse(image, page, err, "its compression (%d) is none that this libtiff can read",
+                      compression);
     return samples_read(image, page, out, err) && blocks_read(image, page, out, err);
 }
 
@@ -216,6 +217,7 @@ static bool scale_read(struct image *image, int page, const struct layout *layou
                        struct error *err)
 {
     const char *gdal = private_text(image->file->tiff, TIFFTAG_GDAL_METADATA);
+    const char *own = strstr(image->description, "<Description>"); /* names come before it */
     const double count_scale = number_after(gdal, "role=\"scale\"", ">", 1 / layout->largest);
     if (layout->bits == 32)
         return true;
@@ -224,7 +226,7 @@ static bool scale_read(struct image *image, int page, const struct layout *layou
     if (page == 0) {
         image->file->count_scale = count_scale;
         image->scale =
-            number_after(image->description, "full_scale:", " ",
+            number_after(own != NULL ? own : image->description, "full_scale:", " ",
                          count_scale == 1 / layout->largest ? 1 : count_scale * layout->largest);
     }
     return (image->scale > 0 && image->scale <= DBL_MAX &&

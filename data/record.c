@@ -3,6 +3,7 @@
  * its first page, behind those of its scale. */
 #include "spectral.h"
 
+#include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,9 +11,17 @@
 
 static void put_line(FILE *stream, const char *key, const char *value)
 {
+    const unsigned char *at = (const unsigned char *)value;
     fprintf(stream, "%s: ", key);
-    for (; *value != '\0'; value++)
-        putc((unsigned char)*value < ' ' || *value == 0x7f ? '?' : *value, stream);
+    while (*at != '\0') {
+        const int length = utf8_length(at);
+        if (length == 0 || *at < ' ' || *at == 0x7f || *at == '%')
+            fprintf(stream, "%%%02X", *at++);
+        else {
+            fwrite(at, 1, (size_t)length, stream);
+            at += length;
+        }
+    }
     putc('\n', stream);
 }
 
@@ -73,6 +82,22 @@ static char *description_text(const char *xml)
     return text;
 }
 
+/* Each %XX becomes its byte. In place. */
+static void decode(char *text)
+{
+    char *to = text;
+    for (const char *from = text; *from != '\0'; to++) {
+        unsigned byte;
+        if (*from == '%' && isxdigit((unsigned char)from[1]) && isxdigit((unsigned char)from[2]) &&
+            sscanf(from + 1, "%2x", &byte) == 1) {
+            *to = (char)byte;
+            from += 3;
+        } else
+            *to = *from++;
+    }
+    *to = '\0';
+}
+
 /* False where there are too many options. Keys that are not known belong to others. */
 static bool keep_line(struct record *record, const char *key, char *value)
 {
@@ -104,6 +129,7 @@ static bool keep_lines(struct record *record)
         if (colon == NULL || colon >= next)
             continue;
         *colon = '\0';
+        decode(colon + 2);
         good = keep_line(record, line, colon + 2);
     }
     return good && record->program != NULL && record->scene != NULL &&
@@ -118,8 +144,8 @@ bool record_read(const struct image *image, struct record *out, struct error *er
         return true;
     record_free(out);
     return error_usage(err,
-                       "%s: does not tell how it was made; only stacks of spectral render of this"
-                       " version or later do",
+                       "%s: does not tell how it was made; only stacks of spectral 0.2.0 or later"
+                       " do",
                        image->path);
 }
 

@@ -372,7 +372,8 @@ bool stack_compare(const struct stack_writer *writer, const char *path,
     bool good = first_difference(writer->output.descriptor, other, &offset) ||
                 error_system(err, "%s: cannot be compared", path);
     close(other);
-    *out = (struct stack_difference){.found = good && offset != UINT64_MAX, .page = -1};
+    *out = (struct stack_difference){
+        .compared = good, .found = good && offset != UINT64_MAX, .page = -1};
     for (int page = 0; out->found && page < options->n_wavelengths; page++)
         if (offset >= writer->page_offset[page] &&
             offset - writer->page_offset[page] < page_bytes(options)) {

@@ -49,20 +49,6 @@ static void scale_lines(const struct stack_options *options, char text[TEXT_SIZE
              options->floating ? "sample" : "count x full_scale / 65535");
 }
 
-/* The bytes of the UTF-8 character at `at`, or 0 where there is none (Unicode, table 3-7). */
-static int utf8_length(const unsigned char *at)
-{
-    int length = at[0] < 0x80 ? 1 : 2 + (at[0] >= 0xe0) + (at[0] >= 0xf0);
-    if ((at[0] >= 0x80 && at[0] < 0xc2) || at[0] > 0xf4 || (at[0] == 0xe0 && at[1] < 0xa0) ||
-        (at[0] == 0xed && at[1] > 0x9f) || (at[0] == 0xf0 && at[1] < 0x90) ||
-        (at[0] == 0xf4 && at[1] > 0x8f))
-        return 0;
-    for (int i = 1; i < length; i++)
-        if ((at[i] & 0xc0) != 0x80)
-            return 0;
-    return length;
-}
-
 /* What XML cannot hold (control characters, bytes that are no UTF-8) becomes '?'. No text: none. */
 static void put_escaped(FILE *stream, const char *text)
 {

@@ -300,7 +300,7 @@ static bool prepare(struct render_state *state, struct error *err)
 
 bool render_agreed(const struct render_result *result)
 {
-    return result->check.unexplained == 0 && !result->again.found;
+    return result->check.unexplained == 0 && !result->difference.found;
 }
 
 static bool commit(struct render_state *state, const struct render_output *output,
@@ -309,7 +309,8 @@ static bool commit(struct render_state *state, const struct render_output *outpu
     struct render_result *result = state->result;
     char verdict[STACK_VERDICT];
     double since = render_clock();
-    if (!state->writing || !(output->keep || render_agreed(result)))
+    bool compared = output->again && result->odd.undefined == 0;
+    if (!state->writing || !(output->keep || compared || render_agreed(result)))
         return true;
     if (result->odd.undefined > 0) {
         errno = 0;
@@ -321,8 +322,9 @@ static bool commit(struct render_state *state, const struct render_output *outpu
     report_verdict(state->plan, &result->check, verdict, sizeof verdict);
     bool done =
         stack_finish(&state->writer, verdict, err) &&
-        (!output->again || stack_compare(&state->writer, output->again, &result->again, err)) &&
-        (!(output->keep || render_agreed(result)) || stack_commit(&state->writer, err));
+        (!output->again || stack_compare(&state->writer, output->again, &result->difference, err));
+    if (done && !output->discard && (output->keep || render_agreed(result)))
+        done = stack_commit(&state->writer, err);
     clock_in(&result->seconds.write, &since);
     return done;
 }

@@ -174,7 +174,7 @@ bool report_difference(const struct plan *plan, const struct check_tally *tally,
 bool report_not_again(const struct plan *plan, const struct render_result *result, const char *path,
                       const struct record *made, const char *then, struct error *err)
 {
-    const struct stack_difference *first = &result->again;
+    const struct stack_difference *first = &result->difference;
     const char *renderer = render_stored(plan, result);
     static const char changed[] = "it, or a file that the scene names, has changed";
     char what[256];
@@ -380,6 +380,22 @@ static void json_check(struct json *json, const struct plan *plan, const struct 
     json_close(json, '}');
 }
 
+static void json_again(struct json *json, const struct stack_difference *difference)
+{
+    if (!difference->compared) {
+        json_string(json, "again", NULL);
+        return;
+    }
+    json_open(json, "again", '{');
+    json_truth(json, "same", !difference->found);
+    if (difference->found && difference->page >= 0) {
+        json_count(json, "page", (uint64_t)difference->page + 1);
+        json_count(json, "x", (uint64_t)difference->x);
+        json_count(json, "y", (uint64_t)difference->y);
+    }
+    json_close(json, '}');
+}
+
 static void json_seconds(struct json *json, const struct render_seconds *seconds)
 {
     json_open(json, "seconds", '{');
@@ -405,6 +421,7 @@ char *report_json(const struct plan *plan, const struct render_result *result, c
         json_check(&json, plan, &result->check);
     else
         json_string(&json, "check", NULL);
+    json_again(&json, &result->difference);
     json_count(&json, "clipped_samples", result->odd.clipped);
     json_seconds(&json, &result->seconds);
     json_count(&json, "peak_bytes", peak_bytes);

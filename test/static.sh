@@ -28,7 +28,7 @@ lacks ' [RW ]WE ' "nothing is writable and executable"
 ok $? "it has 20 MB at most"
 run strings -a "$STATIC"
 lacks '/(root|home|tmp|work|build)/' "it names no folder of whoever built it"
-! grep -Fq -e "$PWD" -e "${XDG_CACHE_HOME:-$HOME/.cache}" "$tmp/out"
+! grep -Fq -e "$PWD/" -e "${XDG_CACHE_HOME:-$HOME/.cache}/" "$tmp/out"
 ok $? "nor this folder, nor the cache"
 
 # The program before it was stripped tells which function is which: ours, and Mesa's.

@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: MIT */
+/* A record that was written reads back as it was, whatever bytes its names have, through the file's
+ * own XML; and one that was forged does no harm. */
+#include "spectral.h"
+#include "test.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+/* Bytes that XML, lines or UTF-8 give a meaning, and one that is no UTF-8. */
+static char strange[] = "--light=1=a <b>&amp;\"c\"\n%41 \t\x7f\xff\xc3\xa4: d";
+
+/* A stack of one pixel that was made so; the image is left open. */
+static bool written(const char *path, const struct record *record, struct image *image,
+                    struct error *err)
+{
+    const struct place nowhere = {0};
+    const uint16_t count = 1;
+    char *text = record_text(record);
+    struct stack_writer writer;
+    struct stack_options options = {.width = 1,
+                                    .height = 1,
+                                    .n_wavelengths = 1,
+                                    .wavelengths_nm = (const double[]){500},
+                                    .full_scale = 2.5,
+                                    .scene = "full_scale: 50 of a name",
+                                    .provenance = text};
+    bool done = text && stack_open(&writer, path, &options, err) &&
+                stack_write(&writer, 0, 0, 0, 1, 1, &count, err) &&
+                stack_finish(&writer, "a verdict", err) && stack_commit(&writer, err) &&
+                image_open(path, nowhere, image, err);
+    free(text);
+    return done;
+}
+
+static void check_round_trip(const char *path)
+{
+    struct record made = {.program = "spectral 1 & 2", .scene = strange, .scene_sha256 = "01ab"};
+    struct record read;
+    struct image image;
+    struct error err = {0};
+    made.renderer = "<none>";
+    made.n_options = MAX_RECORD_OPTIONS;
+    for (int i = 0; i < MAX_RECORD_OPTIONS; i++)
+        made.options[i] = strange;
+    if (!CHECK(written(path, &made, &image, &err) && record_read(&image, &read, &err),
+               "a record is written and read %s", err.text))
+        return;
+    CHECK_TEXT(read.program, made.program, "the program");
+    CHECK_TEXT(read.scene, strange, "a scene of strange bytes");
+    CHECK_TEXT(read.scene_sha256, made.scene_sha256, "its SHA-256");
+    CHECK_TEXT(read.renderer, made.renderer, "the renderer");
+    CHECK_TEXT(read.full_scale, "2.5", "the full scale");
+    CHECK(read.n_options == MAX_RECORD_OPTIONS, "all options: %d", read.n_options);
+    CHECK_TEXT(read.options[MAX_RECORD_OPTIONS - 1], strange, "the last as the first");
+    CHECK_TEXT(image.verdict, "a verdict", "the verdict, without blanks");
+    CHECK_NEAR(image.scale, 2.5, 0, "no name is taken for the scale");
+    record_free(&read);
+    record_free(&read);
+    image_close(&image);
+}
+
+static void check_refused(const char *description, const char *what)
+{
+    struct image image = {.path = (char[]){"forged.tif"}};
+    struct record record;
+    struct error err = {0};
+    char *copy = strdup(description);
+    image.description = copy;
+    CHECK(!record_read(&image, &record, &err) && err.status == EXIT_INPUT &&
+              strstr(err.text, "forged.tif: does not tell how it was made") && !record.text,
+          "%s is refused", what);
+    free(copy);
+}
+
+static void check_refusals(void)
+{
+    static const char whole[] = "<Description>full_scale: 1\nscale: x\nprogram: p\nscene: s\n"
+                                "scene_sha256: 0\nrenderer: r\n";
+    char text[4096];
+    struct image image = {.path = (char[]){"whole.tif"}, .description = text};
+    struct record record;
+    struct error err = {0};
+    snprintf(text, sizeof text, "%sno key\noption: --a\n</Description>", whole);
+    CHECK(record_read(&image, &record, &err) && record.n_options == 1,
+          "other lines are left alone %s", err.text);
+    record_free(&record);
+    check_refused("", "nothing");
+    check_refused(whole, "a description without end");
+    snprintf(text, sizeof text, "%s</Description>", whole + strlen("<Description>"));
+    check_refused(text, "one without beginning");
+    check_refused("<Description>program: p\nscene: s\n</Description>", "half a record");
+    snprintf(text, sizeof text, "%s", whole);
+    for (int i = 0; i <= MAX_RECORD_OPTIONS; i++)
+        strcat(text, "option: --a\n");
+    strcat(text, "</Description>");
+    check_refused(text, "one option too many");
+}
+
+int main(void)
+{
+    char path[256];
+    snprintf(path, sizeof path, "%s/record.tif", test_folder());
+    check_round_trip(path);
+    check_refusals();
+    unlink(path);
+    return test_end();
+}
