@@ -1,8 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# What it makes lies under $BUILD (build); the program is $BUILD/spectral. From the environment come
-# also CC, CFLAGS, and GL: osmesa, or none for a program without OpenGL. On Debian, what is missing is
-# installed when run as root. Libraries that are built here are kept in $XDG_CACHE_HOME/spectral.
+# What it makes lies under $BUILD (build; relative to this folder); the program is $BUILD/spectral. From
+# the environment come also CC, CFLAGS, and GL: osmesa, or none for a program without OpenGL. On Debian,
+# what is missing is installed when run as root. Libraries that are built here are kept in
+# $XDG_CACHE_HOME/spectral (~/.cache/spectral).
 # Lists are split into words on purpose.
 # shellcheck disable=SC2046,SC2086,SC2089,SC2090
 set -eu
@@ -15,11 +16,16 @@ CC=${CC:-gcc}
 CFLAGS=${CFLAGS:--O3}
 GL=${GL:-osmesa}
 BUILD=${BUILD:-build}
-cache=${XDG_CACHE_HOME:-${HOME:-/var/tmp}/.cache}/spectral
-# No floating-point traps are taken and no errno is read after sqrt: both let loops be done several
-# samples at once and change no result (no -ffast-math, no -march=native, no contraction).
-language="-std=c99 -D_XOPEN_SOURCE=700 -D_FILE_OFFSET_BITS=64 -ffp-contract=off -fno-trapping-math
-  -fno-math-errno -I."
+case ${XDG_CACHE_HOME:-} in # as the XDG base directory specification has it
+/*) cache=$XDG_CACHE_HOME/spectral ;;
+*) cache=${HOME:-$PWD/$BUILD}/.cache/spectral ;;
+esac
+# These come after $CFLAGS, which may ask for arithmetic that changes pictures. No floating-point traps
+# are taken and no errno is read after sqrt: both let loops be done several samples at once and change
+# no result.
+language='-std=c99 -D_XOPEN_SOURCE=700 -D_FILE_OFFSET_BITS=64 -I. -fno-associative-math
+  -fno-reciprocal-math -fsigned-zeros -fno-finite-math-only -ffp-contract=off -fno-trapping-math
+  -fno-math-errno'
 warnings='-pedantic -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes
   -Wmissing-prototypes -Wundef -Wvla -Wcast-qual -Wwrite-strings'
 hardening='-fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2'
@@ -56,6 +62,11 @@ need() {
 install_packages() {
     apt-get update
     DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends "$@"
+}
+
+# versions PACKAGE... tells those that are installed.
+versions() {
+    [ $# = 0 ] || ! command -v dpkg-query >/dev/null || dpkg-query -W "$@"
 }
 
 # logged NAME COMMAND... writes to $BUILD/NAME.log, whose end is shown if the command fails.
@@ -102,20 +113,21 @@ debian_source() {
 # folder `library` of its own, beside Debian's `source`, when all of it succeeds.
 cached() {
     library=$cache/$1-$3-$(echo "$4" | sha256sum | cut -c 1-16)
+    case $library in *[[:space:]]*) refuse "build.sh: blanks in $cache; set XDG_CACHE_HOME to another folder" ;; esac
     [ ! -d "$library" ] || return 0
     echo "building $1 $3 (minutes, but only once)"
-    mkdir -p "$cache"
     logged "$1" make_cached "$@"
 }
 
 make_cached() {
+    mkdir -p "$cache"
     work=$(mktemp -d "$cache/new.XXXXXX")
     trap 'rm -rf "$work"' EXIT
     trap 'exit 3' HUP INT TERM
     debian_source "$2" "$3" "$work"
     cd "$work"
     "make_$1"
-    mv "$work/library" "$library"
+    mv -T "$work/library" "$library" || [ -d "$library" ] # another build was faster
 }
 
 . raster/osmesa.sh
@@ -191,6 +203,7 @@ find_libraries() {
 # accelerators by dlopen is OpenMP's, and never called. Neither is libjbig, which reads pictures of 1
 # bit a pixel, and would put the program under the GPL.
 find_static_libraries() {
+    [ "$GL" = osmesa ] || refuse "build.sh: the static program has an OSMesa of its own; GL=$GL is for the plain build"
     need g++ libc6-dev $static_packages
     find_osmesa
     CFLAGS="$CFLAGS $hardening -ffunction-sections -fdata-sections -isystem $osmesa/include
@@ -211,6 +224,9 @@ find_openmp() {
 }
 
 prepare() {
+    case $CFLAGS in
+    *-Ofast* | *-ffast-math* | *-funsafe-math*) refuse "build.sh: $CFLAGS changes pictures; -O3 does not" ;;
+    esac
     mkdir -p "$BUILD"
     need $(compiler_packages)
     builtin_files >"$BUILD/builtin.new"
@@ -221,18 +237,21 @@ prepare() {
 program() {
     output=$1
     shift
-    $CC $language $warnings $openmp $CFLAGS "$@" -o "$output.new" $libraries
+    $CC $warnings $CFLAGS $language $openmp "$@" -o "$output.new" $libraries
     mv "$output.new" "$output"
 }
 
-# fresh_program OUTPUT makes it of all sources, unless it is there already.
+# fresh_program OUTPUT PACKAGE... makes it of all sources, unless it is there already; the packages are
+# those that become part of it.
 fresh_program() {
-    made_with="$CC $CFLAGS $libraries"
-    if [ ! -x "$1" ] || [ "$(cat "$1.made-with" 2>/dev/null)" != "$made_with" ] ||
-        [ -n "$(find spectral.[ch] data raster build.sh "$BUILD/builtin.c" -newer "$1")" ]; then
-        echo "building ${1%.symbols} with $CC"
-        program "$1" $sources "$BUILD/builtin.c"
-        echo "$made_with" >"$1.made-with"
+    output=$1
+    shift
+    made_with="$CC $CFLAGS $libraries $(versions "$@")"
+    if [ ! -x "$output" ] || [ "$(cat "$output.made-with" 2>/dev/null)" != "$made_with" ] ||
+        [ -n "$(find spectral.[ch] data raster build.sh "$BUILD/builtin.c" -newer "$output")" ]; then
+        echo "building ${output%.symbols} with $CC"
+        program "$output" $sources "$BUILD/builtin.c"
+        echo "$made_with" >"$output.made-with"
     fi
 }
 
@@ -248,24 +267,27 @@ static_program() (
     prepare
     find_static_libraries
     find_openmp
-    fresh_program "$BUILD/spectral-static.symbols"
+    fresh_program "$BUILD/spectral-static.symbols" libc6-dev $static_packages
     strip -o "$BUILD/spectral-static.new" "$BUILD/spectral-static.symbols"
     mv "$BUILD/spectral-static.new" "$BUILD/spectral-static"
 )
 
 # ---- a release ----
 
-# Copyrights of what the static program holds, beside its own and Mesa's.
+# What the static program holds, beside this project's own: which versions, and their copyrights.
 licences() {
-    mkdir "$1"
-    cp "$osmesa/copyright" "$1/mesa"
-    for package in libtiff-dev libwebp-dev libzstd-dev liblzma-dev liblerc-dev libjpeg62-turbo-dev \
-        libdeflate-dev zlib1g-dev libc6-dev gcc-12-base; do
-        cp -L "/usr/share/doc/$package/copyright" "$1/$package"
+    folder=$1
+    mkdir "$folder"
+    cp "$osmesa/copyright" "$folder/mesa"
+    set -- libtiff-dev libwebp-dev libzstd-dev liblzma-dev liblerc-dev libjpeg62-turbo-dev libdeflate-dev \
+        zlib1g-dev libc6-dev libgcc-12-dev libstdc++-12-dev
+    { echo "mesa $osmesa_version"; versions "$@"; } >"$folder/VERSIONS"
+    for package; do
+        cp -L "/usr/share/doc/$package/copyright" "$folder/$package"
     done
 }
 
-# The same bytes wherever and whenever it is made: its date is that of the manual page.
+# The same bytes wherever it is made of the same versions: its date is that of the manual page.
 dist() {
     static_program
     find_osmesa
@@ -289,10 +311,8 @@ dist() {
 
 # A relative PREFIX is one of the folder that this was called from.
 install_program() {
-    case ${DESTDIR:-}$1 in
-    /*) target=${DESTDIR:-}$1 ;;
-    *) target=$called_from/${DESTDIR:-}$1 ;;
-    esac
+    target=${DESTDIR:+$DESTDIR/}$1
+    case $target in /*) ;; *) target=$called_from/$target ;; esac
     install -D -m 755 "$BUILD/spectral" "$target/bin/spectral"
     install -D -m 644 spectral.1 "$target/share/man/man1/spectral.1"
 }
@@ -307,14 +327,14 @@ build_tests() {
     warnings="$warnings -Werror"
     echo "building the tests"
     for source in $sources "$BUILD/builtin.c"; do
-        $CC $language $warnings $openmp -O2 -c "$source" -o "$BUILD/test/$(basename "$source").o"
+        $CC $warnings -O2 $language $openmp -c "$source" -o "$BUILD/test/$(basename "$source").o"
     done
     rm -f "$BUILD/test/spectral.c.o" "$BUILD/test/library.a"
     ar rcs "$BUILD/test/library.a" "$BUILD"/test/*.o
     for source in test/test_*.c test/bench.c; do
         CFLAGS='-O1 -Itest' program "$BUILD/test/$(basename "$source" .c)" "$source" "$BUILD/test/library.a"
     done
-    $CC $language $warnings -O1 -shared -fPIC test/fault.c -o "$BUILD/test/fault.so" -ldl
+    $CC $warnings -O1 $language -shared -fPIC test/fault.c -o "$BUILD/test/fault.so" -ldl
     # a program with a fault of its own: all bounds on colours are a thousand times too wide
     sed "$mutation" raster/counts.c >"$BUILD/test/mutant.c"
     CFLAGS='-O1 -Iraster' program "$BUILD/test/spectral-mutant" spectral.c "$BUILD/test/mutant.c" \

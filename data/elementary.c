@@ -227,8 +227,6 @@ static void series(double head, double tail, double *sine, double *cosine)
     }
     *cosine = 1 - (square / 2 * even + rest * x);
     *sine = x + (rest * *cosine - x * square / 6 * odd);
-    if (head == 1) /* 45 degrees: sqrt(1/2), rounded correctly */
-        *sine = *cosine = 0x1.6a09e667f3bcdp-1;
 }
 
 /* Turns by so many quarters after mirroring. 0 - 0 is +0: no negative zeros. */

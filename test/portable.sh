@@ -2,23 +2,29 @@
 # SPDX-License-Identifier: MIT
 # The reference's stacks are the same to the last byte, whatever compiler and C library made the
 # program, for whatever processor, with OpenGL or without, however many threads it has, and whether
-# the picture is checked. test/golden.sha256 says which bytes: of all built-in scenes, small and at
-# their own size. FULL=1 renders the latter by all programs, too.
+# the picture is checked. test/golden.sha256 says which bytes: of all built-in scenes, small in counts
+# and in radiances, and at their own size. FULL=1 renders the latter by all programs, too.
 # $STATIC is the static program with OpenGL.
 #     test/portable.sh renew      writes test/golden.sha256 anew, by $SPECTRAL
+# Lists are split into words on purpose.
+# shellcheck disable=SC2086
 . test/tap.sh
 STATIC=${STATIC:-build/spectral-static}
 builds=${BUILD:-build}/portable
 golden=test/golden.sha256
 small=120x80
-# compiler, optimisation, OpenGL
-matrix='gcc -O0 none  gcc -O2 none  gcc -O3 none  clang -O2 osmesa  musl-gcc -O2 none
-    aarch64-linux-gnu-gcc -O2 none'
+# compiler, option, OpenGL; -freciprocal-math would change pictures, and is not granted
+matrix='gcc -O0 none  gcc -O2 none  gcc -O3 none  gcc -freciprocal-math none
+    clang -O2 osmesa  musl-gcc -O2 none  aarch64-linux-gnu-gcc -O2 none'
 scenes=$("$SPECTRAL" list scenes | sed -n 's/^  //p')
 check=--no-check
 
-stack_name() { # SCENE SIZE; no size: its own
-    echo "$1${2:+-$2}.tif"
+# stacks SIZE: a line each of name, scene and options; small ones in counts and in radiances
+stacks() {
+    for scene in $scenes; do
+        echo "$scene${1:+-$1}.tif $scene ${1:+--size=$1}"
+        [ -z "$1" ] || echo "$scene-$1-32f.tif $scene --size=$1 --depth=32f"
+    done
 }
 
 # hashes SIZE THREADS PROGRAM... prints the lines of sha256sum.
@@ -26,17 +32,16 @@ hashes() {
     size=$1
     threads=$2
     shift 2
-    for scene in $scenes; do
-        stack=$(stack_name "$scene" "$size")
-        "$@" render "$scene" ${size:+"--size=$size"} --renderer raster $check --threads "$threads" \
-            --quiet -o "$tmp/$stack" && (cd "$tmp" && sha256sum "$stack")
+    stacks "$size" | while read -r stack scene options; do
+        "$@" render "$scene" $options --renderer raster $check --threads "$threads" --quiet -o "$tmp/$stack" &&
+            (cd "$tmp" && sha256sum "$stack")
         rm -f "$tmp/$stack"
     done
 }
 
 golden_hashes() { # SIZE
-    for scene in $scenes; do
-        grep -F "  $(stack_name "$scene" "$1")" "$golden"
+    stacks "$1" | while read -r stack _; do
+        grep -F "  $stack" "$golden"
     done
 }
 
@@ -69,15 +74,17 @@ if [ "${1:-}" = renew ]; then
     exec mv "$tmp/golden" "$golden"
 fi
 
-[ -n "$scenes" ] && [ "$(wc -l <"$golden")" = $((2 * $(echo "$scenes" | wc -l))) ]
+[ -n "$scenes" ] && [ "$(wc -l <"$golden")" = "$({ stacks $small; stacks ''; } | wc -l)" ]
 ok $? "$golden has each built-in scene small and at its own size"
 
-# Warnings are errors, with all compilers. $0 to $2 are a line of the matrix.
+# Warnings are errors, with all compilers.
 # shellcheck disable=SC2016
 echo "$matrix" | tmp=$tmp builds=$builds xargs -P 2 -n 3 sh -c '
-    CC=$0 CFLAGS="$1 -Werror" GL=$2 BUILD=$builds/$0$1 ./build.sh >"$tmp/$0$1.log" 2>&1 || {
-        rm -f "$builds/$0$1/spectral"
-        sed "s/^/# $0 $1: /" "$tmp/$0$1.log"
+    compiler=$0 option=$1
+    CC=$compiler CFLAGS="$option -Werror" GL=$2 BUILD=$builds/$compiler$option ./build.sh \
+        >"$tmp/$compiler$option.log" 2>&1 || {
+        rm -f "$builds/$compiler$option/spectral"
+        sed "s/^/# $compiler $option: /" "$tmp/$compiler$option.log"
     }'
 
 as_golden 'dynamic, OSMesa' $small 1 "$SPECTRAL"
@@ -91,8 +98,6 @@ if [ -x "$STATIC" ]; then
 else
     skip "there is no $STATIC; ./build.sh static makes it"
 fi
-# split into words on purpose
-# shellcheck disable=SC2086
 set -- $matrix
 while [ $# -gt 0 ]; do
     case $1 in
@@ -106,7 +111,6 @@ done
 
 plain=$builds/musl-gcc-O2/spectral
 small="--size 30x20 --wavelengths 400:700:50"
-# shellcheck disable=SC2086
 {
     exits 0 "without OpenGL, --version" "$plain" --version
     prints '^without OpenGL$' "says so"
@@ -121,6 +125,8 @@ small="--size 30x20 --wavelengths 400:700:50"
     exits 0 "a stack of another program" \
         "$SPECTRAL" render patches $small --renderer raster -o "$tmp/checked.tif"
     exits 0 "is made again by it" "$plain" render --again "$tmp/checked.tif" -o "$tmp/again.tif"
+    exits 2 "arithmetic that changes pictures" env CFLAGS=-Ofast BUILD="$tmp/fast" ./build.sh
+    says '-Ofast changes pictures' "is refused by name"
     exits 2 "an unknown OpenGL is refused" env GL=vulkan BUILD="$tmp/vulkan" ./build.sh
     says 'GL is osmesa or none' "by name"
 }
