@@ -18,7 +18,7 @@ GL=${GL:-osmesa}
 BUILD=${BUILD:-build}
 case ${XDG_CACHE_HOME:-} in # as the XDG base directory specification has it
 /*) cache=$XDG_CACHE_HOME/spectral ;;
-*) cache=${HOME:-$PWD/$BUILD}/.cache/spectral ;;
+*) cache=${HOME:-$PWD/build}/.cache/spectral ;;
 esac
 # These come after $CFLAGS, which may ask for arithmetic that changes pictures. No floating-point traps
 # are taken and no errno is read after sqrt: both let loops be done several samples at once and change
