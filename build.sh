@@ -200,8 +200,8 @@ find_libraries() {
 
 # The same for a program that is static with an OSMesa of its own, and hardened. Mesa calls the
 # pthread functions only if something else brings them, and crashes without. What would load drivers of
-# accelerators by dlopen is OpenMP's, and never called. Neither is libjbig, which reads pictures of 1
-# bit a pixel, and would put the program under the GPL.
+# accelerators by dlopen is OpenMP's, and never called. Neither is libjbig, which would put the program
+# under the GPL: data/image.c refuses its pictures.
 find_static_libraries() {
     [ "$GL" = osmesa ] || refuse "build.sh: the static program has an OSMesa of its own; GL=$GL is for the plain build"
     need g++ libc6-dev $static_packages

@@ -96,6 +96,10 @@ for scene in data/scenes/*.scene; do
 done
 equal_stacks colorchecker
 
+exits 2 "a picture for the library that is left out" \
+    "$STATIC" render test/bad/texture-jbig.scene --size 8x8 --renderer raster --no-check -o /dev/null
+says 'its compression \(34661\)' "is refused"
+
 # ---- threads and signals ----
 
 run env OMP_DISPLAY_AFFINITY=true "$STATIC" render colorchecker --size 300x200 --renderer raster --no-check \
