@@ -29,7 +29,7 @@ language='-std=c99 -D_XOPEN_SOURCE=700 -D_FILE_OFFSET_BITS=64 -I. -fno-associati
 warnings='-pedantic -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes
   -Wmissing-prototypes -Wundef -Wvla -Wcast-qual -Wwrite-strings'
 hardening='-fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2'
-static_packages='libtiff-dev zlib1g-dev libzstd-dev libdeflate-dev liblzma-dev libjpeg-dev libwebp-dev
+static_packages='g++ libc6-dev libtiff-dev zlib1g-dev libzstd-dev libdeflate-dev liblzma-dev libjpeg-dev libwebp-dev
   liblerc-dev'
 test_packages='gcc clang libomp-dev perl python3-tifffile python3-numpy python3-scipy python3-gdal
   imagej default-jdk-headless glmark2-data psychtoolbox-3-common mandoc bsdextrautils busybox-static
@@ -175,17 +175,22 @@ links() {
         $CC $CFLAGS -x c - -o "$BUILD/probe" "$@" 2>/dev/null
 }
 
+# Sets $sources: all but those that match.
+leave_out() {
+    sources=$(printf '%s\n' spectral.c data/*.c raster/*.c | grep -vE "$1")
+}
+
 # Sets $sources and $libraries for $GL. A compiler that sees no libtiff, such as musl-gcc or one for
 # another processor, gets its own, and makes a static program.
 find_libraries() {
     case $GL in
     osmesa)
-        left_out='raster/no_gl'
+        leave_out raster/no_gl.c
         libraries='-lOSMesa -ltiff -lm'
         need libosmesa6-dev libtiff-dev
         ;;
     none)
-        left_out='raster/(mesa|identify)'
+        leave_out 'raster/(mesa|identify).c'
         libraries='-ltiff -lm'
         case $CC in gcc | clang) need libtiff-dev ;; esac
         if ! links tiffio.h TIFFGetVersion $libraries; then
@@ -195,7 +200,6 @@ find_libraries() {
         ;;
     *) refuse "build.sh: GL is osmesa or none, not '$GL'" ;;
     esac
-    sources=$(printf '%s\n' spectral.c data/*.c raster/*.c | grep -vE "${left_out}[.]c")
 }
 
 # The same for a program that is static with an OSMesa of its own, and hardened. Mesa calls the
@@ -204,7 +208,7 @@ find_libraries() {
 # under the GPL: data/image.c refuses its pictures.
 find_static_libraries() {
     [ "$GL" = osmesa ] || refuse "build.sh: the static program has an OSMesa of its own; GL=$GL is for the plain build"
-    need g++ libc6-dev $static_packages
+    need $static_packages
     find_osmesa
     CFLAGS="$CFLAGS $hardening -ffunction-sections -fdata-sections -isystem $osmesa/include
         -DOSMESA_VERSION=\"${osmesa_version%%-*}\""
@@ -214,7 +218,7 @@ find_static_libraries() {
         $(printf ' -Wl,--defsym=jbg_%s=abort' dec_free dec_getimage dec_getsize dec_in dec_init enc_free \
             enc_init enc_out newlen strerror)
         -L$osmesa -lOSMesa -ltiff -lwebp -lzstd -llzma -lLerc -ljpeg -ldeflate -lz -lstdc++ -lm"
-    sources=$(printf '%s\n' spectral.c data/*.c raster/*.c | grep -v raster/no_gl.c)
+    leave_out raster/no_gl.c
 }
 
 # Sets $openmp. Without OpenMP for the C library in use, --threads changes nothing.
@@ -267,7 +271,7 @@ static_program() (
     prepare
     find_static_libraries
     find_openmp
-    fresh_program "$BUILD/spectral-static.symbols" libc6-dev $static_packages
+    fresh_program "$BUILD/spectral-static.symbols" $static_packages
     strip -o "$BUILD/spectral-static.new" "$BUILD/spectral-static.symbols"
     mv "$BUILD/spectral-static.new" "$BUILD/spectral-static"
 )
@@ -279,8 +283,9 @@ licences() {
     folder=$1
     mkdir "$folder"
     cp "$osmesa/copyright" "$folder/mesa"
+    gcc=$(gcc -dumpversion)
     set -- libtiff-dev libwebp-dev libzstd-dev liblzma-dev liblerc-dev libjpeg62-turbo-dev libdeflate-dev \
-        zlib1g-dev libc6-dev libgcc-12-dev libstdc++-12-dev
+        zlib1g-dev libc6-dev "libgcc-$gcc-dev" "libstdc++-$gcc-dev"
     { echo "mesa $osmesa_version"; versions "$@"; } >"$folder/VERSIONS"
     for package; do
         cp -L "/usr/share/doc/$package/copyright" "$folder/$package"

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The command line: one function a command; only main prints errors and exits. */
+#include <ctype.h>
 #include <errno.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -498,8 +499,6 @@ static bool recorded_options(const struct options *options, const struct record 
 static bool can_be_same(const struct record *record, const struct render_output *output,
                         struct error *err)
 {
-    char builtin[256];
-    const char *scene = record->scene;
     if (strcmp(record->program, PROGRAM) != 0 && !output->keep) {
         error_usage(err,
                     "%s was made by %.80s, this is " PROGRAM ", which tells so in its stacks "
@@ -508,12 +507,11 @@ static bool can_be_same(const struct record *record, const struct render_output 
         err->status = EXIT_DIFFERENT;
         return false;
     }
-    return builtin_path("scenes/", scene, ".scene", builtin, sizeof builtin) ||
-           strncmp(scene, "builtin:", 8) == 0 || access(scene, F_OK) == 0 ||
+    return !scene_is_missing(record->scene) ||
            error_usage(err,
                        "%s: its scene '%.500s' is not there; names are relative to the folder "
                        "where it was made",
-                       output->again, scene);
+                       output->again, record->scene);
 }
 
 /* -o /dev/null: the stack is laid out under its default name, compared, and not kept. */
@@ -556,7 +554,7 @@ static void print_fact(const char *name, const char *value)
 {
     printf("%-17s ", name);
     for (; *value; value++)
-        putchar((unsigned char)*value < ' ' || *value == 0x7f ? '?' : *value);
+        putchar(iscntrl((unsigned char)*value) ? '?' : *value);
     putchar('\n');
 }
 

@@ -496,6 +496,7 @@ struct scene {
 
 /* SCENE: a built-in scene's name, a scene file or a thesis list file. */
 bool scene_read(const char *name, struct scene *out, struct error *err);
+bool scene_is_missing(const char *name); /* neither built in nor a file */
 /* Command-line overrides; `text` is the option's value, blamed as "--option". */
 bool scene_set_wavelengths(struct scene *scene, const char *text, struct error *err);
 bool scene_set_size(struct scene *scene, const char *text, struct error *err);

@@ -15,7 +15,7 @@ static void put_line(FILE *stream, const char *key, const char *value)
     fprintf(stream, "%s: ", key);
     while (*at != '\0') {
         const int length = utf8_length(at);
-        if (length == 0 || *at < ' ' || *at == 0x7f || *at == '%')
+        if (length == 0 || iscntrl(*at) || *at == '%')
             fprintf(stream, "%%%02X", *at++);
         else {
             fwrite(at, 1, (size_t)length, stream);

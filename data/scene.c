@@ -110,14 +110,21 @@ static bool refuse_missing(const char *name, struct error *err)
     return error_usage(err, "no built-in scene and no file '%.500s'; built-in: %s", name, list);
 }
 
+bool scene_is_missing(const char *name)
+{
+    char builtin[256];
+    return !builtin_path("scenes/", name, ".scene", builtin, sizeof builtin) &&
+           strncmp(name, "builtin:", 8) != 0 && access(name, F_OK) != 0 && errno == ENOENT;
+}
+
 static bool open_scene(struct scene *scene, const char *name, struct text *out, struct error *err)
 {
     const struct place nowhere = {0};
     char builtin[256];
+    if (scene_is_missing(name))
+        return refuse_missing(name, err);
     if (builtin_path("scenes/", name, ".scene", builtin, sizeof builtin))
         name = builtin;
-    else if (strncmp(name, "builtin:", 8) != 0 && access(name, F_OK) != 0 && errno == ENOENT)
-        return refuse_missing(name, err);
     return text_open(out, name, nowhere, err) && scene_keep(scene, out, err);
 }
 
