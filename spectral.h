@@ -263,6 +263,11 @@ struct spectrum {
  * negative. */
 bool spectrum_read(const struct word *word, double lowest, double highest, struct spectrum *out,
                    struct error *err);
+/* Reads a table of a wavelength and three values a line: a built-in one, or a file. Tells whether
+ * its head names the values x, y and z. On failure the caller frees what out holds. */
+bool spectra_read(const char *name, struct spectrum out[3], bool *xyz, struct error *err);
+/* Whether a built-in table has three values a line. */
+bool table_is_detector(const struct builtin_file *file);
 /* Adds one sample at the end; refuses wavelengths that do not increase or are not positive. */
 bool spectrum_append(struct spectrum *spectrum, double wavelength_nm, double value,
                      struct place place, struct error *err);
@@ -270,6 +275,107 @@ double spectrum_at(const struct spectrum *spectrum, double wavelength_nm, enum s
 /* True when wavelength_nm lies outside the samples of a sampled spectrum. */
 bool spectrum_extrapolates(const struct spectrum *spectrum, double wavelength_nm);
 void spectrum_free(struct spectrum *spectrum);
+
+/* ---- data/detector.c: what a detector makes of a spectrum ---- */
+
+/* Three sensitivities over wavelength. */
+struct detector {
+    char *name;    /* as written; owned */
+    bool observer; /* colour matching functions: its channels are tristimulus values X, Y and Z */
+    struct spectrum sensitivity[3];
+};
+/* A built-in one (spectral list observers), or a table of a wavelength and three values a line. It
+ * is an observer where the table names its columns x, y and z; otherwise a camera, of channels
+ * whatever their names. */
+bool detector_read(const char *name, struct detector *out, struct error *err);
+void detector_free(struct detector *detector);
+/* Of n >= 1 increasing wavelengths, how much a radiance at each counts in each channel:
+ * out[channel * n + i]. A wavelength stands for the distance half-way to its neighbours, the first
+ * and the last for a whole step, a single one for 1 nm: on a uniform grid equation 11 of the
+ * thesis. An observer's are scaled so that radiance 1 everywhere has Y = 100: k = 100 / (sum of y
+ * over its own table x step), whatever the wavelengths leave out; a camera's as they are. */
+void detector_weights(const struct detector *detector, const double *wavelengths_nm, int n,
+                      double *out);
+/* The part, 0 to 1, of each channel's sensitivity (of its magnitude, where it is negative) that
+ * lies outside the band from half a step before the first to half a step behind the last. */
+void detector_lost(const struct detector *detector, const double *wavelengths_nm, int n,
+                   double out[3]);
+
+/* ---- data/colour.c: tristimulus values and colour differences ---- */
+
+/* The white of displays, D65: x = 0.3127, y = 0.3290 (IEC 61966-2-1), Y = 100. */
+extern const double display_white[3];
+/* Matrices of three rows, which act on columns of tristimulus values: a after b; and the inverse of
+ * one that is not singular. out may be none of the others. */
+void colour_product(double a[3][3], double b[3][3], double out[3][3]);
+void colour_inverse(double m[3][3], double out[3][3]);
+void colour_apply(double m[3][3], const double xyz[3], double out[3]);
+
+/* x and y; 0, 0 of black. */
+void chromaticity(const double xyz[3], double out[2]);
+/* CIE 15:2018, 8.2.1 and 8.2.2: L*, a*, b* and L*, u*, v* beside a white. XYZ may be negative.
+ * Where the white has none of X, Y or Z, that is left out, as if it were 0. */
+void cielab(const double xyz[3], const double white[3], double out[3]);
+void cieluv(const double xyz[3], const double white[3], double out[3]);
+/* Between two colours in CIELAB. CIE 94 takes the first for the standard, with the weights of
+ * graphic arts (kL = kC = kH = 1, K1 = 0.045, K2 = 0.015; CIE 116-1995). CIEDE2000 is ISO/CIE
+ * 11664-6 with kL = kC = kH = 1. */
+double cie76_difference(const double a[3], const double b[3]);
+double cie94_difference(const double standard[3], const double sample[3]);
+double ciede2000_difference(const double a[3], const double b[3]);
+
+/* ---- data/adaptation.c: what the eye makes of the light ---- */
+
+enum adaptation_kind {
+    ADAPTATION_NONE,
+    ADAPTATION_VON_KRIES, /* complete, in Hunt-Pointer-Estevez cone responses: eqs. 17 to 20 */
+    ADAPTATION_FAIRCHILD, /* incomplete, the less the dimmer the light: equations 21 to 23 */
+    ADAPTATION_BRADFORD,  /* complete, linear (ICC.1:2010, annex E) */
+    ADAPTATION_CAT16      /* complete (CIE 248:2022) */
+};
+struct adaptation {
+    enum adaptation_kind kind;
+    double luminance; /* of the adapting light, cd/m2, for Fairchild; 0: 10 x the intensity of the
+                         lights, as the thesis takes it */
+};
+/* none, von-kries, fairchild, fairchild:LUMINANCE, bradford or cat16. `option` is blamed. */
+bool adaptation_read(const char *option, const char *text, struct adaptation *out,
+                     struct error *err);
+const char *adaptation_name(enum adaptation_kind kind);
+/* The matrix from XYZ to adapted XYZ; the identity for none. A complete adaptation takes the white
+ * to display_white. `equal` is the XYZ of a radiance of 1 everywhere. Refuses a white without
+ * positive cone responses. The luminance is taken as it is: a caller replaces 0 before. */
+bool adaptation_matrix(const struct adaptation *adaptation, const double white[3],
+                       const double equal[3], double out[3][3], struct error *err);
+
+/* ---- data/display.c: tristimulus values on a display ---- */
+
+enum display_kind {
+    DISPLAY_SRGB,   /* IEC 61966-2-1 */
+    DISPLAY_MONITOR /* the thesis's: equations 13 and 14 */
+};
+/* srgb or monitor. `option` is blamed. */
+bool display_read(const char *option, const char *text, enum display_kind *out, struct error *err);
+const char *display_name(enum display_kind kind);
+/* From XYZ (Y = 100: white) to linear red, green and blue, 1 the most. */
+void display_matrix(enum display_kind kind, double out[3][3]);
+/* A linear value of channel 0, 1 or 2 as the display takes it, 0 to 1; what is beyond is clipped.
+ */
+double display_encode(enum display_kind kind, int channel, double linear);
+/* The largest linear value of a channel that is not clipped: 1 for sRGB. */
+double display_largest(enum display_kind kind, int channel);
+/* The display's value to a linear one: linear = (gain x value + offset)^exponent, and below `from`
+ * slope x value. */
+struct display_curve {
+    double exponent, gain, offset, slope, from;
+};
+struct display_curve display_curve(enum display_kind kind, int channel);
+
+/* ---- data/profile.c: ICC profiles (ICC.1:2010, version 4.3) ---- */
+
+/* A display's matrix and tone curve as a profile, of how many bytes it returns. */
+enum { LARGEST_PROFILE = 1024 };
+size_t profile_write(enum display_kind kind, unsigned char out[LARGEST_PROFILE]);
 
 /* ---- data/material.c: the thesis's material files and lists of them ---- */
 
@@ -347,10 +453,11 @@ struct image {
  * Refuses, blamed on `from`: what is no TIFF, pages without pixels or that differ in size, other
  * samples than the above. */
 bool image_open(const char *path, struct place from, struct image *out, struct error *err);
-/* One page as height rows of width values, the top row first: 0 to 1 (or float samples) times the
- * scale; of RGB the luma 0.2126 R + 0.7152 G + 0.0722 B (ITU-R BT.709) of the stored values. What
- * is negative, not finite or cut short is refused. */
-bool image_read(struct image *image, int page, float *out, struct error *err);
+/* Rows y .. y + rows - 1 of a page, width values each, the top row first: 0 to 1 (or float samples)
+ * times the scale; of RGB the luma 0.2126 R + 0.7152 G + 0.0722 B (ITU-R BT.709) of the stored
+ * values. What is negative, not finite or cut short is refused. Of an uncompressed page no more is
+ * read than these rows. */
+bool image_read(struct image *image, int page, int y, int rows, float *out, struct error *err);
 void image_close(struct image *image);
 
 /* ---- data/texture.c: pictures on surfaces ---- */
@@ -505,6 +612,25 @@ bool scene_set_ambient(struct scene *scene, const char *text, struct error *err)
 void scene_free(struct scene *scene);
 const char *shape_name(enum shape_kind kind); /* the scene language's word */
 
+/* ---- data/json.c: JSON out (RFC 8259) ---- */
+
+/* Grows as it is written; zero it before use. text is owned, and NULL after `failed`: no memory. */
+struct json {
+    char *text;
+    size_t length, capacity;
+    bool failed, separated; /* whether a comma is due before the next member */
+};
+/* The key is NULL in an array. Brackets are '{' or '[' and their counterparts. */
+void json_open(struct json *json, const char *key, char bracket);
+void json_close(struct json *json, char bracket);
+void json_string(struct json *json, const char *key, const char *value); /* NULL: null */
+/* JSON has no infinity and no NaN: null stands for both. */
+void json_number(struct json *json, const char *key, double value);
+void json_count(struct json *json, const char *key, uint64_t value);
+void json_truth(struct json *json, const char *key, bool value);
+/* The text, which the caller then owns; NULL: no memory. */
+char *json_end(struct json *json);
+
 /* ---- data/digest.c: SHA-256 (FIPS 180-4) ---- */
 
 struct digest {
@@ -529,6 +655,18 @@ struct record {
     const char *renderer;              /* "raster", or OpenGL's GL_RENDERER */
     char *options[MAX_RECORD_OPTIONS]; /* each one word: "--size=300x200"; not owned */
     int n_options;
+    /* What the scene is lit by, each as its spectrum*intensity; not owned. */
+    char **lights;
+    int n_lights;
+    /* The mean of all lights and ambient lights, by intensity: the radiance of a perfect diffuser
+     * under one light of intensity 1, at each wavelength; and the sum of their intensities. NULL
+     * and 0 where nothing shines, or in a stack that does not tell. */
+    double *white;
+    int n_white;
+    double illumination;
+    /* What the numbers of the object map stand for, from 1; 0 is the background. */
+    char **objects;
+    int n_objects;
     /* Only of record_read: how samples become radiances, and where all of the above lies. */
     const char *full_scale, *scale;
     char *text; /* owned */
@@ -580,6 +718,185 @@ bool stack_compare(const struct stack_writer *writer, const char *path,
 bool stack_commit(struct stack_writer *writer, struct error *err);
 void stack_discard(struct stack_writer *writer); /* safe after commit */
 const char *stack_library(void);                 /* name and version of the libtiff in use */
+
+/* ---- data/cube.c: a spectral stack to be read ---- */
+
+/* Grey pages of increasing wavelengths: a stack of our own, or any TIFF that tells its wavelengths
+ * as OME-XML, GDAL_METADATA or page names. */
+struct cube {
+    struct image image;
+    struct record record; /* zeroed in a stack that is not our own */
+};
+/* EXIT_INPUT blames the path. Reads no samples. */
+bool cube_open(const char *path, struct cube *out, struct error *err);
+/* The white's radiance at each page's wavelength: of the SPECTRUM that the word of a command line
+ * names, or, where that is NULL, what the stack records. out has n_pages values. Refuses a stack
+ * that records none, and a white that is 0 everywhere. */
+bool cube_white(const struct cube *cube, const char *spectrum, double *out, struct error *err);
+/* The number of the object that a pixel shows, from 1: names are in record.objects; 0 is the
+ * background, -1 a stack that does not tell. */
+bool cube_object(const struct cube *cube, int x, int y, int *out, struct error *err);
+void cube_close(struct cube *cube);
+
+/* ---- data/picture.c: colour pictures out ---- */
+
+enum picture_samples { PICTURE_8, PICTURE_16, PICTURE_FLOAT };
+struct picture_options {
+    int width, height; /* above 4 GiB it becomes a BigTIFF */
+    enum picture_samples samples;
+    const char *channels[3];      /* of a float picture, e.g. "X", "Y", "Z"; RGB otherwise */
+    const unsigned char *profile; /* ICC; NULL: none */
+    size_t profile_length;
+    const char *description; /* ASCII */
+};
+/* A TIFF page of three samples a pixel, written from the top; it appears whole or not at all. */
+struct picture_writer {
+    struct output output;
+    struct picture_options options;
+    struct picture_file *file; /* owned */
+    int row;                   /* the next one */
+};
+bool picture_open(struct picture_writer *out, const char *path,
+                  const struct picture_options *options, struct error *err);
+/* The next rows: three samples a pixel of uint8_t, uint16_t or float. */
+bool picture_write(struct picture_writer *writer, const void *samples, int rows, struct error *err);
+bool picture_commit(struct picture_writer *writer, struct error *err);
+void picture_discard(struct picture_writer *writer); /* safe after commit */
+
+/* ---- data/develop.c: a stack as a detector sees it ---- */
+
+enum develop_values { DEVELOP_RGB, DEVELOP_XYZ, DEVELOP_LAB };
+struct develop_options {
+    const char *detector; /* name or file */
+    struct adaptation adaptation;
+    enum display_kind display;
+    const char *white; /* SPECTRUM; NULL: what the stack records */
+    double exposure;   /* factor of all radiances; 0: what brings the largest displayed value (or
+                          Y) of the picture to just 1 (or 100) */
+    enum develop_values values;
+    int bits;    /* of RGB: 8 or 16 */
+    int threads; /* 0: as many as OpenMP offers */
+};
+struct develop_result {
+    int width, height, n_pages;
+    double first_nm, last_nm;
+    bool observer;
+    double lost[3]; /* detector_lost */
+    bool has_white;
+    double white[3];       /* the white in the detector's channels, before adaptation */
+    double exposure;       /* as used */
+    uint64_t out_of_gamut; /* pixels of which a channel was clipped; 0 of XYZ and Lab */
+};
+/* Weights that take radiances at the cube's wavelengths to linear display channels, XYZ or, before
+ * cielab, XYZ: out[channel * n_pages + i]. */
+bool develop_weights(const struct cube *cube, const struct detector *detector,
+                     const struct develop_options *options, double *out,
+                     struct develop_result *result, struct error *err);
+/* Cameras and films are balanced: each channel divided by the white's. They take no adaptation, and
+ * have no XYZ or Lab; those are refused. */
+bool develop(const char *stack, const char *output, const struct develop_options *options,
+             struct develop_result *out, struct error *err);
+void develop_print(const struct develop_options *options, const struct develop_result *result,
+                   FILE *to);
+
+/* ---- data/chart.c: SVG plots ---- */
+
+struct chart_line {
+    const char *name;
+    int n;
+    const double *x, *y;
+    const double *spread; /* drawn as a band of y - spread to y + spread; NULL: none */
+    bool right;           /* belongs to the axis on the right, e.g. a reflectance */
+};
+struct chart {
+    const char *title, *x_label, *y_label, *right_label; /* right_label NULL: no such axis */
+    const struct chart_line *lines;
+    int n_lines;
+    bool wavelengths; /* x is in nm: the visible range is shown in its colours */
+};
+/* A whole SVG 1.1 file, allocated; NULL: no memory. */
+char *chart_svg(const struct chart *chart);
+
+/* ---- data/probe.c: the spectrum of a pixel or a region ---- */
+
+/* A spectrum that tells how the pixel's came about. */
+struct probe_curve {
+    char name[96];  /* e.g. "light 1 (d65)", "reflectance" */
+    bool relative;  /* a reflectance, excitation or emission; otherwise a radiance */
+    double *values; /* one a wavelength; owned */
+};
+enum { MAX_PROBE_CURVES = 64 };
+struct probe {
+    char *source; /* stack or scene; owned */
+    int x, y, width, height;
+    int n;                  /* wavelengths */
+    double *wavelengths_nm; /* owned, as mean and spread */
+    double *mean, *spread;  /* radiance, and its standard deviation over the region */
+    char *object;           /* name of the object, if the region shows one only; owned; NULL */
+    char *observer;         /* owned */
+    bool has_white;
+    double xyz[3], white[3];                     /* of the mean; lab beside white */
+    struct probe_curve curves[MAX_PROBE_CURVES]; /* of a scene */
+    int n_curves;
+};
+struct probe_options {
+    int x, y, width, height; /* region, within the picture */
+    const char *observer, *white;
+};
+bool probe_stack(const char *path, const struct probe_options *options, struct probe *out,
+                 struct error *err);
+/* XYZ of the mean, and of the white (n values; NULL: none). */
+bool probe_colour(struct probe *probe, const char *observer, const double *white,
+                  struct error *err);
+void probe_print(const struct probe *probe, FILE *to);
+void probe_print_csv(const struct probe *probe, FILE *to);
+char *probe_svg(const struct probe *probe); /* allocated; NULL: no memory */
+void probe_free(struct probe *probe);
+
+/* ---- data/compare.c: where and by how much two stacks differ ---- */
+
+enum tolerance_unit { TOLERANCE_RADIANCE, TOLERANCE_PERCENT, TOLERANCE_CIEDE2000 };
+struct tolerance {
+    double value;
+    enum tolerance_unit unit; /* per cent are of A's largest radiance */
+};
+/* "0.01", "0.1%" or "0.5dE00". `option` is blamed. */
+bool tolerance_read(const char *option, const char *text, struct tolerance *out, struct error *err);
+struct compare_options {
+    const char *observer, *white; /* white NULL: what A records */
+    const char *map;              /* TIFF to write; NULL: none */
+    struct tolerance tolerance;
+    int threads;
+};
+struct band_difference {
+    double largest; /* |A - B|, in radiance */
+    int x, y;       /* where that is first */
+    double rms;
+};
+/* Over all pixels: of spectral angles in degrees, or CIEDE2000. */
+struct pixel_difference {
+    double mean, quantile_95, largest;
+    int x, y; /* of the largest */
+};
+struct comparison {
+    int n, width, height;
+    double *wavelengths_nm;        /* owned */
+    struct band_difference *bands; /* of each; owned */
+    struct band_difference all;
+    int largest_band;        /* where all.largest is */
+    double largest_radiance; /* of A */
+    struct pixel_difference angle, ciede2000;
+    bool has_white; /* without, there is no CIEDE2000 */
+    char *observer; /* owned */
+};
+/* Refuses stacks of different size or wavelengths (EXIT_INPUT). The map has three float samples a
+ * pixel: the largest |A - B| of all wavelengths, the spectral angle in degrees, CIEDE2000 (0
+ * without a white). It is written whatever the difference. */
+bool compare(const char *a, const char *b, const struct compare_options *options,
+             struct comparison *out, struct error *err);
+bool comparison_is_within(const struct comparison *comparison, const struct tolerance *tolerance);
+void comparison_print(const struct comparison *comparison, FILE *to);
+void comparison_free(struct comparison *comparison);
 
 /* ---- raster/shape.c: built-in shapes as triangles ---- */
 
@@ -654,12 +971,14 @@ struct plan_work {
 };
 
 struct plan_options {
-    double full_scale;     /* 0: the largest vertex radiance */
-    bool check, use_gl;    /* whether the reference and OpenGL are needed */
-    bool strict;           /* pixels without a bound, and edges that leak, are differences */
-    bool store_raster;     /* the stored pixels are the reference's */
-    bool floating;         /* 32-bit float pages */
-    int threads;           /* 0: as many as OpenMP offers; the plan holds the number */
+    double full_scale;  /* 0: the largest vertex radiance */
+    bool check, use_gl; /* whether the reference and OpenGL are needed */
+    bool strict;        /* pixels without a bound, and edges that leak, are differences */
+    bool store_raster;  /* the stored pixels are the reference's */
+    bool floating;      /* 32-bit float pages */
+    bool exchangeable;  /* lights may be exchanged afterwards: every light and every term is kept,
+                           each by itself, also what is dark */
+    int threads;        /* 0: as many as OpenMP offers; the plan holds the number */
     char *const *recorded; /* options for the stack's record, each one word; not owned */
     int n_recorded;        /* at most MAX_RECORD_OPTIONS */
 };
@@ -1018,5 +1337,23 @@ void report_print(const struct plan *plan, const struct render_result *result, F
 /* One JSON object, allocated; NULL: no memory. output and sha256 may be NULL. */
 char *report_json(const struct plan *plan, const struct render_result *result, const char *output,
                   const char *sha256, uint64_t peak_bytes);
+
+/* ---- raster/inspect.c: how a pixel's spectrum comes about ---- */
+
+/* The reference's radiance of a region, and the curves that make it: the lights, ambient lights,
+ * and, if the region shows one object, its reflectance, specular reflectance, excitation, emission,
+ * and glow. The plan's picture is what x and y refer to. */
+bool probe_scene(const struct plan *plan, const struct probe_options *options, struct probe *out,
+                 struct error *err);
+
+/* ---- raster/viewer.c: an interactive viewer in one HTML file ---- */
+
+struct viewer_result {
+    size_t bytes;
+    int n_objects, n_lights, n_illuminants, n_detectors;
+};
+/* Rasterizes once and writes the page; the plan must be of exchangeable lights. */
+bool viewer_write(const struct plan *plan, const char *path, struct viewer_result *out,
+                  struct error *err);
 
 #endif

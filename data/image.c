@@ -410,6 +410,12 @@ void image_close(struct image *image)
 
 /* ---- samples ---- */
 
+/* Those of a page that are asked for. */
+struct rows {
+    uint32_t first, end;
+    float *out;
+};
+
 /* A sample as stored. */
 static double sample_at(const struct layout *layout, const void *samples, size_t at)
 {
@@ -450,28 +456,32 @@ static bool block_decode(const struct image *image, int page, const struct layou
     return true;
 }
 
-/* Writes the pixels of the block at x, y to their places in the picture. */
+/* Writes the pixels of the block at column x and row `top`, as far as they are asked for. */
 static bool block_place(const struct image *image, int page, const struct layout *layout,
-                        uint32_t x, uint32_t y, const char *blocks, float *out, struct error *err)
+                        uint32_t x, uint32_t top, const char *blocks, const struct rows *wanted,
+                        struct error *err)
 {
-    for (uint32_t row = 0; row < layout->block_height && y + row < layout->height; row++)
+    const uint32_t end =
+        top + layout->block_height < wanted->end ? top + layout->block_height : wanted->end;
+    for (uint32_t y = top > wanted->first ? top : wanted->first; y < end; y++)
         for (uint32_t column = 0; column < layout->block_width && x + column < layout->width;
              column++) {
-            const size_t pixel = (size_t)row * layout->block_width + column;
+            const size_t pixel = (size_t)(y - top) * layout->block_width + column;
             const double value = pixel_value(layout, blocks, pixel) * image->scale;
             if (!(value >= 0 && value <= (double)FLT_MAX))
                 return refuse(image, page, err,
                               "the radiance at column %" PRIu32 ", row %" PRIu32
                               " is %g; it is finite and not negative",
-                              x + column, y + row, value);
-            out[(size_t)(y + row) * layout->width + x + column] = (float)value;
+                              x + column, y, value);
+            wanted->out[(size_t)(y - wanted->first) * layout->width + x + column] = (float)value;
         }
     return true;
 }
 
-bool image_read(struct image *image, int page, float *out, struct error *err)
+bool image_read(struct image *image, int page, int y, int rows, float *out, struct error *err)
 {
     struct image_file *file = image->file;
+    const struct rows wanted = {(uint32_t)y, (uint32_t)(y + rows), out};
     struct layout layout;
     bool good = true;
     if (!TIFFSetSubDirectory(file->tiff, file->directories[page]))
@@ -483,10 +493,11 @@ bool image_read(struct image *image, int page, float *out, struct error *err)
         return error_memory(err);
     file->message[0] = '\0';
     file->decoding = true;
-    for (uint32_t y = 0; good && y < layout.height; y += layout.block_height)
+    for (uint32_t top = wanted.first / layout.block_height * layout.block_height;
+         good && top < wanted.end; top += layout.block_height)
         for (uint32_t x = 0; good && x < layout.width; x += layout.block_width)
-            good = block_decode(image, page, &layout, x, y, blocks, err) &&
-                   block_place(image, page, &layout, x, y, blocks, out, err);
+            good = block_decode(image, page, &layout, x, top, blocks, err) &&
+                   block_place(image, page, &layout, x, top, blocks, &wanted, err);
     file->decoding = false;
     free(blocks);
     return good;

@@ -134,14 +134,18 @@ void spectrum_free(struct spectrum *spectrum)
 
 /* ---- tables ---- */
 
-/* A file being read into a spectrum. */
+enum { MAX_COLUMNS = 3 }; /* read at once: those of a detector */
+
+/* A file being read into spectra. */
 struct table {
     struct text text;
     const struct word *word; /* that asks for it */
-    long column;             /* asked for; 0: none, so that the file must have one only */
+    long column;             /* the first one asked for; 0: the file must have n_out of them only */
     long n_columns;          /* of values; 0: not known before the first row */
     double lowest, highest;
-    struct spectrum *out;
+    struct spectrum *out; /* one a column */
+    int n_out;
+    bool xyz; /* the header names three columns x, y and z */
 };
 
 static bool begins(const struct word *word, const char *with)
@@ -161,7 +165,8 @@ static bool is_numeric(const struct word *word)
 }
 
 /* Takes note of the number of columns. */
-static bool check_columns(struct table *table, long n_columns, struct error *err)
+static bool check_columns(struct table *table, long n_columns, struct place place,
+                          struct error *err)
 {
     const int length = (int)table->word->length;
     const char *start = table->word->start;
@@ -169,7 +174,10 @@ static bool check_columns(struct table *table, long n_columns, struct error *err
     if (table->column > n_columns)
         return error_at(err, table->word->place, "'%.*s' has no value column %ld; its last is %ld",
                         length, start, table->column, n_columns);
-    if (table->column == 0 && n_columns > 1)
+    if (table->n_out > 1 && table->n_out != n_columns)
+        return error_at(err, place, "%ld value columns; a detector has %d, as 'wavelength,x,y,z'",
+                        n_columns, table->n_out);
+    if (table->column == 0 && n_columns > table->n_out)
         return error_at(err, table->word->place,
                         "'%.*s' has %ld value columns; write '%.*s:1' for the first of them",
                         length, start, n_columns, length, start);
@@ -189,37 +197,47 @@ static bool next_word(struct text *text, struct word *out)
 static bool read_row(struct table *table, const struct word *first, struct error *err)
 {
     const long wanted = table->column > 0 ? table->column : 1;
-    double nm, value, kept = 0;
+    double nm, value, kept[MAX_COLUMNS] = {0};
     struct word word;
     long n = 0;
     if (!word_number(first, "wavelength", -HUGE_VAL, HUGE_VAL, &nm, err))
         return false;
     while (text_word(&table->text, &word)) {
-        const bool keep = ++n == wanted;
+        const bool keep = ++n >= wanted && n < wanted + table->n_out;
         if (!word_number(&word, "value", keep ? table->lowest : -HUGE_VAL,
                          keep ? table->highest : HUGE_VAL, &value, err))
             return false;
-        kept = keep ? value : kept;
+        if (keep)
+            kept[n - wanted] = value;
     }
     if (n == 0)
         return error_at(err, text_place(&table->text), "expected a value after the wavelength");
-    if (table->out->count == 0 && !check_columns(table, n, err))
+    if (table->out->count == 0 && !check_columns(table, n, first->place, err))
         return false;
     if (n != table->n_columns)
         return error_at(err, first->place, "this row has %ld values, the first row has %ld", n,
                         table->n_columns);
-    return spectrum_append(table->out, nm, kept, first->place, err);
+    for (int i = 0; i < table->n_out; i++)
+        if (!spectrum_append(&table->out[i], nm, kept[i], first->place, err))
+            return false;
+    return true;
 }
 
 /* Skips the words above the columns. A number among them would be a sample whose wavelength is
  * mistyped, and so would a word that begins like one. */
-static void skip_header(struct text *text)
+static void skip_header(struct table *table)
 {
+    struct text *text = &table->text;
     struct word word;
+    int n = 0, named = 0;
     bool header =
         text_word(text, &word) && (word.quoted || strchr("0123456789+-.", word.start[0]) == NULL);
-    while (header && text_word(text, &word))
+    while (header && text_word(text, &word)) {
         header = !is_numeric(&word);
+        named += n < 3 && word.length == 1 && word.start[0] == "xyz"[n];
+        n++;
+    }
+    table->xyz = header && n == 3 && named == 3;
     if (!header)
         text->at = text->line_start;
 }
@@ -228,7 +246,7 @@ static bool read_columns(struct table *table, struct error *err)
 {
     struct word first;
     table->text.separators = ",;";
-    skip_header(&table->text);
+    skip_header(table);
     while (next_word(&table->text, &first))
         if (!read_row(table, &first, err))
             return false;
@@ -289,7 +307,7 @@ static bool read_cgats(struct table *table, struct error *err)
 {
     double head[CGATS_KEYWORDS] = {[NORM] = 1}; /* 0: missing */
     struct word word;
-    bool done = check_columns(table, 1, err);
+    bool done = check_columns(table, 1, text_whole(&table->text), err);
     while (done && next_word(&table->text, &word)) {
         if (word_is(&word, "BEGIN_DATA"))
             done = check_cgats(head, word.place, err) && read_data(table, head, word.place, err);
@@ -346,38 +364,39 @@ static bool split(const struct word *word, char mark, struct word *before, struc
     return true;
 }
 
-static bool refuse_unknown(const struct word *word, const char *name, struct error *err)
+bool table_is_detector(const struct builtin_file *file)
 {
+    return strncmp(file->name, "tables/", 7) == 0 &&
+           (strstr((const char *)file->bytes, "\nwavelength_nm,x,y,z\n") != NULL ||
+            strstr((const char *)file->bytes, "\nwavelength_nm,r,g,b\n") != NULL);
+}
+
+static bool refuse_unknown(const struct table *table, const char *name, struct error *err)
+{
+    const bool detector = table->n_out > 1;
     char list[1024] = "";
     size_t used = 0;
     for (size_t i = 0; i < builtin_file_count; i++) {
         const char *file = builtin_files[i].name, *end = strrchr(file, '.');
         if (strncmp(file, "tables/", 7) == 0 && end != NULL && strcmp(end, ".csv") == 0 &&
-            used < sizeof list)
+            (!detector || table_is_detector(&builtin_files[i])) && used < sizeof list)
             used += (size_t)snprintf(list + used, sizeof list - used, " %.*s",
                                      (int)(end - file - 7), file + 7);
     }
-    return error_at(err, word->place,
-                    "no built-in spectrum and no file '%.100s'; it is a number, a file, "
-                    "blackbody:KELVIN, gaussian:CENTRE,WIDTH or one of%s",
-                    name, list);
+    return error_at(err, table->word->place,
+                    "no built-in %s and no file '%.100s'; it is %s or one of%s",
+                    detector ? "detector" : "spectrum", name,
+                    detector ? "a file of a wavelength and three values a line"
+                             : "a number, a file, blackbody:KELVIN, gaussian:CENTRE,WIDTH",
+                    list);
 }
 
-/* NAME or FILE, with :COLUMN or without. */
-static bool read_named(const struct word *word, double lowest, double highest, struct spectrum *out,
-                       struct error *err)
+/* The built-in table or file that table->word names. */
+static bool read_table(struct table *table, struct error *err)
 {
-    struct word stem = *word, before, digits;
-    struct table table = {.word = &stem, .lowest = lowest, .highest = highest, .out = out};
-    char *name, *path = NULL, builtin[256];
+    const struct word *word = table->word;
+    char *name = word_copy(word), *path = NULL, builtin[256];
     bool done = false;
-    if (split(word, ':', &before, &digits) && digits.length > 0 &&
-        strspn(digits.start, "0123456789") >= digits.length) {
-        stem.length = before.length;
-        if (!word_integer(&digits, "column", 1, INT_MAX, &table.column, err))
-            return false;
-    }
-    name = word_copy(&stem);
     if (name != NULL)
         path = builtin_path("tables/", name, ".csv", builtin, sizeof builtin)
                    ? strdup(builtin)
@@ -385,11 +404,37 @@ static bool read_named(const struct word *word, double lowest, double highest, s
     if (path == NULL)
         error_memory(err);
     else if (strncmp(path, "builtin:", 8) != 0 && access(path, F_OK) != 0 && errno == ENOENT)
-        refuse_unknown(word, name, err);
+        refuse_unknown(table, name, err);
     else
-        done = read_file(path, &table, err);
+        done = read_file(path, table, err);
     free(name);
     free(path);
+    return done;
+}
+
+/* NAME or FILE, with :COLUMN or without. */
+static bool read_named(const struct word *word, double lowest, double highest, struct spectrum *out,
+                       struct error *err)
+{
+    struct word stem = *word, before, digits;
+    struct table table = {
+        .word = &stem, .lowest = lowest, .highest = highest, .out = out, .n_out = 1};
+    if (split(word, ':', &before, &digits) && digits.length > 0 &&
+        strspn(digits.start, "0123456789") >= digits.length) {
+        stem.length = before.length;
+        if (!word_integer(&digits, "column", 1, INT_MAX, &table.column, err))
+            return false;
+    }
+    return read_table(&table, err);
+}
+
+bool spectra_read(const char *name, struct spectrum out[3], bool *xyz, struct error *err)
+{
+    const struct word word = {.start = name, .length = strlen(name)};
+    struct table table = {
+        .word = &word, .lowest = -HUGE_VAL, .highest = HUGE_VAL, .out = out, .n_out = 3};
+    bool done = read_table(&table, err);
+    *xyz = table.xyz;
     return done;
 }
 

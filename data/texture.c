@@ -15,7 +15,7 @@ static size_t plane_size(const struct texture *texture)
 static bool plane_read(struct texture *texture, int page, float *plane, struct error *err)
 {
     const size_t width = (size_t)texture->image.width;
-    if (!image_read(&texture->image, page, plane, err))
+    if (!image_read(&texture->image, page, 0, texture->image.height, plane, err))
         return false;
     float *low = plane, *high = plane + plane_size(texture) - width;
     for (; low < high; low += width, high -= width)

@@ -5,14 +5,14 @@
 import sys
 from decimal import Decimal
 
-from material_files import WAVELENGTHS, gaussian, table, write
+from material_files import WAVELENGTHS, gaussian, table, thesis_observer, write
 
 SETS = {"illuminant": "they differ under illuminant A and under the fluorescent tube",
         "observer": "the DCS200 camera and the transparency film see them differ"}
 HEAD = """\
 # Metamers {number} of the set '{set}', {name}: reflectance (0 to 1) by wavelength in nm. Plain
-# lines are one surface, mr lines its partner. To the CIE 1931 observer (data/tables/cie1931.csv)
-# both are alike under D65 (d65.csv);
+# lines are one surface, mr lines its partner. To the CIE 1931 observer both are alike under D65
+# (data/tables): exactly as the thesis prints it in 4 decimals, within 0.01 CIEDE2000 in all digits;
 # {difference}.
 # The plain one is {base}.
 # Its partner is the same plus a metameric black, which D65 and the observer see as 0 (J. B. Cohen
@@ -53,7 +53,7 @@ def determinant(a, b, c):
 
 def black(deviation, centres, height):
     """{nm: value} of the Gaussians, seen as 0"""
-    light, observer = table("data/tables/d65.csv"), table("data/tables/cie1931.csv")
+    light, observer = table("data/tables/d65.csv"), thesis_observer()
     bumps = [{nm: gaussian(nm, centre, deviation) for nm in WAVELENGTHS} for centre in centres]
     first, *others = [[sum(light[nm][0] * bump[nm] * observer[nm][i] for nm in WAVELENGTHS)
                        for i in range(3)] for bump in bumps]

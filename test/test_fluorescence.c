@@ -60,7 +60,7 @@ static double plain_mean(const struct spectrum *light, const struct spectrum *ex
 
 static void check_plain_sums(void)
 {
-    static const char *const lights[] = {"uv", "d65", "a", "fluorescent", "cie1931:3"};
+    static const char *const lights[] = {"uv", "d65", "a", "fluorescent", "cie-standard-deviate:3"};
     /* A sum of n terms rounds n - 1 times, each of its terms up to 4 times; then comes the rest. */
     const double bound = (2 * (93 + 3) + 3) * half_epsilon;
     double nm[93], value[93], worst = 0;

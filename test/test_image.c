@@ -158,8 +158,8 @@ static void check_page(struct image *image, const struct variant *v, int page, d
     double furthest = 0;
     for (int i = 0; i < PIXELS; i++)
         seen[i] = -1;
-    if (!CHECK(image_read(image, page, seen, &err), "%s: page %d is read %s", v->name, page,
-               err.text))
+    if (!CHECK(image_read(image, page, 0, image->height, seen, &err), "%s: page %d is read %s",
+               v->name, page, err.text))
         return;
     for (int i = 0; i < PIXELS; i++) {
         const double expected = radiance_at(v, page, i % WIDTH, i / WIDTH, scale);
@@ -251,7 +251,8 @@ static void test_jpeg(void)
     for (uint32_t y = 0; y < SIDE; y++)
         TIFFWriteScanline(tiff, row, y, 0);
     TIFFClose(tiff);
-    CHECK(image_open(path, from, &image, &err) && image_read(&image, 0, seen, &err),
+    CHECK(image_open(path, from, &image, &err) &&
+              image_read(&image, 0, 0, image.height, seen, &err),
           "JPEG is read %s", err.text);
     for (int i = 0; i < SIDE * SIDE; i++)
         furthest = fmax(furthest, fabs((double)seen[i] - luma));
@@ -287,8 +288,8 @@ static void test_luma(void)
               image_open("colour.tif", from, &images[1], &err) && images[0].width == 16384,
           "pages of all greys open %s", err.text);
     for (int page = 3; page >= 0; page--) {
-        same = same && image_read(&images[0], page, seen[0], &err) &&
-               image_read(&images[1], page, seen[1], &err) &&
+        same = same && image_read(&images[0], page, 0, images[0].height, seen[0], &err) &&
+               image_read(&images[1], page, 0, images[1].height, seen[1], &err) &&
                memcmp(seen[0], seen[1], sizeof seen[0]) == 0;
         CHECK_NEAR((double)seen[1][16383], (double)(float)((16384 * page + 16383) / 65535.0), 0,
                    "the last grey of page %d", page);
@@ -398,7 +399,7 @@ static void test_stack(void)
         const int page = k * 171 % MANY; /* each once, to and fro */
         close = close && image.wavelengths_nm != NULL &&
                 fabs(image.wavelengths_nm[page] - nm[page]) < 1e-7;
-        exact = exact && image_read(&image, page, seen, &err);
+        exact = exact && image_read(&image, page, 0, image.height, seen, &err);
         for (int i = 0; exact && i < PIXELS; i++)
             exact =
                 (double)seen[i] == (double)(float)(count_at(page % 8, i % WIDTH, i / WIDTH, 0, 16) /
@@ -467,7 +468,7 @@ static void check_refusal(const char *file, const char *name, const char *what)
     struct error err = {0};
     bool read = image_open(file, from, &image, &err);
     for (int page = 0; read && page < image.n_pages; page++)
-        read = image_read(&image, page, seen, &err);
+        read = image_read(&image, page, 0, image.height, seen, &err);
     CHECK(!read && err.status == EXIT_INPUT && strncmp(err.text, "a.scene:3:7: error: ", 20) == 0 &&
               strstr(err.text, file) != NULL && strstr(err.text, what) != NULL,
           "%s is refused with '%s': %s", name, what, err.text);
@@ -621,7 +622,7 @@ static void check_cuts(const char *name)
         write_bytes("cut.tif", bytes, cut);
         bool read = image_open("cut.tif", from, &image, &err);
         for (int page = 0; read && page < PAGES; page++)
-            read = page < image.n_pages && image_read(&image, page, seen, &err);
+            read = page < image.n_pages && image_read(&image, page, 0, image.height, seen, &err);
         passed += read || (err.status == EXIT_AGREED && image.n_pages == PAGES);
         image_close(&image);
     }
@@ -672,7 +673,8 @@ static void test_builtin(void)
         if (CHECK(image_open(name, from, &image, &err), "%s opens %s", name, err.text)) {
             float *page = calloc((size_t)image.width * (size_t)image.height, sizeof *page);
             for (int k = 0; k < image.n_pages; k++)
-                CHECK(image_read(&image, k, page, &err), "%s: page %d %s", name, k, err.text);
+                CHECK(image_read(&image, k, 0, image.height, page, &err), "%s: page %d %s", name, k,
+                      err.text);
             free(page);
         }
         image_close(&image);

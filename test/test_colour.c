@@ -1,0 +1,241 @@
+/* SPDX-License-Identifier: MIT */
+/* Colour spaces and differences against published values, and values worked by hand. */
+#include "spectral.h"
+#include "test.h"
+
+/* G. Sharma, W. Wu, E. N. Dalal, The CIEDE2000 color-difference formula: implementation notes,
+ * supplementary test data, and mathematical observations, Color Res. Appl. 30, 21-30 (2005), table
+ * 1: facts, published to test programs with. Pairs 9 to 15 lie about opposite hues. */
+static const struct pair {
+    double one[3], two[3], difference;
+} sharma[34] = {
+    {{50, 2.6772, -79.7751}, {50, 0, -82.7485}, 2.0425},
+    {{50, 3.1571, -77.2803}, {50, 0, -82.7485}, 2.8615},
+    {{50, 2.8361, -74.0200}, {50, 0, -82.7485}, 3.4412},
+    {{50, -1.3802, -84.2814}, {50, 0, -82.7485}, 1.0000},
+    {{50, -1.1848, -84.8006}, {50, 0, -82.7485}, 1.0000},
+    {{50, -0.9009, -85.5211}, {50, 0, -82.7485}, 1.0000},
+    {{50, 0, 0}, {50, -1, 2}, 2.3669},
+    {{50, -1, 2}, {50, 0, 0}, 2.3669},
+    {{50, 2.4900, -0.0010}, {50, -2.4900, 0.0009}, 7.1792},
+    {{50, 2.4900, -0.0010}, {50, -2.4900, 0.0010}, 7.1792},
+    {{50, 2.4900, -0.0010}, {50, -2.4900, 0.0011}, 7.2195},
+    {{50, 2.4900, -0.0010}, {50, -2.4900, 0.0012}, 7.2195},
+    {{50, -0.0010, 2.4900}, {50, 0.0009, -2.4900}, 4.8045},
+    {{50, -0.0010, 2.4900}, {50, 0.0010, -2.4900}, 4.8045},
+    {{50, -0.0010, 2.4900}, {50, 0.0011, -2.4900}, 4.7461},
+    {{50, 2.5, 0}, {50, 0, -2.5}, 4.3065},
+    {{50, 2.5, 0}, {73, 25, -18}, 27.1492},
+    {{50, 2.5, 0}, {61, -5, 29}, 22.8977},
+    {{50, 2.5, 0}, {56, -27, -3}, 31.9030},
+    {{50, 2.5, 0}, {58, 24, 15}, 19.4535},
+    {{50, 2.5, 0}, {50, 3.1736, 0.5854}, 1.0000},
+    {{50, 2.5, 0}, {50, 3.2972, 0}, 1.0000},
+    {{50, 2.5, 0}, {50, 1.8634, 0.5757}, 1.0000},
+    {{50, 2.5, 0}, {50, 3.2592, 0.3350}, 1.0000},
+    {{60.2574, -34.0099, 36.2677}, {60.4626, -34.1751, 39.4387}, 1.2644},
+    {{63.0109, -31.0961, -5.8663}, {62.8187, -29.7946, -4.0864}, 1.2630},
+    {{61.2901, 3.7196, -5.3901}, {61.4292, 2.2480, -4.9620}, 1.8731},
+    {{35.0831, -44.1164, 3.7933}, {35.0232, -40.0716, 1.5901}, 1.8645},
+    {{22.7233, 20.0904, -46.6940}, {23.0331, 14.9730, -42.5619}, 2.0373},
+    {{36.4612, 47.8580, 18.3852}, {36.2715, 50.5065, 21.2231}, 1.4146},
+    {{90.8027, -2.0831, 1.4410}, {91.1528, -1.6435, 0.0447}, 1.4441},
+    {{90.9257, -0.5406, -0.9208}, {88.6381, -0.8985, -0.7239}, 1.5381},
+    {{6.7747, -0.2908, -2.4247}, {5.8714, -0.0985, -2.2286}, 0.6377},
+    {{2.0776, 0.0795, -1.1350}, {0.9033, -0.0636, -0.5514}, 0.9082},
+};
+static const double rounding = 0.5e-4 + 1e-9; /* of 4 decimals */
+
+static void check_sharma(void)
+{
+    for (int i = 0; i < 34; i++) {
+        const double forth = ciede2000_difference(sharma[i].one, sharma[i].two);
+        CHECK_NEAR(forth, sharma[i].difference, rounding, "CIEDE2000 of published pair %d", i + 1);
+        CHECK_NEAR(ciede2000_difference(sharma[i].two, sharma[i].one), forth, 1e-12,
+                   "and the other way round");
+    }
+}
+
+/* The paper's equations 2 to 22 with the C library's functions. */
+static double textbook(const double one[3], const double two[3])
+{
+    const double degree = PI / 180;
+    const double c7 = pow((hypot(one[1], one[2]) + hypot(two[1], two[2])) / 2, 7);
+    const double g = 0.5 * (1 - sqrt(c7 / (c7 + pow(25, 7))));
+    const double a1 = (1 + g) * one[1], a2 = (1 + g) * two[1];
+    const double c1 = hypot(a1, one[2]), c2 = hypot(a2, two[2]), c = (c1 + c2) / 2;
+    const double h1 = fmod(atan2(one[2], a1) / degree + 360, 360);
+    const double h2 = fmod(atan2(two[2], a2) / degree + 360, 360);
+    const bool near = fabs(h1 - h2) <= 180;
+    const double dh = near ? h2 - h1 : h2 <= h1 ? h2 - h1 + 360 : h2 - h1 - 360;
+    const double h = near ? (h1 + h2) / 2 : fmod((h1 + h2 + 360) / 2, 360);
+    const double t = 1 - 0.17 * cos((h - 30) * degree) + 0.24 * cos(2 * h * degree) +
+                     0.32 * cos((3 * h + 6) * degree) - 0.20 * cos((4 * h - 63) * degree);
+    const double l = pow((one[0] + two[0]) / 2 - 50, 2);
+    const double rc = 2 * sqrt(pow(c, 7) / (pow(c, 7) + pow(25, 7)));
+    const double rt = -sin(2 * 30 * exp(-pow((h - 275) / 25, 2)) * degree) * rc;
+    const double by_l = (two[0] - one[0]) / (1 + 0.015 * l / sqrt(20 + l));
+    const double by_c = (c2 - c1) / (1 + 0.045 * c);
+    const double by_h = 2 * sqrt(c1 * c2) * sin(dh / 2 * degree) / (1 + 0.015 * c * t);
+    return sqrt(by_l * by_l + by_c * by_c + by_h * by_h + rt * by_c * by_h);
+}
+
+/* Colours from -128 to 128 in a and b: a linear congruential sequence. */
+static double next(uint32_t *state, double lowest, double highest)
+{
+    *state = *state * 1664525u + 1013904223u;
+    return lowest + (highest - lowest) * (*state / 4294967296.0);
+}
+
+static void check_textbook(void)
+{
+    uint32_t state = 1;
+    double worst = 0, unequal = 0;
+    for (int i = 0; i < 100000; i++) {
+        double colour[2][3];
+        for (int j = 0; j < 6; j++)
+            colour[j / 3][j % 3] = next(&state, j % 3 == 0 ? 0 : -128, j % 3 == 0 ? 100 : 128);
+        const double seen = ciede2000_difference(colour[0], colour[1]);
+        worst = fmax(worst, fabs(seen - textbook(colour[0], colour[1])));
+        unequal = fmax(unequal, fabs(seen - ciede2000_difference(colour[1], colour[0])));
+    }
+    CHECK_NEAR(worst, 0, 1e-10, "100000 pairs are as the paper's equations say");
+    CHECK_NEAR(unequal, 0, 1e-10, "and the same the other way round");
+}
+
+static void check_limits(void)
+{
+    const double black[3] = {0, 0, 0}, white[3] = {100, 0, 0}, red[3] = {50, 60, 40};
+    CHECK(ciede2000_difference(red, red) == 0 && ciede2000_difference(black, black) == 0 &&
+              cie94_difference(red, red) == 0 && cie76_difference(red, red) == 0,
+          "a colour does not differ from itself");
+    /* The mean lightness is 50, where lightness counts in full. */
+    CHECK_NEAR(ciede2000_difference(black, white), 100, 1e-12, "black and white differ by 100");
+}
+
+/* c = 50 of (30, 40): S_C = 1 + 0.045 x 50 = 3.25, S_H = 1 + 0.015 x 50 = 1.75. */
+static void check_older(void)
+{
+    const double standard[3] = {50, 30, 40};
+    const double duller[3] = {50, 24, 32}, turned[3] = {50, 40, 30}, other[3] = {52, 30, 30};
+    const double grey[3] = {62, 0, 0}, small[3] = {50, 3, 4};
+    CHECK_NEAR(cie76_difference(small, grey), 13, 1e-13, "CIE76: the root of 12^2 + 3^2 + 4^2");
+    CHECK_NEAR(cie94_difference(standard, duller), 10 / 3.25, 1e-13,
+               "CIE94: a chroma of 40 instead of 50");
+    CHECK_NEAR(cie94_difference(duller, standard), 10 / 2.8, 1e-13,
+               "which is more to a standard of 40");
+    CHECK_NEAR(cie94_difference(standard, turned), 8.0812203564176860, 1e-12,
+               "another hue: the root of 10^2 + 10^2 over 1.75");
+    /* dL 2; C 42.426407, dC 7.573593, dC^2 57.359313; dH^2 = 100 - 57.359313 = 42.640687;
+     * 4 + 57.359313 / 10.5625 + 42.640687 / 3.0625 = 23.353957 */
+    CHECK_NEAR(cie94_difference(standard, other), 4.8325932, 1e-7, "all three at once");
+}
+
+static void check_cielab(double x, double y, double z, const double white[3], double l, double a,
+                         double b, double tolerance, const char *what)
+{
+    const double xyz[3] = {x, y, z};
+    double lab[3];
+    cielab(xyz, white, lab);
+    CHECK_NEAR(lab[0], l, tolerance, "%s: L*", what);
+    CHECK_NEAR(lab[1], a, tolerance, "%s: a*", what);
+    CHECK_NEAR(lab[2], b, tolerance, "%s: b*", what);
+}
+
+/* White 95.047, 100, 108.883 and the red of sRGB: B. Lindbloom, www.brucelindbloom.com, his
+ * conversion of sRGB (255, 0, 0). */
+static const double lindbloom_d65[3] = {95.047, 100, 108.883};
+
+static void check_lab(void)
+{
+    const double white[3] = {80, 100, 40}, no_blue[3] = {80, 100, 0};
+    check_cielab(80, 100, 40, white, 100, 0, 0, 1e-13, "white");
+    check_cielab(10, 12.5, 5, white, 42, 0, 0, 1e-12, "an eighth of it: 116 / 2 - 16");
+    /* roots 0.5, 0.6, 0.7: 116 x 0.6 - 16, 500 x -0.1, 200 x -0.1 */
+    check_cielab(10, 21.6, 13.72, white, 53.6, -50, -20, 1e-12, "a green");
+    check_cielab(0, 0, 0, white, 0, 0, 0, 1e-13, "black");
+    /* Below (6/29)^3 the slope is 24389/27 per 1: 0.9032963 at a thousandth. */
+    check_cielab(0.08, 0.1, 0.04, white, 0.9032963, 0, 0, 1e-7, "a thousandth of white");
+    check_cielab(0, -0.1, 0, white, -0.9032963, 500 * 0.0077870370, 200 * -0.0077870370, 1e-6,
+                 "negative Y");
+    /* 500 x 841/108 x -0.01, and the same of Z with 200 */
+    check_cielab(-0.8, 0, -0.4, white, 0, -38.9351852, 15.5740741, 1e-7, "negative X and Z");
+    check_cielab(41.24564, 21.26729, 1.93339, lindbloom_d65, 53.2408, 80.0925, 67.2032, 0.5e-4,
+                 "the red of sRGB, as published");
+    check_cielab(10, 12.5, 0, no_blue, 42, 0, 200 * (0.5 - 4. / 29), 1e-12,
+                 "a white without Z leaves Z out");
+}
+
+static void check_cieluv(double x, double y, double z, const double white[3], double l, double u,
+                         double v, double tolerance, const char *what)
+{
+    const double xyz[3] = {x, y, z};
+    double luv[3];
+    cieluv(xyz, white, luv);
+    CHECK_NEAR(luv[0], l, tolerance, "%s: L*", what);
+    CHECK_NEAR(luv[1], u, tolerance, "%s: u*", what);
+    CHECK_NEAR(luv[2], v, tolerance, "%s: v*", what);
+}
+
+static void check_luv(void)
+{
+    const double white[3] = {100, 100, 100}; /* u' 4/19, v' 9/19 */
+    check_cieluv(12.5, 12.5, 12.5, white, 42, 0, 0, 1e-12, "CIELUV, a grey");
+    check_cieluv(0, 0, 0, white, 0, 0, 0, 1e-13, "CIELUV, black");
+    /* u' = 100/250, v' = 112.5/250: 13 x 42 x (0.4 - 4/19), 13 x 42 x (0.45 - 9/19) */
+    check_cieluv(25, 12.5, 12.5, white, 42, 103.4526316, -12.9315789, 1e-7, "CIELUV, a red");
+    check_cieluv(0.1, 0.1, 0.1, white, 0.9032963, 0, 0, 1e-7, "CIELUV, a thousandth of white");
+    /* The XYZ have 5 decimals: u*, 13 L* x (u' - un'), may be off by 5e-5 for X and Y. */
+    check_cieluv(41.24564, 21.26729, 1.93339, lindbloom_d65, 53.2408, 175.0151, 37.7564, 1e-4,
+                 "CIELUV, the red of sRGB, as published");
+}
+
+static void check_chromaticity(void)
+{
+    const double orange[3] = {30, 20, 50}, black[3] = {0, 0, 0};
+    double xy[2];
+    chromaticity(orange, xy);
+    CHECK(xy[0] == 0.3 && xy[1] == 0.2, "x and y are shares of the sum");
+    chromaticity(black, xy);
+    CHECK(xy[0] == 0 && xy[1] == 0, "black has none");
+    chromaticity(display_white, xy);
+    CHECK_NEAR(xy[0], 0.3127, 1e-15, "x of a display's white");
+    CHECK_NEAR(xy[1], 0.3290, 1e-15, "and its y");
+    CHECK(display_white[1] == 100, "of Y = 100");
+}
+
+static void check_matrices(void)
+{
+    /* Its determinant is 2 (3 - 0) - 1 (0 - 4) = 10; the cofactors as worked by hand. */
+    double m[3][3] = {{2, 1, 0}, {0, 1, 4}, {1, 0, 3}}, inverse[3][3], product[3][3], out[3];
+    const double by_hand[9] = {0.3, -0.3, 0.4, 0.4, 0.6, -0.8, -0.1, 0.1, 0.2};
+    const double column[3] = {1, 2, 3};
+    double worst = 0, worst_product = 0;
+    colour_inverse(m, inverse);
+    colour_product(inverse, m, product);
+    for (int i = 0; i < 9; i++) {
+        worst = fmax(worst, fabs(inverse[i / 3][i % 3] - by_hand[i]));
+        worst_product = fmax(worst_product, fabs(product[i / 3][i % 3] - (i % 4 == 0)));
+    }
+    CHECK_NEAR(worst, 0, 1e-15, "the inverse of a matrix");
+    CHECK_NEAR(worst_product, 0, 1e-15, "times the matrix is 1");
+    colour_apply(m, column, out);
+    CHECK(out[0] == 4 && out[1] == 14 && out[2] == 10, "a matrix acts on columns");
+    double swapped[3][3] = {{0, 1, 0}, {1, 0, 0}, {0, 0, 1}};
+    colour_product(swapped, m, product);
+    CHECK(product[0][2] == 4 && product[1][0] == 2 && product[2][2] == 3,
+          "the second of a product acts first");
+}
+
+int main(void)
+{
+    check_sharma();
+    check_textbook();
+    check_limits();
+    check_older();
+    check_lab();
+    check_luv();
+    check_chromaticity();
+    check_matrices();
+    return test_end();
+}

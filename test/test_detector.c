@@ -1,0 +1,316 @@
+/* SPDX-License-Identifier: MIT */
+/* Detectors against the CIE's published white points, and weights and losses worked by hand. */
+#include "spectral.h"
+#include "test.h"
+
+enum { PATH_SIZE = 512, MOST = 1024 };
+
+/* A zeroed detector stands for an error. */
+static struct detector read_detector(const char *name, struct error *err)
+{
+    struct detector out;
+    *err = (struct error){0};
+    if (!detector_read(name, &out, err))
+        CHECK(out.name == NULL && out.sensitivity[0].value == NULL,
+              "a refused detector is left empty");
+    return out;
+}
+
+static struct detector detector_of(const char *name)
+{
+    struct error err;
+    struct detector out = read_detector(name, &err);
+    if (err.text[0] != '\0')
+        printf("# %s\n", err.text);
+    return out;
+}
+
+static const char *temporary(const char *name, char path[PATH_SIZE])
+{
+    snprintf(path, PATH_SIZE, "%s/detector-%s", test_folder(), name);
+    return path;
+}
+
+static struct detector content(const char *text)
+{
+    char path[PATH_SIZE];
+    return detector_of(test_write(temporary("content", path), text));
+}
+
+static struct spectrum light_of(const char *name)
+{
+    struct spectrum out = {0};
+    struct error err = {0};
+    struct word word = {.start = name, .length = strlen(name)};
+    spectrum_read(&word, 0, HUGE_VAL, &out, &err);
+    return out;
+}
+
+static int grid(double first, double last, double step, double out[MOST])
+{
+    int n = 0;
+    while (n < MOST && first + n * step <= last) {
+        out[n] = first + n * step;
+        n++;
+    }
+    return n;
+}
+
+/* What a detector makes of a light, or of a radiance of 1 where light is NULL. */
+static void channels(const struct detector *detector, const struct spectrum *light,
+                     const double *nm, int n, double out[3])
+{
+    static double weights[3 * MOST];
+    detector_weights(detector, nm, n, weights);
+    for (int channel = 0; channel < 3; channel++) {
+        out[channel] = 0;
+        for (int i = 0; i < n; i++)
+            out[channel] += weights[channel * n + i] *
+                            (light != NULL ? spectrum_at(light, nm[i], SPECTRUM_ZERO) : 1);
+    }
+}
+
+/* ---- the CIE's tables ---- */
+
+/* As the CIE publishes them (CIE 15:2004): sums over 380 to 780 nm every 5 nm. */
+static const struct white {
+    const char *observer, *light;
+    double x, y;
+} whites[] = {
+    {"cie1931", "d65", 0.31272, 0.32903},
+    {"cie1931", "a", 0.44758, 0.40745},
+    {"cie1964", "d65", 0.31381, 0.33098},
+    {"cie1964", "a", 0.45117, 0.40594},
+};
+
+static void white_point(const struct white *white, double first, double last, double step,
+                        double xy[2])
+{
+    struct detector detector = detector_of(white->observer);
+    struct spectrum light = light_of(white->light);
+    double nm[MOST], xyz[3];
+    channels(&detector, &light, nm, grid(first, last, step, nm), xyz);
+    chromaticity(xyz, xy);
+    printf("# %s under %s, %g to %g nm every %g nm: x %.6f y %.6f\n", white->observer, white->light,
+           first, last, step, xy[0], xy[1]);
+    detector_free(&detector);
+    spectrum_free(&light);
+}
+
+static void check_whites(void)
+{
+    for (size_t i = 0; i < sizeof whites / sizeof whites[0]; i++) {
+        const struct white *w = &whites[i];
+        double xy[2], other[2];
+        white_point(w, 380, 780, 5, xy);
+        CHECK_NEAR(xy[0], w->x, 0.5e-5, "x of %s to %s as published", w->light, w->observer);
+        CHECK_NEAR(xy[1], w->y, 0.5e-5, "and y");
+        /* Illuminants have a sample every 5 nm: every nm is linear between these. */
+        white_point(w, 360, 830, 1, other);
+        CHECK(fabs(other[0] - xy[0]) < 3e-5 && fabs(other[1] - xy[1]) < 3e-5,
+              "all wavelengths, every nm, change less than 0.00003");
+        white_point(w, 300, 760, 5, other);
+        CHECK(fabs(other[0] - xy[0]) < 3e-5 && fabs(other[1] - xy[1]) < 3e-5,
+              "and so does ending at 760 nm");
+    }
+}
+
+static void check_tables(void)
+{
+    static const struct {
+        const char *name;
+        bool observer;
+        double first, last, step;
+    } tables[] = {
+        {"cie1931", true, 360, 830, 1},
+        {"cie1964", true, 360, 830, 1},
+        {"cie2006-2", true, 390, 830, 1},
+        {"cie2006-10", true, 390, 830, 1},
+        {"cie-standard-deviate", true, 300, 760, 5},
+        {"dcs200-camera", false, 300, 760, 5},
+        {"transparency-film", false, 300, 760, 5},
+    };
+    int built_in = 0;
+    for (size_t i = 0; i < sizeof tables / sizeof tables[0]; i++) {
+        struct detector detector = detector_of(tables[i].name);
+        const struct spectrum *y = &detector.sensitivity[1];
+        double nm[MOST], xyz[3], lost[3];
+        int n = grid(tables[i].first, tables[i].last, tables[i].step, nm);
+        CHECK(detector.observer == tables[i].observer && y->count == n &&
+                  memcmp(y->wavelength_nm, nm, (size_t)n * sizeof *nm) == 0,
+              "%s: %d samples from %g to %g nm", tables[i].name, n, nm[0], nm[n - 1]);
+        channels(&detector, NULL, nm, n, xyz);
+        CHECK(!tables[i].observer || fabs(xyz[1] - 100) < 1e-11, "equal energy has Y = 100");
+        n = grid(300, 760, 5, nm);
+        channels(&detector, NULL, nm, n, xyz);
+        detector_lost(&detector, nm, n, lost);
+        printf("# %s, 300 to 760 nm every 5 nm: X %.4f Y %.4f Z %.4f, lost %.2g %.2g %.2g\n",
+               tables[i].name, xyz[0], xyz[1], xyz[2], lost[0], lost[1], lost[2]);
+        CHECK(!tables[i].observer || fabs(xyz[1] - 100) < 0.01,
+              "within 0.01 from 300 to 760 nm every 5 nm");
+        CHECK(lost[0] < 3e-4 && lost[1] < 3e-4 && lost[2] < 3e-4, "which loses below 0.03 %%");
+        detector_free(&detector);
+    }
+    for (size_t i = 0; i < builtin_file_count; i++)
+        built_in += table_is_detector(&builtin_files[i]);
+    CHECK(built_in == sizeof tables / sizeof tables[0], "no other table is a detector");
+}
+
+/* ---- weights ---- */
+
+static void check_weights(void)
+{
+    static const double uneven[] = {400, 410, 440}, single[] = {450}, outside[] = {290, 310};
+    struct detector camera = content("nm,r,g,b\n300 1 2 4\n600 1 2 4\n");
+    struct detector observer = content("nm,x,y,z\n300 1 2 4\n600 1 2 4\n");
+    double out[9];
+    detector_weights(&camera, uneven, 3, out);
+    CHECK(out[0] == 10 && out[1] == 20 && out[2] == 30, "half-way, and a whole step at the ends");
+    CHECK(out[3] == 20 && out[5] == 60 && out[6] == 40 && out[8] == 120, "times the sensitivity");
+    detector_weights(&camera, single, 1, out);
+    CHECK(out[0] == 1 && out[1] == 2 && out[2] == 4, "one wavelength stands for 1 nm");
+    detector_weights(&camera, outside, 2, out);
+    CHECK(out[0] == 0 && out[1] == 20, "no sensitivity outside its table");
+    /* two samples of 300 nm: the sum of y is 1200, and k = 1/12 */
+    detector_weights(&observer, uneven, 3, out);
+    CHECK_NEAR(out[3], 10 * 2 / 12., 1e-15, "an observer's are scaled by its own table");
+    CHECK_NEAR(out[8], 30 * 4 / 12., 1e-14, "whatever the wavelengths are");
+    detector_free(&camera);
+    detector_free(&observer);
+}
+
+/* Equations 11 and 12 of the thesis on its own grid. */
+static void check_thesis(void)
+{
+    struct detector detector = detector_of("cie-standard-deviate");
+    double nm[MOST], weights[3 * 93], sum = 0, worst = 0;
+    const int n = grid(300, 760, 5, nm);
+    detector_weights(&detector, nm, n, weights);
+    for (int i = 0; i < n; i++)
+        sum += detector.sensitivity[1].value[i];
+    for (int i = 0; i < 3 * n; i++)
+        worst = fmax(worst, fabs(weights[i] -
+                                 5 * detector.sensitivity[i / n].value[i % n] * 100 / (5 * sum)));
+    CHECK_NEAR(worst, 0, 1e-13, "on its grid the weights are those of the thesis");
+    detector_free(&detector);
+}
+
+/* ---- losses ---- */
+
+static double lost_of(const char *text, double first, double last, double step)
+{
+    struct detector detector = content(text);
+    double nm[MOST], out[3];
+    detector_lost(&detector, nm, grid(first, last, step, nm), out);
+    CHECK(out[1] == out[0] && out[2] == out[0], "alike channels lose alike");
+    detector_free(&detector);
+    return out[0];
+}
+
+static void check_lost(void)
+{
+    static const char level[] = "400 1 1 1\n410 1 1 1\n420 1 1 1\n430 1 1 1\n";
+    static const char odd[] = "400 1 1 1\n410 -3 -3 -3\n";
+    CHECK(lost_of(level, 400, 430, 10) == 0, "nothing on its own grid");
+    CHECK(lost_of(level, 300, 700, 3) == 0, "nor on a wider one");
+    CHECK(lost_of(level, 500, 600, 10) == 1, "everything elsewhere");
+    CHECK(lost_of(level, 380, 390, 10) == 1, "also just beside it");
+    CHECK(lost_of(level, 397.5, 412.5, 5) == 0.5, "half, from 395 to 415 of 395 to 435 nm");
+    CHECK_NEAR(lost_of(level, 420, 420, 1), 39. / 40, 1e-15, "all but 1 nm of 40");
+    CHECK(lost_of(odd, 400, 405, 10) == lost_of(odd, 400, 400.5, 1) &&
+              fabs(lost_of(odd, 400, 400, 1) - (1 - 1. / 40)) < 1e-15,
+          "negative ones count by their size");
+}
+
+/* ---- reading ---- */
+
+static void check_heads(void)
+{
+    static const struct {
+        const char *text;
+        bool observer;
+    } files[] = {
+        {"nm,x,y,z\n400,1,2,3\n500,1,2,3\n", true},
+        {"# mine\n\n\"Wavelength (nm)\";\"x\";\"y\";\"z\"\r\n400;1;2;3\r\n", true},
+        {"nm,X,Y,Z\n400,1,2,3\n", false},
+        {"nm,z,y,x\n400,1,2,3\n", false},
+        {"nm,r,g,b\n400,1,2,3\n", false},
+        {"x y z\n400,1,2,3\n", false},
+        {"400 1 2 3\n500 0 -1 0\n", false},
+    };
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++) {
+        struct detector detector = content(files[i].text);
+        CHECK(detector.observer == files[i].observer && detector.sensitivity[2].count > 0 &&
+                  detector.sensitivity[0].value[0] == 1 && detector.sensitivity[1].value[0] == 2 &&
+                  detector.sensitivity[2].value[0] == 3,
+              "file %zu is %s", i, files[i].observer ? "an observer" : "a camera");
+        detector_free(&detector);
+        detector_free(&detector);
+    }
+}
+
+static void check_odd_names(void)
+{
+    static const char *const names[] = {"a:1", "a*2", "a b.csv", "0.5"};
+    char path[PATH_SIZE];
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        struct detector detector =
+            detector_of(test_write(temporary(names[i], path), "400 1 2 3\n"));
+        CHECK(detector.sensitivity[1].count == 1, "a file named '%s' is read", names[i]);
+        detector_free(&detector);
+    }
+}
+
+/* What a file holds, and the message that refuses it, from the line on. */
+static const char *const bad_files[][2] = {
+    {"nm,x,y\n400,1,2\n", ":2:1: error: 2 value columns; a detector has 3, as 'wavelength,x,y,z'"},
+    {"400 1 2 3 4\n", ":1:1: error: 4 value columns; a detector has 3, as 'wavelength,x,y,z'"},
+    {"SPECT\nSPECTRAL_BANDS 1\n",
+     ": error: 1 value columns; a detector has 3, as 'wavelength,x,y,z'"},
+    {"400 1 2 3\n410 1 2\n", ":2:1: error: this row has 2 values, the first row has 3"},
+    {"400 1 2 3\n400 1 2 3\n",
+     ":2:1: error: wavelength 400 nm follows 400 nm; wavelengths must increase"},
+    {"400 1 2 x\n", ":1:9: error: value must be a number such as 2.5 or 1e-3, not 'x'"},
+    {"nm,x,y,z\n", ": error: no samples; a spectrum needs at least one"},
+    {"", ": error: no samples; a spectrum needs at least one"},
+    {"nm,r,g,b\n\n400 1 0 3\n410 1 0 3\n", ":3:1: error: value column 2 is 0 everywhere"},
+    {"nm,x,y,z\n400 1 1 1\n410 1 -1 1\n",
+     ":2:1: error: the sum of y is 0; an observer's is positive"},
+    {"400 1 1 8e307\n410 1 1 8e307\n420 1 1 8e307\n",
+     ":1:1: error: value column 3 is too large to be summed"},
+};
+
+static void check_refused(void)
+{
+    struct error err;
+    char path[PATH_SIZE];
+    for (size_t i = 0; i < sizeof bad_files / sizeof bad_files[0]; i++) {
+        read_detector(test_write(temporary("bad", path), bad_files[i][0]), &err);
+        CHECK(err.status == EXIT_INPUT && strncmp(err.text, path, strlen(path)) == 0,
+              "bad file %zu is blamed", i);
+        CHECK_TEXT(err.text + strlen(path), bad_files[i][1], "where it is bad");
+    }
+    read_detector("cie1932", &err);
+    CHECK(err.status == EXIT_INPUT && strstr(err.text, "'cie1932'") != NULL &&
+              strstr(err.text, " cie2006-10 ") != NULL && strstr(err.text, "d65") == NULL,
+          "an unknown name lists the detectors");
+    read_detector("d65", &err);
+    CHECK(strstr(err.text, "1 value columns; a detector has 3") != NULL, "a light is none");
+    read_detector("cie1931:2", &err);
+    CHECK(err.status == EXIT_INPUT, "nor is a column of one");
+    read_detector("/", &err);
+    CHECK(err.status == EXIT_INPUT, "nor a folder");
+}
+
+int main(void)
+{
+    check_whites();
+    check_tables();
+    check_weights();
+    check_thesis();
+    check_lost();
+    check_heads();
+    check_odd_names();
+    check_refused();
+    return test_end();
+}
