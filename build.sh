@@ -31,7 +31,7 @@ warnings='-pedantic -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstr
 hardening='-fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2'
 static_packages='g++ libc6-dev libtiff-dev zlib1g-dev libzstd-dev libdeflate-dev liblzma-dev libjpeg-dev libwebp-dev
   liblerc-dev'
-test_packages='gcc clang libomp-dev perl liblcms2-utils python3-tifffile python3-numpy python3-scipy python3-gdal
+test_packages='gcc clang libomp-dev perl liblcms2-utils python3-pil python3-tifffile python3-numpy python3-scipy python3-gdal
   imagej default-jdk-headless glmark2-data psychtoolbox-3-common mandoc bsdextrautils busybox-static
   file binutils musl-tools gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user'
 mutation='s/whole = bound\[i\]/whole = 1000 * bound[i]/'

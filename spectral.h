@@ -749,12 +749,14 @@ struct picture_options {
     size_t profile_length;
     const char *description; /* ASCII */
 };
-/* A TIFF page of three samples a pixel, written from the top; it appears whole or not at all. */
+/* A TIFF file written from the top, which appears whole or not at all. RGB is one page of three
+ * samples a pixel; floats are three pages, each a channel and named as such. */
 struct picture_writer {
     struct output output;
     struct picture_options options;
-    struct picture_file *file; /* owned */
-    int row;                   /* the next one */
+    uint64_t pixels_at; /* where the first page's first row lies; the rest follows */
+    bool big;           /* BigTIFF */
+    int row;            /* the next one */
 };
 bool picture_open(struct picture_writer *out, const char *path,
                   const struct picture_options *options, struct error *err);
@@ -781,14 +783,16 @@ struct develop_result {
     int width, height, n_pages;
     double first_nm, last_nm;
     bool observer;
-    double lost[3]; /* detector_lost */
+    struct adaptation adaptation; /* as used: with its luminance */
+    double lost[3];               /* detector_lost */
     bool has_white;
     double white[3];       /* the white in the detector's channels, before adaptation */
     double exposure;       /* as used */
-    uint64_t out_of_gamut; /* pixels of which a channel was clipped; 0 of XYZ and Lab */
+    uint64_t out_of_gamut; /* pixels with a channel clipped by more than 1e-6; 0 of XYZ and Lab */
 };
-/* Weights that take radiances at the cube's wavelengths to linear display channels, XYZ or, before
- * cielab, XYZ: out[channel * n_pages + i]. */
+/* Weights that take radiances at the cube's wavelengths to linear display channels, to XYZ or, for
+ * cielab, to XYZ, at exposure 1: out[channel * n_pages + i]. Refuses a detector that sees none of
+ * the wavelengths. Fills in the result but for what the pixels decide. */
 bool develop_weights(const struct cube *cube, const struct detector *detector,
                      const struct develop_options *options, double *out,
                      struct develop_result *result, struct error *err);

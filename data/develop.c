@@ -1,0 +1,489 @@
+/* SPDX-License-Identifier: MIT */
+/* Develops a spectral stack: what a detector makes of it, adapted, on a display. All that is linear
+ * is folded into three weights a page beforehand. The stack is read in chunks of rows, a few pages
+ * at a time; each pixel is summed in the order of the pages, whatever the chunks and threads. */
+#include "spectral.h"
+
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+/* ---- weights ---- */
+
+static bool check_detector(const struct cube *cube, const struct detector *detector,
+                           const struct develop_options *options, const double *weights,
+                           struct error *err)
+{
+    const struct image *image = &cube->image;
+    bool sees = false;
+    for (int i = 0; i < 3 * image->n_pages; i++)
+        sees = sees || weights[i] != 0;
+    if (!sees)
+        return error_usage(err, "%s: %s sees nothing from %.10g to %.10g nm", image->path,
+                           detector->name, image->wavelengths_nm[0],
+                           image->wavelengths_nm[image->n_pages - 1]);
+    if (!detector->observer && options->adaptation.kind != ADAPTATION_NONE)
+        return error_usage(err,
+                           "%s is a camera or film, which does not adapt but is balanced to the"
+                           " white; %s is for observers",
+                           detector->name, adaptation_name(options->adaptation.kind));
+    if (!detector->observer && options->values != DEVELOP_RGB)
+        return error_usage(err, "%s is a camera or film, which has no %s; expected an observer",
+                           detector->name,
+                           options->values == DEVELOP_XYZ ? "tristimulus values" : "CIELAB");
+    return true;
+}
+
+static void channels_of(const double *weights, const double *radiance, int n, double out[3])
+{
+    for (int channel = 0; channel < 3; channel++) {
+        out[channel] = 0;
+        for (int i = 0; i < n; i++)
+            out[channel] += weights[channel * n + i] * (radiance != NULL ? radiance[i] : 1);
+    }
+}
+
+/* What these weights make of the white. */
+static bool white_channels(const struct cube *cube, const struct develop_options *options,
+                           const double *weights, double out[3], struct error *err)
+{
+    const int n = cube->image.n_pages;
+    double *radiance = calloc((size_t)n, sizeof *radiance);
+    const bool done =
+        (radiance != NULL || error_memory(err)) && cube_white(cube, options->white, radiance, err);
+    if (done)
+        channels_of(weights, radiance, n, out);
+    free(radiance);
+    return done;
+}
+
+/* What needs no white still tells of it, if there is one. */
+static bool find_white(const struct cube *cube, const struct detector *detector,
+                       const struct develop_options *options, const double *weights,
+                       struct develop_result *result, struct error *err)
+{
+    const bool needed = !detector->observer || options->white != NULL ||
+                        options->adaptation.kind != ADAPTATION_NONE ||
+                        options->values == DEVELOP_LAB;
+    struct error ignored = {0};
+    result->has_white =
+        white_channels(cube, options, weights, result->white, needed ? err : &ignored);
+    return result->has_white || !needed;
+}
+
+/* Each channel divided by the white's. */
+static bool balance(const struct detector *detector, const double white[3], int n, double *weights,
+                    struct error *err)
+{
+    for (int channel = 0; channel < 3; channel++) {
+        if (!(white[channel] > 0))
+            return error_usage(err,
+                               "channel %d of %s has %.6g of the white, by which it is to be"
+                               " divided; expected one that all three channels see",
+                               channel + 1, detector->name, white[channel]);
+        for (int i = 0; i < n; i++)
+            weights[channel * n + i] /= white[channel];
+    }
+    return true;
+}
+
+static void fold(double m[3][3], int n, double *weights)
+{
+    for (int i = 0; i < n; i++) {
+        double out[3];
+        colour_apply(m, (double[]){weights[i], weights[n + i], weights[2 * n + i]}, out);
+        for (int channel = 0; channel < 3; channel++)
+            weights[channel * n + i] = out[channel];
+    }
+}
+
+/* The thesis takes the luminance that a light adapts to for ten times its intensity. */
+static bool adapt(const struct cube *cube, const struct develop_options *options, double *weights,
+                  struct develop_result *result, struct error *err)
+{
+    const double illumination = cube->record.illumination > 0 ? cube->record.illumination : 1;
+    const int n = cube->image.n_pages;
+    double equal[3], m[3][3];
+    if (result->adaptation.kind == ADAPTATION_FAIRCHILD && !(result->adaptation.luminance > 0))
+        result->adaptation.luminance = 10 * illumination;
+    channels_of(weights, NULL, n, equal);
+    if (!adaptation_matrix(&result->adaptation, result->white, equal, m, err))
+        return false;
+    fold(m, n, weights);
+    if (options->values == DEVELOP_RGB) {
+        display_matrix(options->display, m);
+        fold(m, n, weights);
+    }
+    return true;
+}
+
+bool develop_weights(const struct cube *cube, const struct detector *detector,
+                     const struct develop_options *options, double *out,
+                     struct develop_result *result, struct error *err)
+{
+    const struct image *image = &cube->image;
+    const int n = image->n_pages;
+    *result = (struct develop_result){.width = image->width,
+                                      .height = image->height,
+                                      .n_pages = n,
+                                      .first_nm = image->wavelengths_nm[0],
+                                      .last_nm = image->wavelengths_nm[n - 1],
+                                      .observer = detector->observer,
+                                      .adaptation = options->adaptation,
+                                      .exposure = options->exposure};
+    detector_weights(detector, image->wavelengths_nm, n, out);
+    detector_lost(detector, image->wavelengths_nm, n, result->lost);
+    return check_detector(cube, detector, options, out, err) &&
+           find_white(cube, detector, options, out, result, err) &&
+           (detector->observer ? adapt(cube, options, out, result, err)
+                               : balance(detector, result->white, n, out, err));
+}
+
+/* ---- a stack being developed ---- */
+
+enum {
+    BATCH = 8,              /* pages that are read before they are added up */
+    CHUNK_PIXELS = 1 << 22, /* at most, but a row: 128 MB of a batch, 96 MB of sums */
+    BLOCK_PIXELS = 1024     /* that a thread adds up at once */
+};
+
+struct development {
+    const struct develop_options *options;
+    struct develop_result *result;
+    struct cube cube;
+    double *weights; /* [channel][page] */
+    double white[3]; /* as adapted, of DEVELOP_LAB */
+    int rows;        /* of a chunk */
+    int threads;
+    size_t n_pixels; /* of a chunk */
+    float *radiance; /* [page of the batch][pixel] */
+    double *sums;    /* [channel][pixel] */
+    void *samples;   /* as picture_write takes them */
+};
+
+static int thread_count(int wanted)
+{
+#ifdef _OPENMP
+    return wanted > 0 ? wanted : omp_get_max_threads();
+#else
+    (void)wanted;
+    return 1;
+#endif
+}
+
+static bool prepare_weights(struct development *of, struct error *err)
+{
+    struct detector detector;
+    if (!detector_read(of->options->detector, &detector, err))
+        return false;
+    of->weights = calloc(3 * (size_t)of->cube.image.n_pages, sizeof *of->weights);
+    const bool done =
+        (of->weights != NULL || error_memory(err)) &&
+        develop_weights(&of->cube, &detector, of->options, of->weights, of->result, err) &&
+        (of->options->values != DEVELOP_LAB ||
+         white_channels(&of->cube, of->options, of->weights, of->white, err));
+    detector_free(&detector);
+    return done;
+}
+
+static size_t sample_bytes(const struct develop_options *options)
+{
+    return options->values != DEVELOP_RGB ? sizeof(float) : (size_t)options->bits / 8;
+}
+
+static bool prepare_chunk(struct development *of, struct error *err)
+{
+    const struct image *image = &of->cube.image;
+    const int rows = CHUNK_PIXELS / image->width;
+    of->rows = rows < 1 ? 1 : rows < image->height ? rows : image->height;
+    of->n_pixels = (size_t)of->rows * (size_t)image->width;
+    of->threads = thread_count(of->options->threads);
+    of->radiance = calloc(BATCH * of->n_pixels, sizeof *of->radiance);
+    of->sums = calloc(3 * of->n_pixels, sizeof *of->sums);
+    of->samples = calloc(3 * of->n_pixels, sample_bytes(of->options));
+    return (of->radiance != NULL && of->sums != NULL && of->samples != NULL) || error_memory(err);
+}
+
+/* Adds a batch of pages to up to BLOCK_PIXELS pixels, page after page. */
+static void add_block(const float *restrict radiance, size_t stride, double weights[3][BATCH],
+                      size_t n, double *restrict x, double *restrict y, double *restrict z)
+{
+    for (size_t i = 0; i < n; i++) {
+        double sum[3] = {x[i], y[i], z[i]};
+        for (int page = 0; page < BATCH; page++) {
+            const double value = (double)radiance[(size_t)page * stride + i];
+            for (int channel = 0; channel < 3; channel++)
+                sum[channel] += weights[channel][page] * value;
+        }
+        x[i] = sum[0];
+        y[i] = sum[1];
+        z[i] = sum[2];
+    }
+}
+
+/* Pages that are missing in the last batch have weight 0. */
+static void add_batch(struct development *of, int first, size_t n)
+{
+    const int n_pages = of->cube.image.n_pages;
+    const size_t stride = of->n_pixels;
+    double weights[3][BATCH] = {{0}};
+    for (int channel = 0; channel < 3; channel++)
+        for (int page = 0; page < BATCH && first + page < n_pages; page++)
+            weights[channel][page] = of->weights[channel * n_pages + first + page];
+#pragma omp parallel for num_threads(of->threads)
+    for (size_t i = 0; i < n; i += BLOCK_PIXELS)
+        add_block(of->radiance + i, stride, weights, n - i < BLOCK_PIXELS ? n - i : BLOCK_PIXELS,
+                  of->sums + i, of->sums + stride + i, of->sums + 2 * stride + i);
+}
+
+/* Of the chunk that begins with row y. */
+static int rows_at(const struct development *of, int y)
+{
+    const int left = of->cube.image.height - y;
+    return left < of->rows ? left : of->rows;
+}
+
+static bool sum_chunk(struct development *of, int y, int rows, struct error *err)
+{
+    struct image *image = &of->cube.image;
+    memset(of->sums, 0, 3 * of->n_pixels * sizeof *of->sums);
+    for (int page = 0; page < image->n_pages; page++) {
+        if (output_interrupted())
+            return error_system(err, "interrupted; nothing was written");
+        if (!image_read(image, page, y, rows, of->radiance + (size_t)(page % BATCH) * of->n_pixels,
+                        err))
+            return false;
+        if (page % BATCH == BATCH - 1 || page == image->n_pages - 1)
+            add_batch(of, page / BATCH * BATCH, (size_t)rows * (size_t)image->width);
+    }
+    return true;
+}
+
+/* ---- exposure ---- */
+
+static double largest_sum(const struct development *of, int channel, size_t n)
+{
+    const double *sums = of->sums + (size_t)channel * of->n_pixels;
+    double largest = 0;
+#pragma omp parallel for reduction(max : largest) num_threads(of->threads)
+    for (size_t i = 0; i < n; i++)
+        largest = sums[i] > largest ? sums[i] : largest;
+    return largest;
+}
+
+/* What brings the brightest channel of all pixels (or Y) to the largest that is displayed (or 100);
+ * 1 of a black picture. */
+static bool find_exposure(struct development *of, struct error *err)
+{
+    const struct image *image = &of->cube.image;
+    const bool rgb = of->options->values == DEVELOP_RGB;
+    double brightest = 0; /* in parts of the largest */
+    for (int y = 0; y < image->height; y += rows_at(of, y)) {
+        const int rows = rows_at(of, y);
+        if (!sum_chunk(of, y, rows, err))
+            return false;
+        for (int channel = rgb ? 0 : 1; channel < (rgb ? 3 : 2); channel++)
+            brightest =
+                fmax(brightest, largest_sum(of, channel, (size_t)rows * (size_t)image->width) /
+                                    (rgb ? display_largest(of->options->display, channel) : 100));
+    }
+    of->result->exposure = brightest > 1 / DBL_MAX ? 1 / brightest : 1;
+    return true;
+}
+
+/* ---- pixels ---- */
+
+/* The largest float stands for what is beyond. */
+static float stored(double value)
+{
+    return (float)fmax(-(double)FLT_MAX, fmin(value, (double)FLT_MAX));
+}
+
+static void store_floats(const struct development *of, size_t pixel, const double values[3])
+{
+    float *samples = of->samples;
+    double lab[3];
+    if (of->options->values == DEVELOP_LAB)
+        cielab(values, of->white, lab);
+    for (int channel = 0; channel < 3; channel++)
+        samples[3 * pixel + (size_t)channel] =
+            stored(of->options->values == DEVELOP_LAB ? lab[channel] : values[channel]);
+}
+
+/* Tells whether a channel was clipped; by less than 1e-6 it may be by rounding, as a white is. */
+static bool store_rgb(const struct development *of, size_t pixel, const double values[3])
+{
+    const double slack = 1e-6;
+    const enum display_kind display = of->options->display;
+    bool clipped = false;
+    for (int channel = 0; channel < 3; channel++) {
+        const double value = display_encode(display, channel, values[channel]);
+        const size_t at = 3 * pixel + (size_t)channel;
+        if (of->options->bits == 16)
+            ((uint16_t *)of->samples)[at] = (uint16_t)(value * 65535 + 0.5);
+        else
+            ((uint8_t *)of->samples)[at] = (uint8_t)(value * 255 + 0.5);
+        clipped = clipped || values[channel] < -slack ||
+                  values[channel] > display_largest(display, channel) + slack;
+    }
+    return clipped;
+}
+
+/* Returns how many pixels are out of gamut. */
+static uint64_t store_chunk(const struct development *of, size_t n)
+{
+    const double exposure = of->result->exposure;
+    const bool rgb = of->options->values == DEVELOP_RGB;
+    uint64_t clipped = 0;
+#pragma omp parallel for reduction(+ : clipped) num_threads(of->threads)
+    for (size_t i = 0; i < n; i++) {
+        double values[3];
+        for (size_t channel = 0; channel < 3; channel++)
+            values[channel] = exposure * of->sums[channel * of->n_pixels + i];
+        if (rgb)
+            clipped += store_rgb(of, i, values);
+        else
+            store_floats(of, i, values);
+    }
+    return clipped;
+}
+
+/* ---- in words ---- */
+
+static void print_white(const struct develop_options *options, const struct develop_result *result,
+                        FILE *to)
+{
+    const double *white = result->white;
+    double xy[2];
+    if (!result->has_white)
+        fputs("white             not recorded\n", to);
+    else {
+        fprintf(to, "white             %s%.6g %.6g %.6g", result->observer ? "XYZ " : "", white[0],
+                white[1], white[2]);
+        chromaticity(white, xy);
+        if (result->observer)
+            fprintf(to, ", xy %.5f %.5f", xy[0], xy[1]);
+        fprintf(to, " (%s)\n", options->white != NULL ? options->white : "recorded");
+    }
+}
+
+/* All that decides a developed picture, but for the stack. */
+static void print_settings(const struct develop_options *options,
+                           const struct develop_result *result, FILE *to)
+{
+    static const char *const values[] = {
+        [DEVELOP_RGB] = "RGB", [DEVELOP_XYZ] = "XYZ", [DEVELOP_LAB] = "CIELAB"};
+    fprintf(to, "detector          %s (%s)\n", options->detector,
+            result->observer ? "observer" : "camera or film, balanced to the white");
+    print_white(options, result, to);
+    fprintf(to, "adaptation        %s", adaptation_name(result->adaptation.kind));
+    if (result->adaptation.kind == ADAPTATION_FAIRCHILD)
+        fprintf(to, " to %.6g cd/m2", result->adaptation.luminance);
+    fprintf(to, "\nvalues            %s", values[options->values]);
+    if (options->values == DEVELOP_RGB)
+        fprintf(to, " of %d bits\ndisplay           %s", options->bits,
+                display_name(options->display));
+    fprintf(to, "\nexposure          %.10g%s\n", result->exposure,
+            options->exposure > 0 ? "" : " (auto)");
+}
+
+void develop_print(const struct develop_options *options, const struct develop_result *result,
+                   FILE *to)
+{
+    const double pixels = (double)result->width * result->height, *lost = result->lost;
+    print_settings(options, result, to);
+    fprintf(to, "wavelengths       %d, from %.10g to %.10g nm\n", result->n_pages, result->first_nm,
+            result->last_nm);
+    fprintf(to, "unseen            %.4g %%, %.4g %%, %.4g %% of the sensitivities lie outside\n",
+            100 * lost[0], 100 * lost[1], 100 * lost[2]);
+    if (options->values == DEVELOP_RGB)
+        fprintf(to, "out of gamut      %llu of %.0f pixels (%.3f %%)\n",
+                (unsigned long long)result->out_of_gamut, pixels,
+                100 * (double)result->out_of_gamut / pixels);
+}
+
+/* ---- the picture ---- */
+
+/* ASCII: what else names hold becomes '?'. NULL: no memory. */
+static char *description(const struct development *of)
+{
+    char *text = NULL;
+    size_t length = 0;
+    FILE *stream = open_memstream(&text, &length);
+    if (stream == NULL)
+        return NULL;
+    fprintf(stream, "developed by      " PROGRAM "\nstack             %s\n", of->cube.image.path);
+    print_settings(of->options, of->result, stream);
+    if (fclose(stream) != 0) {
+        free(text);
+        return NULL;
+    }
+    for (char *at = text; *at != '\0'; at++)
+        if ((*at < ' ' || *at > '~') && *at != '\n')
+            *at = '?';
+    return text;
+}
+
+static bool open_picture(const struct development *of, const char *path, struct picture_writer *out,
+                         struct error *err)
+{
+    const bool lab = of->options->values == DEVELOP_LAB, rgb = of->options->values == DEVELOP_RGB;
+    unsigned char profile[LARGEST_PROFILE];
+    char *text = description(of);
+    if (text == NULL)
+        return error_memory(err);
+    const struct picture_options options = {
+        .width = of->result->width,
+        .height = of->result->height,
+        .samples = !rgb                      ? PICTURE_FLOAT
+                   : of->options->bits == 16 ? PICTURE_16
+                                             : PICTURE_8,
+        .channels = {lab ? "L*" : "X", lab ? "a*" : "Y", lab ? "b*" : "Z"},
+        .profile = rgb ? profile : NULL,
+        .profile_length = rgb ? profile_write(of->options->display, profile) : 0,
+        .description = text};
+    const bool done = picture_open(out, path, &options, err);
+    free(text);
+    return done;
+}
+
+static bool write_picture(struct development *of, const char *path, struct error *err)
+{
+    const struct image *image = &of->cube.image;
+    struct picture_writer writer;
+    bool done = open_picture(of, path, &writer, err);
+    if (!done)
+        return false;
+    for (int y = 0; done && y < image->height; y += rows_at(of, y)) {
+        const int rows = rows_at(of, y);
+        done = sum_chunk(of, y, rows, err);
+        of->result->out_of_gamut += store_chunk(of, (size_t)rows * (size_t)image->width);
+        done = done && picture_write(&writer, of->samples, rows, err);
+    }
+    done = done && picture_commit(&writer, err);
+    picture_discard(&writer);
+    return done;
+}
+
+/* Signals are held from before OpenMP starts its threads, none of which may take one. */
+bool develop(const char *stack, const char *output, const struct develop_options *options,
+             struct develop_result *out, struct error *err)
+{
+    struct development of = {.options = options, .result = out};
+    void *held = signals_hold();
+    bool done = (held != NULL || error_memory(err)) && cube_open(stack, &of.cube, err) &&
+                prepare_weights(&of, err) && prepare_chunk(&of, err) &&
+                (options->exposure > 0 || find_exposure(&of, err)) &&
+                write_picture(&of, output, err);
+    cube_close(&of.cube);
+    free(of.weights);
+    free(of.radiance);
+    free(of.sums);
+    free(of.samples);
+    signals_release(held);
+    return done;
+}

@@ -1,0 +1,409 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""Developed pictures are computed once more with numpy, from the stack, the tables and published
+matrices, and compared pixel by pixel; some are known in closed form. Prints TAP."""
+import io
+import os
+import re
+import resource
+import subprocess
+import sys
+
+import numpy as np
+import tifffile
+from osgeo import gdal
+from PIL import Image
+
+sys.dont_write_bytecode = True
+from rendered import SPECTRAL, TMP, check, done, write
+
+gdal.UseExceptions()
+D65 = np.array([0.3127, 0.3290, 1 - 0.3127 - 0.3290]) * 100 / 0.3290
+OBSERVERS = "cie1931", "cie1964", "cie2006-2", "cie-standard-deviate"
+CAMERAS = "dcs200-camera", "transparency-film"
+CONES = {  # from XYZ
+    "von-kries": [[0.4002, 0.7076, -0.0808], [-0.2263, 1.1653, 0.0457], [0, 0, 0.9182]],
+    "bradford": [[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]],
+    "cat16": [[0.401288, 0.650173, -0.051461], [-0.250268, 1.204414, 0.045854],
+              [-0.002079, 0.048952, 0.953127]]}
+CONES["fairchild"] = CONES["von-kries"]
+MONITOR = [[0.03426, -0.01633, -0.005365], [-0.01026, 0.01911, 0.0002522], [0.000529, -0.001811, 0.00867]]
+
+
+# ---- the same with numpy ----
+
+def table(name):
+    return np.array([line.split(",") for line in open(f"data/tables/{name}.csv") if line[0].isdigit()], float).T
+
+
+def widths(nm):
+    """What a wavelength stands for: half-way to its neighbours, the first and the last a whole step."""
+    steps = np.diff(nm)
+    return (np.append(steps[:1], steps) + np.append(steps, steps[-1:])) / 2
+
+
+def weights(detector, nm):
+    own, *curves = table(detector)
+    k = 1 if detector in CAMERAS else 100 / (curves[1] * widths(own)).sum()
+    return np.array([np.interp(nm, own, curve, 0, 0) for curve in curves]) * widths(nm) * k
+
+
+def adaptation(kind, white, equal, luminance):
+    if kind == "none":
+        return np.eye(3)
+    cones = np.array(CONES[kind])
+    of_white, part = cones @ white, np.ones(3)
+    if kind == "fairchild":
+        ratio = of_white / (cones @ equal)
+        m = 3 * ratio / ratio.sum()
+        part = (1 + np.cbrt(luminance) + m) / (1 + np.cbrt(luminance) + 1 / m)
+    return np.linalg.inv(cones) @ np.diag(part * (cones @ D65) / of_white) @ cones
+
+
+def display_matrix(display):
+    if display == "monitor":
+        return np.array(MONITOR)
+    primaries = np.array([[0.64, 0.33, 0.03], [0.30, 0.60, 0.10], [0.15, 0.06, 0.79]]).T
+    return np.linalg.inv(primaries * np.linalg.solve(primaries, D65))
+
+
+def largest(display):
+    return np.array([1.035**1.534, 1.053**1.393, 1.047**1.435]) if display == "monitor" else np.ones(3)
+
+
+def encode(display, linear):
+    value = linear.clip(0)
+    if display == "monitor":
+        return np.minimum(value ** (1 / np.array([1.534, 1.393, 1.435])) / [1.035, 1.053, 1.047], 1)
+    return np.where(value <= 0.0031308, 12.92 * value, 1.055 * value ** (1 / 2.4) - 0.055).clip(0, 1)
+
+
+def lab(xyz, white):
+    ratio = xyz / white
+    f = np.where(ratio > (6 / 29)**3, np.cbrt(ratio), ratio * (29 / 6)**2 / 3 + 4 / 29)
+    return np.stack([116 * f[..., 1] - 16, 500 * (f[..., 0] - f[..., 1]), 200 * (f[..., 1] - f[..., 2])], -1)
+
+
+class Stack:
+    """Radiances [page, y, x] as the program reads them, in single precision, and the white of its lights."""
+
+    def __init__(self, path, nm, radiance, white=None, illumination=1.0):
+        self.path, self.nm, self.white, self.illumination = path, np.asarray(nm, float), white, illumination
+        self.radiance = np.asarray(radiance, np.float32).astype(float)
+
+    def channels(self, detector, kind="none", luminance=None):
+        """Adapted XYZ, or what a balanced camera sees; and the white's."""
+        of = weights(detector, self.nm)
+        white = of @ self.white if self.white is not None else None
+        if detector in CAMERAS:
+            matrix = np.diag(1 / white)
+        else:
+            matrix = adaptation(kind, white, of.sum(1), luminance or 10 * self.illumination)
+        return np.tensordot(self.radiance, (matrix @ of).T, (0, 0)), \
+            matrix @ white if self.white is not None else None
+
+
+# ---- the program ----
+
+def run(*arguments, **options):
+    return subprocess.run([SPECTRAL, "develop", *arguments], capture_output=True, check=False, **options)
+
+
+def developed(stack, *options):
+    """Samples [y, x, channel], and what the program prints."""
+    path = os.path.join(TMP, "developed.tif")
+    result = run(stack.path, "-o", path, *options)
+    if result.returncode != 0:
+        return np.full(stack.radiance.shape[1:] + (3,), np.nan), result.stderr.decode()
+    samples = tifffile.imread(path)
+    return samples if samples.ndim == 3 and samples.shape[2] == 3 else np.moveaxis(samples, 0, 2), \
+        result.stdout.decode()
+
+
+def printed(text, key):
+    found = re.search(f"^{key} +(.*)$", text, re.M)
+    return found.group(1) if found else ""
+
+
+def number(text, key):
+    return float((printed(text, key) or "nan").split()[0])
+
+
+def is_near(seen, expected, name, relative=1e-6):
+    """Within a millionth of the largest: floats are stored in single precision."""
+    error = np.abs(seen - expected).max() / np.abs(expected).max()
+    check(error <= relative, name, f"relative error {error}")
+
+
+def is_encoded(seen, expected, bits, name):
+    """The last bit may differ where the exact value is half-way between two, within 1e-6 of a step."""
+    exact = expected * (2**bits - 1)
+    wrong = (np.abs(seen - exact) > 0.5 + 1e-6) | np.isnan(seen)
+    check(seen.shape == expected.shape and not wrong.any() and np.ptp(expected) > 0.3, name,
+          f"{wrong.sum()} samples differ; {np.ptp(expected)}")
+
+
+def foreign(name, nm, radiance, **options):
+    """A stack of floats with OME-XML, not written by the program."""
+    path = os.path.join(TMP, name + ".ome.tif")
+    radiance = np.asarray(radiance, np.float32)
+    tifffile.imwrite(path, radiance, ome=True, photometric="minisblack", **options, metadata={
+        "axes": "CYX", "Channel": {"EmissionWavelength": list(map(float, nm)),
+                                   "EmissionWavelengthUnit": ["nm"] * len(nm)}})
+    return Stack(path, nm, radiance)
+
+
+def rendered():
+    """Two lights: the white is their mean by intensity."""
+    scene = write("lights.scene", "size 90 60\nlight d65 0.5 direction 1 1 1\nambient a 0.3\n"
+                  "material red { diffuse gaussian:640,80 }\nmaterial green { diffuse gaussian:520,60 }\n"
+                  "material white { diffuse 1 }\nmaterial blue { diffuse gaussian:440,50*0.8 }\n"
+                  "object sphere 1 30 30 material red translate -3 0 0\n"
+                  "object sphere 1 30 30 material green translate -1 0 0\n"
+                  "object sphere 1 30 30 material white translate 1 0 0\n"
+                  "object sphere 1 30 30 material blue translate 3 0 0\n")
+    path = os.path.join(TMP, "lights.tif")
+    subprocess.run([SPECTRAL, "render", scene, "--renderer", "raster", "-o", path, "--quiet"], check=True)
+    with tifffile.TiffFile(path) as tiff:
+        counts = np.array([page.asarray() for page in tiff.pages], float)
+        nm = np.array(tiff.pages[0].tags[65000].value, float)
+        scale = float(re.search(r"full_scale: (\S+)", tiff.pages[0].description).group(1))
+    white = (0.5 * np.interp(nm, *table("d65")) + 0.3 * np.interp(nm, *table("a"))) / 0.8
+    return Stack(path, nm, counts / 65535 * scale, white, 0.8)
+
+
+# ---- closed forms ----
+
+def flat_spectra():
+    nm, *curves = table("cie1931")
+    flat = foreign("flat", nm, np.ones((len(nm), 4, 5)))
+    sums = np.sum(curves, 1)
+    xyz, _ = developed(flat, "--xyz")
+    is_near(xyz, np.broadcast_to(100 * sums / sums[1], (4, 5, 3)),
+            "radiance 1 everywhere has Y = 100 and X, Z of equal energy")
+    for kind in "von-kries", "bradford", "cat16":
+        xyz, _ = developed(flat, "--xyz", "--white", "1", "--adaptation", kind)
+        is_near(xyz, np.broadcast_to(D65, (4, 5, 3)), f"{kind} takes the white to D65")
+        for bits in "8", "16":
+            rgb, text = developed(flat, "--white", "1", "--adaptation", kind, "--bits", bits)
+            check((rgb == 2 ** int(bits) - 1).all() and number(text, "out of gamut") == 0,
+                  f"{kind}: the white is white in {bits} bits, and in gamut", text)
+    values, _ = developed(flat, "--lab", "--white", "1")
+    check(np.abs(values - [100, 0, 0]).max() <= 1e-4, "the white is L* = 100, a* = b* = 0")
+    for camera in CAMERAS:
+        rgb, _ = developed(flat, "--white", "1", "--detector", camera)
+        check((rgb == 255).all(), f"{camera} is balanced to the white")
+
+
+def factors(stack):
+    base, _ = developed(stack, "--xyz")
+    for factor in 2, 0.125:
+        xyz, text = developed(stack, "--xyz", "--exposure", str(factor))
+        check((xyz == factor * base).all() and base.max() > 10 and number(text, "exposure") == factor,
+              f"exposure {factor} multiplies XYZ by {factor}")
+        scaled = foreign("scaled", stack.nm, stack.radiance * factor)
+        xyz, _ = developed(scaled, "--xyz")
+        check((xyz == factor * base).all(), f"radiances times {factor} multiply XYZ by {factor}")
+    for options in ((), ("--detector", "dcs200-camera"), ("--display", "monitor"), ("--adaptation", "cat16")):
+        for bits in "8", "16":
+            rgb, text = developed(stack, "--exposure", "auto", "--bits", bits, *options)
+            check(rgb.max() == 2 ** int(bits) - 1 and "auto" in printed(text, "exposure"),
+                  f"auto reaches the top of {bits} bits {' '.join(options)}")
+    xyz, text = developed(stack, "--exposure", "auto", "--xyz")
+    check(xyz[..., 1].max() == 100, "auto brings the largest Y to just 100")
+    is_near(xyz, base / base[..., 1].max() * 100, "auto multiplies all by the same")
+    black = foreign("black", [400, 500, 600], np.zeros((3, 4, 5)))
+    rgb, text = developed(black, "--exposure", "auto")
+    check((rgb == 0).all() and number(text, "exposure") == 1, "a black picture stays black at exposure 1")
+
+
+# ---- all once more ----
+
+def recomputed(stack):
+    for observer in OBSERVERS:
+        xyz, white = stack.channels(observer)
+        seen, text = developed(stack, "--detector", observer, "--xyz")
+        is_near(seen, xyz, f"{observer}: XYZ")
+        told = [float(word) for word in re.findall(r"[-\d.e]+", printed(text, "white"))[:3]]
+        check(np.allclose(told, white, rtol=1e-5), f"{observer}: the white's XYZ is told", text)
+        own, *curves = table(observer)
+        covered = (own > stack.nm[0] - 2.5) & (own < stack.nm[-1] + 2.5)
+        lost = [np.abs(curve[~covered]).sum() / np.abs(curve).sum() for curve in curves]
+        told = [float(word) / 100 for word in re.findall(r"[\d.e-]+(?= %)", printed(text, "unseen"))]
+        check(np.allclose(told, lost, atol=2e-6), f"{observer}: what lies outside the wavelengths is told", told, lost)
+    for kind, options in (("none", {}), ("von-kries", {}), ("bradford", {}), ("cat16", {}), ("fairchild", {}),
+                          ("fairchild", {"luminance": 318.3})):
+        word = kind + "".join(f":{value}" for value in options.values())
+        xyz, white = stack.channels("cie1931", kind, **options)
+        seen, _ = developed(stack, "--adaptation", word, "--xyz")
+        is_near(seen, xyz, f"{word}: XYZ")
+        seen, _ = developed(stack, "--adaptation", word, "--lab")
+        is_near(seen, lab(xyz, white), f"{word}: CIELAB beside the adapted white")
+        for display in "srgb", "monitor":
+            linear = xyz @ display_matrix(display).T
+            for bits in 8, 16:
+                seen, text = developed(stack, "--adaptation", word, "--display", display, "--bits", str(bits))
+                is_encoded(seen, encode(display, linear), bits, f"{word}: {display}, {bits} bits")
+            beyond = ((linear < -1e-6) | (linear > largest(display) + 1e-6)).any(2).sum()
+            check(number(text, "out of gamut") == beyond, f"{word}: {display} has {beyond} pixels out of gamut", text)
+    for camera in CAMERAS:
+        linear, _ = stack.channels(camera)
+        for display in "srgb", "monitor":
+            for bits in 8, 16:
+                seen, _ = developed(stack, "--detector", camera, "--display", display, "--bits", str(bits))
+                is_encoded(seen, encode(display, linear), bits, f"{camera}: {display}, {bits} bits")
+    other = Stack(stack.path, stack.nm, stack.radiance, np.interp(stack.nm, *table("a")), 0.8)
+    linear = other.channels("cie1931", "cat16")[0] @ display_matrix("srgb").T
+    seen, _ = developed(stack, "--adaptation", "cat16", "--white", "a")
+    is_encoded(seen, encode("srgb", linear), 8, "--white a stands for the recorded lights")
+
+
+def foreign_stacks():
+    random = np.random.default_rng(6)
+    nm = [380, 405.5, 450, 500, 520, 560, 590, 640, 650, 720]  # more than are added up at a time
+    radiance = random.random((len(nm), 30, 40)) * 2
+    stacks = [("OME-XML", foreign("random", nm, radiance)),
+              ("deflated OME-XML", foreign("deflated", nm, radiance, compression="zlib"))]
+    path = os.path.join(TMP, "gdal.tif")
+    counts = (radiance * 32767).astype(np.uint16)
+    with tifffile.TiffWriter(path, byteorder=">") as tiff:
+        for centre, page in zip(nm, counts):
+            tag = (f'<GDALMetadata><Item name="wavelength" sample="0">{centre}</Item>'
+                   '<Item name="wavelength_units" sample="0">Nanometers</Item></GDALMetadata>')
+            tiff.write(page, contiguous=False, metadata=None, extratags=[(42112, 2, len(tag) + 1, tag, True)])
+    stacks.append(("GDAL metadata", Stack(path, nm, counts / 65535)))
+    for name, stack in stacks:
+        xyz, _ = stack.channels("cie1931")
+        seen, text = developed(stack, "--xyz")
+        is_near(seen, xyz, f"a stack with {name}: XYZ")
+        check("not recorded" in printed(text, "white"), f"a stack with {name} records no white")
+        stack.white = np.interp(nm, *table("d65"))
+        linear = stack.channels("cie1931", "fairchild")[0] @ display_matrix("srgb").T
+        seen, _ = developed(stack, "--white", "d65", "--adaptation", "fairchild")
+        is_encoded(seen, encode("srgb", linear), 8, f"a stack with {name}: adapted to a white that is given")
+    single = foreign("single", [550], np.full((1, 2, 2), 3))
+    xyz, _ = developed(single, "--xyz")
+    own, *curves = table("cie1931")
+    expected = 3 * 100 * np.array([np.interp(550, own, curve) for curve in curves]) / (curves[1] * widths(own)).sum()
+    is_near(xyz, np.broadcast_to(expected, (2, 2, 3)), "a single wavelength stands for 1 nm")
+
+
+# ---- files ----
+
+def readers(stack):
+    path = os.path.join(TMP, "read.tif")
+    for bits in "8", "16":
+        run(stack.path, "-o", path, "--bits", bits)
+        with tifffile.TiffFile(path) as tiff:
+            page, pixels = tiff.pages[0], tiff.asarray()
+            profile = page.tags[34675].value
+            check(page.photometric == 2 and page.bitspersample == int(bits) and len(tiff.pages) == 1,
+                  f"{bits} bits: one page of RGB")
+        check(np.array_equal(gdal.Open(path).ReadAsArray().transpose(1, 2, 0), pixels),
+              f"{bits} bits: GDAL sees the same")
+        check(profile[36:40] == b"acsp" and profile[16:20] == b"RGB " and
+              int.from_bytes(profile[:4], "big") == len(profile), f"{bits} bits: an ICC profile of RGB")
+    run(stack.path, "-o", path)
+    with Image.open(path) as image:
+        check(image.mode == "RGB" and np.array_equal(np.asarray(image), tifffile.imread(path))
+              and image.info["icc_profile"] == profile, "Pillow sees the same, and the profile")
+    run(stack.path, "-o", path, "--xyz", "--adaptation", "fairchild", "--exposure", "2")
+    with tifffile.TiffFile(path) as tiff:
+        names = [page.tags["PageName"].value for page in tiff.pages]
+        floats, how = tiff.asarray(), tiff.pages[0].description
+    check(names == ["X", "Y", "Z"] and floats.shape == (3,) + stack.radiance.shape[1:], "XYZ: three pages, named")
+    whole = gdal.Open(path)
+    check(all(np.array_equal(gdal.Open(name).ReadAsArray(), page)
+              for (name, _), page in zip(whole.GetSubDatasets(), floats)), "XYZ: GDAL sees the same")
+    with Image.open(path) as image:
+        for page in range(3):
+            image.seek(page)
+            check(np.array_equal(np.asarray(image), floats[page]), f"XYZ: Pillow sees the same on page {page + 1}")
+    for words in ("developed by +spectral", "stack +.*lights[.]tif", "detector +cie1931",
+                  "white +XYZ .* [(]recorded[)]", "adaptation +fairchild to 8 cd/m2", "exposure +2"):
+        check(re.search(words, how), f"the file tells: {words}", how)
+
+
+def chunks_and_threads():
+    """A picture of more pixels than are developed at once, and stacks of some of its rows."""
+    size, nm = 2100, [450, 550, 610]
+    y, x = np.mgrid[:size, :size]
+    counts = np.array([(x * (3 + page) + y * (7 + page) * 5) % 65536 for page in range(3)], np.uint16)
+    files = []
+    for name, rows in (("whole", np.s_[:]), ("top", np.s_[:40]), ("middle", np.s_[1980:2020]), ("end", np.s_[2060:])):
+        files.append((os.path.join(TMP, name + ".tif"), rows))
+        with tifffile.TiffWriter(files[-1][0]) as tiff:
+            for centre, page in zip(nm, counts[:, rows]):
+                tiff.write(page, contiguous=False, metadata=None, extratags=[(285, 2, 0, f"{centre} nm", True)])
+    for options in (), ("--xyz",), ("--exposure", "auto", "--bits", "16"):
+        pictures = []
+        for threads in "1", "2", "5":
+            path = os.path.join(TMP, f"threads{threads}.tif")
+            result = run(files[0][0], "-o", path, "--threads", threads, *options)
+            pictures.append((result.stdout.replace(path.encode(), b""), open(path, "rb").read()))
+            os.unlink(path)
+        check(pictures[0] == pictures[1] == pictures[2] and len(pictures[0][1]) > 3 * size * size,
+              f"1, 2 and 5 threads give the same bytes {' '.join(options)}")
+        if "auto" in options:
+            continue
+        whole = tifffile.imread(io.BytesIO(pictures[0][1]))
+        whole = whole if whole.shape[2] == 3 else np.moveaxis(whole, 0, 2)
+        for path, rows in files[1:]:
+            seen, _ = developed(Stack(path, nm, counts[:, rows]), *options)
+            check(np.array_equal(seen, whole[rows]), f"rows alone are those of the whole {' '.join(options)}")
+
+
+# ---- what must fail ----
+
+def refusals(stack):
+    path = os.path.join(TMP, "refused.tif")
+    if os.path.exists(path):
+        os.unlink(path)
+    plain = foreign("plain", [400, 500, 600], np.ones((3, 4, 5)))
+    infrared = foreign("infrared", [1000, 1100], np.ones((2, 4, 5)))
+    picture, cut = os.path.join(TMP, "picture.tif"), os.path.join(TMP, "cut.tif")
+    tifffile.imwrite(picture, np.zeros((4, 5, 3), np.uint8), photometric="rgb")
+    with open(cut, "wb") as out:
+        out.write(open(stack.path, "rb").read()[:200000])
+    negative = foreign("negative", [400, 500], np.array([np.ones((2, 2)), -np.ones((2, 2))]))
+    for says, source, *options in (
+            ("which does not adapt", stack.path, "--detector", "dcs200-camera", "--adaptation", "cat16"),
+            ("which has no tristimulus values", stack.path, "--detector", "dcs200-camera", "--xyz"),
+            ("which has no CIELAB", stack.path, "--detector", "dcs200-camera", "--lab"),
+            ("--white", plain.path, "--adaptation", "von-kries"), ("--white", plain.path, "--lab"),
+            ("--white", plain.path, "--detector", "dcs200-camera"),
+            ("channel 3 of transparency-film has 0 of the white", plain.path, "--detector", "transparency-film",
+             "--white", "gaussian:600,1"),
+            ("sees nothing from 1000 to 1100 nm", infrared.path),
+            ("RGB", picture), ("", cut), ("is -1; it is finite and not negative", negative.path),
+            ("", os.path.join(TMP, "missing.tif")), ("", stack.path, "--detector", "nobody")):
+        result = run(source, "-o", path, *options)
+        text = result.stderr.decode()
+        check(result.returncode == 2 and text.count("\n") == 1 and says in text and not os.path.exists(path),
+              f"refused: {text.strip()[:150]}")
+
+
+def full_disks(stack):
+    before = sorted(os.listdir(TMP))
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+    result = run(stack.path, "-o", os.path.join(TMP, "full.tif"), preexec_fn=limit, restore_signals=False)
+    check(result.returncode == 3 and result.stderr.count(b"\n") == 1 and sorted(os.listdir(TMP)) == before,
+          "a full disk: exit 3, one line, and nothing is left", result.stderr)
+    result = run(stack.path, "-o", "/dev/full")
+    check(result.returncode == 3 and result.stderr.count(b"\n") == 1, "a full device: exit 3", result.stderr)
+    result = run(stack.path, "-o", os.path.join(TMP, "quiet.tif"), "--quiet")
+    check(result.returncode == 0 and result.stdout == result.stderr == b"", "--quiet says nothing")
+
+
+lights = rendered()
+flat_spectra()
+factors(lights)
+recomputed(lights)
+foreign_stacks()
+readers(lights)
+chunks_and_threads()
+refusals(lights)
+full_disks(lights)
+done()
