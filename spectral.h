@@ -19,7 +19,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#define SPECTRAL_VERSION "0.2.0"
+#define SPECTRAL_VERSION "0.3.0"
 #define PROGRAM "spectral " SPECTRAL_VERSION
 
 #if defined(__GNUC__)
@@ -443,6 +443,8 @@ void donaldson_free(struct donaldson *matrix);
 struct image {
     char *path; /* owned */
     int width, height, n_pages;
+    uint64_t bytes;         /* of the file */
+    bool coloured;          /* some page is RGB */
     double *wavelengths_nm; /* of each page, increasing; NULL where one tells none; owned */
     double scale; /* radiance of sample value 1 (16 bits: of 65535); 1 where the file tells none */
     char *description;       /* of the first page; "" where it has none; owned */
@@ -451,13 +453,16 @@ struct image {
 };
 /* Opens the file (or "builtin:..." file); reads what its pages say of themselves, no samples.
  * Refuses, blamed on `from`: what is no TIFF, pages without pixels or that differ in size, other
- * samples than the above. */
+ * samples than the above, uncompressed pages of which the file lacks the end. */
 bool image_open(const char *path, struct place from, struct image *out, struct error *err);
 /* Rows y .. y + rows - 1 of a page, width values each, the top row first: 0 to 1 (or float samples)
  * times the scale; of RGB the luma 0.2126 R + 0.7152 G + 0.0722 B (ITU-R BT.709) of the stored
  * values. What is negative, not finite or cut short is refused. Of an uncompressed page no more is
  * read than these rows. */
 bool image_read(struct image *image, int page, int y, int rows, float *out, struct error *err);
+/* Any bytes of the file. */
+bool image_read_bytes(const struct image *image, uint64_t offset, size_t length, void *out,
+                      struct error *err);
 void image_close(struct image *image);
 
 /* ---- data/texture.c: pictures on surfaces ---- */
@@ -655,27 +660,38 @@ struct record {
     const char *renderer;              /* "raster", or OpenGL's GL_RENDERER */
     char *options[MAX_RECORD_OPTIONS]; /* each one word: "--size=300x200"; not owned */
     int n_options;
-    /* What the scene is lit by, each as its spectrum*intensity; not owned. */
-    char **lights;
-    int n_lights;
-    /* The mean of all lights and ambient lights, by intensity: the radiance of a perfect diffuser
-     * under one light of intensity 1, at each wavelength; and the sum of their intensities. NULL
-     * and 0 where nothing shines, or in a stack that does not tell. */
+    /* What the scene is lit by, each as SPECTRUM*INTENSITY; the arrays are owned. */
+    const char **lights, **ambients;
+    int n_lights, n_ambients;
+    /* scene_white, at each wavelength; owned. NULL and 0 where nothing shines, or in a stack that
+     * does not tell. */
     double *white;
     int n_white;
     double illumination;
-    /* What the numbers of the object map stand for, from 1; 0 is the background. */
-    char **objects;
+    /* What the numbers of the object map stand for, from 1; 0 is the background. The array is
+     * owned. */
+    const char **objects;
     int n_objects;
-    /* Only of record_read: how samples become radiances, and where all of the above lies. */
+    /* Only of record_read: how samples become radiances, and where the object map lies, of how many
+     * bytes a pixel; 0: there is none. */
     const char *full_scale, *scale;
-    char *text; /* owned */
+    uint64_t map_offset;
+    int map_bytes;
+    char *text; /* what lights, ambients and, of record_read, all strings point into; owned */
 };
+/* The mean of all lights and ambient lights, by intensity: the radiance of a perfect diffuser under
+ * one light of intensity 1, at each of the scene's wavelengths. Returns the sum of the intensities,
+ * or 0 where nothing shines there; out is then of no use. */
+double scene_white(const struct scene *scene, double *out);
+/* How many digits read back as the same double. */
+int exact_digits(double number);
+/* Fills in what a scene tells: itself, its lights and white. The scene must outlive the record. */
+bool record_scene(const struct scene *scene, struct record *out, struct error *err);
 /* Lines "KEY: VALUE", allocated; NULL: no memory. In values, control characters, what is no UTF-8
  * and '%' become %XX, as in a URL. */
 char *record_text(const struct record *record);
-/* Reads the record in the description of a stack's first page; an image without one is refused as
- * no stack of this program. */
+/* Reads the record in the description of a stack's first page; an image without one, or with one
+ * that contradicts itself, is refused as no stack of this program. */
 bool record_read(const struct image *image, struct record *out, struct error *err);
 void record_free(struct record *record);
 
@@ -688,19 +704,22 @@ struct stack_options {
     bool floating;          /* 32-bit float pages of radiance instead of 16-bit counts */
     const char *scene;      /* for the description */
     const char *provenance; /* lines of text for the description: record_text */
+    int map_bytes;          /* of a pixel's number in the object map: 1 or 2; 0: there is no map */
 };
 /* A stack being written: laid out at once, then filled rectangle by rectangle in any order. */
 struct stack_writer {
     struct output output;
     struct stack_options options;
-    uint64_t *page_offset; /* byte offset of each page's pixels */
+    uint64_t *page_offset; /* byte offset of each page's pixels, and of the object map's */
+    uint64_t map_offset;   /* as the file tells it */
     uint64_t verdict_offset;
     bool big; /* BigTIFF */
 };
 /* Lays the file out. The strings in options are copied into the file, wavelengths by pointer. */
 bool stack_open(struct stack_writer *out, const char *path, const struct stack_options *options,
                 struct error *err);
-/* Samples of a rectangle, row by row without gaps: uint16_t counts or float radiances. */
+/* Samples of a rectangle, row by row without gaps: uint16_t counts or float radiances. Behind the
+ * last page lies the object map: as page n_wavelengths, of uint8_t or uint16_t. */
 bool stack_write(struct stack_writer *writer, int page, int x, int y, int width, int height,
                  const void *samples, struct error *err);
 /* Stores `verdict` (the check in one line, ASCII, at most STACK_VERDICT - 1 bytes) in the room that
@@ -710,6 +729,7 @@ bool stack_finish(struct stack_writer *writer, const char *verdict, struct error
 /* The first byte in which a finished stack and a file are not the same. */
 struct stack_difference {
     bool compared, found;
+    bool in_map;    /* at x, y of the object map, which is no page */
     int page, x, y; /* page -1: outside the pages */
 };
 bool stack_compare(const struct stack_writer *writer, const char *path,
@@ -725,7 +745,8 @@ const char *stack_library(void);                 /* name and version of the libt
  * as OME-XML, GDAL_METADATA or page names. */
 struct cube {
     struct image image;
-    struct record record; /* zeroed in a stack that is not our own */
+    struct record record; /* zeroed in a stack that is not our own; map_bytes is 0 where no object
+                             map lies where it should */
 };
 /* EXIT_INPUT blames the path. Reads no samples. */
 bool cube_open(const char *path, struct cube *out, struct error *err);
@@ -1004,6 +1025,7 @@ struct plan {
     int max_rows;       /* largest finish_rows of a finish */
     int tile_width, tile_height; /* the last column and row of tiles may be smaller */
     uint64_t file_bytes, tile_bytes;
+    int map_bytes; /* of a number in the object map; 0: there is none */
     struct plan_effect effects[MAX_EFFECTS];
     int n_effects;
     struct plan_work work;
@@ -1325,6 +1347,9 @@ bool render_agreed(const struct render_result *result);
 const char *render_stored(const struct plan *plan, const struct render_result *result);
 
 /* ---- raster/report.c: results in words and as JSON ---- */
+
+/* The name of a surface: that of its material; or "background" for -1. */
+const char *object_name(const struct plan *plan, int surface);
 
 /* The verdict in one line of ASCII, for the stack. */
 void report_verdict(const struct plan *plan, const struct check_tally *tally, char *out,

@@ -17,17 +17,23 @@ struct layout {
     uint32_t width, height, block_width, block_height;
     uint16_t bits, n_samples, n_colours, n_planes;
     size_t block_bytes, colour_step, pixel_step;
+    size_t row_bytes;     /* of a plane */
+    uint64_t rows_offset; /* where its rows lie one after the other, uncompressed; 0: they do not */
     double largest;       /* sample; 1 where they are float */
     bool tiled, inverted; /* 0 is white */
+};
+struct page {
+    uint64_t directory; /* where it lies */
+    struct layout layout;
 };
 struct image_file {
     TIFF *tiff;
     const struct builtin_file *builtin; /* NULL: libtiff reads a descriptor */
     uint64_t position;                  /* in it */
-    struct layout first;                /* of page 0 */
     double count_scale;                 /* radiance of a count, by page 0's GDAL metadata */
-    uint64_t *directories;              /* where each page's lies */
-    const char *channels;               /* of its OME-XML, those of the pages to come */
+    struct page *pages;
+    int page;             /* whose directory libtiff is at; -1: none of them */
+    const char *channels; /* of its OME-XML, those of the pages to come */
     struct place from;
     bool decoding;     /* a warning then means lost samples */
     char message[256]; /* libtiff's first */
@@ -91,9 +97,39 @@ static bool blocks_read(const struct image *image, int page, struct layout *out,
         TIFFGetField(tiff, TIFFTAG_TILEWIDTH, &out->block_width);
     TIFFGetFieldDefaulted(tiff, out->tiled ? TIFFTAG_TILELENGTH : TIFFTAG_ROWSPERSTRIP,
                           &out->block_height);
+    if (!out->tiled && out->block_height > out->height)
+        out->block_height = out->height;
     out->block_bytes = (size_t)(out->tiled ? TIFFTileSize(tiff) : TIFFStripSize(tiff));
     out->colour_step = out->n_planes > 1 ? out->block_bytes / (out->bits / 8u) : 1;
     return out->block_bytes > 0 || refuse_broken(image, page, err);
+}
+
+/* Whether the rows of all planes lie one after the other, uncompressed, so that they can be read as
+ * they are: the usual way of stacks. Refuses a file that ends before they do. */
+static bool rows_find(const struct image *image, int page, struct layout *out, struct error *err)
+{
+    TIFF *tiff = image->file->tiff;
+    const uint32_t n = TIFFNumberOfStrips(tiff);
+    const uint32_t per_plane = (out->height - 1) / out->block_height + 1;
+    const uint64_t first = TIFFGetStrileOffset(tiff, 0);
+    uint16_t compression = 0, fill_order = 0;
+    uint64_t end = first;
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_FILLORDER, &fill_order);
+    out->row_bytes = (size_t)out->width * out->pixel_step * (out->bits / 8u);
+    if (out->tiled || compression != COMPRESSION_NONE || fill_order != FILLORDER_MSB2LSB)
+        return true;
+    for (uint32_t strip = 0; strip < n && end <= image->bytes; strip++) {
+        const uint32_t left = out->height - strip % per_plane * out->block_height;
+        const uint32_t rows = left < out->block_height ? left : out->block_height;
+        const uint64_t bytes = (uint64_t)rows * out->row_bytes;
+        if (TIFFGetStrileOffset(tiff, strip) != end || TIFFGetStrileByteCount(tiff, strip) < bytes)
+            return true;
+        end += bytes;
+    }
+    out->rows_offset = first;
+    return end <= image->bytes ||
+           refuse(image, page, err, "its pixels end behind the end of the file");
 }
 
 static bool samples_read(const struct image *image, int page, struct layout *out, struct error *err)
@@ -132,8 +168,7 @@ static bool samples_read(const struct image *image, int page, struct layout *out
                       : format == SAMPLEFORMAT_IEEEFP ? "float"
                                                       : "of another kind");
     const uint64_t bytes = (uint64_t)out->width * out->height * out->n_samples * out->bits / 8;
-    return compression != COMPRESSION_NONE ||
-           bytes <= TIFFGetSizeProc(tiff)(TIFFClientdata(tiff)) ||
+    return compression != COMPRESSION_NONE || bytes <= image->bytes ||
            refuse(image, page, err, "its pixels are %" PRIu64 " bytes, the file is shorter", bytes);
 }
 
@@ -159,7 +194,8 @@ static bool layout_read(const struct image *image, int page, struct layout *out,
     if (compression == COMPRESSION_JBIG || !TIFFIsCODECConfigured(compression))
         return refuse(image, page, err, "its compression (%d) is none that can be read here",
                       compression);
-    return samples_read(image, page, out, err) && blocks_read(image, page, out, err);
+    return samples_read(image, page, out, err) && blocks_read(image, page, out, err) &&
+           rows_find(image, page, out, err);
 }
 
 /* ---- what a page says of itself ---- */
@@ -261,30 +297,29 @@ static bool page_add(struct image *image, struct error *err)
 {
     struct image_file *file = image->file;
     const int page = image->n_pages;
-    uint64_t *directories = array_more(file->directories, page, sizeof *directories, err);
-    struct layout layout;
-    if (directories == NULL)
+    struct page *pages = array_more(file->pages, page, sizeof *pages, err);
+    if (pages == NULL)
         return false;
-    file->directories = directories;
+    file->pages = pages;
     double *nm = array_more(image->wavelengths_nm, page, sizeof *nm, err);
     if (nm == NULL)
         return false;
     image->wavelengths_nm = nm;
-    directories[page] = TIFFCurrentDirOffset(file->tiff);
+    pages[page].directory = TIFFCurrentDirOffset(file->tiff);
     nm[page] = page_wavelength(file);
-    if (!layout_read(image, page, &layout, err))
+    const struct layout *layout = &pages[page].layout, *first = &pages[0].layout;
+    if (!layout_read(image, page, &pages[page].layout, err))
         return false;
-    if (page == 0)
-        file->first = layout;
-    if (layout.width != file->first.width || layout.height != file->first.height ||
-        layout.bits != file->first.bits)
-        return refuse(image, page, err,
-                      "it has %" PRIu32 "x%" PRIu32 "x%d bits, the first page %" PRIu32 "x%" PRIu32
-                      "x%d",
-                      layout.width, layout.height, layout.bits, file->first.width,
-                      file->first.height, file->first.bits);
+    if (layout->width != first->width || layout->height != first->height ||
+        layout->bits != first->bits)
+        return refuse(
+            image, page, err,
+            "it has %" PRIu32 "x%" PRIu32 "x%d bits, the first page %" PRIu32 "x%" PRIu32 "x%d",
+            layout->width, layout->height, layout->bits, first->width, first->height, first->bits);
+    image->coloured = image->coloured || layout->n_colours > 1;
+    file->page = page;
     image->n_pages++;
-    return scale_read(image, page, &layout, err);
+    return scale_read(image, page, layout, err);
 }
 
 static bool pages_read(struct image *image, struct error *err)
@@ -306,8 +341,8 @@ static bool pages_read(struct image *image, struct error *err)
         free(image->wavelengths_nm);
         image->wavelengths_nm = NULL;
     }
-    image->width = (int)image->file->first.width;
-    image->height = (int)image->file->first.height;
+    image->width = (int)image->file->pages[0].layout.width;
+    image->height = (int)image->file->pages[0].layout.height;
     return true;
 }
 
@@ -367,16 +402,19 @@ static bool tiff_open(struct image *image, struct error *err)
         TIFFOpenOptionsSetMaxSingleMemAlloc(options, most_bytes);
         TIFFOpenOptionsSetErrorHandlerExtR(options, keep_error, file);
         TIFFOpenOptionsSetWarningHandlerExtR(options, keep_warning, file);
-        /* m: not mapped into memory, where a file cut short while it is open would end us. */
+        /* m: not mapped into memory, where a file cut short while it is open would end us; c: a
+         * large strip is not shown as many small ones. */
         file->tiff =
             file->builtin == NULL
-                ? TIFFFdOpenExt(descriptor, image->path, "rm", options)
-                : TIFFClientOpenExt(image->path, "rm", file, builtin_read, builtin_write,
+                ? TIFFFdOpenExt(descriptor, image->path, "rmc", options)
+                : TIFFClientOpenExt(image->path, "rmc", file, builtin_read, builtin_write,
                                     builtin_seek, builtin_close, builtin_size, NULL, NULL, options);
         TIFFOpenOptionsFree(options);
     }
     if (file->tiff == NULL && descriptor >= 0)
         close(descriptor);
+    if (file->tiff != NULL)
+        image->bytes = TIFFGetSizeProc(file->tiff)(TIFFClientdata(file->tiff));
     return file->tiff != NULL ||
            (options == NULL ? error_memory(err) : refuse_broken(image, -1, err));
 }
@@ -398,7 +436,7 @@ void image_close(struct image *image)
     if (image->file != NULL) {
         if (image->file->tiff != NULL)
             TIFFClose(image->file->tiff);
-        free(image->file->directories);
+        free(image->file->pages);
     }
     free(image->file);
     free(image->path);
@@ -440,6 +478,40 @@ static double pixel_value(const struct layout *layout, const char *blocks, size_
     return (layout->inverted ? white - sum : sum) / white;
 }
 
+static bool bytes_read(const struct image *image, uint64_t offset, size_t length, void *out)
+{
+    TIFF *tiff = image->file->tiff;
+    const thandle_t data = TIFFClientdata(tiff);
+    return TIFFGetSeekProc(tiff)(data, offset, SEEK_SET) == offset &&
+           TIFFGetReadProc(tiff)(data, out, (tmsize_t)length) == (tmsize_t)length;
+}
+
+bool image_read_bytes(const struct image *image, uint64_t offset, size_t length, void *out,
+                      struct error *err)
+{
+    return bytes_read(image, offset, length, out) ||
+           refuse(image, -1, err, "its byte %" PRIu64 " cannot be read", offset);
+}
+
+/* Reads rows top .. end - 1 as they lie in the file, of each plane that is needed. */
+static bool rows_copy(const struct image *image, int page, const struct layout *layout,
+                      uint32_t top, uint32_t end, char *blocks, struct error *err)
+{
+    const bool swapped = TIFFIsByteSwapped(image->file->tiff);
+    const size_t length = (end - top) * layout->row_bytes;
+    for (uint16_t plane = 0; plane < layout->n_planes; plane++) {
+        void *block = blocks + plane * layout->block_bytes;
+        const uint64_t row = (uint64_t)plane * layout->height + top;
+        if (!bytes_read(image, layout->rows_offset + row * layout->row_bytes, length, block))
+            return refuse(image, page, err, "its row %" PRIu32 " cannot be read", top);
+        if (swapped && layout->bits == 16)
+            TIFFSwabArrayOfShort(block, (tmsize_t)(length / 2));
+        if (swapped && layout->bits == 32)
+            TIFFSwabArrayOfLong(block, (tmsize_t)(length / 4));
+    }
+    return true;
+}
+
 /* Decodes the block at column x and row y, of each plane that is needed. */
 static bool block_decode(const struct image *image, int page, const struct layout *layout,
                          uint32_t x, uint32_t y, char *blocks, struct error *err)
@@ -478,25 +550,70 @@ static bool block_place(const struct image *image, int page, const struct layout
     return true;
 }
 
+/* Goes to the page's directory, if libtiff is to decode its blocks, and lets it know how. */
+static bool page_turn(const struct image *image, int page, struct error *err)
+{
+    struct image_file *file = image->file;
+    const struct layout *known = &file->pages[page].layout;
+    struct layout found;
+    if (known->rows_offset > 0 || file->page == page)
+        return true;
+    file->page = -1;
+    if (!TIFFSetSubDirectory(file->tiff, file->pages[page].directory))
+        return refuse_broken(image, page, err);
+    if (!layout_read(image, page, &found, err))
+        return false;
+    if (found.width != known->width || found.height != known->height || found.bits != known->bits ||
+        found.n_samples != known->n_samples || found.block_bytes != known->block_bytes ||
+        found.rows_offset != known->rows_offset)
+        return refuse(image, page, err, "it has changed since the file was opened");
+    file->page = page;
+    return true;
+}
+
+/* Rows that are read as they lie in the file come in blocks that stay in the processor's cache. */
+static struct layout rows_layout(const struct layout *page, uint32_t rows)
+{
+    const size_t most = (size_t)1 << 18, fitting = most / page->row_bytes;
+    struct layout layout = *page;
+    layout.block_height = fitting < 1 ? 1 : fitting < rows ? (uint32_t)fitting : rows;
+    layout.block_bytes = layout.block_height * layout.row_bytes;
+    if (layout.n_planes > 1)
+        layout.colour_step = layout.block_bytes / (layout.bits / 8u);
+    return layout;
+}
+
+/* Reads the block at column x and row y in whichever way it lies. */
+static bool block_read(const struct image *image, int page, const struct layout *layout, uint32_t x,
+                       uint32_t y, const struct rows *wanted, char *blocks, struct error *err)
+{
+    const uint32_t left = wanted->end - y;
+    const uint32_t rows = left < layout->block_height ? left : layout->block_height;
+    return layout->rows_offset > 0 ? rows_copy(image, page, layout, y, y + rows, blocks, err)
+                                   : block_decode(image, page, layout, x, y, blocks, err);
+}
+
 bool image_read(struct image *image, int page, int y, int rows, float *out, struct error *err)
 {
     struct image_file *file = image->file;
     const struct rows wanted = {(uint32_t)y, (uint32_t)(y + rows), out};
-    struct layout layout;
     bool good = true;
-    if (!TIFFSetSubDirectory(file->tiff, file->directories[page]))
-        return refuse_broken(image, page, err);
-    if (!layout_read(image, page, &layout, err))
+    if (!page_turn(image, page, err))
         return false;
+    struct layout layout = file->pages[page].layout;
+    uint32_t top = wanted.first / layout.block_height * layout.block_height;
+    if (layout.rows_offset > 0) {
+        layout = rows_layout(&layout, (uint32_t)rows);
+        top = wanted.first;
+    }
     char *blocks = calloc(layout.n_planes, layout.block_bytes);
     if (blocks == NULL)
         return error_memory(err);
     file->message[0] = '\0';
     file->decoding = true;
-    for (uint32_t top = wanted.first / layout.block_height * layout.block_height;
-         good && top < wanted.end; top += layout.block_height)
+    for (; good && top < wanted.end; top += layout.block_height)
         for (uint32_t x = 0; good && x < layout.width; x += layout.block_width)
-            good = block_decode(image, page, &layout, x, top, blocks, err) &&
+            good = block_read(image, page, &layout, x, top, &wanted, blocks, err) &&
                    block_place(image, page, &layout, x, top, blocks, &wanted, err);
     file->decoding = false;
     free(blocks);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Writes the spectral stack: a multi-page TIFF, one page a wavelength, all directories first and
  * then all pixels, page after page, uncompressed and without gaps. Every sample so has a place that
- * is known before the first one is rendered, and rectangles may be written in any order.
+ * is known before the first one is rendered, and rectangles may be written in any order. Behind the
+ * last page lies the object map, of which only the record tells: a reader of TIFF never gets there.
  *
  * libtiff writes the directories, through callbacks on our own descriptor. Where it would write a
  * page's pixels it is handed a stand-in that is never read: the callback only moves the end of the
@@ -147,9 +148,51 @@ static bool close_tiff(TIFF *tiff, const struct client *client, bool good)
 
 /* ---- the layout ---- */
 
+/* Of a page, or behind the last one of the object map. */
+static uint64_t sample_bytes(const struct stack_options *options, int page)
+{
+    if (page == options->n_wavelengths)
+        return (uint64_t)options->map_bytes;
+    return options->floating ? 4 : 2;
+}
+
+static uint64_t plane_bytes(const struct stack_options *options, int page)
+{
+    return (uint64_t)options->width * (uint64_t)options->height * sample_bytes(options, page);
+}
+
 static uint64_t page_bytes(const struct stack_options *options)
 {
-    return (uint64_t)options->width * (uint64_t)options->height * (options->floating ? 4 : 2);
+    return plane_bytes(options, 0);
+}
+
+/* What the description tells: how the stack was made, and where its object map lies. Allocated;
+ * NULL: no memory. */
+static char *told_lines(const struct stack_writer *writer)
+{
+    const char *provenance = writer->options.provenance != NULL ? writer->options.provenance : "";
+    const size_t length = strlen(provenance), room = 64; /* for a key and two numbers */
+    char *text = malloc(length + room);
+    if (text == NULL)
+        return NULL;
+    memcpy(text, provenance, length + 1);
+    if (writer->options.map_bytes > 0)
+        snprintf(text + length, room, "object_map: %" PRIu64 " %d\n", writer->map_offset,
+                 writer->options.map_bytes);
+    return text;
+}
+
+static bool write_directories(TIFF *tiff, const struct stack_writer *writer, struct error *err)
+{
+    struct stack_options told = writer->options;
+    char *lines = told_lines(writer);
+    bool good = lines != NULL || error_memory(err);
+    told.provenance = lines;
+    for (int page = 0; good && page < told.n_wavelengths; page++)
+        good = tags_set(tiff, &told, page, err) && TIFFDeferStrileArrayWriting(tiff) &&
+               TIFFWriteCheck(tiff, 0, "stack") && TIFFWriteDirectory(tiff);
+    free(lines);
+    return good;
 }
 
 /* Gives each page its place at the end of the file, and notes it in its directory. Goes on with
@@ -182,25 +225,27 @@ static bool check_free_space(const struct stack_writer *writer, uint64_t needed,
 }
 
 /* Writes all directories, then places all pages. What would pass the 4 GiB of a classic TIFF is
- * laid out once more, as BigTIFF. */
+ * laid out once more, as BigTIFF; and so is what tells another place of its object map than turns
+ * out. Its digits never become fewer: that ends. */
 static bool lay_out(struct stack_writer *writer, struct error *err)
 {
     const struct stack_options *options = &writer->options;
     struct client client = {.writer = writer, .err = err};
     TIFF *tiff = open_tiff(&client, writer->big ? "w8l" : "wl");
-    bool good = tiff != NULL;
-    for (int page = 0; good && page < options->n_wavelengths; page++)
-        good = tags_set(tiff, options, page, err) && TIFFDeferStrileArrayWriting(tiff) &&
-               TIFFWriteCheck(tiff, 0, "stack") && TIFFWriteDirectory(tiff);
+    bool good = tiff != NULL && write_directories(tiff, writer, err);
     client.end = (client.end + 3) / 4 * 4; /* a float page may be mapped into memory as it is */
-    uint64_t end = client.end + page_bytes(options) * (uint64_t)options->n_wavelengths;
-    bool fits = writer->big || end <= UINT32_MAX;
+    const int n_pages = options->n_wavelengths;
+    const uint64_t map = client.end + page_bytes(options) * (uint64_t)n_pages;
+    const uint64_t end = map + plane_bytes(options, n_pages);
+    const bool fits = (writer->big || end <= UINT32_MAX) &&
+                      (options->map_bytes == 0 || writer->map_offset == map);
     good = good && writer->verdict_offset != 0 && (!fits || place_pages(tiff, &client));
     if (!close_tiff(tiff, &client, good) || !check_free_space(writer, end, err))
         return false;
     if (ftruncate(writer->output.descriptor, fits ? (off_t)end : 0) != 0)
         return error_system(err, "%s: cannot hold %" PRIu64 " bytes", writer->output.path, end);
-    writer->big = writer->big || !fits;
+    writer->big = writer->big || end > UINT32_MAX;
+    writer->map_offset = writer->page_offset[n_pages] = map;
     return fits || lay_out(writer, err);
 }
 
@@ -215,7 +260,8 @@ static bool check_options(const struct stack_options *options, struct error *err
                            "a stack of %d wavelengths of %dx%d pixels is impossible; it has"
                            " 1 to %d of at least 1x1",
                            n_pages, width, height, most_pages);
-    if (page_bytes(options) > PTRDIFF_MAX || page_bytes(options) > most_bytes / (uint64_t)n_pages)
+    if (page_bytes(options) > PTRDIFF_MAX ||
+        page_bytes(options) > most_bytes / ((uint64_t)n_pages + 1))
         return error_usage(err, "%d pages of %dx%d pixels are too many for one file", n_pages,
                            width, height);
     if (!(options->full_scale > 0 && options->full_scale <= DBL_MAX))
@@ -240,7 +286,8 @@ bool stack_open(struct stack_writer *out, const char *path, const struct stack_o
     *out = (struct stack_writer){.options = *options};
     if (!check_options(options, err) || !output_open(&out->output, path, err))
         return false;
-    out->page_offset = calloc((size_t)options->n_wavelengths, sizeof *out->page_offset);
+    out->map_offset = page_bytes(options) * (uint64_t)options->n_wavelengths; /* nearly */
+    out->page_offset = calloc((size_t)options->n_wavelengths + 1, sizeof *out->page_offset);
     if ((out->page_offset != NULL || error_memory(err)) && lay_out(out, err))
         return true;
     stack_discard(out);
@@ -251,9 +298,10 @@ bool stack_write(struct stack_writer *writer, int page, int x, int y, int width,
                  const void *samples, struct error *err)
 {
     const struct stack_options *options = &writer->options;
-    assert(page >= 0 && page < options->n_wavelengths && x >= 0 && y >= 0 && width >= 0 &&
-           height >= 0 && x <= options->width - width && y <= options->height - height);
-    size_t sample = options->floating ? 4 : 2;
+    assert(page >= 0 && page < options->n_wavelengths + (options->map_bytes > 0) && x >= 0 &&
+           y >= 0 && width >= 0 && height >= 0 && x <= options->width - width &&
+           y <= options->height - height);
+    size_t sample = (size_t)sample_bytes(options, page);
     bool together = width == options->width; /* whole rows lie together in the file too */
     size_t run = (size_t)width * sample * (together ? (size_t)height : 1);
     uint64_t pitch = (uint64_t)options->width * sample;
@@ -301,7 +349,7 @@ static bool check_file(struct stack_writer *writer, const char room[STACK_VERDIC
     for (int page = 0; good && page <= last; page++)
         good = page_is_whole(tiff, writer, page) && (page == last || TIFFReadDirectory(tiff));
     good = good && TIFFLastDirectory(tiff) &&
-           writer->page_offset[last] + page_bytes(&writer->options) == client.end;
+           writer->map_offset + plane_bytes(&writer->options, last + 1) == client.end;
     return close_tiff(tiff, &client, good);
 }
 
@@ -374,12 +422,13 @@ bool stack_compare(const struct stack_writer *writer, const char *path,
     close(other);
     *out = (struct stack_difference){
         .compared = good, .found = good && offset != UINT64_MAX, .page = -1};
-    for (int page = 0; out->found && page < options->n_wavelengths; page++)
+    for (int page = 0; out->found && page <= options->n_wavelengths; page++)
         if (offset >= writer->page_offset[page] &&
-            offset - writer->page_offset[page] < page_bytes(options)) {
+            offset - writer->page_offset[page] < plane_bytes(options, page)) {
             const uint64_t pixel =
-                (offset - writer->page_offset[page]) / (options->floating ? 4 : 2);
-            out->page = page;
+                (offset - writer->page_offset[page]) / sample_bytes(options, page);
+            out->in_map = page == options->n_wavelengths;
+            out->page = out->in_map ? -1 : page;
             out->x = (int)(pixel % (uint64_t)options->width);
             out->y = (int)(pixel / (uint64_t)options->width);
         }

@@ -29,18 +29,6 @@ static const TIFFFieldInfo private_fields[] = {
     {TAG_VERDICT, TEXT, TEXT, TIFF_ASCII, FIELD_CUSTOM, 1, 0, (char[]){"Verdict"}},
 };
 
-/* How many digits read back as the same double. */
-static int exact_digits(double number)
-{
-    char text[TEXT_SIZE];
-    for (int digits = 15; digits < 17; digits++) {
-        snprintf(text, sizeof text, "%.*g", digits, number);
-        if (strtod(text, NULL) == number)
-            return digits;
-    }
-    return 17;
-}
-
 /* How samples become radiances. */
 static void scale_lines(const struct stack_options *options, char text[TEXT_SIZE])
 {

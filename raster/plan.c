@@ -60,6 +60,16 @@ static struct matrix projection_of(const struct camera *camera, int width, int h
     return m;
 }
 
+/* Bytes of a number that each object has, and the background. OpenGL tells only with a check what
+ * it shows. */
+static int map_bytes(const struct plan *plan)
+{
+    const bool unknown =
+        plan->options.use_gl && !plan->options.check && !plan->options.store_raster;
+    const int n = plan->n_bodies;
+    return unknown || n == 0 || n > UINT16_MAX ? 0 : n > UINT8_MAX ? 2 : 1;
+}
+
 /* Whole rows of the picture where they fit, so that a band of a tile is one piece of its page. */
 static void plan_tiles(struct plan *plan)
 {
@@ -79,8 +89,10 @@ static void plan_tiles(struct plan *plan)
     plan->tile_height = (int)rows < height ? (int)rows : height;
     plan->tiled = plan->tile_width < width || plan->tile_height < height;
     plan->tile_bytes = (uint64_t)pixel * (uint64_t)plan->tile_width * (uint64_t)plan->tile_height;
-    plan->file_bytes = (uint64_t)width * (uint64_t)height * (uint64_t)plan->n_bands *
-                       (plan->options.floating ? 4 : 2);
+    plan->map_bytes = map_bytes(plan);
+    plan->file_bytes =
+        (uint64_t)width * (uint64_t)height *
+        ((uint64_t)plan->n_bands * (plan->options.floating ? 4 : 2) + (uint64_t)plan->map_bytes);
 }
 
 static int available_threads(void)

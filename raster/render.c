@@ -186,6 +186,37 @@ static bool render_pass(struct render_state *state, const struct tile *tile, int
     return !output_interrupted() || error_system(err, "interrupted; nothing was written");
 }
 
+/* ---- the object map ---- */
+
+/* The number of what the stored pixels show at a pixel of the tile, from 1: OpenGL's by the last
+ * identification, or the reference's of a chunk. What is nothing that there is counts as
+ * background. */
+static int object_at(const struct render_state *state, const struct tile *tile, int x, int y)
+{
+    const struct chunk *chunk = &state->chunks[y / CHUNK_ROWS];
+    const size_t pixel = (size_t)(y % CHUNK_ROWS) * (size_t)tile->width + (size_t)x;
+    const int surface = state->plan->options.store_raster ? chunk->surface[pixel]
+                                                          : gl_shown(state->gl, x, y).surface;
+    return surface < state->plan->n_bodies ? surface + 1 : 0;
+}
+
+/* Its numbers go through the room of a band, whose samples have two bytes or more. */
+static bool write_map(struct render_state *state, const struct tile *tile, struct error *err)
+{
+    unsigned char *at = state->samples[0];
+    if (!state->writing || state->plan->map_bytes == 0)
+        return true;
+    for (int y = 0; y < tile->height; y++)
+        for (int x = 0; x < tile->width; x++) {
+            const int object = object_at(state, tile, x, y);
+            *at++ = (unsigned char)(object % 256);
+            if (state->plan->map_bytes > 1)
+                *at++ = (unsigned char)(object / 256);
+        }
+    return stack_write(&state->writer, state->plan->n_bands, tile->x, tile->y, tile->width,
+                       tile->height, state->samples[0], err);
+}
+
 /* ---- the whole picture ---- */
 
 static bool render_tile(struct render_state *state, const struct tile *tile, struct error *err)
@@ -201,6 +232,8 @@ static bool render_tile(struct render_state *state, const struct tile *tile, str
     if (done && plan->options.check)
         done = identify_tile(state, tile, err);
     clock_in(&state->result->seconds.check, &since);
+    done = done && write_map(state, tile, err);
+    clock_in(&state->result->seconds.write, &since);
     for (int pass = 0; done && pass < plan->n_passes; pass++)
         done = render_pass(state, tile, pass, err);
     free_tile(state);
@@ -242,17 +275,38 @@ const char *render_stored(const struct plan *plan, const struct render_result *r
     return plan->options.store_raster ? "raster" : result->gl_renderer;
 }
 
-/* Allocated; NULL: no memory. */
-static char *provenance_text(const struct plan *plan, const struct render_result *result)
+/* The names of what the object map tells; allocated, none where there is no map. */
+static bool list_objects(const struct plan *plan, struct record *record, struct error *err)
 {
-    struct record record = {.program = PROGRAM,
-                            .scene = plan->scene->path,
-                            .scene_sha256 = plan->scene->sha256,
-                            .renderer = render_stored(plan, result),
-                            .n_options = plan->options.n_recorded};
+    record->objects = calloc((size_t)plan->n_bodies + 1, sizeof *record->objects);
+    if (!record->objects)
+        return error_memory(err);
+    record->n_objects = plan->map_bytes > 0 ? plan->n_bodies : 0;
+    for (int i = 0; i < record->n_objects; i++)
+        record->objects[i] = object_name(plan, i);
+    return true;
+}
+
+/* Allocated; NULL on failure. */
+static char *provenance_text(const struct plan *plan, const struct render_result *result,
+                             struct error *err)
+{
+    struct record record;
+    char *text = NULL;
+    if (!record_scene(plan->scene, &record, err))
+        return NULL;
+    record.program = PROGRAM;
+    record.renderer = render_stored(plan, result);
+    record.n_options = plan->options.n_recorded;
     for (int i = 0; i < record.n_options; i++)
         record.options[i] = plan->options.recorded[i];
-    return record_text(&record);
+    if (list_objects(plan, &record, err)) {
+        text = record_text(&record);
+        if (!text)
+            error_memory(err);
+    }
+    record_free(&record);
+    return text;
 }
 
 static bool open_stack(struct render_state *state, const char *path, struct error *err)
@@ -264,9 +318,9 @@ static bool open_stack(struct render_state *state, const char *path, struct erro
         if (!state->samples[c])
             return error_memory(err);
     }
-    char *provenance = provenance_text(plan, state->result);
+    char *provenance = provenance_text(plan, state->result, err);
     if (!provenance)
-        return error_memory(err);
+        return false;
     struct stack_options options = {.width = plan->scene->width,
                                     .height = plan->scene->height,
                                     .n_wavelengths = plan->n_bands,
@@ -274,7 +328,8 @@ static bool open_stack(struct render_state *state, const char *path, struct erro
                                     .full_scale = state->result->full_scale,
                                     .floating = plan->options.floating,
                                     .scene = plan->scene->path,
-                                    .provenance = provenance};
+                                    .provenance = provenance,
+                                    .map_bytes = plan->map_bytes};
     state->writing = stack_open(&state->writer, path, &options, err);
     free(provenance);
     return state->writing;

@@ -32,8 +32,7 @@ static double percent(uint64_t part, uint64_t whole)
     return whole ? 100 * (double)part / (double)whole : 0;
 }
 
-/* The name of what stands at a failure: the material of the surface there. */
-static const char *object_name(const struct plan *plan, int surface)
+const char *object_name(const struct plan *plan, int surface)
 {
     return surface < 0 ? "background" : plan->finishes[plan->bodies[surface].finish].material->name;
 }
@@ -183,6 +182,9 @@ bool report_not_again(const struct plan *plan, const struct render_result *resul
     else if (strcmp(made->renderer, renderer) != 0)
         snprintf(what, sizeof what, "it was drawn by %.80s, this one by %.80s", made->renderer,
                  renderer);
+    else if (first->in_map)
+        snprintf(what, sizeof what, "first at %d,%d of the object map; %s", first->x, first->y,
+                 changed);
     else if (first->page < 0)
         snprintf(what, sizeof what, "in what the pages say of themselves; %s", changed);
     else

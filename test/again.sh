@@ -39,7 +39,12 @@ prints "^scene SHA-256 +$(cat "$tmp/own.scene" "$tmp/a folder/more.scene" | sha2
 prints '^option +--depth=32f$' "with which options"
 prints "^option +--light=1=$tmp/a folder/lamp.csv\*3$" "blanks in them are kept"
 prints '^renderer +raster$' "whose pixels they are"
-prints '^pages +7 of 40 x 30 pixels$' "how many"
+prints "^light +$tmp/a folder/lamp.csv\*3$" "what it is lit by"
+prints '^ambient light +d65\*0.1$' "and around"
+prints '^objects +1$' "how many objects it knows"
+! grep -q white "$tmp/out"
+ok $? "but not all numbers of the white"
+prints '^pages +7 of 40 x 30 pixels$' "how many pages"
 prints '^full scale +9$' "of what scale"
 prints '^scale +radiance = sample W' "and what a sample means"
 prints '^verdict +pixels of the reference$' "and what the check said"
@@ -57,6 +62,9 @@ ok $? "which it is"
 ok $? "OpenGL's pixels too, under a name of its own"
 exits 0 "unchecked ones too" "$SPECTRAL" render patches --size 8x8 --no-check -o "$tmp/unchecked.tif"
 exits 0 "are still unchecked" "$SPECTRAL" render --again "$tmp/unchecked.tif" -o /dev/null
+"$SPECTRAL" info "$tmp/unchecked.tif" >"$tmp/out"
+! grep -q '^objects' "$tmp/out"
+ok $? "and tell no objects: nobody knows what OpenGL shows"
 
 exits 1 "another OpenGL" env GALLIUM_DRIVER=softpipe "$SPECTRAL" render --again "$tmp/gl.tif" -o "$tmp/no.tif"
 says 'drawn by llvmpipe.*, this one by softpipe' "is told"
@@ -69,9 +77,12 @@ exits 1 "with --keep it is drawn all the same" \
     "$SPECTRAL" render --again "$tmp/older.tif" -o "$tmp/newer.tif" --keep
 cmp -s "$tmp/newer.tif" "$made"
 ok $? "by this version"
-changed 'stack[-4 * 40 * 30 + 4 * (40 * 12 + 20)] ^= 1' "$made" "$tmp/flipped.tif"
+changed 'stack[-5 * 40 * 30 + 4 * (40 * 12 + 20)] ^= 1' "$made" "$tmp/flipped.tif"
 exits 1 "one bit of one sample" "$SPECTRAL" render --again "$tmp/flipped.tif" -o "$tmp/no.tif"
 says 'first at 20,12 of page 7 \(700 nm\)' "is found at its place"
+changed 'stack[-1] ^= 1' "$made" "$tmp/mapped.tif"
+exits 1 "one bit of the object map" "$SPECTRAL" render --again "$tmp/mapped.tif" -o /dev/null
+says 'first at 39,29 of the object map' "is found at its place"
 exits 1 "with --keep the new stack is stored" \
     "$SPECTRAL" render --again "$tmp/flipped.tif" -o "$tmp/kept.tif" --keep
 cmp -s "$made" "$tmp/kept.tif"
@@ -80,7 +91,7 @@ ok $? "and is the good one"
 exits 0 "a larger stack" "$SPECTRAL" render spheres --size 400x300 --wavelengths 400,500,700 --renderer raster \
     --no-check -o "$tmp/large.tif"
 prints '^stack +.*/large.tif$' "is made"
-changed 'stack[-2 * 400 * 300 + 2 * (400 * 299 + 398)] ^= 1' "$tmp/large.tif" "$tmp/flipped.tif"
+changed 'stack[-3 * 400 * 300 + 2 * (400 * 299 + 398)] ^= 1' "$tmp/large.tif" "$tmp/flipped.tif"
 changed 'stack.append(0)' "$tmp/large.tif" "$tmp/longer.tif"
 changed 'del stack[-1]' "$tmp/large.tif" "$tmp/shorter.tif"
 exits 1 "one bit of one count" "$SPECTRAL" render --again "$tmp/flipped.tif" --no-check -o /dev/null \

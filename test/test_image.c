@@ -32,7 +32,7 @@ struct variant {
     int bits, n_samples, photometric, compression, predictor;
     int tile, rows; /* sides of tiles, rows of a strip */
     bool separate;
-    int format, extra, orientation;
+    int format, extra, orientation, fill_order;
     const char *page_name, *gdal, *description;
     double odd; /* instead of the last float sample */
 };
@@ -63,6 +63,8 @@ static void set_tags(TIFF *tiff, const struct variant *v, int width)
         TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, 1, &extra);
     if (v->photometric == PHOTOMETRIC_PALETTE)
         TIFFSetField(tiff, TIFFTAG_COLORMAP, colours, colours, colours);
+    if (v->fill_order > 0)
+        TIFFSetField(tiff, TIFFTAG_FILLORDER, v->fill_order);
     if (v->orientation > 0)
         TIFFSetField(tiff, TIFFTAG_ORIENTATION, v->orientation);
     if (v->tile > 0) {
@@ -170,6 +172,22 @@ static void check_page(struct image *image, const struct variant *v, int page, d
     CHECK_NEAR(furthest, 0, 0, "%s: every value of page %d", v->name, page);
 }
 
+/* Rows of any number, from anywhere, in any order, are those of the whole page. */
+static void check_rows(struct image *image, const char *name)
+{
+    static float whole[PIXELS], some[PIXELS];
+    const int sizes[] = {1, 4, 7, HEIGHT - 1};
+    struct error err = {0};
+    bool same = image_read(image, 0, 0, HEIGHT, whole, &err);
+    for (int i = 0; i < 4; i++)
+        for (int y = HEIGHT - sizes[i]; y >= 0; y -= sizes[i] > 7 ? 1 : 3) {
+            const size_t n = (size_t)sizes[i] * WIDTH;
+            same = same && image_read(image, 0, y, sizes[i], some, &err) &&
+                   memcmp(some, whole + (size_t)y * WIDTH, n * sizeof *some) == 0;
+        }
+    CHECK(same, "%s: any rows are those of the whole page %s", name, err.text);
+}
+
 static bool open_whole(struct image *image, const char *file, const char *name, int n_pages)
 {
     struct error err = {0};
@@ -187,6 +205,7 @@ static void check_variant(const struct variant *v)
         CHECK(image.wavelengths_nm == NULL, "%s: tells no wavelength", v->name);
         CHECK_NEAR(image.scale, 1, 0, "%s: and no scale", v->name);
         check_page(&image, v, 0, 1);
+        check_rows(&image, v->name);
     }
     image_close(&image);
     image_close(&image);
@@ -198,6 +217,11 @@ static void test_variants(void)
         {"grey 8", NULL, 8, 1, .photometric = 1},
         {"grey 16, strips of 5 rows", NULL, 16, 1, .photometric = 1, .rows = 5},
         {"grey 16, big-endian BigTIFF", "wb8", 16, 1, .photometric = 1},
+        {"grey 16, big-endian strips", "wb", 16, 1, .photometric = 1, .rows = 5},
+        {"float, big-endian", "wb", 32, 1, .photometric = 1, .format = SAMPLEFORMAT_IEEEFP},
+        {"RGB 16 apart, big-endian", "wb", 16, 3, .photometric = 2, .separate = true, .rows = 4},
+        {"RGB 8 apart, one strip each", NULL, 8, 3, .photometric = 2, .separate = true},
+        {"bits in the other order", NULL, 16, 1, .photometric = 1, .fill_order = FILLORDER_LSB2MSB},
         {"white is 0", NULL, 8, 1, .photometric = 0},
         {"white is 0 of 16 bits", NULL, 16, 1, .photometric = 0},
         {"float", NULL, 32, 1, .photometric = 1, .format = SAMPLEFORMAT_IEEEFP},
@@ -609,6 +633,46 @@ static void test_claims(void)
     }
 }
 
+/* Strips that do not follow each other: the first of two takes the place of the second, and the
+ * second that of the first. */
+static void test_swapped_strips(void)
+{
+    const struct variant v = {PAGE, .rows = 15};
+    const size_t half = 15 * WIDTH * 2;
+    static unsigned char bytes[65536], kept[15 * WIDTH * 2];
+    static float whole[PIXELS], swapped[PIXELS];
+    struct image image;
+    struct error err = {0};
+    CHECK(write_pages(&v, 1) && image_open(path, from, &image, &err) &&
+              image_read(&image, 0, 0, HEIGHT, whole, &err),
+          "two strips are read %s", err.text);
+    image_close(&image);
+    const size_t length = read_bytes(path, bytes, sizeof bytes);
+    TIFF *tiff = TIFFOpen(path, "r+");
+    const uint64_t at[2] = {TIFFGetStrileOffset(tiff, 0), TIFFGetStrileOffset(tiff, 1)};
+    CHECK(at[1] == at[0] + half && length > 0, "they follow each other");
+    TIFFClose(tiff);
+    memcpy(kept, bytes + at[0], half);
+    memmove(bytes + at[0], bytes + at[1], (HEIGHT - 15) * WIDTH * 2);
+    memcpy(bytes + at[0] + (HEIGHT - 15) * WIDTH * 2, kept, half);
+    /* the array of their two offsets lies in the file */
+    for (size_t i = 0; i + 8 <= length; i++) {
+        uint32_t pair[2];
+        memcpy(pair, bytes + i, sizeof pair);
+        if (pair[0] != at[0] || pair[1] != at[1])
+            continue;
+        pair[0] = (uint32_t)(at[0] + (HEIGHT - 15) * WIDTH * 2);
+        pair[1] = (uint32_t)at[0];
+        memcpy(bytes + i, pair, sizeof pair);
+    }
+    write_bytes(path, bytes, length);
+    CHECK(image_open(path, from, &image, &err) && image_read(&image, 0, 0, HEIGHT, swapped, &err) &&
+              memcmp(whole, swapped, sizeof whole) == 0,
+          "and read the same when they lie the other way round %s", err.text);
+    check_rows(&image, "strips in another order");
+    image_close(&image);
+}
+
 /* No file that lacks its end passes, wherever it was cut. */
 static void check_cuts(const char *name)
 {
@@ -700,6 +764,7 @@ int main(void)
     test_refused_files();
     test_claims();
     test_short_jpeg();
+    test_swapped_strips();
     test_cuts();
     test_builtin();
     unlink(path);

@@ -41,6 +41,15 @@ static void check_round_trip(const char *path)
     struct image image;
     struct error err = {0};
     made.renderer = "<none>";
+    made.lights = (const char *[]){"d65*1", strange};
+    made.n_lights = 2;
+    made.ambients = (const char *[]){"0.5*0.1"};
+    made.n_ambients = 1;
+    made.illumination = 0.1 + 0.2; /* takes 17 digits */
+    made.white = (double[]){1.0 / 3};
+    made.n_white = 1;
+    made.objects = (const char *[]){"", strange, "object_map: 1 1"};
+    made.n_objects = 3;
     made.n_options = MAX_RECORD_OPTIONS;
     for (int i = 0; i < MAX_RECORD_OPTIONS; i++)
         made.options[i] = strange;
@@ -54,6 +63,17 @@ static void check_round_trip(const char *path)
     CHECK_TEXT(read.full_scale, "2.5", "the full scale");
     CHECK(read.n_options == MAX_RECORD_OPTIONS, "all options: %d", read.n_options);
     CHECK_TEXT(read.options[MAX_RECORD_OPTIONS - 1], strange, "the last as the first");
+    CHECK(read.n_lights == 2 && read.n_ambients == 1 && read.n_objects == 3,
+          "lights, ambient lights and objects");
+    CHECK_TEXT(read.lights[0], "d65*1", "the first light");
+    CHECK_TEXT(read.lights[1], strange, "the second");
+    CHECK_TEXT(read.ambients[0], "0.5*0.1", "the ambient one");
+    CHECK_TEXT(read.objects[0], "", "an object without a name");
+    CHECK_TEXT(read.objects[1], strange, "one with a strange one");
+    CHECK_TEXT(read.objects[2], "object_map: 1 1", "one that looks like a line");
+    CHECK(read.map_bytes == 0, "which is none");
+    CHECK(read.n_white == 1 && read.white[0] == 1.0 / 3, "the white, to the bit");
+    CHECK(read.illumination == 0.1 + 0.2, "the illumination, to the bit");
     CHECK_TEXT(image.verdict, "a verdict", "the verdict, without blanks");
     CHECK_NEAR(image.scale, 2.5, 0, "no name is taken for the scale");
     record_free(&read);
@@ -63,7 +83,7 @@ static void check_round_trip(const char *path)
 
 static void check_refused(const char *description, const char *what)
 {
-    struct image image = {.path = (char[]){"forged.tif"}};
+    struct image image = {.path = (char[]){"forged.tif"}, .n_pages = 1};
     struct record record;
     struct error err = {0};
     char *copy = strdup(description);
@@ -78,8 +98,13 @@ static void check_refusals(void)
 {
     static const char whole[] = "<Description>full_scale: 1\nscale: x\nprogram: p\nscene: s\n"
                                 "scene_sha256: 0\nrenderer: r\n";
+    static const char *const lines[] = {
+        "white: 1",        "white: 1 2",        "white: 1 x\nillumination: 1",
+        "white: 1  2",     "illumination: inf", "object_map: 1",
+        "object_map: 1 3", "object_map: 1 1 1", "object_map: -1 1",
+        "object_map:  1",  "object_map: 1e3 1", "white: 1\nwhite: 2\nillumination: 1"};
     char text[4096];
-    struct image image = {.path = (char[]){"whole.tif"}, .description = text};
+    struct image image = {.path = (char[]){"whole.tif"}, .description = text, .n_pages = 1};
     struct record record;
     struct error err = {0};
     snprintf(text, sizeof text, "%sno key\noption: --a\n</Description>", whole);
@@ -91,6 +116,10 @@ static void check_refusals(void)
     snprintf(text, sizeof text, "%s</Description>", whole + strlen("<Description>"));
     check_refused(text, "one without beginning");
     check_refused("<Description>program: p\nscene: s\n</Description>", "half a record");
+    for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
+        snprintf(text, sizeof text, "%s%s\n</Description>", whole, lines[i]);
+        check_refused(text, "a malformed line");
+    }
     snprintf(text, sizeof text, "%s", whole);
     for (int i = 0; i <= MAX_RECORD_OPTIONS; i++)
         strcat(text, "option: --a\n");

@@ -244,6 +244,75 @@ static void test_small(void)
     unlink(other);
 }
 
+/* A number for every pixel of the object map. */
+static int object_at(int x, int y)
+{
+    return (17 * x + 400 * y) % 1000;
+}
+
+static bool write_map(struct stack_writer *writer, int x, int y, int width, int height,
+                      struct error *err)
+{
+    unsigned char bytes[WIDTH * HEIGHT * 2], *at = bytes;
+    for (int i = 0; i < width * height; i++) {
+        const int object = object_at(x + i % width, y + i / width);
+        *at++ = (unsigned char)(object % 256);
+        if (writer->options.map_bytes == 2)
+            *at++ = (unsigned char)(object / 256);
+    }
+    return stack_write(writer, PAGES, x, y, width, height, bytes, err);
+}
+
+/* Behind the pages, where the description says: little-endian, row by row. */
+static void check_map(const char *path, int map_bytes)
+{
+    size_t length;
+    unsigned char *bytes = read_whole(path, &length);
+    const struct layout layout = walk(bytes);
+    const uint64_t pages = layout.offset[PAGES - 1] + WIDTH * HEIGHT * 2;
+    char line[64];
+    bool told = false, right = length == pages + (uint64_t)(WIDTH * HEIGHT * map_bytes);
+    snprintf(line, sizeof line, "\nobject_map: %d %d\n", (int)pages, map_bytes);
+    for (size_t i = 0; i + strlen(line) <= length; i++)
+        told = told || memcmp(bytes + i, line, strlen(line)) == 0;
+    CHECK(told, "the description tells where the map of %d bytes lies", map_bytes);
+    for (int i = 0; right && i < WIDTH * HEIGHT; i++)
+        right = number_at(bytes + pages + i * map_bytes, map_bytes) ==
+                (uint64_t)object_at(i % WIDTH, i / WIDTH) % (map_bytes == 1 ? 256 : 65536);
+    CHECK(right, "every number is where it belongs, up to the end of the file");
+    free(bytes);
+}
+
+static void test_map(int map_bytes)
+{
+    const char *path = "stack_map.tif";
+    struct stack_options options = small_options();
+    struct stack_writer writer;
+    struct stack_difference difference;
+    struct error err = {0};
+    options.map_bytes = map_bytes;
+    CHECK(stack_open(&writer, path, &options, &err) && write_map(&writer, 3, 0, 4, HEIGHT, &err) &&
+              write_map(&writer, 0, 0, 3, HEIGHT, &err),
+          "a map of %d bytes is written %s", map_bytes, err.text);
+    for (int page = 0; page < PAGES; page++)
+        CHECK(write_rectangle(&writer, page, 0, 0, WIDTH, HEIGHT, &err), "and page %d", page);
+    CHECK(stack_finish(&writer, "", &err) && stack_commit(&writer, &err), "it commits %s",
+          err.text);
+    check_map(path, map_bytes);
+    CHECK(stack_open(&writer, "stack_other.tif", &options, &err), "another opens %s", err.text);
+    for (int page = 0; page < PAGES; page++)
+        CHECK(write_rectangle(&writer, page, 0, 0, WIDTH, HEIGHT, &err), "and has page %d", page);
+    CHECK(write_map(&writer, 0, 0, WIDTH, HEIGHT, &err) &&
+              stack_write(&writer, PAGES, 4, 3, 1, 1, "\xff\xff", &err) &&
+              stack_finish(&writer, "", &err) && stack_compare(&writer, path, &difference, &err),
+          "they are compared %s", err.text);
+    CHECK(difference.found && difference.in_map && difference.page == -1 && difference.x == 4 &&
+              difference.y == 3,
+          "a difference of the map is found at its place");
+    stack_discard(&writer);
+    unlink(path);
+}
+
 /* The smallest stack, in floats: no spacing, no full scale in the numbers. */
 static void test_float(void)
 {
@@ -283,7 +352,7 @@ static void test_float(void)
 }
 
 /* One page of one row; only its last sample is written, so that the file stays sparse. */
-static void check_large(int width, bool big)
+static void check_large(int width, int map_bytes, bool big)
 {
     const double wavelength = 555;
     const uint16_t last = 4711;
@@ -291,7 +360,8 @@ static void check_large(int width, bool big)
                                     .height = 1,
                                     .n_wavelengths = 1,
                                     .wavelengths_nm = &wavelength,
-                                    .full_scale = 1};
+                                    .full_scale = 1,
+                                    .map_bytes = map_bytes};
     struct stack_writer writer;
     struct error err = {0};
     unsigned char head[4] = {0}, tail[2] = {0};
@@ -300,7 +370,9 @@ static void check_large(int width, bool big)
         return;
     CHECK(writer.big == big, "%d pixels: %s", width, big ? "BigTIFF" : "classic");
     uint64_t end = writer.page_offset[0] + (uint64_t)width * 2;
-    CHECK(big ? end > UINT32_MAX : end <= UINT32_MAX, "%d pixels: as 4 GiB ask for", width);
+    uint64_t whole = end + (uint64_t)width * (uint64_t)map_bytes;
+    CHECK(big ? whole > UINT32_MAX : whole <= UINT32_MAX, "%d pixels: as 4 GiB ask for", width);
+    CHECK(map_bytes == 0 || writer.map_offset == end, "%d pixels: then the map", width);
     CHECK(stack_write(&writer, 0, width - 1, 0, 1, 1, &last, &err) &&
               stack_finish(&writer, "", &err) && stack_commit(&writer, &err),
           "%d pixels: commits %s", width, err.text);
@@ -315,8 +387,10 @@ static void check_large(int width, bool big)
 
 static void test_large(void)
 {
-    check_large(INT32_MAX - 8192, false); /* 16 KiB below 4 GiB: room for the directory */
-    check_large(INT32_MAX, true);         /* 4 GiB - 2 of pixels: none */
+    check_large(INT32_MAX - 8192, 0, false); /* 16 KiB below 4 GiB: room for the directory */
+    check_large(INT32_MAX, 0, true);         /* 4 GiB - 2 of pixels: none */
+    check_large(INT32_MAX / 3 * 2 - 8192, 1, false);
+    check_large(INT32_MAX / 3 * 2, 1, true); /* the map passes 4 GiB */
 }
 
 static void test_many_pages(void)
@@ -473,6 +547,8 @@ int main(void)
     if (!CHECK(chdir(folder) == 0, "there is a folder for temporary files"))
         return test_end();
     test_small();
+    test_map(1);
+    test_map(2);
     test_float();
     test_large();
     test_many_pages();

@@ -1,0 +1,452 @@
+/* SPDX-License-Identifier: MIT */
+/* What a stack tells of its scene: its lights, the white they make, and which object each pixel
+ * shows, all against what was written into the scene by hand. A stack whose record is forged,
+ * damaged or missing is read as one of others; what is no spectral stack is refused. */
+#include "spectral.h"
+#include "test.h"
+
+#include <stdlib.h>
+#include <tiffio.h>
+#include <unistd.h>
+
+static const char *const path = "cube.tif";
+
+enum kept { REFERENCE, CHECKED_GL, UNCHECKED_GL };
+
+static bool render_scene(const char *name, const char *size, enum kept kept, struct error *err)
+{
+    struct scene scene = {.path = NULL};
+    struct plan plan = {.scene = NULL};
+    struct plan_options options = {.store_raster = kept == REFERENCE,
+                                   .use_gl = kept != REFERENCE,
+                                   .check = kept == CHECKED_GL};
+    struct render_output output = {.path = path};
+    struct render_result result;
+    bool done = scene_read(name, &scene, err) &&
+                (size == NULL || scene_set_size(&scene, size, err)) &&
+                plan_make(&scene, &options, &plan, err) &&
+                render(&plan, &output, NULL, &result, err) && render_agreed(&result);
+    plan_free(&plan);
+    scene_free(&scene);
+    return done;
+}
+
+/* A stack of the scene, open. */
+static bool open_scene(const char *text, enum kept kept, struct cube *cube)
+{
+    struct error err = {0};
+    test_write("cube.scene", text);
+    return CHECK(render_scene("cube.scene", NULL, kept, &err) && cube_open(path, cube, &err),
+                 "a scene is rendered, its stack opened %s", err.text);
+}
+
+static int object_at(const struct cube *cube, int x, int y)
+{
+    struct error err = {0};
+    int object = -2;
+    return cube_object(cube, x, y, &object, &err) ? object : -3;
+}
+
+/* ---- white ---- */
+
+static void check_white(const struct cube *cube, const char *spectrum, const double *expected,
+                        const char *name)
+{
+    double white[8];
+    struct error err = {0};
+    if (!CHECK(cube_white(cube, spectrum, white, &err), "%s: there is a white %s", name, err.text))
+        return;
+    for (int i = 0; i < cube->image.n_pages; i++)
+        CHECK_NEAR(white[i], expected[i], 1e-15, "%s: at %.10g nm", name,
+                   cube->image.wavelengths_nm[i]);
+}
+
+static void check_no_white(const struct cube *cube, const char *spectrum, const char *what)
+{
+    double white[8];
+    struct error err = {0};
+    CHECK(!cube_white(cube, spectrum, white, &err) && err.status == EXIT_INPUT &&
+              strstr(err.text, what) != NULL,
+          "a white is refused with '%s': %s", what, err.text);
+}
+
+#define PLANE "size 4 4\ncamera ortho 4\nobject plane 2 2 material paint\n"
+
+/* (3 lamp + 1 x 0.5 + 4 x 2) / 8, where the lamp is 1 at 400 nm, 4 at 700 nm and 0 at 800 nm. */
+static void test_mean(void)
+{
+    const double mean[] = {11.5 / 8, 14.5 / 8, 17.5 / 8, 20.5 / 8, 8.5 / 8},
+                 lamp[] = {2, 4, 6, 8, 0};
+    struct cube cube;
+    test_write("lamp.csv", "400,1\n700,4\n");
+    if (!open_scene("wavelengths 400 800 100\n" PLANE "material paint { diffuse 0.5 }\n"
+                    "light lamp.csv 3 direction 0 0 1\nambient 2 4\n"
+                    "light 0.25*2 1 position 0 0 9\n",
+                    REFERENCE, &cube))
+        return;
+    check_white(&cube, NULL, mean, "two lights and an ambient one");
+    check_white(&cube, "lamp.csv*2", lamp, "a spectrum of the command line");
+    CHECK_NEAR(cube.record.illumination, 8, 0, "their intensities add up");
+    CHECK(cube.record.n_lights == 2 && cube.record.n_ambients == 1, "and are told apart");
+    CHECK_TEXT(cube.record.lights[0], "lamp.csv*3", "the first light");
+    CHECK_TEXT(cube.record.lights[1], "0.25*2*1", "the second, whose spectrum has a factor");
+    CHECK_TEXT(cube.record.ambients[0], "2*4", "the ambient one");
+    check_no_white(&cube, "0", "the white is 0 at all of its wavelengths");
+    check_no_white(&cube, "no such light", "--white:1:1: error: ");
+    check_no_white(&cube, "", "expected one line");
+    check_no_white(&cube, "-1", "--white:1:1: error: ");
+    cube_close(&cube);
+    cube_close(&cube);
+}
+
+/* CIE's D65, in parts of its value at 560 nm. */
+static void test_d65(void)
+{
+    const double d65[] = {0.499755, 1.020230, 0.698856};
+    struct cube cube;
+    if (!open_scene("wavelengths 380 730 175\n" PLANE
+                    "material paint { diffuse 0.5 }\nlight d65 0.3 direction 0 0 1\n",
+                    REFERENCE, &cube))
+        return;
+    check_white(&cube, NULL, d65, "D65 alone");
+    cube_close(&cube);
+}
+
+static void test_dark(void)
+{
+    const char *const scenes[] = {
+        "wavelengths 500 500 1\n" PLANE "material paint { diffuse 0.5 emission 1 }\n",
+        "wavelengths 500 500 1\n" PLANE "material paint { diffuse 0.5 emission 1 }\n"
+        "light d65 0 direction 0 0 1\n",
+        "wavelengths 900 900 1\n" PLANE "material paint { diffuse 0.5 emission 1 }\n"
+        "light d65 1 direction 0 0 1\n"};
+    for (int i = 0; i < 3; i++) {
+        const double one = 1;
+        struct cube cube;
+        if (!open_scene(scenes[i], REFERENCE, &cube))
+            return;
+        CHECK(cube.record.white == NULL && cube.record.illumination == 0,
+              "what does not shine makes no white");
+        CHECK(cube.record.n_lights == (i > 0), "even where there is a light");
+        check_no_white(&cube, NULL, "tells no white");
+        check_white(&cube, "1", &one, "one of the command line");
+        cube_close(&cube);
+    }
+}
+
+/* ---- the object map ---- */
+
+/* Ten pixels a unit: three squares of which the last one hides a part of the first. */
+static int square_at(int x, int y)
+{
+    if (x >= 10 && x < 20 && y >= 5 && y < 15)
+        return 3;
+    if (x >= 5 && x < 15 && y >= 5 && y < 15)
+        return 1;
+    return x >= 25 && x < 35 && y >= 0 && y < 10 ? 2 : 0;
+}
+
+static void test_squares(enum kept kept)
+{
+    struct cube cube;
+    int wrong = 0;
+    if (!open_scene("wavelengths 400 700 100\nsize 40 20\ncamera ortho 4\n"
+                    "light d65 1 direction 0 0 1\n"
+                    "material red { diffuse 0.5 }\nmaterial blue { diffuse 0.25 }\n"
+                    "object plane 1 1 material red translate -1 0 0\n"
+                    "object plane 1 1 material blue translate 1 0.5 0\n"
+                    "object plane 1 1 material red translate -0.5 0 1\n",
+                    kept, &cube))
+        return;
+    for (int i = 0; i < 40 * 20; i++)
+        wrong += object_at(&cube, i % 40, i / 40) !=
+                 (kept == UNCHECKED_GL ? -1 : square_at(i % 40, i / 40));
+    CHECK(wrong == 0, "the map is known where %s: %d pixels are wrong",
+          kept == REFERENCE    ? "the reference draws"
+          : kept == CHECKED_GL ? "OpenGL is checked"
+                               : "nobody checks OpenGL, and then tells nothing",
+          wrong);
+    CHECK(cube.record.n_objects == (kept == UNCHECKED_GL ? 0 : 3), "with every object");
+    if (cube.record.n_objects == 3) {
+        CHECK_TEXT(cube.record.objects[1], "blue", "whose name is its material's");
+        CHECK_TEXT(cube.record.objects[2], cube.record.objects[0], "which others may share");
+    }
+    cube_close(&cube);
+}
+
+/* One object a pixel: their numbers take two bytes. */
+static void test_many(void)
+{
+    enum { COLUMNS = 20, ROWS = 15 };
+    static char text[COLUMNS * ROWS * 80];
+    struct cube cube;
+    int wrong = 0;
+    char *at = text + sprintf(text, "wavelengths 500 500 1\nsize 20 15\ncamera ortho 20\n"
+                                    "light d65 1 direction 0 0 1\nmaterial a { diffuse 0.5 }\n");
+    for (int y = 0; y < ROWS; y++)
+        for (int x = 0; x < COLUMNS; x++)
+            at += sprintf(at, "object plane 1 1 material a translate %.1f %.1f 0\n",
+                          x - COLUMNS / 2 + 0.5, ROWS / 2.0 - y - 0.5);
+    if (!open_scene(text, REFERENCE, &cube))
+        return;
+    for (int i = 0; i < COLUMNS * ROWS; i++)
+        wrong += object_at(&cube, i % COLUMNS, i / COLUMNS) != i + 1;
+    CHECK(wrong == 0, "%d objects are told apart: %d wrong", COLUMNS * ROWS, wrong);
+    CHECK(cube.record.n_objects == COLUMNS * ROWS && cube.record.map_bytes == 2,
+          "by numbers of two bytes");
+    cube_close(&cube);
+}
+
+/* The ColorChecker, six by four patches that fill 300 x 200 pixels with gaps between them. */
+static void test_patches(void)
+{
+    struct error err = {0};
+    struct cube cube;
+    int wrong = 0;
+    if (!CHECK(render_scene("patches", "300x200", REFERENCE, &err) && cube_open(path, &cube, &err),
+               "patches are rendered %s", err.text))
+        return;
+    for (int i = 0; i < 24; i++)
+        wrong += object_at(&cube, 25 + 50 * (i % 6), 25 + 50 * (i / 6)) != i + 1;
+    CHECK(wrong == 0, "the centre of each patch shows it: %d wrong", wrong);
+    CHECK(object_at(&cube, 50, 50) == 0, "and between them is background");
+    CHECK_TEXT(cube.record.objects[18], "19-white", "the 19th is the white one");
+    cube_close(&cube);
+}
+
+static int *read_map(const char *scene, enum kept kept)
+{
+    enum { WIDTH = 120, HEIGHT = 80 };
+    static int maps[2][WIDTH * HEIGHT];
+    struct error err = {0};
+    struct cube cube;
+    if (!CHECK(render_scene(scene, "120x80", kept, &err) && cube_open(path, &cube, &err),
+               "%s are rendered %s", scene, err.text))
+        return NULL;
+    for (int i = 0; i < WIDTH * HEIGHT; i++)
+        maps[kept][i] = object_at(&cube, i % WIDTH, i / WIDTH);
+    cube_close(&cube);
+    return maps[kept];
+}
+
+/* Inside an object, with its eight neighbours. */
+static void test_renderers(const char *scene)
+{
+    const int *reference = read_map(scene, REFERENCE), *gl = read_map(scene, CHECKED_GL);
+    int inside = 0, wrong = 0;
+    for (int y = 1; y < 79 && reference != NULL && gl != NULL; y++)
+        for (int x = 1; x < 119; x++) {
+            bool same = true;
+            for (int k = 0; k < 9; k++)
+                same = same &&
+                       reference[(y + k / 3 - 1) * 120 + x + k % 3 - 1] == reference[y * 120 + x];
+            inside += same;
+            wrong += same && gl[y * 120 + x] != reference[y * 120 + x];
+        }
+    CHECK(inside > 120 * 80 / 2 && wrong == 0,
+          "%s: OpenGL shows the same objects but on edges: %d of %d pixels do not", scene, wrong,
+          inside);
+}
+
+/* ---- stacks of others, and forged ones ---- */
+
+static char *read_whole(size_t *length)
+{
+    FILE *file = fopen(path, "rb");
+    char *bytes = malloc(1 << 20);
+    *length = file != NULL && bytes != NULL ? fread(bytes, 1, 1 << 20, file) : 0;
+    if (file != NULL)
+        fclose(file);
+    return bytes;
+}
+
+static bool write_whole(const char *bytes, size_t length)
+{
+    FILE *file = fopen("forged.tif", "wb");
+    return file != NULL && fwrite(bytes, 1, length, file) == length && fclose(file) == 0;
+}
+
+/* Where `text` lies among the bytes; of a stack's record it does once. */
+static char *find(char *bytes, size_t length, const char *text)
+{
+    for (size_t i = 0; i + strlen(text) <= length; i++)
+        if (memcmp(bytes + i, text, strlen(text)) == 0)
+            return bytes + i;
+    return bytes;
+}
+
+/* The stack with `from` overwritten and its end moved: it opens, with or without its record, but
+ * tells no objects. */
+static void check_forged(const char *from, const char *to, int longer, bool own)
+{
+    size_t length;
+    char *bytes = read_whole(&length);
+    struct error err = {0};
+    struct cube cube;
+    float row[4];
+    memcpy(find(bytes, length, from), to, strlen(to));
+    memset(bytes + length, 0, 8);
+    if (CHECK(write_whole(bytes, (size_t)((long)length + longer)) &&
+                  cube_open("forged.tif", &cube, &err),
+              "'%.13s' made '%.13s', %d bytes more: it opens %s", from, to, longer, err.text)) {
+        CHECK(object_at(&cube, 1, 1) == -1, "but tells no objects");
+        CHECK((cube.record.text != NULL) == own && (cube.record.n_white > 0) == own, "and is %s",
+              own ? "still our own" : "one of others");
+        CHECK(image_read(&cube.image, 1, 1, 1, row, &err) && cube.image.scale > 0,
+              "its pixels can be read %s", err.text);
+        cube_close(&cube);
+    }
+    free(bytes);
+}
+
+static void test_forged(void)
+{
+    struct cube cube;
+    char offset[64], more[64];
+    if (!open_scene("wavelengths 400 700 100\n" PLANE
+                    "material paint { diffuse 0.5 }\nlight d65 1 direction 0 0 1\n",
+                    REFERENCE, &cube))
+        return;
+    CHECK(object_at(&cube, 1, 1) == 1, "an object is told");
+    const unsigned long long at = cube.record.map_offset;
+    snprintf(offset, sizeof offset, "object_map: %llu 1", at);
+    snprintf(more, sizeof more, "object_map: %llu 1", at + 1);
+    cube_close(&cube);
+    check_forged(offset, more, 0, true);
+    check_forged(offset, "object_map: 0 1\n", 0, false);
+    check_forged(offset, "object_map: -1 1\n", 0, false);
+    check_forged(offset, "object_map: 9 3\n", 0, false);
+    check_forged(offset, "object_map: 99999999999999999999", 0, false);
+    check_forged("object: ", "subject:", 0, true);
+    check_forged("program", "program", 1, true);
+    check_forged("program", "program", -1, true);
+    check_forged("white: 0.", "white: x.", 0, false);
+    check_forged("white: 0.", "white: -.", 0, false);
+    check_forged("white: ", "white: 1 ", 0, false);
+    check_forged("illumination: 1", "illumination: 0", 0, false);
+    check_forged("program: ", "programme", 0, false);
+}
+
+/* A number that no object has. */
+static void test_stray(void)
+{
+    size_t length;
+    char *bytes = read_whole(&length);
+    struct error err = {0};
+    struct cube cube;
+    bytes[length - 16] = 2;
+    CHECK(write_whole(bytes, length) && cube_open("forged.tif", &cube, &err) &&
+              object_at(&cube, 0, 0) == -1 && object_at(&cube, 1, 1) == 1,
+          "a number without an object tells nothing %s", err.text);
+    cube_close(&cube);
+    free(bytes);
+}
+
+/* Two pages of 4x3 pixels by libtiff. */
+static bool write_pages(int bits, int n_samples, int format, const char *const names[2])
+{
+    static const unsigned char pixels[4 * 3 * 4 * 3];
+    TIFF *tiff = TIFFOpen(path, "w");
+    bool good = tiff != NULL;
+    for (int page = 0; good && page < 2; page++) {
+        TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, 4);
+        TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, 3);
+        TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, bits);
+        TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, n_samples);
+        TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, format);
+        TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC,
+                     n_samples == 3 ? PHOTOMETRIC_RGB : PHOTOMETRIC_MINISBLACK);
+        if (names != NULL)
+            TIFFSetField(tiff, TIFFTAG_PAGENAME, names[page]);
+        good = TIFFWriteEncodedStrip(tiff, 0, (void *)(uintptr_t)pixels,
+                                     4 * 3 * bits / 8 * n_samples) > 0 &&
+               TIFFWriteDirectory(tiff);
+    }
+    if (tiff != NULL)
+        TIFFClose(tiff);
+    return good;
+}
+
+/* In one line that names the file and says `what`. */
+static void check_refusal(const char *name, const char *what)
+{
+    struct cube cube;
+    struct error err = {0};
+    CHECK(!cube_open(path, &cube, &err) && err.status == EXIT_INPUT &&
+              strstr(err.text, what) != NULL && strstr(err.text, path) != NULL &&
+              strchr(err.text, '\n') == NULL && cube.image.file == NULL,
+          "%s: refused with '%s': %s", name, what, err.text);
+}
+
+static void test_foreign(void)
+{
+    const char *const rising[] = {"400 nm", "500 nm"}, *const falling[] = {"500 nm", "400 nm"};
+    const int whole = SAMPLEFORMAT_UINT, floating = SAMPLEFORMAT_IEEEFP;
+    struct cube cube;
+    struct error err = {0};
+    CHECK(write_pages(16, 1, whole, rising) && cube_open(path, &cube, &err),
+          "a stack of others opens %s", err.text);
+    CHECK(cube.record.text == NULL && object_at(&cube, 0, 0) == -1, "it tells no objects");
+    check_no_white(&cube, NULL, "tells no white");
+    cube_close(&cube);
+    CHECK(write_pages(16, 1, whole, NULL), "pages without names are written");
+    check_refusal("a plain TIFF", "tells no wavelengths; expected a stack of grey pages");
+    CHECK(write_pages(32, 1, floating, falling), "falling wavelengths are written");
+    check_refusal("falling wavelengths", "tells no wavelengths");
+    CHECK(write_pages(8, 3, whole, rising), "pages of RGB are written");
+    check_refusal("RGB", "its pages are RGB");
+    CHECK(write_pages(32, 1, whole, rising), "whole numbers of 32 bits are written");
+    check_refusal("32 bits", "its samples are 1 of 32 bits, unsigned");
+    CHECK(write_pages(12, 1, whole, rising), "12 bits are written");
+    check_refusal("12 bits", "its samples are 1 of 12 bits, unsigned");
+}
+
+/* Of a stack of our own, shorter by anything but its object map. */
+static void test_cuts(void)
+{
+    struct error err = {0};
+    struct cube cube;
+    CHECK(render_scene("cube.scene", NULL, REFERENCE, &err) && cube_open(path, &cube, &err),
+          "a stack is made %s", err.text);
+    const off_t pixels = (off_t)cube.record.map_offset;
+    cube_close(&cube);
+    CHECK(truncate(path, pixels) == 0 && cube_open(path, &cube, &err), "it opens without its map");
+    CHECK(object_at(&cube, 1, 1) == -1 && cube.record.n_white == 4, "which is all that it lacks");
+    cube_close(&cube);
+    CHECK(truncate(path, pixels - 1) == 0, "a byte of its pixels is cut off");
+    check_refusal("cut within pixels",
+                  "page 4 (700 nm): its pixels end behind the end of the file");
+    CHECK(truncate(path, pixels / 2) == 0, "its directories are cut");
+    check_refusal("cut within directories", "error: ");
+    CHECK(truncate(path, 4) == 0, "its head is cut");
+    check_refusal("cut within its head", "libtiff: ");
+    CHECK(truncate(path, 0) == 0, "all is cut");
+    check_refusal("an empty file", "libtiff: ");
+}
+
+int main(void)
+{
+    const char *folder = test_folder();
+    if (!CHECK(chdir(folder) == 0, "there is a folder for temporary files"))
+        return test_end();
+    TIFFSetWarningHandler(NULL); /* of the writer in this test */
+    test_mean();
+    test_d65();
+    test_dark();
+    test_squares(REFERENCE);
+    test_squares(CHECKED_GL);
+    test_squares(UNCHECKED_GL);
+    test_many();
+    test_patches();
+    test_renderers("spheres");
+    test_renderers("room");
+    test_forged();
+    test_stray();
+    test_foreign();
+    test_cuts();
+    unlink(path);
+    unlink("forged.tif");
+    unlink("cube.scene");
+    unlink("lamp.csv");
+    return test_end();
+}
