@@ -830,7 +830,8 @@ struct chart_line {
     const char *name;
     int n;
     const double *x, *y;
-    const double *spread; /* drawn as a band of y - spread to y + spread; NULL: none */
+    const double *spread; /* drawn as a band of y - spread to y + spread, of which what goes below 0
+                             is cut off where y does not; NULL: none */
     bool right;           /* belongs to the axis on the right, e.g. a reflectance */
 };
 struct chart {
@@ -870,8 +871,26 @@ struct probe_options {
 };
 bool probe_stack(const char *path, const struct probe_options *options, struct probe *out,
                  struct error *err);
-/* XYZ of the mean, and of the white (n values; NULL: none). */
-bool probe_colour(struct probe *probe, const char *observer, const double *white,
+/* Begins a probe: refuses a region that is not within a picture of this size. */
+bool probe_open(struct probe *out, const char *source, const struct probe_options *options,
+                int width, int height, struct error *err);
+/* Room for n wavelengths. */
+bool probe_allocate(struct probe *probe, const double *wavelengths_nm, int n, struct error *err);
+/* Mean and standard deviation of samples that come in runs; zero it before use. Sums are of
+ * differences from the first sample, so that equal samples give their value, and no deviation. */
+struct moments {
+    uint64_t n;
+    double first, sum, sum_of_squares;
+};
+void moments_add(struct moments *moments, const float *values, size_t n);
+void moments_end(const struct moments *moments, double *mean, double *spread);
+/* An observer's detector_weights; a camera or film is refused. */
+bool observer_weights(const char *name, const double *wavelengths_nm, int n, double *out,
+                      struct error *err);
+/* XYZ of radiances by such weights. */
+void tristimulus(const double *weights, const double *radiance, int n, double out[3]);
+/* XYZ of the mean, and of the white, which need not be there if none is given. */
+bool probe_colour(struct probe *probe, const struct cube *cube, const struct probe_options *options,
                   struct error *err);
 void probe_print(const struct probe *probe, FILE *to);
 void probe_print_csv(const struct probe *probe, FILE *to);
@@ -900,8 +919,9 @@ struct band_difference {
 };
 /* Over all pixels: of spectral angles in degrees, or CIEDE2000. */
 struct pixel_difference {
-    double mean, quantile_95, largest;
-    int x, y; /* of the largest */
+    double mean, largest;
+    double quantile_95; /* 95 % of the pixels do not exceed it; too high by less than 1/1024 */
+    int x, y;           /* of the largest */
 };
 struct comparison {
     int n, width, height;
@@ -914,9 +934,10 @@ struct comparison {
     bool has_white; /* without, there is no CIEDE2000 */
     char *observer; /* owned */
 };
-/* Refuses stacks of different size or wavelengths (EXIT_INPUT). The map has three float samples a
- * pixel: the largest |A - B| of all wavelengths, the spectral angle in degrees, CIEDE2000 (0
- * without a white). It is written whatever the difference. */
+/* Refuses stacks of different size or wavelengths (EXIT_INPUT), and a tolerance of CIEDE2000
+ * without a white. The map has three float samples a pixel: the largest |A - B| of all wavelengths,
+ * the spectral angle in degrees, CIEDE2000 (0 without a white). It is written whatever the
+ * difference. */
 bool compare(const char *a, const char *b, const struct compare_options *options,
              struct comparison *out, struct error *err);
 bool comparison_is_within(const struct comparison *comparison, const struct tolerance *tolerance);

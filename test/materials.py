@@ -9,6 +9,8 @@ import sys
 
 import numpy as np
 
+from colours import cielab, ciede2000
+
 sys.dont_write_bytecode = True
 from material_files import thesis_observer
 
@@ -61,39 +63,6 @@ def listed(name):
 
 # ---- colour differences ----
 
-def lab(xyz, white):
-    t = xyz / white
-    x, y, z = np.where(t > (6 / 29) ** 3, np.cbrt(t), t * (29 / 6) ** 2 / 3 + 4 / 29)
-    return np.array([116 * y - 16, 500 * (x - y), 200 * (y - z)])
-
-
-def ciede2000(first, second):
-    """CIE 142-2001, with kL = kC = kH = 1"""
-    (l1, a1, b1), (l2, a2, b2) = first, second
-    c7 = ((np.hypot(a1, b1) + np.hypot(a2, b2)) / 2) ** 7
-    stretch = 1.5 - 0.5 * np.sqrt(c7 / (c7 + 25.0 ** 7))
-    one, two = complex(stretch * a1, b1), complex(stretch * a2, b2)
-    c1, c2 = abs(one), abs(two)
-    h1, h2 = (np.degrees(np.angle(colour)) % 360 for colour in (one, two))
-    turn = (h2 - h1 + 180) % 360 - 180 if c1 * c2 > 0 else 0
-    if c1 * c2 == 0:
-        h = h1 + h2 # one of them is 0
-    else:
-        h = (h1 + h2) / 2 if abs(h1 - h2) <= 180 else ((h1 + h2) / 2 + 180) % 360
-    l, c = (l1 + l2) / 2, (c1 + c2) / 2
-
-    def cosine(degrees):
-        return np.cos(np.radians(degrees))
-    t = (1 - 0.17 * cosine(h - 30) + 0.24 * cosine(2 * h) + 0.32 * cosine(3 * h + 6)
-         - 0.2 * cosine(4 * h - 63))
-    dl = (l2 - l1) / (1 + 0.015 * (l - 50) ** 2 / np.sqrt(20 + (l - 50) ** 2))
-    dc = (c2 - c1) / (1 + 0.045 * c)
-    dh = 2 * np.sqrt(c1 * c2) * np.sin(np.radians(turn / 2)) / (1 + 0.015 * c * t)
-    rotation = (-2 * np.sqrt(c ** 7 / (c ** 7 + 25.0 ** 7))
-                * np.sin(np.radians(60 * np.exp(-((h - 275) / 25) ** 2))))
-    return np.sqrt(dl ** 2 + dc ** 2 + dh ** 2 + rotation * dc * dh)
-
-
 # G. Sharma, W. Wu, E. N. Dalal, The CIEDE2000 color-difference formula: implementation notes,
 # supplementary test data, and mathematical observations, Color Res. Appl. 30, 21-30 (2005), table 1;
 # without those of opposite hues, where the last bit of an angle decides between two values.
@@ -131,7 +100,7 @@ def colour(stimulus, light, observer):
     seen, white = OBSERVER[observer] @ stimulus, OBSERVER[observer] @ LIGHT[light]
     if observer != "cie1931":
         seen, white = FROM_SRGB @ np.maximum(seen / white, 0), FROM_SRGB.sum(1)
-    return lab(seen, white)
+    return cielab(seen, white)
 
 
 def difference(one, two, light, observer):

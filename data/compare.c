@@ -1,0 +1,466 @@
+/* SPDX-License-Identifier: MIT */
+/* Where and by how much two stacks differ. Both are read in chunks of rows; rows are compared in
+ * parallel and added up in their order, so that nothing depends on chunks or threads. */
+#include "spectral.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#ifdef _OPENMP
+#include <omp.h>
+#endif
+
+/* ---- tolerances ---- */
+
+bool tolerance_read(const char *option, const char *text, struct tolerance *out, struct error *err)
+{
+    static const struct {
+        const char *ending;
+        enum tolerance_unit unit;
+    } units[] = {{"dE00", TOLERANCE_CIEDE2000}, {"%", TOLERANCE_PERCENT}};
+    struct word word = {.start = text, .length = strlen(text), .place = {option, 0, 0}};
+    out->unit = TOLERANCE_RADIANCE;
+    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
+        const size_t length = strlen(units[i].ending);
+        if (word.length > length && strcmp(text + word.length - length, units[i].ending) == 0) {
+            out->unit = units[i].unit;
+            word.length -= length;
+            break;
+        }
+    }
+    return word_number(&word, "tolerance (a radiance as 0.01, 0.1% of the largest, or 0.5dE00)", 0,
+                       HUGE_VAL, &out->value, err);
+}
+
+/* ---- statistics of pixels ---- */
+
+/* The values of all pixels, binned by the first 10 binary digits of a float's mantissa. As a
+ * quantile the largest value of its bin is given: too high by less than 1/1024. */
+enum { MANTISSA_LEFT_OUT = 13, N_BINS = 1 << 18 };
+struct distribution {
+    uint64_t *count;
+    double *largest; /* of each bin */
+    double sum;
+};
+
+static bool distribution_open(struct distribution *out, struct error *err)
+{
+    out->count = calloc(N_BINS, sizeof *out->count);
+    out->largest = calloc(N_BINS, sizeof *out->largest);
+    return (out->count != NULL && out->largest != NULL) || error_memory(err);
+}
+
+static void distribution_add(struct distribution *to, struct pixel_difference *difference,
+                             double value, int x, int y)
+{
+    const float rounded = (float)value;
+    uint32_t bits;
+    memcpy(&bits, &rounded, sizeof bits); /* a value that is not negative: below 2^31 */
+    const uint32_t bin = bits >> MANTISSA_LEFT_OUT;
+    to->count[bin]++;
+    to->largest[bin] = fmax(to->largest[bin], value);
+    to->sum += value;
+    if (value > difference->largest) {
+        difference->largest = value;
+        difference->x = x;
+        difference->y = y;
+    }
+}
+
+/* The least value that at least 95 % of the pixels do not exceed. */
+static void distribution_end(const struct distribution *of, uint64_t n_pixels,
+                             struct pixel_difference *out)
+{
+    const uint64_t wanted = n_pixels - n_pixels / 20;
+    uint64_t so_far = of->count[0];
+    int bin = 0;
+    while (so_far < wanted)
+        so_far += of->count[++bin];
+    out->quantile_95 = of->largest[bin];
+    out->mean = of->sum / (double)n_pixels;
+}
+
+static void distribution_free(struct distribution *distribution)
+{
+    free(distribution->count);
+    free(distribution->largest);
+}
+
+/* ---- a pixel ---- */
+
+/* In degrees; 0 where both are black, 90 where one is. b is parted into a multiple of a and the
+ * rest, which is at right angles: with that as sine small angles keep their digits. */
+static double spectral_angle(const double *a, const double *b, int n)
+{
+    double aa = 0, bb = 0, ab = 0, rest = 0;
+    for (int i = 0; i < n; i++) {
+        aa += a[i] * a[i];
+        bb += b[i] * b[i];
+        ab += a[i] * b[i];
+    }
+    if (aa == 0 || bb == 0)
+        return aa == bb ? 0 : 90;
+    for (int i = 0; i < n; i++) {
+        const double across = b[i] - a[i] * (ab / aa);
+        rest += across * across;
+    }
+    return angle_of(fmin(sqrt(rest / bb), 1), fmin(ab / sqrt(aa) / sqrt(bb), 1)) * (180 / PI);
+}
+
+/* ---- a row ---- */
+
+struct comparer {
+    const struct compare_options *options;
+    struct comparison *out;
+    struct cube a, b;
+    double *weights; /* of X, Y and Z */
+    double white[3];
+    int threads, rows;             /* of a chunk */
+    float *samples_a, *samples_b;  /* [band][row][x] */
+    double *spectra;               /* [row][a, b][band]: the pixel at hand */
+    struct band_difference *bands; /* [row][band]; rms: sum of squares so far */
+    double *largest_a;             /* [row] */
+    double *angle, *ciede2000;     /* [row][x] */
+    float *map;                    /* [row][x][3] */
+    struct distribution angles, ciede2000s;
+    struct picture_writer picture;
+};
+
+static double colour_difference(const struct comparer *comparer, const double *a, const double *b)
+{
+    const int n = comparer->out->n;
+    double xyz[3], lab_a[3], lab_b[3];
+    tristimulus(comparer->weights, a, n, xyz);
+    cielab(xyz, comparer->white, lab_a);
+    tristimulus(comparer->weights, b, n, xyz);
+    cielab(xyz, comparer->white, lab_b);
+    return ciede2000_difference(lab_a, lab_b);
+}
+
+/* Notes where the spectra of a pixel differ; returns by how much at most. */
+static double compare_bands(const double *a, const double *b, int n, int x, int y,
+                            struct band_difference *bands)
+{
+    double largest = 0;
+    for (int band = 0; band < n; band++) {
+        const double difference = fabs(a[band] - b[band]);
+        bands[band].rms += difference * difference;
+        largest = fmax(largest, difference);
+        if (difference > bands[band].largest) {
+            bands[band].largest = difference;
+            bands[band].x = x;
+            bands[band].y = y;
+        }
+    }
+    return largest;
+}
+
+static void compare_row(struct comparer *comparer, int row, int first_row)
+{
+    const int n = comparer->out->n, width = comparer->out->width;
+    const size_t plane = (size_t)comparer->rows * (size_t)width;
+    struct band_difference *bands = comparer->bands + (size_t)row * (size_t)n;
+    double *a = comparer->spectra + (size_t)row * 2 * (size_t)n, *b = a + n;
+    memset(bands, 0, (size_t)n * sizeof *bands);
+    comparer->largest_a[row] = 0;
+    for (int x = 0; x < width; x++) {
+        const size_t at = (size_t)row * (size_t)width + (size_t)x;
+        for (int band = 0; band < n; band++) {
+            a[band] = (double)comparer->samples_a[(size_t)band * plane + at];
+            b[band] = (double)comparer->samples_b[(size_t)band * plane + at];
+            comparer->largest_a[row] = fmax(comparer->largest_a[row], a[band]);
+        }
+        const double largest = compare_bands(a, b, n, x, first_row + row, bands);
+        comparer->angle[at] = largest > 0 ? spectral_angle(a, b, n) : 0;
+        comparer->ciede2000[at] =
+            largest > 0 && comparer->out->has_white ? colour_difference(comparer, a, b) : 0;
+        comparer->map[3 * at] = (float)largest;
+        comparer->map[3 * at + 1] = (float)comparer->angle[at];
+        comparer->map[3 * at + 2] = (float)comparer->ciede2000[at];
+    }
+}
+
+/* ---- all rows ---- */
+
+static void add_row(struct comparer *comparer, int row, int y)
+{
+    struct comparison *out = comparer->out;
+    const struct band_difference *bands = comparer->bands + (size_t)row * (size_t)out->n;
+    for (int band = 0; band < out->n; band++) {
+        const double sum = out->bands[band].rms + bands[band].rms;
+        if (bands[band].largest > out->bands[band].largest)
+            out->bands[band] = bands[band];
+        out->bands[band].rms = sum;
+    }
+    out->largest_radiance = fmax(out->largest_radiance, comparer->largest_a[row]);
+    for (int x = 0; x < out->width; x++) {
+        const size_t at = (size_t)row * (size_t)out->width + (size_t)x;
+        distribution_add(&comparer->angles, &out->angle, comparer->angle[at], x, y);
+        distribution_add(&comparer->ciede2000s, &out->ciede2000, comparer->ciede2000[at], x, y);
+    }
+}
+
+static bool compare_chunk(struct comparer *comparer, int y, int rows, struct error *err)
+{
+    const size_t plane = (size_t)comparer->rows * (size_t)comparer->out->width;
+    for (int band = 0; band < comparer->out->n; band++)
+        if (!image_read(&comparer->a.image, band, y, rows,
+                        comparer->samples_a + (size_t)band * plane, err) ||
+            !image_read(&comparer->b.image, band, y, rows,
+                        comparer->samples_b + (size_t)band * plane, err))
+            return false;
+#pragma omp parallel for schedule(dynamic) num_threads(comparer->threads)
+    for (int row = 0; row < rows; row++)
+        compare_row(comparer, row, y);
+    for (int row = 0; row < rows; row++)
+        add_row(comparer, row, y + row);
+    return comparer->options->map == NULL ||
+           picture_write(&comparer->picture, comparer->map, rows, err);
+}
+
+/* Sums become root mean squares. */
+static void conclude(struct comparer *comparer)
+{
+    struct comparison *out = comparer->out;
+    const uint64_t n_pixels = (uint64_t)out->width * (uint64_t)out->height;
+    double sum = 0;
+    for (int band = 0; band < out->n; band++) {
+        if (out->bands[band].largest > out->all.largest) {
+            out->all = out->bands[band];
+            out->largest_band = band;
+        }
+        sum += out->bands[band].rms;
+        out->bands[band].rms = sqrt(out->bands[band].rms / (double)n_pixels);
+    }
+    out->all.rms = sqrt(sum / (double)n_pixels / out->n);
+    distribution_end(&comparer->angles, n_pixels, &out->angle);
+    distribution_end(&comparer->ciede2000s, n_pixels, &out->ciede2000);
+}
+
+static bool compare_rows(struct comparer *comparer, struct error *err)
+{
+    const int height = comparer->out->height;
+    for (int y = 0; y < height; y += comparer->rows) {
+        const int left = height - y;
+        if (output_interrupted())
+            return error_system(err, "interrupted; nothing was written");
+        if (!compare_chunk(comparer, y, left < comparer->rows ? left : comparer->rows, err))
+            return false;
+    }
+    conclude(comparer);
+    return true;
+}
+
+/* ---- preparations ---- */
+
+/* Wavelengths that differ by less are the same: a file may hold them rounded. */
+static const double same_nm = 1e-6;
+
+static bool check_sizes(const struct image *a, const struct image *b, struct error *err)
+{
+    const struct place place = {b->path, 0, 0};
+    if (a->width != b->width || a->height != b->height)
+        return error_at(err, place, "%d x %d pixels, but %s has %d x %d", b->width, b->height,
+                        a->path, a->width, a->height);
+    if (a->n_pages != b->n_pages)
+        return error_at(err, place, "%d wavelengths, but %s has %d", b->n_pages, a->path,
+                        a->n_pages);
+    for (int i = 0; i < a->n_pages; i++)
+        if (!(fabs(a->wavelengths_nm[i] - b->wavelengths_nm[i]) < same_nm))
+            return error_at(err, place, "page %d is %.10g nm, but in %s %.10g nm", i + 1,
+                            b->wavelengths_nm[i], a->path, a->wavelengths_nm[i]);
+    return true;
+}
+
+static bool prepare_white(struct comparer *comparer, struct error *err)
+{
+    const struct compare_options *options = comparer->options;
+    const int n = comparer->out->n;
+    const bool needed = options->white != NULL || options->tolerance.unit == TOLERANCE_CIEDE2000;
+    struct error ignored = {.status = EXIT_AGREED};
+    double *radiance = calloc((size_t)n, sizeof *radiance);
+    if (radiance == NULL)
+        return error_memory(err);
+    comparer->out->has_white =
+        cube_white(&comparer->a, options->white, radiance, needed ? err : &ignored);
+    if (comparer->out->has_white)
+        tristimulus(comparer->weights, radiance, n, comparer->white);
+    free(radiance);
+    return comparer->out->has_white || !needed;
+}
+
+static bool prepare_colour(struct comparer *comparer, struct error *err)
+{
+    struct comparison *out = comparer->out;
+    out->observer = strdup(comparer->options->observer);
+    comparer->weights = calloc(3 * (size_t)out->n, sizeof *comparer->weights);
+    if (out->observer == NULL || comparer->weights == NULL)
+        return error_memory(err);
+    return observer_weights(out->observer, out->wavelengths_nm, out->n, comparer->weights, err) &&
+           prepare_white(comparer, err);
+}
+
+static int thread_count(int wanted)
+{
+#ifdef _OPENMP
+    return wanted > 0 ? wanted : omp_get_max_threads();
+#else
+    (void)wanted;
+    return 1;
+#endif
+}
+
+/* Samples of a chunk, of both stacks: 128 MiB at most, but for a row. */
+static const size_t chunk_samples = (size_t)32 << 20;
+
+static bool prepare_chunk(struct comparer *comparer, struct error *err)
+{
+    const size_t n = (size_t)comparer->out->n, width = (size_t)comparer->out->width;
+    const size_t height = (size_t)comparer->out->height, fitting = chunk_samples / (2 * n * width);
+    const size_t rows = fitting < 1 ? 1 : fitting < height ? fitting : height;
+    comparer->rows = (int)rows;
+    comparer->threads = thread_count(comparer->options->threads);
+    comparer->samples_a = calloc(n * rows * width, sizeof *comparer->samples_a);
+    comparer->samples_b = calloc(n * rows * width, sizeof *comparer->samples_b);
+    comparer->spectra = calloc(2 * n * rows, sizeof *comparer->spectra);
+    comparer->bands = calloc(n * rows, sizeof *comparer->bands);
+    comparer->largest_a = calloc(rows, sizeof *comparer->largest_a);
+    comparer->angle = calloc(rows * width, sizeof *comparer->angle);
+    comparer->ciede2000 = calloc(rows * width, sizeof *comparer->ciede2000);
+    comparer->map = calloc(3 * rows * width, sizeof *comparer->map);
+    return (comparer->samples_a != NULL && comparer->samples_b != NULL &&
+            comparer->spectra != NULL && comparer->bands != NULL && comparer->largest_a != NULL &&
+            comparer->angle != NULL && comparer->ciede2000 != NULL && comparer->map != NULL) ||
+           error_memory(err);
+}
+
+static bool prepare(struct comparer *comparer, struct error *err)
+{
+    const struct image *image = &comparer->a.image;
+    struct comparison *out = comparer->out;
+    const size_t n = (size_t)image->n_pages;
+    *out = (struct comparison){.n = image->n_pages, .width = image->width, .height = image->height};
+    out->wavelengths_nm = calloc(n, sizeof *out->wavelengths_nm);
+    out->bands = calloc(n, sizeof *out->bands);
+    if (out->wavelengths_nm == NULL || out->bands == NULL)
+        return error_memory(err);
+    memcpy(out->wavelengths_nm, image->wavelengths_nm, n * sizeof *out->wavelengths_nm);
+    return check_sizes(image, &comparer->b.image, err) && prepare_colour(comparer, err) &&
+           prepare_chunk(comparer, err) && distribution_open(&comparer->angles, err) &&
+           distribution_open(&comparer->ciede2000s, err);
+}
+
+static bool open_map(struct comparer *comparer, struct error *err)
+{
+    const struct picture_options options = {
+        .width = comparer->out->width,
+        .height = comparer->out->height,
+        .samples = PICTURE_FLOAT,
+        .channels = {"largest difference of radiance", "spectral angle in degrees", "CIEDE2000"},
+        .description = "How two spectral stacks differ"};
+    return comparer->options->map == NULL ||
+           picture_open(&comparer->picture, comparer->options->map, &options, err);
+}
+
+/* ---- the whole ---- */
+
+static void comparer_free(struct comparer *comparer)
+{
+    cube_close(&comparer->a);
+    cube_close(&comparer->b);
+    distribution_free(&comparer->angles);
+    distribution_free(&comparer->ciede2000s);
+    free(comparer->weights);
+    free(comparer->samples_a);
+    free(comparer->samples_b);
+    free(comparer->spectra);
+    free(comparer->bands);
+    free(comparer->largest_a);
+    free(comparer->angle);
+    free(comparer->ciede2000);
+    free(comparer->map);
+}
+
+bool compare(const char *a, const char *b, const struct compare_options *options,
+             struct comparison *out, struct error *err)
+{
+    struct comparer comparer = {.options = options, .out = out};
+    *out = (struct comparison){.n = 0};
+    bool done =
+        cube_open(a, &comparer.a, err) && cube_open(b, &comparer.b, err) && prepare(&comparer, err);
+    const bool opened = done && open_map(&comparer, err);
+    done = opened && compare_rows(&comparer, err) &&
+           (options->map == NULL || picture_commit(&comparer.picture, err));
+    if (opened && options->map != NULL)
+        picture_discard(&comparer.picture); /* what was committed stays */
+    comparer_free(&comparer);
+    return done;
+}
+
+bool comparison_is_within(const struct comparison *comparison, const struct tolerance *tolerance)
+{
+    const double seen = tolerance->unit == TOLERANCE_CIEDE2000 ? comparison->ciede2000.largest
+                                                               : comparison->all.largest;
+    return seen <=
+           tolerance->value *
+               (tolerance->unit == TOLERANCE_PERCENT ? comparison->largest_radiance / 100 : 1);
+}
+
+/* Where the largest difference is, if there is any. */
+static void pixel_text(double largest, int x, int y, char out[32])
+{
+    if (largest > 0)
+        snprintf(out, 32, "%d,%d", x, y);
+    else
+        snprintf(out, 32, "none");
+}
+
+static void print_bands(const struct comparison *comparison, FILE *to)
+{
+    fprintf(to, "%-17s %-12s %-11s %s\n", "wavelength (nm)", "largest", "at pixel", "RMS");
+    for (int i = 0; i < comparison->n; i++) {
+        const struct band_difference *band = &comparison->bands[i];
+        char pixel[32];
+        pixel_text(band->largest, band->x, band->y, pixel);
+        fprintf(to, "%-17.10g %-12.6g %-11s %.6g\n", comparison->wavelengths_nm[i], band->largest,
+                pixel, band->rms);
+    }
+}
+
+static void print_pixels(const char *name, const struct pixel_difference *difference, FILE *to)
+{
+    char pixel[32];
+    pixel_text(difference->largest, difference->x, difference->y, pixel);
+    fprintf(to, "%s %.6g (mean), %.6g (95th percentile), %.6g (largest, at pixel %s)\n", name,
+            difference->mean, difference->quantile_95, difference->largest, pixel);
+}
+
+void comparison_print(const struct comparison *comparison, FILE *to)
+{
+    static const char unit[] = "W sr-1 m-2 nm-1 (relative)";
+    const struct band_difference *all = &comparison->all;
+    char pixel[32];
+    pixel_text(all->largest, all->x, all->y, pixel);
+    print_bands(comparison, to);
+    fprintf(to, "stacks            %d x %d pixels, %d wavelengths\n", comparison->width,
+            comparison->height, comparison->n);
+    fprintf(to, "largest           %.6g %s at %.10g nm, at pixel %s\n", all->largest, unit,
+            comparison->wavelengths_nm[comparison->largest_band], pixel);
+    fprintf(to, "RMS               %.6g %s\n", all->rms, unit);
+    fprintf(to, "largest of A      %.6g %s\n", comparison->largest_radiance, unit);
+    print_pixels("spectral angle   ", &comparison->angle, to);
+    if (!comparison->has_white)
+        fprintf(to, "CIEDE2000         none: there is no white; --white SPECTRUM gives one\n");
+    else {
+        print_pixels("CIEDE2000        ", &comparison->ciede2000, to);
+        fprintf(to, "observer          %s\n", comparison->observer);
+    }
+}
+
+void comparison_free(struct comparison *comparison)
+{
+    free(comparison->wavelengths_nm);
+    free(comparison->bands);
+    free(comparison->observer);
+    *comparison = (struct comparison){.n = 0};
+}

@@ -1,0 +1,259 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""What compare tells of two stacks is computed once more with numpy, pixel by pixel, from published
+formulas; some differences are known in closed form. Prints TAP."""
+import os
+import re
+import subprocess
+import sys
+
+import numpy as np
+import tifffile
+
+sys.dont_write_bytecode = True
+from rendered import SPECTRAL, TMP, check, done, write
+
+NUMBER = r"([-+.e\d]+)"
+SIX_DIGITS = 6e-6  # relative: what is printed
+FLOAT = 1e-7       # relative: what the map holds
+
+
+# ---- the same with numpy ----
+
+def xyz_weights(observer, nm):
+    rows = [line.split(",") for line in open(f"data/tables/{observer}.csv") if line[0].isdigit()]
+    own, *curves = np.array(rows, float).T
+    steps = np.diff(nm)
+    widths = (np.append(steps[:1], steps) + np.append(steps, steps[-1:])) / 2
+    k = 100 / (curves[1].sum() * (own[1] - own[0]))
+    return np.array([np.interp(nm, own, curve, 0, 0) for curve in curves]) * widths * k
+
+
+def cielab(xyz, white):
+    """CIE 15:2018, 8.2.1. Channels first."""
+    ratio = xyz / white[:, None, None]
+    f = np.where(ratio > (24 / 116) ** 3, np.cbrt(ratio), 841 / 108 * ratio + 16 / 116)
+    return np.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
+
+
+def ciede2000(one, two):
+    """As Sharma, Wu and Dalal write it (Color Res. Appl. 30, 21-30, 2005)."""
+    (l1, a1, b1), (l2, a2, b2) = one, two
+    mean_c7 = ((np.hypot(a1, b1) + np.hypot(a2, b2)) / 2) ** 7
+    g = 0.5 * (1 - np.sqrt(mean_c7 / (mean_c7 + 25.0 ** 7)))
+    a1, a2 = (1 + g) * a1, (1 + g) * a2
+    c1, c2 = np.hypot(a1, b1), np.hypot(a2, b2)
+    h1, h2 = np.degrees(np.arctan2(b1, a1)) % 360, np.degrees(np.arctan2(b2, a2)) % 360
+    turn = h2 - h1
+    turn = np.where(turn > 180, turn - 360, np.where(turn < -180, turn + 360, turn))
+    turn = np.where(c1 * c2 == 0, 0, turn)
+    hue = np.where(c1 * c2 == 0, h1 + h2, np.where(
+        abs(h1 - h2) <= 180, (h1 + h2) / 2, np.where(h1 + h2 < 360, (h1 + h2 + 360) / 2, (h1 + h2 - 360) / 2)))
+    dl, dc, dh = l2 - l1, c2 - c1, 2 * np.sqrt(c1 * c2) * np.sin(np.radians(turn / 2))
+    l, c = (l1 + l2) / 2, (c1 + c2) / 2
+    t = (1 - 0.17 * np.cos(np.radians(hue - 30)) + 0.24 * np.cos(np.radians(2 * hue))
+         + 0.32 * np.cos(np.radians(3 * hue + 6)) - 0.20 * np.cos(np.radians(4 * hue - 63)))
+    sl = 1 + 0.015 * (l - 50) ** 2 / np.sqrt(20 + (l - 50) ** 2)
+    sc, sh = 1 + 0.045 * c, 1 + 0.015 * c * t
+    rt = (-2 * np.sqrt(c ** 7 / (c ** 7 + 25.0 ** 7))
+          * np.sin(np.radians(60 * np.exp(-((hue - 275) / 25) ** 2))))
+    return np.sqrt((dl / sl) ** 2 + (dc / sc) ** 2 + (dh / sh) ** 2 + rt * dc / sc * dh / sh)
+
+
+def angles(a, b):
+    """In degrees, from half-angles of unit vectors (Kahan)."""
+    a, b = a / np.sqrt((a * a).sum(0)), b / np.sqrt((b * b).sum(0))
+    return np.degrees(2 * np.arctan2(np.sqrt(((a - b) ** 2).sum(0)), np.sqrt(((a + b) ** 2).sum(0))))
+
+
+# ---- stacks and the program ----
+
+def stack(name, pixels, nm, compression=None):
+    """Float pages with their wavelengths as page names."""
+    path = os.path.join(TMP, name)
+    with tifffile.TiffWriter(path) as out:
+        for page, wavelength in zip(np.asarray(pixels, np.float32), nm):
+            out.write(page, metadata=None, contiguous=False, compression=compression,
+                      photometric="minisblack", extratags=[(285, "s", 0, f"{wavelength} nm", True)])
+    return path
+
+
+def compare(a, b, *options):
+    return subprocess.run([SPECTRAL, "compare", a, b, *options], capture_output=True, text=True, check=False)
+
+
+def read_map(path):
+    with tifffile.TiffFile(path) as tiff:
+        pixels = np.array([page.asarray() for page in tiff.pages], np.float64).squeeze()
+    return np.moveaxis(pixels, -1, 0) if pixels.shape[-1] == 3 else pixels
+
+
+class Told:
+    """What is printed: a table of bands, then a line for each quantity."""
+
+    def __init__(self, text):
+        rows = re.findall(rf"^{NUMBER} +{NUMBER} +(\d+),(\d+) +{NUMBER}$", text, re.M)
+        self.bands = np.array(rows, float)
+        largest = re.search(rf"^largest  .*? {NUMBER} W.* at {NUMBER} nm, at pixel (\d+),(\d+)$", text, re.M)
+        self.largest = np.array(largest.groups(), float) if largest else None
+        self.rms = float(re.search(rf"^RMS +{NUMBER}", text, re.M).group(1))
+        self.angle = self.pixels("spectral angle", text)
+        self.ciede2000 = self.pixels("CIEDE2000", text)
+
+    @staticmethod
+    def pixels(name, text):
+        found = re.search(rf"^{name} +{NUMBER} \(mean\), {NUMBER} \(95th percentile\), {NUMBER} "
+                          r"\(largest, at pixel (none|\d+,\d+)\)$", text, re.M)
+        return [float(group) for group in found.groups()[:3]] + [found.group(4)] if found else None
+
+
+def near(seen, expected, relative=SIX_DIGITS):
+    return np.allclose(seen, expected, rtol=relative, atol=1e-30)
+
+
+# ---- known in closed form ----
+
+def test_same():
+    result = compare(A, A, "--white", "d65")
+    told = Told(result.stdout)
+    check(result.returncode == 0, "a stack is the same as itself", result.stderr)
+    check(told.largest is None and told.rms == 0 and told.angle == [0, 0, 0, "none"]
+          and told.ciede2000 == [0, 0, 0, "none"], "no statistic of that tells of a difference", result.stdout)
+
+
+def test_one_pixel():
+    changed = PIXELS.copy()
+    changed[3, 7, 5] += np.float32(0.125)
+    step = float(changed[3, 7, 5]) - float(PIXELS[3, 7, 5])
+    other = stack("one-pixel.tif", changed, NM)
+    result = compare(A, other, "--white", "d65")
+    told = Told(result.stdout)
+    check(result.returncode == 1 and len(result.stderr.splitlines()) == 1,
+          "one sample that differs makes exit 1, and one line says so", result.stderr)
+    check(near(told.largest, [step, NM[3], 5, 7]), "its wavelength, pixel and value are told", result.stdout)
+    check(len(told.bands) == 1 and near(told.bands[0], [NM[3], step, 5, 7, step / np.sqrt(W * H)]),
+          "and no other wavelength tells of a difference")
+    check(told.angle[1] == 0 < told.angle[2] and told.angle[3] == "5,7" and told.ciede2000[3] == "5,7",
+          "angle and CIEDE2000 are largest there, and 0 at 95 % of the pixels", told.angle, told.ciede2000)
+    percent = 100 * step / float(PIXELS.max())
+    for tolerance, status in ((f"{step:.17g}", 0), (f"{step * 0.999:.9g}", 1), (f"{percent * 1.001:.9g}%", 0),
+                              (f"{percent * 0.999:.9g}%", 1), (f"{told.ciede2000[2] * 1.001:.9g}dE00", 0),
+                              (f"{told.ciede2000[2] * 0.999:.9g}dE00", 1)):
+        result = compare(A, other, "--white", "d65", "--tolerance", tolerance)
+        check(result.returncode == status, f"a tolerance of {tolerance} makes exit {status}", result.stderr)
+
+
+def test_angles():
+    told = Told(compare(A, stack("twice.tif", 2 * PIXELS, NM)).stdout)
+    check(told.angle == [0, 0, 0, "none"], "twice the radiance everywhere: spectral angles of 0")
+    nm = [500, 600]
+    rows = (([1, 0], [0, 1], 90), ([0, 0], [0, 0], 0), ([0, 0], [0.5, 0], 90), ([1, 1], [0, 3], 45),
+            ([3, 4], [4, 3], np.degrees(np.arctan2(7, 24))))
+    for a, b, expected in rows:
+        one, two = (stack(f"{n}.tif", np.reshape(p, (2, 1, 1)), nm) for n, p in (("one", a), ("two", b)))
+        told = Told(compare(one, two).stdout)
+        check(near(told.angle[2], expected), f"{a} and {b}: {expected:.6g} degrees", told.angle)
+    step = 2.0 ** -23
+    one, two = stack("flat.tif", np.ones((2, 1, 1)), nm), stack("tilted.tif", [[[1]], [[1 + step]]], nm)
+    told = Told(compare(one, two).stdout)
+    check(near(told.angle[2], np.degrees(np.arctan(step / (2 + step)))),
+          "a single bit of a float: the angle to 6 digits, where an arc cosine has none", told.angle)
+
+
+# ---- everything once more ----
+
+def test_statistics(name, a_pixels, b_pixels, nm, observer):
+    a, b = stack(name + "-a.tif", a_pixels, nm), stack(name + "-b.tif", b_pixels, nm, "zlib")
+    out = os.path.join(TMP, name + "-map.tif")
+    result = compare(a, b, "--white", "a", "--detector", observer, "--map", out)
+    told, seen = Told(result.stdout), read_map(out)
+    a, b = a_pixels.astype(np.float64), b_pixels.astype(np.float64)
+    difference = abs(a - b)
+    flat = difference.reshape(len(nm), -1)
+    at = flat.argmax(1)
+    expected = np.array([nm, flat.max(1), at % a.shape[2], at // a.shape[2], np.sqrt((flat ** 2).mean(1))]).T
+    check(result.returncode == 1 and near(told.bands, expected),
+          f"{name}: of each wavelength the largest difference, its pixel and the RMS")
+    check(near(told.largest, expected[flat.max(1).argmax()][[1, 0, 2, 3]]) and
+          near(told.rms, np.sqrt((flat ** 2).mean())), f"{name}: and of all", told.largest, told.rms)
+    light = np.array([line.split(",") for line in open("data/tables/a.csv") if line[0].isdigit()], float).T
+    weights = xyz_weights(observer, np.array(nm, float))
+    white = weights @ np.interp(nm, *light, 0, 0)
+    labs = [cielab(np.tensordot(weights, pixels, 1), white) for pixels in (a, b)]
+    pictures = difference.max(0), angles(a, b), ciede2000(*labs)
+    for values, statistics, row, what in zip(pictures[1:], (told.angle, told.ciede2000), seen[1:],
+                                             ("spectral angles", "CIEDE2000")):
+        most = values.max()
+        quantile = np.quantile(values, 0.95, method="inverted_cdf")
+        y, x = np.unravel_index(values.argmax(), values.shape)
+        check(near(statistics[0], values.mean(), 1e-5) and near(statistics[2], most, 1e-5) and
+              statistics[3] == f"{x},{y}", f"{name}: mean, largest and its pixel of {what}", statistics)
+        check(quantile * (1 - 1e-5) <= statistics[1] <= quantile * (1 + 1 / 1024 + 1e-5),
+              f"{name}: their 95th percentile, by 1/1024 too high at most", statistics[1], quantile)
+        check(abs(row - values).max() <= 1e-6 * most, f"{name}: the map holds them pixel by pixel",
+              abs(row - values).max())
+    check(abs(seen[0] - pictures[0]).max() <= FLOAT * pictures[0].max(),
+          f"{name}: and the largest difference of all wavelengths")
+
+
+def test_threads(a, b):
+    outputs = []
+    for threads in "1", "2", "7":
+        out = os.path.join(TMP, f"threads-{threads}.tif")
+        result = compare(a, b, "--white", "d65", "--threads", threads, "--map", out)
+        outputs.append((result.stdout, open(out, "rb").read()))
+    check(outputs[0] == outputs[1] == outputs[2], "text and map do not depend on the number of threads")
+
+
+# ---- what cannot be compared ----
+
+def refused(a, b, pattern, *options):
+    out = os.path.join(TMP, "never.tif")
+    result = compare(a, b, "--map", out, *options)
+    check(result.returncode == 2 and len(result.stderr.splitlines()) == 1 and not os.path.exists(out)
+          and re.search(pattern, result.stderr), f"exit 2, one line and no map: {pattern}", result.stderr)
+
+
+def test_refusals():
+    refused(A, stack("wide.tif", PIXELS[:, :, 1:], NM), rf"wide.tif: .*{W - 1} x {H} pixels, but .* {W} x {H}")
+    refused(A, stack("few.tif", PIXELS[1:], NM[1:]), rf"{len(NM) - 1} wavelengths, but .* has {len(NM)}")
+    refused(A, stack("moved.tif", PIXELS, [*NM[:-1], NM[-1] + 1]), rf"page {len(NM)} is {NM[-1] + 1} nm, but")
+    refused(A, os.path.join(TMP, "missing.tif"), "missing.tif")
+    refused(write("text.tif", "no picture"), A, "text.tif")
+    plain = os.path.join(TMP, "plain.tif")
+    tifffile.imwrite(plain, PIXELS.astype(np.float32), photometric="minisblack", metadata=None)
+    refused(A, plain, "plain.tif: tells no wavelengths")
+    whole = open(A, "rb").read()
+    cut = os.path.join(TMP, "cut.tif")
+    with open(cut, "wb") as out:
+        out.write(whole[:len(whole) * 2 // 3])
+    refused(A, cut, "cut.tif")
+    bad = PIXELS.copy()
+    bad[2, 3, 4] = np.nan
+    refused(A, stack("nan.tif", bad, NM), "nan.tif")
+    refused(A, A, "dcs200-camera.* no tristimulus values", "--detector", "dcs200-camera")
+    refused(A, A, "tells no white", "--tolerance", "1dE00")
+    for tolerance in "", "x", "1e", "-1", "%", "dE00", "1dE", "1%%", "inf", "nan":
+        refused(A, A, "--tolerance", "--tolerance", tolerance)
+    told = Told(compare(A, stack("some.tif", PIXELS + 1, NM)).stdout)
+    check(told.ciede2000 is None and told.angle is not None, "without a white there is no CIEDE2000")
+
+
+NM = [400, 450, 500, 550, 600, 650, 700]
+W, H = 33, 17
+random = np.random.default_rng(6)
+PIXELS = random.random((len(NM), H, W)).astype(np.float32)
+A = stack("a.tif", PIXELS, NM)
+NOISY = (PIXELS * random.lognormal(0, 0.1, PIXELS.shape)).astype(np.float32)
+test_same()
+test_one_pixel()
+test_angles()
+test_statistics("random", PIXELS, NOISY, NM, "cie1931")
+test_statistics("other-observer", PIXELS, NOISY, NM, "cie1964")
+LARGE = random.random((40, 500, 900), dtype=np.float32)  # 144 MB of both: in two chunks of rows
+test_statistics("large", LARGE, LARGE * random.random(LARGE.shape, dtype=np.float32),
+                list(range(400, 600, 5)), "cie1931")
+test_threads(A, os.path.join(TMP, "one-pixel.tif"))
+test_threads(os.path.join(TMP, "large-a.tif"), os.path.join(TMP, "large-b.tif"))
+test_refusals()
+done()

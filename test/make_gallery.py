@@ -1,0 +1,62 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""Makes the pictures of README: every built-in scene, rendered, developed and stored as a PNG.
+usage: test/make_gallery.py FOLDER [NAME...]"""
+import os
+import struct
+import subprocess
+import sys
+import tempfile
+import zlib
+
+import numpy as np
+import tifffile
+
+SPECTRAL = os.environ.get("SPECTRAL", "build/spectral")
+A, UV = ("--light", "1=a"), ("--light", "1=uv")
+AUTO, ADAPTED = ("--exposure", "auto"), ("--adaptation", "cat16")
+# name: scene, size, what it is rendered with, what it is developed with
+PICTURES = {
+    "colorchecker": ("colorchecker", "480x320", (), AUTO),
+    "patches": ("patches", "480x320", (), AUTO),
+    "spheres": ("spheres", "480x320", (), AUTO),
+    "metals": ("metals", "480x320", (), AUTO),
+    "textures": ("textures", "480x320", (), AUTO),
+    "pasture": ("pasture", "480x320", (), AUTO),
+    "room": ("room", "480x320", (), AUTO),
+    "metamers": ("metamers", "480x240", (), AUTO),
+    "metamers-a": ("metamers", "480x240", A, AUTO + ADAPTED),
+    "metamers-camera": ("metamers", "480x240", (), AUTO + ("--detector", "dcs200-camera")),
+    "fluorescence": ("fluorescence", "480x320", (), AUTO),
+    "fluorescence-a": ("fluorescence", "480x320", A, AUTO + ADAPTED),
+    "fluorescence-uv": ("fluorescence", "480x320", UV, AUTO),
+    "patches-a": ("patches", "480x320", A, ()),
+    "patches-fairchild": ("patches", "480x320", A, ("--adaptation", "fairchild")),
+    "patches-von-kries": ("patches", "480x320", A, ("--adaptation", "von-kries")),
+}
+
+
+def png(path, pixels):
+    height, width, _ = pixels.shape
+    up = np.diff(pixels, axis=0, prepend=np.zeros((1, width, 3), np.uint8))  # PNG's filter 2
+    rows = b"".join(b"\2" + row.tobytes() for row in up)
+
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+    with open(path, "wb") as out:
+        out.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">2I5B", width, height, 8, 2, 0, 0, 0))
+                  + chunk(b"sRGB", b"\0") + chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b""))
+
+
+def make(folder, name, scene, size, rendered, developed):
+    with tempfile.TemporaryDirectory() as work:
+        stack, picture = os.path.join(work, "stack.tif"), os.path.join(work, "picture.tif")
+        subprocess.run([SPECTRAL, "render", scene, "--size", size, "-o", stack, "--quiet", *rendered],
+                       check=True)
+        subprocess.run([SPECTRAL, "develop", stack, "-o", picture, "--quiet", *developed], check=True)
+        png(os.path.join(folder, name + ".png"), tifffile.imread(picture))
+
+
+wanted = sys.argv[2:] or PICTURES
+for each in wanted:
+    make(sys.argv[1], each, *PICTURES[each])
