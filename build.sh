@@ -33,7 +33,7 @@ static_packages='g++ libc6-dev libtiff-dev zlib1g-dev libzstd-dev libdeflate-dev
   liblerc-dev'
 test_packages='gcc clang libomp-dev perl liblcms2-utils python3-pil python3-tifffile python3-numpy python3-scipy python3-gdal
   imagej default-jdk-headless glmark2-data psychtoolbox-3-common mandoc bsdextrautils busybox-static
-  file binutils musl-tools gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user'
+  chromium file binutils musl-tools gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user'
 mutation='s/whole = bound\[i\]/whole = 1000 * bound[i]/'
 
 refuse() {
@@ -137,8 +137,8 @@ make_cached() {
 
 # The text files under data/ as C, so that the program runs alone.
 builtin_files() {
-    find data/tables data/materials data/models data/scenes data/textures -type f | sort \
-        >"$BUILD/builtin.list"
+    find data/tables data/materials data/models data/scenes data/textures data/viewer.html -type f |
+        sort >"$BUILD/builtin.list"
     echo '#include "spectral.h"'
     number=0
     while read -r file; do
@@ -186,16 +186,16 @@ find_libraries() {
     case $GL in
     osmesa)
         leave_out raster/no_gl.c
-        libraries='-lOSMesa -ltiff -lm'
-        need libosmesa6-dev libtiff-dev
+        libraries='-lOSMesa -ltiff -lz -lm'
+        need libosmesa6-dev libtiff-dev zlib1g-dev
         ;;
     none)
         leave_out 'raster/(mesa|identify).c'
-        libraries='-ltiff -lm'
-        case $CC in gcc | clang) need libtiff-dev ;; esac
+        libraries='-ltiff -lz -lm'
+        case $CC in gcc | clang) need libtiff-dev zlib1g-dev ;; esac
         if ! links tiffio.h TIFFGetVersion $libraries; then
             find_tiff
-            libraries="-static -Wl,--gc-sections -I$tiff/include -L$tiff -L$zlib -ltiff -lz -lm"
+            libraries="-static -Wl,--gc-sections -I$tiff/include -I$zlib/include -L$tiff -L$zlib -ltiff -lz -lm"
         fi
         ;;
     *) refuse "build.sh: GL is osmesa or none, not '$GL'" ;;

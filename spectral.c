@@ -19,12 +19,17 @@ static const char usage[] =
     "\n"
     "  render [SCENE] [-o STACK.tif]   render, cross-check, write (default: SCENE's name + .tif)\n"
     "  plan   [SCENE]                  what would be simulated, and why; draws nothing\n"
+    "  develop STACK [-o IMAGE.tif]    what a detector sees, as a colour picture (default:\n"
+    "                                  STACK's name + -developed.tif)\n"
+    "  probe  STACK|SCENE X Y [W H]    the spectrum of a pixel, or the mean of a region\n"
+    "  compare STACK STACK             where and by how much two stacks differ\n"
+    "  view   [SCENE] [-o PAGE.html]   an interactive viewer in one HTML file\n"
     "  info   STACK                    how a stack was made\n"
     "  list   [KIND]                   illuminants, observers, materials, shapes or scenes\n"
     "\n"
     "SCENE is a scene file, a list of material files, or a built-in scene (colorchecker).\n"
     "\n"
-    "render and plan:\n"
+    "render, plan, view, and probe of a scene:\n"
     "  --wavelengths START:END:STEP    in nm; or a list: 450,500.5,620\n"
     "  --size WxH                      in pixels\n"
     "  --light N=SPECTRUM[*INTENSITY]  another spectrum for light N (from 1); again for more\n"
@@ -43,7 +48,24 @@ static const char usage[] =
     "  --depth 16|32f                  counts, or 32-bit float radiances\n"
     "  --threads N                     default: one per processor\n"
     "  --json FILE                     results as JSON; - is standard output\n"
-    "  --quiet                         no table and no progress\n"
+    "  --quiet                         no table and no progress; so in develop, compare and view\n"
+    "develop, probe and compare:\n"
+    "  --detector NAME|FILE            default cie1931; a camera only in develop (also: "
+    "--observer)\n"
+    "  --white SPECTRUM                default: the lights that the stack records\n"
+    "develop:\n"
+    "  --adaptation KIND               none (default), von-kries, fairchild[:LUMINANCE], bradford\n"
+    "                                  or cat16\n"
+    "  --display srgb|monitor          default srgb; monitor is that of the 1998 thesis\n"
+    "  --exposure FACTOR|auto          default 1; auto: nothing is brighter than the display\n"
+    "  --bits 8|16                     default 8\n"
+    "  --xyz, --lab                    float tristimulus values, or CIELAB, instead of RGB\n"
+    "probe:\n"
+    "  --csv, --svg                    a table, or a plot, instead of text; to -o FILE\n"
+    "compare:\n"
+    "  --tolerance R|P%|EdE00          largest difference that passes: radiance, per cent of the\n"
+    "                                  largest radiance, or CIEDE2000 (default 0)\n"
+    "  --map OUT.tif                   each pixel's largest difference, spectral angle, CIEDE2000\n"
     "  -h, --help    --version\n"
     "\n"
     "exit status: 0 agreed, 1 pictures or stacks differ, 2 bad usage or input, 3 the system "
@@ -55,13 +77,20 @@ struct override {
     bool (*apply)(struct scene *scene, const char *value, struct error *err);
     const char *value;
 };
+enum { MAX_OPERANDS = 5 };
 struct options {
-    const char *operand; /* SCENE, STACK of info or KIND of list; NULL: none */
+    const char *operand; /* the first: SCENE, STACK, or KIND of list; NULL: none */
+    const char *operands[MAX_OPERANDS];
+    int n_operands;
     struct override overrides[MAX_RECORD_OPTIONS];
     char *recorded[MAX_RECORD_OPTIONS]; /* those that a stack records, as one word each; owned */
     int n_overrides, n_recorded;
     const char *output, *json, *again;
     struct plan_options plan;
+    const char *detector, *white, *map;
+    struct develop_options develop;
+    struct tolerance tolerance;
+    bool xyz, lab, csv, svg;
     bool no_check, strict, keep, quiet, help;
 };
 
@@ -130,8 +159,47 @@ static bool set_threads(struct options *options, const char *value, struct error
            error_usage(err, "--threads takes a whole number, not '%s'", value);
 }
 
+static bool set_adaptation(struct options *options, const char *value, struct error *err)
+{
+    return adaptation_read("--adaptation", value, &options->develop.adaptation, err);
+}
+
+static bool set_display(struct options *options, const char *value, struct error *err)
+{
+    return display_read("--display", value, &options->develop.display, err);
+}
+
+static bool set_exposure(struct options *options, const char *value, struct error *err)
+{
+    options->develop.exposure = 0;
+    return strcmp(value, "auto") == 0 ||
+           option_number("--exposure", value, 1e-12, 1e12, &options->develop.exposure, err);
+}
+
+static bool set_bits(struct options *options, const char *value, struct error *err)
+{
+    options->develop.bits = strcmp(value, "16") == 0 ? 16 : 8;
+    return options->develop.bits == 16 || strcmp(value, "8") == 0 ||
+           error_usage(err, "--bits takes 8 or 16, not '%s'", value);
+}
+
+static bool set_tolerance(struct options *options, const char *value, struct error *err)
+{
+    return tolerance_read("--tolerance", value, &options->tolerance, err);
+}
+
 /* RECORDED: what decides the picture, and so is what --again takes from a stack. */
-enum { FOR_SCENES = 1, FOR_RENDER = 2, FOR_LIST = 4, FOR_INFO = 8, FOR_ALL = 15, RECORDED = 16 };
+enum {
+    FOR_SCENES = 1,
+    FOR_RENDER = 2,
+    FOR_DEVELOP = 4,
+    FOR_PROBE = 8,
+    FOR_COMPARE = 16,
+    FOR_VIEW = 32,
+    FOR_ALL = 64,
+    RECORDED = 128,
+    FOR_SEEING = FOR_DEVELOP | FOR_PROBE | FOR_COMPARE
+};
 
 /* An option overrides something in the scene, is set by a function, or is a word or a flag that
  * lies in struct options at `offset`. */
@@ -152,15 +220,31 @@ static const struct option known_options[] = {
     {"--renderer", FOR_RENDER | RECORDED, SETTER, NULL, set_renderer, 0},
     {"--depth", FOR_RENDER | RECORDED, SETTER, NULL, set_depth, 0},
     {"--full-scale", FOR_RENDER | RECORDED, SETTER, NULL, set_full_scale, 0},
-    {"--threads", FOR_RENDER, SETTER, NULL, set_threads, 0},
-    {"--output", FOR_RENDER, WORD, NULL, NULL, offsetof(struct options, output)},
-    {"-o", FOR_RENDER, WORD, NULL, NULL, offsetof(struct options, output)},
+    {"--threads", FOR_RENDER | FOR_DEVELOP | FOR_COMPARE | FOR_VIEW, SETTER, NULL, set_threads, 0},
+    {"--output", FOR_RENDER | FOR_DEVELOP | FOR_PROBE | FOR_VIEW, WORD, NULL, NULL,
+     offsetof(struct options, output)},
+    {"-o", FOR_RENDER | FOR_DEVELOP | FOR_PROBE | FOR_VIEW, WORD, NULL, NULL,
+     offsetof(struct options, output)},
     {"--json", FOR_RENDER, WORD, NULL, NULL, offsetof(struct options, json)},
     {"--again", FOR_RENDER, WORD, NULL, NULL, offsetof(struct options, again)},
     {"--no-check", FOR_RENDER | RECORDED, FLAG, NULL, NULL, offsetof(struct options, no_check)},
     {"--strict", FOR_RENDER | RECORDED, FLAG, NULL, NULL, offsetof(struct options, strict)},
     {"--keep", FOR_RENDER, FLAG, NULL, NULL, offsetof(struct options, keep)},
-    {"--quiet", FOR_RENDER, FLAG, NULL, NULL, offsetof(struct options, quiet)},
+    {"--quiet", FOR_RENDER | FOR_DEVELOP | FOR_COMPARE | FOR_VIEW, FLAG, NULL, NULL,
+     offsetof(struct options, quiet)},
+    {"--detector", FOR_SEEING, WORD, NULL, NULL, offsetof(struct options, detector)},
+    {"--observer", FOR_SEEING, WORD, NULL, NULL, offsetof(struct options, detector)},
+    {"--white", FOR_SEEING, WORD, NULL, NULL, offsetof(struct options, white)},
+    {"--adaptation", FOR_DEVELOP, SETTER, NULL, set_adaptation, 0},
+    {"--display", FOR_DEVELOP, SETTER, NULL, set_display, 0},
+    {"--exposure", FOR_DEVELOP, SETTER, NULL, set_exposure, 0},
+    {"--bits", FOR_DEVELOP, SETTER, NULL, set_bits, 0},
+    {"--xyz", FOR_DEVELOP, FLAG, NULL, NULL, offsetof(struct options, xyz)},
+    {"--lab", FOR_DEVELOP, FLAG, NULL, NULL, offsetof(struct options, lab)},
+    {"--csv", FOR_PROBE, FLAG, NULL, NULL, offsetof(struct options, csv)},
+    {"--svg", FOR_PROBE, FLAG, NULL, NULL, offsetof(struct options, svg)},
+    {"--tolerance", FOR_COMPARE, SETTER, NULL, set_tolerance, 0},
+    {"--map", FOR_COMPARE, WORD, NULL, NULL, offsetof(struct options, map)},
     {"--help", FOR_ALL, FLAG, NULL, NULL, offsetof(struct options, help)},
     {"-h", FOR_ALL, FLAG, NULL, NULL, offsetof(struct options, help)},
 };
@@ -204,7 +288,7 @@ static bool parse_option(int argc, char **argv, int *index, int commands, struct
     const char *word = argv[*index], *equals = strchr(word, '=');
     size_t length = equals ? (size_t)(equals - word) : strlen(word);
     const struct option *option = find_option(word, length);
-    if (!option || !(option->commands & commands))
+    if (!option || !(option->commands & (commands | FOR_ALL)))
         return error_usage(err, "%s has no option '%.*s'; try spectral --help", argv[1],
                            (int)length, word);
     if (option->kind == FLAG)
@@ -215,10 +299,10 @@ static bool parse_option(int argc, char **argv, int *index, int commands, struct
     return apply_option(options, option, equals ? equals + 1 : argv[++*index], err);
 }
 
-static bool parse_options(int argc, char **argv, int commands, struct options *out,
+static bool parse_options(int argc, char **argv, int commands, int n_operands, struct options *out,
                           struct error *err)
 {
-    *out = (struct options){.operand = NULL};
+    *out = (struct options){.detector = "cie1931", .develop = {.exposure = 1, .bits = 8}};
     bool only_operands = false;
     for (int i = 2; i < argc; i++) {
         if (!only_operands && strcmp(argv[i], "--") == 0) {
@@ -226,12 +310,13 @@ static bool parse_options(int argc, char **argv, int commands, struct options *o
         } else if (!only_operands && argv[i][0] == '-' && argv[i][1]) {
             if (!parse_option(argc, argv, &i, commands, out, err))
                 return false;
-        } else if (out->operand) {
-            return error_usage(err, "'%s' is too much; %s takes one operand", argv[i], argv[1]);
+        } else if (out->n_operands == n_operands) {
+            return error_usage(err, "'%s' is too much; try spectral --help", argv[i]);
         } else {
-            out->operand = argv[i];
+            out->operands[out->n_operands++] = argv[i];
         }
     }
+    out->operand = out->operands[0];
     return true;
 }
 
@@ -475,7 +560,7 @@ static bool recorded_options(const struct options *options, const struct record 
     char command[] = "render", *words[2 + MAX_RECORD_OPTIONS] = {command, command};
     for (int i = 0; i < record->n_options; i++)
         words[2 + i] = record->options[i];
-    if (!parse_options(2 + record->n_options, words, RECORDED, out, err))
+    if (!parse_options(2 + record->n_options, words, RECORDED, 1, out, err))
         return false;
     if (out->operand)
         return error_usage(err, "%s records '%s', which is no option", options->again,
@@ -547,6 +632,165 @@ static bool command_render(struct options *options, struct error *err)
     return options->again ? render_again(options, err) : render_scene(options, err);
 }
 
+/* ---- develop ---- */
+
+static bool command_develop(struct options *options, struct error *err)
+{
+    struct develop_options *develop_options = &options->develop;
+    struct develop_result result;
+    if (!options->operand)
+        return error_usage(err, "develop takes a STACK; try spectral --help");
+    if (options->xyz && options->lab)
+        return error_usage(err, "--xyz and --lab exclude each other");
+    char *named = options->output ? NULL : default_output(options->operand, "-developed.tif");
+    const char *output = options->output ? options->output : named;
+    develop_options->detector = options->detector;
+    develop_options->white = options->white;
+    develop_options->threads = options->plan.threads;
+    develop_options->values = options->xyz ? DEVELOP_XYZ : options->lab ? DEVELOP_LAB : DEVELOP_RGB;
+    bool done = output ? develop(options->operand, output, develop_options, &result, err)
+                       : error_memory(err);
+    if (done && !options->quiet) {
+        FILE *to = is_regular_file(output) ? stdout : stderr;
+        develop_print(develop_options, &result, to);
+        fprintf(to, "picture           %s\n", output);
+    }
+    free(named);
+    return done;
+}
+
+/* ---- probe ---- */
+
+static bool region_read(const struct options *options, struct probe_options *out, struct error *err)
+{
+    static const char *const names[] = {"X", "Y", "W", "H"};
+    double numbers[] = {0, 0, 1, 1};
+    if (options->n_operands != 3 && options->n_operands != 5)
+        return error_usage(err, "probe takes a STACK or SCENE, X and Y, and perhaps W and H; try "
+                                "spectral --help");
+    for (int i = 0; i + 1 < options->n_operands; i++)
+        if (!option_number(names[i], options->operands[1 + i], i < 2 ? 0 : 1, INT32_MAX,
+                           &numbers[i], err) ||
+            (numbers[i] != (int)numbers[i] && !error_usage(err, "%s is a whole number, not '%s'",
+                                                           names[i], options->operands[1 + i])))
+            return false;
+    *out = (struct probe_options){(int)numbers[0], (int)numbers[1],   (int)numbers[2],
+                                  (int)numbers[3], options->detector, options->white};
+    return true;
+}
+
+static bool is_tiff(const char *path)
+{
+    char start[4] = "";
+    FILE *file = is_regular_file(path) ? fopen(path, "rb") : NULL;
+    size_t length = file ? fread(start, 1, sizeof start, file) : 0;
+    if (file)
+        fclose(file);
+    return length == sizeof start && (memcmp(start, "II", 2) == 0 || memcmp(start, "MM", 2) == 0) &&
+           (start[2] + start[3] == 42 || start[2] + start[3] == 43);
+}
+
+static bool probe_planned(const struct options *options, const struct probe_options *region,
+                          struct probe *out, struct error *err)
+{
+    struct scene scene = {.path = NULL};
+    struct plan plan = {.scene = NULL};
+    struct plan_options plan_options = {.store_raster = true};
+    bool done = read_scene(options, &scene, err) && plan_make(&scene, &plan_options, &plan, err) &&
+                probe_scene(&plan, region, out, err);
+    plan_free(&plan);
+    scene_free(&scene);
+    return done;
+}
+
+static bool probe_write(const struct options *options, const struct probe *probe, struct error *err)
+{
+    char *text = NULL;
+    size_t length = 0;
+    FILE *stream = options->svg ? NULL : open_memstream(&text, &length);
+    if (options->svg)
+        text = probe_svg(probe);
+    if (stream) {
+        (options->csv ? probe_print_csv : probe_print)(probe, stream);
+        if (fclose(stream) != 0) {
+            free(text);
+            text = NULL;
+        }
+    }
+    bool done = text ? file_write(options->output ? options->output : "-", text, strlen(text), err)
+                     : error_memory(err);
+    free(text);
+    return done;
+}
+
+static bool command_probe(struct options *options, struct error *err)
+{
+    struct probe_options region;
+    struct probe probe = {.source = NULL};
+    if (!region_read(options, &region, err))
+        return false;
+    if (options->csv && options->svg)
+        return error_usage(err, "--csv and --svg exclude each other");
+    bool stack = is_tiff(options->operand);
+    if (stack && options->n_recorded > 0)
+        return error_usage(err, "%s is a stack: it takes no %s", options->operand,
+                           options->recorded[0]);
+    bool done = (stack ? probe_stack(options->operand, &region, &probe, err)
+                       : probe_planned(options, &region, &probe, err)) &&
+                probe_write(options, &probe, err);
+    probe_free(&probe);
+    return done;
+}
+
+/* ---- compare ---- */
+
+static bool command_compare(struct options *options, struct error *err)
+{
+    struct comparison comparison = {.n = 0};
+    struct compare_options compare_options = {options->detector, options->white, options->map,
+                                              options->tolerance, options->plan.threads};
+    if (options->n_operands != 2)
+        return error_usage(err, "compare takes two stacks; try spectral --help");
+    const char *a = options->operands[0], *b = options->operands[1];
+    bool done = compare(a, b, &compare_options, &comparison, err);
+    if (done && !options->quiet)
+        comparison_print(&comparison, stdout);
+    if (done && !comparison_is_within(&comparison, &options->tolerance)) {
+        done = error_usage(err, "%s and %s differ by more than the tolerance", a, b);
+        err->status = EXIT_DIFFERENT;
+    }
+    comparison_free(&comparison);
+    return done;
+}
+
+/* ---- view ---- */
+
+static bool command_view(struct options *options, struct error *err)
+{
+    struct scene scene = {.path = NULL};
+    struct plan plan = {.scene = NULL};
+    struct plan_options plan_options = {
+        .store_raster = true, .exchangeable = true, .threads = options->plan.threads};
+    struct viewer_result result;
+    const char *named = options->operand ? options->operand : "colorchecker";
+    char *page = options->output ? NULL : default_output(named, ".html");
+    const char *output = options->output ? options->output : page;
+    bool done = output ? read_scene(options, &scene, err) &&
+                             plan_make(&scene, &plan_options, &plan, err) &&
+                             viewer_write(&plan, output, &result, err)
+                       : error_memory(err);
+    if (done && !options->quiet)
+        fprintf(
+            is_regular_file(output) ? stdout : stderr,
+            "page              %s, %.2f MB: %d objects, %d lights, %d illuminants, %d detectors\n",
+            output, (double)result.bytes / 1e6, result.n_objects, result.n_lights,
+            result.n_illuminants, result.n_detectors);
+    plan_free(&plan);
+    scene_free(&scene);
+    free(page);
+    return done;
+}
+
 /* ---- info ---- */
 
 /* A file's words: a control character among them could drive the terminal. */
@@ -566,6 +810,12 @@ static void print_record(const struct image *image, const struct record *record)
     for (int i = 0; i < record->n_options; i++)
         print_fact("option", record->options[i]);
     print_fact("renderer", record->renderer);
+    for (int i = 0; i < record->n_lights; i++)
+        print_fact("light", record->lights[i]);
+    for (int i = 0; i < record->n_ambients; i++)
+        print_fact("ambient light", record->ambients[i]);
+    if (record->map_bytes > 0)
+        printf("objects           %d\n", record->n_objects);
     printf("pages             %d of %d x %d pixels\n", image->n_pages, image->width, image->height);
     if (image->wavelengths_nm)
         printf("wavelengths       %.10g to %.10g nm\n", image->wavelengths_nm[0],
@@ -626,8 +876,7 @@ static void list_tables(bool observers)
         const char *name = builtin_files[i].name, *dot = strrchr(name, '.');
         if (strncmp(name, "tables/", 7) != 0)
             continue;
-        bool three = strstr((const char *)builtin_files[i].bytes, "s1,s2,s3") != NULL;
-        if (three == observers)
+        if (table_is_detector(&builtin_files[i]) == observers)
             printf("  %.*s\n", (int)(dot - name) - 7, name + 7);
     }
 }
@@ -671,14 +920,18 @@ static bool print_version(void)
 
 struct command {
     const char *name;
-    int options;
+    int options, n_operands;
     bool (*run)(struct options *options, struct error *err);
 };
 static const struct command commands[] = {
-    {"render", FOR_SCENES | FOR_RENDER, command_render},
-    {"plan", FOR_SCENES, command_plan},
-    {"info", FOR_INFO, command_info},
-    {"list", FOR_LIST, command_list},
+    {"render", FOR_SCENES | FOR_RENDER, 1, command_render},
+    {"plan", FOR_SCENES, 1, command_plan},
+    {"develop", FOR_DEVELOP, 1, command_develop},
+    {"probe", FOR_SCENES | FOR_PROBE, 5, command_probe},
+    {"compare", FOR_COMPARE, 2, command_compare},
+    {"view", FOR_SCENES | FOR_VIEW, 1, command_view},
+    {"info", 0, 1, command_info},
+    {"list", 0, 1, command_list},
 };
 enum { N_COMMANDS = sizeof commands / sizeof commands[0] };
 
@@ -686,7 +939,7 @@ static bool run_with_options(const struct command *command, int argc, char **arg
                              struct error *err)
 {
     struct options options;
-    bool done = parse_options(argc, argv, command->options, &options, err) &&
+    bool done = parse_options(argc, argv, command->options, command->n_operands, &options, err) &&
                 (options.help ? fputs(usage, stdout) >= 0 : command->run(&options, err));
     options_free(&options);
     return done;
@@ -704,7 +957,10 @@ static bool run_command(int argc, char **argv, struct error *err)
     for (int i = 0; i < N_COMMANDS; i++)
         if (strcmp(argv[1], commands[i].name) == 0)
             return run_with_options(&commands[i], argc, argv, err);
-    return error_usage(err, "'%s' is no command; there are render, plan, info and list", argv[1]);
+    return error_usage(err,
+                       "'%s' is no command; there are render, plan, develop, probe, compare, view, "
+                       "info and list",
+                       argv[1]);
 }
 
 int main(int argc, char **argv)

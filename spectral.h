@@ -296,6 +296,11 @@ void detector_free(struct detector *detector);
  * over its own table x step), whatever the wavelengths leave out; a camera's as they are. */
 void detector_weights(const struct detector *detector, const double *wavelengths_nm, int n,
                       double *out);
+/* The same of an observer by name; a camera is refused. */
+bool observer_weights(const char *name, const double *wavelengths_nm, int n, double *out,
+                      struct error *err);
+/* What such weights make of n radiances: XYZ, or a camera's channels. NULL: 1 everywhere. */
+void detector_response(const double *weights, const double *radiance, int n, double out[3]);
 /* The part, 0 to 1, of each channel's sensitivity (of its magnitude, where it is negative) that
  * lies outside the band from half a step before the first to half a step behind the last. */
 void detector_lost(const struct detector *detector, const double *wavelengths_nm, int n,
@@ -342,6 +347,8 @@ struct adaptation {
 bool adaptation_read(const char *option, const char *text, struct adaptation *out,
                      struct error *err);
 const char *adaptation_name(enum adaptation_kind kind);
+/* The matrix from XYZ to the cone responses in which a kind adapts; 0 for none. */
+void adaptation_cones(enum adaptation_kind kind, double out[3][3]);
 /* The matrix from XYZ to adapted XYZ; the identity for none. A complete adaptation takes the white
  * to display_white. `equal` is the XYZ of a radiance of 1 everywhere. Refuses a white without
  * positive cone responses. The luminance is taken as it is: a caller replaces 0 before. */
@@ -754,6 +761,10 @@ bool cube_open(const char *path, struct cube *out, struct error *err);
  * names, or, where that is NULL, what the stack records. out has n_pages values. Refuses a stack
  * that records none, and a white that is 0 everywhere. */
 bool cube_white(const struct cube *cube, const char *spectrum, double *out, struct error *err);
+/* What weights (detector_weights at the pages' wavelengths) make of that white. Without one *found
+ * is false, which is refused if it is needed or was named. */
+bool cube_white_response(const struct cube *cube, const char *spectrum, bool needed,
+                         const double *weights, bool *found, double out[3], struct error *err);
 /* The number of the object that a pixel shows, from 1: names are in record.objects; 0 is the
  * background, -1 a stack that does not tell. */
 bool cube_object(const struct cube *cube, int x, int y, int *out, struct error *err);
@@ -884,11 +895,6 @@ struct moments {
 };
 void moments_add(struct moments *moments, const float *values, size_t n);
 void moments_end(const struct moments *moments, double *mean, double *spread);
-/* An observer's detector_weights; a camera or film is refused. */
-bool observer_weights(const char *name, const double *wavelengths_nm, int n, double *out,
-                      struct error *err);
-/* XYZ of radiances by such weights. */
-void tristimulus(const double *weights, const double *radiance, int n, double out[3]);
 /* XYZ of the mean, and of the white, which need not be there if none is given. */
 bool probe_colour(struct probe *probe, const struct cube *cube, const struct probe_options *options,
                   struct error *err);
@@ -1059,6 +1065,10 @@ bool plan_make(const struct scene *scene, const struct plan_options *options, st
 /* Numbers that a pixel of this finish keeps: a weight for each term, and where its texture differs
  * from band to band the place in it (u and v, in texels). */
 int finish_rows(const struct finish *finish);
+/* What a finish of the plan fluoresces in each of its bands, under a light of intensity 1 that
+ * shines on it squarely. */
+bool finish_luminescence(const struct plan *plan, const struct finish *finish,
+                         const struct spectrum *light, double *out, struct error *err);
 /* Loads what spectral textures show in the bands of a pass. */
 bool plan_load_textures(const struct plan *plan, int first_band, struct error *err);
 void plan_free(struct plan *plan);

@@ -98,6 +98,11 @@ static bool check_responses(const struct adaptation *adaptation, const double re
     return true;
 }
 
+void adaptation_cones(enum adaptation_kind kind, double out[3][3])
+{
+    memcpy(out, cones[kind], sizeof cones[kind]);
+}
+
 /* Equations 19 and 23 multiply by 100 what is here the display's white in cone responses, so that
  * white comes out as just that; with Hunt, Pointer and Estevez's they differ by 3e-5. */
 bool adaptation_matrix(const struct adaptation *adaptation, const double white[3],

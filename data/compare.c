@@ -130,9 +130,9 @@ static double colour_difference(const struct comparer *comparer, const double *a
 {
     const int n = comparer->out->n;
     double xyz[3], lab_a[3], lab_b[3];
-    tristimulus(comparer->weights, a, n, xyz);
+    detector_response(comparer->weights, a, n, xyz);
     cielab(xyz, comparer->white, lab_a);
-    tristimulus(comparer->weights, b, n, xyz);
+    detector_response(comparer->weights, b, n, xyz);
     cielab(xyz, comparer->white, lab_b);
     return ciede2000_difference(lab_a, lab_b);
 }
@@ -272,23 +272,6 @@ static bool check_sizes(const struct image *a, const struct image *b, struct err
     return true;
 }
 
-static bool prepare_white(struct comparer *comparer, struct error *err)
-{
-    const struct compare_options *options = comparer->options;
-    const int n = comparer->out->n;
-    const bool needed = options->white != NULL || options->tolerance.unit == TOLERANCE_CIEDE2000;
-    struct error ignored = {.status = EXIT_AGREED};
-    double *radiance = calloc((size_t)n, sizeof *radiance);
-    if (radiance == NULL)
-        return error_memory(err);
-    comparer->out->has_white =
-        cube_white(&comparer->a, options->white, radiance, needed ? err : &ignored);
-    if (comparer->out->has_white)
-        tristimulus(comparer->weights, radiance, n, comparer->white);
-    free(radiance);
-    return comparer->out->has_white || !needed;
-}
-
 static bool prepare_colour(struct comparer *comparer, struct error *err)
 {
     struct comparison *out = comparer->out;
@@ -297,7 +280,9 @@ static bool prepare_colour(struct comparer *comparer, struct error *err)
     if (out->observer == NULL || comparer->weights == NULL)
         return error_memory(err);
     return observer_weights(out->observer, out->wavelengths_nm, out->n, comparer->weights, err) &&
-           prepare_white(comparer, err);
+           cube_white_response(&comparer->a, comparer->options->white,
+                               comparer->options->tolerance.unit == TOLERANCE_CIEDE2000,
+                               comparer->weights, &out->has_white, comparer->white, err);
 }
 
 static int thread_count(int wanted)

@@ -3,6 +3,7 @@
 #include "spectral.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const struct place nowhere = {0};
@@ -83,6 +84,21 @@ bool cube_white(const struct cube *cube, const char *spectrum, double *out, stru
                                  "%s: the white is 0 at all of its wavelengths; expected one that"
                                  " shines at some",
                                  cube->image.path);
+}
+
+bool cube_white_response(const struct cube *cube, const char *spectrum, bool needed,
+                         const double *weights, bool *found, double out[3], struct error *err)
+{
+    struct error ignored = {.status = EXIT_AGREED};
+    double *radiance = calloc((size_t)cube->image.n_pages, sizeof *radiance);
+    if (radiance == NULL)
+        return error_memory(err);
+    needed = needed || spectrum != NULL;
+    *found = cube_white(cube, spectrum, radiance, needed ? err : &ignored);
+    if (*found)
+        detector_response(weights, radiance, cube->image.n_pages, out);
+    free(radiance);
+    return *found || !needed;
 }
 
 /* ---- the object map ---- */

@@ -89,6 +89,30 @@ void detector_weights(const struct detector *detector, const double *wavelengths
     }
 }
 
+bool observer_weights(const char *name, const double *wavelengths_nm, int n, double *out,
+                      struct error *err)
+{
+    struct detector detector = {.name = NULL};
+    if (!detector_read(name, &detector, err))
+        return false;
+    const bool observer = detector.observer;
+    detector_weights(&detector, wavelengths_nm, n, out);
+    detector_free(&detector);
+    return observer || error_usage(err,
+                                   "%s is a camera or film, which has no tristimulus values;"
+                                   " expected an observer",
+                                   name);
+}
+
+void detector_response(const double *weights, const double *radiance, int n, double out[3])
+{
+    for (int channel = 0; channel < 3; channel++) {
+        out[channel] = 0;
+        for (int i = 0; i < n; i++)
+            out[channel] += weights[channel * n + i] * (radiance != NULL ? radiance[i] : 1);
+    }
+}
+
 void detector_lost(const struct detector *detector, const double *wavelengths_nm, int n,
                    double out[3])
 {

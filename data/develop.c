@@ -38,43 +38,6 @@ static bool check_detector(const struct cube *cube, const struct detector *detec
     return true;
 }
 
-static void channels_of(const double *weights, const double *radiance, int n, double out[3])
-{
-    for (int channel = 0; channel < 3; channel++) {
-        out[channel] = 0;
-        for (int i = 0; i < n; i++)
-            out[channel] += weights[channel * n + i] * (radiance != NULL ? radiance[i] : 1);
-    }
-}
-
-/* What these weights make of the white. */
-static bool white_channels(const struct cube *cube, const struct develop_options *options,
-                           const double *weights, double out[3], struct error *err)
-{
-    const int n = cube->image.n_pages;
-    double *radiance = calloc((size_t)n, sizeof *radiance);
-    const bool done =
-        (radiance != NULL || error_memory(err)) && cube_white(cube, options->white, radiance, err);
-    if (done)
-        channels_of(weights, radiance, n, out);
-    free(radiance);
-    return done;
-}
-
-/* What needs no white still tells of it, if there is one. */
-static bool find_white(const struct cube *cube, const struct detector *detector,
-                       const struct develop_options *options, const double *weights,
-                       struct develop_result *result, struct error *err)
-{
-    const bool needed = !detector->observer || options->white != NULL ||
-                        options->adaptation.kind != ADAPTATION_NONE ||
-                        options->values == DEVELOP_LAB;
-    struct error ignored = {0};
-    result->has_white =
-        white_channels(cube, options, weights, result->white, needed ? err : &ignored);
-    return result->has_white || !needed;
-}
-
 /* Each channel divided by the white's. */
 static bool balance(const struct detector *detector, const double white[3], int n, double *weights,
                     struct error *err)
@@ -110,7 +73,7 @@ static bool adapt(const struct cube *cube, const struct develop_options *options
     double equal[3], m[3][3];
     if (result->adaptation.kind == ADAPTATION_FAIRCHILD && !(result->adaptation.luminance > 0))
         result->adaptation.luminance = 10 * illumination;
-    channels_of(weights, NULL, n, equal);
+    detector_response(weights, NULL, n, equal);
     if (!adaptation_matrix(&result->adaptation, result->white, equal, m, err))
         return false;
     fold(m, n, weights);
@@ -119,6 +82,13 @@ static bool adapt(const struct cube *cube, const struct develop_options *options
         fold(m, n, weights);
     }
     return true;
+}
+
+/* What needs no white still tells of it, if there is one. */
+static bool needs_white(const struct detector *detector, const struct develop_options *options)
+{
+    return !detector->observer || options->adaptation.kind != ADAPTATION_NONE ||
+           options->values == DEVELOP_LAB;
 }
 
 bool develop_weights(const struct cube *cube, const struct detector *detector,
@@ -138,7 +108,8 @@ bool develop_weights(const struct cube *cube, const struct detector *detector,
     detector_weights(detector, image->wavelengths_nm, n, out);
     detector_lost(detector, image->wavelengths_nm, n, result->lost);
     return check_detector(cube, detector, options, out, err) &&
-           find_white(cube, detector, options, out, result, err) &&
+           cube_white_response(cube, options->white, needs_white(detector, options), out,
+                               &result->has_white, result->white, err) &&
            (detector->observer ? adapt(cube, options, out, result, err)
                                : balance(detector, result->white, n, out, err));
 }
@@ -185,7 +156,8 @@ static bool prepare_weights(struct development *of, struct error *err)
         (of->weights != NULL || error_memory(err)) &&
         develop_weights(&of->cube, &detector, of->options, of->weights, of->result, err) &&
         (of->options->values != DEVELOP_LAB ||
-         white_channels(&of->cube, of->options, of->weights, of->white, err));
+         cube_white_response(&of->cube, of->options->white, true, of->weights,
+                             &of->result->has_white, of->white, err));
     detector_free(&detector);
     return done;
 }

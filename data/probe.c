@@ -9,45 +9,6 @@
 
 /* ---- colour ---- */
 
-bool observer_weights(const char *name, const double *wavelengths_nm, int n, double *out,
-                      struct error *err)
-{
-    struct detector detector = {.name = NULL};
-    if (!detector_read(name, &detector, err))
-        return false;
-    const bool observer = detector.observer;
-    detector_weights(&detector, wavelengths_nm, n, out);
-    detector_free(&detector);
-    return observer || error_usage(err,
-                                   "%s is a camera or film, which has no tristimulus values;"
-                                   " expected an observer",
-                                   name);
-}
-
-void tristimulus(const double *weights, const double *radiance, int n, double out[3])
-{
-    for (int channel = 0; channel < 3; channel++) {
-        out[channel] = 0;
-        for (int i = 0; i < n; i++)
-            out[channel] += weights[channel * n + i] * radiance[i];
-    }
-}
-
-/* A stack without a white has no CIELAB, unless one is given. */
-static bool find_white(struct probe *probe, const struct cube *cube, const char *given,
-                       const double *weights, struct error *err)
-{
-    struct error ignored = {.status = EXIT_AGREED};
-    double *white = calloc((size_t)probe->n, sizeof *white);
-    if (white == NULL)
-        return error_memory(err);
-    probe->has_white = cube_white(cube, given, white, given != NULL ? err : &ignored);
-    if (probe->has_white)
-        tristimulus(weights, white, probe->n, probe->white);
-    free(white);
-    return probe->has_white || given == NULL;
-}
-
 bool probe_colour(struct probe *probe, const struct cube *cube, const struct probe_options *options,
                   struct error *err)
 {
@@ -56,8 +17,9 @@ bool probe_colour(struct probe *probe, const struct cube *cube, const struct pro
     bool done = (weights != NULL && probe->observer != NULL) || error_memory(err);
     done = done && observer_weights(probe->observer, probe->wavelengths_nm, probe->n, weights, err);
     if (done)
-        tristimulus(weights, probe->mean, probe->n, probe->xyz);
-    done = done && find_white(probe, cube, options->white, weights, err);
+        detector_response(weights, probe->mean, probe->n, probe->xyz);
+    done = done && cube_white_response(cube, options->white, false, weights, &probe->has_white,
+                                       probe->white, err);
     free(weights);
     return done;
 }

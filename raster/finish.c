@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Which lights shine and what each material makes of them: spectra of light, reflectance and
  * fluorescence multiplied once, for all vertices. A term that is 0 in every band is not a term, a
- * light without terms does not shine, and a texture without terms is not opened. */
+ * light without terms does not shine, and a texture without terms is not opened; but where lights
+ * may be exchanged all of them are kept. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -46,7 +47,7 @@ static void find_first(const struct plan *plan, int index)
     struct plan_light *light = &plan->lights[index];
     light->first = index;
     light->share = 1;
-    for (int i = 0; i < index; i++) {
+    for (int i = 0; i < index && !plan->options.exchangeable; i++) {
         const struct light *other = plan->lights[i].light;
         double share = strength(light->light) / strength(other);
         if (plan->lights[i].first != i || !(share > 1e-30 && share < 1e30) ||
@@ -106,7 +107,8 @@ bool lights_list(struct plan *plan, struct error *err)
     if (!plan->lights)
         return error_memory(err);
     for (int i = 0; i < scene->n_lights; i++)
-        if (scene->lights[i].intensity != 0 && !is_zero(&scene->lights[i].spectrum)) {
+        if (plan->options.exchangeable ||
+            (scene->lights[i].intensity != 0 && !is_zero(&scene->lights[i].spectrum))) {
             plan->lights[plan->n_lights] = plan_light(plan, &scene->lights[i]);
             if (!check_light(&plan->lights[plan->n_lights], err))
                 return false;
@@ -133,6 +135,8 @@ static bool renumber_terms(struct plan *plan, int from, int to)
 /* Lights that share a spectrum are kept or dropped together. */
 bool lights_drop_idle(struct plan *plan, struct error *err)
 {
+    if (plan->options.exchangeable)
+        return true;
     int *number = calloc((size_t)plan->n_lights + 1, sizeof *number); /* new one; -1: dropped */
     if (!number)
         return error_memory(err);
@@ -152,11 +156,15 @@ bool lights_drop_idle(struct plan *plan, struct error *err)
 
 /* ---- spectra of terms ---- */
 
+struct luminescence {
+    const struct material *material;
+    bool glows;              /* excitation and emission, of which the picture shows something */
+    struct donaldson matrix; /* likewise; n_emission 0: none */
+};
 struct finish_maker {
     struct plan *plan;
     struct finish *finish;
-    bool glows;              /* excitation and emission, of which the picture shows something */
-    struct donaldson matrix; /* likewise; n_emission 0: none */
+    struct luminescence luminescence;
 };
 
 /* Adds factor x spectrum x reflectance (NULL: 1) to a row of bands; whether that is anything. */
@@ -174,26 +182,35 @@ static bool add_product(const struct plan *plan, double factor, const struct spe
     return any;
 }
 
+/* Adds what fluoresces under a light to the row; *any tells whether that is anything. */
+static bool luminesce(const struct plan *plan, const struct luminescence *of,
+                      const struct spectrum *light, double intensity, double *row, bool *any,
+                      struct error *err)
+{
+    *any = false;
+    if (of->glows) {
+        double mean = excitation_mean(light, &of->material->excitation);
+        *any = add_product(plan, intensity * mean, &of->material->emission, NULL, row);
+    }
+    if (of->matrix.n_emission > 0) {
+        struct spectrum emission = {.kind = SPECTRUM_NONE};
+        if (!donaldson_emission(&of->matrix, light, &emission, err))
+            return false;
+        *any = add_product(plan, intensity, &emission, NULL, row);
+        spectrum_free(&emission);
+    }
+    return true;
+}
+
 /* Adds what fluoresces under a light to *lit and the row. */
 static bool add_luminescence(struct finish_maker *maker, const struct spectrum *light,
                              double intensity, double *row, bool *lit, struct error *err)
 {
-    const struct material *material = maker->finish->material;
-    struct plan *plan = maker->plan;
-    bool any = false;
-    if (maker->glows) {
-        double mean = excitation_mean(light, &material->excitation);
-        plan->work.excitation_integrals++;
-        any = add_product(plan, intensity * mean, &material->emission, NULL, row);
-    }
-    if (maker->matrix.n_emission > 0) {
-        struct spectrum emission = {.kind = SPECTRUM_NONE};
-        if (!donaldson_emission(&maker->matrix, light, &emission, err))
-            return false;
-        plan->work.excitation_integrals += maker->matrix.n_emission;
-        any = add_product(plan, intensity, &emission, NULL, row);
-        spectrum_free(&emission);
-    }
+    bool any;
+    if (!luminesce(maker->plan, &maker->luminescence, light, intensity, row, &any, err))
+        return false;
+    maker->plan->work.excitation_integrals +=
+        maker->luminescence.glows + maker->luminescence.matrix.n_emission;
     maker->finish->fluoresces = maker->finish->fluoresces || any;
     *lit = *lit || any;
     return true;
@@ -236,7 +253,7 @@ static bool add_constant(struct finish_maker *maker, struct error *err)
     }
     finish->emits = finish->material->glow.kind != SPECTRUM_NONE &&
                     add_product(maker->plan, 1, &finish->material->glow, NULL, row);
-    if (finish->ambient || finish->emits)
+    if (finish->ambient || finish->emits || maker->plan->options.exchangeable)
         keep_term(maker, TERM_CONSTANT, -1);
     return true;
 }
@@ -245,17 +262,19 @@ static bool add_light(struct finish_maker *maker, int index, struct error *err)
 {
     const struct light *light = maker->plan->lights[index].light;
     const struct material *material = maker->finish->material;
+    bool kept = maker->plan->options.exchangeable;
     double *row = next_row(maker);
     bool lit =
         add_product(maker->plan, light->intensity, &light->spectrum, &material->diffuse, row);
     if (!add_luminescence(maker, &light->spectrum, light->intensity, row, &lit, err))
         return false;
-    if (lit)
+    if (lit || kept)
         keep_term(maker, TERM_DIFFUSE, index);
     if (material->gloss > 0 &&
-        add_product(maker->plan, light->intensity, &light->spectrum,
-                    material->specular.kind != SPECTRUM_NONE ? &material->specular : NULL,
-                    next_row(maker)))
+        (add_product(maker->plan, light->intensity, &light->spectrum,
+                     material->specular.kind != SPECTRUM_NONE ? &material->specular : NULL,
+                     next_row(maker)) ||
+         kept))
         keep_term(maker, TERM_SPECULAR, index);
     return true;
 }
@@ -329,22 +348,35 @@ static bool shows(const struct plan *plan, const struct spectrum *spectrum)
 }
 
 /* Reads what fluoresces; nothing where the picture has no band of its emission. */
-static bool open_luminescence(struct finish_maker *maker, struct error *err)
+static bool open_luminescence(const struct plan *plan, const struct material *material,
+                              struct luminescence *out, struct error *err)
 {
-    const struct material *material = maker->finish->material;
-    struct donaldson *matrix = &maker->matrix;
-    const double *nm = maker->plan->scene->wavelengths_nm;
-    maker->glows =
-        material->excitation.kind != SPECTRUM_NONE && shows(maker->plan, &material->emission);
+    struct donaldson *matrix = &out->matrix;
+    const double *nm = plan->scene->wavelengths_nm;
+    *out = (struct luminescence){.material = material};
+    out->glows = material->excitation.kind != SPECTRUM_NONE && shows(plan, &material->emission);
     if (!material->donaldson)
         return true;
     if (!donaldson_read(material->donaldson, material->donaldson_place, &material->diffuse, matrix,
                         err))
         return false;
-    if (matrix->emission_nm[0] > nm[maker->plan->n_bands - 1] ||
+    if (matrix->emission_nm[0] > nm[plan->n_bands - 1] ||
         matrix->emission_nm[matrix->n_emission - 1] < nm[0])
         donaldson_free(matrix);
     return true;
+}
+
+bool finish_luminescence(const struct plan *plan, const struct finish *finish,
+                         const struct spectrum *light, double *out, struct error *err)
+{
+    struct luminescence luminescence;
+    bool any;
+    for (int i = 0; i < plan->n_bands; i++)
+        out[i] = 0;
+    bool done = open_luminescence(plan, finish->material, &luminescence, err) &&
+                luminesce(plan, &luminescence, light, 1, out, &any, err);
+    donaldson_free(&luminescence.matrix);
+    return done;
 }
 
 static bool make_finish(struct plan *plan, const struct material *material, struct finish *finish,
@@ -354,8 +386,9 @@ static bool make_finish(struct plan *plan, const struct material *material, stru
     bool textured = material->texture || material->spectral_texture;
     finish->material = material;
     plan->work.materials_loaded++;
-    bool done = open_luminescence(&maker, err) && add_terms(&maker, err);
-    donaldson_free(&maker.matrix);
+    bool done =
+        open_luminescence(plan, material, &maker.luminescence, err) && add_terms(&maker, err);
+    donaldson_free(&maker.luminescence.matrix);
     if (done && textured && finish->n_terms > 0) {
         finish->texture = find_texture(plan, material, err);
         done = finish->texture != NULL;

@@ -93,7 +93,7 @@ def test_foreign():
     check(seen["wavelength"].tolist() == [450, 550, 650] and seen["radiance"].tolist() == [0.5, 1.5, 2.5]
           and not seen["standard deviation of radiance"].any(),
           "a stack of another program; equal pixels have no deviation")
-    check(lines["Lab"].startswith("none") and lines["object"].startswith("none"),
+    check(lines["Lab"].startswith("none") and lines["object"].startswith("not told"),
           "it tells neither white nor object", lines)
     check(re.fullmatch(r"[-.\d]+ [-.\d]+ [-.\d]+", told(path, 0, 0, "--white", "d65")["Lab"]),
           "--white gives one")
@@ -150,7 +150,7 @@ object plane 1 2 material dye translate 1 0 0
     check(not background["radiance"].any() and set(background) == set(red) - {"reflectance"},
           "the background is black, and has lights only", list(background))
     check(set(both) == set(background), "so has a region of two objects", list(both))
-    check(told(scene, 20, 1)["object"] == "background" and told(scene, 10, 20, 21, 1)["object"].startswith("none"),
+    check(told(scene, 20, 1)["object"] == "background" and told(scene, 10, 20, 21, 1)["object"].startswith("not told"),
           "as the text says")
     return scene
 

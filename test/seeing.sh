@@ -51,7 +51,7 @@ refused "develop of an RGB picture" 'rgb.tif' develop "$tmp/rgb.tif" -o "$tmp/no
 refused "develop of 32-bit integers" '32 bits' develop "$tmp/int32.tif" -o "$tmp/none"
 refused "adaptation without a white" '--white' develop "$tmp/foreign.ome.tif" --adaptation cat16 -o "$tmp/none"
 refused "Lab of a camera" 'dcs200-camera' develop "$stack" --detector dcs200-camera --lab -o "$tmp/none"
-refused "adaptation of a camera" 'adaptation' develop "$stack" --detector dcs200-camera \
+refused "adaptation of a camera" 'does not adapt' develop "$stack" --detector dcs200-camera \
     --adaptation cat16 -o "$tmp/none"
 refused "both --xyz and --lab" 'exclude' develop "$stack" --xyz --lab -o "$tmp/none"
 exits 0 "a foreign stack is developed" "$SPECTRAL" develop "$tmp/foreign.ome.tif" -o "$tmp/foreign.tif"
@@ -64,7 +64,8 @@ prints '^unseen +[0-9.]+ %' "and what the wavelengths leave out"
 exits 0 "--quiet is quiet" "$SPECTRAL" develop "$stack" -o "$tmp/seen.tif" --quiet
 [ ! -s "$tmp/out" ] && [ ! -s "$tmp/err" ]
 ok $? "and prints nothing"
-(cd "$tmp" && exec "$OLDPWD/$SPECTRAL" develop stack.tif --quiet)
+case $SPECTRAL in /*) program=$SPECTRAL ;; *) program=$PWD/$SPECTRAL ;; esac
+(cd "$tmp" && exec "$program" develop stack.tif --quiet)
 [ -s "$tmp/stack-developed.tif" ]
 ok $? "without -o the picture is named after the stack"
 exits 3 "a full device is a failure of the system" "$SPECTRAL" develop "$stack" -o /dev/full
@@ -79,7 +80,7 @@ ok $? "a picture goes through a pipe"
 exits 0 "a table of three sensitivities is a detector" \
     "$SPECTRAL" develop "$stack" --detector data/tables/dcs200-camera.csv -o "$tmp/camera.tif"
 "$SPECTRAL" develop "$stack" --detector dcs200-camera -o "$tmp/built-in.tif" --quiet
-"$python" -c 'import sys, tifffile; a, b = map(tifffile.imread, sys.argv[1:]); sys.exit((a != b).any())' \
+"$python" -c 'import sys, tifffile; a, b = map(tifffile.imread, sys.argv[1:]); sys.exit(int((a != b).any()))' \
     "$tmp/camera.tif" "$tmp/built-in.tif"
 ok $? "and sees what the built-in one does"
 
@@ -99,9 +100,9 @@ prints 'W sr-1 m-2 nm-1' "with its unit"
 prints '01-dark-skin' "the object"
 prints '^XYZ ' "and its colour"
 exits 0 "of a region" "$SPECTRAL" probe "$stack" 2 2 4 4 --csv
-prints '^wavelength_nm,' "as a table, too"
+prints '^"wavelength \(nm\)","radiance' "as a table, too"
 exits 0 "as a plot" "$SPECTRAL" probe "$stack" 2 2 4 4 --svg -o "$tmp/plot.svg"
-"$python" -c 'import sys, xml.etree.ElementTree as e; sys.exit(not e.parse(sys.argv[1]).getroot().tag.endswith("svg"))' \
+"$python" -c 'import sys, xml.etree.ElementTree as e; sys.exit(0 if e.parse(sys.argv[1]).getroot().tag.endswith("svg") else 1)' \
     "$tmp/plot.svg"
 ok $? "which is well-formed"
 exits 0 "of a scene" "$SPECTRAL" probe patches 5 5 --size 60x40
@@ -117,11 +118,11 @@ ok $? "a full standard output is noticed"
 exits 0 "a stack is equal to itself" "$SPECTRAL" compare "$stack" "$stack"
 exits 1 "two lights give different stacks" "$SPECTRAL" compare "$stack" "$tmp/a.tif"
 one_line "a difference"
-exits 0 "within a tolerance they are equal" "$SPECTRAL" compare "$stack" "$tmp/a.tif" --tolerance 100%
+exits 0 "within a tolerance they are equal" "$SPECTRAL" compare "$stack" "$tmp/a.tif" --tolerance 200%
 exits 1 "not within a smaller one" "$SPECTRAL" compare "$stack" "$tmp/a.tif" --tolerance 0.1dE00
 exits 1 "the map is written all the same" \
     "$SPECTRAL" compare "$stack" "$tmp/a.tif" --map "$tmp/map.tif" --quiet
-"$python" -c 'import sys, tifffile; sys.exit(tifffile.imread(sys.argv[1]).shape != (3, 40, 60))' "$tmp/map.tif"
+"$python" -c 'import sys, tifffile; sys.exit(int(tifffile.imread(sys.argv[1]).shape != (3, 40, 60)))' "$tmp/map.tif"
 ok $? "three pages of a value a pixel"
 for bad in 1.5abc -1 5dE76 nan %; do
     refused "compare --tolerance=$bad" '--tolerance' compare "$stack" "$stack" "--tolerance=$bad"

@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: MIT
+"""A page in a headless Chromium, driven over its debugging pipe (the Chrome DevTools Protocol)."""
+import json
+import os
+import shutil
+import subprocess
+import time
+
+PATIENCE_S = 120
+
+
+class Browser:
+    """Keeps what the page did wrong in `complaints`, and the addresses it asked for in `requests`."""
+
+    def __init__(self, folder):
+        self.complaints, self.requests, self.number, self.session = [], [], 0, None
+        shutil.rmtree(folder, ignore_errors=True)
+        os.makedirs(folder)
+        self.downloads = os.path.abspath(folder)
+        (their_in, self.to), (self.back, their_out) = os.pipe(), os.pipe()
+        self.process = subprocess.Popen(
+            ["chromium", "--headless=new", "--no-sandbox", "--disable-gpu", "--no-first-run",
+             "--remote-debugging-pipe", f"--user-data-dir={self.downloads}/profile"],
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+            close_fds=False, preexec_fn=lambda: self.give_pipes(their_in, their_out))
+        os.close(their_in)
+        os.close(their_out)
+        self.buffer = b""
+        target = self.send("Target.createTarget", url="about:blank")["targetId"]
+        self.session = self.send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+        for domain in ("Page", "Runtime", "Network", "Log"):
+            self.send(domain + ".enable")
+        self.send("Browser.setDownloadBehavior", behavior="allow", downloadPath=self.downloads)
+
+    @staticmethod
+    def give_pipes(their_in, their_out):
+        """Chromium reads commands from descriptor 3 and answers to 4."""
+        spare_in, spare_out = os.dup2(their_in, 100), os.dup2(their_out, 101)
+        os.dup2(spare_in, 3)
+        os.dup2(spare_out, 4)
+
+    def receive(self):
+        while b"\0" not in self.buffer:
+            read = os.read(self.back, 1 << 20)
+            if not read:
+                raise RuntimeError("the browser is gone")
+            self.buffer += read
+        message, self.buffer = self.buffer.split(b"\0", 1)
+        return json.loads(message)
+
+    def note(self, message):
+        method, what = message.get("method"), message.get("params", {})
+        if method == "Runtime.exceptionThrown":
+            self.complaints.append(str(what["exceptionDetails"]))
+        elif method == "Runtime.consoleAPICalled":
+            self.complaints.append(str(what["args"]))
+        elif method == "Log.entryAdded":
+            self.complaints.append(str(what["entry"]))
+        elif method == "Network.requestWillBeSent":
+            self.requests.append(what["request"]["url"])
+
+    def send(self, method, **params):
+        self.number += 1
+        message = {"id": self.number, "method": method, "params": params}
+        if self.session:
+            message["sessionId"] = self.session
+        os.write(self.to, json.dumps(message).encode() + b"\0")
+        while True:
+            answer = self.receive()
+            if answer.get("id") != self.number:
+                self.note(answer)
+            elif "error" in answer:
+                raise RuntimeError(f"{method}: {answer['error']}")
+            else:
+                return answer["result"]
+
+    def evaluate(self, expression):
+        """The value of an expression of JavaScript, once it is settled."""
+        answer = self.send("Runtime.evaluate", expression=expression, awaitPromise=True,
+                           returnByValue=True)
+        if "exceptionDetails" in answer:
+            raise RuntimeError(f"{expression[:200]}: {answer['exceptionDetails']}")
+        return answer["result"].get("value")
+
+    def wait(self, condition):
+        since = time.monotonic()
+        while not self.evaluate(condition):
+            if time.monotonic() - since > PATIENCE_S:
+                raise RuntimeError(f"waited for {condition}")
+            time.sleep(0.05)
+
+    def size(self, width, height, scale=1):
+        self.send("Emulation.setDeviceMetricsOverride", width=width, height=height,
+                  deviceScaleFactor=scale, mobile=False)
+
+    def scheme(self, name):
+        self.send("Emulation.setEmulatedMedia",
+                  features=[{"name": "prefers-color-scheme", "value": name}])
+
+    def open(self, path):
+        self.send("Page.navigate", url="file://" + os.path.abspath(path))
+        self.wait("location.href !== 'about:blank' && document.body?.dataset.ready === 'true'")
+
+    KEYS = {"ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, "Enter": 13,
+            "Tab": 9, " ": 32}
+
+    def key(self, key, shift=False):
+        text = {"Enter": "\r", " ": " "}.get(key, "")
+        for kind in ("keyDown", "keyUp"):
+            self.send("Input.dispatchKeyEvent", type=kind, key=key, code=key,
+                      windowsVirtualKeyCode=self.KEYS[key], modifiers=8 if shift else 0,
+                      **({"text": text} if kind == "keyDown" and text else {}))
+
+    def click(self, x, y):
+        for kind in ("mousePressed", "mouseReleased"):
+            self.send("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+
+    def close(self):
+        try:
+            self.send("Browser.close")
+        except RuntimeError:
+            pass
+        os.close(self.to)
+        self.process.wait(timeout=PATIENCE_S)
+        os.close(self.back)
