@@ -116,6 +116,11 @@ void output_discard(struct output *out); /* safe after commit, and on a zeroed s
 /* Writes a whole small file atomically; "-" is standard output. */
 bool file_write(const char *path, const char *bytes, size_t length, struct error *err);
 
+/* ---- data/threads.c ---- */
+
+/* How many threads to start: as many as OpenMP offers where `wanted` is 0. */
+int thread_count(int wanted);
+
 /* ---- data/text.c: strict words and numbers ---- */
 
 /* A text file being read. Lines end in \n or \r\n; '#' outside quotes starts a comment; words are
@@ -702,6 +707,25 @@ char *record_text(const struct record *record);
 bool record_read(const struct image *image, struct record *out, struct error *err);
 void record_free(struct record *record);
 
+/* ---- data/pages.c: TIFF files out ---- */
+
+/* A file of uncompressed pages of the same format. All directories come first, then the pages
+ * without gaps. data/pages.h has the functions. */
+struct pages {
+    int count, width, height;
+    int channels;          /* 1: grey, 3: RGB */
+    int bits;              /* of a sample: 8, 16, or 32 of a float */
+    uint64_t bytes_behind; /* behind the last page, for what only tags tell of */
+    const char *room;      /* how a text of the first page begins that comes last; NULL: none */
+    size_t room_bytes;
+    uint32_t room_tag;
+    /* what is found when the file is laid out */
+    struct output output;
+    uint64_t first; /* offset of the first page's pixels */
+    uint64_t room_offset;
+    bool big; /* BigTIFF */
+};
+
 /* ---- data/stack.c: the multi-page TIFF ---- */
 
 struct stack_options {
@@ -715,12 +739,8 @@ struct stack_options {
 };
 /* A stack being written: laid out at once, then filled rectangle by rectangle in any order. */
 struct stack_writer {
-    struct output output;
+    struct pages pages; /* and behind them the object map */
     struct stack_options options;
-    uint64_t *page_offset; /* byte offset of each page's pixels, and of the object map's */
-    uint64_t map_offset;   /* as the file tells it */
-    uint64_t verdict_offset;
-    bool big; /* BigTIFF */
 };
 /* Lays the file out. The strings in options are copied into the file, wavelengths by pointer. */
 bool stack_open(struct stack_writer *out, const char *path, const struct stack_options *options,
@@ -784,11 +804,9 @@ struct picture_options {
 /* A TIFF file written from the top, which appears whole or not at all. RGB is one page of three
  * samples a pixel; floats are three pages, each a channel and named as such. */
 struct picture_writer {
-    struct output output;
+    struct pages pages;
     struct picture_options options;
-    uint64_t pixels_at; /* where the first page's first row lies; the rest follows */
-    bool big;           /* BigTIFF */
-    int row;            /* the next one */
+    int row; /* the next one */
 };
 bool picture_open(struct picture_writer *out, const char *path,
                   const struct picture_options *options, struct error *err);
@@ -1062,6 +1080,14 @@ struct plan {
  * place, what cannot be drawn. The scene must outlive the plan. */
 bool plan_make(const struct scene *scene, const struct plan_options *options, struct plan *out,
                struct error *err);
+/* A part of the picture, such as OpenGL draws at once; in pixels from the top left. */
+struct tile {
+    int x, y, width, height;
+};
+/* A region is drawn in so many tiles of the plan's size or smaller, row by row. */
+struct tile plan_picture(const struct plan *plan); /* the whole picture */
+int plan_tiles(const struct plan *plan, const struct tile *region);
+struct tile plan_tile(const struct plan *plan, const struct tile *region, int index);
 /* Numbers that a pixel of this finish keeps: a weight for each term, and where its texture differs
  * from band to band the place in it (u and v, in texels). */
 int finish_rows(const struct finish *finish);
@@ -1129,10 +1155,6 @@ struct surface {
     double *weights;                 /* [vertex][side][attribute] */
     float *errors;                   /* the same: bound on |GL's attribute - attribute| */
     double left, top, right, bottom; /* window bounds; everything where a vertex is not in front */
-};
-/* A part of the picture, such as OpenGL draws at once; in pixels from the top left. */
-struct tile {
-    int x, y, width, height;
 };
 struct light_work {
     long vertices_lit, specular_vertices, power_functions;

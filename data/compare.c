@@ -6,9 +6,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#ifdef _OPENMP
-#include <omp.h>
-#endif
 
 /* ---- tolerances ---- */
 
@@ -283,16 +280,6 @@ static bool prepare_colour(struct comparer *comparer, struct error *err)
            cube_white_response(&comparer->a, comparer->options->white,
                                comparer->options->tolerance.unit == TOLERANCE_CIEDE2000,
                                comparer->weights, &out->has_white, comparer->white, err);
-}
-
-static int thread_count(int wanted)
-{
-#ifdef _OPENMP
-    return wanted > 0 ? wanted : omp_get_max_threads();
-#else
-    (void)wanted;
-    return 1;
-#endif
 }
 
 /* Samples of a chunk, of both stacks: 128 MiB at most, but for a row. */

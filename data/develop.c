@@ -8,9 +8,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#ifdef _OPENMP
-#include <omp.h>
-#endif
 
 /* ---- weights ---- */
 
@@ -135,16 +132,6 @@ struct development {
     double *sums;    /* [channel][pixel] */
     void *samples;   /* as picture_write takes them */
 };
-
-static int thread_count(int wanted)
-{
-#ifdef _OPENMP
-    return wanted > 0 ? wanted : omp_get_max_threads();
-#else
-    (void)wanted;
-    return 1;
-#endif
-}
 
 static bool prepare_weights(struct development *of, struct error *err)
 {

@@ -4,6 +4,7 @@
  * ImageJ's TiffEncoder, 65000 and 65111 as in the ODSI-DB of retinal images, the rest TIFF 6.0. */
 #include "stack.h"
 
+#include <inttypes.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -57,8 +58,9 @@ static void put_escaped(FILE *stream, const char *text)
 
 /* The first page tells of the whole stack. It begins with < and ends with >: readers know OME-XML
  * by that. */
-static void put_description(FILE *stream, const struct stack_options *options, int page)
+static void put_description(FILE *stream, const struct stack_writer *writer, int page)
 {
+    const struct stack_options *options = &writer->options;
     char scale[TEXT_SIZE];
     if (page > 0) {
         fprintf(stream, "wavelength_nm=%.10g", options->wavelengths_nm[page]);
@@ -73,6 +75,9 @@ static void put_description(FILE *stream, const struct stack_options *options, i
     put_escaped(stream, options->scene);
     fprintf(stream, "\"><Description>%s", scale);
     put_escaped(stream, options->provenance);
+    if (options->map_bytes > 0)
+        fprintf(stream, "object_map: %" PRIu64 " %d\n",
+                pages_offset(&writer->pages, options->n_wavelengths), options->map_bytes);
     fprintf(stream,
             "</Description>\n<Pixels ID=\"Pixels:0\" DimensionOrder=\"XYCZT\" Type=\"%s\""
             " BigEndian=\"false\" SizeX=\"%d\" SizeY=\"%d\" SizeC=\"%d\" SizeZ=\"1\""
@@ -93,8 +98,9 @@ static void put_description(FILE *stream, const struct stack_options *options, i
 }
 
 /* A page's width is the mean of the distances to its neighbours; alone it has none. */
-static void put_gdal(FILE *stream, const struct stack_options *options, int page)
+static void put_gdal(FILE *stream, const struct stack_writer *writer, int page)
 {
+    const struct stack_options *options = &writer->options;
     const double *nm = options->wavelengths_nm;
     int before = page > 0 ? page - 1 : page;
     int after = page + 1 < options->n_wavelengths ? page + 1 : page;
@@ -128,8 +134,9 @@ static size_t imagej_string(const struct stack_options *options, int page, char 
 }
 
 /* In UTF-16 without terminators, behind "IJIJ" and how many there are of "info" and "labl". */
-static void put_imagej_texts(FILE *stream, const struct stack_options *options, int page)
+static void put_imagej_texts(FILE *stream, const struct stack_writer *writer, int page)
 {
+    const struct stack_options *options = &writer->options;
     const uint32_t header[5] = {0x494a494a, 0x696e666f, 1, 0x6c61626c,
                                 (uint32_t)options->n_wavelengths};
     char text[TEXT_SIZE];
@@ -142,8 +149,9 @@ static void put_imagej_texts(FILE *stream, const struct stack_options *options, 
 }
 
 /* In bytes, of the header of five numbers and of each string. */
-static void put_imagej_sizes(FILE *stream, const struct stack_options *options, int page)
+static void put_imagej_sizes(FILE *stream, const struct stack_writer *writer, int page)
 {
+    const struct stack_options *options = &writer->options;
     uint32_t size = 5 * sizeof size;
     char text[TEXT_SIZE];
     fwrite(&size, sizeof size, 1, stream);
@@ -153,15 +161,16 @@ static void put_imagej_sizes(FILE *stream, const struct stack_options *options, 
     }
 }
 
-static void put_wavelengths(FILE *stream, const struct stack_options *options, int page)
+static void put_wavelengths(FILE *stream, const struct stack_writer *writer, int page)
 {
+    const struct stack_options *options = &writer->options;
     for (page = 0; page < options->n_wavelengths; page++)
         fwrite(&(float){(float)options->wavelengths_nm[page]}, sizeof(float), 1, stream);
 }
 
 /* Sets a tag to what `put` prints. */
-static bool set_printed(TIFF *tiff, uint32_t tag, const struct stack_options *options, int page,
-                        void (*put)(FILE *, const struct stack_options *, int), struct error *err)
+static bool set_printed(TIFF *tiff, uint32_t tag, const struct stack_writer *writer, int page,
+                        void (*put)(FILE *, const struct stack_writer *, int), struct error *err)
 {
     const TIFFField *field = TIFFFieldWithTag(tiff, tag);
     char *bytes = NULL;
@@ -169,7 +178,7 @@ static bool set_printed(TIFF *tiff, uint32_t tag, const struct stack_options *op
     FILE *stream = open_memstream(&bytes, &length);
     if (stream == NULL)
         return error_memory(err);
-    put(stream, options, page);
+    put(stream, writer, page);
     bool good = (fflush(stream) == 0 && !ferror(stream)) || error_memory(err);
     fclose(stream);
     uint32_t count = (uint32_t)length / (uint32_t)TIFFDataWidth(TIFFFieldDataType(field));
@@ -179,37 +188,25 @@ static bool set_printed(TIFF *tiff, uint32_t tag, const struct stack_options *op
     return good;
 }
 
-static bool set_first_page(TIFF *tiff, const struct stack_options *options, struct error *err)
+static bool set_first_page(TIFF *tiff, const struct stack_writer *writer, struct error *err)
 {
     char room[STACK_VERDICT];
     snprintf(room, sizeof room, "%-*s", STACK_VERDICT - 1, UNFINISHED);
-    return set_printed(tiff, TAG_IMAGEJ_SIZES, options, 0, put_imagej_sizes, err) &&
-           set_printed(tiff, TAG_IMAGEJ_TEXTS, options, 0, put_imagej_texts, err) &&
-           set_printed(tiff, TAG_WAVELENGTHS, options, 0, put_wavelengths, err) &&
+    return set_printed(tiff, TAG_IMAGEJ_SIZES, writer, 0, put_imagej_sizes, err) &&
+           set_printed(tiff, TAG_IMAGEJ_TEXTS, writer, 0, put_imagej_texts, err) &&
+           set_printed(tiff, TAG_WAVELENGTHS, writer, 0, put_wavelengths, err) &&
            TIFFSetField(tiff, TIFFTAG_SOFTWARE, PROGRAM) && TIFFSetField(tiff, TAG_VERDICT, room);
 }
 
-/* No Orientation: ImageJ would ignore the number of images. */
-bool tags_set(TIFF *tiff, const struct stack_options *options, int page, struct error *err)
+bool tags_set(TIFF *tiff, const void *stack, int page, struct error *err)
 {
+    const struct stack_writer *writer = stack;
     const uint32_t n_private = sizeof private_fields / sizeof private_fields[0];
     char label[TEXT_SIZE];
-    snprintf(label, sizeof label, PAGE_LABEL, options->wavelengths_nm[page]);
+    snprintf(label, sizeof label, PAGE_LABEL, writer->options.wavelengths_nm[page]);
     return TIFFMergeFieldInfo(tiff, private_fields, n_private) == 0 &&
-           TIFFSetField(tiff, TIFFTAG_SUBFILETYPE, FILETYPE_PAGE) &&
-           TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, options->width) &&
-           TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, options->height) &&
-           TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, options->floating ? 32 : 16) &&
-           TIFFSetField(tiff, TIFFTAG_COMPRESSION, COMPRESSION_NONE) &&
-           TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK) &&
-           TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, 1) &&
-           TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, options->height) &&
-           TIFFSetField(tiff, TIFFTAG_PLANARCONFIG, PLANARCONFIG_CONTIG) &&
-           TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT,
-                        options->floating ? SAMPLEFORMAT_IEEEFP : SAMPLEFORMAT_UINT) &&
            TIFFSetField(tiff, TIFFTAG_PAGENAME, label) &&
-           TIFFSetField(tiff, TIFFTAG_PAGENUMBER, page, options->n_wavelengths) &&
-           set_printed(tiff, TIFFTAG_IMAGEDESCRIPTION, options, page, put_description, err) &&
-           set_printed(tiff, TIFFTAG_GDAL_METADATA, options, page, put_gdal, err) &&
-           (page > 0 || set_first_page(tiff, options, err));
+           set_printed(tiff, TIFFTAG_IMAGEDESCRIPTION, writer, page, put_description, err) &&
+           set_printed(tiff, TIFFTAG_GDAL_METADATA, writer, page, put_gdal, err) &&
+           (page > 0 || set_first_page(tiff, writer, err));
 }

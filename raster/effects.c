@@ -247,8 +247,7 @@ static void print_guesses(const struct plan *plan, FILE *to)
 static void print_work(const struct plan *plan, FILE *to)
 {
     const struct scene *scene = plan->scene;
-    int columns = (scene->width + plan->tile_width - 1) / plan->tile_width;
-    int rows = (scene->height + plan->tile_height - 1) / plan->tile_height;
+    const struct tile picture = plan_picture(plan);
     int passes = plan->n_passes * plan->n_light_groups, most = 0;
     for (int i = 0; i < plan->n_finishes; i++)
         most = plan->finishes[i].n_terms > most ? plan->finishes[i].n_terms : most;
@@ -257,10 +256,10 @@ static void print_work(const struct plan *plan, FILE *to)
     fprintf(to, "materials         %d (%ld terms, at most %d in one)\n", plan->n_finishes,
             plan->work.terms, most);
     fprintf(to, "excitation        %ld integrals\n", plan->work.excitation_integrals);
-    fprintf(to, "tiles             %d of %d x %d pixels\n", columns * rows, plan->tile_width,
-            plan->tile_height);
+    fprintf(to, "tiles             %d of %d x %d pixels\n", plan_tiles(plan, &picture),
+            plan->tile_width, plan->tile_height);
     fprintf(to, "passes            %ld (%d a tile, %d bands and %d lights each)\n",
-            (long)passes * columns * rows, passes, BANDS_PER_PASS, LIGHTS_PER_PASS);
+            (long)passes * plan_tiles(plan, &picture), passes, BANDS_PER_PASS, LIGHTS_PER_PASS);
     fprintf(to, "memory            %.1f MiB for a tile\n", (double)plan->tile_bytes / 1048576);
     fprintf(to, "file              %llu bytes of pixels\n", (unsigned long long)plan->file_bytes);
 }

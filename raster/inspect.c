@@ -77,26 +77,18 @@ static bool inspect_tile(struct region *region, const struct tile *tile, struct 
     return done;
 }
 
-static int smaller(int a, int b)
-{
-    return a < b ? a : b;
-}
-
 /* In tiles no larger than the plan's, which bound the memory. */
 static bool inspect_tiles(struct region *region, struct error *err)
 {
     const struct probe *probe = region->probe;
-    const int width = region->plan.tile_width, height = region->plan.tile_height;
-    for (int y = 0; y < probe->height; y += height)
-        for (int x = 0; x < probe->width; x += width) {
-            const struct tile tile = {probe->x + x, probe->y + y, smaller(width, probe->width - x),
-                                      smaller(height, probe->height - y)};
-            if (!inspect_tile(region, &tile, err))
-                return false;
-        }
+    const struct tile whole = {probe->x, probe->y, probe->width, probe->height};
+    for (int i = 0; i < plan_tiles(&region->plan, &whole); i++) {
+        const struct tile tile = plan_tile(&region->plan, &whole, i);
+        if (!inspect_tile(region, &tile, err))
+            return false;
+    }
     for (int band = 0; band < probe->n; band++)
-        moments_end(&region->moments[band], &region->probe->mean[band],
-                    &region->probe->spread[band]);
+        moments_end(&region->moments[band], &probe->mean[band], &probe->spread[band]);
     return true;
 }
 

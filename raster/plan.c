@@ -5,10 +5,6 @@
 #include <math.h>
 #include <stdlib.h>
 
-#ifdef _OPENMP
-#include <omp.h>
-#endif
-
 #include "plan.h"
 
 /* Bytes that a pixel of a tile takes apart from its rows: Mesa's own colour and depth (20), our
@@ -71,7 +67,7 @@ static int map_bytes(const struct plan *plan)
 }
 
 /* Whole rows of the picture where they fit, so that a band of a tile is one piece of its page. */
-static void plan_tiles(struct plan *plan)
+static void size_tiles(struct plan *plan)
 {
     size_t pixel = PIXEL_BYTES + ROW_BYTES * (size_t)plan->max_rows +
                    (plan->n_light_groups > 1 ? SUM_BYTES : 0);
@@ -95,13 +91,30 @@ static void plan_tiles(struct plan *plan)
         ((uint64_t)plan->n_bands * (plan->options.floating ? 4 : 2) + (uint64_t)plan->map_bytes);
 }
 
-static int available_threads(void)
+struct tile plan_picture(const struct plan *plan)
 {
-#ifdef _OPENMP
-    return omp_get_max_threads();
-#else
-    return 1;
-#endif
+    return (struct tile){0, 0, plan->scene->width, plan->scene->height};
+}
+
+static int tile_columns(const struct plan *plan, const struct tile *region)
+{
+    return (region->width + plan->tile_width - 1) / plan->tile_width;
+}
+
+int plan_tiles(const struct plan *plan, const struct tile *region)
+{
+    return tile_columns(plan, region) *
+           ((region->height + plan->tile_height - 1) / plan->tile_height);
+}
+
+struct tile plan_tile(const struct plan *plan, const struct tile *region, int index)
+{
+    const int columns = tile_columns(plan, region);
+    const int x = index % columns * plan->tile_width, y = index / columns * plan->tile_height;
+    const int width = region->width - x, height = region->height - y;
+    return (struct tile){region->x + x, region->y + y,
+                         width < plan->tile_width ? width : plan->tile_width,
+                         height < plan->tile_height ? height : plan->tile_height};
 }
 
 /* Arrays that pointers lead into have their final size from the start: every material, and its
@@ -122,8 +135,7 @@ bool plan_make(const struct scene *scene, const struct plan_options *options, st
     camera.near /= out->unit;
     camera.far /= out->unit;
     camera.extent /= camera.perspective ? 1 : out->unit;
-    if (out->options.threads == 0)
-        out->options.threads = available_threads();
+    out->options.threads = thread_count(options->threads);
     out->n_bands = scene->n_wavelengths;
     out->n_passes = (out->n_bands + BANDS_PER_PASS - 1) / BANDS_PER_PASS;
     out->near = camera.near;
@@ -137,7 +149,7 @@ bool plan_make(const struct scene *scene, const struct plan_options *options, st
     out->n_light_groups = (out->n_lights + LIGHTS_PER_PASS - 1) / LIGHTS_PER_PASS;
     if (out->n_light_groups == 0)
         out->n_light_groups = 1;
-    plan_tiles(out);
+    size_tiles(out);
     plan_effects(out);
     return true;
 }

@@ -243,20 +243,14 @@ static bool render_tile(struct render_state *state, const struct tile *tile, str
 static bool render_tiles(struct render_state *state, struct error *err)
 {
     const struct plan *plan = state->plan;
-    int width = plan->scene->width, height = plan->scene->height;
-    int columns = (width + plan->tile_width - 1) / plan->tile_width;
-    int rows = (height + plan->tile_height - 1) / plan->tile_height;
-    state->all_steps = (long)columns * rows * plan->n_passes;
-    for (int y = 0; y < height; y += plan->tile_height)
-        for (int x = 0; x < width; x += plan->tile_width) {
-            struct tile tile = {x, y, width - x, height - y};
-            if (tile.width > plan->tile_width)
-                tile.width = plan->tile_width;
-            if (tile.height > plan->tile_height)
-                tile.height = plan->tile_height;
-            if (!render_tile(state, &tile, err))
-                return false;
-        }
+    const struct tile picture = plan_picture(plan);
+    const int n_tiles = plan_tiles(plan, &picture);
+    state->all_steps = (long)n_tiles * plan->n_passes;
+    for (int i = 0; i < n_tiles; i++) {
+        const struct tile tile = plan_tile(plan, &picture, i);
+        if (!render_tile(state, &tile, err))
+            return false;
+    }
     return true;
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures are read back with libtiff, which does not write them. */
+/* Pictures are read back with libtiff. */
 #include "spectral.h"
 #include "test.h"
 
@@ -26,7 +26,8 @@ static struct picture_options options_of(enum picture_samples samples, int width
 /* A different number for every sample of a small picture. */
 static unsigned sample_at(int width, int x, int y, int channel)
 {
-    return (unsigned)(3 * (y * width + x) + channel) * 7 % 65521;
+    const unsigned pixel = (unsigned)y * (unsigned)width + (unsigned)x;
+    return (3 * pixel + (unsigned)channel) * 7 % 65521;
 }
 
 static void fill_row(const struct picture_options *options, int y, void *row)
@@ -106,18 +107,6 @@ static int wrong_samples(TIFF *tiff, const struct picture_options *options, int 
     return wrong;
 }
 
-/* Strips follow each other without gaps from `at`; returns where the last one ends, 0: they don't.
- */
-static uint64_t strips_end(TIFF *tiff, uint64_t at)
-{
-    for (uint32_t strip = 0; strip < TIFFNumberOfStrips(tiff); strip++) {
-        if (TIFFGetStrileOffset(tiff, strip) != at)
-            return 0;
-        at += TIFFGetStrileByteCount(tiff, strip);
-    }
-    return at;
-}
-
 static bool texts_are_right(TIFF *tiff, const struct picture_options *options, int page)
 {
     const char *description = "", *software = "", *name = "";
@@ -147,13 +136,15 @@ static void check_picture(const char *path, const struct picture_options *option
         CHECK(TIFFSetDirectory(tiff, (uint16_t)page) && texts_are_right(tiff, options, page),
               "%s, page %d: description, software, name and profile", path, page + 1);
         CHECK(wrong_samples(tiff, options, page) == 0, "%s, page %d: every sample", path, page + 1);
-        end = strips_end(tiff, page == 0 ? TIFFGetStrileOffset(tiff, 0) : end);
+        const uint64_t offset = TIFFGetStrileOffset(tiff, 0);
+        CHECK(TIFFNumberOfStrips(tiff) == 1 && (page == 0 ? offset % 4 == 0 : offset == end),
+              "%s, page %d: one strip, the first one at a multiple of 4 bytes", path, page + 1);
+        end = offset + TIFFGetStrileByteCount(tiff, 0);
     }
     CHECK(end == (uint64_t)status.st_size, "%s: pixels without gaps up to the end", path);
     TIFFClose(tiff);
 }
 
-/* One strip; several, of which the last one is shorter; rows that are longer than a strip. */
 static void test_samples(void)
 {
     static const struct {
@@ -278,6 +269,21 @@ static void test_discard(void)
     unlink(path);
 }
 
+static void test_damage(void)
+{
+    const struct picture_options options = options_of(PICTURE_FLOAT, 7, 5);
+    const char *path = "picture_damaged.tif";
+    struct picture_writer writer;
+    struct stat status;
+    struct error err = {0};
+    CHECK(picture_open(&writer, path, &options, &err) && write_rows(&writer, 5, &err) &&
+              fstat(writer.pages.output.descriptor, &status) == 0 &&
+              ftruncate(writer.pages.output.descriptor, status.st_size - 1) == 0,
+          "a picture loses its last byte");
+    CHECK(!picture_commit(&writer, &err) && err.status == EXIT_SYSTEM && access(path, F_OK) != 0,
+          "it does not appear: %s", err.text);
+}
+
 /* A reader in another process takes up to `most` bytes of a pipe into a file. */
 static pid_t read_pipe(const char *pipe, const char *copy, size_t most)
 {
@@ -327,6 +333,7 @@ int main(void)
     test_impossible();
     test_full_disk();
     test_discard();
+    test_damage();
     test_pipe();
     return test_end();
 }

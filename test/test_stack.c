@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Stacks are read back twice: with libtiff, and byte by byte with a small walker of directories
  * that shares nothing with it, for what libtiff does not show (where each thing lies). */
-#include "spectral.h"
+#include "data/pages.h"
 #include "test.h"
 
 #include <fcntl.h>
@@ -9,7 +9,6 @@
 #include <stdlib.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <tiffio.h>
 #include <unistd.h>
 
 enum { WIDTH = 7, HEIGHT = 5, PAGES = 4 };
@@ -368,11 +367,12 @@ static void check_large(int width, int map_bytes, bool big)
     const char *path = "stack_large.tif";
     if (!CHECK(stack_open(&writer, path, &options, &err), "%d pixels: opens %s", width, err.text))
         return;
-    CHECK(writer.big == big, "%d pixels: %s", width, big ? "BigTIFF" : "classic");
-    uint64_t end = writer.page_offset[0] + (uint64_t)width * 2;
+    CHECK(writer.pages.big == big, "%d pixels: %s", width, big ? "BigTIFF" : "classic");
+    uint64_t end = pages_offset(&writer.pages, 0) + (uint64_t)width * 2;
     uint64_t whole = end + (uint64_t)width * (uint64_t)map_bytes;
     CHECK(big ? whole > UINT32_MAX : whole <= UINT32_MAX, "%d pixels: as 4 GiB ask for", width);
-    CHECK(map_bytes == 0 || writer.map_offset == end, "%d pixels: then the map", width);
+    CHECK(map_bytes == 0 || pages_offset(&writer.pages, 1) == end, "%d pixels: then the map",
+          width);
     CHECK(stack_write(&writer, 0, width - 1, 0, 1, 1, &last, &err) &&
               stack_finish(&writer, "", &err) && stack_commit(&writer, &err),
           "%d pixels: commits %s", width, err.text);
@@ -407,7 +407,8 @@ static void test_many_pages(void)
     const char *path = "stack_many.tif";
     CHECK(stack_open(&writer, path, &options, &err), "%d pages open %s", MANY, err.text);
     for (int page = 1; page < MANY; page++)
-        contiguous = contiguous && writer.page_offset[page] == writer.page_offset[page - 1] + 12;
+        contiguous = contiguous && pages_offset(&writer.pages, page) ==
+                                       pages_offset(&writer.pages, page - 1) + 12;
     CHECK(contiguous, "and follow each other");
     CHECK(stack_finish(&writer, "", &err) && stack_commit(&writer, &err), "and commit %s",
           err.text);
@@ -472,7 +473,7 @@ static void check_damage(const char *what, void (*damage)(const struct stack_wri
               err.status == EXIT_SYSTEM,
           "%s: refused: %s", what, err.text);
     stack_discard(&writer);
-    CHECK(writer.page_offset == NULL && writer.output.temporary == NULL, "%s: all is freed", what);
+    CHECK(writer.pages.output.temporary == NULL, "%s: all is freed", what);
     size_t length;
     unsigned char *bytes = read_whole(path, &length);
     CHECK(length == 3 && memcmp(bytes, "old", 3) == 0, "%s: the old file is as it was", what);
@@ -482,8 +483,8 @@ static void check_damage(const char *what, void (*damage)(const struct stack_wri
 
 static void cut_off(const struct stack_writer *writer)
 {
-    off_t last = (off_t)writer->page_offset[PAGES - 1] + WIDTH * HEIGHT * 2 - 1;
-    CHECK(ftruncate(writer->output.descriptor, last) == 0, "one byte is cut off");
+    off_t last = (off_t)pages_offset(&writer->pages, PAGES - 1) + WIDTH * HEIGHT * 2 - 1;
+    CHECK(ftruncate(writer->pages.output.descriptor, last) == 0, "one byte is cut off");
 }
 
 /* The link from the last directory but one: as if a page were missing. */
@@ -492,12 +493,14 @@ static void unlink_page(const struct stack_writer *writer)
     unsigned char bytes[4] = {0};
     uint64_t at, next = 4;
     for (int page = 0; page < PAGES - 1; page++) {
-        CHECK(pread(writer->output.descriptor, bytes, 4, (off_t)next) == 4, "a directory's link");
+        CHECK(pread(writer->pages.output.descriptor, bytes, 4, (off_t)next) == 4,
+              "a directory's link");
         at = number_at(bytes, 4);
-        CHECK(pread(writer->output.descriptor, bytes, 2, (off_t)at) == 2, "a directory");
+        CHECK(pread(writer->pages.output.descriptor, bytes, 2, (off_t)at) == 2, "a directory");
         next = at + 2 + 12 * number_at(bytes, 2);
     }
-    CHECK(pwrite(writer->output.descriptor, "\0\0\0\0", 4, (off_t)next) == 4, "a link is cleared");
+    CHECK(pwrite(writer->pages.output.descriptor, "\0\0\0\0", 4, (off_t)next) == 4,
+          "a link is cleared");
 }
 
 static void test_damage(void)
@@ -532,7 +535,7 @@ static void test_full_disk(void)
     }
     struct error err = {0};
     CHECK(stack_open(&writer, path, &options, &err), "with room, it opens");
-    limit_files((rlim_t)writer.page_offset[PAGES - 1]);
+    limit_files((rlim_t)pages_offset(&writer.pages, PAGES - 1));
     bool written = write_rectangle(&writer, PAGES - 1, 0, 0, WIDTH, HEIGHT, &err);
     limit_files(RLIM_INFINITY);
     CHECK(!written && err.status == EXIT_SYSTEM, "no room for the last page: %s", err.text);
