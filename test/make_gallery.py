@@ -1,7 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Makes the pictures of README: every built-in scene, rendered, developed and stored as a PNG.
-usage: test/make_gallery.py FOLDER [NAME...]"""
+"""Makes the pictures of README: every built-in scene, rendered, developed and stored as a PNG; and
+the viewer and a plot, seen by Chromium.
+usage: /usr/bin/python3 test/make_gallery.py FOLDER [NAME...]"""
+import base64
 import os
 import struct
 import subprocess
@@ -11,6 +13,8 @@ import zlib
 
 import numpy as np
 import tifffile
+
+from browser import Browser
 
 SPECTRAL = os.environ.get("SPECTRAL", "build/spectral")
 A, UV = ("--light", "1=a"), ("--light", "1=uv")
@@ -35,6 +39,13 @@ PICTURES = {
     "patches-von-kries": ("patches", "480x320", A, ("--adaptation", "von-kries")),
 }
 
+# name: a page that the program writes, as NAME.html or NAME.svg; width and height of the window; and
+# where the page is clicked
+SEEN = {
+    "viewer": (("view", "fluorescence", "--size", "600x400"), "html", (1100, 1250), (390, 160)),
+    "probe": (("probe", "fluorescence", "700", "300", "--svg"), "svg", (900, 520), None),
+}
+
 
 def png(path, pixels):
     height, width, _ = pixels.shape
@@ -57,6 +68,26 @@ def make(folder, name, scene, size, rendered, developed):
         png(os.path.join(folder, name + ".png"), tifffile.imread(picture))
 
 
-wanted = sys.argv[2:] or PICTURES
-for each in wanted:
-    make(sys.argv[1], each, *PICTURES[each])
+def see(folder, name, command, ending, size, click):
+    with tempfile.TemporaryDirectory() as work:
+        page = os.path.join(work, f"{name}.{ending}")
+        subprocess.run([SPECTRAL, *command, "-o", page], check=True, stdout=subprocess.DEVNULL)
+        browser = Browser(os.path.join(work, "browser"))
+        browser.size(*size)
+        browser.send("Page.navigate", url="file://" + page)
+        browser.wait(f"location.href.endsWith('{ending}') && document.readyState === 'complete'")
+        if click:
+            browser.wait("document.body.dataset.ready === 'true'")
+            browser.click(*click)
+            browser.evaluate("new Promise(requestAnimationFrame)")
+        shot = browser.send("Page.captureScreenshot", format="png")["data"]
+        browser.close()
+    with open(os.path.join(folder, name + ".png"), "wb") as out:
+        out.write(base64.b64decode(shot))
+
+
+for each in sys.argv[2:] or [*PICTURES, *SEEN]:
+    if each in SEEN:
+        see(sys.argv[1], each, *SEEN[each])
+    else:
+        make(sys.argv[1], each, *PICTURES[each])
