@@ -780,11 +780,11 @@ static bool command_view(struct options *options, struct error *err)
                              viewer_write(&plan, output, &result, err)
                        : error_memory(err);
     if (done && !options->quiet)
-        fprintf(
-            is_regular_file(output) ? stdout : stderr,
-            "page              %s, %.2f MB: %d objects, %d lights, %d illuminants, %d detectors\n",
-            output, (double)result.bytes / 1e6, result.n_objects, result.n_lights,
-            result.n_illuminants, result.n_detectors);
+        fprintf(is_regular_file(output) ? stdout : stderr,
+                "objects           %d\nlights            %d, %d illuminants to choose from\n"
+                "detectors         %d\npage              %s, %.2f MB\n",
+                result.n_objects, result.n_lights, result.n_illuminants, result.n_detectors, output,
+                (double)result.bytes / 1e6);
     plan_free(&plan);
     scene_free(&scene);
     free(page);

@@ -10,22 +10,14 @@ import sys
 import numpy as np
 
 from colours import cielab, ciede2000
+from rendered import SPECTRAL, TMP, check, done
 
 sys.dont_write_bytecode = True
 from material_files import thesis_observer
 
-SPECTRAL = os.environ.get("SPECTRAL", "build/spectral")
-TMP = os.path.join(os.environ.get("TEST_TMP", "build/tmp"), "materials")
 FOLDER = "data/materials"
 NM = np.arange(300.0, 765.0, 5.0)
 VISIBLE_DIFFERENCE = 5 # CIEDE2000
-count = 0
-
-
-def ok(holds, name):
-    global count
-    count += 1
-    print(f"{'ok' if holds else 'not ok'} {count} - {name}", flush=True)
 
 
 def table(name):
@@ -91,8 +83,8 @@ SHARMA = (
 def check_ciede2000():
     worst = max(abs(ciede2000(*pair) - published)
                 for one, two, published in SHARMA for pair in ((one, two), (two, one)))
-    ok(worst < 0.00005 + 1e-9, f"CIEDE2000 of {len(SHARMA)} published pairs, either way round "
-       f"(largest deviation {worst:.6f})")
+    check(worst < 0.00005 + 1e-9, f"CIEDE2000 of {len(SHARMA)} published pairs, either way round "
+          f"(largest deviation {worst:.6f})")
 
 
 def colour(stimulus, light, observer):
@@ -117,14 +109,14 @@ def check_made():
     kept = {os.path.relpath(os.path.join(FOLDER, folder, file), FOLDER)
             for folder in ("metals", "metamers", "fluorescence")
             for file in os.listdir(f"{FOLDER}/{folder}")} | {"metals.list", "fluorescence.list"}
-    ok(made == kept, f"the makers write the {len(kept)} files that are kept and no others")
+    check(made == kept, f"the makers write the {len(kept)} files that are kept and no others")
     differing = [name for name in sorted(made & kept)
                  if open(f"{TMP}/{name}").read() != open(f"{FOLDER}/{name}").read()]
-    ok(not differing, f"each digit by digit {differing or ''}")
+    check(not differing, f"each digit by digit {differing or ''}")
     named = {os.path.relpath(path, FOLDER) for name in
              ("metals", "fluorescence", "metamers/illuminant", "metamers/observer")
              for path in listed(name)}
-    ok(named == {name for name in kept if name.endswith(".txt")}, "the lists name all of them")
+    check(named == {name for name in kept if name.endswith(".txt")}, "the lists name all of them")
 
 
 # Wavelength, n and k of other films than those that the metals come from: S. Babar and J. H. Weaver,
@@ -147,27 +139,27 @@ def check_metals():
         values = material(path)
         diffuse, specular = values[""][0], values["s"][0]
         total[name] = diffuse + specular
-        ok(diffuse.min() > 0 and total[name].max() < 1 and
-           abs(diffuse / total[name] - 0.15).max() < 1e-4 and values["g"] == 80,
-           f"{name}: 15 % of what it reflects is diffuse; never more than it receives "
-           f"(at most {total[name].max():.5f})")
+        check(diffuse.min() > 0 and total[name].max() < 1 and
+              abs(diffuse / total[name] - 0.15).max() < 1e-4 and values["g"] == 80,
+              f"{name}: 15 % of what it reflects is diffuse; never more than it receives "
+              f"(at most {total[name].max():.5f})")
         for nm, n, k in OTHER_FILMS[name]:
             other = abs((n - 1 + 1j * k) / (n + 1 + 1j * k)) ** 2
             here = np.interp(nm, NM, total[name])
-            ok(abs(here - other) < 0.05,
-               f"{name} at {nm:g} nm: {here:.3f}, another film {other:.3f}")
+            check(abs(here - other) < 0.05,
+                  f"{name} at {nm:g} nm: {here:.3f}, another film {other:.3f}")
     at = {name: dict(zip(NM, values)) for name, values in total.items()}
-    ok(at["gold"][700] > 0.95 and at["gold"][450] < 0.45, "gold reflects red, not blue")
-    ok(at["copper"][550] < at["gold"][550] - 0.1 and at["copper"][700] > 0.95,
-       "copper's edge lies at longer wavelengths than gold's")
-    ok(at["silver"][320] < 0.2 and min(at["silver"][nm] for nm in NM if nm >= 400) > 0.95,
-       "silver reflects little of the ultraviolet of 320 nm, but more than 95 % of visible light")
+    check(at["gold"][700] > 0.95 and at["gold"][450] < 0.45, "gold reflects red, not blue")
+    check(at["copper"][550] < at["gold"][550] - 0.1 and at["copper"][700] > 0.95,
+          "copper's edge lies at longer wavelengths than gold's")
+    check(at["silver"][320] < 0.2 and min(at["silver"][nm] for nm in NM if nm >= 400) > 0.95,
+          "silver reflects little of the ultraviolet of 320 nm, but more than 95 % of visible light")
     # bare aluminium in the standard specifications of Rocky Mountain Instrument's mirror coatings
-    ok(all(abs(at["aluminium"][nm] - r) < 0.005 for nm, r in ((500, 0.918), (550, 0.915), (600, 0.911))),
-       "aluminium at 500, 550 and 600 nm as mirror coatings are specified")
+    check(all(abs(at["aluminium"][nm] - r) < 0.005 for nm, r in ((500, 0.918), (550, 0.915), (600, 0.911))),
+          "aluminium at 500, 550 and 600 nm as mirror coatings are specified")
     plan = subprocess.run([SPECTRAL, "plan", f"{FOLDER}/metals.list"], capture_output=True, text=True)
-    ok(plan.returncode == 0 and "specular          yes (4 of " in plan.stdout,
-       "the program reads the four and draws their highlights")
+    check(plan.returncode == 0 and "specular          yes (4 of " in plan.stdout,
+          "the program reads the four and draws their highlights")
 
 
 def check_metamers(name, broken):
@@ -177,20 +169,20 @@ def check_metamers(name, broken):
         values = material(path)
         pair = values[""][0], values["mr"][0]
         label = f"{name} {os.path.basename(path)[len(name) + 1:-4]}"
-        ok(min(map(np.min, pair)) >= 0.01 and max(map(np.max, pair)) <= 0.95,
-           f"{label}: reflectances within 0.01 and 0.95 ({min(map(np.min, pair)):.3f} to "
-           f"{max(map(np.max, pair)):.3f})")
+        check(min(map(np.min, pair)) >= 0.01 and max(map(np.max, pair)) <= 0.95,
+              f"{label}: reflectances within 0.01 and 0.95 ({min(map(np.min, pair)):.3f} to "
+              f"{max(map(np.max, pair)):.3f})")
         plain, partner = (response.T @ reflectance for reflectance in pair)
-        ok(abs(partner / plain - 1).max() < 1e-9,
-           f"{label}: XYZ equal under D65 (to {abs(partner / plain - 1).max():.1e})")
+        check(abs(partner / plain - 1).max() < 1e-9,
+              f"{label}: XYZ equal under D65 (to {abs(partner / plain - 1).max():.1e})")
         delta = difference(*(LIGHT["d65"] * reflectance for reflectance in pair), "d65", "cie1931")
-        ok(delta < 0.01, f"{label}: to the observer in all its digits, too: CIEDE2000 {delta:.4f}")
+        check(delta < 0.01, f"{label}: to the observer in all its digits, too: CIEDE2000 {delta:.4f}")
         black = pair[1] - pair[0]
-        ok(abs(matrix_r @ black).max() < 1e-9 * abs(black).max(),
-           f"{label}: the difference has no fundamental (black up to {abs(black).max():.3f})")
+        check(abs(matrix_r @ black).max() < 1e-9 * abs(black).max(),
+              f"{label}: the difference has no fundamental (black up to {abs(black).max():.3f})")
         for light, observer in broken:
             delta = difference(*(LIGHT[light] * reflectance for reflectance in pair), light, observer)
-            ok(delta > VISIBLE_DIFFERENCE, f"{label}: {light}, {observer}: CIEDE2000 {delta:.1f}")
+            check(delta > VISIBLE_DIFFERENCE, f"{label}: {light}, {observer}: CIEDE2000 {delta:.1f}")
 
 
 def check_fluorescence():
@@ -203,32 +195,31 @@ def check_fluorescence():
         def stimulus(light):
             mean = (LIGHT[light] * excitation).sum() / excitation.sum()
             return LIGHT[light] * plain, LIGHT[light] * partner + mean * emission
-        ok(min(plain.min(), partner.min()) > 0 and max(plain.max(), partner.max()) < 1,
-           f"{label}: reflectances within 0 and 1 (up to {plain.max():.3f})")
+        check(min(plain.min(), partner.min()) > 0 and max(plain.max(), partner.max()) < 1,
+              f"{label}: reflectances within 0 and 1 (up to {plain.max():.3f})")
         one, two = stimulus("a")
-        ok(abs(two / one - 1).max() < 1e-12,
-           f"{label}: alike in every band under A (to {abs(two / one - 1).max():.1e})")
-        ok(NM[excitation > 0].max() < NM[emission > 0].min(),
-           f"{label}: taken in up to {NM[excitation > 0].max():g} nm, given out from "
-           f"{NM[emission > 0].min():g} nm")
+        check(abs(two / one - 1).max() < 1e-12,
+              f"{label}: alike in every band under A (to {abs(two / one - 1).max():.1e})")
+        check(NM[excitation > 0].max() < NM[emission > 0].min(),
+              f"{label}: taken in up to {NM[excitation > 0].max():g} nm, given out from "
+              f"{NM[emission > 0].min():g} nm")
         # Of the light taken in at each wavelength, which is not reflected, no more comes out, in
         # energy and in photons (whose energy falls with wavelength).
         energy = excitation / excitation.sum() * emission.sum()
         photons = excitation / excitation.sum() * (emission * NM).sum() / NM
-        ok((energy <= 1 - partner).all() and (photons <= 1 - partner).all(),
-           f"{label}: no more given out than taken in (energy {(energy / (1 - partner)).max():.2f}, "
-           f"photons {(photons / (1 - partner)).max():.2f} of it at most)")
+        check((energy <= 1 - partner).all() and (photons <= 1 - partner).all(),
+              f"{label}: no more given out than taken in (energy {(energy / (1 - partner)).max():.2f}, "
+              f"photons {(photons / (1 - partner)).max():.2f} of it at most)")
         delta = difference(*stimulus("d65"), "d65", "cie1931")
-        ok(delta > VISIBLE_DIFFERENCE, f"{label}: D65: CIEDE2000 {delta:.1f}")
+        check(delta > VISIBLE_DIFFERENCE, f"{label}: D65: CIEDE2000 {delta:.1f}")
         dark, glowing = OBSERVER["cie1931"][1] @ np.transpose(stimulus("uv"))
-        ok(glowing > 5 * dark, f"{label}: {glowing / dark:.0f} times as bright under the black light")
+        check(glowing > 5 * dark, f"{label}: {glowing / dark:.0f} times as bright under the black light")
 
 
-os.makedirs(TMP, exist_ok=True)
 check_ciede2000()
 check_made()
 check_metals()
 check_metamers("illuminant", (("a", "cie1931"), ("fluorescent", "cie1931")))
 check_metamers("observer", (("d65", "dcs200-camera"), ("d65", "transparency-film")))
 check_fluorescence()
-print(f"1..{count}")
+done()

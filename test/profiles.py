@@ -6,8 +6,9 @@ import subprocess
 
 import numpy as np
 
+from rendered import TMP, check, done
+
 BUILD = os.environ.get("BUILD", "build")
-TMP = os.path.join(os.environ.get("TEST_TMP", "build/tmp"), "profiles")
 D50 = np.array([0.9642, 1, 0.8249])
 BRADFORD = np.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]])
 # IEC 61966-2-1: linear RGB to XYZ, of the chromaticities of the primaries and of D65
@@ -18,13 +19,6 @@ MONITOR = np.array([[0.03426, -0.01633, -0.005365], [-0.01026, 0.01911, 0.000252
 GAIN, EXPONENT = np.array([1.035, 1.053, 1.047]), np.array([1.534, 1.393, 1.435])
 VALUES = np.array([[255, 255, 255], [255, 0, 0], [0, 255, 0], [0, 0, 255], [128, 128, 128], [8, 8, 8],
                    [200, 100, 50], [1, 2, 3], [30, 60, 240], [250, 255, 245]])
-count = 0
-
-
-def ok(holds, name):
-    global count
-    count += 1
-    print(f"{'ok' if holds else 'not ok'} {count} - {name}", flush=True)
 
 
 def srgb(values):
@@ -50,7 +44,6 @@ def read_by_lcms(path):
     return np.array([line.split() for line in seen.split("\n") if line.strip()], float) / 100
 
 
-os.makedirs(TMP, exist_ok=True)
 for name, to_xyz in (("srgb", srgb), ("monitor", monitor)):
     path = os.path.join(TMP, f"{name}.icc")
     with open(path, "wb") as out:
@@ -58,6 +51,6 @@ for name, to_xyz in (("srgb", srgb), ("monitor", monitor)):
     expected = beside_d50(to_xyz(VALUES / 255), to_xyz(np.ones(3)))
     difference = abs(read_by_lcms(path) - expected)
     # Numbers of the profile are rounded to 1/65536: those of the curves count up to three times.
-    ok(difference.max() < 4 / 65536, f"{name}: {len(VALUES)} colours through Little CMS "
-       f"(largest difference {difference.max():.6f})")
-print(f"1..{count}")
+    check(difference.max() < 4 / 65536, f"{name}: {len(VALUES)} colours through Little CMS "
+          f"(largest difference {difference.max():.6f})")
+done()

@@ -5,15 +5,9 @@ import math
 import os
 import subprocess
 
-TMP = os.path.join(os.environ.get("TEST_TMP", "build/tmp"), "tables")
+from rendered import TMP, check, done
+
 FOLDER = "data/tables"
-count = 0
-
-
-def ok(holds, name):
-    global count
-    count += 1
-    print(f"{'ok' if holds else 'not ok'} {count} - {name}", flush=True)
 
 
 def table(name):
@@ -22,19 +16,18 @@ def table(name):
     return {int(row[0]): row[1:] for row in rows}
 
 
-os.makedirs(TMP, exist_ok=True)
 subprocess.run(["/usr/bin/python3", "-B", "test/make_observers.py", TMP], check=True)
 for name in sorted(os.listdir(TMP)):
-    ok(open(f"{TMP}/{name}").read() == open(f"{FOLDER}/{name}").read(),
-       f"{name} is what its maker writes, digit by digit")
+    check(open(f"{TMP}/{name}").read() == open(f"{FOLDER}/{name}").read(),
+          f"{name} is what its maker writes, digit by digit")
 
 # CIE 15:2004, with c2 = 1.435e7 nm K and 2848 K
 differing = [nm for nm, (value,) in table("a").items() if value != "%.6f" % float(
     "%.6g" % ((560 / nm) ** 5 * math.expm1(1.435e7 / (2848 * 560)) / math.expm1(1.435e7 / (2848 * nm))))]
-ok(not differing, f"illuminant A follows the CIE's formula {differing or ''}")
+check(not differing, f"illuminant A follows the CIE's formula {differing or ''}")
 
 # D65 is a daylight of 6504 K: linear between every 10 nm, as the CIE defines it
 d65 = {nm: float(value) for nm, (value,) in table("d65").items()}
 bend = max(abs(d65[nm] - (d65[nm - 5] + d65[nm + 5]) / 2) for nm in range(305, 830, 10))
-ok(bend < 1.1e-5, f"D65 is linear between every 10 nm (to {bend:.6f})")
-print(f"1..{count}")
+check(bend < 1.1e-5, f"D65 is linear between every 10 nm (to {bend:.6f})")
+done()
