@@ -131,6 +131,9 @@ bool planes_rasterize(const struct plan *plan, struct planes *out, struct error 
     if (plan->n_bodies > LARGEST_SAMPLE)
         return error_usage(err, "a page shows at most %d objects and parts; this scene has %d",
                            LARGEST_SAMPLE, plan->n_bodies);
+    if ((int64_t)plan->scene->width * plan->scene->height > LARGEST_PAGE)
+        return error_usage(err, "a page shows at most %d pixels; --size WxH makes %d x %d fewer",
+                           LARGEST_PAGE, plan->scene->width, plan->scene->height);
     bool done = planes_allocate(plan, out, err) &&
                 surfaces_light(plan, driver_of(NULL), &surfaces, &work, err) &&
                 put_picture(plan, surfaces, out, err);
@@ -205,7 +208,8 @@ char *planes_text(const struct planes *planes, const double *scale, size_t *leng
     uLongf packed_length = compressBound((uLong)raw_length);
     unsigned char *packed = raw ? malloc(packed_length) : NULL;
     char *out = NULL;
-    if (packed && compress2(packed, &packed_length, raw, (uLong)raw_length, 9) == Z_OK)
+    if (packed &&
+        compress2(packed, &packed_length, raw, (uLong)raw_length, Z_DEFAULT_COMPRESSION) == Z_OK)
         out = malloc((packed_length + 2) / 3 * 4);
     if (out)
         base64(packed, packed_length, out);

@@ -121,16 +121,34 @@ static bool find_illuminants(struct page *page, struct error *err)
     return true;
 }
 
-static void put_illuminants(struct page *page)
+/* As the command line takes it: a file of the scene is found from the working folder. */
+static bool put_word(struct page *page, const struct spectrum *spectrum, struct error *err)
 {
+    char table[256], path[256];
+    snprintf(table, sizeof table, "%.*s", (int)strcspn(spectrum->name, ":*"), spectrum->name);
+    bool is_file = spectrum->kind == SPECTRUM_SAMPLED &&
+                   !builtin_path("tables/", table, ".csv", path, sizeof path);
+    char *word = is_file ? file_relative(spectrum->place.path, spectrum->name) : NULL;
+    if (is_file && !word)
+        return error_memory(err);
+    json_string(&page->json, "word", is_file ? word : spectrum->name);
+    free(word);
+    return true;
+}
+
+static bool put_illuminants(struct page *page, struct error *err)
+{
+    bool done = true;
     json_open(&page->json, "illuminants", '[');
-    for (int i = 0; i < page->n_illuminants; i++) {
+    for (int i = 0; done && i < page->n_illuminants; i++) {
         json_open(&page->json, NULL, '{');
         json_string(&page->json, "name", page->illuminants[i].name);
+        done = put_word(page, &page->illuminants[i], err);
         put_spectrum(page, "radiance", &page->illuminants[i], SPECTRUM_ZERO);
         json_close(&page->json, '}');
     }
     json_close(&page->json, ']');
+    return done;
 }
 
 /* As the scene has it. */
@@ -346,10 +364,9 @@ static bool put_json(struct page *page, const struct planes *planes, const doubl
     json_count(json, "width", (uint64_t)scene->width);
     json_count(json, "height", (uint64_t)scene->height);
     json_numbers(json, "wavelengths", scene->wavelengths_nm, scene->n_wavelengths);
-    if (!find_illuminants(page, err) || !put_lights(page, err) || !put_surfaces(page, err) ||
-        !put_detectors(page, err))
+    if (!find_illuminants(page, err) || !put_lights(page, err) || !put_illuminants(page, err) ||
+        !put_surfaces(page, err) || !put_detectors(page, err))
         return false;
-    put_illuminants(page);
     put_adaptations(json);
     put_displays(json);
     json_numbers(json, "weight_scales", scale, planes->n_weights);

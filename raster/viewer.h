@@ -5,7 +5,8 @@
 
 #include "spectral.h"
 
-enum { LARGEST_SAMPLE = 65535 };
+/* Browsers refuse longer texts and larger canvases. */
+enum { LARGEST_SAMPLE = 65535, LARGEST_PAGE = 1 << 24 };
 
 /* Planes of a value a pixel: constant term, then diffuse and specular of each light, then what
  * spectral textures show at their own wavelengths. Finishes share them: a pixel has one finish. */
@@ -17,7 +18,8 @@ struct planes {
     double *place[2];       /* in a spectral texture, in texels; NULL: there is none */
 };
 
-/* By the reference, without a check. Refuses scenes of more than LARGEST_SAMPLE bodies. */
+/* By the reference, without a check. Refuses more than LARGEST_PAGE pixels and scenes of more than
+ * LARGEST_SAMPLE bodies. */
 bool planes_rasterize(const struct plan *plan, struct planes *out, struct error *err);
 /* What sample 1 of a plane stands for: its largest value is LARGEST_SAMPLE. */
 double plane_scale(const struct planes *planes, int plane);

@@ -140,6 +140,7 @@ exits 0 "view writes a page" "$SPECTRAL" view patches --size 60x40 -o "$tmp/page
 prints '^page +.*page.html' "and says so"
 grep -q '<script' "$tmp/page.html" && ! grep -Eq '(src|href)="?(https?:)?//' "$tmp/page.html"
 ok $? "which names no other address"
+refused "a page of 25 megapixels" '--size' view --size 5000x5000 -o "$tmp/none"
 refused "view of an unknown scene" 'no-such' view no-such -o "$tmp/none"
 exits 3 "a page for a full device is a failure of the system" "$SPECTRAL" view patches --size 60x40 -o /dev/full
 done_testing

@@ -6,6 +6,7 @@ and in the dark. Prints TAP."""
 import base64
 import html.parser
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -27,10 +28,14 @@ browser = Browser(os.path.join(TMP, "browser"))
 STRANGE = 'a </script><b>&amp; \\ <!-- <script>'  # a name in which HTML, JSON and JavaScript see more
 
 
+def write_matrix():
+    write("matrix.csv", "nm,360,400,440\n480,0.02,0.1,0.05\n520,0.05,0.2,0.1\n560,0.01,0.1,0.05\n")
+
+
 def scene_of_strange_names():
     """With a light that is off, one of a file, a surface that fluoresces by a matrix, and a back."""
+    write_matrix()
     write("lamp.csv", "wavelength_nm,power\n380,0.4\n500,1.2\n600,0.9\n720,1.5\n")
-    write("matrix.csv", "nm,360,400,440\n480,0.02,0.1,0.05\n520,0.05,0.2,0.1\n560,0.01,0.1,0.05\n")
     grey = "material grey { diffuse 0.5 }"
     return write("a 'strange' & <b>name.scene", f"""wavelengths 400 700 20
 camera ortho 3
@@ -43,6 +48,24 @@ material "{STRANGE}" {{ diffuse 0.3 donaldson matrix.csv specular 0.5 gloss 9 }}
 {grey}
 object sphere 0.6 20 20 material "{STRANGE}" translate -0.7 0 0
 object plane 1 1 material grey two-sided rotate 160 0 1 0 translate 0.7 0 0
+""")
+
+
+def scene_of_two_of_each():
+    """Ambient lights, one of which makes a surface fluoresce, and spectral textures."""
+    write_matrix()
+    run("render", "patches", "--no-check", "--renderer", "raster", "--size", "16x12", "--quiet",
+        "--wavelengths", "420:680:20", "-o", os.path.join(TMP, "texture.tif"))
+    return write("two.scene", """wavelengths 400 700 20
+camera ortho 3
+ambient d65 0.4
+ambient uv 0.9
+material glowing { diffuse 0.3 donaldson matrix.csv }
+material near { diffuse 0.9 spectral-texture texture.tif nearest }
+material smooth { diffuse 0.9 spectral-texture texture.tif linear }
+object sphere 0.6 20 20 material glowing
+object plane 0.7 0.9 material near translate -1 0 0
+object plane 0.7 0.9 material smooth translate 1 0 0
 """)
 
 
@@ -182,6 +205,15 @@ def set_eye(options):
         type_number("exposure", told.get("exposure", 1))
 
 
+def figures(words):
+    return np.array(re.findall(r"\d+(?:\.\d+)?", words), float)
+
+
+def per_cent(words):
+    """The numbers before signs of per cent, which the page tells to a tenth."""
+    return np.array(re.findall(r"([\d.]+)\s%", words), float)
+
+
 def out_of_gamut(words):
     return int(words.split("out of gamut")[1].split()[0])
 
@@ -204,6 +236,16 @@ def menus(scene):
         check(distance(seen, expected) <= 1 and seen[:, :, :3].max() > 30 and (seen[:, :, 3] == 255).all(),
               f"{scene}, {what}: pixels are within 1 of 255 of what develop shows",
               f"largest distance {distance(seen, expected)}")
+        differ = np.mean(seen[:, :, :3] != expected)  # a fifth of it, by rounding to 16 bits
+        check(differ < 0.01, f"{scene}, {what}: and of 100 samples 99 are the same", differ)
+        lost, unseen = per_cent(text("lost")), per_cent(words.split("unseen")[1].split("\n")[0])
+        check(np.abs(lost - unseen).max() <= 0.051, f"{scene}, {what}: so much of the sensitivity is lost",
+              lost, unseen)
+        if "observer" in words:
+            white, recorded = figures(text("white")), figures(words.split("white")[1].split("\n")[0])
+            check(np.allclose(white, [*recorded[3:], recorded[1]], atol=0.006) and
+                  np.allclose(white[:2], recorded[3:], atol=6e-5),
+                  f"{scene}, {what}: the white is the one that develop tells", white, recorded)
         counted = int(text("gamut").split(":")[1].split()[0])
         check(abs(counted - out_of_gamut(words)) <= expected[:, :, 0].size // 1000,
               f"{scene}, {what}: as many pixels are out of gamut, but for a thousandth",
@@ -261,10 +303,15 @@ def spectra(scene, name, places, **lights):
     where no light is nearer than its attenuation's 1: of a few terms that is 1e-4 of the light."""
     browser.open(view(scene, name))
     lights = {int(key[1:]) if key[0] == "_" else key: told for key, told in lights.items()}
+    click_pixel(*places[0])
+    values()
     set_lights(lights)
     settle()
     stack, radiance = stack_of(scene, *light_options(lights))
     tolerance = 1e-4 * radiance.max()
+    x, y = places[0]
+    check(np.abs(values()["radiance"] - radiance[:, y, x]).max() <= tolerance,
+          f"{name}: the spectrum follows the menus")
     xyz, _ = developed(stack, "--xyz")
     lab, _ = developed(stack, "--lab")
     for x, y in places:
@@ -329,16 +376,22 @@ def metamers():
     alike, expected, beside = difference((left, y), (left + 1, y))
     check(abs(alike - expected) < 2e-3 and beside, "a kept pixel is compared with by ΔE*ab and its spectrum",
           alike, expected, beside)
+    browser.evaluate("document.getElementById('keep').click()")
+    for detector in ("cie1964", "cie2006-2", "cie1931"):
+        choose("detector", detector)
+        settle()
+        check(numbers()["ΔE*ab to the kept"] == [0], f"{detector}: a pixel does not differ from itself")
+    browser.evaluate("document.getElementById('keep').click()")
     choose("lights-1", "a")
     settle()
     apart, _, _ = difference((left, y), (left + 1, y))
     check(alike < 2 and apart > 5, "halves that match under D65 differ under A", alike, apart)
 
 
-def command_line():
-    """The page tells the commands that make its picture."""
-    browser.open(view("colorchecker", "colorchecker"))
-    set_lights({"ambient": "uv*0.3", 1: "a*0.75"})
+def command_line(scene, name, lights):
+    """The page tells the commands that make its picture, from whatever folder."""
+    browser.open(view(scene, name))
+    set_lights(lights)
     set_eye(["--detector=cie1964", "--adaptation=fairchild:40", "--exposure=1.25", "--display=monitor"])
     seen = pixels()
     folder = os.path.abspath(os.path.join(TMP, "bin"))
@@ -348,7 +401,7 @@ def command_line():
     subprocess.run(["sh", "-c", text("commands")], cwd=folder, check=True, stdout=subprocess.DEVNULL,
                    env={**os.environ, "PATH": f"{folder}:{os.environ['PATH']}"})
     made = tifffile.imread(os.path.join(folder, "developed.tif"))
-    check(distance(seen, made) <= 1, "the commands that the page tells make its picture", text("commands"))
+    check(distance(seen, made) <= 1, f"{name}: the commands that the page tells make its picture", text("commands"))
 
 
 # ---- people ----
@@ -507,6 +560,104 @@ def strange_names():
     check(scene in browser.evaluate("document.title") and text("name") == scene, "so is the scene's")
 
 
+def two_of_each():
+    scene = scene_of_two_of_each()
+    spectra(scene, "two", [(60, 40)])
+    expected, _ = developed(rendered(scene))
+    check(distance(pixels(), expected) <= 1, "two ambient lights add up, and two textures do not mix")
+
+
+def small():
+    """A picture that is shown enlarged."""
+    browser.open(view("colorchecker", "small", "--size", "60x40"))
+    check(browser.evaluate("getComputedStyle(picture).imageRendering") == "pixelated",
+          "enlarged pixels are not blurred")
+    for width, scale in ((1280, 1), (360, 3)):
+        browser.size(width, 740, scale)
+        places = [(x + part, y + part) for x, y in ((0, 0), (20, 13), (59, 39)) for part in (-0.35, 0.35)]
+        for x, y in places:
+            click_pixel(x, y)
+            check(text("picked").startswith(f"Pixel {round(x)}, {round(y)}: "),
+                  f"{width} pixels wide: a click at {x}, {y} picks the pixel below", text("picked"))
+    browser.size(1280, 900)
+    browser.open(view("patches", "one", "--size", "60x40", "--wavelengths", "550"))
+    check("one wavelength, 550 nm" in text("about") and not browser.complaints, "a single wavelength is shown")
+
+
+def axis(anchor, across):
+    """Of an axis of the plot the function from places to values, by its first and last numbers."""
+    labels = browser.evaluate(f"""[...document.querySelectorAll('#chart text[text-anchor={anchor}]')]
+        .map(node => [Number(node.getAttribute({across!r})), Number(node.textContent)])""")
+    ticks = [label for label in labels if label[1] is not None]
+    (a, first), (b, last) = ticks[0], ticks[-1]
+    return lambda place: first + (place - a) * (last - first) / (b - a)
+
+
+def plot():
+    """What its axes say of the curve, from the file's SVG."""
+    browser.open(view("colorchecker", "colorchecker"))
+    seen = values()
+    points = np.array(re.findall(r"[\d.]+", browser.evaluate(
+        "document.querySelector('#chart .radiance').getAttribute('d')")), float).reshape(-1, 2)
+    nm = axis("middle", "x")(points[:, 0])
+    radiance = axis("end", "y")(points[:, 1] + 4)
+    check(np.abs(nm - seen["nm"]).max() < 0.02, "the plot's axis tells the wavelengths")
+    left, width = browser.evaluate("['x', 'width'].map(name => Number(document.querySelector('#chart .axis')"
+                                   ".getAttribute(name)))")
+    check(np.abs(points[[0, -1], 0] - [left, left + width]).max() < 0.02, "from one end to the other")
+    check(np.abs(radiance - seen["radiance"]).max() < 0.002, "and the other one the radiances",
+          radiance, seen["radiance"])
+    check(points[seen["radiance"].argmax(), 1] < points[seen["radiance"].argmin(), 1], "the larger, the higher")
+    drawn = "document.querySelectorAll('#chart .curve').length"
+    before = browser.evaluate(drawn)
+    browser.evaluate("document.querySelector('#curves input').click()")
+    settle()
+    check(browser.evaluate(drawn) == before - 1, "a curve can be hidden")
+    observed = numbers()["XYZ"]
+    choose("detector", "dcs200-camera")
+    settle()
+    check((numbers()["XYZ"] == observed).all(), "with a camera, XYZ are those of the CIE 1931 observer")
+
+
+def slider():
+    browser.open(view("colorchecker", "colorchecker"))
+    type_number("lights-1-slider", 0.25)
+    expected, _ = developed(rendered("colorchecker", "--light=1=d65*0.25"))
+    check(distance(pixels(), expected) <= 1, "a slider changes its light")
+    type_number("lights-1-intensity", "")
+    settle()
+    check(browser.evaluate("document.getElementById('lights-1-slider').value") == "0",
+          "no number stands for no light, and the slider shows it")
+    choose("adaptation", "von-kries")
+    settle()
+    check(told_trouble("cannot adapt"), "where the eye cannot adapt the page says so", text("message"))
+
+
+def told_trouble(words):
+    return words in text("message") and not browser.evaluate("document.getElementById('message').hidden")
+
+
+def troubles():
+    browser.open(view("colorchecker", "colorchecker"))
+    check(browser.evaluate("document.getElementById('message').hidden"), "no trouble, no message")
+    once = numbers()["RGB, linear"]
+    type_number("exposure", 2)
+    settle()
+    check(np.allclose(numbers()["RGB, linear"], 2 * once, atol=2e-5), "linear channels are told as exposed")
+    for wrong in ("", "0", "-1"):
+        type_number("exposure", wrong)
+        settle()
+        check(told_trouble("exposure"), f"an exposure of '{wrong}' is complained of", text("message"))
+    script = browser.send("Page.addScriptToEvaluateOnNewDocument", source="delete window.DecompressionStream")
+    type_number("exposure", 1)
+    settle()
+    browser.send("Page.reload")
+    browser.wait("document.getElementById('message')?.hidden === false")
+    check(told_trouble("This browser cannot"), "an old browser's user is told", text("message"))
+    browser.send("Page.removeScriptToEvaluateOnNewDocument", **script)
+    browser.complaints.clear()  # Chromium tells of that on the console
+
+
 def main():
     browser.size(1280, 900)
     for scene in COMBINATIONS:
@@ -516,7 +667,9 @@ def main():
     spectra("room", "room", [(67, 25), (60, 60), (57, 40), (25, 25), (110, 32)], _2="uv*0.9", ambient="1*0.3")
     causes()
     metamers()
-    command_line()
+    command_line("colorchecker", "colorchecker", {"ambient": "uv*0.3", 1: "a*0.75"})
+    command_line(os.path.abspath(scene_of_strange_names()), "lights of files",
+                 {"ambient": "d65*0.1", 1: "lamp.csv*0.3", 2: "lamp.csv*0.6"})
     keyboard()
     names()
     schemes()
@@ -524,7 +677,12 @@ def main():
     saving()
     check(not browser.complaints, "the console stays empty, and nothing is thrown", *browser.complaints)
     strange_names()
-    check(not browser.complaints, "of strange names, too", *browser.complaints)
+    two_of_each()
+    check(not browser.complaints, "of such scenes, too", *browser.complaints)
+    small()
+    plot()
+    slider()
+    troubles()
     inside = ("file://" + os.path.abspath(TMP), "blob:", "data:")
     outside = [url for url in browser.requests if not url.startswith(inside)]
     check(browser.requests and not outside, "no request leaves the page", outside)
