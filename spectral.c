@@ -389,6 +389,24 @@ static bool is_regular_file(const char *path)
     return stat(path, &status) == 0 && S_ISREG(status.st_mode);
 }
 
+/* Refuses an output that would take the place of what is read. Either may be NULL. */
+static bool spares(const char *output, const char *input, struct error *err)
+{
+    struct stat written, read;
+    return !output || !input || stat(output, &written) != 0 || stat(input, &read) != 0 ||
+           !S_ISREG(read.st_mode) || written.st_dev != read.st_dev ||
+           written.st_ino != read.st_ino ||
+           error_usage(err, "%s would replace what is read; expected another file", output);
+}
+
+static bool spares_scene(const char *output, const struct scene *scene, struct error *err)
+{
+    for (int i = 0; i < scene->n_files; i++)
+        if (!spares(output, scene->files[i].path, err))
+            return false;
+    return true;
+}
+
 /* stored: the stack's name, NULL where none was. A pipe cannot be read again for its digest. */
 static bool write_json(const struct options *options, const struct plan *plan,
                        const struct render_result *result, const char *stored, struct error *err)
@@ -506,7 +524,8 @@ static bool plan_and_render(const struct options *options, const struct render_o
     struct render_seconds seconds = {.read = 0};
     double start = render_clock();
     bool done = check_gl(options, output->again, err) && read_scene(options, &scene, err) &&
-                (!made || same_scene(&scene, output->again, made, err));
+                (!made || same_scene(&scene, output->again, made, err)) &&
+                spares_scene(output->path, &scene, err) && spares_scene(options->json, &scene, err);
     seconds.read = render_clock() - start;
     done = done && plan_make(&scene, &plan_options, &plan, err);
     seconds.plan = render_clock() - start - seconds.read;
@@ -648,7 +667,8 @@ static bool command_develop(struct options *options, struct error *err)
     develop_options->white = options->white;
     develop_options->threads = options->plan.threads;
     develop_options->values = options->xyz ? DEVELOP_XYZ : options->lab ? DEVELOP_LAB : DEVELOP_RGB;
-    bool done = output ? develop(options->operand, output, develop_options, &result, err)
+    bool done = output ? spares(output, options->operand, err) &&
+                             develop(options->operand, output, develop_options, &result, err)
                        : error_memory(err);
     if (done && !options->quiet) {
         FILE *to = is_regular_file(output) ? stdout : stderr;
@@ -696,7 +716,8 @@ static bool probe_planned(const struct options *options, const struct probe_opti
     struct scene scene = {.path = NULL};
     struct plan plan = {.scene = NULL};
     struct plan_options plan_options = {.store_raster = true};
-    bool done = read_scene(options, &scene, err) && plan_make(&scene, &plan_options, &plan, err) &&
+    bool done = read_scene(options, &scene, err) && spares_scene(options->output, &scene, err) &&
+                plan_make(&scene, &plan_options, &plan, err) &&
                 probe_scene(&plan, region, out, err);
     plan_free(&plan);
     scene_free(&scene);
@@ -735,7 +756,8 @@ static bool command_probe(struct options *options, struct error *err)
     if (stack && options->n_recorded > 0)
         return error_usage(err, "%s is a stack: it takes no %s", options->operand,
                            options->recorded[0]);
-    bool done = (stack ? probe_stack(options->operand, &region, &probe, err)
+    bool done = (stack ? spares(options->output, options->operand, err) &&
+                             probe_stack(options->operand, &region, &probe, err)
                        : probe_planned(options, &region, &probe, err)) &&
                 probe_write(options, &probe, err);
     probe_free(&probe);
@@ -752,9 +774,12 @@ static bool command_compare(struct options *options, struct error *err)
     if (options->n_operands != 2)
         return error_usage(err, "compare takes two stacks; try spectral --help");
     const char *a = options->operands[0], *b = options->operands[1];
-    bool done = compare(a, b, &compare_options, &comparison, err);
+    bool done = spares(options->map, a, err) && spares(options->map, b, err) &&
+                compare(a, b, &compare_options, &comparison, err);
+    /* standard output may carry the map (--map /dev/stdout) */
     if (done && !options->quiet)
-        comparison_print(&comparison, stdout);
+        comparison_print(&comparison,
+                         !options->map || is_regular_file(options->map) ? stdout : stderr);
     if (done && !comparison_is_within(&comparison, &options->tolerance)) {
         done = error_usage(err, "%s and %s differ by more than the tolerance", a, b);
         err->status = EXIT_DIFFERENT;
@@ -775,7 +800,7 @@ static bool command_view(struct options *options, struct error *err)
     const char *named = options->operand ? options->operand : "colorchecker";
     char *page = options->output ? NULL : default_output(named, ".html");
     const char *output = options->output ? options->output : page;
-    bool done = output ? read_scene(options, &scene, err) &&
+    bool done = output ? read_scene(options, &scene, err) && spares_scene(output, &scene, err) &&
                              plan_make(&scene, &plan_options, &plan, err) &&
                              viewer_write(&plan, output, &result, err)
                        : error_memory(err);

@@ -46,10 +46,12 @@ void chromaticity(const double xyz[3], double out[2])
         out[i] = sum != 0 ? xyz[i] / sum : 0;
 }
 
-/* The cube root, and the line that touches it below (6/29)^3. */
+/* The cube root, and the line that touches it below (6/29)^3. What is more than `most` times the
+ * white, which may have next to none of X, Y or Z, counts as just that: no difference overflows. */
 static double compressed(double value, double white)
 {
-    const double ratio = white != 0 ? value / white : 0;
+    const double most = 1e100;
+    const double ratio = white != 0 ? fmax(-most, fmin(value / white, most)) : 0;
     return ratio > 216.0 / 24389 ? power(ratio, 1.0 / 3) : ratio * 841 / 108 + 4.0 / 29;
 }
 
@@ -109,10 +111,10 @@ double cie94_difference(const double standard[3], const double sample[3])
                 fmax(0, hue_squared) / square(1 + 0.015 * c));
 }
 
-/* sqrt(c^7 / (c^7 + 25^7)), which grows from 0 to 1 about a chroma of 25. */
+/* sqrt(c^7 / (c^7 + 25^7)), which grows from 0 to 1 about a chroma of 25; 1 from far below 1e40. */
 static double saturation(double c)
 {
-    const double c7 = power(c, 7);
+    const double c7 = power(fmin(c, 1e40), 7);
     return sqrt(c7 / (c7 + 6103515625.0));
 }
 

@@ -3,6 +3,7 @@
  * parallel and added up in their order, so that nothing depends on chunks or threads. */
 #include "spectral.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -50,7 +51,7 @@ static bool distribution_open(struct distribution *out, struct error *err)
 static void distribution_add(struct distribution *to, struct pixel_difference *difference,
                              double value, int x, int y)
 {
-    const float rounded = (float)value;
+    const float rounded = (float)fmin(value, (double)FLT_MAX);
     uint32_t bits;
     memcpy(&bits, &rounded, sizeof bits); /* a value that is not negative: below 2^31 */
     const uint32_t bin = bits >> MANTISSA_LEFT_OUT;
@@ -173,7 +174,7 @@ static void compare_row(struct comparer *comparer, int row, int first_row)
             largest > 0 && comparer->out->has_white ? colour_difference(comparer, a, b) : 0;
         comparer->map[3 * at] = (float)largest;
         comparer->map[3 * at + 1] = (float)comparer->angle[at];
-        comparer->map[3 * at + 2] = (float)comparer->ciede2000[at];
+        comparer->map[3 * at + 2] = (float)fmin(comparer->ciede2000[at], (double)FLT_MAX);
     }
 }
 

@@ -223,9 +223,9 @@ static bool check_free_space(const struct output *output, uint64_t needed, struc
         needed / disk.f_frsize <= disk.f_bavail)
         return true;
     errno = 0;
-    return error_system(err, "%s: takes %" PRIu64 " MB, the disk has %" PRIu64 " MB left",
-                        output->path, needed / 1000000,
-                        (uint64_t)disk.f_bavail * disk.f_frsize / 1000000);
+    return error_system(err, "%s: takes %.4g MB, the disk has %.4g MB left", output->path,
+                        1e-6 * (double)needed,
+                        1e-6 * (double)disk.f_bavail * (double)disk.f_frsize);
 }
 
 /* Writes all directories, then places all pages. What would pass the 4 GiB of a classic TIFF is

@@ -218,6 +218,7 @@ def test_refusals():
     refused(A, stack("wide.tif", PIXELS[:, :, 1:], NM), rf"wide.tif: .*{W - 1} x {H} pixels, but .* {W} x {H}")
     refused(A, stack("few.tif", PIXELS[1:], NM[1:]), rf"{len(NM) - 1} wavelengths, but .* has {len(NM)}")
     refused(A, stack("moved.tif", PIXELS, [*NM[:-1], NM[-1] + 1]), rf"page {len(NM)} is {NM[-1] + 1} nm, but")
+    refused(A, stack("near.tif", PIXELS, [*NM[:-1], NM[-1] + 1e-5]), rf"page {len(NM)} is .* nm, but")
     refused(A, os.path.join(TMP, "missing.tif"), "missing.tif")
     refused(write("text.tif", "no picture"), A, "text.tif")
     plain = os.path.join(TMP, "plain.tif")

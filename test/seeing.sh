@@ -57,6 +57,9 @@ refused "both --xyz and --lab" 'exclude' develop "$stack" --xyz --lab -o "$tmp/n
 exits 0 "a foreign stack is developed" "$SPECTRAL" develop "$tmp/foreign.ome.tif" -o "$tmp/foreign.tif"
 exits 0 "with a white, adapted too" "$SPECTRAL" develop "$tmp/foreign.ome.tif" --white a \
     --adaptation cat16 -o "$tmp/foreign.tif"
+"$SPECTRAL" render patches --size 9x9 --wavelengths 600:700:20 --light 1=uv -o "$tmp/dark.tif" --quiet
+refused "adaptation to a light beyond the wavelengths" 'tells no white' develop "$tmp/dark.tif" \
+    --adaptation cat16 -o "$tmp/none"
 exits 0 "develop tells what it did" "$SPECTRAL" develop "$stack" -o "$tmp/seen.tif"
 prints '^detector +cie1931' "the detector"
 prints '^out of gamut +[0-9]+' "how many pixels are out of gamut"
@@ -77,6 +80,26 @@ ok $? "byte for byte"
 "$SPECTRAL" develop "$stack" -o /dev/stdout 2>"$tmp/err" | cat >"$tmp/piped.tif"
 cmp -s "$tmp/seen.tif" "$tmp/piped.tif"
 ok $? "a picture goes through a pipe"
+cp "$stack" "$tmp/mine.tif"
+ln -s mine.tif "$tmp/link.tif"
+cp data/scenes/patches.scene "$tmp/mine.scene"
+sed -i "s,[.][.]/,$PWD/data/,g" "$tmp/mine.scene"
+cp "$tmp/mine.scene" "$tmp/kept.scene"
+while read -r words; do
+    # shellcheck disable=SC2086  # a list of words
+    refused "$words" 'would replace what is read' $words
+done <<EOF
+develop $tmp/mine.tif -o $tmp/link.tif
+probe $tmp/mine.tif 0 0 -o $tmp/mine.tif
+compare $tmp/mine.tif $stack --map $tmp/link.tif
+compare $stack $tmp/mine.tif --map $tmp/mine.tif
+probe $tmp/mine.scene 0 0 --size 9x9 -o $tmp/mine.scene
+render $tmp/mine.scene --size 9x9 -o $tmp/mine.scene
+render $tmp/mine.scene --size 9x9 -o /dev/null --json $tmp/mine.scene
+view $tmp/mine.scene --size 9x9 -o $tmp/mine.scene
+EOF
+cmp -s "$stack" "$tmp/mine.tif" && cmp -s "$tmp/mine.scene" "$tmp/kept.scene"
+ok $? "and so what is read stays"
 exits 0 "a table of three sensitivities is a detector" \
     "$SPECTRAL" develop "$stack" --detector data/tables/dcs200-camera.csv -o "$tmp/camera.tif"
 "$SPECTRAL" develop "$stack" --detector dcs200-camera -o "$tmp/built-in.tif" --quiet
@@ -124,6 +147,12 @@ exits 1 "the map is written all the same" \
     "$SPECTRAL" compare "$stack" "$tmp/a.tif" --map "$tmp/map.tif" --quiet
 "$python" -c 'import sys, tifffile; sys.exit(int(tifffile.imread(sys.argv[1]).shape != (3, 40, 60)))' "$tmp/map.tif"
 ok $? "three pages of a value a pixel"
+"$SPECTRAL" compare "$stack" "$tmp/a.tif" --map /dev/stdout 2>"$tmp/err" | cat >"$tmp/piped.tif"
+cmp -s "$tmp/map.tif" "$tmp/piped.tif"
+ok $? "and goes through a pipe, the table beside it"
+says '^CIEDE2000 ' "on standard error"
+exits 1 "a white of next to no light" "$SPECTRAL" compare "$stack" "$tmp/a.tif" --white 1e-290
+prints '^CIEDE2000 +[0-9]' "has finite differences"
 for bad in 1.5abc -1 5dE76 nan %; do
     refused "compare --tolerance=$bad" '--tolerance' compare "$stack" "$stack" "--tolerance=$bad"
 done

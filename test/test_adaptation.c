@@ -131,6 +131,10 @@ static void check_cat16(void)
             worst = fmax(worst, fabs(seen[i] - gain[cone] * cones[cone][i]));
     }
     CHECK_NEAR(worst, 0, 1e-6, "CAT16 scales the published cones' responses");
+    adaptation_cones(ADAPTATION_CAT16, matrix);
+    colour_apply(matrix, (const double[]){1, 1, 1}, seen);
+    for (int i = 0; i < 3; i++)
+        CHECK_NEAR(seen[i], 1, 1e-15, "equal energy has response 1 of CAT16's cones %d", i);
 }
 
 static void check_refused(void)

@@ -87,11 +87,17 @@ static void test_ticks(void)
     const char *const small[] = {"0", "5", "×10⁻³⁰⁸", NULL};
     const char *const negative[] = {"-0.04", "-0.02", "0.00", NULL};
     const char *const hundreds[] = {"0", "200", "1200", NULL};
+    const char *const halves[] = {"0.0", "0.5", "1.5", NULL};
+    const char *const most[] = {"0", "20000", "80000", NULL};
+    const char *const more[] = {"0.0", "0.2", "×10⁵", NULL};
     check_labels(nm, (double[]){0.1, 0.71}, visible, "round wavelengths and radiances, from 0");
     check_labels(nm, (double[]){0.1, 1111}, hundreds, "no decimals where steps are whole");
     check_labels(nm, (double[]){1e307, 2.1e307}, large, "large numbers as multiples of a power");
     check_labels(nm, (double[]){0, 7e-308}, small, "so small ones");
     check_labels(nm, (double[]){-0.04, -0.001}, negative, "negative numbers up to 0");
+    check_labels(nm, (double[]){0, 1.6}, halves, "steps of 1, 2 or 5");
+    check_labels(nm, (double[]){0, 94000}, most, "numbers of up to five digits");
+    check_labels(nm, (double[]){0, 100000}, more, "no more digits than that");
 }
 
 static void check_degenerate(int n, const double *x, const double *y, const char *part,
@@ -153,6 +159,9 @@ static void test_places(void)
     svg = svg_of(&chart);
     CHECK(count_of(svg, "fill-opacity") == 1 && count_of(svg, "url(#visible)") == 1,
           "with them there are");
+    CHECK(strstr(svg, "<stop offset=\"0.0000\"") != NULL &&
+              strstr(svg, "<stop offset=\"1.0000\"") != NULL,
+          "the spectrum begins and ends with it");
     free(svg);
     line.spread = (double[]){3, 3, 3};
     svg = svg_of(&chart);

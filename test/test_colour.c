@@ -114,6 +114,21 @@ static void check_limits(void)
 }
 
 /* c = 50 of (30, 40): S_C = 1 + 0.045 x 50 = 3.25, S_H = 1 + 0.015 x 50 = 1.75. */
+/* Lasers and mistyped whites have next to none of X, Y or Z. */
+static void check_overflow(void)
+{
+    const double bright[3] = {1e38, 1e38, -1e38}, grey[3] = {50, 50, 50};
+    const double traces[2][3] = {{1e-300, 1e-300, 1e-300}, {90, 100, 1e-188}};
+    double one[3], two[3];
+    for (int i = 0; i < 2; i++) {
+        cielab(bright, traces[i], one);
+        cielab(grey, traces[i], two);
+        const double difference = ciede2000_difference(one, two);
+        CHECK(difference > 10 && isfinite(difference),
+              "beside a trace of white %d colours differ by a finite %g", i, difference);
+    }
+}
+
 static void check_older(void)
 {
     const double standard[3] = {50, 30, 40};
@@ -232,6 +247,7 @@ int main(void)
     check_sharma();
     check_textbook();
     check_limits();
+    check_overflow();
     check_older();
     check_lab();
     check_luv();

@@ -175,6 +175,10 @@ static void check_weights(void)
     detector_weights(&observer, uneven, 3, out);
     CHECK_NEAR(out[3], 10 * 2 / 12., 1e-15, "an observer's are scaled by its own table");
     CHECK_NEAR(out[8], 30 * 4 / 12., 1e-14, "whatever the wavelengths are");
+    struct detector lobed = content("nm,x,y,z\n300 1 3 4\n600 1 -1 4\n");
+    detector_weights(&lobed, uneven, 3, out); /* the sum of y is 600, and k = 1/6 */
+    CHECK_NEAR(out[0], 10 / 6., 1e-14, "a negative y counts as such");
+    detector_free(&lobed);
     detector_free(&camera);
     detector_free(&observer);
 }

@@ -308,6 +308,12 @@ static void test_map(int map_bytes)
     CHECK(difference.found && difference.in_map && difference.page == -1 && difference.x == 4 &&
               difference.y == 3,
           "a difference of the map is found at its place");
+    CHECK(stack_write(&writer, 1, 0, 0, 1, 1, "\xff\xff", &err) &&
+              stack_compare(&writer, path, &difference, &err),
+          "they are compared once more %s", err.text);
+    CHECK(difference.found && !difference.in_map && difference.page == 1 && difference.x == 0 &&
+              difference.y == 0,
+          "the first sample of a page is the page's");
     stack_discard(&writer);
     unlink(path);
 }
