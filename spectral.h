@@ -923,12 +923,19 @@ void probe_free(struct probe *probe);
 
 /* ---- data/compare.c: where and by how much two stacks differ ---- */
 
-enum tolerance_unit { TOLERANCE_RADIANCE, TOLERANCE_PERCENT, TOLERANCE_CIEDE2000 };
+enum colour_formula { CIE76, CIE94, CIEDE2000, COLOUR_FORMULAS };
+enum tolerance_unit { /* the last three in the order of formulas */
+                      TOLERANCE_RADIANCE,
+                      TOLERANCE_PERCENT,
+                      TOLERANCE_CIE76,
+                      TOLERANCE_CIE94,
+                      TOLERANCE_CIEDE2000
+};
 struct tolerance {
     double value;
     enum tolerance_unit unit; /* per cent are of A's largest radiance */
 };
-/* "0.01", "0.1%" or "0.5dE00". `option` is blamed. */
+/* "0.01", "0.1%", "0.5dE00", "0.5dE94" or "0.5dE76". `option` is blamed. */
 bool tolerance_read(const char *option, const char *text, struct tolerance *out, struct error *err);
 struct compare_options {
     const char *observer, *white; /* white NULL: what A records */
@@ -941,7 +948,7 @@ struct band_difference {
     int x, y;       /* where that is first */
     double rms;
 };
-/* Over all pixels: of spectral angles in degrees, or CIEDE2000. */
+/* Over all pixels: of spectral angles in degrees, or of a colour formula. */
 struct pixel_difference {
     double mean, largest;
     double quantile_95; /* 95 % of the pixels do not exceed it; too high by less than 1/1024 */
@@ -952,13 +959,13 @@ struct comparison {
     double *wavelengths_nm;        /* owned */
     struct band_difference *bands; /* of each; owned */
     struct band_difference all;
-    int largest_band;        /* where all.largest is */
-    double largest_radiance; /* of A */
-    struct pixel_difference angle, ciede2000;
-    bool has_white; /* without, there is no CIEDE2000 */
-    char *observer; /* owned */
+    int largest_band;                                       /* where all.largest is */
+    double largest_radiance;                                /* of A */
+    struct pixel_difference angle, colour[COLOUR_FORMULAS]; /* A is the standard of CIE 94 */
+    bool has_white;                                         /* without, there are no colours */
+    char *observer;                                         /* owned */
 };
-/* Refuses stacks of different size or wavelengths (EXIT_INPUT), and a tolerance of CIEDE2000
+/* Refuses stacks of different size or wavelengths (EXIT_INPUT), and a tolerance of colours
  * without a white. The map has three float samples a pixel: the largest |A - B| of all wavelengths,
  * the spectral angle in degrees, CIEDE2000 (0 without a white). It is written whatever the
  * difference. */

@@ -15,7 +15,10 @@ bool tolerance_read(const char *option, const char *text, struct tolerance *out,
     static const struct {
         const char *ending;
         enum tolerance_unit unit;
-    } units[] = {{"dE00", TOLERANCE_CIEDE2000}, {"%", TOLERANCE_PERCENT}};
+    } units[] = {{"dE76", TOLERANCE_CIE76},
+                 {"dE94", TOLERANCE_CIE94},
+                 {"dE00", TOLERANCE_CIEDE2000},
+                 {"%", TOLERANCE_PERCENT}};
     struct word word = {.start = text, .length = strlen(text), .place = {option, 0, 0}};
     out->unit = TOLERANCE_RADIANCE;
     for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
@@ -118,13 +121,17 @@ struct comparer {
     double *spectra;               /* [row][a, b][band]: the pixel at hand */
     struct band_difference *bands; /* [row][band]; rms: sum of squares so far */
     double *largest_a;             /* [row] */
-    double *angle, *ciede2000;     /* [row][x] */
+    double *angle, *colour;        /* [row][x], and of each formula */
     float *map;                    /* [row][x][3] */
-    struct distribution angles, ciede2000s;
+    struct distribution angles, colours[COLOUR_FORMULAS];
     struct picture_writer picture;
 };
 
-static double colour_difference(const struct comparer *comparer, const double *a, const double *b)
+static double (*const formulas[])(const double a[3], const double b[3]) = {
+    [CIE76] = cie76_difference, [CIE94] = cie94_difference, [CIEDE2000] = ciede2000_difference};
+
+static void compare_colours(const struct comparer *comparer, const double *a, const double *b,
+                            double out[COLOUR_FORMULAS])
 {
     const int n = comparer->out->n;
     double xyz[3], lab_a[3], lab_b[3];
@@ -132,7 +139,8 @@ static double colour_difference(const struct comparer *comparer, const double *a
     cielab(xyz, comparer->white, lab_a);
     detector_response(comparer->weights, b, n, xyz);
     cielab(xyz, comparer->white, lab_b);
-    return ciede2000_difference(lab_a, lab_b);
+    for (int i = 0; i < COLOUR_FORMULAS; i++)
+        out[i] = formulas[i](lab_a, lab_b);
 }
 
 /* Notes where the spectra of a pixel differ; returns by how much at most. */
@@ -170,11 +178,13 @@ static void compare_row(struct comparer *comparer, int row, int first_row)
         }
         const double largest = compare_bands(a, b, n, x, first_row + row, bands);
         comparer->angle[at] = largest > 0 ? spectral_angle(a, b, n) : 0;
-        comparer->ciede2000[at] =
-            largest > 0 && comparer->out->has_white ? colour_difference(comparer, a, b) : 0;
+        double *colour = comparer->colour + at * COLOUR_FORMULAS;
+        memset(colour, 0, COLOUR_FORMULAS * sizeof *colour);
+        if (largest > 0 && comparer->out->has_white)
+            compare_colours(comparer, a, b, colour);
         comparer->map[3 * at] = (float)largest;
         comparer->map[3 * at + 1] = (float)comparer->angle[at];
-        comparer->map[3 * at + 2] = (float)fmin(comparer->ciede2000[at], (double)FLT_MAX);
+        comparer->map[3 * at + 2] = (float)fmin(colour[CIEDE2000], (double)FLT_MAX);
     }
 }
 
@@ -194,7 +204,9 @@ static void add_row(struct comparer *comparer, int row, int y)
     for (int x = 0; x < out->width; x++) {
         const size_t at = (size_t)row * (size_t)out->width + (size_t)x;
         distribution_add(&comparer->angles, &out->angle, comparer->angle[at], x, y);
-        distribution_add(&comparer->ciede2000s, &out->ciede2000, comparer->ciede2000[at], x, y);
+        for (int i = 0; i < COLOUR_FORMULAS; i++)
+            distribution_add(&comparer->colours[i], &out->colour[i],
+                             comparer->colour[at * COLOUR_FORMULAS + (size_t)i], x, y);
     }
 }
 
@@ -232,7 +244,8 @@ static void conclude(struct comparer *comparer)
     }
     out->all.rms = sqrt(sum / (double)n_pixels / out->n);
     distribution_end(&comparer->angles, n_pixels, &out->angle);
-    distribution_end(&comparer->ciede2000s, n_pixels, &out->ciede2000);
+    for (int i = 0; i < COLOUR_FORMULAS; i++)
+        distribution_end(&comparer->colours[i], n_pixels, &out->colour[i]);
 }
 
 static bool compare_rows(struct comparer *comparer, struct error *err)
@@ -279,7 +292,7 @@ static bool prepare_colour(struct comparer *comparer, struct error *err)
         return error_memory(err);
     return observer_weights(out->observer, out->wavelengths_nm, out->n, comparer->weights, err) &&
            cube_white_response(&comparer->a, comparer->options->white,
-                               comparer->options->tolerance.unit == TOLERANCE_CIEDE2000,
+                               comparer->options->tolerance.unit >= TOLERANCE_CIE76,
                                comparer->weights, &out->has_white, comparer->white, err);
 }
 
@@ -299,12 +312,20 @@ static bool prepare_chunk(struct comparer *comparer, struct error *err)
     comparer->bands = calloc(n * rows, sizeof *comparer->bands);
     comparer->largest_a = calloc(rows, sizeof *comparer->largest_a);
     comparer->angle = calloc(rows * width, sizeof *comparer->angle);
-    comparer->ciede2000 = calloc(rows * width, sizeof *comparer->ciede2000);
+    comparer->colour = calloc(COLOUR_FORMULAS * rows * width, sizeof *comparer->colour);
     comparer->map = calloc(3 * rows * width, sizeof *comparer->map);
     return (comparer->samples_a != NULL && comparer->samples_b != NULL &&
             comparer->spectra != NULL && comparer->bands != NULL && comparer->largest_a != NULL &&
-            comparer->angle != NULL && comparer->ciede2000 != NULL && comparer->map != NULL) ||
+            comparer->angle != NULL && comparer->colour != NULL && comparer->map != NULL) ||
            error_memory(err);
+}
+
+static bool open_distributions(struct comparer *comparer, struct error *err)
+{
+    for (int i = 0; i < COLOUR_FORMULAS; i++)
+        if (!distribution_open(&comparer->colours[i], err))
+            return false;
+    return distribution_open(&comparer->angles, err);
 }
 
 static bool prepare(struct comparer *comparer, struct error *err)
@@ -319,8 +340,7 @@ static bool prepare(struct comparer *comparer, struct error *err)
         return error_memory(err);
     memcpy(out->wavelengths_nm, image->wavelengths_nm, n * sizeof *out->wavelengths_nm);
     return check_sizes(image, &comparer->b.image, err) && prepare_colour(comparer, err) &&
-           prepare_chunk(comparer, err) && distribution_open(&comparer->angles, err) &&
-           distribution_open(&comparer->ciede2000s, err);
+           prepare_chunk(comparer, err) && open_distributions(comparer, err);
 }
 
 static bool open_map(struct comparer *comparer, struct error *err)
@@ -342,7 +362,8 @@ static void comparer_free(struct comparer *comparer)
     cube_close(&comparer->a);
     cube_close(&comparer->b);
     distribution_free(&comparer->angles);
-    distribution_free(&comparer->ciede2000s);
+    for (int i = 0; i < COLOUR_FORMULAS; i++)
+        distribution_free(&comparer->colours[i]);
     free(comparer->weights);
     free(comparer->samples_a);
     free(comparer->samples_b);
@@ -350,7 +371,7 @@ static void comparer_free(struct comparer *comparer)
     free(comparer->bands);
     free(comparer->largest_a);
     free(comparer->angle);
-    free(comparer->ciede2000);
+    free(comparer->colour);
     free(comparer->map);
 }
 
@@ -372,8 +393,9 @@ bool compare(const char *a, const char *b, const struct compare_options *options
 
 bool comparison_is_within(const struct comparison *comparison, const struct tolerance *tolerance)
 {
-    const double seen = tolerance->unit == TOLERANCE_CIEDE2000 ? comparison->ciede2000.largest
-                                                               : comparison->all.largest;
+    const int formula = (int)tolerance->unit - TOLERANCE_CIE76;
+    const double seen =
+        formula >= 0 ? comparison->colour[formula].largest : comparison->all.largest;
     return seen <=
            tolerance->value *
                (tolerance->unit == TOLERANCE_PERCENT ? comparison->largest_radiance / 100 : 1);
@@ -423,9 +445,11 @@ void comparison_print(const struct comparison *comparison, FILE *to)
     fprintf(to, "largest of A      %.6g %s\n", comparison->largest_radiance, unit);
     print_pixels("spectral angle   ", &comparison->angle, to);
     if (!comparison->has_white)
-        fprintf(to, "CIEDE2000         none: there is no white; --white SPECTRUM gives one\n");
+        fprintf(to, "colour            none: there is no white; --white SPECTRUM gives one\n");
     else {
-        print_pixels("CIEDE2000        ", &comparison->ciede2000, to);
+        print_pixels("CIE76            ", &comparison->colour[CIE76], to);
+        print_pixels("CIE94            ", &comparison->colour[CIE94], to);
+        print_pixels("CIEDE2000        ", &comparison->colour[CIEDE2000], to);
         fprintf(to, "observer          %s\n", comparison->observer);
     }
 }

@@ -147,7 +147,7 @@ static const char unit[] = "W sr-1 m-2 nm-1, relative";
 
 static void print_colour(const struct probe *probe, FILE *to)
 {
-    double xy[2], lab[3];
+    double xy[2], lab[3], luv[3];
     const double *xyz = probe->xyz, *white = probe->white;
     chromaticity(xyz, xy);
     fprintf(to, "observer          %s\n", probe->observer);
@@ -158,7 +158,9 @@ static void print_colour(const struct probe *probe, FILE *to)
         return;
     }
     cielab(xyz, white, lab);
+    cieluv(xyz, white, luv);
     fprintf(to, "Lab               %.4f %.4f %.4f\n", lab[0], lab[1], lab[2]);
+    fprintf(to, "Luv               %.4f %.4f %.4f\n", luv[0], luv[1], luv[2]);
     fprintf(to, "white XYZ         %.4f %.4f %.4f\n", white[0], white[1], white[2]);
 }
 

@@ -146,7 +146,7 @@ static bool add_material(struct probe *probe, const struct material *material, s
             (add_curve(probe, "excitation", true, 1, &material->excitation, SPECTRUM_ZERO, err) &&
              add_curve(probe, "emission", true, 1, &material->emission, SPECTRUM_ZERO, err))) &&
            (material->glow.kind == SPECTRUM_NONE ||
-            add_curve(probe, "glow", false, 1, &material->glow, SPECTRUM_ZERO, err));
+            add_curve(probe, "own light", false, 1, &material->glow, SPECTRUM_ZERO, err));
 }
 
 /* The object's come first: there may be too many lights. */

@@ -11,6 +11,7 @@ import numpy as np
 import tifffile
 
 sys.dont_write_bytecode = True
+from colours import cie94, cielab, ciede2000
 from rendered import SPECTRAL, TMP, check, done, write
 
 NUMBER = r"([-+.e\d]+)"
@@ -27,37 +28,6 @@ def xyz_weights(observer, nm):
     widths = (np.append(steps[:1], steps) + np.append(steps, steps[-1:])) / 2
     k = 100 / (curves[1].sum() * (own[1] - own[0]))
     return np.array([np.interp(nm, own, curve, 0, 0) for curve in curves]) * widths * k
-
-
-def cielab(xyz, white):
-    """CIE 15:2018, 8.2.1. Channels first."""
-    ratio = xyz / white[:, None, None]
-    f = np.where(ratio > (24 / 116) ** 3, np.cbrt(ratio), 841 / 108 * ratio + 16 / 116)
-    return np.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
-
-
-def ciede2000(one, two):
-    """As Sharma, Wu and Dalal write it (Color Res. Appl. 30, 21-30, 2005)."""
-    (l1, a1, b1), (l2, a2, b2) = one, two
-    mean_c7 = ((np.hypot(a1, b1) + np.hypot(a2, b2)) / 2) ** 7
-    g = 0.5 * (1 - np.sqrt(mean_c7 / (mean_c7 + 25.0 ** 7)))
-    a1, a2 = (1 + g) * a1, (1 + g) * a2
-    c1, c2 = np.hypot(a1, b1), np.hypot(a2, b2)
-    h1, h2 = np.degrees(np.arctan2(b1, a1)) % 360, np.degrees(np.arctan2(b2, a2)) % 360
-    turn = h2 - h1
-    turn = np.where(turn > 180, turn - 360, np.where(turn < -180, turn + 360, turn))
-    turn = np.where(c1 * c2 == 0, 0, turn)
-    hue = np.where(c1 * c2 == 0, h1 + h2, np.where(
-        abs(h1 - h2) <= 180, (h1 + h2) / 2, np.where(h1 + h2 < 360, (h1 + h2 + 360) / 2, (h1 + h2 - 360) / 2)))
-    dl, dc, dh = l2 - l1, c2 - c1, 2 * np.sqrt(c1 * c2) * np.sin(np.radians(turn / 2))
-    l, c = (l1 + l2) / 2, (c1 + c2) / 2
-    t = (1 - 0.17 * np.cos(np.radians(hue - 30)) + 0.24 * np.cos(np.radians(2 * hue))
-         + 0.32 * np.cos(np.radians(3 * hue + 6)) - 0.20 * np.cos(np.radians(4 * hue - 63)))
-    sl = 1 + 0.015 * (l - 50) ** 2 / np.sqrt(20 + (l - 50) ** 2)
-    sc, sh = 1 + 0.045 * c, 1 + 0.015 * c * t
-    rt = (-2 * np.sqrt(c ** 7 / (c ** 7 + 25.0 ** 7))
-          * np.sin(np.radians(60 * np.exp(-((hue - 275) / 25) ** 2))))
-    return np.sqrt((dl / sl) ** 2 + (dc / sc) ** 2 + (dh / sh) ** 2 + rt * dc / sc * dh / sh)
 
 
 def angles(a, b):
@@ -98,7 +68,8 @@ class Told:
         self.largest = np.array(largest.groups(), float) if largest else None
         self.rms = float(re.search(rf"^RMS +{NUMBER}", text, re.M).group(1))
         self.angle = self.pixels("spectral angle", text)
-        self.ciede2000 = self.pixels("CIEDE2000", text)
+        self.cie76, self.cie94, self.ciede2000 = (self.pixels(name, text)
+                                                  for name in ("CIE76", "CIE94", "CIEDE2000"))
 
     @staticmethod
     def pixels(name, text):
@@ -138,7 +109,9 @@ def test_one_pixel():
     percent = 100 * step / float(PIXELS.max())
     for tolerance, status in ((f"{step:.17g}", 0), (f"{step * 0.999:.9g}", 1), (f"{percent * 1.001:.9g}%", 0),
                               (f"{percent * 0.999:.9g}%", 1), (f"{told.ciede2000[2] * 1.001:.9g}dE00", 0),
-                              (f"{told.ciede2000[2] * 0.999:.9g}dE00", 1)):
+                              (f"{told.ciede2000[2] * 0.999:.9g}dE00", 1), (f"{told.cie94[2] * 1.001:.9g}dE94", 0),
+                              (f"{told.cie94[2] * 0.999:.9g}dE94", 1), (f"{told.cie76[2] * 1.001:.9g}dE76", 0),
+                              (f"{told.cie76[2] * 0.999:.9g}dE76", 1)):
         result = compare(A, other, "--white", "d65", "--tolerance", tolerance)
         check(result.returncode == status, f"a tolerance of {tolerance} makes exit {status}", result.stderr)
 
@@ -179,10 +152,13 @@ def test_statistics(name, a_pixels, b_pixels, nm, observer):
     light = np.array([line.split(",") for line in open("data/tables/a.csv") if line[0].isdigit()], float).T
     weights = xyz_weights(observer, np.array(nm, float))
     white = weights @ np.interp(nm, *light, 0, 0)
-    labs = [cielab(np.tensordot(weights, pixels, 1), white) for pixels in (a, b)]
+    labs = [cielab(weights @ pixels.reshape(len(nm), -1), white[:, None]).reshape(3, *a.shape[1:])
+            for pixels in (a, b)]
     pictures = difference.max(0), angles(a, b), ciede2000(*labs)
-    for values, statistics, row, what in zip(pictures[1:], (told.angle, told.ciede2000), seen[1:],
-                                             ("spectral angles", "CIEDE2000")):
+    not_in_map = np.linalg.norm(labs[0] - labs[1], axis=0), cie94(*labs)
+    for values, statistics, row, what in zip(
+            pictures[1:] + not_in_map, (told.angle, told.ciede2000, told.cie76, told.cie94),
+            (*seen[1:], *not_in_map), ("spectral angles", "CIEDE2000", "CIE76", "CIE94")):
         most = values.max()
         quantile = np.quantile(values, 0.95, method="inverted_cdf")
         y, x = np.unravel_index(values.argmax(), values.shape)

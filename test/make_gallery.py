@@ -14,6 +14,7 @@ import zlib
 import numpy as np
 import tifffile
 
+sys.dont_write_bytecode = True
 from browser import Browser
 
 SPECTRAL = os.environ.get("SPECTRAL", "build/spectral")

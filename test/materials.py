@@ -9,10 +9,10 @@ import sys
 
 import numpy as np
 
+sys.dont_write_bytecode = True
 from colours import cielab, ciede2000
 from rendered import SPECTRAL, TMP, check, done
 
-sys.dont_write_bytecode = True
 from material_files import thesis_observer
 
 FOLDER = "data/materials"

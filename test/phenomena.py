@@ -10,6 +10,7 @@ import sys
 import numpy as np
 import tifffile
 
+sys.dont_write_bytecode = True
 from colours import cielab, ciede2000
 from rendered import SPECTRAL, TMP, check, done, table, write
 
@@ -252,7 +253,7 @@ def check_colorchecker():
     patches = np.array([np.interp(wavelengths, *table("data/materials/" + name)) for name in names])
     nm, *curves = table("data/tables/cie1931.csv", ",")
     observer = np.array([np.interp(wavelengths, nm, curve) for curve in curves])
-    expected = cielab((patches * d50) @ observer.T, observer @ d50)
+    expected = cielab(observer @ (patches * d50).T, (observer @ d50)[:, None]).T
     worst = np.abs(seen - expected).max()
     check(worst < 1e-4, f"CIELAB of 24 patches from the stack and straight from the spectra: {worst:.1e} apart")
     apart = np.array([ciede2000(*pair) for pair in zip(seen, PUBLISHED)])

@@ -71,7 +71,10 @@ def test_stack():
     xyz, white = weights @ mean, weights @ D65
     f = np.cbrt(xyz / white)
     lab = [116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])]
-    for name, expected in (("XYZ", xyz), ("xy", xyz[:2] / xyz.sum()), ("Lab", lab), ("white XYZ", white)):
+    uv, white_uv = (np.array([4 * c[0], 9 * c[1]]) / (c @ (1, 15, 3)) for c in (xyz, white))
+    luv = [lab[0], *(13 * lab[0] * (uv - white_uv))]
+    for name, expected in (("XYZ", xyz), ("xy", xyz[:2] / xyz.sum()), ("Lab", lab), ("Luv", luv),
+                           ("white XYZ", white)):
         seen = np.array(lines[name].split(), float)
         check(abs(seen - expected).max() <= 0.51e-4, f"{name} of the mean", lines[name], expected)
     text = told(path, 60, 40)
@@ -162,11 +165,11 @@ object plane 1 2 material dye translate 1 0 0
           and "excitation" not in red, "a dull object has its reflectance and nothing else")
     check(np.allclose(red["radiance"], sum(lights.values()) * RED, rtol=1e-6),
           "its radiance is the product of all light, which faces it, and its reflectance")
-    expected = {"reflectance": 0.3, "specular reflectance": 0.25, "glow": 0.05 * D65,
+    expected = {"reflectance": 0.3, "specular reflectance": 0.25, "own light": 0.05 * D65,
                 "excitation": np.exp(-4 * np.log(2) * ((WAVELENGTHS - 370) / 40) ** 2),
                 "emission": 0.4 * np.exp(-4 * np.log(2) * ((WAVELENGTHS - 440) / 60) ** 2)}
     check(all(name in dye and np.allclose(dye[name], values, rtol=1e-12, atol=1e-300) for name, values in expected.items()),
-          "reflectances, excitation, emission and glow of a fluorescent object", list(dye))
+          "reflectances, excitation, emission and own light of a fluorescent object", list(dye))
     check(told(scene, 10, 20)["object"] == "red" and told(scene, 30, 20)["object"] == "dye", "objects by name")
     background, both = probe(scene, 20, 1), probe(scene, 10, 20, 21, 1)
     check(not background["radiance"].any() and set(background) == set(red) - {"reflectance"},

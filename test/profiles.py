@@ -3,9 +3,11 @@
 """The ICC profiles as Little CMS reads them: XYZ beside D50, media-relative. Prints TAP."""
 import os
 import subprocess
+import sys
 
 import numpy as np
 
+sys.dont_write_bytecode = True
 from rendered import TMP, check, done
 
 BUILD = os.environ.get("BUILD", "build")

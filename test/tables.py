@@ -4,7 +4,9 @@
 import math
 import os
 import subprocess
+import sys
 
+sys.dont_write_bytecode = True
 from rendered import TMP, check, done
 
 FOLDER = "data/tables"
