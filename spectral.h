@@ -451,13 +451,15 @@ void donaldson_free(struct donaldson *matrix);
 
 /* ---- data/image.c: TIFF files in ---- */
 
-/* A TIFF file of grey or RGB pages of 8 or 16 bits, or of 32-bit float grey ones. */
+/* A TIFF file of grey or RGB pages of 8 or 16 bits, or of 32-bit float grey ones. Where its only
+ * directory has several grey samples a pixel, as GDAL writes bands, each of them is a page. */
 struct image {
     char *path; /* owned */
     int width, height, n_pages;
     uint64_t bytes;         /* of the file */
     bool coloured;          /* some page is RGB */
     double *wavelengths_nm; /* of each page, increasing; NULL where one tells none; owned */
+    char untold[128];       /* why they are NULL, e.g. "page 2 tells no wavelength" */
     double scale; /* radiance of sample value 1 (16 bits: of 65535); 1 where the file tells none */
     char *description;       /* of the first page; "" where it has none; owned */
     char *verdict;           /* of stack_finish; "" where it has none; owned */
@@ -465,14 +467,16 @@ struct image {
 };
 /* Opens the file (or "builtin:..." file); reads what its pages say of themselves, no samples.
  * Refuses, blamed on `from`: what is no TIFF, pages without pixels or that differ in size, other
- * samples than the above, uncompressed pages of which the file lacks the end. */
+ * samples than the above, bands that tell no wavelengths, uncompressed pages of which the file
+ * lacks the end. */
 bool image_open(const char *path, struct place from, struct image *out, struct error *err);
-/* Rows y .. y + rows - 1 of a page, width values each, the top row first: 0 to 1 (or float samples)
- * times the scale; of RGB the luma 0.2126 R + 0.7152 G + 0.0722 B (ITU-R BT.709) of the stored
- * values. What is negative, not finite or cut short is refused. Of an uncompressed page no more is
- * read than these rows. */
+/* In data/samples.c. Rows y .. y + rows - 1 of a page, width values each, the top row first: 0 to 1
+ * (or float samples) times the scale; of RGB the luma 0.2126 R + 0.7152 G + 0.0722 B (ITU-R BT.709)
+ * of the stored values. What is negative, not finite or cut short is refused. Of an uncompressed
+ * page no more is read than these rows. Where the samples of all bands lie side by side, those of
+ * these rows are kept, up to 256 MB: ask for the same rows of one page after the other. */
 bool image_read(struct image *image, int page, int y, int rows, float *out, struct error *err);
-/* Any bytes of the file. */
+/* Likewise: any bytes of the file. */
 bool image_read_bytes(const struct image *image, uint64_t offset, size_t length, void *out,
                       struct error *err);
 void image_close(struct image *image);
@@ -768,8 +772,8 @@ const char *stack_library(void);                 /* name and version of the libt
 
 /* ---- data/cube.c: a spectral stack to be read ---- */
 
-/* Grey pages of increasing wavelengths: a stack of our own, or any TIFF that tells its wavelengths
- * as OME-XML, GDAL_METADATA or page names. */
+/* Grey pages, or bands, of increasing wavelengths: a stack of our own, or any TIFF that tells its
+ * wavelengths as OME-XML, GDAL_METADATA or page names. */
 struct cube {
     struct image image;
     struct record record; /* zeroed in a stack that is not our own; map_bytes is 0 where no object
@@ -785,9 +789,9 @@ bool cube_white(const struct cube *cube, const char *spectrum, double *out, stru
  * is false, which is refused if it is needed or was named. */
 bool cube_white_response(const struct cube *cube, const char *spectrum, bool needed,
                          const double *weights, bool *found, double out[3], struct error *err);
-/* The number of the object that a pixel shows, from 1: names are in record.objects; 0 is the
- * background, -1 a stack that does not tell. */
-bool cube_object(const struct cube *cube, int x, int y, int *out, struct error *err);
+/* The numbers of the objects that n pixels of a row show, from 1: names are in record.objects; 0 is
+ * the background, -1 a stack that does not tell. */
+bool cube_objects(const struct cube *cube, int x, int y, int n, int *out, struct error *err);
 void cube_close(struct cube *cube);
 
 /* ---- data/picture.c: colour pictures out ---- */

@@ -26,10 +26,12 @@ bool cube_open(const char *path, struct cube *out, struct error *err)
     if (!image_open(path, nowhere, &out->image, err))
         return false;
     if (out->image.coloured || out->image.wavelengths_nm == NULL) {
-        error_usage(err,
-                    "%s: %s; expected a stack of grey pages that tell wavelengths that increase, as"
-                    " OME-XML, GDAL_METADATA or page names such as \"305 nm\"",
-                    path, out->image.coloured ? "its pages are RGB" : "tells no wavelengths");
+        error_usage(
+            err,
+            "%s: %s; expected a stack of grey pages, one page or one GDAL band a wavelength,"
+            " that tell increasing ones as OME-XML, GDAL_METADATA or page names such as"
+            " \"305 nm\"",
+            path, out->image.coloured ? "its pages are RGB" : out->image.untold);
         cube_close(out);
         return false;
     }
@@ -103,20 +105,21 @@ bool cube_white_response(const struct cube *cube, const char *spectrum, bool nee
 
 /* ---- the object map ---- */
 
-bool cube_object(const struct cube *cube, int x, int y, int *out, struct error *err)
+bool cube_objects(const struct cube *cube, int x, int y, int n, int *out, struct error *err)
 {
     const struct record *record = &cube->record;
     const uint64_t pixel = (uint64_t)y * (uint64_t)cube->image.width + (uint64_t)x;
-    const size_t length = (size_t)record->map_bytes;
-    unsigned char bytes[2] = {0};
-    *out = -1;
-    if (length == 0)
-        return true;
-    if (!image_read_bytes(&cube->image, record->map_offset + pixel * length, length, bytes, err))
+    const size_t length = (size_t)record->map_bytes, count = (size_t)n;
+    const unsigned char *bytes = (const unsigned char *)out;
+    if (length > 0 && !image_read_bytes(&cube->image, record->map_offset + pixel * length,
+                                        count * length, out, err))
         return false;
-    const int number = bytes[0] + 256 * bytes[1];
-    if (number <= record->n_objects)
-        *out = number;
+    for (size_t i = count; i-- > 0;) { /* from the end: a number takes more room than its bytes */
+        int number = length > 0 ? bytes[i * length] : record->n_objects + 1;
+        if (length > 1)
+            number += 256 * bytes[i * length + 1];
+        out[i] = number <= record->n_objects ? number : -1;
+    }
     return true;
 }
 

@@ -109,21 +109,34 @@ static bool read_bands(struct cube *cube, struct probe *probe, struct error *err
     return done;
 }
 
+/* Whether all pixels of the region show the object; `row` is room for one row of it. */
+static bool same_object(const struct cube *cube, const struct probe *probe, int *row, bool *same,
+                        struct error *err)
+{
+    int object = -1;
+    *same = true;
+    for (int y = probe->y; *same && y < probe->y + probe->height; y++) {
+        if (!cube_objects(cube, probe->x, y, probe->width, row, err))
+            return false;
+        object = y == probe->y ? row[0] : object;
+        for (int x = 0; x < probe->width; x++)
+            *same = *same && row[x] == object && object >= 0;
+    }
+    row[0] = object;
+    return true;
+}
+
 static bool find_object(const struct cube *cube, struct probe *probe, struct error *err)
 {
-    int number, object;
-    if (!cube_object(cube, probe->x, probe->y, &object, err))
-        return false;
-    for (int y = probe->y; object >= 0 && y < probe->y + probe->height; y++)
-        for (int x = probe->x; x < probe->x + probe->width; x++) {
-            if (!cube_object(cube, x, y, &number, err))
-                return false;
-            if (number != object)
-                return true;
-        }
-    if (object >= 0)
-        probe->object = strdup(object > 0 ? cube->record.objects[object - 1] : "background");
-    return object < 0 || probe->object != NULL || error_memory(err);
+    bool same = false;
+    int *row = calloc((size_t)probe->width, sizeof *row);
+    bool done = (row != NULL || error_memory(err)) && same_object(cube, probe, row, &same, err);
+    if (done && same) {
+        probe->object = strdup(row[0] > 0 ? cube->record.objects[row[0] - 1] : "background");
+        done = probe->object != NULL || error_memory(err);
+    }
+    free(row);
+    return done;
 }
 
 bool probe_stack(const char *path, const struct probe_options *options, struct probe *out,

@@ -58,10 +58,11 @@ static bool read_texture(const char *path, struct place from, struct texture *ou
         error_at(err, from, "%s: it has %dx%d pixels; a texture has at most %d a side", path,
                  out->image.width, out->image.height, LONGEST_TEXTURE);
     else if (out->spectral && out->image.wavelengths_nm == NULL)
-        error_at(err, from,
-                 "%s: its pages tell no wavelengths that increase; a spectral texture is a stack as"
-                 " this program writes it, or has page names such as \"305 nm\"",
-                 path);
+        error_at(
+            err, from,
+            "%s: %s; a spectral texture is a stack as this program writes it, or tells"
+            " increasing wavelengths as OME-XML, GDAL_METADATA or page names such as \"305 nm\"",
+            path, out->image.untold);
     else if (!out->spectral && out->image.n_pages > 1)
         error_at(err, from,
                  "%s: it has %d pages; a texture is one page, and a stack of pages with"

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: MIT
-"""Writes TIFF files with tifffile, which shares nothing with libtiff, into the folder named: the
-picture of test_image.c in the variants that it lists there."""
+"""Writes TIFF files with tifffile, which shares nothing with libtiff, and with GDAL into the folder
+named: the picture of test_image.c in the variants that it lists there."""
 import os
 import sys
 
 import numpy as np
 import tifffile
+from osgeo import gdal as GDAL
 
 WIDTH, HEIGHT, PAGES = 37, 29, 3
 NM = [400.5, 500, 700]
@@ -32,6 +33,65 @@ def write(name, pages, extratags=None, **options):
                        contiguous=False, metadata=None, **options)
 
 
+def write_ome(name, pages, **channels):
+    tifffile.imwrite(name + ".ome.tif", np.stack(pages), ome=True, photometric="minisblack",
+                     metadata={"axes": "CYX", "Channel": {"Name": ["a", "b > c", "d"], **channels}})
+
+
+def nanometers(nm):
+    return {"wavelength": f"{nm}", "wavelength_units": "Nanometers"}
+
+
+def bands(name, dtype, *options, tell=nanometers, scales=None, offsets=None):
+    """One directory, by GDAL; `tell` gives a band's metadata, or its micrometres."""
+    kinds = {"uint8": GDAL.GDT_Byte, "uint16": GDAL.GDT_UInt16, "float32": GDAL.GDT_Float32}
+    n_bands = PAGES + ("ALPHA=YES" in options)
+    file = GDAL.GetDriverByName("GTiff").Create(name + ".tif", WIDTH, HEIGHT, n_bands, kinds[dtype],
+                                                [*options, "PHOTOMETRIC=MINISBLACK"])
+    for page, nm in enumerate(NM):
+        band = file.GetRasterBand(page + 1)
+        told = tell(nm)
+        if isinstance(told, float):
+            band.SetMetadataItem("CENTRAL_WAVELENGTH_UM", f"{told:.10g}", "IMAGERY")
+        elif told:
+            band.SetMetadata(told)
+        if scales:
+            band.SetScale(scales[page])
+        if offsets:
+            band.SetOffset(offsets[page])
+        samples = picture(page, 1, "uint32" if dtype == "float32" else dtype)
+        band.WriteArray(samples.astype(np.float32) / 64 if dtype == "float32" else samples)
+    return file
+
+
+def write_bands():
+    GDAL.UseExceptions()
+    GDAL.SetConfigOption("GDAL_PAM_ENABLED", "NO")
+    apart, deflate = "INTERLEAVE=BAND", "COMPRESS=DEFLATE"
+    tiles = ("TILED=YES", "BLOCKXSIZE=16", "BLOCKYSIZE=32")
+    bands("bands", "uint16", tell=lambda nm: nm / 1000, scales=[0.001] * PAGES, offsets=[0] * PAGES)
+    bands("bands_apart", "uint16", apart, "BLOCKYSIZE=5")
+    bands("bands_um", "uint16", "BLOCKYSIZE=4", tell=lambda nm: {
+        "wavelength": f"{nm / 1000:.10g}", "wavelength_units": "Micrometers"})
+    bands("bands_bytes", "uint8", "BIGTIFF=YES")
+    bands("bands_float", "float32", "BLOCKYSIZE=7")
+    bands("bands_big_endian", "float32", "ENDIANNESS=BIG")
+    bands("bands_deflated", "uint16", deflate, "PREDICTOR=2", "BLOCKYSIZE=8", "ENDIANNESS=BIG")
+    bands("bands_tiles", "uint16", deflate, *tiles)
+    bands("bands_tiles_apart", "float32", deflate, "PREDICTOR=3", apart, "BIGTIFF=YES", *tiles)
+    bands("bands_lzw_apart", "uint8", "COMPRESS=LZW", apart, "BLOCKYSIZE=6")
+    bands("bands_lacking", "uint16", tell=lambda nm: nanometers(nm) if nm < 700 else {})
+    bands("bands_furlong", "uint16", tell=lambda nm: {
+        "wavelength": f"{nm}", "wavelength_units": "Furlongs"})
+    bands("bands_falling", "uint16", tell=lambda nm: nanometers(700 if nm < 500 else nm))
+    bands("bands_rgb", "uint8", "PHOTOMETRIC=RGB")
+    bands("bands_untold", "uint16", tell=lambda nm: {})
+    bands("bands_alpha", "uint16", "ALPHA=YES")
+    bands("bands_overviews", "uint16").BuildOverviews("NEAREST", [2])
+    bands("bands_scales", "uint16", scales=[1, 2, 1])
+    bands("bands_offset", "uint16", offsets=[0, 0, 0.5])
+
+
 def main():
     os.chdir(sys.argv[1])
     grey = [picture(page, 1, "uint16") for page in range(PAGES)]
@@ -51,11 +111,12 @@ def main():
     write("nanometers", grey, [[gdal([
         ("wavelength", 'sample="0"', nm),
         ("wavelength_units", 'sample="0"', "Nanometers")])] for nm in NM])
-    for name, units in (("ome", ["nm"] * PAGES), ("ome_um", ["µm"] * PAGES)):
-        tifffile.imwrite(name + ".ome.tif", np.stack(grey), ome=True, photometric="minisblack",
-                         metadata={"axes": "CYX", "Channel": {
-                             "Name": [f"{nm}" for nm in NM], "EmissionWavelength": NM,
-                             "EmissionWavelengthUnit": units}})
+    for name, unit, length in (("ome", "nm", 1), ("ome_um", "µm", 1e-3), ("ome_angstrom", "Å", 10),
+                               ("ome_m", "m", 1e-9), ("ome_furlong", "furlong", 1)):
+        write_ome(name, grey, EmissionWavelength=[nm * length for nm in NM],
+                  EmissionWavelengthUnit=[unit] * PAGES)
+    write_ome("ome_lacking", grey, EmissionWavelength=[400.5, None, 700])
+    write_bands()
     write("volume", [np.stack(grey)], volumetric=True, tile=(1, 16, 16), photometric="minisblack")
 
 

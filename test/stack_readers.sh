@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Other people's readers see what is in a stack: tifffile, GDAL and ImageJ each print one line a
 # page, its label and a checksum of its samples, and so does a walker that knows only TIFF 6.0.
-# All must agree. A reader that is not installed is skipped.
+# All must agree. A reader that is not installed is skipped. Bands that GDAL writes are read, too.
 . test/tap.sh
 python=${PYTHON:-/usr/bin/python3} # the one that sees the system's modules
 imagej=${IMAGEJ_JAR:-/usr/share/java/ij.jar}
@@ -88,6 +88,29 @@ for name, _ in whole.GetSubDatasets():
     samples = band.ReadAsArray().astype(numpy.int64).ravel()
     print(label, int((numpy.arange(1, samples.size + 1) * samples).sum() % 2**31))
 END
+    cat >"$tmp/to_bands.py" <<'END'
+import sys
+from osgeo import gdal
+gdal.UseExceptions()
+pages = [gdal.Open(name) for name, _ in gdal.Open(sys.argv[1]).GetSubDatasets()]
+bands = gdal.GetDriverByName("GTiff").Create(sys.argv[2], 60, 40, len(pages), gdal.GDT_UInt16, sys.argv[3:])
+for number, whole in enumerate(pages, 1):
+    page, band = whole.GetRasterBand(1), bands.GetRasterBand(number)
+    band.SetScale(page.GetScale())
+    if number % 2:
+        centre = page.GetMetadataItem("CENTRAL_WAVELENGTH_UM", "IMAGERY")
+        band.SetMetadataItem("CENTRAL_WAVELENGTH_UM", centre, "IMAGERY")
+    else:
+        band.SetMetadata({key: page.GetMetadataItem(key) for key in ("wavelength", "wavelength_units")})
+    band.WriteArray(page.ReadAsArray())
+END
+    cat >"$tmp/same.py" <<'END'
+import sys, numpy
+from osgeo import gdal
+gdal.UseExceptions()
+one, other = (gdal.Open(name).ReadAsArray() for name in sys.argv[1:])
+assert one.max() > one.min() and numpy.array_equal(one, other)
+END
     cat >"$tmp/WithImageJ.java" <<'END'
 public class WithImageJ {
     public static void main(String[] arguments) {
@@ -122,6 +145,20 @@ for pair in tifffile:tifffile gdal:osgeo.gdal; do
         skip "no Python module ${pair#*:}, or no numpy"
     fi
 done
+if "$python" -c 'import osgeo.gdal' >/dev/null 2>&1; then
+    exits 0 "a stack is developed" "$SPECTRAL" develop "$stack" --white 1 -o "$tmp/pages.tif"
+    for options in INTERLEAVE=PIXEL INTERLEAVE=BAND 'TILED=YES COMPRESS=DEFLATE BIGTIFF=YES'; do
+        # shellcheck disable=SC2086 # options are words
+        exits 0 "GDAL writes its pages as bands, $options" \
+            "$python" "$tmp/to_bands.py" "$stack" "$tmp/bands.tif" $options
+        exits 0 "they are developed" "$SPECTRAL" develop "$tmp/bands.tif" --white 1 -o "$tmp/developed.tif"
+        exits 0 "to the same picture" "$python" "$tmp/same.py" "$tmp/pages.tif" "$tmp/developed.tif"
+        exits 0 "and differ from the stack in no count" \
+            "$SPECTRAL" compare "$stack" "$tmp/bands.tif" --white 1
+    done
+else
+    skip "no Python module osgeo.gdal"
+fi
 if [ -e "$imagej" ] && java --list-modules 2>/dev/null | grep -q jdk.compiler; then
     sees ImageJ java -Djava.awt.headless=true -cp "$imagej" "$tmp/WithImageJ.java" "$stack"
 else

@@ -40,11 +40,20 @@ static bool open_scene(const char *text, enum kept kept, struct cube *cube)
                  "a scene is rendered, its stack opened %s", err.text);
 }
 
+/* -3 for all where they cannot be read. */
+static void read_row(const struct cube *cube, int y, int n, int *out)
+{
+    struct error err = {0};
+    if (!cube_objects(cube, 0, y, n, out, &err))
+        for (int x = 0; x < n; x++)
+            out[x] = -3;
+}
+
 static int object_at(const struct cube *cube, int x, int y)
 {
     struct error err = {0};
     int object = -2;
-    return cube_object(cube, x, y, &object, &err) ? object : -3;
+    return cube_objects(cube, x, y, 1, &object, &err) ? object : -3;
 }
 
 /* ---- white ---- */
@@ -149,7 +158,7 @@ static int square_at(int x, int y)
 static void test_squares(enum kept kept)
 {
     struct cube cube;
-    int wrong = 0;
+    int wrong = 0, row[40];
     if (!open_scene("wavelengths 400 700 100\nsize 40 20\ncamera ortho 4\n"
                     "light d65 1 direction 0 0 1\n"
                     "material red { diffuse 0.5 }\nmaterial blue { diffuse 0.25 }\n"
@@ -158,9 +167,12 @@ static void test_squares(enum kept kept)
                     "object plane 1 1 material red translate -0.5 0 1\n",
                     kept, &cube))
         return;
-    for (int i = 0; i < 40 * 20; i++)
-        wrong += object_at(&cube, i % 40, i / 40) !=
-                 (kept == UNCHECKED_GL ? -1 : square_at(i % 40, i / 40));
+    for (int i = 0; i < 40 * 20; i++) {
+        if (i % 40 == 0)
+            read_row(&cube, i / 40, 40, row);
+        wrong += row[i % 40] != (kept == UNCHECKED_GL ? -1 : square_at(i % 40, i / 40));
+        wrong += row[i % 40] != object_at(&cube, i % 40, i / 40);
+    }
     CHECK(wrong == 0, "the map is known where %s: %d pixels are wrong",
           kept == REFERENCE    ? "the reference draws"
           : kept == CHECKED_GL ? "OpenGL is checked"
@@ -180,7 +192,7 @@ static void test_many(void)
     enum { COLUMNS = 20, ROWS = 15 };
     static char text[COLUMNS * ROWS * 80];
     struct cube cube;
-    int wrong = 0;
+    int wrong = 0, row[COLUMNS];
     char *at = text + sprintf(text, "wavelengths 500 500 1\nsize 20 15\ncamera ortho 20\n"
                                     "light d65 1 direction 0 0 1\nmaterial a { diffuse 0.5 }\n");
     for (int y = 0; y < ROWS; y++)
@@ -189,8 +201,11 @@ static void test_many(void)
                           x - COLUMNS / 2 + 0.5, ROWS / 2.0 - y - 0.5);
     if (!open_scene(text, REFERENCE, &cube))
         return;
-    for (int i = 0; i < COLUMNS * ROWS; i++)
-        wrong += object_at(&cube, i % COLUMNS, i / COLUMNS) != i + 1;
+    for (int i = 0; i < COLUMNS * ROWS; i++) {
+        if (i % COLUMNS == 0)
+            read_row(&cube, i / COLUMNS, COLUMNS, row);
+        wrong += row[i % COLUMNS] != i + 1;
+    }
     CHECK(wrong == 0, "%d objects are told apart: %d wrong", COLUMNS * ROWS, wrong);
     CHECK(cube.record.n_objects == COLUMNS * ROWS && cube.record.map_bytes == 2,
           "by numbers of two bytes");
@@ -380,7 +395,8 @@ static void check_refusal(const char *name, const char *what)
 
 static void test_foreign(void)
 {
-    const char *const rising[] = {"400 nm", "500 nm"}, *const falling[] = {"500 nm", "400 nm"};
+    const char *const rising[] = {"400 nm", "500 nm"}, *const falling[] = {"500 nm", "400 nm"},
+                      *const twice[] = {"500 nm", "500 nm"}, *const lacking[] = {"400 nm", ""};
     const int whole = SAMPLEFORMAT_UINT, floating = SAMPLEFORMAT_IEEEFP;
     struct cube cube;
     struct error err = {0};
@@ -392,7 +408,12 @@ static void test_foreign(void)
     CHECK(write_pages(16, 1, whole, NULL), "pages without names are written");
     check_refusal("a plain TIFF", "tells no wavelengths; expected a stack of grey pages");
     CHECK(write_pages(32, 1, floating, falling), "falling wavelengths are written");
-    check_refusal("falling wavelengths", "tells no wavelengths");
+    check_refusal("falling wavelengths",
+                  "its wavelengths decrease: page 2 tells 400 nm after 500 nm; expected");
+    CHECK(write_pages(16, 1, whole, twice), "a wavelength is written twice");
+    check_refusal("a wavelength twice", "its wavelengths repeat: page 2 tells 500 nm after 500 nm");
+    CHECK(write_pages(16, 1, whole, lacking), "a page without a name is written");
+    check_refusal("a page without a name", "page 2 tells no wavelength; expected a stack");
     CHECK(write_pages(8, 3, whole, rising), "pages of RGB are written");
     check_refusal("RGB", "its pages are RGB");
     CHECK(write_pages(32, 1, whole, rising), "whole numbers of 32 bits are written");

@@ -172,19 +172,23 @@ static void check_page(struct image *image, const struct variant *v, int page, d
     CHECK_NEAR(furthest, 0, 0, "%s: every value of page %d", v->name, page);
 }
 
-/* Rows of any number, from anywhere, in any order, are those of the whole page. */
+/* Rows of any number, from anywhere, in any order of pages and rows, are those of whole pages. */
 static void check_rows(struct image *image, const char *name)
 {
-    static float whole[PIXELS], some[PIXELS];
+    static float whole[PAGES][PIXELS], some[PIXELS];
     const int sizes[] = {1, 4, 7, HEIGHT - 1};
     struct error err = {0};
-    bool same = image_read(image, 0, 0, HEIGHT, whole, &err);
+    bool same = true;
+    for (int page = 0; page < image->n_pages; page++)
+        same = same && image_read(image, page, 0, HEIGHT, whole[page], &err);
     for (int i = 0; i < 4; i++)
-        for (int y = HEIGHT - sizes[i]; y >= 0; y -= sizes[i] > 7 ? 1 : 3) {
-            const size_t n = (size_t)sizes[i] * WIDTH;
-            same = same && image_read(image, 0, y, sizes[i], some, &err) &&
-                   memcmp(some, whole + (size_t)y * WIDTH, n * sizeof *some) == 0;
-        }
+        for (int y = HEIGHT - sizes[i]; y >= 0; y -= sizes[i] > 7 ? 1 : 3)
+            for (int k = 0; k < image->n_pages; k++) {
+                const int page = (y + k) % image->n_pages;
+                const size_t n = (size_t)sizes[i] * WIDTH;
+                same = same && image_read(image, page, y, sizes[i], some, &err) &&
+                       memcmp(some, whole[page] + (size_t)y * WIDTH, n * sizeof *some) == 0;
+            }
     CHECK(same, "%s: any rows are those of the whole page %s", name, err.text);
 }
 
@@ -448,6 +452,7 @@ static void check_foreign(const char *file, int bits, int photometric, const dou
                        1e-12, "%s: wavelength of page %d", file, page);
         for (int page = 0; page < n_pages; page++)
             check_page(&image, &v, page, scale);
+        check_rows(&image, file);
     }
     image_close(&image);
 }
@@ -469,14 +474,41 @@ static void test_foreign(void)
                  {"named.tif", 16, PHOTOMETRIC_MINISBLACK, true, 1},
                  {"micrometres.tif", 16, PHOTOMETRIC_MINISBLACK, true, 0.0001 * 65535},
                  {"nanometers.tif", 16, PHOTOMETRIC_MINISBLACK, true, 1},
-                 {"ome.ome.tif", 16, PHOTOMETRIC_MINISBLACK, true, 1}};
+                 {"ome.ome.tif", 16, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"ome_um.ome.tif", 16, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"ome_angstrom.ome.tif", 16, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"ome_m.ome.tif", 16, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"bands.tif", 16, PHOTOMETRIC_MINISBLACK, true, 0.001 * 65535},
+                 {"bands_apart.tif", 16, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"bands_um.tif", 16, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"bands_bytes.tif", 8, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"bands_float.tif", 32, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"bands_big_endian.tif", 32, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"bands_deflated.tif", 16, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"bands_tiles.tif", 16, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"bands_tiles_apart.tif", 32, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"bands_lzw_apart.tif", 8, PHOTOMETRIC_MINISBLACK, true, 1}};
+    const struct {
+        const char *file, *what;
+    } untold[] = {{"ome_furlong.ome.tif", "page 1 tells its wavelength in 'furlong', which is no"},
+                  {"ome_lacking.ome.tif", "page 2 tells no wavelength"},
+                  {"bands_lacking.tif", "page 3 tells no wavelength"},
+                  {"bands_furlong.tif", "page 1 tells its wavelength in 'Furlongs', which is no"},
+                  {"bands_falling.tif", "decrease: page 2 tells 500 nm after 700 nm"}};
     struct image image;
     struct error err = {0};
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++)
         check_foreign(files[i].file, files[i].bits, files[i].photometric,
                       files[i].spectral ? nm : NULL, files[i].scale);
-    CHECK(image_open("ome_um.ome.tif", from, &image, &err) && image.wavelengths_nm == NULL,
-          "channels in micrometres are not taken for nanometres %s", err.text);
+    for (size_t i = 0; i < sizeof untold / sizeof untold[0]; i++) {
+        if (CHECK(image_open(untold[i].file, from, &image, &err), "%s opens %s", untold[i].file,
+                  err.text))
+            CHECK(image.wavelengths_nm == NULL && strstr(image.untold, untold[i].what) != NULL,
+                  "but not its wavelengths: %s", image.untold);
+        image_close(&image);
+    }
+    CHECK(image_open("bands_rgb.tif", from, &image, &err) && image.coloured && image.n_pages == 1,
+          "bands that are RGB are one page %s", err.text);
     image_close(&image);
     CHECK(!image_open("volume.tif", from, &image, &err) && strstr(err.text, "37x29x3") != NULL,
           "a volume is refused: %s", err.text);
@@ -514,7 +546,8 @@ static void test_refused_pages(void)
         {"3 of 32 bits, float", NULL, 32, 3, .photometric = 2, .format = floating},
         {"1 of 32 bits, float", NULL, 32, 1, .photometric = 0, .format = floating},
         {"5 samples", NULL, 8, 5, .photometric = 2},
-        {"2 samples", NULL, 8, 2, .photometric = 1, .extra = EXTRASAMPLE_UNSPECIFIED},
+        {"2 samples a pixel and tells no", NULL, 8, 2, .photometric = 1,
+         .extra = EXTRASAMPLE_UNSPECIFIED},
         {"orientation is 4", NULL, 8, 1, .photometric = 1, .orientation = ORIENTATION_BOTLEFT},
         {"page 1 (305 nm): the radiance at column 36, row 28 is nan", NULL, 32, 1, .photometric = 1,
          .format = floating, .page_name = "305 nm", .odd = (double)NAN},
@@ -545,6 +578,20 @@ static void test_refused_pages(void)
           "pages of two widths are written");
     TIFFClose(tiff);
     check_refusal(path, "a stack of them", "page 2: it has 36x29x16 bits");
+}
+
+/* Samples of one page that are no bands. */
+static void test_no_bands(void)
+{
+    const struct {
+        const char *file, *what;
+    } files[] = {{"bands_untold.tif", "it has 3 samples a pixel and tells no wavelengths of them"},
+                 {"bands_alpha.tif", "it has 4 samples a pixel, not 1 and perhaps an alpha"},
+                 {"bands_overviews.tif", "it has 3 samples a pixel, not 1 and perhaps an alpha"},
+                 {"bands_scales.tif", "page 2 (500 nm): its scale is not positive, or not that"},
+                 {"bands_offset.tif", "page 3 (700 nm): its samples have an offset"}};
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++)
+        check_refusal(files[i].file, "such a file", files[i].what);
 }
 
 static size_t read_bytes(const char *file, unsigned char *out, size_t capacity)
@@ -722,6 +769,13 @@ static void test_cuts(void)
     CHECK(good && stack_finish(&writer, "", &err) && stack_commit(&writer, &err),
           "a stack of floats is written %s", err.text);
     check_cuts("a stack of floats");
+    const char *const bands[] = {"bands.tif", "bands_apart.tif", "bands_deflated.tif",
+                                 "bands_tiles_apart.tif"};
+    for (size_t i = 0; i < sizeof bands / sizeof bands[0]; i++) {
+        static unsigned char bytes[65536];
+        write_bytes(path, bytes, read_bytes(bands[i], bytes, sizeof bytes));
+        check_cuts(bands[i]);
+    }
 }
 
 static void test_builtin(void)
@@ -761,6 +815,7 @@ int main(void)
     test_stack();
     test_foreign();
     test_refused_pages();
+    test_no_bands();
     test_refused_files();
     test_claims();
     test_short_jpeg();

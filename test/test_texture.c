@@ -149,7 +149,7 @@ static void test_refusals(void)
     TIFFWriteScanline(tiff, (char[]){1}, 0, 0);
     TIFFClose(tiff);
     read = texture_read_spectral(path, from, true, &texture, &untold);
-    check_refusal(read, &texture, &untold, "its pages tell no wavelengths");
+    check_refusal(read, &texture, &untold, "tells no wavelengths; a spectral texture");
 }
 
 /* A file that is cut while it is open: the planes fail, and say where. */
