@@ -115,7 +115,7 @@ bool develop_weights(const struct cube *cube, const struct detector *detector,
 
 enum {
     BATCH = 8,              /* pages that are read before they are added up */
-    CHUNK_PIXELS = 1 << 22, /* at most, but a row: 128 MB of a batch, 96 MB of sums */
+    CHUNK_PIXELS = 1 << 21, /* at most, but a row: 64 MB of a batch, 48 MB of sums */
     BLOCK_PIXELS = 1024     /* that a thread adds up at once */
 };
 
