@@ -66,6 +66,7 @@ static const char usage[] =
     "  --tolerance R|P%|EdE00          largest difference that passes: radiance, per cent of the\n"
     "                                  largest radiance, or CIEDE2000 (dE94, dE76); default 0\n"
     "  --map OUT.tif                   each pixel's largest difference, spectral angle, CIEDE2000\n"
+    "all:\n"
     "  -h, --help    --version\n"
     "\n"
     "exit status: 0 agreed, 1 pictures or stacks differ, 2 bad usage or input, 3 the system "
