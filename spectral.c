@@ -654,6 +654,14 @@ static bool command_render(struct options *options, struct error *err)
 
 /* ---- develop ---- */
 
+/* A built-in scene has no pixels yet. */
+static bool takes_stack(const char *stack, struct error *err)
+{
+    return access(stack, F_OK) == 0 || scene_is_missing(stack) ||
+           error_usage(err, "'%s' is a scene, not a stack; spectral render %s writes one", stack,
+                       stack);
+}
+
 static bool command_develop(struct options *options, struct error *err)
 {
     struct develop_options *develop_options = &options->develop;
@@ -668,9 +676,10 @@ static bool command_develop(struct options *options, struct error *err)
     develop_options->white = options->white;
     develop_options->threads = options->plan.threads;
     develop_options->values = options->xyz ? DEVELOP_XYZ : options->lab ? DEVELOP_LAB : DEVELOP_RGB;
-    bool done = output ? spares(output, options->operand, err) &&
-                             develop(options->operand, output, develop_options, &result, err)
-                       : error_memory(err);
+    bool done = output
+                    ? takes_stack(options->operand, err) && spares(output, options->operand, err) &&
+                          develop(options->operand, output, develop_options, &result, err)
+                    : error_memory(err);
     if (done && !options->quiet) {
         FILE *to = is_regular_file(output) ? stdout : stderr;
         develop_print(develop_options, &result, to);
@@ -775,8 +784,8 @@ static bool command_compare(struct options *options, struct error *err)
     if (options->n_operands != 2)
         return error_usage(err, "compare takes two stacks; try spectral --help");
     const char *a = options->operands[0], *b = options->operands[1];
-    bool done = spares(options->map, a, err) && spares(options->map, b, err) &&
-                compare(a, b, &compare_options, &comparison, err);
+    bool done = takes_stack(a, err) && takes_stack(b, err) && spares(options->map, a, err) &&
+                spares(options->map, b, err) && compare(a, b, &compare_options, &comparison, err);
     /* standard output may carry the map (--map /dev/stdout) */
     if (done && !options->quiet)
         comparison_print(&comparison,
@@ -855,7 +864,8 @@ static bool command_info(struct options *options, struct error *err)
 {
     struct image image = {.path = NULL};
     struct record record = {.text = NULL};
-    bool done = options->operand ? read_record(options->operand, &image, &record, err)
+    bool done = options->operand ? takes_stack(options->operand, err) &&
+                                       read_record(options->operand, &image, &record, err)
                                  : error_usage(err, "info takes a STACK; try spectral --help");
     if (done)
         print_record(&image, &record);

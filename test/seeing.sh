@@ -42,6 +42,8 @@ for bad in --detector=cie1932 --adaptation=bradfort --adaptation=fairchild:0 --d
     refused "develop $bad" 'error: ' develop "$stack" "$bad" -o "$tmp/none"
 done
 refused "develop without a stack" 'takes a STACK' develop -o "$tmp/none"
+refused "develop of a scene" 'spectral render colorchecker writes one' develop colorchecker -o "$tmp/none"
+refused "compare with a scene" 'is a scene' compare "$stack" patches --map "$tmp/none"
 refused "develop of nothing" 'no-such' develop "$tmp/no-such.tif" -o "$tmp/none"
 refused "develop of a folder" 'error: ' develop "$tmp" -o "$tmp/none"
 refused "develop of text" 'text: ' develop "$tmp/text" -o "$tmp/none"
