@@ -118,8 +118,10 @@ bool file_write(const char *path, const char *bytes, size_t length, struct error
 
 /* ---- data/threads.c ---- */
 
-/* How many threads to start: as many as OpenMP offers where `wanted` is 0. */
-int thread_count(int wanted);
+/* Starts OpenMP's threads, as many as it offers where `wanted` is 0, and returns how many. None of
+ * them ever takes a signal that is held back while an output is open: it would end the program and
+ * leave the unfinished file. */
+int threads_start(int wanted);
 
 /* ---- data/text.c: strict words and numbers ---- */
 
@@ -649,6 +651,7 @@ void json_string(struct json *json, const char *key, const char *value); /* NULL
 void json_number(struct json *json, const char *key, double value);
 void json_count(struct json *json, const char *key, uint64_t value);
 void json_truth(struct json *json, const char *key, bool value);
+void json_numbers(struct json *json, const char *key, const double *values, int n); /* an array */
 /* The text, which the caller then owns; NULL: no memory. */
 char *json_end(struct json *json);
 
@@ -844,12 +847,6 @@ struct develop_result {
     double exposure;       /* as used */
     uint64_t out_of_gamut; /* pixels with a channel clipped by more than 1e-6; 0 of XYZ and Lab */
 };
-/* Weights that take radiances at the cube's wavelengths to linear display channels, to XYZ or, for
- * cielab, to XYZ, at exposure 1: out[channel * n_pages + i]. Refuses a detector that sees none of
- * the wavelengths. Fills in the result but for what the pixels decide. */
-bool develop_weights(const struct cube *cube, const struct detector *detector,
-                     const struct develop_options *options, double *out,
-                     struct develop_result *result, struct error *err);
 /* Cameras and films are balanced: each channel divided by the white's. They take no adaptation, and
  * have no XYZ or Lab; those are refused. */
 bool develop(const char *stack, const char *output, const struct develop_options *options,

@@ -305,7 +305,7 @@ static bool prepare_chunk(struct comparer *comparer, struct error *err)
     const size_t height = (size_t)comparer->out->height, fitting = chunk_samples / (2 * n * width);
     const size_t rows = fitting < 1 ? 1 : fitting < height ? fitting : height;
     comparer->rows = (int)rows;
-    comparer->threads = thread_count(comparer->options->threads);
+    comparer->threads = threads_start(comparer->options->threads);
     comparer->samples_a = calloc(n * rows * width, sizeof *comparer->samples_a);
     comparer->samples_b = calloc(n * rows * width, sizeof *comparer->samples_b);
     comparer->spectra = calloc(2 * n * rows, sizeof *comparer->spectra);

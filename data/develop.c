@@ -88,9 +88,12 @@ static bool needs_white(const struct detector *detector, const struct develop_op
            options->values == DEVELOP_LAB;
 }
 
-bool develop_weights(const struct cube *cube, const struct detector *detector,
-                     const struct develop_options *options, double *out,
-                     struct develop_result *result, struct error *err)
+/* Weights that take radiances at the cube's wavelengths to linear display channels, to XYZ or, for
+ * cielab, to XYZ, at exposure 1: out[channel * n_pages + i]. Refuses a detector that sees none of
+ * the wavelengths. Fills in the result but for what the pixels decide. */
+static bool develop_weights(const struct cube *cube, const struct detector *detector,
+                            const struct develop_options *options, double *out,
+                            struct develop_result *result, struct error *err)
 {
     const struct image *image = &cube->image;
     const int n = image->n_pages;
@@ -160,7 +163,7 @@ static bool prepare_chunk(struct development *of, struct error *err)
     const int rows = CHUNK_PIXELS / image->width;
     of->rows = rows < 1 ? 1 : rows < image->height ? rows : image->height;
     of->n_pixels = (size_t)of->rows * (size_t)image->width;
-    of->threads = thread_count(of->options->threads);
+    of->threads = threads_start(of->options->threads);
     of->radiance = calloc(BATCH * of->n_pixels, sizeof *of->radiance);
     of->sums = calloc(3 * of->n_pixels, sizeof *of->sums);
     of->samples = calloc(3 * of->n_pixels, sample_bytes(of->options));
@@ -428,21 +431,17 @@ static bool write_picture(struct development *of, const char *path, struct error
     return done;
 }
 
-/* Signals are held from before OpenMP starts its threads, none of which may take one. */
 bool develop(const char *stack, const char *output, const struct develop_options *options,
              struct develop_result *out, struct error *err)
 {
     struct development of = {.options = options, .result = out};
-    void *held = signals_hold();
-    bool done = (held != NULL || error_memory(err)) && cube_open(stack, &of.cube, err) &&
-                prepare_weights(&of, err) && prepare_chunk(&of, err) &&
-                (options->exposure > 0 || find_exposure(&of, err)) &&
+    bool done = cube_open(stack, &of.cube, err) && prepare_weights(&of, err) &&
+                prepare_chunk(&of, err) && (options->exposure > 0 || find_exposure(&of, err)) &&
                 write_picture(&of, output, err);
     cube_close(&of.cube);
     free(of.weights);
     free(of.radiance);
     free(of.sums);
     free(of.samples);
-    signals_release(held);
     return done;
 }

@@ -87,6 +87,14 @@ void json_truth(struct json *json, const char *key, bool value)
     json_text(json, value ? "true" : "false");
 }
 
+void json_numbers(struct json *json, const char *key, const double *values, int n)
+{
+    json_open(json, key, '[');
+    for (int i = 0; i < n; i++)
+        json_number(json, NULL, values[i]);
+    json_close(json, ']');
+}
+
 char *json_end(struct json *json)
 {
     json_text(json, "\n");

@@ -5,13 +5,16 @@
 #include <omp.h>
 #endif
 
-int thread_count(int wanted)
+/* Threads inherit which signals are held back from the one that starts them, and keep it. */
+int threads_start(int wanted)
 {
-    if (wanted > 0)
-        return wanted;
+    int n = wanted > 0 ? wanted : 1;
 #ifdef _OPENMP
-    return omp_get_max_threads();
-#else
-    return 1;
+    void *held = signals_hold();
+    n = wanted > 0 ? wanted : omp_get_max_threads();
+#pragma omp parallel num_threads(n)
+    (void)omp_get_thread_num();
+    signals_release(held);
 #endif
+    return n;
 }

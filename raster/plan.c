@@ -135,7 +135,7 @@ bool plan_make(const struct scene *scene, const struct plan_options *options, st
     camera.near /= out->unit;
     camera.far /= out->unit;
     camera.extent /= camera.perspective ? 1 : out->unit;
-    out->options.threads = thread_count(options->threads);
+    out->options.threads = threads_start(options->threads);
     out->n_bands = scene->n_wavelengths;
     out->n_passes = (out->n_bands + BANDS_PER_PASS - 1) / BANDS_PER_PASS;
     out->near = camera.near;

@@ -381,8 +381,7 @@ static bool commit(struct render_state *state, const struct render_output *outpu
 static bool render_all(struct render_state *state, const struct render_output *output,
                        struct error *err)
 {
-    /* OpenMP's and OpenGL's threads start here. None of them may take the signals that are held
-     * back while the stack is open, or they would end the program with its temporary file. */
+    /* OpenGL's threads start here, which take no signals either: see threads_start. */
     void *held = signals_hold();
     bool done = prepare(state, err);
     signals_release(held);

@@ -207,10 +207,7 @@ static void json_picture(struct json *json, const struct plan *plan,
     json_string(json, "scene_sha256", scene->sha256);
     json_count(json, "width", (uint64_t)scene->width);
     json_count(json, "height", (uint64_t)scene->height);
-    json_open(json, "wavelengths_nm", '[');
-    for (int i = 0; i < scene->n_wavelengths; i++)
-        json_number(json, NULL, scene->wavelengths_nm[i]);
-    json_close(json, ']');
+    json_numbers(json, "wavelengths_nm", scene->wavelengths_nm, scene->n_wavelengths);
     json_number(json, "full_scale", result->full_scale);
     json_string(json, "renderer", plan->options.store_raster ? "raster" : "gl");
     json_string(json, "gl_renderer", plan->options.use_gl ? result->gl_renderer : NULL);

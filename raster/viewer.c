@@ -23,14 +23,6 @@ struct page {
     struct viewer_result *result;
 };
 
-static void json_numbers(struct json *json, const char *key, const double *values, int n)
-{
-    json_open(json, key, '[');
-    for (int i = 0; i < n; i++)
-        json_number(json, NULL, values[i]);
-    json_close(json, ']');
-}
-
 static void json_matrix(struct json *json, const char *key, double matrix[3][3])
 {
     json_open(json, key, '[');

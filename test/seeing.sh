@@ -172,6 +172,21 @@ prints '^page +.*page.html' "and says so"
 grep -q '<script' "$tmp/page.html" && ! grep -Eq '(src|href)="?(https?:)?//' "$tmp/page.html"
 ok $? "which names no other address"
 refused "a page of 25 megapixels" '--size' view --size 5000x5000 -o "$tmp/none"
+# The page waits for somebody to read the pipe; by then all threads but the first hold signals back.
+mkfifo "$tmp/pipe"
+"$SPECTRAL" view patches --size 60x40 --threads 3 -o "$tmp/pipe" --quiet &
+viewer=$!
+held=0
+for _ in 1 2 3 4 5 6 7 8 9 10; do
+    held=$(grep -lE '^SigBlk:[[:space:]]*[0-9a-f]*[4567cdef][0-9a-f]{3}$' "/proc/$viewer/task"/*/status | wc -l)
+    [ "$held" -lt 2 ] || break
+    sleep 0.2
+done
+[ "$held" = 2 ] && [ "$(find "/proc/$viewer/task" -mindepth 1 -maxdepth 1 | wc -l)" = 3 ]
+ok $? "no thread takes the SIGTERM that would leave an unfinished page"
+cat "$tmp/pipe" >"$tmp/piped.html"
+wait "$viewer"
+ok $? "which goes through a pipe"
 refused "view of an unknown scene" 'no-such' view no-such -o "$tmp/none"
 exits 3 "a page for a full device is a failure of the system" "$SPECTRAL" view patches --size 60x40 -o /dev/full
 done_testing
