@@ -15,6 +15,7 @@ from osgeo import gdal
 from PIL import Image
 
 sys.dont_write_bytecode = True
+from colours import cielab
 from rendered import SPECTRAL, TMP, check, done, write
 
 gdal.UseExceptions()
@@ -79,9 +80,7 @@ def encode(display, linear):
 
 
 def lab(xyz, white):
-    ratio = xyz / white
-    f = np.where(ratio > (6 / 29)**3, np.cbrt(ratio), ratio * (29 / 6)**2 / 3 + 4 / 29)
-    return np.stack([116 * f[..., 1] - 16, 500 * (f[..., 0] - f[..., 1]), 200 * (f[..., 1] - f[..., 2])], -1)
+    return np.moveaxis(cielab(np.moveaxis(xyz, -1, 0), white[:, None, None]), 0, -1)
 
 
 class Stack:
