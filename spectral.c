@@ -23,32 +23,46 @@ static const char usage[] =
     "                                  STACK's name + -developed.tif)\n"
     "  probe  STACK|SCENE X Y [W H]    the spectrum of a pixel, or the mean of a region\n"
     "  compare STACK STACK             where and by how much two stacks differ\n"
+    "  cost   [SCENE]                  what accuracy costs in time: measures many settings\n"
     "  view   [SCENE] [-o PAGE.html]   an interactive viewer in one HTML file\n"
     "  info   STACK                    how a stack was made\n"
-    "  list   [KIND]                   illuminants, observers, materials, shapes or scenes\n"
+    "  list   [KIND]                   illuminants, observers, materials, shapes, scenes or\n"
+    "                                  samplings\n"
     "\n"
-    "SCENE is a scene file, a list of material files, or a built-in scene (colorchecker).\n"
+    "SCENE is a scene file, a list of material files, or a built-in scene (colorchecker).\n";
+
+static const char usage_of_options[] =
     "\n"
-    "render, plan, view, and probe of a scene:\n"
+    "render, plan, view, cost, and probe of a scene:\n"
     "  --wavelengths START:END:STEP    in nm; or a list: 450,500.5,620\n"
     "  --size WxH                      in pixels\n"
     "  --light N=SPECTRUM[*INTENSITY]  another spectrum for light N (from 1); again for more\n"
     "  --ambient SPECTRUM[*INTENSITY]  another ambient light\n"
+    "all of these but cost:\n"
+    "  --shading smooth|flat|phong     phong lights each pixel: with --renderer raster\n"
+    "  --tessellation FACTOR           of the slices, stacks, ... of built-in shapes\n"
+    "render and plan:\n"
+    "  --sampling METHOD               box:N, riemann:STEP, gauss:N[,open|xyz|lms|acc],\n"
+    "                                  adaptive:TOLERANCE, basis:K, rgb or xyz\n"
+    "  --detector NAME|FILE            whom it is sampled for (default cie1931)\n"
     "render:\n"
     "  -o, --output STACK.tif          /dev/null: check only, write nothing\n"
     "  --again STACK                   make that stack again, from the scene and the options that\n"
     "                                  it records; it must be the same to the last byte\n"
     "                                  (default output: STACK's name + -again.tif)\n"
-    "  --renderer gl|raster            whose pixels are stored (default gl)\n"
+    "  --renderer NAME                 whose pixels are stored: gl (default), its llvmpipe or\n"
+    "                                  softpipe, or raster, the reference\n"
+    "  --buffer 8|16|float             bits of OpenGL's colours (default float)\n"
     "  --no-check                      do not cross-check\n"
     "  --strict                        every pixel must have a bound, and no fragment be lost or\n"
     "                                  doubled where triangles meet\n"
     "  --keep                          store the stack even when the check fails\n"
     "  --full-scale R                  radiance of count 65535 (default: the largest)\n"
-    "  --depth 16|32f                  counts, or 32-bit float radiances\n"
+    "  --depth 8|16|32f                counts, or 32-bit float radiances (default 16)\n"
     "  --threads N                     default: one per processor\n"
     "  --json FILE                     results as JSON; - is standard output\n"
-    "  --quiet                         no table and no progress; so in develop, compare and view\n"
+    "  --quiet                         no table and no progress; so in develop, compare, view and\n"
+    "                                  cost\n"
     "develop, probe and compare:\n"
     "  --detector NAME|FILE            default cie1931; a camera only in develop (also: "
     "--observer)\n"
@@ -60,17 +74,30 @@ static const char usage[] =
     "  --exposure FACTOR|auto          default 1; auto: nothing is brighter than the display\n"
     "  --bits 8|16                     default 8\n"
     "  --xyz, --lab                    float tristimulus values, or CIELAB, instead of RGB\n"
+    "  --sampling METHOD               as if the spectra had been sampled so (no basis, rgb, xyz)\n"
     "probe:\n"
     "  --csv, --svg                    a table, or a plot, instead of text; to -o FILE\n"
     "compare:\n"
     "  --tolerance R|P%|EdE00          largest difference that passes: radiance, per cent of the\n"
     "                                  largest radiance, or CIEDE2000 (dE94, dE76); default 0\n"
     "  --map OUT.tif                   each pixel's largest difference, spectral angle, CIEDE2000\n"
+    "cost:\n"
+    "  --observer NAME|FILE            default cie1931\n"
+    "  --runs N                        of each setting, at least 5 (default 5)\n"
+    "  --csv FILE, --svg FILE          the table, and a chart; - is standard output\n"
+    "  --tolerance E                   names the cheapest setting within E CIEDE2000, for 95 %\n"
+    "                                  of the pixels\n"
+    "  --budget SECONDS                names the most accurate setting within the time\n"
     "all:\n"
     "  -h, --help    --version\n"
     "\n"
     "exit status: 0 agreed, 1 pictures or stacks differ, 2 bad usage or input, 3 the system "
     "failed\n";
+
+static bool print_usage(void)
+{
+    return fputs(usage, stdout) >= 0 && fputs(usage_of_options, stdout) >= 0;
+}
 
 /* ---- options ---- */
 
@@ -91,6 +118,9 @@ struct options {
     const char *detector, *white, *map;
     struct develop_options develop;
     struct tolerance tolerance;
+    const char *sampling;
+    const char *csv_file, *svg_file, *budget, *largest_error; /* of cost */
+    int runs;
     bool xyz, lab, csv, svg;
     bool no_check, strict, keep, quiet, help;
 };
@@ -119,16 +149,30 @@ static bool record_option(struct options *options, const char *name, const char 
 
 static bool set_renderer(struct options *options, const char *value, struct error *err)
 {
+    const bool driver = strcmp(value, "llvmpipe") == 0 || strcmp(value, "softpipe") == 0;
     options->plan.store_raster = strcmp(value, "raster") == 0;
-    return options->plan.store_raster || strcmp(value, "gl") == 0 ||
-           error_usage(err, "--renderer takes gl or raster, not '%s'", value);
+    options->plan.gl_driver = driver ? value : NULL;
+    return driver || options->plan.store_raster || strcmp(value, "gl") == 0 ||
+           error_usage(err, "--renderer takes gl, llvmpipe, softpipe or raster, not '%s'", value);
+}
+
+/* 8, 16, or 32 under the name of floats. */
+static bool read_bits(const char *option, const char *value, const char *floats, int *out,
+                      struct error *err)
+{
+    *out = strcmp(value, "8") == 0 ? 8 : strcmp(value, "16") == 0 ? 16 : 32;
+    return *out < 32 || strcmp(value, floats) == 0 ||
+           error_usage(err, "%s takes 8, 16 or %s, not '%s'", option, floats, value);
 }
 
 static bool set_depth(struct options *options, const char *value, struct error *err)
 {
-    options->plan.floating = strcmp(value, "32f") == 0;
-    return options->plan.floating || strcmp(value, "16") == 0 ||
-           error_usage(err, "--depth takes 16 or 32f, not '%s'", value);
+    return read_bits("--depth", value, "32f", &options->plan.bits, err);
+}
+
+static bool set_buffer(struct options *options, const char *value, struct error *err)
+{
+    return read_bits("--buffer", value, "float", &options->plan.buffer_bits, err);
 }
 
 /* Reads an option's one number through the same strict words as files. */
@@ -150,14 +194,24 @@ static bool set_full_scale(struct options *options, const char *value, struct er
     return option_number("--full-scale", value, 1e-300, 1e300, &options->plan.full_scale, err);
 }
 
+static bool option_count(const char *option, const char *value, int lowest, int *out,
+                         struct error *err)
+{
+    double count;
+    if (!option_number(option, value, lowest, 1024, &count, err))
+        return false;
+    *out = (int)count;
+    return count == *out || error_usage(err, "%s takes a whole number, not '%s'", option, value);
+}
+
 static bool set_threads(struct options *options, const char *value, struct error *err)
 {
-    double threads;
-    if (!option_number("--threads", value, 1, 1024, &threads, err))
-        return false;
-    options->plan.threads = (int)threads;
-    return threads == options->plan.threads ||
-           error_usage(err, "--threads takes a whole number, not '%s'", value);
+    return option_count("--threads", value, 1, &options->plan.threads, err);
+}
+
+static bool set_runs(struct options *options, const char *value, struct error *err)
+{
+    return option_count("--runs", value, 5, &options->runs, err);
 }
 
 static bool set_adaptation(struct options *options, const char *value, struct error *err)
@@ -189,7 +243,8 @@ static bool set_tolerance(struct options *options, const char *value, struct err
     return tolerance_read("--tolerance", value, &options->tolerance, err);
 }
 
-/* RECORDED: what decides the picture, and so is what --again takes from a stack. */
+/* RECORDED: what decides the picture, and so is what --again takes from a stack. FOR_SHADED: all of
+ * FOR_SCENES but cost, which chooses its shading itself. */
 enum {
     FOR_SCENES = 1,
     FOR_RENDER = 2,
@@ -199,6 +254,9 @@ enum {
     FOR_VIEW = 32,
     FOR_ALL = 64,
     RECORDED = 128,
+    FOR_PLAN = 256,
+    FOR_COST = 512,
+    FOR_SHADED = 1024,
     FOR_SEEING = FOR_DEVELOP | FOR_PROBE | FOR_COMPARE
 };
 
@@ -218,10 +276,21 @@ static const struct option known_options[] = {
     {"--size", FOR_SCENES | RECORDED, OVERRIDE, scene_set_size, NULL, 0},
     {"--light", FOR_SCENES | RECORDED, OVERRIDE, scene_set_light, NULL, 0},
     {"--ambient", FOR_SCENES | RECORDED, OVERRIDE, scene_set_ambient, NULL, 0},
+    {"--shading", FOR_SHADED | RECORDED, OVERRIDE, scene_set_shading, NULL, 0},
+    {"--tessellation", FOR_SHADED | RECORDED, OVERRIDE, scene_set_tessellation, NULL, 0},
+    {"--sampling", FOR_RENDER | FOR_PLAN | RECORDED, WORD, NULL, NULL,
+     offsetof(struct options, sampling)},
+    {"--sampling", FOR_DEVELOP, WORD, NULL, NULL, offsetof(struct options, sampling)},
+    {"--detector", FOR_RENDER | FOR_PLAN | RECORDED, WORD, NULL, NULL,
+     offsetof(struct options, detector)},
+    {"--observer", FOR_RENDER | FOR_PLAN | RECORDED, WORD, NULL, NULL,
+     offsetof(struct options, detector)},
     {"--renderer", FOR_RENDER | RECORDED, SETTER, NULL, set_renderer, 0},
+    {"--buffer", FOR_RENDER | RECORDED, SETTER, NULL, set_buffer, 0},
     {"--depth", FOR_RENDER | RECORDED, SETTER, NULL, set_depth, 0},
     {"--full-scale", FOR_RENDER | RECORDED, SETTER, NULL, set_full_scale, 0},
-    {"--threads", FOR_RENDER | FOR_DEVELOP | FOR_COMPARE | FOR_VIEW, SETTER, NULL, set_threads, 0},
+    {"--threads", FOR_RENDER | FOR_DEVELOP | FOR_COMPARE | FOR_VIEW | FOR_COST, SETTER, NULL,
+     set_threads, 0},
     {"--output", FOR_RENDER | FOR_DEVELOP | FOR_PROBE | FOR_VIEW, WORD, NULL, NULL,
      offsetof(struct options, output)},
     {"-o", FOR_RENDER | FOR_DEVELOP | FOR_PROBE | FOR_VIEW, WORD, NULL, NULL,
@@ -231,10 +300,10 @@ static const struct option known_options[] = {
     {"--no-check", FOR_RENDER | RECORDED, FLAG, NULL, NULL, offsetof(struct options, no_check)},
     {"--strict", FOR_RENDER | RECORDED, FLAG, NULL, NULL, offsetof(struct options, strict)},
     {"--keep", FOR_RENDER, FLAG, NULL, NULL, offsetof(struct options, keep)},
-    {"--quiet", FOR_RENDER | FOR_DEVELOP | FOR_COMPARE | FOR_VIEW, FLAG, NULL, NULL,
+    {"--quiet", FOR_RENDER | FOR_DEVELOP | FOR_COMPARE | FOR_VIEW | FOR_COST, FLAG, NULL, NULL,
      offsetof(struct options, quiet)},
-    {"--detector", FOR_SEEING, WORD, NULL, NULL, offsetof(struct options, detector)},
-    {"--observer", FOR_SEEING, WORD, NULL, NULL, offsetof(struct options, detector)},
+    {"--detector", FOR_SEEING | FOR_COST, WORD, NULL, NULL, offsetof(struct options, detector)},
+    {"--observer", FOR_SEEING | FOR_COST, WORD, NULL, NULL, offsetof(struct options, detector)},
     {"--white", FOR_SEEING, WORD, NULL, NULL, offsetof(struct options, white)},
     {"--adaptation", FOR_DEVELOP, SETTER, NULL, set_adaptation, 0},
     {"--display", FOR_DEVELOP, SETTER, NULL, set_display, 0},
@@ -244,17 +313,24 @@ static const struct option known_options[] = {
     {"--lab", FOR_DEVELOP, FLAG, NULL, NULL, offsetof(struct options, lab)},
     {"--csv", FOR_PROBE, FLAG, NULL, NULL, offsetof(struct options, csv)},
     {"--svg", FOR_PROBE, FLAG, NULL, NULL, offsetof(struct options, svg)},
+    {"--csv", FOR_COST, WORD, NULL, NULL, offsetof(struct options, csv_file)},
+    {"--svg", FOR_COST, WORD, NULL, NULL, offsetof(struct options, svg_file)},
     {"--tolerance", FOR_COMPARE, SETTER, NULL, set_tolerance, 0},
+    {"--tolerance", FOR_COST, WORD, NULL, NULL, offsetof(struct options, largest_error)},
+    {"--budget", FOR_COST, WORD, NULL, NULL, offsetof(struct options, budget)},
+    {"--runs", FOR_COST, SETTER, NULL, set_runs, 0},
     {"--map", FOR_COMPARE, WORD, NULL, NULL, offsetof(struct options, map)},
     {"--help", FOR_ALL, FLAG, NULL, NULL, offsetof(struct options, help)},
     {"-h", FOR_ALL, FLAG, NULL, NULL, offsetof(struct options, help)},
 };
 enum { N_OPTIONS = sizeof known_options / sizeof known_options[0] };
 
-static const struct option *find_option(const char *word, size_t length)
+/* An option of one name may be another one for another command. */
+static const struct option *find_option(const char *word, size_t length, int commands)
 {
     for (int i = 0; i < N_OPTIONS; i++)
-        if (strlen(known_options[i].name) == length &&
+        if ((known_options[i].commands & (commands | FOR_ALL)) &&
+            strlen(known_options[i].name) == length &&
             strncmp(known_options[i].name, word, length) == 0)
             return &known_options[i];
     return NULL;
@@ -288,8 +364,8 @@ static bool parse_option(int argc, char **argv, int *index, int commands, struct
 {
     const char *word = argv[*index], *equals = strchr(word, '=');
     size_t length = equals ? (size_t)(equals - word) : strlen(word);
-    const struct option *option = find_option(word, length);
-    if (!option || !(option->commands & (commands | FOR_ALL)))
+    const struct option *option = find_option(word, length, commands);
+    if (!option)
         return error_usage(err, "%s has no option '%.*s'; try spectral --help", argv[1],
                            (int)length, word);
     if (option->kind == FLAG)
@@ -303,7 +379,7 @@ static bool parse_option(int argc, char **argv, int *index, int commands, struct
 static bool parse_options(int argc, char **argv, int commands, int n_operands, struct options *out,
                           struct error *err)
 {
-    *out = (struct options){.detector = "cie1931", .develop = {.exposure = 1, .bits = 8}};
+    *out = (struct options){.runs = 5, .develop = {.exposure = 1, .bits = 8}};
     bool only_operands = false;
     for (int i = 2; i < argc; i++) {
         if (!only_operands && strcmp(argv[i], "--") == 0) {
@@ -333,11 +409,28 @@ static bool read_scene(const struct options *options, struct scene *out, struct 
     return true;
 }
 
+static const char *detector_of(const struct options *options)
+{
+    return options->detector ? options->detector : "cie1931";
+}
+
+/* The same, sampled as the options say. */
+static bool read_sampled(const struct options *options, struct scene *out, struct error *err)
+{
+    struct sampling_method method;
+    if (!options->sampling)
+        return options->detector ? error_usage(err, "--detector is for whom --sampling samples; "
+                                                    "develop shows a stack to any detector")
+                                 : read_scene(options, out, err);
+    return sampling_read("--sampling", options->sampling, &method, err) &&
+           read_scene(options, out, err) && scene_sample(out, &method, detector_of(options), err);
+}
+
 static bool command_plan(struct options *options, struct error *err)
 {
-    struct scene scene;
+    struct scene scene = {.path = NULL};
     struct plan plan = {.scene = NULL};
-    bool done = read_scene(options, &scene, err) && plan_make(&scene, &options->plan, &plan, err);
+    bool done = read_sampled(options, &scene, err) && plan_make(&scene, &options->plan, &plan, err);
     if (done)
         plan_print(&plan, stdout);
     plan_free(&plan);
@@ -452,12 +545,12 @@ static bool report(const struct options *options, const struct plan *plan,
                : report_not_again(plan, result, output->again, made, then, err);
 }
 
-/* Finds a report that cannot be written before the picture is drawn, not after. */
-static bool can_report(const struct options *options, struct error *err)
+/* Finds a report that cannot be written before the pictures are drawn, not after; NULL: none is
+ * wanted. */
+static bool can_report(const char *path, struct error *err)
 {
     struct output probe = {.path = NULL};
-    bool able = !options->json || strcmp(options->json, "-") == 0 ||
-                output_open(&probe, options->json, err);
+    bool able = !path || strcmp(path, "-") == 0 || output_open(&probe, path, err);
     output_discard(&probe);
     return able;
 }
@@ -488,6 +581,21 @@ static bool same_scene(const struct scene *scene, const char *stack, const struc
                        "%s: the scene's text is not that of %s: its SHA-256 is %s, recorded is "
                        "%.64s",
                        scene->path, stack, scene->sha256, made->scene_sha256);
+}
+
+/* What lights each pixel OpenGL cannot, and so cannot be checked either. */
+static bool check_shading(const struct options *options, const struct scene *scene,
+                          struct plan_options *plan, struct error *err)
+{
+    if (scene->shading != SHADING_PHONG)
+        return true;
+    if (!plan->store_raster)
+        return error_usage(err, "phong shading is the reference's, since OpenGL lights vertices; "
+                                "add --renderer raster");
+    if (options->strict)
+        return error_usage(err, "--strict checks OpenGL, which has no phong shading");
+    plan->check = plan->use_gl = false;
+    return true;
 }
 
 /* What a program without OpenGL lacks is said before anything is read. */
@@ -524,13 +632,14 @@ static bool plan_and_render(const struct options *options, const struct render_o
     struct plan_options plan_options = plan_of(options);
     struct render_seconds seconds = {.read = 0};
     double start = render_clock();
-    bool done = check_gl(options, output->again, err) && read_scene(options, &scene, err) &&
+    bool done = check_gl(options, output->again, err) && read_sampled(options, &scene, err) &&
+                check_shading(options, &scene, &plan_options, err) &&
                 (!made || same_scene(&scene, output->again, made, err)) &&
                 spares_scene(output->path, &scene, err) && spares_scene(options->json, &scene, err);
     seconds.read = render_clock() - start;
     done = done && plan_make(&scene, &plan_options, &plan, err);
     seconds.plan = render_clock() - start - seconds.read;
-    done = done && can_report(options, err) &&
+    done = done && can_report(options->json, err) &&
            render_planned(options, &plan, &seconds, output, made, err);
     plan_free(&plan);
     scene_free(&scene);
@@ -670,9 +779,13 @@ static bool command_develop(struct options *options, struct error *err)
         return error_usage(err, "develop takes a STACK; try spectral --help");
     if (options->xyz && options->lab)
         return error_usage(err, "--xyz and --lab exclude each other");
+    struct sampling_method method;
+    if (options->sampling && !sampling_read("--sampling", options->sampling, &method, err))
+        return false;
+    develop_options->sampling = options->sampling ? &method : NULL;
     char *named = options->output ? NULL : default_output(options->operand, "-developed.tif");
     const char *output = options->output ? options->output : named;
-    develop_options->detector = options->detector;
+    develop_options->detector = detector_of(options);
     develop_options->white = options->white;
     develop_options->threads = options->plan.threads;
     develop_options->values = options->xyz ? DEVELOP_XYZ : options->lab ? DEVELOP_LAB : DEVELOP_RGB;
@@ -704,8 +817,8 @@ static bool region_read(const struct options *options, struct probe_options *out
             (numbers[i] != (int)numbers[i] && !error_usage(err, "%s is a whole number, not '%s'",
                                                            names[i], options->operands[1 + i])))
             return false;
-    *out = (struct probe_options){(int)numbers[0], (int)numbers[1],   (int)numbers[2],
-                                  (int)numbers[3], options->detector, options->white};
+    *out = (struct probe_options){(int)numbers[0], (int)numbers[1],      (int)numbers[2],
+                                  (int)numbers[3], detector_of(options), options->white};
     return true;
 }
 
@@ -779,7 +892,7 @@ static bool command_probe(struct options *options, struct error *err)
 static bool command_compare(struct options *options, struct error *err)
 {
     struct comparison comparison = {.n = 0};
-    struct compare_options compare_options = {options->detector, options->white, options->map,
+    struct compare_options compare_options = {detector_of(options), options->white, options->map,
                                               options->tolerance, options->plan.threads};
     if (options->n_operands != 2)
         return error_usage(err, "compare takes two stacks; try spectral --help");
@@ -826,6 +939,166 @@ static bool command_view(struct options *options, struct error *err)
     return done;
 }
 
+/* ---- cost ---- */
+
+/* A command line of render: what cost was told of the scene, then a configuration's words. */
+static bool parse_render(const struct options *options, char *const *words, int n_words,
+                         struct options *out, struct error *err)
+{
+    char command[] = "render", *line[2 + MAX_RECORD_OPTIONS + COST_WORDS] = {command, command};
+    int n = 2;
+    for (int i = 0; i < options->n_recorded; i++)
+        line[n++] = options->recorded[i];
+    for (int i = 0; i < n_words; i++)
+        line[n++] = words[i];
+    if (!parse_options(n, line, FOR_SCENES | FOR_SHADED | FOR_RENDER, 0, out, err))
+        return false;
+    out->operand = options->operand;
+    out->plan.threads = options->plan.threads;
+    out->quiet = true;
+    return true;
+}
+
+static bool cost_render(void *context, char *const *words, int n_words, const char *output,
+                        struct error *err)
+{
+    struct options options = {.operand = NULL};
+    bool done = parse_render(context, words, n_words, &options, err);
+    options.output = output;
+    done = done && render_scene(&options, err);
+    options_free(&options);
+    return done;
+}
+
+static bool cost_read(void *context, char *const *words, int n_words, struct scene *out,
+                      struct error *err)
+{
+    struct options options = {.operand = NULL};
+    bool done =
+        parse_render(context, words, n_words, &options, err) && read_sampled(&options, out, err);
+    options_free(&options);
+    return done;
+}
+
+/* A file that is NULL is not wanted. */
+static bool cost_write(const struct cost *cost, const char *csv, const char *svg, struct error *err)
+{
+    char *table = NULL, *chart = NULL;
+    size_t length = 0;
+    FILE *stream = csv ? open_memstream(&table, &length) : NULL;
+    if (stream) {
+        cost_print_csv(cost, stream);
+        if (fclose(stream) != 0)
+            length = 0;
+    }
+    if (svg)
+        chart = cost_svg(cost);
+    bool done = (!csv || length > 0) && (!svg || chart) ? true : error_memory(err);
+    done = done && (!csv || file_write(csv, table, length, err)) &&
+           (!svg || file_write(svg, chart, strlen(chart), err));
+    free(table);
+    free(chart);
+    return done;
+}
+
+/* As one would type it. */
+static void print_word(const char *word, FILE *to)
+{
+    const bool plain = word[strspn(word, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
+                                         "0123456789%+,-./:=@_")] == '\0';
+    fputs(plain ? " " : " '", to);
+    for (; *word; word++)
+        if (*word == '\'')
+            fputs("'\\''", to);
+        else
+            fputc(*word, to);
+    fputs(plain ? "" : "'", to);
+}
+
+static void print_setting(const struct options *options, const char *what,
+                          const struct cost_entry *entry, FILE *to)
+{
+    fprintf(to, "%s: %s, %.3g s, dE00 %.3g\n  spectral render", what, entry->name, entry->seconds,
+            entry->quantile_95);
+    print_word(options->operand ? options->operand : "colorchecker", to);
+    for (int i = 0; i < options->n_recorded; i++)
+        print_word(options->recorded[i], to);
+    for (int i = 0; i < entry->n_words; i++)
+        print_word(entry->words[i], to);
+    fputc('\n', to);
+}
+
+/* Where the one that serves best is no stack of wavelengths, the best that is one, too. */
+static bool recommend(const struct options *options, const char *what, const struct cost *cost,
+                      const struct cost_entry *(*find)(const struct cost *cost, double limit,
+                                                       bool spectral),
+                      double limit, FILE *to, struct error *err)
+{
+    const struct cost_entry *entry = find(cost, limit, false), *other = find(cost, limit, true);
+    if (!entry) {
+        error_usage(err, "no setting is %s", what);
+        err->status = EXIT_DIFFERENT;
+        return false;
+    }
+    print_setting(options, what, entry, to);
+    if (!other)
+        fputs("with spectra: none\n", to);
+    else if (other != entry)
+        print_setting(options, "with spectra", other, to);
+    return true;
+}
+
+static bool report_cost(const struct options *options, const struct cost *cost, double tolerance,
+                        double budget, struct error *err)
+{
+    const bool taken = (options->csv_file && strcmp(options->csv_file, "-") == 0) ||
+                       (options->svg_file && strcmp(options->svg_file, "-") == 0);
+    FILE *to = taken ? stderr : stdout;
+    char what[80];
+    if (!options->quiet)
+        cost_print(cost, to);
+    if (!cost_write(cost, options->csv_file, options->svg_file, err))
+        return false;
+    snprintf(what, sizeof what, "within %.10g CIEDE2000", tolerance);
+    if (options->largest_error && !recommend(options, what, cost, cost_within, tolerance, to, err))
+        return false;
+    snprintf(what, sizeof what, "within %.10g s", budget);
+    return !options->budget || recommend(options, what, cost, cost_affordable, budget, to, err);
+}
+
+static bool can_cost(struct options *options, struct error *err)
+{
+    struct scene scene = {.path = NULL};
+    const char *csv = options->csv_file, *svg = options->svg_file;
+    bool done = cost_read(options, NULL, 0, &scene, err) && spares_scene(csv, &scene, err) &&
+                spares_scene(svg, &scene, err) && can_report(csv, err) && can_report(svg, err);
+    scene_free(&scene);
+    return done && (!csv || !svg || strcmp(csv, svg) != 0 ||
+                    error_usage(err, "--csv and --svg are written to different files"));
+}
+
+static bool command_cost(struct options *options, struct error *err)
+{
+    struct progress_line line = {.start = render_clock()};
+    const struct cost_program program = {cost_render, cost_read, options};
+    const struct cost_options cost_options = {
+        .observer = detector_of(options),
+        .runs = options->runs,
+        .threads = options->plan.threads,
+        .progress = !options->quiet && isatty(STDERR_FILENO) ? show_progress : NULL,
+        .progress_context = &line};
+    struct cost cost = {.scene = NULL};
+    double tolerance = 0, budget = 0;
+    bool done =
+        (!options->largest_error ||
+         option_number("--tolerance", options->largest_error, 0, 1000, &tolerance, err)) &&
+        (!options->budget || option_number("--budget", options->budget, 0, 1e9, &budget, err)) &&
+        can_cost(options, err) && cost_measure(&program, &cost_options, &cost, err) &&
+        report_cost(options, &cost, tolerance, budget, err);
+    cost_free(&cost);
+    return done;
+}
+
 /* ---- info ---- */
 
 /* A file's words: a control character among them could drive the terminal. */
@@ -849,12 +1122,20 @@ static void print_record(const struct image *image, const struct record *record)
         print_fact("light", record->lights[i]);
     for (int i = 0; i < record->n_ambients; i++)
         print_fact("ambient light", record->ambients[i]);
+    if (record->sampling) {
+        print_fact("sampling", record->sampling);
+        print_fact(record->n_response > 0 ? "sampled only for" : "sampled for",
+                   record->sampling_detector);
+    }
     if (record->map_bytes > 0)
         printf("objects           %d\n", record->n_objects);
     printf("pages             %d of %d x %d pixels\n", image->n_pages, image->width, image->height);
     if (image->wavelengths_nm)
         printf("wavelengths       %.10g to %.10g nm\n", image->wavelengths_nm[0],
                image->wavelengths_nm[image->n_pages - 1]);
+    if (record->components)
+        printf("components        of %.10g to %.10g nm\n", record->range_nm[0] + 0.5,
+               record->range_nm[1] - 0.5);
     print_fact("full scale", record->full_scale);
     print_fact("scale", record->scale);
     print_fact("verdict", image->verdict);
@@ -917,13 +1198,27 @@ static void list_tables(bool observers)
     }
 }
 
+static void list_samplings(void)
+{
+    fputs(
+        "  box:N               N boxes of equal area under the detector's functions\n"
+        "  riemann:STEP        a sample every STEP nm\n"
+        "  gauss:N             Gaussian quadrature weighted by the detector's functions\n"
+        "  gauss:N,open        by none: the detector is left open\n"
+        "  gauss:N,xyz|lms|acc by tristimulus values, cones or opponent functions, each its own\n"
+        "  adaptive:TOLERANCE  emission peaks, and quadrature between them\n"
+        "  basis:K             K principal components of lights x reflectances: no spectra\n"
+        "  rgb, xyz            three numbers a light and a material: no spectra, no fluorescence\n",
+        stdout);
+}
+
 static bool command_list(struct options *options, struct error *err)
 {
-    static const char *const kinds[] = {"illuminants", "observers", "materials", "shapes",
-                                        "scenes"};
+    static const char *const kinds[] = {"illuminants", "observers", "materials",
+                                        "shapes",      "scenes",    "samplings"};
     const char *wanted = options->operand;
     bool found = false;
-    for (int i = 0; i < 5; i++) {
+    for (int i = 0; i < 6; i++) {
         if (wanted && strcmp(wanted, kinds[i]) != 0)
             continue;
         found = true;
@@ -934,12 +1229,14 @@ static bool command_list(struct options *options, struct error *err)
             list_folder("materials/", ".txt");
         else if (i == 3)
             list_shapes();
-        else
+        else if (i == 4)
             list_folder("scenes/", ".scene");
+        else
+            list_samplings();
     }
     return found || error_usage(err,
                                 "there is no list of '%s'; there are illuminants, observers, "
-                                "materials, shapes and scenes",
+                                "materials, shapes, scenes and samplings",
                                 wanted);
 }
 
@@ -960,12 +1257,13 @@ struct command {
     bool (*run)(struct options *options, struct error *err);
 };
 static const struct command commands[] = {
-    {"render", FOR_SCENES | FOR_RENDER, 1, command_render},
-    {"plan", FOR_SCENES, 1, command_plan},
+    {"render", FOR_SCENES | FOR_SHADED | FOR_RENDER, 1, command_render},
+    {"plan", FOR_SCENES | FOR_SHADED | FOR_PLAN, 1, command_plan},
     {"develop", FOR_DEVELOP, 1, command_develop},
-    {"probe", FOR_SCENES | FOR_PROBE, 5, command_probe},
+    {"probe", FOR_SCENES | FOR_SHADED | FOR_PROBE, 5, command_probe},
     {"compare", FOR_COMPARE, 2, command_compare},
-    {"view", FOR_SCENES | FOR_VIEW, 1, command_view},
+    {"cost", FOR_SCENES | FOR_COST, 1, command_cost},
+    {"view", FOR_SCENES | FOR_SHADED | FOR_VIEW, 1, command_view},
     {"info", 0, 1, command_info},
     {"list", 0, 1, command_list},
 };
@@ -976,7 +1274,7 @@ static bool run_with_options(const struct command *command, int argc, char **arg
 {
     struct options options;
     bool done = parse_options(argc, argv, command->options, command->n_operands, &options, err) &&
-                (options.help ? fputs(usage, stdout) >= 0 : command->run(&options, err));
+                (options.help ? print_usage() : command->run(&options, err));
     options_free(&options);
     return done;
 }
@@ -989,13 +1287,13 @@ static bool run_command(int argc, char **argv, struct error *err)
         return print_version();
     if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 ||
         strcmp(argv[1], "help") == 0)
-        return fputs(usage, stdout) >= 0;
+        return print_usage();
     for (int i = 0; i < N_COMMANDS; i++)
         if (strcmp(argv[1], commands[i].name) == 0)
             return run_with_options(&commands[i], argc, argv, err);
     return error_usage(err,
-                       "'%s' is no command; there are render, plan, develop, probe, compare, view, "
-                       "info and list",
+                       "'%s' is no command; there are render, plan, develop, probe, compare, cost, "
+                       "view, info and list",
                        argv[1]);
 }
 

@@ -19,7 +19,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#define SPECTRAL_VERSION "0.3.0"
+#define SPECTRAL_VERSION "0.4.0"
 #define PROGRAM "spectral " SPECTRAL_VERSION
 
 #if defined(__GNUC__)
@@ -295,6 +295,8 @@ struct detector {
  * is an observer where the table names its columns x, y and z; otherwise a camera, of channels
  * whatever their names. */
 bool detector_read(const char *name, struct detector *out, struct error *err);
+/* The same; a camera is refused. */
+bool observer_read(const char *name, struct detector *out, struct error *err);
 void detector_free(struct detector *detector);
 /* Of n >= 1 increasing wavelengths, how much a radiance at each counts in each channel:
  * out[channel * n + i]. A wavelength stands for the distance half-way to its neighbours, the first
@@ -303,15 +305,36 @@ void detector_free(struct detector *detector);
  * over its own table x step), whatever the wavelengths leave out; a camera's as they are. */
 void detector_weights(const struct detector *detector, const double *wavelengths_nm, int n,
                       double *out);
-/* The same of an observer by name; a camera is refused. */
-bool observer_weights(const char *name, const double *wavelengths_nm, int n, double *out,
-                      struct error *err);
 /* What such weights make of n radiances: XYZ, or a camera's channels. NULL: 1 everywhere. */
 void detector_response(const double *weights, const double *radiance, int n, double out[3]);
 /* The part, 0 to 1, of each channel's sensitivity (of its magnitude, where it is negative) that
  * lies outside the band from half a step before the first to half a step behind the last. */
 void detector_lost(const struct detector *detector, const double *wavelengths_nm, int n,
                    double out[3]);
+/* The same of a band. */
+void detector_lost_outside(const struct detector *detector, double first_nm, double last_nm,
+                           double out[3]);
+
+/* ---- data/quadrature.c: Gaussian quadrature ---- */
+
+enum { LARGEST_QUADRATURE = 64 };
+/* n nodes, increasing, and their weights. */
+struct quadrature {
+    int n;
+    double node[LARGEST_QUADRATURE], weight[LARGEST_QUADRATURE];
+};
+/* Gauss-Legendre from first to last, 1 <= n <= LARGEST_QUADRATURE: exact for polynomials of degree
+ * 2n - 1. Nodes and weights are right to 1e-14 of the interval. */
+void quadrature_legendre(double first, double last, int n, struct quadrature *out);
+/* The same of a sum over `count` increasing points x of weight w, whose polynomials are made by
+ * Stieltjes's procedure (Gautschi, Orthogonal Polynomials, 2004, 2.2). Weights w may change sign:
+ * then some of the result may be negative, and for some n there is none. False where there is none:
+ * fewer points of weight than n, or nodes that are not real, distinct and between the first and the
+ * last x. */
+bool quadrature_discrete(const double *x, const double *w, int count, int n,
+                         struct quadrature *out);
+/* At x, the polynomial that is 1 at node i and 0 at all others (equation 2 of the thesis). */
+double quadrature_lagrange(const double *node, int n, int i, double x);
 
 /* ---- data/colour.c: tristimulus values and colour differences ---- */
 
@@ -606,6 +629,11 @@ struct object {
     struct matrix transform;
     struct place place;
 };
+enum shading_kind {
+    SHADING_SMOOTH, /* Gouraud's: lit at the vertices, interpolated */
+    SHADING_FLAT,   /* the colour of a triangle's last vertex */
+    SHADING_PHONG   /* normals interpolated, lit at each pixel; the reference only */
+};
 struct scene {
     char *path;         /* as given: file or built-in name */
     char sha256[65];    /* of its text: its file, then those that it includes and lists, as read */
@@ -615,7 +643,10 @@ struct scene {
     int n_wavelengths;
     int width, height;
     struct camera camera;
-    bool local_viewer, flat_shading;
+    bool local_viewer;
+    enum shading_kind shading;
+    double tessellation;       /* factor of all slices, stacks, ... of built-in shapes */
+    struct sampling *sampling; /* NULL: spectra are taken at the wavelengths; owned */
     struct place viewer_place, shading_place, wavelengths_place, size_place;
     struct ambient *ambients;
     struct light *lights;
@@ -632,8 +663,111 @@ bool scene_set_wavelengths(struct scene *scene, const char *text, struct error *
 bool scene_set_size(struct scene *scene, const char *text, struct error *err);
 bool scene_set_light(struct scene *scene, const char *text, struct error *err);
 bool scene_set_ambient(struct scene *scene, const char *text, struct error *err);
+bool scene_set_shading(struct scene *scene, const char *text, struct error *err);
+/* A factor above 0; counts are rounded, and kept within what the scene language allows. */
+bool scene_set_tessellation(struct scene *scene, const char *text, struct error *err);
+/* The shape with `factor` times as many slices, stacks, ...; what it owns stays the other's. */
+struct shape shape_tessellated(const struct shape *shape, double factor);
 void scene_free(struct scene *scene);
 const char *shape_name(enum shape_kind kind); /* the scene language's word */
+
+/* ---- data/sampling.c: how a spectrum becomes a few numbers ---- */
+
+enum sampling_kind {
+    SAMPLING_BOX,      /* box:N - N boxes of equal area under the detector's functions (Hall) */
+    SAMPLING_RIEMANN,  /* riemann:STEP - a value every STEP nm */
+    SAMPLING_GAUSS,    /* gauss:N[,FUNCTIONS] - quadrature weighted by functions of the detector */
+    SAMPLING_ADAPTIVE, /* adaptive:TOL - segments, peaks found, quadrature between (Deville) */
+    SAMPLING_BASIS,    /* basis:K - principal components of the scene's lights x reflectances */
+    SAMPLING_RGB,      /* rgb - linear sRGB of lights times that of reflectances */
+    SAMPLING_XYZ       /* xyz - the same of tristimulus values */
+};
+/* What gauss is weighted by. Of the last three each function has nodes of its own. */
+enum sampling_functions {
+    FUNCTIONS_DETECTOR, /* the sum of the magnitudes of the detector's three */
+    FUNCTIONS_OPEN,     /* 1: the detector is left open, and may be any one afterwards */
+    FUNCTIONS_XYZ,      /* the observer's own */
+    FUNCTIONS_LMS,      /* Hunt-Pointer-Estevez cone responses, linear in those */
+    FUNCTIONS_ACC       /* opponent A, C1, C2: the principal axes of the cones' overlaps, linear in
+                           those; C1 and C2 change sign */
+};
+struct sampling_method {
+    enum sampling_kind kind;
+    int count;        /* N or K; gauss: 1 to LARGEST_QUADRATURE */
+    double step_nm;   /* STEP */
+    double tolerance; /* TOL: of a channel's response to a light, in parts of that */
+    enum sampling_functions functions;
+};
+/* `option` is blamed. */
+bool sampling_read(const char *option, const char *text, struct sampling_method *out,
+                   struct error *err);
+/* As sampling_read takes it; numbers as short as they are exact. */
+enum { SAMPLING_NAME = 48 };
+void sampling_name(const struct sampling_method *method, char out[SAMPLING_NAME]);
+
+/* The spectra of a scene at first_nm, first_nm + 1, ... nm: as finely as they are ever looked at.
+ * The cells of 1 nm around these cover the range that a sampling samples. */
+struct fine_spectra {
+    double first_nm;
+    int n_nm;
+    int n_lights;     /* lights, ambient lights, and own light and luminescence of materials */
+    double *lights;   /* [light][nm]; owned */
+    int n_products;   /* every term of every finish: light times reflectance, luminescence, ... */
+    double *products; /* [product][nm], none negative; owned */
+};
+void fine_spectra_free(struct fine_spectra *spectra);
+
+/* How the spectra of a scene become pages, and pages the channels of a detector. */
+struct sampling {
+    struct sampling_method method;
+    char *detector;        /* whose channels `weights` leads to; owned */
+    int n;                 /* pages */
+    bool spectral;         /* pages are radiances at wavelengths (of box: their means); otherwise
+                              components, which are no stack of wavelengths */
+    double *wavelength_nm; /* of each page, increasing; 1, 2, ... of what is not spectral; owned */
+    double (*segment_nm)[2]; /* between which limits a page, with all others of the same limits,
+                                stands for the radiance: a polynomial through them, of one page a
+                                constant. NULL: no such thing (riemann, and what is `fixed`);
+                                owned */
+    double *weights;         /* [channel * n + page]; owned */
+    bool fixed;              /* no wavelengths and segments tell the weights: they hold for this
+                                detector only */
+    /* On the grid of fine_spectra; owned, NULL where there is none: */
+    double first_nm;
+    int n_nm;
+    double *detector_weights; /* [channel * n_nm + j]: detector_weights there */
+    double *light_mean;       /* [page * n_nm + j]: what a page has of a light; NULL: its value */
+    double *reflectance_mean; /* the same of a reflectance */
+    double *analysis;         /* basis, [page * n_nm + j]: the component of a product; none is
+                                 negative for the scene's products, but by rounding */
+    double *synthesis;        /* [j * n + page]: the radiance at j that the pages tell (between
+                                 wavelengths linear, of box constant); NULL: they tell none */
+    bool clips;               /* negative page values of a spectrum become 0 (rgb) */
+    int rank;                 /* basis: of the products; n is no more than that, but at least 1 */
+    int n_peaks;              /* adaptive */
+    double *peak_nm;          /* owned */
+    int n_negative;           /* weights below 0 */
+    double most_negative;     /* the least weight, in parts of its channel's sum; 0: none */
+};
+/* Refuses, with the reason: a detector that sees none of the
+ * range; more pages than nm; a gauss that has no solution (and for which n there is one); box,
+ * gauss of xyz, lms or acc, rgb and xyz without an observer; more than fits. A K above the rank
+ * becomes the rank. Never gives NaN or infinity. */
+bool sampling_make(const struct sampling_method *method, const char *detector,
+                   const struct fine_spectra *spectra, struct sampling *out, struct error *err);
+/* Weights of any detector at wavelengths that stand for segments: out[channel * n + i] = the sum
+ * over cells of 1 nm of detector x polynomial, scaled as detector_weights scales. */
+void sampling_weights(const struct detector *detector, const double *wavelength_nm,
+                      double (*segment_nm)[2], int n, double *out);
+/* What a page has of a spectrum: SPECTRUM_HOLD means a reflectance, SPECTRUM_ZERO a light.
+ * `sampling` NULL: the value at the scene's wavelength. */
+double scene_page(const struct scene *scene, const struct spectrum *spectrum, int page,
+                  enum spectrum_ends ends);
+/* "red", "Y", "component 3"; "" of a wavelength. */
+void sampling_label(const struct sampling *sampling, int page, char out[24]);
+/* In one line: name, number of pages, negative weights, peaks, rank, what it cannot do. */
+void sampling_print(const struct sampling *sampling, FILE *to);
+void sampling_free(struct sampling *sampling);
 
 /* ---- data/json.c: JSON out (RFC 8259) ---- */
 
@@ -687,6 +821,18 @@ struct record {
     double *white;
     int n_white;
     double illumination;
+    /* How its spectra were sampled: as sampling_name and for which detector; NULL: at the
+     * wavelengths. Segments are two limits a page, which lies between them; they rise without
+     * overlap, and at most LARGEST_QUADRATURE pages share one. Response are the weights of a fixed
+     * sampling, which hold for the cells of 1 nm in range_nm, and white_response what the detector
+     * makes of the white there, if it sees it; owned. n_* are numbers in each array. */
+    const char *sampling, *sampling_detector;
+    double *segments, *response;
+    int n_segments, n_response;
+    double range_nm[2];
+    double white_response[3];
+    bool has_white_response;
+    bool components; /* pages are no radiances at wavelengths */
     /* What the numbers of the object map stand for, from 1; 0 is the background. The array is
      * owned. */
     const char **objects;
@@ -738,11 +884,12 @@ struct pages {
 struct stack_options {
     int width, height, n_wavelengths;
     const double *wavelengths_nm;
-    double full_scale;      /* radiance of count 65535 */
-    bool floating;          /* 32-bit float pages of radiance instead of 16-bit counts */
+    double full_scale;      /* radiance of the largest count: 65535, of 8 bits 255 */
+    int bits;               /* of a sample: 8 or 16 of counts, 32 of float radiances; 0: 16 */
     const char *scene;      /* for the description */
     const char *provenance; /* lines of text for the description: record_text */
     int map_bytes;          /* of a pixel's number in the object map: 1 or 2; 0: there is no map */
+    const char *const *labels; /* of the pages, which then have no wavelengths; NULL: they have */
 };
 /* A stack being written: laid out at once, then filled rectangle by rectangle in any order. */
 struct stack_writer {
@@ -752,8 +899,8 @@ struct stack_writer {
 /* Lays the file out. The strings in options are copied into the file, wavelengths by pointer. */
 bool stack_open(struct stack_writer *out, const char *path, const struct stack_options *options,
                 struct error *err);
-/* Samples of a rectangle, row by row without gaps: uint16_t counts or float radiances. Behind the
- * last page lies the object map: as page n_wavelengths, of uint8_t or uint16_t. */
+/* Samples of a rectangle, row by row without gaps: uint8_t or uint16_t counts, or floats. Behind
+ * the last page lies the object map: as page n_wavelengths, of uint8_t or uint16_t. */
 bool stack_write(struct stack_writer *writer, int page, int x, int y, int width, int height,
                  const void *samples, struct error *err);
 /* Stores `verdict` (the check in one line, ASCII, at most STACK_VERDICT - 1 bytes) in the room that
@@ -776,20 +923,34 @@ const char *stack_library(void);                 /* name and version of the libt
 /* ---- data/cube.c: a spectral stack to be read ---- */
 
 /* Grey pages, or bands, of increasing wavelengths: a stack of our own, or any TIFF that tells its
- * wavelengths as OME-XML, GDAL_METADATA or page names. */
+ * wavelengths as OME-XML, GDAL_METADATA or page names. Or our own of components. */
 struct cube {
     struct image image;
     struct record record; /* zeroed in a stack that is not our own; map_bytes is 0 where no object
                              map lies where it should */
+    bool components;      /* pages have no wavelengths: image.wavelengths_nm is 1, 2, ... */
 };
 /* EXIT_INPUT blames the path. Reads no samples. */
 bool cube_open(const char *path, struct cube *out, struct error *err);
-/* The white's radiance at each page's wavelength: of the SPECTRUM that the word of a command line
- * names, or, where that is NULL, what the stack records. out has n_pages values. Refuses a stack
- * that records none, and a white that is 0 everywhere. */
+/* Refuses a cube of components for what needs radiances: "WHAT needs ...". */
+bool cube_needs_radiance(const struct cube *cube, const char *what, struct error *err);
+/* How much the pages count in each channel: out[channel * n_pages + page]. By the sampling that the
+ * stack records, otherwise by detector_weights. Refuses another detector than that of a fixed one.
+ */
+bool cube_weights(const struct cube *cube, const struct detector *detector, double *out,
+                  struct error *err);
+/* What the weights make of a radiance that is 1 everywhere. */
+bool cube_equal_response(const struct cube *cube, const struct detector *detector,
+                         const double *weights, double out[3], struct error *err);
+/* detector_lost, of the range that the pages stand for. */
+void cube_lost(const struct cube *cube, const struct detector *detector, double out[3]);
+/* The white's radiance at each page's wavelength (of box the mean): of the SPECTRUM that the word
+ * of a command line names, or, where that is NULL, what the stack records. out has n_pages values.
+ * Refuses a stack that records none, and a white that is 0 everywhere. */
 bool cube_white(const struct cube *cube, const char *spectrum, double *out, struct error *err);
-/* What weights (detector_weights at the pages' wavelengths) make of that white. Without one *found
- * is false, which is refused if it is needed or was named. */
+/* What weights (cube_weights) make of that white; in a fixed stack what its detector makes of the
+ * white at every nm. Without one *found is false, which is refused if it is needed or was named. A
+ * white that is too large to reckon with is always refused. */
 bool cube_white_response(const struct cube *cube, const char *spectrum, bool needed,
                          const double *weights, bool *found, double out[3], struct error *err);
 /* The numbers of the objects that n pixels of a row show, from 1: names are in record.objects; 0 is
@@ -833,13 +994,18 @@ struct develop_options {
     double exposure;   /* factor of all radiances; 0: what brings the largest displayed value (or
                           Y) of the picture to just 1 (or 100) */
     enum develop_values values;
-    int bits;    /* of RGB: 8 or 16 */
-    int threads; /* 0: as many as OpenMP offers */
+    int bits;                               /* of RGB: 8 or 16 */
+    int threads;                            /* 0: as many as OpenMP offers */
+    const struct sampling_method *sampling; /* the stack's spectra, linear between pages, as if they
+                                               were sampled so; NULL: as they are. Refused of stacks
+                                               that were sampled, and of basis, rgb and xyz, which
+                                               need lights and reflectances apart */
 };
 struct develop_result {
     int width, height, n_pages;
-    double first_nm, last_nm;
-    bool observer;
+    double first_nm, last_nm; /* of pages, or of what components stand for */
+    char sampling[512];       /* in a line, of the stack or as if; "": none */
+    bool components, observer;
     struct adaptation adaptation; /* as used: with its luminance */
     double lost[3];               /* detector_lost */
     bool has_white;
@@ -872,6 +1038,25 @@ struct chart {
 };
 /* A whole SVG 1.1 file, allocated; NULL: no memory. */
 char *chart_svg(const struct chart *chart);
+
+/* ---- data/frontier.c: what accuracy costs, as a chart ---- */
+
+struct frontier_point {
+    const char *name;
+    double cost, cost_low, cost_high; /* above 0 */
+    double error;                     /* 0 or more */
+    bool best;                        /* on the frontier */
+    bool uncertain;                   /* within noise of being on it or not */
+};
+struct frontier {
+    const char *title, *cost_label, *error_label;
+    const struct frontier_point *points;
+    int n;
+};
+/* A whole SVG 1.1 file, allocated; NULL: no memory. Both axes are logarithmic; errors below 1/1000
+ * of the largest, or 0, lie upon the lower edge, which says so. All points are labelled, those of
+ * the frontier by their names and joined by steps, the others pale. */
+char *frontier_svg(const struct frontier *frontier);
 
 /* ---- data/probe.c: the spectrum of a pixel or a region ---- */
 
@@ -957,6 +1142,7 @@ struct pixel_difference {
 };
 struct comparison {
     int n, width, height;
+    bool components;               /* of both: wavelengths_nm is 1, 2, ... */
     double *wavelengths_nm;        /* owned */
     struct band_difference *bands; /* of each; owned */
     struct band_difference all;
@@ -966,10 +1152,11 @@ struct comparison {
     bool has_white;                                         /* without, there are no colours */
     char *observer;                                         /* owned */
 };
-/* Refuses stacks of different size or wavelengths (EXIT_INPUT), and a tolerance of colours
- * without a white. The map has three float samples a pixel: the largest |A - B| of all wavelengths,
- * the spectral angle in degrees, CIEDE2000 (0 without a white). It is written whatever the
- * difference. */
+/* Refuses stacks of different size or wavelengths (EXIT_INPUT), components of different samplings,
+ * and a tolerance of colours without a white. Colours are by the weights of A's sampling. The map
+ * has three float samples a pixel: the largest |A - B| of all pages, the angle between the spectra
+ * or components in degrees, CIEDE2000 (0 without a white). It is written whatever the difference.
+ */
 bool compare(const char *a, const char *b, const struct compare_options *options,
              struct comparison *out, struct error *err);
 bool comparison_is_within(const struct comparison *comparison, const struct tolerance *tolerance);
@@ -1042,7 +1229,7 @@ struct plan_effect {
     bool used;
     char reason[160];
 };
-enum { MAX_EFFECTS = 16 };
+enum { MAX_EFFECTS = 18 };
 /* Counted where it is done. */
 struct plan_work {
     long materials_loaded, textures_loaded, excitation_integrals, terms;
@@ -1051,12 +1238,14 @@ struct plan_work {
 struct plan_options {
     double full_scale;  /* 0: the largest vertex radiance */
     bool check, use_gl; /* whether the reference and OpenGL are needed */
-    bool strict;        /* pixels without a bound, and edges that leak, are differences */
-    bool store_raster;  /* the stored pixels are the reference's */
-    bool floating;      /* 32-bit float pages */
-    bool exchangeable;  /* lights may be exchanged afterwards: every light and every term is kept,
-                           each by itself, also what is dark */
-    int threads;        /* 0: as many as OpenMP offers; the plan holds the number */
+    int buffer_bits;    /* of a channel of OpenGL's colour buffer: 8, 16, or 32 of floats; 0: 32 */
+    const char *gl_driver; /* "llvmpipe" or "softpipe"; NULL: whatever there is */
+    bool strict;           /* pixels without a bound, and edges that leak, are differences */
+    bool store_raster;     /* the stored pixels are the reference's */
+    int bits;              /* of a page's sample: 8 or 16 of counts, 32 of floats; 0: 16 */
+    bool exchangeable; /* lights may be exchanged afterwards: every light and every term is kept,
+                          each by itself, also what is dark */
+    int threads;       /* 0: as many as OpenMP offers; the plan holds the number */
     char *const *recorded; /* options for the stack's record, each one word; not owned */
     int n_recorded;        /* at most MAX_RECORD_OPTIONS */
 };
@@ -1106,6 +1295,16 @@ bool finish_luminescence(const struct plan *plan, const struct finish *finish,
 /* Loads what spectral textures show in the bands of a pass. */
 bool plan_load_textures(const struct plan *plan, int first_band, struct error *err);
 void plan_free(struct plan *plan);
+
+/* ---- raster/products.c: the spectra that a scene's pixels are made of ---- */
+
+/* Spectra of all lights and of every term of every material that an object uses, at every nm of the
+ * scene's range. Opens no mesh and no texture. */
+bool scene_spectra(const struct scene *scene, struct fine_spectra *out, struct error *err);
+/* Samples the scene by a method from now on: sets its sampling and wavelengths. Refuses what
+ * sampling_make refuses, and spectral textures under basis, rgb and xyz. */
+bool scene_sample(struct scene *scene, const struct sampling_method *method, const char *detector,
+                  struct error *err);
 
 /* ---- raster/effects.c: the plan in words ---- */
 
@@ -1165,16 +1364,24 @@ struct surface {
     double left, top, right, bottom; /* window bounds; everything where a vertex is not in front */
 };
 struct light_work {
-    long vertices_lit, specular_vertices, power_functions;
+    long vertices_lit, points_lit; /* phong shading lights points, one a pixel, and no vertices */
+    long specular_vertices, power_functions;
 };
 /* One surface per body, in drawing order; *out is allocated. Refuses NaN and infinity by object. */
 bool surfaces_light(const struct plan *plan, const struct driver *driver, struct surface **out,
                     struct light_work *work, struct error *err);
 /* The full scale that is asked for, or the largest vertex radiance over all surfaces and
  * wavelengths; not below 2^-100 of the light, which would be too much for single precision beside
- * it, and 1 for an all-black scene. Refuses radiances that are not finite, by object. */
+ * it, and 1 for an all-black scene. Refuses radiances that are not finite, by object.
+ *
+ * Phong shading may be brighter between vertices: there it is an upper bound, with every surface
+ * turned squarely to every light, in the middle of its highlight, and as near as it comes to it. A
+ * light that a surface touches, and that has no constant attenuation, has none: refused, unless a
+ * full scale is asked for.
+ *
+ * `clips` tells that a vertex is brighter than the full scale. */
 bool surfaces_full_scale(const struct plan *plan, const struct surface *surfaces, double *out,
-                         struct error *err);
+                         bool *clips, struct error *err);
 /* Where the attributes of a vertex begin in weights and errors. */
 size_t surface_attributes(const struct surface *surface, int vertex, int side);
 /* False where nothing of the surface can be in the tile. */
@@ -1229,8 +1436,9 @@ struct chunk {
     struct overdraw *overdraw;
     float *steepness; /* bound on how radiance changes within a pixel's width, in any wavelength */
     bool *contested;
-    double *weights; /* [max_rows][pixel], of a grey texture's value the product with it */
-    float *errors;   /* the same: bounds on OpenGL's error */
+    struct light_work work; /* of phong shading */
+    double *weights;        /* [max_rows][pixel], of a grey texture's value the product with it */
+    float *errors;          /* the same: bounds on OpenGL's error */
     struct contest *contests;
     struct candidate *candidates;
     double *candidate_weights;
@@ -1238,6 +1446,11 @@ struct chunk {
     size_t n_contests, n_candidates, n_numbers;
 };
 enum { CHUNK_ROWS = 16 };
+int chunk_count(const struct tile *tile);
+/* Does `work` of each chunk of a tile, by so many threads; fails with the first that fails. */
+bool chunks_each(const struct tile *tile, int threads,
+                 bool (*work)(void *context, const struct tile *tile, int index, struct error *err),
+                 void *context, struct error *err);
 /* The rows of a tile's chunk: CHUNK_ROWS of them, fewer in the last one. */
 struct tile chunk_rows(const struct tile *tile, int index);
 /* Rasterizes a chunk. Results do not depend on how a picture is cut into chunks. */
@@ -1258,7 +1471,8 @@ const char *gl_version(const struct gl *gl);
 /* Aims at a tile of the picture; surfaces that do not reach it will not be drawn. */
 void gl_aim(struct gl *gl, const struct surface *surfaces, const struct tile *tile);
 /* Draws bands first .. first + BANDS_PER_PASS - 1 (those that exist) of the aimed tile, radiances
- * divided by full_scale. Returns 4 floats a pixel, row by row from the top, rows of tile_width. */
+ * divided by full_scale, and brought by a colour buffer of counts to the nearest one. Returns 4
+ * floats a pixel, row by row from the top, rows of tile_width. */
 bool gl_draw(struct gl *gl, int first_band, double full_scale, const float **pixels,
              struct error *err);
 /* False in a program without OpenGL, of which no picture can be asked. */
@@ -1357,18 +1571,24 @@ void check_close(struct check *check, struct check_tally *total);
 
 /* ---- raster/counts.c: radiance into counts ---- */
 
+/* Steps of a channel of OpenGL's colour buffer, from 0 to full scale; 0: floats. */
+int buffer_steps(const struct plan *plan);
+/* Bound on what it rounds off a sample, in counts; 0 of floats, whose roundings are OpenGL's. */
+double buffer_rounding(const struct plan *plan);
 /* Samples that a file cannot hold as they are. */
 struct odd_samples {
-    uint64_t clipped;   /* above full_scale, stored as 65535 */
+    uint64_t clipped;   /* above full_scale, stored as 65535 (or 255) */
     uint64_t undefined; /* NaN, infinite, or too large for a float page; stored as 0 */
 };
-/* One band of a chunk as stored: uint16_t counts, or float radiances where the plan says so; the
- * reference's, or those of one channel of a GL pass. */
+/* One band of a chunk as stored: uint8_t or uint16_t counts, or float radiances, as the plan says;
+ * the reference's, or those of one channel of a GL pass. Where something `clips`, what fills a
+ * colour buffer of counts may have been cut off there: it is counted as clipped. */
 struct odd_samples counts_of_reference(const struct plan *plan, const struct surface *surfaces,
                                        const struct chunk *chunk, int band, double full_scale,
                                        void *out);
 struct odd_samples counts_of_gl(const struct plan *plan, const struct tile *rows, int channel,
-                                double full_scale, const float *pixels, size_t stride, void *out);
+                                double full_scale, bool clips, const float *pixels, size_t stride,
+                                void *out);
 
 /* ---- raster/render.c: the loop over tiles and passes ---- */
 
@@ -1377,6 +1597,7 @@ struct render_seconds {
 };
 struct render_result {
     double full_scale;
+    bool clips; /* a vertex is brighter than that */
     char gl_renderer[128], gl_version[128];
     const struct driver *driver;
     struct gl_work gl;
@@ -1409,6 +1630,9 @@ const char *render_stored(const struct plan *plan, const struct render_result *r
 
 /* ---- raster/report.c: results in words and as JSON ---- */
 
+/* Of a page: "450 nm", or the label of a component. */
+enum { PAGE_NAME = 32 };
+void page_name(const struct scene *scene, int page, char out[PAGE_NAME]);
 /* The name of a surface: that of its material; or "background" for -1. */
 const char *object_name(const struct plan *plan, int surface);
 
@@ -1427,6 +1651,59 @@ void report_print(const struct plan *plan, const struct render_result *result, F
 /* One JSON object, allocated; NULL: no memory. output and sha256 may be NULL. */
 char *report_json(const struct plan *plan, const struct render_result *result, const char *output,
                   const char *sha256, uint64_t peak_bytes);
+
+/* ---- raster/cost.c: what accuracy costs in time ---- */
+
+/* How configurations are run: `words` are options of render, e.g. "--sampling=gauss:8". */
+struct cost_program {
+    /* Renders the scene with the words (and all that the command line said) to a stack. */
+    bool (*render)(void *context, char *const *words, int n_words, const char *output,
+                   struct error *err);
+    /* Reads it as render would, sampled too. */
+    bool (*read)(void *context, char *const *words, int n_words, struct scene *out,
+                 struct error *err);
+    void *context;
+};
+enum { COST_WORDS = 8 };
+struct cost_entry {
+    char name[128];
+    char *words[COST_WORDS]; /* owned */
+    int n_words;
+    bool spectral;                     /* its pages are radiances at wavelengths */
+    double seconds, fastest, slowest;  /* median and extremes of the runs: the whole render, in a
+                                          process of its own */
+    double mean, quantile_95, largest; /* CIEDE2000 from the reference, over all pixels in which
+                                          either picture shows an object */
+    double radiance_error; /* rms of the radiance's error at every nm, relative to its rms; NaN: no
+                              radiances */
+    bool best, uncertain;  /* on the frontier of seconds and quantile_95; within noise of that */
+};
+struct cost_options {
+    const char *observer;
+    int runs, threads;
+    void (*progress)(void *context, long done, long all); /* NULL: none */
+    void *progress_context;
+};
+struct cost {
+    char *scene, *observer; /* owned */
+    int width, height, runs, n;
+    struct cost_entry *entries; /* by seconds; owned */
+    char **notes; /* what the scene suggests, and which configurations it has not, and why; owned */
+    int n_notes;
+    double reference_seconds;
+};
+/* Runs all configurations that make sense for the scene. */
+bool cost_measure(const struct cost_program *program, const struct cost_options *options,
+                  struct cost *out, struct error *err);
+void cost_print(const struct cost *cost, FILE *to);
+void cost_print_csv(const struct cost *cost, FILE *to);
+char *cost_svg(const struct cost *cost); /* allocated; NULL: no memory */
+/* The cheapest entry whose quantile_95 is within the tolerance; NULL: none is. spectral: only of
+ * those whose pages are radiances. */
+const struct cost_entry *cost_within(const struct cost *cost, double tolerance, bool spectral);
+/* The most accurate one within the time, likewise. */
+const struct cost_entry *cost_affordable(const struct cost *cost, double seconds, bool spectral);
+void cost_free(struct cost *cost);
 
 /* ---- raster/inspect.c: how a pixel's spectrum comes about ---- */
 

@@ -2,27 +2,17 @@
 /* Plots as SVG 1.1, to be printed: axes in round steps, lines that differ in colour and in dashes,
  * so that they can be told apart by colour-blind eyes and without colours. Numbers are made by
  * rounding to decimals only, so that the bytes are the same everywhere. */
-#include "spectral.h"
+#include "chart.h"
 
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* In SVG's pixels, 96 an inch. */
 enum {
-    WIDTH = 800,
-    LEFT = 84,
-    TOP = 52,
     PLOT_HEIGHT = 340,
-    MARGIN = 28,      /* on the right, without an axis there */
-    AXIS_MARGIN = 72, /* with one */
+    AXIS_MARGIN = 72, /* on the right, with an axis there */
     STRIP = 9,        /* height of the spectral colours */
-    TICK = 5,
-    LEGEND_ROW = 20,
-    SAMPLE = 36, /* a legend's piece of line */
-    TITLE_SIZE = 16,
-    LABEL_SIZE = 13,
-    TEXT_SIZE = 12
+    SAMPLE = 36       /* a legend's piece of line */
 };
 /* What a character takes of a font's size at most, but for the widest ones. */
 static const double character = 0.6;
@@ -140,8 +130,7 @@ static double tick_part(const struct axis *axis, long tick)
 
 /* ---- text ---- */
 
-/* At most so many characters of a text, escaped; what XML cannot hold becomes U+FFFD. */
-static void put_text(FILE *to, const char *text, int most)
+void chart_text(FILE *to, const char *text, int most)
 {
     const unsigned char *at = (const unsigned char *)text;
     for (; *at != '\0' && most > 0; most--) {
@@ -160,13 +149,25 @@ static void put_text(FILE *to, const char *text, int most)
     }
 }
 
-/* Characters that fit beside each other. */
-static int fitting(double width, int size)
+int chart_fitting(double width, int size)
 {
     return (int)(width / (character * size));
 }
 
-static void put_exponent(FILE *to, int exponent)
+double chart_text_width(int n, int size)
+{
+    return n * character * size;
+}
+
+int chart_text_length(const char *text)
+{
+    int length = 0;
+    for (; *text != '\0'; text++)
+        length += ((unsigned char)*text & 0xc0) != 0x80;
+    return length;
+}
+
+void chart_exponent(FILE *to, int exponent)
 {
     static const char *const digits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
     char text[16];
@@ -174,6 +175,73 @@ static void put_exponent(FILE *to, int exponent)
     fputs("×10", to);
     for (const char *c = text; *c != '\0'; c++)
         fputs(*c == '-' ? "⁻" : digits[*c - '0'], to);
+}
+
+/* ---- what all charts have ---- */
+
+void chart_head(FILE *to, const char *title, int height)
+{
+    fprintf(to,
+            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"%d\" height=\"%d\" "
+            "viewBox=\"0 0 %d %d\" font-family=\"system-ui, sans-serif\" font-size=\"%d\" "
+            "fill=\"#222\">\n<title>",
+            WIDTH, height, WIDTH, height, TEXT_SIZE);
+    chart_text(to, title, 200);
+    fprintf(to,
+            "</title>\n<rect width=\"%d\" height=\"%d\" fill=\"#fff\"/>\n"
+            "<text x=\"%d\" y=\"26\" font-size=\"%d\" font-weight=\"600\">",
+            WIDTH, height, LEFT, TITLE_SIZE);
+    chart_text(to, title, chart_fitting(WIDTH - LEFT, TITLE_SIZE));
+    fputs("</text>\n", to);
+}
+
+void chart_frame(FILE *to, double width, int height)
+{
+    fprintf(to,
+            "<rect x=\"%d\" y=\"%d\" width=\"%.2f\" height=\"%d\" fill=\"none\" "
+            "stroke=\"#333\"/>\n",
+            LEFT, TOP, width, height);
+}
+
+void chart_x_label(FILE *to, const char *label, double width, int below)
+{
+    fprintf(to, "<text x=\"%.2f\" y=\"%d\" font-size=\"%d\">", LEFT + width / 2,
+            below + TICK + TEXT_SIZE + LABEL_SIZE + 10, LABEL_SIZE);
+    chart_text(to, label, chart_fitting(width, LABEL_SIZE));
+}
+
+void chart_y_label(FILE *to, const char *label, double x, int height)
+{
+    fprintf(to,
+            "<text text-anchor=\"middle\" font-size=\"%d\" transform=\"translate(%.2f,%d) "
+            "rotate(-90)\">",
+            LABEL_SIZE, x, TOP + height / 2);
+    chart_text(to, label, chart_fitting(height + TOP, LABEL_SIZE));
+    fputs("</text>\n", to);
+}
+
+int chart_columns(int longest, double sample)
+{
+    const int room = chart_fitting(WIDTH - LEFT, TEXT_SIZE);
+    const int columns = room / (longest + chart_fitting(sample + 24, TEXT_SIZE));
+    return columns < 1 ? 1 : columns > 3 ? 3 : columns;
+}
+
+char *chart_file(void (*draw)(void *plot, FILE *to), void *plot)
+{
+    char *text = NULL;
+    size_t length = 0;
+    FILE *to = open_memstream(&text, &length);
+    if (to == NULL)
+        return NULL;
+    draw(plot, to);
+    fputs("</svg>\n", to);
+    const bool whole = !ferror(to);
+    if (fclose(to) == 0 && whole)
+        return text;
+    free(text);
+    return NULL;
 }
 
 /* ---- the plot ---- */
@@ -251,12 +319,10 @@ static void draw_x_axis(const struct plot *plot)
                 x, TOP, bottom, x, below, TICK, x, below + TICK + TEXT_SIZE + 1, axis->decimals,
                 (double)i * axis->step);
     }
-    fprintf(plot->to, "<text x=\"%.2f\" y=\"%d\" font-size=\"%d\">", LEFT + plot->width / 2,
-            below + TICK + TEXT_SIZE + LABEL_SIZE + 10, LABEL_SIZE);
-    put_text(plot->to, plot->chart->x_label, fitting(plot->width, LABEL_SIZE));
+    chart_x_label(plot->to, plot->chart->x_label, plot->width, below);
     if (axis->exponent != 0) {
         putc(' ', plot->to);
-        put_exponent(plot->to, axis->exponent);
+        chart_exponent(plot->to, axis->exponent);
     }
     fputs("</text>\n</g>\n", plot->to);
 }
@@ -279,16 +345,12 @@ static void draw_y_axis(const struct plot *plot, const struct axis *axis, const 
     }
     if (axis->exponent != 0) {
         fprintf(plot->to, "<text x=\"%.2f\" y=\"%d\">", x + side * (TICK + 4), TOP - 10);
-        put_exponent(plot->to, axis->exponent);
+        chart_exponent(plot->to, axis->exponent);
         fputs("</text>\n", plot->to);
     }
-    fprintf(plot->to,
-            "<text text-anchor=\"middle\" font-size=\"%d\" transform=\"translate(%.2f,%d) "
-            "rotate(-90)\">",
-            LABEL_SIZE, x + side * (side < 0 ? LEFT - 20 : AXIS_MARGIN - 14),
-            TOP + PLOT_HEIGHT / 2);
-    put_text(plot->to, label, fitting(PLOT_HEIGHT + TOP, LABEL_SIZE));
-    fputs("</text>\n</g>\n", plot->to);
+    chart_y_label(plot->to, label, x + side * (side < 0 ? LEFT - 20 : AXIS_MARGIN - 14),
+                  PLOT_HEIGHT);
+    fputs("</g>\n", plot->to);
 }
 
 /* The colours of monochromatic light from 380 nm in steps of 10: sRGB of the CIE 1931 observer,
@@ -384,7 +446,7 @@ static void draw_line(const struct plot *plot, int index)
 {
     const struct chart_line *line = &plot->chart->lines[index];
     fputs("<g><title>", plot->to);
-    put_text(plot->to, line->name, 200);
+    chart_text(plot->to, line->name, 200);
     fputs("</title>\n", plot->to);
     for (int first = 0, end; first < line->n; first = end) {
         for (end = first; is_drawn(line, end);)
@@ -399,31 +461,20 @@ static void draw_line(const struct plot *plot, int index)
 
 /* ---- legend ---- */
 
-static int text_length(const char *text)
-{
-    int length = 0;
-    for (; *text != '\0'; text++)
-        length += ((unsigned char)*text & 0xc0) != 0x80;
-    return length;
-}
-
 static const char *legend_note(const struct plot *plot, int line)
 {
     return axis_of(plot, &plot->chart->lines[line]) == &plot->right ? " (right axis)" : "";
 }
 
-/* As many columns as the longest name lets stand beside each other. */
 static int legend_columns(const struct plot *plot)
 {
-    const int room = fitting(WIDTH - LEFT, TEXT_SIZE), sample = fitting(SAMPLE + 24, TEXT_SIZE);
     int longest = 1;
     for (int l = 0; l < plot->chart->n_lines; l++) {
         const int length =
-            text_length(plot->chart->lines[l].name) + text_length(legend_note(plot, l));
+            chart_text_length(plot->chart->lines[l].name) + chart_text_length(legend_note(plot, l));
         longest = length > longest ? length : longest;
     }
-    const int columns = room / (longest + sample);
-    return columns < 1 ? 1 : columns > 3 ? 3 : columns;
+    return chart_columns(longest, SAMPLE);
 }
 
 static int legend_rows(const struct plot *plot)
@@ -443,61 +494,38 @@ static void draw_legend(const struct plot *plot, int top)
         put_stroke(plot->to, l);
         fprintf(plot->to, " d=\"M%.2f,%.2fh%d\"/><text x=\"%.2f\" y=\"%.2f\">", x, y, SAMPLE,
                 x + SAMPLE + 8, y + 0.35 * TEXT_SIZE);
-        put_text(plot->to, plot->chart->lines[l].name,
-                 fitting(column - SAMPLE - 16, TEXT_SIZE) - text_length(note));
+        chart_text(plot->to, plot->chart->lines[l].name,
+                   chart_fitting(column - SAMPLE - 16, TEXT_SIZE) - chart_text_length(note));
         fprintf(plot->to, "%s</text>\n", note);
     }
 }
 
 /* ---- the file ---- */
 
-static void draw(const struct plot *plot)
+static void draw(void *of, FILE *to)
 {
+    struct plot *plot = of;
     const struct chart *chart = plot->chart;
     const int legend = TOP + PLOT_HEIGHT + STRIP + TICK + TEXT_SIZE + LABEL_SIZE + 44;
     const int height = legend + LEGEND_ROW * legend_rows(plot);
-    fprintf(plot->to,
-            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"%d\" height=\"%d\" "
-            "viewBox=\"0 0 %d %d\" font-family=\"system-ui, sans-serif\" font-size=\"%d\" "
-            "fill=\"#222\">\n<title>",
-            WIDTH, height, WIDTH, height, TEXT_SIZE);
-    put_text(plot->to, chart->title, 200);
-    fprintf(plot->to,
-            "</title>\n<rect width=\"%d\" height=\"%d\" fill=\"#fff\"/>\n"
-            "<text x=\"%d\" y=\"26\" font-size=\"%d\" font-weight=\"600\">",
-            WIDTH, height, LEFT, TITLE_SIZE);
-    put_text(plot->to, chart->title, fitting(WIDTH - LEFT, TITLE_SIZE));
-    fputs("</text>\n", plot->to);
+    plot->to = to;
+    chart_head(to, chart->title, height);
     if (chart->wavelengths)
         draw_visible(plot);
     draw_x_axis(plot);
     draw_y_axis(plot, &plot->left, chart->y_label, LEFT, -1);
     if (chart->right_label != NULL)
         draw_y_axis(plot, &plot->right, chart->right_label, LEFT + plot->width, 1);
-    fprintf(plot->to,
-            "<rect x=\"%d\" y=\"%d\" width=\"%.2f\" height=\"%d\" fill=\"none\" "
-            "stroke=\"#333\"/>\n",
-            LEFT, TOP, plot->width, PLOT_HEIGHT);
+    chart_frame(to, plot->width, PLOT_HEIGHT);
     for (int l = chart->n_lines - 1; l >= 0; l--) /* the first one on top */
         draw_line(plot, l);
     draw_legend(plot, legend);
-    fputs("</svg>\n", plot->to);
 }
 
 char *chart_svg(const struct chart *chart)
 {
-    char *text = NULL;
-    size_t length = 0;
-    struct plot plot = {.chart = chart, .to = open_memstream(&text, &length)};
-    if (plot.to == NULL)
-        return NULL;
+    struct plot plot = {.chart = chart};
     plot.width = WIDTH - LEFT - (chart->right_label != NULL ? AXIS_MARGIN : MARGIN);
     fit_axes(&plot);
-    draw(&plot);
-    const bool whole = !ferror(plot.to);
-    if (fclose(plot.to) == 0 && whole)
-        return text;
-    free(text);
-    return NULL;
+    return chart_file(draw, &plot);
 }

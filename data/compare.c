@@ -283,17 +283,45 @@ static bool check_sizes(const struct image *a, const struct image *b, struct err
     return true;
 }
 
+/* Components have a meaning only by how they were sampled, which the response tells: a basis is
+ * that of its scene. */
+static bool check_samplings(const struct cube *a, const struct cube *b, struct error *err)
+{
+    const struct record *of_a = &a->record, *of_b = &b->record;
+    if (a->components != b->components)
+        return error_usage(err, "%s holds the components of %s, %s radiances at wavelengths",
+                           (a->components ? a : b)->image.path,
+                           (a->components ? of_a : of_b)->sampling,
+                           (a->components ? b : a)->image.path);
+    if (!a->components)
+        return true;
+    const bool alike = strcmp(of_a->sampling, of_b->sampling) == 0 &&
+                       strcmp(of_a->sampling_detector, of_b->sampling_detector) == 0;
+    return (alike && of_a->n_response == of_b->n_response &&
+            memcmp(of_a->response, of_b->response,
+                   (size_t)of_a->n_response * sizeof *of_a->response) == 0) ||
+           error_usage(err,
+                       "%s and %s hold components that cannot be compared: of %s for %s, and of %s"
+                       " for %s%s",
+                       a->image.path, b->image.path, of_a->sampling, of_a->sampling_detector,
+                       of_b->sampling, of_b->sampling_detector, alike ? " of other spectra" : "");
+}
+
 static bool prepare_colour(struct comparer *comparer, struct error *err)
 {
+    struct detector detector = {.name = NULL};
     struct comparison *out = comparer->out;
     out->observer = strdup(comparer->options->observer);
     comparer->weights = calloc(3 * (size_t)out->n, sizeof *comparer->weights);
     if (out->observer == NULL || comparer->weights == NULL)
         return error_memory(err);
-    return observer_weights(out->observer, out->wavelengths_nm, out->n, comparer->weights, err) &&
-           cube_white_response(&comparer->a, comparer->options->white,
-                               comparer->options->tolerance.unit >= TOLERANCE_CIE76,
-                               comparer->weights, &out->has_white, comparer->white, err);
+    const bool done = observer_read(out->observer, &detector, err) &&
+                      cube_weights(&comparer->a, &detector, comparer->weights, err) &&
+                      cube_white_response(&comparer->a, comparer->options->white,
+                                          comparer->options->tolerance.unit >= TOLERANCE_CIE76,
+                                          comparer->weights, &out->has_white, comparer->white, err);
+    detector_free(&detector);
+    return done;
 }
 
 /* Samples of a chunk, of both stacks: 128 MiB at most, but for a row. */
@@ -333,23 +361,31 @@ static bool prepare(struct comparer *comparer, struct error *err)
     const struct image *image = &comparer->a.image;
     struct comparison *out = comparer->out;
     const size_t n = (size_t)image->n_pages;
-    *out = (struct comparison){.n = image->n_pages, .width = image->width, .height = image->height};
+    *out = (struct comparison){.n = image->n_pages,
+                               .width = image->width,
+                               .height = image->height,
+                               .components = comparer->a.components};
     out->wavelengths_nm = calloc(n, sizeof *out->wavelengths_nm);
     out->bands = calloc(n, sizeof *out->bands);
     if (out->wavelengths_nm == NULL || out->bands == NULL)
         return error_memory(err);
     memcpy(out->wavelengths_nm, image->wavelengths_nm, n * sizeof *out->wavelengths_nm);
-    return check_sizes(image, &comparer->b.image, err) && prepare_colour(comparer, err) &&
+    return check_samplings(&comparer->a, &comparer->b, err) &&
+           check_sizes(image, &comparer->b.image, err) && prepare_colour(comparer, err) &&
            prepare_chunk(comparer, err) && open_distributions(comparer, err);
 }
 
 static bool open_map(struct comparer *comparer, struct error *err)
 {
+    const bool components = comparer->out->components;
     const struct picture_options options = {
         .width = comparer->out->width,
         .height = comparer->out->height,
         .samples = PICTURE_FLOAT,
-        .channels = {"largest difference of radiance", "spectral angle in degrees", "CIEDE2000"},
+        .channels = {components ? "largest difference of components"
+                                : "largest difference of radiance",
+                     components ? "component angle in degrees" : "spectral angle in degrees",
+                     "CIEDE2000"},
         .description = "How two spectral stacks differ"};
     return comparer->options->map == NULL ||
            picture_open(&comparer->picture, comparer->options->map, &options, err);
@@ -412,7 +448,8 @@ static void pixel_text(double largest, int x, int y, char out[32])
 
 static void print_bands(const struct comparison *comparison, FILE *to)
 {
-    fprintf(to, "%-17s %-12s %-11s %s\n", "wavelength (nm)", "largest", "at pixel", "RMS");
+    fprintf(to, "%-17s %-12s %-11s %s\n", comparison->components ? "component" : "wavelength (nm)",
+            "largest", "at pixel", "RMS");
     for (int i = 0; i < comparison->n; i++) {
         const struct band_difference *band = &comparison->bands[i];
         char pixel[32];
@@ -432,18 +469,20 @@ static void print_pixels(const char *name, const struct pixel_difference *differ
 
 void comparison_print(const struct comparison *comparison, FILE *to)
 {
-    static const char unit[] = "W sr-1 m-2 nm-1 (relative)";
+    const bool components = comparison->components;
+    const char *unit = components ? "" : " W sr-1 m-2 nm-1 (relative)";
     const struct band_difference *all = &comparison->all;
     char pixel[32];
     pixel_text(all->largest, all->x, all->y, pixel);
     print_bands(comparison, to);
-    fprintf(to, "stacks            %d x %d pixels, %d wavelengths\n", comparison->width,
-            comparison->height, comparison->n);
-    fprintf(to, "largest           %.6g %s at %.10g nm, at pixel %s\n", all->largest, unit,
-            comparison->wavelengths_nm[comparison->largest_band], pixel);
-    fprintf(to, "RMS               %.6g %s\n", all->rms, unit);
-    fprintf(to, "largest of A      %.6g %s\n", comparison->largest_radiance, unit);
-    print_pixels("spectral angle   ", &comparison->angle, to);
+    fprintf(to, "stacks            %d x %d pixels, %d %s\n", comparison->width, comparison->height,
+            comparison->n, components ? "components" : "wavelengths");
+    fprintf(to, "largest           %.6g%s at %s%.10g%s, at pixel %s\n", all->largest, unit,
+            components ? "component " : "", comparison->wavelengths_nm[comparison->largest_band],
+            components ? "" : " nm", pixel);
+    fprintf(to, "RMS               %.6g%s\n", all->rms, unit);
+    fprintf(to, "largest of A      %.6g%s\n", comparison->largest_radiance, unit);
+    print_pixels(components ? "component angle  " : "spectral angle   ", &comparison->angle, to);
     if (!comparison->has_white)
         fprintf(to, "colour            none: there is no white; --white SPECTRUM gives one\n");
     else {

@@ -89,15 +89,13 @@ void detector_weights(const struct detector *detector, const double *wavelengths
     }
 }
 
-bool observer_weights(const char *name, const double *wavelengths_nm, int n, double *out,
-                      struct error *err)
+bool observer_read(const char *name, struct detector *out, struct error *err)
 {
-    struct detector detector = {.name = NULL};
-    if (!detector_read(name, &detector, err))
+    if (!detector_read(name, out, err))
         return false;
-    const bool observer = detector.observer;
-    detector_weights(&detector, wavelengths_nm, n, out);
-    detector_free(&detector);
+    const bool observer = out->observer;
+    if (!observer)
+        detector_free(out);
     return observer || error_usage(err,
                                    "%s is a camera or film, which has no tristimulus values;"
                                    " expected an observer",
@@ -116,8 +114,14 @@ void detector_response(const double *weights, const double *radiance, int n, dou
 void detector_lost(const struct detector *detector, const double *wavelengths_nm, int n,
                    double out[3])
 {
-    const struct band picture = {band_of(wavelengths_nm, n, 0).first,
-                                 band_of(wavelengths_nm, n, n - 1).last};
+    detector_lost_outside(detector, band_of(wavelengths_nm, n, 0).first,
+                          band_of(wavelengths_nm, n, n - 1).last, out);
+}
+
+void detector_lost_outside(const struct detector *detector, double first_nm, double last_nm,
+                           double out[3])
+{
+    const struct band picture = {first_nm, last_nm};
     for (int channel = 0; channel < 3; channel++) {
         const struct spectrum *s = &detector->sensitivity[channel];
         out[channel] = sum_outside(s, true, picture) / sum_outside(s, true, nowhere);

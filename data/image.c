@@ -39,7 +39,8 @@ bool PRINTF_LIKE(4, 5)
     va_start(arguments, format);
     vsnprintf(why, sizeof why, format, arguments);
     va_end(arguments);
-    if (page >= 0 && image->wavelengths_nm != NULL && image->wavelengths_nm[page] > 0)
+    if (page >= 0 && image->wavelengths_nm != NULL && image->untold[0] == '\0' &&
+        image->wavelengths_nm[page] > 0)
         snprintf(where, sizeof where, "page %d (%.10g nm): ", page + 1,
                  image->wavelengths_nm[page]);
     else if (page >= 0)

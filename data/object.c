@@ -36,6 +36,17 @@ const char *shape_name(enum shape_kind kind)
     return shape_names[kind];
 }
 
+struct shape shape_tessellated(const struct shape *shape, double factor)
+{
+    const struct parameter *p = shape_parameters[shape->kind];
+    struct shape out = *shape;
+    for (int i = 0; i < 4 && p[i].name != NULL; i++)
+        if (p[i].highest > 0)
+            out.parameter[i] =
+                fmax(p[i].lowest, fmin(floor(factor * out.parameter[i] + 0.5), p[i].highest));
+    return out;
+}
+
 static bool read_parameters(struct text *text, struct shape *out, struct error *err)
 {
     const struct parameter *p = shape_parameters[out->kind];

@@ -12,14 +12,17 @@
 bool probe_colour(struct probe *probe, const struct cube *cube, const struct probe_options *options,
                   struct error *err)
 {
+    struct detector detector = {.name = NULL};
     double *weights = calloc(3 * (size_t)probe->n, sizeof *weights);
     probe->observer = strdup(options->observer);
     bool done = (weights != NULL && probe->observer != NULL) || error_memory(err);
-    done = done && observer_weights(probe->observer, probe->wavelengths_nm, probe->n, weights, err);
+    done = done && observer_read(probe->observer, &detector, err) &&
+           cube_weights(cube, &detector, weights, err);
     if (done)
         detector_response(weights, probe->mean, probe->n, probe->xyz);
     done = done && cube_white_response(cube, options->white, false, weights, &probe->has_white,
                                        probe->white, err);
+    detector_free(&detector);
     free(weights);
     return done;
 }
@@ -146,7 +149,8 @@ bool probe_stack(const char *path, const struct probe_options *options, struct p
     *out = (struct probe){.source = NULL};
     if (!cube_open(path, &cube, err))
         return false;
-    const bool done = probe_open(out, path, options, cube.image.width, cube.image.height, err) &&
+    const bool done = cube_needs_radiance(&cube, "a probe", err) &&
+                      probe_open(out, path, options, cube.image.width, cube.image.height, err) &&
                       probe_allocate(out, cube.image.wavelengths_nm, cube.image.n_pages, err) &&
                       read_bands(&cube, out, err) && find_object(&cube, out, err) &&
                       probe_colour(out, &cube, options, err);

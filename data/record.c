@@ -28,10 +28,11 @@ static void put_source(FILE *stream, const struct spectrum *spectrum, double int
     fprintf(stream, "%s*%.*g%c", spectrum->name, exact_digits(intensity), intensity, '\0');
 }
 
-/* The lights, then the ambient lights, each ended by a NUL; allocated. NULL: no memory. */
+/* The lights, then the ambient lights, then the name of the sampling, each ended by a NUL;
+ * allocated. NULL: no memory. */
 static char *source_texts(const struct scene *scene)
 {
-    char *text = NULL;
+    char name[SAMPLING_NAME] = "", *text = NULL;
     size_t length = 0;
     FILE *stream = open_memstream(&text, &length);
     if (stream == NULL)
@@ -40,6 +41,9 @@ static char *source_texts(const struct scene *scene)
         put_source(stream, &scene->lights[i].spectrum, scene->lights[i].intensity);
     for (int i = 0; i < scene->n_ambients; i++)
         put_source(stream, &scene->ambients[i].spectrum, scene->ambients[i].intensity);
+    if (scene->sampling != NULL)
+        sampling_name(&scene->sampling->method, name);
+    fprintf(stream, "%s%c", name, '\0');
     if (fclose(stream) == 0)
         return text;
     free(text);
@@ -57,32 +61,91 @@ static const char **list_texts(const char **at, int n)
     return list;
 }
 
-static double white_at(const struct scene *scene, double nm, double illumination)
+static double illumination_of(const struct scene *scene)
+{
+    double illumination = 0;
+    for (int i = 0; i < scene->n_lights; i++)
+        illumination += scene->lights[i].intensity;
+    for (int i = 0; i < scene->n_ambients; i++)
+        illumination += scene->ambients[i].intensity;
+    return illumination;
+}
+
+/* Of a light on a page (from 0), or at a wavelength where page is -1. */
+static double light_at(const struct scene *scene, const struct spectrum *light, int page, double nm)
+{
+    return page >= 0 ? scene_page(scene, light, page, SPECTRUM_ZERO)
+                     : spectrum_at(light, nm, SPECTRUM_ZERO);
+}
+
+static double white_at(const struct scene *scene, int page, double nm, double illumination)
 {
     double sum = 0;
     for (int i = 0; i < scene->n_lights; i++)
-        sum +=
-            scene->lights[i].intensity * spectrum_at(&scene->lights[i].spectrum, nm, SPECTRUM_ZERO);
+        sum += scene->lights[i].intensity * light_at(scene, &scene->lights[i].spectrum, page, nm);
     for (int i = 0; i < scene->n_ambients; i++)
-        sum += scene->ambients[i].intensity *
-               spectrum_at(&scene->ambients[i].spectrum, nm, SPECTRUM_ZERO);
+        sum +=
+            scene->ambients[i].intensity * light_at(scene, &scene->ambients[i].spectrum, page, nm);
     return sum / illumination;
 }
 
 double scene_white(const struct scene *scene, double *out)
 {
-    double illumination = 0, largest = 0;
+    const double illumination = illumination_of(scene);
+    double largest = 0;
     bool finite = true;
-    for (int i = 0; i < scene->n_lights; i++)
-        illumination += scene->lights[i].intensity;
-    for (int i = 0; i < scene->n_ambients; i++)
-        illumination += scene->ambients[i].intensity;
     for (int i = 0; i < scene->n_wavelengths; i++) {
-        out[i] = white_at(scene, scene->wavelengths_nm[i], illumination);
+        out[i] = white_at(scene, i, 0, illumination);
         largest = fmax(largest, out[i]);
         finite = finite && out[i] <= DBL_MAX;
     }
     return finite && largest > 0 && illumination <= DBL_MAX ? illumination : 0;
+}
+
+/* The white of the scene at every nm, in the detector's channels. */
+static bool white_respond(const struct scene *scene, struct record *out, struct error *err)
+{
+    const struct sampling *sampling = scene->sampling;
+    double *white = calloc((size_t)sampling->n_nm, sizeof *white);
+    if (white == NULL)
+        return error_memory(err);
+    for (int j = 0; j < sampling->n_nm; j++)
+        white[j] = white_at(scene, -1, sampling->first_nm + j, illumination_of(scene));
+    detector_response(sampling->detector_weights, white, sampling->n_nm, out->white_response);
+    free(white);
+    bool seen = false, finite = illumination_of(scene) <= DBL_MAX;
+    for (int channel = 0; channel < 3; channel++) {
+        seen = seen || out->white_response[channel] > 0;
+        finite = finite && fabs(out->white_response[channel]) <= DBL_MAX;
+    }
+    out->has_white_response = seen && finite;
+    return true;
+}
+
+static bool keep_sampling(const struct scene *scene, struct record *out, struct error *err)
+{
+    const struct sampling *sampling = scene->sampling;
+    const size_t n = (size_t)sampling->n;
+    out->sampling_detector = sampling->detector;
+    out->components = !sampling->spectral;
+    if (sampling->fixed) {
+        out->range_nm[0] = sampling->first_nm - 0.5;
+        out->range_nm[1] = sampling->first_nm + sampling->n_nm - 0.5;
+        out->response = calloc(3 * n, sizeof *out->response);
+        if (out->response == NULL)
+            return error_memory(err);
+        memcpy(out->response, sampling->weights, 3 * n * sizeof *out->response);
+        out->n_response = 3 * sampling->n;
+        return white_respond(scene, out, err);
+    }
+    if (sampling->segment_nm == NULL)
+        return true;
+    out->segments = calloc(2 * n, sizeof *out->segments);
+    if (out->segments == NULL)
+        return error_memory(err);
+    memcpy(out->segments, sampling->segment_nm, 2 * n * sizeof *out->segments);
+    out->n_segments = 2 * sampling->n;
+    return true;
 }
 
 bool record_scene(const struct scene *scene, struct record *out, struct error *err)
@@ -97,13 +160,18 @@ bool record_scene(const struct scene *scene, struct record *out, struct error *e
     if (at != NULL) {
         out->lights = list_texts(&at, scene->n_lights);
         out->ambients = list_texts(&at, scene->n_ambients);
+        out->sampling = scene->sampling != NULL ? at : NULL;
     }
-    if (out->white == NULL || out->lights == NULL || out->ambients == NULL) {
+    if (((out->white == NULL || out->lights == NULL || out->ambients == NULL) &&
+         !error_memory(err)) ||
+        (scene->sampling != NULL && !keep_sampling(scene, out, err))) {
         record_free(out);
-        return error_memory(err);
+        return false;
     }
     out->illumination = scene_white(scene, out->white);
-    out->n_white = out->illumination > 0 ? scene->n_wavelengths : 0;
+    out->n_white = out->illumination > 0 && !out->components ? scene->n_wavelengths : 0;
+    if (out->has_white_response)
+        out->illumination = illumination_of(scene);
     return true;
 }
 
@@ -139,6 +207,22 @@ static void put_lines(FILE *stream, const char *key, const char **values, int n)
         put_line(stream, key, values[i]);
 }
 
+static void put_sampling(FILE *stream, const struct record *record)
+{
+    put_line(stream, "sampling", record->sampling);
+    put_line(stream, "sampling_detector", record->sampling_detector);
+    if (record->components)
+        put_line(stream, "components", "yes");
+    if (record->n_segments > 0)
+        put_numbers(stream, "segments", record->segments, record->n_segments);
+    if (record->n_response > 0) {
+        put_numbers(stream, "response_range", record->range_nm, 2);
+        put_numbers(stream, "response", record->response, record->n_response);
+    }
+    if (record->has_white_response)
+        put_numbers(stream, "white_response", record->white_response, 3);
+}
+
 char *record_text(const struct record *record)
 {
     char *text = NULL;
@@ -154,10 +238,12 @@ char *record_text(const struct record *record)
     put_line(stream, "renderer", record->renderer);
     put_lines(stream, "light", record->lights, record->n_lights);
     put_lines(stream, "ambient", record->ambients, record->n_ambients);
-    if (record->n_white > 0) {
+    if (record->n_white > 0 || record->has_white_response)
         put_numbers(stream, "illumination", &record->illumination, 1);
+    if (record->n_white > 0)
         put_numbers(stream, "white", record->white, record->n_white);
-    }
+    if (record->sampling != NULL)
+        put_sampling(stream, record);
     put_lines(stream, "object", record->objects, record->n_objects);
     if (fclose(stream) == 0)
         return text;
@@ -219,8 +305,9 @@ static void decode(char *text)
     *to = '\0';
 }
 
-/* Numbers that are finite and not negative, with one blank between them. */
-static bool keep_numbers(double **numbers, int *n, const char *value, struct error *err)
+/* Finite numbers from `lowest` on, with one blank between them. */
+static bool keep_numbers(double **numbers, int *n, double lowest, const char *value,
+                         struct error *err)
 {
     struct error ignored = {0};
     for (const char *at = value, *end; *at != '\0'; at = *end != '\0' ? end + 1 : end) {
@@ -230,17 +317,22 @@ static bool keep_numbers(double **numbers, int *n, const char *value, struct err
         if (more == NULL)
             return false;
         *numbers = more;
-        if (!word_number(&word, "it", 0, HUGE_VAL, &more[(*n)++], &ignored))
+        if (!word_number(&word, "it", lowest, HUGE_VAL, &more[(*n)++], &ignored))
             return false;
     }
     return true;
 }
 
-static bool keep_number(double *out, const char *value)
+/* As many numbers as there is room for. */
+static bool keep_few(double *out, int room, double lowest, const char *value, struct error *err)
 {
-    const struct word word = {.start = value, .length = strlen(value)};
-    struct error ignored = {0};
-    return word_number(&word, "it", 0, HUGE_VAL, out, &ignored);
+    double *numbers = NULL;
+    int n = 0;
+    const bool good = keep_numbers(&numbers, &n, lowest, value, err) && n == room;
+    if (good)
+        memcpy(out, numbers, (size_t)n * sizeof *out);
+    free(numbers);
+    return good;
 }
 
 /* "OFFSET BYTES_PER_PIXEL" */
@@ -274,9 +366,11 @@ static bool keep_line(struct record *record, const char *key, char *value, struc
 {
     const struct {
         const char *key, **place;
-    } places[] = {{"program", &record->program},           {"scene", &record->scene},
-                  {"scene_sha256", &record->scene_sha256}, {"renderer", &record->renderer},
-                  {"full_scale", &record->full_scale},     {"scale", &record->scale}};
+    } places[] = {
+        {"program", &record->program},           {"scene", &record->scene},
+        {"scene_sha256", &record->scene_sha256}, {"renderer", &record->renderer},
+        {"full_scale", &record->full_scale},     {"scale", &record->scale},
+        {"sampling", &record->sampling},         {"sampling_detector", &record->sampling_detector}};
     const struct {
         const char *key;
         const char ***list;
@@ -284,16 +378,32 @@ static bool keep_line(struct record *record, const char *key, char *value, struc
     } lists[] = {{"light", &record->lights, &record->n_lights},
                  {"ambient", &record->ambients, &record->n_ambients},
                  {"object", &record->objects, &record->n_objects}};
+    const struct {
+        const char *key;
+        double **numbers;
+        int *n;
+        double lowest;
+    } arrays[] = {{"white", &record->white, &record->n_white, 0},
+                  {"segments", &record->segments, &record->n_segments, -HUGE_VAL},
+                  {"response", &record->response, &record->n_response, -HUGE_VAL}};
     for (size_t i = 0; i < sizeof places / sizeof places[0]; i++)
         if (strcmp(key, places[i].key) == 0)
             *places[i].place = value;
     for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++)
         if (strcmp(key, lists[i].key) == 0)
             return keep_value(lists[i].list, lists[i].n, value, err);
-    if (strcmp(key, "white") == 0)
-        return keep_numbers(&record->white, &record->n_white, value, err);
+    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
+        if (strcmp(key, arrays[i].key) == 0)
+            return keep_numbers(arrays[i].numbers, arrays[i].n, arrays[i].lowest, value, err);
     if (strcmp(key, "illumination") == 0)
-        return keep_number(&record->illumination, value);
+        return keep_few(&record->illumination, 1, 0, value, err);
+    if (strcmp(key, "response_range") == 0)
+        return keep_few(record->range_nm, 2, -HUGE_VAL, value, err);
+    if (strcmp(key, "white_response") == 0)
+        return record->has_white_response =
+                   keep_few(record->white_response, 3, -HUGE_VAL, value, err);
+    if (strcmp(key, "components") == 0)
+        return record->components = strcmp(value, "yes") == 0;
     if (strcmp(key, "object_map") == 0)
         return keep_map(record, value);
     if (strcmp(key, "option") != 0)
@@ -324,11 +434,52 @@ static bool keep_lines(struct record *record, struct error *err)
            record->scale != NULL;
 }
 
+/* Limits of what a sum over cells of 1 nm takes: the scene language's longest wavelength. */
+static bool is_range(const double limits[2])
+{
+    return limits[0] >= -1 && limits[1] > limits[0] && limits[1] <= 1e6 + 1;
+}
+
+/* Those of one segment follow each other, no more than a quadrature has; each lies in its own, but
+ * for the digits in which pages tell their wavelengths. */
+static bool segments_agree(const struct record *record, const struct image *image)
+{
+    const double slack = 1e-9, *nm = image->wavelengths_nm, *own = record->segments;
+    int together = 0;
+    for (int i = 0; nm != NULL && i < image->n_pages; i++, own += 2) {
+        const bool joins = i > 0 && own[0] == own[-2] && own[1] == own[-1];
+        together = joins ? together + 1 : 1;
+        if (!is_range(own) || together > LARGEST_QUADRATURE ||
+            (i > 0 && !joins && own[0] < own[-1]) || nm[i] < own[0] * (1 - slack) ||
+            nm[i] > own[1] * (1 + slack))
+            return false;
+    }
+    return nm != NULL;
+}
+
+/* How pages become channels is told in one way, and of all pages. */
+static bool sampling_agrees(const struct record *record, const struct image *image)
+{
+    const int n = image->n_pages;
+    const bool agrees =
+        (record->sampling != NULL) == (record->sampling_detector != NULL) &&
+        (record->n_segments == 0 ||
+         (record->n_segments == 2 * n && segments_agree(record, image))) &&
+        (record->n_response == 0 || (record->n_response == 3 * n && is_range(record->range_nm))) &&
+        (record->n_response == 0 || record->n_segments == 0) &&
+        (record->sampling != NULL || record->n_segments + record->n_response == 0);
+    return agrees &&
+           (record->n_response > 0 || !(record->components || record->has_white_response)) &&
+           !(record->components && (image->wavelengths_nm != NULL || record->n_white > 0));
+}
+
 bool record_read(const struct image *image, struct record *out, struct error *err)
 {
     *out = (struct record){.text = description_text(image->description)};
     if (out->text != NULL && keep_lines(out, err) &&
-        (out->n_white == 0 || (out->n_white == image->n_pages && out->illumination > 0)))
+        (out->n_white == 0 || out->n_white == image->n_pages) &&
+        (out->illumination > 0 || (out->n_white == 0 && !out->has_white_response)) &&
+        sampling_agrees(out, image))
         return true;
     record_free(out);
     return error_usage(err,
@@ -344,5 +495,7 @@ void record_free(struct record *record)
     free(record->ambients);
     free(record->objects);
     free(record->white);
+    free(record->segments);
+    free(record->response);
     *record = (struct record){.text = NULL};
 }

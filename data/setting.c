@@ -131,8 +131,11 @@ bool viewer_read(struct scene_reader *reader, struct error *err)
 
 bool shading_read(struct scene_reader *reader, struct error *err)
 {
-    static const char *const words[] = {"smooth", "flat", NULL};
-    return read_switch(reader->text, words, "shading", &reader->scene->flat_shading, err);
+    static const char *const words[] = {
+        [SHADING_SMOOTH] = "smooth", [SHADING_FLAT] = "flat", [SHADING_PHONG] = "phong", NULL};
+    int chosen = text_choose(reader->text, "shading", words, "shading", err);
+    reader->scene->shading = chosen > 0 ? (enum shading_kind)chosen : SHADING_SMOOTH;
+    return chosen >= 0 && text_end(reader->text, "shading", err);
 }
 
 /* ---- camera ---- */
@@ -323,6 +326,7 @@ bool light_read(struct scene_reader *reader, struct error *err)
 bool settings_complete(struct scene *scene, struct error *err)
 {
     static const double range[3] = {300, 760, 5};
+    scene->tessellation = 1;
     if (scene->camera.place.line == 0)
         scene->camera = camera_defaults[0];
     if (scene->size_place.line == 0) {
@@ -396,6 +400,24 @@ bool scene_set_size(struct scene *scene, const char *value, struct error *err)
         return false;
     scene->size_place = text_place(&text);
     return size_read(&reader, err);
+}
+
+bool scene_set_shading(struct scene *scene, const char *value, struct error *err)
+{
+    struct text text;
+    struct scene_reader reader = {.scene = scene, .text = &text};
+    if (!open_option(scene, "--shading", value, &text, err))
+        return false;
+    scene->shading_place = text_place(&text);
+    return shading_read(&reader, err);
+}
+
+bool scene_set_tessellation(struct scene *scene, const char *value, struct error *err)
+{
+    struct text text;
+    return open_option(scene, "--tessellation", value, &text, err) &&
+           text_number(&text, "factor", smallest_positive, HUGE_VAL, &scene->tessellation, err) &&
+           text_end(&text, "tessellation", err);
 }
 
 /* SPECTRUM[*INTENSITY] up to the end; *intensity keeps its value where none is given. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Writes the spectral stack: a multi-page TIFF, one page a wavelength. Behind the last page lies
- * the object map, of which only the record tells: a reader of TIFF never gets there. */
+/* Writes the spectral stack: a multi-page TIFF, one page a wavelength or component. Behind the last
+ * page lies the object map, of which only the record tells: a reader of TIFF never gets there. */
 #include "stack.h"
 
 #include <assert.h>
@@ -20,7 +20,7 @@ static bool check_options(const struct stack_options *options, struct error *err
     if (!(options->full_scale > 0 && options->full_scale <= DBL_MAX))
         return error_usage(err, "a full scale of %g is impossible; it is a positive radiance",
                            options->full_scale);
-    for (int page = 0; page < n_pages; page++) {
+    for (int page = 0; options->labels == NULL && page < n_pages; page++) {
         /* Tag 65000 takes floats. Labels have 10 digits: closer wavelengths could share one. */
         double nm = options->wavelengths_nm[page];
         double before = page > 0 ? options->wavelengths_nm[page - 1] : 0;
@@ -37,6 +37,7 @@ bool stack_open(struct stack_writer *out, const char *path, const struct stack_o
                 struct error *err)
 {
     *out = (struct stack_writer){.options = *options};
+    out->options.bits = options->bits > 0 ? options->bits : 16;
     if (!check_options(options, err))
         return false;
     out->pages =
@@ -44,7 +45,7 @@ bool stack_open(struct stack_writer *out, const char *path, const struct stack_o
                        .width = options->width,
                        .height = options->height,
                        .channels = 1,
-                       .bits = options->floating ? 32 : 16,
+                       .bits = out->options.bits,
                        .bytes_behind = (uint64_t)options->width * (uint64_t)options->height *
                                        (uint64_t)options->map_bytes,
                        .room = UNFINISHED,
@@ -58,7 +59,7 @@ static size_t sample_bytes(const struct stack_options *options, int page)
 {
     if (page == options->n_wavelengths)
         return (size_t)options->map_bytes;
-    return options->floating ? 4 : 2;
+    return (size_t)options->bits / 8;
 }
 
 bool stack_write(struct stack_writer *writer, int page, int x, int y, int width, int height,

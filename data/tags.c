@@ -30,12 +30,29 @@ static const TIFFFieldInfo private_fields[] = {
     {TAG_VERDICT, TEXT, TEXT, TIFF_ASCII, FIELD_CUSTOM, 1, 0, (char[]){"Verdict"}},
 };
 
-/* How samples become radiances. */
+static int largest_count(const struct stack_options *options)
+{
+    return options->bits == 8 ? 255 : 65535;
+}
+
+/* How samples become radiances, or the components that labels name. */
 static void scale_lines(const struct stack_options *options, char text[TEXT_SIZE])
 {
-    snprintf(text, TEXT_SIZE, "full_scale: %.*g\nscale: radiance = %s " RADIANCE_UNIT "\n",
+    char value[40] = "sample";
+    if (options->bits != 32)
+        snprintf(value, sizeof value, "count x full_scale / %d", largest_count(options));
+    snprintf(text, TEXT_SIZE, "full_scale: %.*g\nscale: %s = %s%s\n",
              exact_digits(options->full_scale), options->full_scale,
-             options->floating ? "sample" : "count x full_scale / 65535");
+             options->labels != NULL ? "component" : "radiance", value,
+             options->labels != NULL ? "" : " " RADIANCE_UNIT);
+}
+
+static void page_label(const struct stack_options *options, int page, char out[TEXT_SIZE])
+{
+    if (options->labels != NULL)
+        snprintf(out, TEXT_SIZE, "%s", options->labels[page]);
+    else
+        snprintf(out, TEXT_SIZE, PAGE_LABEL, options->wavelengths_nm[page]);
 }
 
 /* What XML cannot hold (control characters, bytes that are no UTF-8) becomes '?'. No text: none. */
@@ -56,6 +73,19 @@ static void put_escaped(FILE *stream, const char *text)
     }
 }
 
+static void put_channel(FILE *stream, const struct stack_options *options, int page)
+{
+    char label[TEXT_SIZE];
+    page_label(options, page, label);
+    fprintf(stream, "<Channel ID=\"Channel:0:%d\" Name=\"", page);
+    put_escaped(stream, label);
+    fputs("\" SamplesPerPixel=\"1\"", stream);
+    if (options->labels == NULL)
+        fprintf(stream, " EmissionWavelength=\"%.10g\" EmissionWavelengthUnit=\"nm\"",
+                options->wavelengths_nm[page]);
+    fputs("/>\n", stream);
+}
+
 /* The first page tells of the whole stack. It begins with < and ends with >: readers know OME-XML
  * by that. */
 static void put_description(FILE *stream, const struct stack_writer *writer, int page)
@@ -63,7 +93,10 @@ static void put_description(FILE *stream, const struct stack_writer *writer, int
     const struct stack_options *options = &writer->options;
     char scale[TEXT_SIZE];
     if (page > 0) {
-        fprintf(stream, "wavelength_nm=%.10g", options->wavelengths_nm[page]);
+        if (options->labels != NULL)
+            fprintf(stream, "component=%s", options->labels[page]);
+        else
+            fprintf(stream, "wavelength_nm=%.10g", options->wavelengths_nm[page]);
         return;
     }
     scale_lines(options, scale);
@@ -82,13 +115,12 @@ static void put_description(FILE *stream, const struct stack_writer *writer, int
             "</Description>\n<Pixels ID=\"Pixels:0\" DimensionOrder=\"XYCZT\" Type=\"%s\""
             " BigEndian=\"false\" SizeX=\"%d\" SizeY=\"%d\" SizeC=\"%d\" SizeZ=\"1\""
             " SizeT=\"1\">\n",
-            options->floating ? "float" : "uint16", options->width, options->height,
-            options->n_wavelengths);
+            options->bits == 32  ? "float"
+            : options->bits == 8 ? "uint8"
+                                 : "uint16",
+            options->width, options->height, options->n_wavelengths);
     for (page = 0; page < options->n_wavelengths; page++)
-        fprintf(stream,
-                "<Channel ID=\"Channel:0:%d\" Name=\"" PAGE_LABEL "\" SamplesPerPixel=\"1\""
-                " EmissionWavelength=\"%.10g\" EmissionWavelengthUnit=\"nm\"/>\n",
-                page, options->wavelengths_nm[page], options->wavelengths_nm[page]);
+        put_channel(stream, options, page);
     for (page = 0; page < options->n_wavelengths; page++)
         fprintf(stream,
                 "<TiffData FirstC=\"%d\" FirstZ=\"0\" FirstT=\"0\" IFD=\"%d\""
@@ -98,15 +130,13 @@ static void put_description(FILE *stream, const struct stack_writer *writer, int
 }
 
 /* A page's width is the mean of the distances to its neighbours; alone it has none. */
-static void put_gdal(FILE *stream, const struct stack_writer *writer, int page)
+static void put_gdal_wavelength(FILE *stream, const struct stack_options *options, int page)
 {
-    const struct stack_options *options = &writer->options;
     const double *nm = options->wavelengths_nm;
     int before = page > 0 ? page - 1 : page;
     int after = page + 1 < options->n_wavelengths ? page + 1 : page;
-    double scale = options->floating ? 1 : options->full_scale / 65535;
     fprintf(stream,
-            "<GDALMetadata>\n<Item name=\"CENTRAL_WAVELENGTH_UM\" sample=\"0\""
+            "<Item name=\"CENTRAL_WAVELENGTH_UM\" sample=\"0\""
             " domain=\"IMAGERY\">%.10g</Item>\n",
             nm[page] / 1000);
     if (after > before)
@@ -114,13 +144,29 @@ static void put_gdal(FILE *stream, const struct stack_writer *writer, int page)
                 (nm[after] - nm[before]) / (after - before) / 1000);
     fprintf(stream,
             "<Item name=\"wavelength\" sample=\"0\">%.10g</Item>\n"
-            "<Item name=\"wavelength_units\" sample=\"0\">Nanometers</Item>\n"
-            "<Item name=\"DESCRIPTION\" sample=\"0\" role=\"description\">" PAGE_LABEL "</Item>\n"
-            "<Item name=\"OFFSET\" sample=\"0\" role=\"offset\">0</Item>\n"
-            "<Item name=\"SCALE\" sample=\"0\" role=\"scale\">%.*g</Item>\n"
-            "<Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">" RADIANCE_UNIT "</Item>\n"
-            "</GDALMetadata>\n",
-            nm[page], nm[page], exact_digits(scale), scale);
+            "<Item name=\"wavelength_units\" sample=\"0\">Nanometers</Item>\n",
+            nm[page]);
+}
+
+static void put_gdal(FILE *stream, const struct stack_writer *writer, int page)
+{
+    const struct stack_options *options = &writer->options;
+    const double scale = options->bits == 32 ? 1 : options->full_scale / largest_count(options);
+    char label[TEXT_SIZE];
+    page_label(options, page, label);
+    fputs("<GDALMetadata>\n", stream);
+    if (options->labels == NULL)
+        put_gdal_wavelength(stream, options, page);
+    fputs("<Item name=\"DESCRIPTION\" sample=\"0\" role=\"description\">", stream);
+    put_escaped(stream, label);
+    fprintf(stream,
+            "</Item>\n<Item name=\"OFFSET\" sample=\"0\" role=\"offset\">0</Item>\n"
+            "<Item name=\"SCALE\" sample=\"0\" role=\"scale\">%.*g</Item>\n",
+            exact_digits(scale), scale);
+    if (options->labels == NULL)
+        fputs("<Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">" RADIANCE_UNIT "</Item>\n",
+              stream);
+    fputs("</GDALMetadata>\n", stream);
 }
 
 /* ImageJ's strings: how samples become radiances (page -1), then the label of each page. */
@@ -129,7 +175,7 @@ static size_t imagej_string(const struct stack_options *options, int page, char 
     if (page < 0)
         scale_lines(options, text);
     else
-        snprintf(text, TEXT_SIZE, PAGE_LABEL, options->wavelengths_nm[page]);
+        page_label(options, page, text);
     return strlen(text);
 }
 
@@ -194,7 +240,8 @@ static bool set_first_page(TIFF *tiff, const struct stack_writer *writer, struct
     snprintf(room, sizeof room, "%-*s", STACK_VERDICT - 1, UNFINISHED);
     return set_printed(tiff, TAG_IMAGEJ_SIZES, writer, 0, put_imagej_sizes, err) &&
            set_printed(tiff, TAG_IMAGEJ_TEXTS, writer, 0, put_imagej_texts, err) &&
-           set_printed(tiff, TAG_WAVELENGTHS, writer, 0, put_wavelengths, err) &&
+           (writer->options.labels != NULL ||
+            set_printed(tiff, TAG_WAVELENGTHS, writer, 0, put_wavelengths, err)) &&
            TIFFSetField(tiff, TIFFTAG_SOFTWARE, PROGRAM) && TIFFSetField(tiff, TAG_VERDICT, room);
 }
 
@@ -203,7 +250,7 @@ bool tags_set(TIFF *tiff, const void *stack, int page, struct error *err)
     const struct stack_writer *writer = stack;
     const uint32_t n_private = sizeof private_fields / sizeof private_fields[0];
     char label[TEXT_SIZE];
-    snprintf(label, sizeof label, PAGE_LABEL, writer->options.wavelengths_nm[page]);
+    page_label(&writer->options, page, label);
     return TIFFMergeFieldInfo(tiff, private_fields, n_private) == 0 &&
            TIFFSetField(tiff, TIFFTAG_PAGENAME, label) &&
            set_printed(tiff, TIFFTAG_IMAGEDESCRIPTION, writer, page, put_description, err) &&

@@ -10,7 +10,7 @@
 
 /* A mesh as its shape describes it, before it is parted and moved. */
 struct whole {
-    const struct shape *shape;
+    struct shape shape; /* tessellated; its names are the scene's */
     struct mesh mesh;
     struct vector centre;
     double unit; /* as in plan_mesh */
@@ -66,7 +66,7 @@ static double mesh_unit(const struct mesh *mesh, struct vector centre)
 
 static bool build_whole(struct whole *whole, struct error *err)
 {
-    const struct shape *shape = whole->shape;
+    const struct shape *shape = &whole->shape;
     struct mesh *mesh = &whole->mesh;
     if (!shape_build(shape, mesh, err))
         return false;
@@ -82,10 +82,11 @@ static bool build_whole(struct whole *whole, struct error *err)
 }
 
 /* The index of a shape's mesh, which is built when it is first asked for; -1 after an error. */
-static int find_whole(struct body_maker *maker, const struct shape *shape, struct error *err)
+static int find_whole(struct body_maker *maker, const struct shape *described, struct error *err)
 {
+    const struct shape shape = shape_tessellated(described, maker->plan->scene->tessellation);
     for (int i = 0; i < maker->n_wholes; i++)
-        if (same_shape(maker->wholes[i].shape, shape))
+        if (same_shape(&maker->wholes[i].shape, &shape))
             return i;
     struct whole *more = array_more(maker->wholes, maker->n_wholes, sizeof *more, err);
     if (!more)

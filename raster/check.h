@@ -23,11 +23,14 @@ struct rows {
 void counts_expect(const struct plan *plan, const struct finish *finish, const struct rows *rows,
                    size_t n, int band, double full_scale, double *expected, float *bound);
 /* As stored: clamped and rounded; NaN becomes 0. Here, so that loops over samples take it in. */
-static inline int counts_round(double counts)
+static inline double counts_clamp(double counts)
 {
     double positive = counts > 0 ? counts : 0;
-    double clamped = positive < FULL_COUNT ? positive : FULL_COUNT;
-    return (int)(clamped + 0.5);
+    return positive < FULL_COUNT ? positive : FULL_COUNT;
+}
+static inline int counts_round(double counts)
+{
+    return (int)(counts_clamp(counts) + 0.5);
 }
 
 /* ---- raster/tally.c ---- */

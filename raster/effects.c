@@ -3,7 +3,7 @@
  * is guessed rather than measured. */
 #include <string.h>
 
-#include "spectral.h"
+#include "plan.h"
 
 /* ---- counting what the plan uses ---- */
 
@@ -129,6 +129,32 @@ static void add_switch(struct plan *plan, const char *name, bool asked, bool mat
                  "the scene asks for it");
 }
 
+static const char *other_shading(const struct scene *scene)
+{
+    return scene->shading == SHADING_FLAT    ? "shading is flat"
+           : scene->shading == SHADING_PHONG ? "shading is phong"
+                                             : "shading is smooth";
+}
+
+static const char *why_no_luminescence(const struct plan *plan, int able, const char *none_able)
+{
+    return able == 0                         ? none_able
+           : shows_luminescence(plan->scene) ? "nothing is excited and shown"
+                                             : "rgb and xyz cannot show it";
+}
+
+/* Objects whose counts a factor changes. */
+static int count_tessellated(const struct scene *scene)
+{
+    int n = 0;
+    for (int i = 0; i < scene->n_objects; i++) {
+        const struct shape *shape = &scene->objects[i].shape;
+        const struct shape other = shape_tessellated(shape, scene->tessellation);
+        n += memcmp(shape->parameter, other.parameter, sizeof other.parameter) != 0;
+    }
+    return n;
+}
+
 void plan_effects(struct plan *plan)
 {
     const struct scene *scene = plan->scene;
@@ -146,11 +172,11 @@ void plan_effects(struct plan *plan)
     add_effect(plan, "attenuation", attenuated, plan->n_lights, "lights", "no light weakens");
     add_effect(plan, "spot", spots, plan->n_lights, "lights", "no light is a spot");
     add_finish_effect(plan, "fluorescence", is_fluorescent,
-                      count_finishes(plan, has_excitation) ? "nothing is excited and shown"
-                                                           : "no material has excitation");
+                      why_no_luminescence(plan, count_finishes(plan, has_excitation),
+                                          "no material has excitation"));
     add_finish_effect(plan, "bispectral", is_bispectral,
-                      count_finishes(plan, has_matrix) ? "nothing is excited and shown"
-                                                       : "no material has a Donaldson matrix");
+                      why_no_luminescence(plan, count_finishes(plan, has_matrix),
+                                          "no material has a Donaldson matrix"));
     add_finish_effect(plan, "texture", is_textured, "no lit material has a texture");
     add_finish_effect(plan, "spectral_texture", is_spectrally_textured,
                       "no lit material has a spectral texture");
@@ -159,9 +185,13 @@ void plan_effects(struct plan *plan)
                "no material has a partner");
     add_effect(plan, "two_sided", count_objects(plan, is_two_sided), scene->n_objects, "objects",
                "no object is two-sided");
-    add_switch(plan, "flat", scene->flat_shading, true, "shading is smooth", "");
+    add_switch(plan, "flat", scene->shading == SHADING_FLAT, true, other_shading(scene), "");
+    add_switch(plan, "phong", scene->shading == SHADING_PHONG, true, other_shading(scene), "");
     add_effect(plan, "material_map", count_objects(plan, is_mapped), scene->n_objects, "objects",
                "no object has several materials");
+    add_effect(plan, "tessellation", count_tessellated(scene), scene->n_objects, "objects",
+               scene->tessellation == 1 ? "shapes are as the scene says"
+                                        : "no object has other numbers by the factor");
 }
 
 /* ---- the plan in words ---- */
@@ -170,15 +200,12 @@ void plan_effects(struct plan *plan)
 static const char *why_off(const struct plan *plan, const struct light *light)
 {
     const struct scene *scene = plan->scene;
-    bool zero = true;
     for (int i = 0; i < plan->n_lights; i++)
         if (plan->lights[i].light == light)
             return NULL;
-    for (int i = 0; i < scene->n_wavelengths; i++)
-        zero = zero && spectrum_at(&light->spectrum, scene->wavelengths_nm[i], SPECTRUM_ZERO) == 0;
-    return light->intensity == 0 ? "intensity 0"
-           : zero                ? "spectrum 0 at every wavelength shown"
-                                 : "no material reflects it";
+    return light->intensity == 0               ? "intensity 0"
+           : !is_seen(scene, &light->spectrum) ? "spectrum 0 at every wavelength shown"
+                                               : "no material reflects it";
 }
 
 static void print_lights(const struct plan *plan, FILE *to)
@@ -195,12 +222,13 @@ static void print_extrapolation(const struct plan *plan, const char *what, const
                                 const struct spectrum *spectrum, const char *owner, FILE *to)
 {
     const struct scene *scene = plan->scene;
+    const int n = looked_at(scene);
     int outside = 0;
-    for (int i = 0; i < scene->n_wavelengths; i++)
-        outside += spectrum_extrapolates(spectrum, scene->wavelengths_nm[i]);
+    for (int i = 0; i < n; i++)
+        outside += spectrum_extrapolates(spectrum, looked_at_nm(scene, i));
     if (outside > 0)
         fprintf(to, "extrapolated      %s %s: %d of %d wavelengths outside %g..%g nm, %s there\n",
-                what, owner, outside, scene->n_wavelengths, spectrum->wavelength_nm[0],
+                what, owner, outside, n, spectrum->wavelength_nm[0],
                 spectrum->wavelength_nm[spectrum->count - 1], ends);
 }
 
@@ -225,8 +253,9 @@ static void print_texture(const struct plan *plan, const struct texture *texture
     const struct image *image = &texture->image;
     struct spectrum pages = {
         .kind = SPECTRUM_SAMPLED, .count = image->n_pages, .wavelength_nm = image->wavelengths_nm};
-    fprintf(to, "texture           %s: %d x %d texels, %d pages, %s\n", image->path, image->width,
-            image->height, image->n_pages, texture->linear ? "linear" : "nearest");
+    fprintf(to, "texture           %s: %d x %d texels, %d pages, %s%s\n", image->path, image->width,
+            image->height, image->n_pages, texture->linear ? "linear" : "nearest",
+            texture->spectral && plan->scene->sampling ? ", at the wavelength of each page" : "");
     if (texture->spectral)
         print_extrapolation(plan, "texture", "the end page holds", &pages, image->path, to);
 }
@@ -264,13 +293,26 @@ static void print_work(const struct plan *plan, FILE *to)
     fprintf(to, "file              %llu bytes of pixels\n", (unsigned long long)plan->file_bytes);
 }
 
+static void print_bands(const struct plan *plan, FILE *to)
+{
+    const struct scene *scene = plan->scene;
+    if (scene->sampling && !scene->sampling->spectral)
+        fprintf(to, "bands             %d (components)\n", plan->n_bands);
+    else
+        fprintf(to, "bands             %d (%.10g to %.10g nm)\n", plan->n_bands,
+                scene->wavelengths_nm[0], scene->wavelengths_nm[plan->n_bands - 1]);
+    if (scene->sampling) {
+        fprintf(to, "sampling          ");
+        sampling_print(scene->sampling, to);
+    }
+}
+
 void plan_print(const struct plan *plan, FILE *to)
 {
     const struct scene *scene = plan->scene;
     fprintf(to, "scene             %s\n", scene->path);
     fprintf(to, "picture           %d x %d pixels\n", scene->width, scene->height);
-    fprintf(to, "bands             %d (%.10g to %.10g nm)\n", plan->n_bands,
-            scene->wavelengths_nm[0], scene->wavelengths_nm[plan->n_bands - 1]);
+    print_bands(plan, to);
     print_work(plan, to);
     for (int i = 0; i < plan->n_effects; i++)
         fprintf(to, "%-17s %s (%s)\n", plan->effects[i].name, plan->effects[i].used ? "yes" : "no",

@@ -154,6 +154,59 @@ bool lights_drop_idle(struct plan *plan, struct error *err)
     return true;
 }
 
+/* ---- what spectra are looked at ---- */
+
+/* The grid of the scene's sampling, where pages are made of all of it. */
+static const struct sampling *grid_of(const struct scene *scene)
+{
+    const struct sampling *sampling = scene->sampling;
+    return sampling && (sampling->light_mean || sampling->analysis) ? sampling : NULL;
+}
+
+int looked_at(const struct scene *scene)
+{
+    const struct sampling *grid = grid_of(scene);
+    return grid ? grid->n_nm : scene->n_wavelengths;
+}
+
+double looked_at_nm(const struct scene *scene, int i)
+{
+    const struct sampling *grid = grid_of(scene);
+    return grid ? grid->first_nm + i : scene->wavelengths_nm[i];
+}
+
+bool is_seen(const struct scene *scene, const struct spectrum *light)
+{
+    for (int i = 0; i < looked_at(scene); i++)
+        if (spectrum_at(light, looked_at_nm(scene, i), SPECTRUM_ZERO) != 0)
+            return true;
+    return false;
+}
+
+/* Pages that are components are made of whole products. */
+static bool is_analysed(const struct scene *scene)
+{
+    return scene->sampling && scene->sampling->analysis;
+}
+
+/* Values that a product has: one a page, or one a nm for components. */
+static int product_length(const struct plan *plan)
+{
+    return is_analysed(plan->scene) ? plan->scene->sampling->n_nm : plan->n_bands;
+}
+
+static double factor_at(const struct scene *scene, const struct spectrum *spectrum, int i,
+                        enum spectrum_ends ends)
+{
+    return is_analysed(scene) ? spectrum_at(spectrum, looked_at_nm(scene, i), ends)
+                              : scene_page(scene, spectrum, i, ends);
+}
+
+bool shows_luminescence(const struct scene *scene)
+{
+    return !scene->sampling || scene->sampling->spectral || scene->sampling->analysis;
+}
+
 /* ---- spectra of terms ---- */
 
 struct luminescence {
@@ -165,17 +218,19 @@ struct finish_maker {
     struct plan *plan;
     struct finish *finish;
     struct luminescence luminescence;
+    double *fine; /* the next term at every nm, if pages are components; owned, otherwise NULL */
 };
 
-/* Adds factor x spectrum x reflectance (NULL: 1) to a row of bands; whether that is anything. */
+/* Adds factor x spectrum x reflectance (NULL: 1) to a row; whether that is anything. */
 static bool add_product(const struct plan *plan, double factor, const struct spectrum *spectrum,
                         const struct spectrum *reflectance, double *row)
 {
-    const double *nm = plan->scene->wavelengths_nm;
+    const struct scene *scene = plan->scene;
+    const int n = product_length(plan);
     bool any = false;
-    for (int i = 0; i < plan->n_bands; i++) {
-        double radiance = factor * spectrum_at(spectrum, nm[i], SPECTRUM_ZERO) *
-                          (reflectance ? spectrum_at(reflectance, nm[i], SPECTRUM_HOLD) : 1);
+    for (int i = 0; i < n; i++) {
+        double radiance = factor * factor_at(scene, spectrum, i, SPECTRUM_ZERO) *
+                          (reflectance ? factor_at(scene, reflectance, i, SPECTRUM_HOLD) : 1);
         row[i] += radiance;
         any = any || radiance != 0;
     }
@@ -216,11 +271,32 @@ static bool add_luminescence(struct finish_maker *maker, const struct spectrum *
     return true;
 }
 
-/* The row that the next term fills; zeroed. */
-static double *next_row(const struct finish_maker *maker)
+/* The bands of the next term; zeroed. */
+static double *next_bands(const struct finish_maker *maker)
 {
     size_t n_bands = (size_t)maker->plan->n_bands;
     return maker->finish->spectra + (size_t)maker->finish->n_terms * n_bands;
+}
+
+/* The row that the next term fills; zeroed. */
+static double *next_row(const struct finish_maker *maker)
+{
+    return maker->fine ? maker->fine : next_bands(maker);
+}
+
+/* What is left of the row becomes components, and it is cleared. Components of the scene's terms
+ * are not negative, and a sum of n products is off by n 2^-53 of the sum of their magnitudes at
+ * most: what lies below 0 is such an error. */
+static void analyse(const struct sampling *sampling, double *fine, double *bands)
+{
+    const int n_nm = sampling->n_nm;
+    for (int page = 0; page < sampling->n; page++) {
+        double sum = 0;
+        for (int j = 0; j < n_nm; j++)
+            sum += sampling->analysis[(size_t)page * (size_t)n_nm + (size_t)j] * fine[j];
+        bands[page] = sum < 0 ? 0 : sum;
+    }
+    memset(fine, 0, (size_t)n_nm * sizeof *fine);
 }
 
 static void keep_term(struct finish_maker *maker, enum term_kind kind, int light)
@@ -229,8 +305,10 @@ static void keep_term(struct finish_maker *maker, enum term_kind kind, int light
     for (int i = 0; i < maker->plan->n_lights; i++)
         maker->finish->n_colours += maker->plan->lights[i].first == light;
     struct term term = {kind, light, 0};
+    if (maker->fine)
+        analyse(maker->plan->scene->sampling, maker->fine, next_bands(maker));
     for (int i = 0; i < maker->plan->n_bands; i++)
-        term.peak = fmax(term.peak, next_row(maker)[i]);
+        term.peak = fmax(term.peak, next_bands(maker)[i]);
     maker->finish->terms[maker->finish->n_terms++] = term;
     maker->plan->work.terms++;
 }
@@ -327,9 +405,12 @@ static bool add_terms(struct finish_maker *maker, struct error *err)
     struct plan *plan = maker->plan;
     struct finish *finish = maker->finish;
     size_t most = 1 + 2 * (size_t)plan->n_lights;
+    bool components = is_analysed(plan->scene);
     finish->terms = calloc(most, sizeof *finish->terms);
     finish->spectra = calloc(most * (size_t)plan->n_bands, sizeof *finish->spectra);
-    if (!finish->terms || !finish->spectra)
+    if (components)
+        maker->fine = calloc((size_t)product_length(plan), sizeof *maker->fine);
+    if (!finish->terms || !finish->spectra || (components && !maker->fine))
         return error_memory(err);
     if (!add_constant(maker, err))
         return false;
@@ -339,29 +420,23 @@ static bool add_terms(struct finish_maker *maker, struct error *err)
     return true;
 }
 
-static bool shows(const struct plan *plan, const struct spectrum *spectrum)
-{
-    for (int i = 0; i < plan->n_bands; i++)
-        if (spectrum_at(spectrum, plan->scene->wavelengths_nm[i], SPECTRUM_ZERO) != 0)
-            return true;
-    return false;
-}
-
 /* Reads what fluoresces; nothing where the picture has no band of its emission. */
 static bool open_luminescence(const struct plan *plan, const struct material *material,
                               struct luminescence *out, struct error *err)
 {
     struct donaldson *matrix = &out->matrix;
-    const double *nm = plan->scene->wavelengths_nm;
+    const struct scene *scene = plan->scene;
     *out = (struct luminescence){.material = material};
-    out->glows = material->excitation.kind != SPECTRUM_NONE && shows(plan, &material->emission);
+    if (!shows_luminescence(scene))
+        return true;
+    out->glows = material->excitation.kind != SPECTRUM_NONE && is_seen(scene, &material->emission);
     if (!material->donaldson)
         return true;
     if (!donaldson_read(material->donaldson, material->donaldson_place, &material->diffuse, matrix,
                         err))
         return false;
-    if (matrix->emission_nm[0] > nm[plan->n_bands - 1] ||
-        matrix->emission_nm[matrix->n_emission - 1] < nm[0])
+    if (matrix->emission_nm[0] > looked_at_nm(scene, looked_at(scene) - 1) ||
+        matrix->emission_nm[matrix->n_emission - 1] < looked_at_nm(scene, 0))
         donaldson_free(matrix);
     return true;
 }
@@ -383,26 +458,36 @@ static bool make_finish(struct plan *plan, const struct material *material, stru
                         struct error *err)
 {
     struct finish_maker maker = {.plan = plan, .finish = finish};
-    bool textured = material->texture || material->spectral_texture;
     finish->material = material;
     plan->work.materials_loaded++;
     bool done =
         open_luminescence(plan, material, &maker.luminescence, err) && add_terms(&maker, err);
     donaldson_free(&maker.luminescence.matrix);
-    if (done && textured && finish->n_terms > 0) {
-        finish->texture = find_texture(plan, material, err);
-        done = finish->texture != NULL;
-    }
-    if (finish_rows(finish) > plan->max_rows)
-        plan->max_rows = finish_rows(finish);
+    free(maker.fine);
     return done;
 }
 
-bool finish_find(struct plan *plan, const struct material *material, int *out, struct error *err)
+bool finish_terms(struct plan *plan, const struct material *material, int *out, struct error *err)
 {
     for (*out = 0; *out < plan->n_finishes; ++*out)
         if (plan->finishes[*out].material == material)
             return true;
     plan->n_finishes++; /* counted first, so that plan_free reaches it after a failure */
     return make_finish(plan, material, &plan->finishes[*out], err);
+}
+
+bool finish_find(struct plan *plan, const struct material *material, int *out, struct error *err)
+{
+    const bool textured = material->texture || material->spectral_texture;
+    if (!finish_terms(plan, material, out, err))
+        return false;
+    struct finish *finish = &plan->finishes[*out];
+    if (textured && finish->n_terms > 0 && !finish->texture) {
+        finish->texture = find_texture(plan, material, err);
+        if (!finish->texture)
+            return false;
+    }
+    if (finish_rows(finish) > plan->max_rows)
+        plan->max_rows = finish_rows(finish);
+    return true;
 }

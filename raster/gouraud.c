@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* What each pixel looks like: weights by perspective-correct interpolation between vertices, as
  * Gouraud interpolates colours, textures upon them, and the same for every other fragment that
- * OpenGL may show. */
+ * OpenGL may show. In phong shading positions and normals are interpolated, and lit at each pixel.
+ */
 #include <math.h>
 #include <stdlib.h>
 
 #include "coverage.h"
+#include "light.h"
 
 /* Bound on OpenGL's error in an attribute of a piece of a facet: see bound_colour. */
 struct attribute_bound {
@@ -18,6 +20,7 @@ struct shading {
     struct attribute_bound *bounds; /* [piece][max_attributes], filled when first needed */
     bool *bounded;                  /* [piece] */
     size_t max_attributes;          /* of a surface */
+    struct light_work work;         /* of phong shading */
     double *weights;                /* of one pixel: max_attributes each, before its texture */
     float *errors, *interpolation, *slopes;
 };
@@ -48,7 +51,7 @@ static double shares_at(const struct facet *facet, double px, double py, double 
 /* In flat shading one vertex colours the whole triangle; its texture is smooth all the same. */
 static bool is_flat(const struct shading *shading, const struct facet *facet, size_t attribute)
 {
-    return shading->coverage.plan->scene->flat_shading &&
+    return shading->coverage.plan->scene->shading == SHADING_FLAT &&
            attribute < (size_t)shading->coverage.surfaces[facet->surface].finish->n_terms;
 }
 
@@ -127,6 +130,23 @@ static void add_bounds(struct shading *shading, const struct facet *facet, doubl
         shading->errors[a] += shading->interpolation[a];
 }
 
+/* Phong shading (Bui Tuong Phong 1975): what lies between the vertices of a facet, lit as a vertex
+ * is. It has no bounds. */
+static void light_between(struct shading *shading, const struct facet *facet,
+                          const struct surface *surface, const double share[3])
+{
+    struct vertex point = {.s = 0};
+    for (int j = 0; j < 3; j++) {
+        const struct vertex *vertex = &surface->mesh->vertices[facet->vertex[j]];
+        point.position = vector_add(point.position, vector_scale(vertex->position, share[j]));
+        point.normal = vector_add(point.normal, vector_scale(vertex->normal, share[j]));
+        point.s += share[j] * vertex->s;
+        point.t += share[j] * vertex->t;
+    }
+    light_point(shading->coverage.plan, surface, &point, facet->side, shading->weights,
+                shading->errors, &shading->work);
+}
+
 /* All attributes at a pixel and bounds on OpenGL's error, into the shading's numbers. */
 static void interpolate(struct shading *shading, int32_t index, int x, int y)
 {
@@ -134,6 +154,10 @@ static void interpolate(struct shading *shading, int32_t index, int x, int y)
     const struct facet *facet = &shading->coverage.facets[index];
     const struct surface *surface = &shading->coverage.surfaces[facet->surface];
     double share[3], inverse_w = shares_at(facet, x + 0.5, y + 0.5, share);
+    if (shading->coverage.plan->scene->shading == SHADING_PHONG) {
+        light_between(shading, facet, surface, share);
+        return;
+    }
     for (size_t a = 0; a < (size_t)surface->n_attributes; a++) {
         bool flat = is_flat(shading, facet, a);
         const int32_t *vertex = flat ? &facet->provoking : facet->vertex;
@@ -386,6 +410,33 @@ static bool resolve_all(struct shading *shading, struct chunk *out)
     return true;
 }
 
+int chunk_count(const struct tile *tile)
+{
+    return (tile->height + CHUNK_ROWS - 1) / CHUNK_ROWS;
+}
+
+bool chunks_each(const struct tile *tile, int threads,
+                 bool (*work)(void *context, const struct tile *tile, int index, struct error *err),
+                 void *context, struct error *err)
+{
+    const int n = chunk_count(tile);
+    bool failed = false;
+    (void)threads; /* without OpenMP */
+#pragma omp parallel for schedule(dynamic) num_threads(threads)
+    for (int i = 0; i < n; i++) {
+        struct error own = {.status = EXIT_AGREED};
+        if (work(context, tile, i, &own))
+            continue;
+#pragma omp critical
+        {
+            if (!failed)
+                *err = own;
+            failed = true;
+        }
+    }
+    return !failed;
+}
+
 struct tile chunk_rows(const struct tile *tile, int index)
 {
     struct tile rows = *tile;
@@ -404,6 +455,7 @@ bool chunk_rasterize(const struct plan *plan, const struct surface *surfaces,
             .plan = plan, .surfaces = surfaces, .tile = tile, .rows = chunk_rows(tile, index)}};
     bool done = chunk_alloc(plan, &shading.coverage.rows, out) &&
                 coverage_fill(&shading.coverage) && resolve_all(&shading, out);
+    out->work = shading.work;
     coverage_free(&shading.coverage);
     free(shading.bounds);
     free(shading.bounded);

@@ -59,7 +59,7 @@ static void draw_bodies(const struct gl *gl, struct numbered_vertex *batch)
     glDisableClientState(GL_COLOR_ARRAY);
     glEnableClientState(GL_NORMAL_ARRAY);
     glDisable(GL_STENCIL_TEST);
-    glShadeModel(gl->plan->scene->flat_shading ? GL_FLAT : GL_SMOOTH);
+    glShadeModel(gl->plan->scene->shading == SHADING_FLAT ? GL_FLAT : GL_SMOOTH);
 }
 
 bool gl_identify(struct gl *gl, struct error *err)
@@ -67,6 +67,10 @@ bool gl_identify(struct gl *gl, struct error *err)
     struct numbered_vertex *batch = malloc(3 * BATCH * sizeof *batch);
     if (!batch)
         return error_memory(err);
+    if (!gl_draw_into(gl, true, err)) {
+        free(batch);
+        return false;
+    }
     draw_bodies(gl, batch);
     glFinish(); /* only now does OSMesa fill the buffer */
     glReadPixels(0, 0, gl->plan->tile_width, gl->plan->tile_height, GL_DEPTH_STENCIL,

@@ -31,7 +31,7 @@ static void note_surface(struct region *region, int surface)
 
 static bool rasterize_chunks(struct region *region, const struct tile *tile, struct error *err)
 {
-    region->n_chunks = (tile->height + CHUNK_ROWS - 1) / CHUNK_ROWS;
+    region->n_chunks = chunk_count(tile);
     region->chunks = calloc((size_t)region->n_chunks, sizeof *region->chunks);
     if (!region->chunks)
         return error_memory(err);
@@ -187,12 +187,15 @@ static bool inspect(struct region *region, struct error *err)
     const struct plan *plan = &region->plan;
     const size_t largest_chunk = (size_t)CHUNK_ROWS * (size_t)plan->tile_width;
     struct light_work work;
+    bool clips;
+    if (plan->scene->shading == SHADING_PHONG) /* which may have no largest radiance */
+        region->plan.options.full_scale = 1;
     region->samples = calloc(largest_chunk, sizeof *region->samples);
     region->moments = calloc((size_t)plan->n_bands, sizeof *region->moments);
     if (!region->samples || !region->moments)
         return error_memory(err);
     return surfaces_light(plan, driver_of(NULL), &region->surfaces, &work, err) &&
-           surfaces_full_scale(plan, region->surfaces, &region->full_scale, err) &&
+           surfaces_full_scale(plan, region->surfaces, &region->full_scale, &clips, err) &&
            inspect_tiles(region, err) && add_curves(region, err);
 }
 
@@ -201,7 +204,7 @@ bool probe_scene(const struct plan *plan, const struct probe_options *options, s
 {
     const struct scene *scene = plan->scene;
     struct region region = {.plan = *plan, .probe = out};
-    region.plan.options.floating = true;
+    region.plan.options.bits = 32;
     bool done = probe_open(out, scene->path, options, scene->width, scene->height, err) &&
                 probe_allocate(out, scene->wavelengths_nm, scene->n_wavelengths, err) &&
                 inspect(&region, err) && add_colour(out, scene, options, err);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* How a vertex is lit: how much of each term it reflects, and how far OpenGL's single precision may
- * be off from that.
+/* How a vertex, or in phong shading a point between vertices, is lit: how much of each term it
+ * reflects, and how far OpenGL's single precision may be off from that.
  *
  * Weights follow the OpenGL 2.1 specification, section 2.14.1, in double. Bounds count the
  * roundings of a single-precision pipeline in any order of operations, with or without fused
@@ -8,6 +8,7 @@
  * error. */
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 #include "light.h"
 
@@ -144,12 +145,13 @@ struct weight {
     double value, error;
 };
 
-/* A vertex about to be lit. */
+/* A vertex about to be lit, or a point. */
 struct vertex_view {
     struct direction normal;
     struct vector eye;
     double e_eye, e_rigid;
-    bool bounded; /* whether bounds are wanted */
+    bool bounded;   /* whether bounds are wanted */
+    bool reference; /* no OpenGL lights it as well */
     struct light_work *work;
 };
 
@@ -203,14 +205,15 @@ static struct weight diffuse_weight(struct cosine n_l)
 }
 
 /* 1 / (k0 + k1 d + k2 d^2). NaN where OpenGL's divisor may be anything: a light at the vertex. */
-static struct weight attenuation(const struct plan_light *light, const struct path *path)
+static struct weight attenuation(const struct plan_light *light, const struct path *path,
+                                 const struct vertex_view *view)
 {
     const double *k = light->attenuation, d = path->length, e_d = path->e_length;
     double divisor = k[0] + k[1] * d + k[2] * d * d;
     /* OpenGL may flush factors below the least normal number to 0 */
     double flushed = (double)FLT_MIN * (1 + d + d * d);
     double error = k[1] * e_d + k[2] * (2 * d + e_d) * e_d + 8 * u * divisor + flushed;
-    if (!(error < 0.25 * divisor))
+    if (!view->reference && !(error < 0.25 * divisor))
         return (struct weight){(double)NAN, 0};
     return (struct weight){1 / divisor, error / (divisor * (divisor - error)) + 2 * u / divisor};
 }
@@ -221,10 +224,10 @@ static struct weight falloff(const struct plan_light *light, const struct path *
 {
     struct weight out = {1, 0};
     /* Mesa multiplies by 0 / 0 where it takes light and vertex for one */
-    if (path->length <= path->e_length)
+    if (!view->reference && path->length <= path->e_length)
         return (struct weight){(double)NAN, 0};
     if (light->attenuated)
-        out = attenuation(light, path);
+        out = attenuation(light, path, view);
     if (light->spot) {
         struct direction axis = {vector_scale(light->eye_spot, -1), 6 * u};
         struct cosine c = cosine_between(path->towards, axis), gate = c;
@@ -281,19 +284,22 @@ static bool reflects(const struct finish *finish, const struct plan_light *light
     return false;
 }
 
-/* Attributes of one side of a vertex, zeroed before: weights of all terms, then texture
- * coordinates, which OpenGL rounds once. */
-static void light_side(const struct plan *plan, const struct surface *surface,
-                       const struct vertex *vertex, const struct vertex_view *view, double *weights,
-                       float *errors)
+/* Weights of all terms on one side of a vertex, whose errors are 0 before. */
+static void light_side(const struct plan *plan, const struct finish *finish,
+                       const struct vertex_view *view, double *weights, float *errors)
 {
-    const struct finish *finish = surface->finish;
-    double *place = weights + finish->n_terms;
     for (int t = 0; t < finish->n_terms; t++)
         weights[t] = finish->terms[t].kind == TERM_CONSTANT;
     for (int i = 0; i < plan->n_lights; i++)
         if (reflects(finish, &plan->lights[i]))
             add_light(plan, finish, &plan->lights[i], view, weights, errors);
+}
+
+/* Texture coordinates, which OpenGL rounds once, follow the weights. */
+static void put_place(const struct finish *finish, const struct vertex *vertex, double *weights,
+                      float *errors)
+{
+    double *place = weights + finish->n_terms;
     if (!finish->texture)
         return;
     place[0] = vertex->s;
@@ -313,10 +319,96 @@ void light_vertex(const struct plan *plan, struct surface *surface,
                                .e_rigid = bounds->e_rigid,
                                .bounded = plan->options.check,
                                .work = work};
+    bool lit = plan->scene->shading != SHADING_PHONG;
     for (int side = 0; side < surface->n_sides; side++) {
         size_t first = surface_attributes(surface, index, side);
-        light_side(plan, surface, vertex, &view, surface->weights + first, surface->errors + first);
+        if (lit)
+            light_side(plan, surface->finish, &view, surface->weights + first,
+                       surface->errors + first);
+        put_place(surface->finish, vertex, surface->weights + first, surface->errors + first);
         view.normal.unit = vector_scale(view.normal.unit, -1);
     }
-    work->vertices_lit++;
+    work->vertices_lit += lit;
+}
+
+/* ---- points of phong shading ---- */
+
+void light_point(const struct plan *plan, const struct surface *surface, const struct vertex *point,
+                 int side, double *weights, float *errors, struct light_work *work)
+{
+    static const struct body_bounds exact = {.e_rigid = 0};
+    struct vertex_view view = {.normal = eye_normal(surface->body, &exact, point->normal),
+                               .eye = matrix_point(&surface->body->model_view, point->position),
+                               .reference = true,
+                               .work = work};
+    if (side == 1)
+        view.normal.unit = vector_scale(view.normal.unit, -1);
+    memset(errors, 0, (size_t)surface->n_attributes * sizeof *errors);
+    light_side(plan, surface->finish, &view, weights, errors);
+    put_place(surface->finish, point, weights, errors);
+    work->points_lit++;
+}
+
+/* The point of a triangle that is nearest to p is that of its plane, or lies on an edge. */
+static double distance_to_edge(struct vector p, struct vector a, struct vector b)
+{
+    struct vector edge = vector_subtract(b, a), to = vector_subtract(p, a);
+    double squared = vector_dot(edge, edge);
+    double part = squared > 0 ? fmin(fmax(vector_dot(to, edge) / squared, 0), 1) : 0;
+    return vector_length(vector_subtract(to, vector_scale(edge, part)));
+}
+
+static double distance_to_triangle(struct vector p, const struct vector corner[3])
+{
+    struct vector normal = vector_normalise(
+        vector_cross(vector_subtract(corner[1], corner[0]), vector_subtract(corner[2], corner[0])));
+    double least = HUGE_VAL;
+    bool above = vector_length(normal) > 0;
+    for (int i = 0; i < 3; i++) {
+        struct vector a = corner[i], b = corner[(i + 1) % 3];
+        struct vector inwards = vector_cross(normal, vector_subtract(b, a));
+        above = above && vector_dot(inwards, vector_subtract(p, a)) > 0;
+        least = fmin(least, distance_to_edge(p, a, b));
+    }
+    return above ? fabs(vector_dot(normal, vector_subtract(p, corner[0]))) : least;
+}
+
+/* How near a light is to the surface, less the roundings of points on it. */
+static double least_distance(const struct surface *surface, const struct plan_light *light)
+{
+    const struct mesh *mesh = surface->mesh;
+    double least = HUGE_VAL, largest = vector_length(light->eye_position);
+    for (int i = 0; i < mesh->n_triangles; i++) {
+        struct vector corner[3];
+        for (int j = 0; j < 3; j++) {
+            corner[j] = matrix_point(&surface->body->model_view,
+                                     mesh->vertices[mesh->triangles[i][j]].position);
+            largest = fmax(largest, vector_length(corner[j]));
+        }
+        least = fmin(least, distance_to_triangle(light->eye_position, corner));
+    }
+    return fmax(0, least - 1e-12 * largest);
+}
+
+void light_limits(const struct plan *plan, const struct surface *surface, double *limits,
+                  int *light)
+{
+    const struct finish *finish = surface->finish;
+    for (int t = 0; t < finish->n_terms; t++)
+        limits[t] = finish->terms[t].kind == TERM_CONSTANT;
+    for (int i = 0; i < plan->n_lights; i++) {
+        const struct plan_light *from = &plan->lights[i];
+        const double *k = from->attenuation;
+        double d, most = from->share;
+        if (!reflects(finish, from))
+            continue;
+        if (from->attenuated) {
+            d = least_distance(surface, from);
+            most /= k[0] + k[1] * d + k[2] * d * d;
+        }
+        if (!isfinite(most))
+            *light = i;
+        for (int t = 0; t < finish->n_terms; t++)
+            limits[t] += finish->terms[t].light == from->first ? most : 0;
+    }
 }

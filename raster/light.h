@@ -6,7 +6,7 @@
 
 #include "spectral.h"
 
-/* ---- raster/light.c: one vertex ---- */
+/* ---- raster/light.c: one vertex, or one point between vertices ---- */
 
 /* What the vertices of one body have in common. */
 struct body_bounds {
@@ -15,9 +15,18 @@ struct body_bounds {
 };
 struct body_bounds body_bounds(const struct body *body);
 /* Fills the attributes of both sides of a vertex that lies at `eye` in eye space, where OpenGL may
- * be off by e_eye. */
+ * be off by e_eye. In phong shading it has no weights: points between vertices are lit instead. */
 void light_vertex(const struct plan *plan, struct surface *surface,
                   const struct body_bounds *bounds, int index, struct vector eye, double e_eye,
                   struct light_work *work);
+/* The same of one side of a point of phong shading, which no OpenGL lights and no bound is for:
+ * what `errors` has of weights means nothing. */
+void light_point(const struct plan *plan, const struct surface *surface, const struct vertex *point,
+                 int side, double *weights, float *errors, struct light_work *work);
+/* An upper bound on each term's weight at whatever point of the surface phong shading lights;
+ * infinite where a light that weakens with distance may be too near, whose index is left in *light.
+ */
+void light_limits(const struct plan *plan, const struct surface *surface, double *limits,
+                  int *light);
 
 #endif

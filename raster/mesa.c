@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: MIT */
-/* The same picture through OSMesa: OpenGL 1.x lighting into a float buffer. Three wavelengths ride
- * in the red, green and blue of a pass; each channel is lit by itself, so that a pass is three
- * exact single-wavelength renderings.
+/* The same picture through OSMesa: OpenGL 1.x lighting into a buffer of floats, or of 8 or 16 bits.
+ * Three wavelengths ride in the red, green and blue of a pass; each channel is lit by itself, so
+ * that a pass is three exact single-wavelength renderings.
  *
  * Products of light and material spectra are made in double and given to OpenGL as the colours of
  * the lights, with white materials: what fluoresces, too, is then one pass under eight lights. More
  * lights take more passes, whose colours are added here; each draws everything anew, so that all
  * agree on what is seen. Geometry is uploaded once; a pass changes colours only. */
+#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "mesa.h"
 
@@ -24,24 +26,117 @@ struct gl_place {
 
 static const GLfloat white[4] = {1, 1, 1, 1}, black[4] = {0, 0, 0, 1};
 
+/* ---- where to look ---- */
+
+/* OpenGL keeps matrices by column. */
+void gl_load_matrix(const struct matrix *m)
+{
+    GLdouble columns[16];
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++)
+            columns[4 * j + i] = m->row[i][j];
+    glLoadMatrixd(columns);
+}
+
+/* Row of a projection that maps [low, high] of the picture's clip space to [-1, 1]. */
+static void aim_row(struct matrix *m, int row, double low, double high)
+{
+    for (int j = 0; j < 4; j++)
+        m->row[row][j] = (2 * m->row[row][j] - (low + high) * m->row[3][j]) / (high - low);
+}
+
+static void aim(const struct gl *gl)
+{
+    const struct tile *tile = &gl->tile;
+    double width = gl->plan->scene->width, height = gl->plan->scene->height;
+    struct matrix projection = gl->plan->projection;
+    aim_row(&projection, 0, 2 * tile->x / width - 1, 2 * (tile->x + tile->width) / width - 1);
+    aim_row(&projection, 1, 1 - 2 * (tile->y + tile->height) / height, 1 - 2 * tile->y / height);
+    glMatrixMode(GL_PROJECTION);
+    gl_load_matrix(&projection);
+    glMatrixMode(GL_MODELVIEW);
+    /* a smaller tile lies in the first rows of the buffer */
+    glViewport(0, gl->plan->tile_height - tile->height, tile->width, tile->height);
+}
+
+void gl_aim(struct gl *gl, const struct surface *surfaces, const struct tile *tile)
+{
+    gl->surfaces = surfaces;
+    gl->tile = *tile;
+    aim(gl);
+}
+
 /* ---- opening ---- */
 
-static bool check_context(const struct plan *plan, struct error *err)
+static bool check_context(const struct plan *plan, int needed_bits, struct error *err)
 {
     GLint red_bits = 0, depth_bits = 0, stencil_bits = 0, viewport[2] = {0, 0};
     glGetIntegerv(GL_RED_BITS, &red_bits);
     glGetIntegerv(GL_DEPTH_BITS, &depth_bits);
     glGetIntegerv(GL_STENCIL_BITS, &stencil_bits);
     glGetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
-    if (red_bits < 32 || depth_bits < 24 || stencil_bits < 8)
+    if (red_bits != needed_bits || depth_bits < 24 || stencil_bits < 8)
         return error_system(err,
-                            "OSMesa gives %d bits of colour, %d of depth and %d of stencil; 32, 24 "
+                            "OSMesa gives %d bits of colour, %d of depth and %d of stencil; %d, 24 "
                             "and 8 are needed",
-                            red_bits, depth_bits, stencil_bits);
+                            red_bits, depth_bits, stencil_bits, needed_bits);
     return (viewport[0] >= plan->tile_width && viewport[1] >= plan->tile_height) ||
            error_system(err, "OSMesa draws at most %d x %d pixels at once", viewport[0],
                         viewport[1]);
 }
+
+/* Each type has a context of its own: one that goes from type to type works, but OSMesa of Mesa
+ * 22.3.6 then makes new buffers every time, and keeps the old ones. */
+bool gl_draw_into(struct gl *gl, bool floats, struct error *err)
+{
+    const struct plan *plan = gl->plan;
+    int bits = floats || !gl->steps ? 32 : plan->options.buffer_bits;
+    OSMesaContext context = floats && gl->numbers ? gl->numbers : gl->context;
+    void *buffer = bits == 32 ? gl->pixels : gl->steps;
+    GLenum type = bits == 32 ? GL_FLOAT : bits == 16 ? GL_UNSIGNED_SHORT : GL_UNSIGNED_BYTE;
+    if (gl->current == buffer)
+        return true;
+    if (!OSMesaMakeCurrent(context, buffer, type, plan->tile_width, plan->tile_height))
+        return error_system(err, "OSMesa gives no context of %d x %d pixels of %d bits a channel",
+                            plan->tile_width, plan->tile_height, bits);
+    gl->current = buffer;
+    OSMesaPixelStore(OSMESA_Y_UP, 0); /* first row on top, as in the picture */
+    if (gl->surfaces)
+        aim(gl);
+    return check_context(plan, bits, err);
+}
+
+/* A driver of Mesa is chosen before the first context. */
+static bool check_driver(const struct gl *gl, struct error *err)
+{
+    const char *wanted = gl->plan->options.gl_driver;
+    errno = 0;
+    return !wanted || strncmp(gl_renderer(gl), wanted, strlen(wanted)) == 0 ||
+           error_system(err,
+                        "this OSMesa draws with %.100s, and has no %s; --renderer gl takes what "
+                        "there is",
+                        gl_renderer(gl), wanted);
+}
+
+static bool allocate(struct gl *gl, struct error *err)
+{
+    const struct plan *plan = gl->plan;
+    size_t n_pixels = (size_t)plan->tile_width * (size_t)plan->tile_height;
+    bool adding = plan->n_light_groups > 1, stepping = buffer_steps(plan) > 0;
+    gl->pixels = calloc(n_pixels, 4 * sizeof *gl->pixels);
+    gl->steps = stepping ? calloc(n_pixels, 4 * (size_t)plan->options.buffer_bits / 8) : NULL;
+    gl->sum = adding ? calloc(n_pixels, 4 * sizeof *gl->sum) : NULL;
+    gl->depths = plan->options.check ? calloc(n_pixels, sizeof *gl->depths) : NULL;
+    return (gl->pixels && (gl->steps || !stepping) && (gl->sum || !adding) &&
+            (gl->depths || !plan->options.check)) ||
+           error_memory(err);
+}
+
+#ifdef OSMESA_VERSION /* built in; asked for another one, Mesa crashes */
+static const char *const only_driver = "softpipe";
+#else
+static const char *const only_driver = NULL;
+#endif
 
 static bool open_context(struct gl *gl, struct error *err)
 {
@@ -57,23 +152,20 @@ static bool open_context(struct gl *gl, struct error *err)
                                      OSMESA_COMPAT_PROFILE,
                                      0};
     const struct plan *plan = gl->plan;
-    size_t n_pixels = (size_t)plan->tile_width * (size_t)plan->tile_height;
-    bool adding = plan->n_light_groups > 1;
+    const char *driver = only_driver ? only_driver : plan->options.gl_driver;
     char threads[16];
-    gl->pixels = calloc(n_pixels, 4 * sizeof *gl->pixels);
-    gl->sum = adding ? calloc(n_pixels, 4 * sizeof *gl->sum) : NULL;
-    gl->depths = plan->options.check ? calloc(n_pixels, sizeof *gl->depths) : NULL;
-    if (!gl->pixels || (adding && !gl->sum) || (plan->options.check && !gl->depths))
-        return error_memory(err);
+    if (!allocate(gl, err))
+        return false;
     snprintf(threads, sizeof threads, "%d", plan->options.threads);
     setenv("LP_NUM_THREADS", threads, 0); /* for llvmpipe; a user's own setting stands */
+    if (driver)
+        setenv("GALLIUM_DRIVER", driver, 1);
     gl->context = OSMesaCreateContextAttribs(attributes, NULL);
-    if (!gl->context ||
-        !OSMesaMakeCurrent(gl->context, gl->pixels, GL_FLOAT, plan->tile_width, plan->tile_height))
-        return error_system(err, "OSMesa gives no float context of %d x %d pixels",
-                            plan->tile_width, plan->tile_height);
-    OSMesaPixelStore(OSMESA_Y_UP, 0); /* first row on top, as in the picture */
-    return check_context(plan, err);
+    if (gl->steps && plan->options.check)
+        gl->numbers = OSMesaCreateContextAttribs(attributes, NULL);
+    if (!gl->context || (gl->steps && plan->options.check && !gl->numbers))
+        return error_system(err, "OSMesa gives no context");
+    return gl_draw_into(gl, false, err) && check_driver(gl, err);
 }
 
 static bool upload_vertices(const struct mesh *mesh, struct error *err)
@@ -132,8 +224,6 @@ static bool upload_meshes(struct gl *gl, struct error *err)
     for (int i = 0; i < n_meshes; i++)
         if (!upload_mesh(gl, i, err))
             return false;
-    glEnableClientState(GL_VERTEX_ARRAY);
-    glEnableClientState(GL_NORMAL_ARRAY);
     return true;
 }
 
@@ -216,7 +306,7 @@ static void set_state(const struct gl *gl)
     glDisable(GL_DITHER);
     glEnable(GL_DEPTH_TEST);
     glDepthFunc(GL_LESS);
-    glShadeModel(gl->plan->scene->flat_shading ? GL_FLAT : GL_SMOOTH);
+    glShadeModel(gl->plan->scene->shading == SHADING_FLAT ? GL_FLAT : GL_SMOOTH);
     glEnable(GL_NORMALIZE);
     glEnable(GL_LIGHTING);
     glLightModelfv(GL_LIGHT_MODEL_AMBIENT, white);
@@ -225,6 +315,8 @@ static void set_state(const struct gl *gl)
     glMaterialfv(GL_FRONT_AND_BACK, GL_EMISSION, black);
     glClearColor(0, 0, 0, 0);
     glMatrixMode(GL_MODELVIEW);
+    glEnableClientState(GL_VERTEX_ARRAY);
+    glEnableClientState(GL_NORMAL_ARRAY);
 }
 
 static void place_light(GLenum name, const struct plan_light *light)
@@ -276,6 +368,11 @@ bool gl_open(const struct plan *plan, struct gl **out, struct error *err)
     if (!open_context(gl, err) || !upload_meshes(gl, err) || !open_textures(gl, err))
         return false;
     set_state(gl);
+    if (gl->numbers) {
+        if (!gl_succeeded(err) || !gl_draw_into(gl, true, err))
+            return false;
+        set_state(gl);
+    }
     return gl_succeeded(err);
 }
 
@@ -317,38 +414,6 @@ void gl_library(char *out, size_t capacity)
 #endif
 
 /* ---- drawing ---- */
-
-/* OpenGL keeps matrices by column. */
-void gl_load_matrix(const struct matrix *m)
-{
-    GLdouble columns[16];
-    for (int i = 0; i < 4; i++)
-        for (int j = 0; j < 4; j++)
-            columns[4 * j + i] = m->row[i][j];
-    glLoadMatrixd(columns);
-}
-
-/* Row of a projection that maps [low, high] of the picture's clip space to [-1, 1]. */
-static void aim_row(struct matrix *m, int row, double low, double high)
-{
-    for (int j = 0; j < 4; j++)
-        m->row[row][j] = (2 * m->row[row][j] - (low + high) * m->row[3][j]) / (high - low);
-}
-
-void gl_aim(struct gl *gl, const struct surface *surfaces, const struct tile *tile)
-{
-    double width = gl->plan->scene->width, height = gl->plan->scene->height;
-    struct matrix projection = gl->plan->projection;
-    aim_row(&projection, 0, 2 * tile->x / width - 1, 2 * (tile->x + tile->width) / width - 1);
-    aim_row(&projection, 1, 1 - 2 * (tile->y + tile->height) / height, 1 - 2 * tile->y / height);
-    glMatrixMode(GL_PROJECTION);
-    gl_load_matrix(&projection);
-    glMatrixMode(GL_MODELVIEW);
-    /* a smaller tile lies in the first rows of the buffer */
-    glViewport(0, gl->plan->tile_height - tile->height, tile->width, tile->height);
-    gl->surfaces = surfaces;
-    gl->tile = *tile;
-}
 
 /* Colour of a term in the three bands of a pass; black without one (row NULL). */
 static void band_colour(const struct plan *plan, const double *row, int first_band,
@@ -464,6 +529,20 @@ static void draw_pass(struct gl *gl, const struct pass *pass)
     gl->work.passes++;
 }
 
+/* Steps as parts of full scale. */
+static void fetch_steps(struct gl *gl)
+{
+    size_t n = 4 * (size_t)gl->plan->tile_width * (size_t)gl->plan->tile_height;
+    const uint16_t *words = gl->steps;
+    const uint8_t *bytes = gl->steps;
+    float whole = (float)buffer_steps(gl->plan);
+    bool wide = gl->plan->options.buffer_bits == 16;
+    for (size_t i = 0; i < n && wide; i++)
+        gl->pixels[i] = (float)words[i] / whole;
+    for (size_t i = 0; i < n && !wide; i++)
+        gl->pixels[i] = (float)bytes[i] / whole;
+}
+
 static void add_pass(struct gl *gl, bool first)
 {
     size_t n = 4 * (size_t)gl->plan->tile_width * (size_t)gl->plan->tile_height;
@@ -475,11 +554,15 @@ bool gl_draw(struct gl *gl, int first_band, double full_scale, const float **pix
              struct error *err)
 {
     const struct plan *plan = gl->plan;
+    if (!gl_draw_into(gl, false, err))
+        return false;
     for (int i = 0; i < plan->n_textures; i++)
         if (plan->textures[i].spectral && !upload_planes(&plan->textures[i], gl->textures[i], err))
             return false;
     for (int group = 0; group < plan->n_light_groups; group++) {
         draw_pass(gl, &(struct pass){first_band, group, full_scale});
+        if (gl->steps)
+            fetch_steps(gl);
         if (gl->sum)
             add_pass(gl, group == 0);
     }
@@ -496,11 +579,14 @@ void gl_close(struct gl *gl)
 {
     if (!gl)
         return;
+    if (gl->numbers)
+        OSMesaDestroyContext(gl->numbers);
     if (gl->context)
         OSMesaDestroyContext(gl->context);
     free(gl->buffers);
     free(gl->textures);
     free(gl->pixels);
+    free(gl->steps);
     free(gl->sum);
     free(gl->depths);
     free(gl);

@@ -15,8 +15,13 @@ struct gl {
     const struct plan *plan;
     const struct surface *surfaces;
     OSMesaContext context;
-    float *pixels; /* tile_height rows of tile_width pixels of 4 floats, from the top */
-    float *sum;    /* the same, of all passes; NULL where there is one */
+    OSMesaContext numbers; /* that draws into floats where `context` draws into steps; NULL: the
+                              same */
+    float *pixels;         /* tile_height rows of tile_width pixels of 4 floats, from the top */
+    void *steps; /* the same of 4 uint8_t or uint16_t, which colours are drawn into; NULL: pixels
+                    are */
+    const void *current; /* which of the two is drawn into */
+    float *sum;          /* the same, of all passes; NULL where there is one */
     uint32_t
         *depths;     /* the same from the bottom: 24 bits of depth, 8 of stencil; NULL: unchecked */
     GLuint *buffers; /* BUFFERS of each mesh */
@@ -26,6 +31,9 @@ struct gl {
 };
 
 /* ---- raster/mesa.c ---- */
+
+/* Draws into floats from now on, or into what colours are drawn into. */
+bool gl_draw_into(struct gl *gl, bool floats, struct error *err);
 
 /* Empties the aimed tile, and leaves lighting and textures switched off. */
 void gl_blacken(void);

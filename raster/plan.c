@@ -10,8 +10,9 @@
 /* Bytes that a pixel of a tile takes apart from its rows: Mesa's own colour and depth (20), our
  * copies of them (20), samples of three bands (12), surface, triangle, depth and its bound (16),
  * fragments, steepness and floor (12), flags (2), and room for contested pixels (14). A row has a
- * weight (8) and an error (4); a sum of passes is a colour (16). */
-enum { PIXEL_BYTES = 96, ROW_BYTES = 12, SUM_BYTES = 16 };
+ * weight (8) and an error (4); a sum of passes is a colour (16). Checked steps of 16 bits have a
+ * colour and depth of Mesa's own (12) and our copy (8) beside what floats have. */
+enum { PIXEL_BYTES = 96, ROW_BYTES = 12, SUM_BYTES = 16, STEPS_BYTES = 20 };
 /* What a tile may take, so that a render stays well below 300 MiB with Mesa's own memory. */
 static const size_t tile_budget = (size_t)128 << 20;
 /* Tiles no larger than Mesa's largest viewport (16384), with room for older drivers. */
@@ -70,7 +71,8 @@ static int map_bytes(const struct plan *plan)
 static void size_tiles(struct plan *plan)
 {
     size_t pixel = PIXEL_BYTES + ROW_BYTES * (size_t)plan->max_rows +
-                   (plan->n_light_groups > 1 ? SUM_BYTES : 0);
+                   (plan->n_light_groups > 1 ? SUM_BYTES : 0) +
+                   (plan->options.check && buffer_steps(plan) > 0 ? STEPS_BYTES : 0);
     size_t pixels = tile_budget / pixel, most = pixels / CHUNK_ROWS, columns = LARGEST_TILE;
     int width = plan->scene->width, height = plan->scene->height;
     while (columns > most && columns > 1)
@@ -88,7 +90,7 @@ static void size_tiles(struct plan *plan)
     plan->map_bytes = map_bytes(plan);
     plan->file_bytes =
         (uint64_t)width * (uint64_t)height *
-        ((uint64_t)plan->n_bands * (plan->options.floating ? 4 : 2) + (uint64_t)plan->map_bytes);
+        ((uint64_t)plan->n_bands * (uint64_t)plan->options.bits / 8 + (uint64_t)plan->map_bytes);
 }
 
 struct tile plan_picture(const struct plan *plan)
@@ -119,7 +121,7 @@ struct tile plan_tile(const struct plan *plan, const struct tile *region, int in
 
 /* Arrays that pointers lead into have their final size from the start: every material, and its
  * partner from the same file, has at most one finish and one texture. */
-static bool allocate(struct plan *plan, struct error *err)
+bool plan_allocate(struct plan *plan, struct error *err)
 {
     size_t most = 2 * (size_t)plan->scene->n_materials + 1;
     plan->finishes = calloc(most, sizeof *plan->finishes);
@@ -136,6 +138,7 @@ bool plan_make(const struct scene *scene, const struct plan_options *options, st
     camera.far /= out->unit;
     camera.extent /= camera.perspective ? 1 : out->unit;
     out->options.threads = threads_start(options->threads);
+    out->options.bits = options->bits > 0 ? options->bits : 16;
     out->n_bands = scene->n_wavelengths;
     out->n_passes = (out->n_bands + BANDS_PER_PASS - 1) / BANDS_PER_PASS;
     out->near = camera.near;
@@ -143,7 +146,7 @@ bool plan_make(const struct scene *scene, const struct plan_options *options, st
         matrix_product(matrix_scaling((struct vector){1 / out->unit, 1 / out->unit, 1 / out->unit}),
                        matrix_look_at(camera.eye, camera.look, camera.up));
     out->projection = projection_of(&camera, scene->width, scene->height);
-    if (!allocate(out, err) || !lights_list(out, err) || !bodies_make(out, err) ||
+    if (!plan_allocate(out, err) || !lights_list(out, err) || !bodies_make(out, err) ||
         !lights_drop_idle(out, err))
         return false;
     out->n_light_groups = (out->n_lights + LIGHTS_PER_PASS - 1) / LIGHTS_PER_PASS;

@@ -57,38 +57,25 @@ static void put_pixel(const struct surface *surfaces, const struct chunk *chunk,
         planes->place[i][to] = *weight;
 }
 
-static bool put_chunk(const struct plan *plan, const struct surface *surfaces,
-                      const struct tile *tile, int index, struct planes *planes, struct error *err)
+struct painting {
+    const struct plan *plan;
+    const struct surface *surfaces;
+    struct planes *planes;
+};
+
+static bool put_chunk(void *context, const struct tile *tile, int index, struct error *err)
 {
+    const struct painting *of = context;
     struct chunk chunk = {.surface = NULL};
-    bool done = chunk_rasterize(plan, surfaces, tile, index, &chunk, err);
+    bool done = chunk_rasterize(of->plan, of->surfaces, tile, index, &chunk, err);
     for (int y = 0; done && y < chunk.rows.height; y++)
         for (int x = 0; x < chunk.rows.width; x++)
-            put_pixel(surfaces, &chunk, (size_t)y * (size_t)chunk.rows.width + (size_t)x, planes,
-                      (size_t)(chunk.rows.y + y) * (size_t)plan->scene->width +
+            put_pixel(of->surfaces, &chunk, (size_t)y * (size_t)chunk.rows.width + (size_t)x,
+                      of->planes,
+                      (size_t)(chunk.rows.y + y) * (size_t)of->plan->scene->width +
                           (size_t)(chunk.rows.x + x));
     chunk_free(&chunk);
     return done;
-}
-
-static bool put_tile(const struct plan *plan, const struct surface *surfaces,
-                     const struct tile *tile, struct planes *planes, struct error *err)
-{
-    int n_chunks = (tile->height + CHUNK_ROWS - 1) / CHUNK_ROWS;
-    bool failed = false;
-#pragma omp parallel for schedule(dynamic) num_threads(plan->options.threads)
-    for (int i = 0; i < n_chunks; i++) {
-        struct error own = {.status = EXIT_AGREED};
-        if (put_chunk(plan, surfaces, tile, i, planes, &own))
-            continue;
-#pragma omp critical
-        {
-            if (!failed)
-                *err = own;
-            failed = true;
-        }
-    }
-    return !failed;
 }
 
 /* The values of one texture at its own wavelengths, where it is seen. */
@@ -112,10 +99,11 @@ static bool put_texture(const struct plan *plan, struct texture *texture, struct
 static bool put_picture(const struct plan *plan, const struct surface *surfaces,
                         struct planes *planes, struct error *err)
 {
+    struct painting of = {plan, surfaces, planes};
     const struct tile picture = plan_picture(plan);
     for (int i = 0; i < plan_tiles(plan, &picture); i++) {
         const struct tile tile = plan_tile(plan, &picture, i);
-        if (!put_tile(plan, surfaces, &tile, planes, err))
+        if (!chunks_each(&tile, plan->options.threads, put_chunk, &of, err))
             return false;
     }
     for (int i = 0; i < plan->n_textures; i++)

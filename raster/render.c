@@ -40,29 +40,30 @@ static void clock_in(double *part, double *since)
 
 /* ---- a tile by the reference ---- */
 
+static bool rasterize_chunk(void *context, const struct tile *tile, int index, struct error *err)
+{
+    const struct render_state *state = context;
+    struct chunk *chunk = &state->chunks[index];
+    return chunk_rasterize(state->plan, state->surfaces, tile, index, chunk, err) &&
+           (!state->plan->options.check ||
+            check_open(state->plan, state->surfaces, chunk, state->result->full_scale,
+                       &state->checks[index], err));
+}
+
 static bool rasterize_tile(struct render_state *state, const struct tile *tile, struct error *err)
 {
-    const struct plan *plan = state->plan;
-    bool check = plan->options.check, failed = false;
     state->chunks = calloc((size_t)state->n_chunks, sizeof *state->chunks);
     state->checks = calloc((size_t)state->n_chunks, sizeof *state->checks);
     if (!state->chunks || !state->checks)
         return error_memory(err);
-#pragma omp parallel for schedule(dynamic) num_threads(plan->options.threads)
-    for (int i = 0; i < state->n_chunks; i++) {
-        struct error own = {.status = EXIT_AGREED};
-        if (chunk_rasterize(plan, state->surfaces, tile, i, &state->chunks[i], &own) &&
-            (!check || check_open(plan, state->surfaces, &state->chunks[i],
-                                  state->result->full_scale, &state->checks[i], &own)))
-            continue;
-#pragma omp critical
-        {
-            if (!failed)
-                *err = own;
-            failed = true;
-        }
-    }
-    return !failed;
+    return chunks_each(tile, state->plan->options.threads, rasterize_chunk, state, err);
+}
+
+static void work_add(struct light_work *to, const struct light_work *from)
+{
+    to->points_lit += from->points_lit;
+    to->specular_vertices += from->specular_vertices;
+    to->power_functions += from->power_functions;
 }
 
 static void free_tile(struct render_state *state)
@@ -70,8 +71,10 @@ static void free_tile(struct render_state *state)
     for (int i = 0; i < state->n_chunks; i++) {
         if (state->checks && state->checks[i].chunk)
             check_close(&state->checks[i], &state->result->check);
-        if (state->chunks)
+        if (state->chunks) {
+            work_add(&state->result->light, &state->chunks[i].work);
             chunk_free(&state->chunks[i]);
+        }
     }
     free(state->chunks);
     free(state->checks);
@@ -84,7 +87,7 @@ static void free_tile(struct render_state *state)
 
 static size_t sample_size(const struct plan *plan)
 {
-    return plan->options.floating ? sizeof(float) : sizeof(uint16_t);
+    return (size_t)plan->options.bits / 8;
 }
 
 static int bands_of_pass(const struct plan *plan, int pass)
@@ -126,7 +129,8 @@ static struct odd_samples count_chunk(struct render_state *state, const struct t
     if (plan->options.store_raster)
         return counts_of_reference(plan, state->surfaces, &state->chunks[index], band, full_scale,
                                    out);
-    return counts_of_gl(plan, &rows, channel, full_scale, pixels + first * stride * 4, stride, out);
+    return counts_of_gl(plan, &rows, channel, full_scale, state->result->clips,
+                        pixels + first * stride * 4, stride, out);
 }
 
 static void count_tile(struct render_state *state, const struct tile *tile, int pass,
@@ -200,7 +204,7 @@ static int object_at(const struct render_state *state, const struct tile *tile, 
     return surface < state->plan->n_bodies ? surface + 1 : 0;
 }
 
-/* Its numbers go through the room of a band, whose samples have two bytes or more. */
+/* Its numbers go through the room of a band. */
 static bool write_map(struct render_state *state, const struct tile *tile, struct error *err)
 {
     unsigned char *at = state->samples[0];
@@ -223,7 +227,7 @@ static bool render_tile(struct render_state *state, const struct tile *tile, str
 {
     const struct plan *plan = state->plan;
     double since = render_clock();
-    state->n_chunks = (tile->height + CHUNK_ROWS - 1) / CHUNK_ROWS;
+    state->n_chunks = chunk_count(tile);
     bool done =
         !(plan->options.check || plan->options.store_raster) || rasterize_tile(state, tile, err);
     clock_in(&state->result->seconds.raster, &since);
@@ -303,28 +307,57 @@ static char *provenance_text(const struct plan *plan, const struct render_result
     return text;
 }
 
-static bool open_stack(struct render_state *state, const char *path, struct error *err)
+static bool allocate_samples(struct render_state *state, struct error *err)
 {
     const struct plan *plan = state->plan;
     size_t n_samples = (size_t)plan->tile_width * (size_t)plan->tile_height;
+    size_t size = sample_size(plan), map = (size_t)plan->map_bytes;
     for (int c = 0; c < BANDS_PER_PASS; c++) {
-        state->samples[c] = malloc(n_samples * sample_size(plan));
+        state->samples[c] = malloc(n_samples * (size > map ? size : map));
         if (!state->samples[c])
             return error_memory(err);
     }
-    char *provenance = provenance_text(plan, state->result, err);
-    if (!provenance)
+    return true;
+}
+
+/* The labels of pages that are no radiances at wavelengths, followed by their text; allocated. */
+static const char **make_labels(const struct sampling *sampling, struct error *err)
+{
+    typedef char label_text[24];
+    size_t n = (size_t)sampling->n;
+    const char **labels = calloc(n, sizeof *labels + sizeof(label_text));
+    label_text *text = (label_text *)(labels + n);
+    if (!labels)
+        error_memory(err);
+    for (int i = 0; labels && i < sampling->n; i++) {
+        sampling_label(sampling, i, text[i]);
+        labels[i] = text[i];
+    }
+    return labels;
+}
+
+static bool open_stack(struct render_state *state, const char *path, struct error *err)
+{
+    const struct plan *plan = state->plan;
+    const struct sampling *sampling = plan->scene->sampling;
+    const bool labelled = sampling && !sampling->spectral;
+    if (!allocate_samples(state, err))
         return false;
+    char *provenance = provenance_text(plan, state->result, err);
+    const char **labels = labelled && provenance ? make_labels(sampling, err) : NULL;
     struct stack_options options = {.width = plan->scene->width,
                                     .height = plan->scene->height,
                                     .n_wavelengths = plan->n_bands,
                                     .wavelengths_nm = plan->scene->wavelengths_nm,
                                     .full_scale = state->result->full_scale,
-                                    .floating = plan->options.floating,
+                                    .bits = plan->options.bits,
                                     .scene = plan->scene->path,
                                     .provenance = provenance,
-                                    .map_bytes = plan->map_bytes};
-    state->writing = stack_open(&state->writer, path, &options, err);
+                                    .map_bytes = plan->map_bytes,
+                                    .labels = labels};
+    state->writing =
+        provenance && (labels || !labelled) && stack_open(&state->writer, path, &options, err);
+    free(labels);
     free(provenance);
     return state->writing;
 }
@@ -341,7 +374,7 @@ static bool prepare(struct render_state *state, struct error *err)
     clock_in(&result->seconds.gl, &since);
     if (!surfaces_light(plan, result->driver, &state->surfaces, &result->light, err))
         return false;
-    if (!surfaces_full_scale(plan, state->surfaces, &result->full_scale, err))
+    if (!surfaces_full_scale(plan, state->surfaces, &result->full_scale, &result->clips, err))
         return false;
     clock_in(&result->seconds.raster, &since);
     return true;

@@ -253,7 +253,7 @@ static bool surface_light(const struct plan *plan, const struct driver *driver,
     int n_vertices = out->mesh->n_vertices;
 #pragma omp parallel for reduction(+ : lit, specular, powers) num_threads(plan->options.threads)
     for (int i = 0; i < n_vertices; i++) {
-        struct light_work own = {0, 0, 0};
+        struct light_work own = {0};
         process_vertex(plan, out, &bounds, exact, i, &own);
         lit += own.vertices_lit;
         specular += own.specular_vertices;
@@ -275,7 +275,7 @@ static bool surface_light(const struct plan *plan, const struct driver *driver,
 bool surfaces_light(const struct plan *plan, const struct driver *driver, struct surface **out,
                     struct light_work *work, struct error *err)
 {
-    *work = (struct light_work){0, 0, 0};
+    *work = (struct light_work){0};
     *out = calloc((size_t)plan->n_bodies + 1, sizeof **out);
     if (!*out)
         return error_memory(err);
@@ -285,26 +285,102 @@ bool surfaces_light(const struct plan *plan, const struct driver *driver, struct
     return true;
 }
 
-/* The largest radiance of one surface's vertices in one band, and which vertex has it. */
-static double largest_radiance(const struct plan *plan, const struct surface *surface, int band,
-                               int *vertex)
+/* Where a surface may be brightest: weights of both sides of its vertices; in phong shading upper
+ * bounds on those of all its points. */
+struct brightest {
+    const double *weights;
+    size_t n, stride;
+};
+
+/* The largest radiance in one band, and which of the brightest has it. */
+static double largest_radiance(const struct plan *plan, const struct finish *finish,
+                               const struct brightest *of, int band, size_t *at)
 {
-    const struct finish *finish = surface->finish;
     size_t n_terms = (size_t)finish->n_terms, n_bands = (size_t)plan->n_bands;
     double largest = -1;
-    for (size_t i = 0; i < (size_t)surface->mesh->n_vertices * (size_t)surface->n_sides; i++) {
-        const double *weights = surface->weights + i * (size_t)surface->n_attributes;
+    for (size_t i = 0; i < of->n; i++) {
+        const double *weights = of->weights + i * of->stride;
         double radiance = 0;
         for (size_t t = 0; t < n_terms; t++)
             radiance += weights[t] * finish->spectra[t * n_bands + (size_t)band];
         if (!(radiance <= largest)) { /* NaN counts as larger, so that it is found */
             largest = radiance;
-            *vertex = (int)(i / (size_t)surface->n_sides);
+            *at = i;
         }
         if (!isfinite(largest))
             break;
     }
     return finish->texture ? largest * finish->texture->largest : largest;
+}
+
+static bool check_radiance(const struct plan *plan, const struct surface *surface, int band,
+                           size_t at, double radiance, struct error *err)
+{
+    char page[PAGE_NAME], vertex[32] = "this object";
+    if (isfinite(radiance) && !(plan->options.bits == 32 && radiance > (double)FLT_MAX))
+        return true;
+    if (plan->scene->shading != SHADING_PHONG)
+        snprintf(vertex, sizeof vertex, "vertex %d", (int)at / surface->n_sides + 1);
+    page_name(plan->scene, band, page);
+    return isfinite(radiance)
+               ? error_at(err, surface->body->object->place,
+                          "the radiance of %s at %s is %.3g, above what a float page holds", vertex,
+                          page, radiance)
+               : error_at(
+                     err, surface->body->object->place,
+                     "the radiance of %s at %s is not finite; lights and factors are too large",
+                     vertex, page);
+}
+
+/* False where phong shading has no bound: that of the light `*light`. limits has room for the
+ * surface's terms. */
+static bool find_brightest(const struct plan *plan, const struct surface *surface, double *limits,
+                           struct brightest *out, int *light)
+{
+    *light = -1;
+    *out = (struct brightest){surface->weights,
+                              (size_t)surface->mesh->n_vertices * (size_t)surface->n_sides,
+                              (size_t)surface->n_attributes};
+    if (plan->scene->shading != SHADING_PHONG)
+        return true;
+    *out = (struct brightest){limits, 1, 0};
+    light_limits(plan, surface, limits, light);
+    return *light < 0;
+}
+
+/* Raises *largest to the largest radiance of a surface. What has no bound needs a full scale that
+ * is asked for. */
+static bool raise_largest(const struct plan *plan, const struct surface *surface, double *limits,
+                          double *largest, struct error *err)
+{
+    struct brightest brightest;
+    int light;
+    if (!find_brightest(plan, surface, limits, &brightest, &light))
+        return plan->options.full_scale > 0 ||
+               error_at(err, plan->lights[light].light->attenuation_place,
+                        "this light has no limit where it touches %s, so that phong shading has no "
+                        "largest radiance; --full-scale can set one, or a constant attenuation",
+                        surface->finish->material->name);
+    for (int band = 0; band < plan->n_bands; band++) {
+        size_t at = 0;
+        double radiance = largest_radiance(plan, surface->finish, &brightest, band, &at);
+        if (!check_radiance(plan, surface, band, at, radiance, err))
+            return false;
+        *largest = fmax(*largest, radiance);
+    }
+    return true;
+}
+
+static bool surfaces_largest(const struct plan *plan, const struct surface *surfaces,
+                             double *largest, struct error *err)
+{
+    double *limits = malloc(((size_t)plan->max_rows + 1) * sizeof *limits);
+    bool done = limits || error_memory(err);
+    *largest = 0;
+    for (int s = 0; s < plan->n_bodies && done; s++)
+        done = raise_largest(plan, &surfaces[s], limits, largest, err);
+    free(limits);
+    return done;
 }
 
 /* The colours that OpenGL is given are spectra over full scale: below 2^100 they, and their sums,
@@ -321,26 +397,12 @@ static double least_full_scale(const struct plan *plan)
 }
 
 bool surfaces_full_scale(const struct plan *plan, const struct surface *surfaces, double *out,
-                         struct error *err)
+                         bool *clips, struct error *err)
 {
-    double largest = 0;
-    for (int s = 0; s < plan->n_bodies; s++)
-        for (int band = 0; band < plan->n_bands; band++) {
-            int vertex = 0;
-            double radiance = largest_radiance(plan, &surfaces[s], band, &vertex);
-            if (!isfinite(radiance))
-                return error_at(err, surfaces[s].body->object->place,
-                                "the radiance of vertex %d at %.10g nm is not finite; lights and "
-                                "factors are too large",
-                                vertex + 1, plan->scene->wavelengths_nm[band]);
-            if (plan->options.floating && radiance > (double)FLT_MAX)
-                return error_at(err, surfaces[s].body->object->place,
-                                "the radiance of vertex %d at %.10g nm is %.3g, above what a float "
-                                "page holds",
-                                vertex + 1, plan->scene->wavelengths_nm[band], radiance);
-            largest = fmax(largest, radiance);
-        }
-    if (plan->options.floating && largest > 0 && largest < (double)FLT_MIN / u)
+    double largest;
+    if (!surfaces_largest(plan, surfaces, &largest, err))
+        return false;
+    if (plan->options.bits == 32 && largest > 0 && largest < (double)FLT_MIN / u)
         return error_at(
             err, surfaces[0].body->object->place,
             "the largest radiance is %.3g, so small that a float page would lose digits; "
@@ -352,6 +414,7 @@ bool surfaces_full_scale(const struct plan *plan, const struct surface *surfaces
                            "--full-scale: %g is too small beside the lights; the least that single "
                            "precision can show is %.3g",
                            wanted, least);
+    *clips = wanted > 0 && wanted < largest;
     largest = fmax(largest, least);
     *out = wanted > 0 ? wanted : largest > 0 ? largest : 1;
     return true;

@@ -40,4 +40,30 @@ says 'near\.scene:2:1: error: vertex [1-4] of this object reflects no finite rad
     "the object and the vertex are named"
 one_line "a light at a vertex"
 absent "$tmp/near.tif" "a light at a vertex"
+
+"$SPECTRAL" render patches --size 4x4 --renderer raster --no-check --quiet -o "$tmp/stack.tif"
+printf '%s\n' 'material m { diffuse 0.5 spectral-texture stack.tif }' 'object plane 9 9 material m' \
+    'light d65 1 direction 0 0 1' 'size 4 4' >"$tmp/spectral.scene"
+for sampling in basis:3 rgb xyz; do
+    exits 2 "$sampling takes no spectral texture" "$SPECTRAL" plan "$tmp/spectral.scene" --sampling "$sampling"
+    says "spectral\.scene:1:26: error: $sampling " "and points to it"
+    one_line "a spectral texture under $sampling"
+done
+for sampling in box:3 riemann:50 gauss:3 adaptive:0.01; do
+    exits 0 "$sampling takes one, by OpenGL and the reference alike" \
+        "$SPECTRAL" render "$tmp/spectral.scene" --sampling "$sampling" -o /dev/null
+done
+run "$SPECTRAL" plan "$tmp/spectral.scene" --sampling gauss:3
+prints '^texture .*, at the wavelength of each page$' "plan says what of it is taken"
+run "$SPECTRAL" plan "$tmp/spectral.scene" --wavelengths 1000:100000:1000 --sampling gauss:3
+[ "$status" = 2 ]
+ok $? "a range that is too wide to be sampled is refused"
+says '^--wavelengths:1:1: error: wavelengths from 1000 to 100000 nm' "at its place"
+one_line "a range that is too wide"
+printf '%s\n' 'material m { diffuse 0.5 }' 'object plane 9 9 material m' \
+    'light 1e200 1e100 direction 0 0 1' >"$tmp/bright.scene"
+exits 2 "a light beyond what can be summed up is not sampled" \
+    "$SPECTRAL" plan "$tmp/bright.scene" --sampling adaptive:0.01
+says 'bright\.scene:3:7: error: radiance 1e\+300 cannot be sampled; it is at most 1e\+290' "at its place"
+one_line "a light that is too bright"
 done_testing

@@ -23,7 +23,8 @@ small="--size 40x30 --wavelengths 400:700:50"
     says 'colorchecker' "and the built-in ones are named"
     for bad in --size=0x10 --size=10 '--size=64x48#x' --wavelengths=400,,500 --size=1000000000x4 --wavelengths=700:400:10 \
         --wavelengths=400:700:0 --wavelengths=nan --light=2=d65 --light=d65 --light=1=d66 \
-        --ambient=-1 --renderer=vulkan --depth=8 --full-scale=0 --full-scale=1e-40 --full-scale=1.5abc \
+        --ambient=-1 --renderer=vulkan --depth=12 --buffer=12 --shading=gouraud --tessellation=0 --sampling=simpson:3 \
+        --full-scale=0 --full-scale=1e-40 --full-scale=1.5abc \
         --threads=0 --threads=1.5; do
         exits 2 "$bad is refused" "$SPECTRAL" render patches "$bad" -o "$tmp/bad.tif"
         one_line "$bad"

@@ -181,6 +181,47 @@ def test_threads(a, b):
     check(outputs[0] == outputs[1] == outputs[2], "text and map do not depend on the number of threads")
 
 
+# ---- components ----
+
+def components():
+    """Of one sampling they are compared, and colours by the response that is recorded."""
+    scene = "wavelengths 400 700 10\nsize 16 12\ncamera ortho 4\nobject plane 3 2 material m\nlight d65 1 direction 0 0 1\n"
+    paths = []
+    for name, paint, sampling in (("one", "0.5", "rgb"), ("other", "gaussian:600,90", "rgb"), ("xyz", "0.5", "xyz")):
+        source = write(f"{name}.scene", scene + f"material m {{ diffuse {paint} }}\n")
+        paths.append(os.path.join(TMP, f"{name}.tif"))
+        subprocess.run([SPECTRAL, "render", source, "--sampling", sampling, "--depth", "32f", "--renderer", "raster",
+                        "--quiet", "-o", paths[-1]], check=True)
+    one, other, xyz = paths
+    with tifffile.TiffFile(one) as a, tifffile.TiffFile(other) as b:
+        text = a.pages[0].description
+        pages = [np.array([page.asarray() for page in tiff.pages], float) for tiff in (a, b)]
+    response = np.array(re.search("\nresponse: (.*)", text).group(1).split(), float).reshape(3, 3)
+    white = np.array(re.search("\nwhite_response: (.*)", text).group(1).split(), float)
+    labs = [cielab(np.tensordot(response, each, (1, 0)), white[:, None, None]) for each in pages]
+    expected = ciede2000(*labs).max()
+    result = compare(one, other)
+    seen = float(re.search(r"CIEDE2000 .* (\S+) \(largest", result.stdout).group(1))
+    check(abs(seen - expected) < 1e-5 * expected and "16 x 12 pixels, 3 components" in result.stdout
+          and " nm" not in result.stdout, "components of one sampling are compared", seen, expected, result.stdout)
+    compare(one, other, "--map", os.path.join(TMP, "components.tif"))
+    with tifffile.TiffFile(os.path.join(TMP, "components.tif")) as tiff:
+        names = [page.tags[285].value for page in tiff.pages]
+    check(names == ["largest difference of components", "component angle in degrees", "CIEDE2000"],
+          "the map of components names no spectra", names)
+    bases = []
+    for source in "one.scene", "other.scene":
+        bases.append(os.path.join(TMP, source.replace("scene", "basis.tif")))
+        subprocess.run([SPECTRAL, "render", os.path.join(TMP, source), "--sampling", "basis:1", "--renderer", "raster",
+                        "--quiet", "-o", bases[-1]], check=True)
+    check(compare(bases[0], bases[0]).returncode == 0, "a basis is the same as itself")
+    refused(*bases, "cannot be compared: of basis:1 for cie1931, and of basis:1 for cie1931 of other spectra")
+    refused(one, xyz, "cannot be compared: of rgb for cie1931, and of xyz for cie1931$")
+    refused(one, A, "one.tif holds the components of rgb, .*a.tif radiances")
+    refused(A, one, "one.tif holds the components of rgb, .*a.tif radiances")
+    refused(one, other, "expected --detector cie1931", "--detector", "cie1964")
+
+
 # ---- what cannot be compared ----
 
 def refused(a, b, pattern, *options):
@@ -232,5 +273,6 @@ test_statistics("large", LARGE, LARGE * random.random(LARGE.shape, dtype=np.floa
                 list(range(400, 600, 5)), "cie1931")
 test_threads(A, os.path.join(TMP, "one-pixel.tif"))
 test_threads(os.path.join(TMP, "large-a.tif"), os.path.join(TMP, "large-b.tif"))
+components()
 test_refusals()
 done()

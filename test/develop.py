@@ -352,9 +352,105 @@ def chunks_and_threads():
             check(np.array_equal(seen, whole[rows]), f"rows alone are those of the whole {' '.join(options)}")
 
 
+# ---- sampling ----
+
+def sampled_stack(name, *options):
+    path = os.path.join(TMP, name)
+    subprocess.run([SPECTRAL, "render", "metamers", "--size", "60x40", "--wavelengths", "380:730:1", "--depth", "32f",
+                    "--renderer", "raster", "--quiet", "-o", path, *options], check=True)
+    return path
+
+
+def tristimulus(path, *options):
+    out = os.path.join(TMP, "xyz.tif")
+    result = run(path, "--xyz", "-o", out, *options)
+    if result.returncode != 0:
+        return np.full((40, 60, 3), np.nan), result.stderr.decode()
+    with tifffile.TiffFile(out) as tiff:
+        return np.moveaxis(np.array([page.asarray() for page in tiff.pages], float), 0, -1), result.stdout.decode()
+
+
+def samplings():
+    """As if it were sampled is as it is sampled, but that lights and reflectances are multiplied before, not
+    after, they are made linear between their samples."""
+    full = sampled_stack("full.tif")
+    nm = np.arange(380.0, 731)
+    radiance = tifffile.imread(full).astype(float)
+    for step in 1, 10, 25:
+        seen, text = tristimulus(full, "--sampling", f"riemann:{step}")
+        expected = np.tensordot(radiance[::step], weights("cie1931", nm[::step]).T, (0, 0))
+        check(abs(seen - expected).max() <= 1e-6 * expected.max() and f"riemann:{step} for cie1931" in text,
+              f"riemann:{step} of a stack takes every page {step}", text)
+    for method in "gauss:8", "gauss:6,open", "gauss:9,xyz", "gauss:12,acc":
+        for options in (), ("--adaptation", "cat16", "--white", "a"):
+            seen, text = tristimulus(full, "--sampling", method, *options)
+            expected, told = tristimulus(sampled_stack("sampled.tif", "--sampling", method), *options)
+            whites = [re.search(r"XYZ (\S+) (\S+) (\S+),", each).groups() for each in (text, told)]
+            error, white = abs(seen - expected).max(), abs(np.array(whites, float) @ [1, 1, 1])
+            check(error <= 1e-3 * expected.max() and abs(white[0] - white[1]) <= 1e-3 * white[0]
+                  and f"{method} for cie1931 (recorded)" in told,
+                  f"{method} {' '.join(options)}: rendered so, or developed so", error, whites, text, told)
+    steady = foreign("steady", np.arange(380, 731, 10), np.full((36, 4, 5), 0.25))
+    exact = 0.25 * weights("cie1931", nm).sum(1)
+    for method in "box:5", "gauss:1", "gauss:7", "gauss:6,open", "gauss:9,lms", "gauss:12,acc":
+        seen, text = tristimulus(steady.path, "--sampling", method)
+        check(abs(seen - exact).max() <= 1e-6 * exact.max(), f"{method}: a radiance that is the same everywhere is exact",
+              seen[0, 0], exact, text)
+    boxes, _ = tristimulus(full, "--sampling", "box:351")
+    check(abs(boxes - tristimulus(full)[0]).max() < 0.1, "as many boxes as nm change little")
+    stacks = [sampled_stack(f"{name}.tif", "--sampling", method)
+              for name, method in (("box", "box:6"), ("rgb", "rgb"), ("fixed", "gauss:9,xyz"))]
+    own, *curves = table("cie1931")
+    lost = [curve[(own < 380) | (own > 730)].sum() / curve.sum() for curve in curves]
+    for source, *options in (*([path] for path in stacks), (full, "--sampling", "gauss:8"),
+                             (full, "--sampling", "gauss:9,xyz")):
+        _, text = tristimulus(source, *options)
+        told = [float(word) / 100 for word in re.findall(r"[\d.e-]+(?= %)", printed(text, "unseen"))]
+        check(len(told) == 3 and np.allclose(told, lost, rtol=1e-3), f"{os.path.basename(source)} {' '.join(options)}: "
+              "unseen is what lies outside the cells of 1 nm", told, lost)
+    return full, stacks[0], stacks[1], steady.path
+
+
+def components(path):
+    """What is no stack of wavelengths is developed by the response that it records."""
+    with tifffile.TiffFile(path) as tiff:
+        text = tiff.pages[0].description
+        pages = np.array([page.asarray() for page in tiff.pages], float)
+        names = [page.tags[285].value for page in tiff.pages]
+    response = np.array(re.search("\nresponse: (.*)", text).group(1).split(), float).reshape(3, 3)
+    seen, told = tristimulus(path)
+    expected = np.moveaxis(np.tensordot(response, pages, (1, 0)), 0, -1)
+    check(abs(seen - expected).max() <= 1e-6 * expected.max() and "components        3, of 380 to 730 nm" in told,
+          "rgb is developed by its response", told)
+    linear = display_matrix("srgb") @ response
+    check(abs(linear - np.eye(3)).max() < 1e-3 and len(set(names)) == 3 and "nm" not in "".join(names),
+          "which is that of sRGB, and its pages have names", linear, names)
+
+
+def black_and_forged(rgb):
+    """The response to no components is 0, and so is the picture. What a file says drives no terminal."""
+    scene = ("wavelengths 400 700 10\nsize 8 6\ncamera ortho 4\nobject plane 3 2 material m\n"
+             "light d65 1 direction 0 0 1\nmaterial m { diffuse 0 }\n")
+    for name, text in ("black", scene), ("unlit", re.sub("light.*", "", scene)):
+        source, path = write(f"{name}.scene", text), os.path.join(TMP, f"{name}.tif")
+        subprocess.run([SPECTRAL, "render", source, "--sampling", "basis:3", "--renderer", "raster", "--quiet",
+                        "-o", path], check=True)
+        out = os.path.join(TMP, "dark.tif")
+        result = run(path, "-o", out, "--exposure", "auto")
+        check(result.returncode == 0 and not tifffile.imread(out).any(), f"components of {name} scenes are black",
+              result.stderr)
+    forged = os.path.join(TMP, "forged.tif")
+    with open(forged, "wb") as out:
+        out.write(open(rgb, "rb").read().replace(b"sampling: rgb\nsampling_detector: cie1931",
+                                                 b"sampling: %1B\nsampling_detector: cie1931"))
+    result = run(forged, "-o", out.name + ".out")
+    check(result.returncode == 0 and b"? for cie1931 (recorded)" in result.stdout and b"\33" not in result.stdout,
+          "a control character is no part of what is printed", result.stdout, result.stderr)
+
+
 # ---- what must fail ----
 
-def refusals(stack):
+def refusals(stack, full, box, rgb, whiteless):
     path = os.path.join(TMP, "refused.tif")
     if os.path.exists(path):
         os.unlink(path)
@@ -374,6 +470,13 @@ def refusals(stack):
             ("channel 3 of transparency-film has 0 of the white", plain.path, "--detector", "transparency-film",
              "--white", "gaussian:600,1"),
             ("sees nothing from 1000 to 1100 nm", infrared.path),
+            ("was sampled itself, by box:6", box, "--sampling", "gauss:4"),
+            ("was sampled itself, by rgb", rgb, "--sampling", "gauss:4"),
+            ("need lights and reflectances apart", full, "--sampling", "basis:3"),
+            ("need lights and reflectances apart", full, "--sampling", "rgb"),
+            ("tells no white", whiteless, "--sampling", "adaptive:0.01"),
+            ("expected --detector cie1931", rgb, "--detector", "cie1964"),
+            ("--sampling", full, "--sampling", "gauss:65"),
             ("RGB", picture), ("", cut), ("is -1; it is finite and not negative", negative.path),
             ("", os.path.join(TMP, "missing.tif")), ("", stack.path, "--detector", "nobody")):
         result = run(source, "-o", path, *options)
@@ -403,6 +506,9 @@ recomputed(lights)
 foreign_stacks()
 readers(lights)
 chunks_and_threads()
-refusals(lights)
+SAMPLED = samplings()
+components(SAMPLED[2])
+black_and_forged(SAMPLED[2])
+refusals(lights, *SAMPLED)
 full_disks(lights)
 done()

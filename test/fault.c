@@ -23,6 +23,8 @@
 enum { CONTROL = -1, CHANNELS = 4 };
 
 static float *buffer;
+static void *steps; /* what the buffer is a copy of, where colours have 8 or 16 bits; NULL: none */
+static GLenum steps_type;
 static int buffer_width, buffer_height;
 static GLenum matrix_mode;
 static GLdouble model_view[16]; /* the last one loaded */
@@ -464,15 +466,38 @@ GLboolean OSMesaMakeCurrent(OSMesaContext context, void *pixels, GLenum type, GL
 {
     GLboolean (*next)(OSMesaContext, void *, GLenum, GLsizei, GLsizei);
     real("OSMesaMakeCurrent", &next);
-    buffer = pixels;
+    if (steps)
+        free(buffer);
+    steps = type == GL_FLOAT ? NULL : pixels;
+    steps_type = type;
     buffer_width = width;
     buffer_height = height;
+    buffer = steps ? calloc((size_t)width * (size_t)height, CHANNELS * sizeof *buffer) : pixels;
+    if (!buffer)
+        abort();
     return next(context, pixels, type, width, height);
 }
 
 static size_t pixel_count(void)
 {
     return (size_t)buffer_width * (size_t)buffer_height;
+}
+
+/* Brings steps into the buffer, or back, rounded to the nearest. */
+static void copy_steps(bool back)
+{
+    float whole = steps_type == GL_UNSIGNED_BYTE ? 255 : 65535;
+    for (size_t i = 0; steps && i < CHANNELS * pixel_count(); i++) {
+        float above = buffer[i] > 0 ? buffer[i] : 0, part = above < 1 ? above : 1;
+        GLubyte *byte = (GLubyte *)steps + i;
+        GLushort *word = (GLushort *)steps + i;
+        if (back && steps_type == GL_UNSIGNED_BYTE)
+            *byte = (GLubyte)(part * whole + 0.5F);
+        else if (back)
+            *word = (GLushort)(part * whole + 0.5F);
+        else
+            buffer[i] = (float)(steps_type == GL_UNSIGNED_BYTE ? *byte : *word) / whole;
+    }
 }
 
 /* By 180 degrees. */
@@ -587,11 +612,14 @@ void glFinish(void)
     real("glFinish", &next);
     if (fault() != 38 || !coloured || passes != 1)
         next();
+    copy_steps(false);
     if (fault() == 9)
         turn_back((unsigned char *)buffer, CHANNELS * sizeof *buffer);
+    if (coloured)
+        spoil_picture();
+    copy_steps(true);
     if (!coloured)
         return;
-    spoil_picture();
     coloured = false;
     passes++;
 }

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 """Makes the pictures of README: every built-in scene, rendered, developed and stored as a PNG; and
-the viewer and a plot, seen by Chromium.
+the viewer, a plot and charts of costs, seen by Chromium.
 usage: /usr/bin/python3 test/make_gallery.py FOLDER [NAME...]"""
 import base64
 import os
@@ -43,8 +43,11 @@ PICTURES = {
 # name: a page that the program writes, as NAME.html or NAME.svg; width and height of the window; and
 # where the page is clicked
 SEEN = {
-    "viewer": (("view", "fluorescence", "--size", "600x400"), "html", (1100, 1250), (390, 160)),
-    "probe": (("probe", "fluorescence", "700", "300", "--svg"), "svg", (900, 520), None),
+    "viewer": (("view", "fluorescence", "--size", "600x400", "-o"), "html", (1100, 1250), (390, 160)),
+    "probe": (("probe", "fluorescence", "700", "300", "--svg", "-o"), "svg", (900, 520), None),
+    "cost": (("cost", "colorchecker", "--svg"), "svg", (800, 984), None),
+    "cost-fluorescent": (("cost", "colorchecker", "--light", "1=fluorescent", "--svg"), "svg", (800, 984), None),
+    "cost-fluorescence": (("cost", "fluorescence", "--svg"), "svg", (800, 1044), None),
 }
 
 
@@ -72,7 +75,7 @@ def make(folder, name, scene, size, rendered, developed):
 def see(folder, name, command, ending, size, click):
     with tempfile.TemporaryDirectory() as work:
         page = os.path.join(work, f"{name}.{ending}")
-        subprocess.run([SPECTRAL, *command, "-o", page], check=True, stdout=subprocess.DEVNULL)
+        subprocess.run([SPECTRAL, *command, page], check=True, stdout=subprocess.DEVNULL)
         browser = Browser(os.path.join(work, "browser"))
         browser.size(*size)
         browser.send("Page.navigate", url="file://" + page)

@@ -19,12 +19,18 @@ matrix='gcc -O0 none  gcc -O2 none  gcc -O3 none  gcc -freciprocal-math none
 scenes=$("$SPECTRAL" list scenes | sed -n 's/^  //p')
 check=--no-check
 
-# stacks SIZE: a line each of name, scene and options; small ones in counts and in radiances
+# stacks SIZE: a line each of name, scene and options; small ones in counts and in radiances, and
+# some by other degrees of accuracy
 stacks() {
     for scene in $scenes; do
         echo "$scene${1:+-$1}.tif $scene ${1:+--size=$1}"
         [ -z "$1" ] || echo "$scene-$1-32f.tif $scene --size=$1 --depth=32f"
     done
+    [ -n "$1" ] || return 0
+    for sampling in box:7 gauss:9 gauss:64,open gauss:8,lms adaptive:0.003 basis:5 rgb xyz; do
+        echo "fluorescence-$sampling.tif fluorescence --size=$1 --depth=32f --light=1=fluorescent --sampling=$sampling"
+    done
+    echo "metals-phong.tif metals --size=$1 --depth=8 --shading=phong --tessellation=1.5"
 }
 
 # hashes SIZE THREADS PROGRAM... prints the lines of sha256sum.

@@ -243,6 +243,11 @@ def test_refusals(path, scene):
                        (1, 1, 2147483647, 1)):
             refused(f"the picture is {size} pixels", source, *region)
     refused("tells no wavelengths", os.path.relpath("data/textures/bark.tif"), 0, 0)
+    rgb, gauss = os.path.join(TMP, "rgb.tif"), os.path.join(TMP, "gauss.tif")
+    for out, sampling in (rgb, "rgb"), (gauss, "gauss:6"):
+        run("render", "metamers", "--size", "60x40", "--sampling", sampling, "--quiet", "-o", out)
+    refused("a probe needs radiances at wavelengths; .*rgb.tif holds the components of rgb", rgb, 0, 0)
+    check(run("probe", gauss, 20, 20).returncode == 0, "a sampled stack with radiances is probed")
     refused("no tristimulus values", path, 0, 0, "--observer", "transparency-film")
     refused("--white", path, 0, 0, "--white", "d66")
     refused("--white", scene, 0, 0, "--white", "d66")

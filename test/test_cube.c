@@ -13,8 +13,10 @@ static const char *const path = "cube.tif";
 
 enum kept { REFERENCE, CHECKED_GL, UNCHECKED_GL };
 
-static bool render_scene(const char *name, const char *size, enum kept kept, struct error *err)
+static bool render_sampled(const char *name, const char *size, enum kept kept, const char *sampling,
+                           struct error *err)
 {
+    struct sampling_method method;
     struct scene scene = {.path = NULL};
     struct plan plan = {.scene = NULL};
     struct plan_options options = {.store_raster = kept == REFERENCE,
@@ -24,11 +26,18 @@ static bool render_scene(const char *name, const char *size, enum kept kept, str
     struct render_result result;
     bool done = scene_read(name, &scene, err) &&
                 (size == NULL || scene_set_size(&scene, size, err)) &&
+                (sampling == NULL || (sampling_read("--sampling", sampling, &method, err) &&
+                                      scene_sample(&scene, &method, "cie1931", err))) &&
                 plan_make(&scene, &options, &plan, err) &&
                 render(&plan, &output, NULL, &result, err) && render_agreed(&result);
     plan_free(&plan);
     scene_free(&scene);
     return done;
+}
+
+static bool render_scene(const char *name, const char *size, enum kept kept, struct error *err)
+{
+    return render_sampled(name, size, kept, NULL, err);
 }
 
 /* A stack of the scene, open. */
@@ -445,6 +454,199 @@ static void test_cuts(void)
     check_refusal("an empty file", "libtiff: ");
 }
 
+/* ---- sampled stacks ---- */
+
+/* Of a lamp that rises by 3 in 350 nm from 1. */
+#define LAMP_SCENE                                                                                 \
+    "wavelengths 380 730 1\n" PLANE "material paint { diffuse 0.5 }\n"                             \
+    "light lamp.csv 1 direction 0 0 1\n"
+
+static bool open_sampled(const char *sampling, struct cube *cube)
+{
+    struct error err = {0};
+    test_write("lamp.csv", "380,1\n730,4\n");
+    test_write("cube.scene", LAMP_SCENE);
+    return CHECK(render_sampled("cube.scene", NULL, REFERENCE, sampling, &err) &&
+                     cube_open(path, cube, &err),
+                 "%s: rendered and opened %s", sampling, err.text);
+}
+
+/* The white of a fixed sampling is exact: the 1 nm sum of its detector. */
+static void white_at_1nm(double out[3])
+{
+    enum { N = 351 };
+    double nm[N], white[N], weights[3 * N];
+    struct detector detector;
+    struct error err = {0};
+    if (!CHECK(detector_read("cie1931", &detector, &err), "there is an observer"))
+        return;
+    for (int i = 0; i < N; i++) {
+        nm[i] = 380 + i;
+        white[i] = 1 + 3 * i / 350.0;
+    }
+    detector_weights(&detector, nm, N, weights);
+    detector_response(weights, white, N, out);
+    detector_free(&detector);
+}
+
+static void check_response(const struct cube *cube, const char *spectrum, double tolerance,
+                           const char *name)
+{
+    double weights[3 * 64] = {0}, white[3] = {0}, expected[3] = {0};
+    bool found = false;
+    struct error err = {0};
+    struct detector detector, other;
+    white_at_1nm(expected);
+    CHECK(detector_read("cie1931", &detector, &err) && detector_read("cie1964", &other, &err) &&
+              cube_weights(cube, &detector, weights, &err) &&
+              cube_white_response(cube, spectrum, true, weights, &found, white, &err) && found,
+          "%s: there are weights and a white %s", name, err.text);
+    for (int channel = 0; channel < 3; channel++)
+        CHECK_NEAR(white[channel], expected[channel], tolerance * expected[channel],
+                   "%s: the white in channel %d", name, channel + 1);
+    const bool open = cube_weights(cube, &other, weights, &err);
+    CHECK(open == (cube->record.n_response == 0) &&
+              (open || strstr(err.text, "expected --detector cie1931") != NULL),
+          "%s: another detector is served where it is not fixed %s", name, err.text);
+    detector_free(&detector);
+    detector_free(&other);
+}
+
+static void test_sampled(void)
+{
+    const struct {
+        const char *sampling;
+        double tolerance; /* of the white: linear, so that most have it but for the 10 digits in
+                             which pages tell their wavelengths */
+        bool fixed, components;
+    } samplings[] = {{"gauss:8", 1e-9, false, false},     {"gauss:8,open", 1e-9, false, false},
+                     {"gauss:9,xyz", 1e-12, true, false}, {"basis:2", 1e-12, true, true},
+                     {"rgb", 1e-12, true, true},          {"xyz", 1e-12, true, true},
+                     {"box:12", 0.05, false, false},      {"adaptive:0.001", 0.001, false, false},
+                     {"riemann:10", 0.01, false, false}};
+    for (size_t i = 0; i < sizeof samplings / sizeof samplings[0]; i++) {
+        struct cube cube;
+        struct error err = {0};
+        double white[64];
+        if (!open_sampled(samplings[i].sampling, &cube))
+            continue;
+        const char *name = samplings[i].sampling;
+        CHECK_TEXT(cube.record.sampling, name, "%s: recorded", name);
+        CHECK(cube.components == samplings[i].components &&
+                  (cube.record.n_response > 0) == samplings[i].fixed &&
+                  cube_needs_radiance(&cube, "this", &err) == !samplings[i].components,
+              "%s: fixed and components as they should be %s", name, err.text);
+        check_response(&cube, NULL, samplings[i].tolerance, name);
+        check_response(&cube, "lamp.csv", samplings[i].tolerance, name);
+        CHECK(cube_white(&cube, NULL, white, &err) == !samplings[i].components &&
+                  (!cube.components ||
+                   cube.image.wavelengths_nm[cube.image.n_pages - 1] == cube.image.n_pages),
+              "%s: radiances of the white where pages have wavelengths %s", name, err.text);
+        cube_close(&cube);
+    }
+}
+
+/* What --white makes of each box is what a scene lit so records. */
+static void test_boxes(void)
+{
+    double white[64], again[64];
+    struct cube cube;
+    struct error err = {0};
+    if (!open_sampled("box:7", &cube))
+        return;
+    CHECK(cube_white(&cube, NULL, white, &err) && cube_white(&cube, "lamp.csv", again, &err),
+          "box:7: there are both whites %s", err.text);
+    for (int i = 0; i < cube.image.n_pages; i++)
+        CHECK_NEAR(again[i], white[i], 1e-12, "the mean of box %d", i + 1);
+    cube_close(&cube);
+}
+
+/* A radiance of 1 everywhere is what the white 1 is, in all of the detector's channels. */
+static void test_equal(void)
+{
+    const char *const samplings[] = {"gauss:8", "gauss:9,xyz", "basis:2", "rgb"};
+    struct detector detector;
+    struct error err = {0};
+    if (!CHECK(detector_read("cie1931", &detector, &err), "there is an observer"))
+        return;
+    for (size_t i = 0; i < sizeof samplings / sizeof samplings[0]; i++) {
+        double weights[3 * 64], equal[3], white[3];
+        bool found;
+        struct cube cube;
+        if (!open_sampled(samplings[i], &cube))
+            continue;
+        CHECK(cube_weights(&cube, &detector, weights, &err) &&
+                  cube_equal_response(&cube, &detector, weights, equal, &err) &&
+                  cube_white_response(&cube, "1", true, weights, &found, white, &err),
+              "%s: there are both %s", samplings[i], err.text);
+        for (int channel = 0; channel < 3; channel++)
+            CHECK_NEAR(equal[channel], white[channel], 1e-12, "%s: in channel %d", samplings[i],
+                       channel + 1);
+        cube_close(&cube);
+    }
+    detector_free(&detector);
+}
+
+/* What a file claims may be finite, and its sums not. */
+static void test_huge(void)
+{
+    double weights[3 * 64], white[3];
+    bool found;
+    struct detector detector;
+    struct cube cube;
+    struct error err = {0};
+    if (!open_sampled("gauss:9,xyz", &cube) ||
+        !CHECK(detector_read("cie1931", &detector, &err), "there is an observer"))
+        return;
+    cube.record.white_response[1] = 1e300;
+    CHECK(!cube_white_response(&cube, NULL, true, weights, &found, white, &err) &&
+              strstr(err.text, "the white has 1e+300 in channel 2") != NULL,
+          "a white of 1e300 is refused %s", err.text);
+    err = (struct error){0};
+    cube.record.response[3] = -1e300;
+    CHECK(!cube_weights(&cube, &detector, weights, &err) &&
+              strstr(err.text, "weight -1e+300 of page 4 is of no use") != NULL,
+          "a weight of -1e300 is refused %s", err.text);
+    detector_free(&detector);
+    cube_close(&cube);
+}
+
+/* A light that the detector does not see is no white to adapt to; a picture it still makes. */
+static void test_unseen(void)
+{
+    const char *const samplings[] = {"gauss:8", "gauss:9,xyz", "basis:2", "rgb"};
+    struct detector detector;
+    struct error err = {0};
+    if (!CHECK(detector_read("cie1931", &detector, &err), "there is an observer"))
+        return;
+    test_write("lamp.csv", "300,1\n350,1\n");
+    test_write("cube.scene",
+               "wavelengths 400 700 1\n" PLANE "material paint { diffuse 0.5 emission 1 }\n"
+               "light lamp.csv 1 direction 0 0 1\n");
+    for (size_t i = 0; i < sizeof samplings / sizeof samplings[0]; i++) {
+        double weights[3 * 64], white[3];
+        bool found = true;
+        struct cube cube;
+        err = (struct error){0};
+        if (!CHECK(render_sampled("cube.scene", NULL, REFERENCE, samplings[i], &err) &&
+                       cube_open(path, &cube, &err),
+                   "%s: rendered and opened %s", samplings[i], err.text))
+            continue;
+        CHECK(cube_weights(&cube, &detector, weights, &err) &&
+                  cube_white_response(&cube, NULL, false, weights, &found, white, &err) && !found,
+              "%s: ultraviolet light makes no white %s", samplings[i], err.text);
+        CHECK(!cube_white_response(&cube, NULL, true, weights, &found, white, &err) &&
+                  strstr(err.text, "tells no white") != NULL,
+              "%s: and none where it is needed %s", samplings[i], err.text);
+        err = (struct error){0};
+        CHECK(!cube_white_response(&cube, "lamp.csv", true, weights, &found, white, &err) &&
+                  strstr(err.text, "0 at all of its wavelengths") != NULL,
+              "%s: nor as an option %s", samplings[i], err.text);
+        cube_close(&cube);
+    }
+    detector_free(&detector);
+}
+
 int main(void)
 {
     const char *folder = test_folder();
@@ -465,6 +667,11 @@ int main(void)
     test_stray();
     test_foreign();
     test_cuts();
+    test_sampled();
+    test_boxes();
+    test_equal();
+    test_huge();
+    test_unseen();
     unlink(path);
     unlink("forged.tif");
     unlink("cube.scene");

@@ -760,7 +760,7 @@ static void test_cuts(void)
                                           .n_wavelengths = PAGES,
                                           .wavelengths_nm = nm,
                                           .full_scale = 1,
-                                          .floating = true};
+                                          .bits = 32};
     struct stack_writer writer;
     struct error err = {0};
     bool good = stack_open(&writer, path, &options, &err);

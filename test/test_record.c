@@ -17,6 +17,7 @@ static bool written(const char *path, const struct record *record, struct image 
 {
     const struct place nowhere = {0};
     const uint16_t count = 1;
+    const char *const label = "component 1";
     char *text = record_text(record);
     struct stack_writer writer;
     struct stack_options options = {.width = 1,
@@ -24,6 +25,7 @@ static bool written(const char *path, const struct record *record, struct image 
                                     .n_wavelengths = 1,
                                     .wavelengths_nm = (const double[]){500},
                                     .full_scale = 2.5,
+                                    .labels = record->components ? &label : NULL,
                                     .scene = "full_scale: 50 of a name",
                                     .provenance = text};
     bool done = text && stack_open(&writer, path, &options, err) &&
@@ -81,9 +83,58 @@ static void check_round_trip(const char *path)
     image_close(&image);
 }
 
+/* A record that was made by hand, but for how it was sampled. */
+static bool sampled(const char *path, struct record *made, struct record *read)
+{
+    struct image image;
+    struct error err = {0};
+    made->program = made->scene = made->scene_sha256 = made->renderer = "x";
+    made->sampling = "gauss:1,xyz";
+    made->sampling_detector = strange;
+    if (!CHECK(written(path, made, &image, &err) && record_read(&image, read, &err),
+               "a sampling is written and read %s", err.text))
+        return false;
+    image_close(&image);
+    CHECK_TEXT(read->sampling, "gauss:1,xyz", "its name");
+    CHECK_TEXT(read->sampling_detector, strange, "for whom");
+    return true;
+}
+
+static void check_samplings(const char *path)
+{
+    double third = 1.0 / 3, segments[] = {0.1 + 0.2, 600}, response[] = {-third, 0, 1e-300};
+    struct record open = {.segments = segments, .n_segments = 2}, read;
+    struct record fixed = {.response = response,
+                           .n_response = 3,
+                           .range_nm = {379.5, 730.5},
+                           .illumination = 2,
+                           .white_response = {third, -third, 0},
+                           .has_white_response = true,
+                           .components = true};
+    if (sampled(path, &open, &read)) {
+        CHECK(read.n_segments == 2 && memcmp(read.segments, segments, sizeof segments) == 0 &&
+                  read.n_response == 0 && !read.components && !read.has_white_response,
+              "segments, to the bit, and nothing else");
+        record_free(&read);
+    }
+    if (sampled(path, &fixed, &read)) {
+        CHECK(read.n_response == 3 && memcmp(read.response, response, sizeof response) == 0 &&
+                  read.n_segments == 0,
+              "the response, to the bit and with its signs");
+        CHECK(read.components && read.has_white_response && read.illumination == 2 &&
+                  memcmp(read.white_response, fixed.white_response, sizeof read.white_response) ==
+                      0 &&
+                  memcmp(read.range_nm, fixed.range_nm, sizeof read.range_nm) == 0,
+              "what it makes of the white, its range, and that it has components");
+        record_free(&read);
+    }
+}
+
 static void check_refused(const char *description, const char *what)
 {
     struct image image = {.path = (char[]){"forged.tif"}, .n_pages = 1};
+    double at_450[] = {450};
+    image.wavelengths_nm = strstr(description, "segments") != NULL ? at_450 : NULL;
     struct record record;
     struct error err = {0};
     char *copy = strdup(description);
@@ -94,15 +145,47 @@ static void check_refused(const char *description, const char *what)
     free(copy);
 }
 
+#define SAMPLED "sampling: gauss:1,xyz\nsampling_detector: cie1931\n"
+#define RESPONSE "response_range: 379.5 730.5\nresponse: 1 -2 3\n"
+
 static void check_refusals(void)
 {
     static const char whole[] = "<Description>full_scale: 1\nscale: x\nprogram: p\nscene: s\n"
                                 "scene_sha256: 0\nrenderer: r\n";
     static const char *const lines[] = {
-        "white: 1",        "white: 1 2",        "white: 1 x\nillumination: 1",
-        "white: 1  2",     "illumination: inf", "object_map: 1",
-        "object_map: 1 3", "object_map: 1 1 1", "object_map: -1 1",
-        "object_map:  1",  "object_map: 1e3 1", "white: 1\nwhite: 2\nillumination: 1"};
+        "white: 1",
+        "white: 1 2",
+        "white: 1 x\nillumination: 1",
+        "white: 1  2",
+        "illumination: inf",
+        "object_map: 1",
+        "object_map: 1 3",
+        "object_map: 1 1 1",
+        "object_map: -1 1",
+        "object_map:  1",
+        "object_map: 1e3 1",
+        "white: 1\nwhite: 2\nillumination: 1",
+        "sampling: gauss:1",
+        "sampling_detector: cie1931",
+        "segments: 400 500",
+        SAMPLED "segments: 400",
+        SAMPLED "segments: 500 400",
+        SAMPLED "segments: 400 400",
+        SAMPLED "segments: 400 2e6",
+        SAMPLED "segments: 400 500\nsegments: 400 500",
+        SAMPLED "segments: 400 nan",
+        "response_range: 1 2\nresponse: 1 2 3",
+        SAMPLED "response: 1 2 3",
+        SAMPLED "response_range: 1 2\nresponse: 1 2",
+        SAMPLED "response_range: 1\nresponse: 1 2 3",
+        SAMPLED "response_range: 2 1\nresponse: 1 2 3",
+        SAMPLED "segments: 1 2\nresponse_range: 1 2\nresponse: 1 2 3",
+        SAMPLED "components: yes",
+        SAMPLED RESPONSE "components: no",
+        SAMPLED RESPONSE "white_response: 1 2 3",
+        SAMPLED RESPONSE "illumination: 1\nwhite_response: 1 2",
+        SAMPLED "illumination: 1\nwhite_response: 1 2 3",
+        SAMPLED RESPONSE "components: yes\nillumination: 1\nwhite: 1"};
     char text[4096];
     struct image image = {.path = (char[]){"whole.tif"}, .description = text, .n_pages = 1};
     struct record record;
@@ -111,6 +194,12 @@ static void check_refusals(void)
     CHECK(record_read(&image, &record, &err) && record.n_options == 1,
           "other lines are left alone %s", err.text);
     record_free(&record);
+    snprintf(text, sizeof text, "%s" SAMPLED RESPONSE "components: yes\n</Description>", whole);
+    CHECK(record_read(&image, &record, &err) && record.components, "a whole sampling is not %s",
+          err.text);
+    record_free(&record);
+    image.wavelengths_nm = (double[]){500};
+    CHECK(!record_read(&image, &record, &err), "components at wavelengths are");
     check_refused("", "nothing");
     check_refused(whole, "a description without end");
     snprintf(text, sizeof text, "%s</Description>", whole + strlen("<Description>"));
@@ -127,12 +216,53 @@ static void check_refusals(void)
     check_refused(text, "one option too many");
 }
 
+/* Of pages at 1, 2, ... nm. */
+static bool is_taken(int n, const char *segments, int repeated)
+{
+    static double nm[100];
+    char text[8192];
+    struct image image = {.path = (char[]){"forged.tif"}, .description = text, .n_pages = n};
+    struct record record;
+    struct error err = {0};
+    int at = snprintf(text, sizeof text,
+                      "<Description>full_scale: 1\nscale: x\nprogram: p\nscene: s\n"
+                      "scene_sha256: 0\nrenderer: r\n" SAMPLED "segments: %s",
+                      segments);
+    for (int i = 0; i < n; i++)
+        nm[i] = i + 1;
+    for (int i = 0; i < repeated; i++)
+        at += snprintf(text + at, sizeof text - (size_t)at, "%s0 100", i > 0 ? " " : "");
+    snprintf(text + at, sizeof text - (size_t)at, "\n</Description>");
+    image.wavelengths_nm = nm;
+    const bool taken = record_read(&image, &record, &err);
+    record_free(&record);
+    return taken;
+}
+
+static void check_segments(void)
+{
+    CHECK(is_taken(3, "0 2.5 0 2.5 2.5 4", 0), "segments that follow each other are taken");
+    CHECK(is_taken(3, "0 1.5 1.7 2.5 2.5 1000001", 0), "and gaps between them, to 1e6 nm");
+    CHECK(!is_taken(3, "0 1.5 1.7 2.5 2.5 1000002", 0), "but not beyond");
+    CHECK(!is_taken(3, "0 1.5 1.2 2.5 2.5 4", 0), "they do not overlap");
+    CHECK(!is_taken(3, "0 1.5 0 2.5 2.5 4", 0), "not with the same beginning either");
+    CHECK(!is_taken(3, "0 1.5 0 2.5 0 1.5", 0), "nor return");
+    CHECK(!is_taken(3, "2 4 0.5 1 0 0.4", 0), "nor fall");
+    CHECK(!is_taken(3, "1.1 1.5 1.5 2.5 2.5 4", 0) && !is_taken(3, "0 1.5 1.5 2.5 2.5 2.9", 0),
+          "a page lies in its own");
+    CHECK(is_taken(LARGEST_QUADRATURE, "", LARGEST_QUADRATURE) &&
+              !is_taken(LARGEST_QUADRATURE + 1, "", LARGEST_QUADRATURE + 1),
+          "with no more others than a quadrature has nodes");
+}
+
 int main(void)
 {
     char path[256];
     snprintf(path, sizeof path, "%s/record.tif", test_folder());
     check_round_trip(path);
+    check_samplings(path);
     check_refusals();
+    check_segments();
     unlink(path);
     return test_end();
 }

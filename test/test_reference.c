@@ -172,7 +172,7 @@ static struct expected expect_row(const struct picture *picture,
     const struct finish *finish = picture->surfaces[fragment->triangle->surface].finish;
     const struct slow_vertex *last = fragment->triangle->vertex[2];
     struct expected out = {0, 0};
-    if (row < finish->n_terms && picture->scene.flat_shading)
+    if (row < finish->n_terms && picture->scene.shading == SHADING_FLAT)
         return (struct expected){last->value[side][row],
                                  last->error[side][row] + 2 * u * last->value[side][row]};
     for (int j = 0; j < 3; j++)

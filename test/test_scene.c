@@ -57,7 +57,8 @@ static void check_defaults(void)
               s.camera.far == 10 && same_vector(s.camera.eye, 0, 0, 0) &&
               same_vector(s.camera.look, 0, 0, -1) && same_vector(s.camera.up, 0, 1, 0),
           "by default an orthographic view along -z, 12 wide and from -10 to 10 deep");
-    CHECK(!s.local_viewer && !s.flat_shading, "by default an infinite viewer, smooth shading");
+    CHECK(!s.local_viewer && s.shading == SHADING_SMOOTH,
+          "by default an infinite viewer, smooth shading");
     CHECK(s.n_ambients == 0 && s.n_objects == 0 && s.n_materials == 0, "and nothing else");
     scene_free(&s);
     CHECK(s.path == NULL && s.n_files == 0 && s.wavelengths_nm == NULL, "freed, it is zeroed");
@@ -74,7 +75,8 @@ static void check_settings(void)
     struct scene s = read_string("viewer local\nshading flat\nsize 262144 1\n"
                                  "camera ortho 2 up 0 0 1 far 7 near -3 look 1 0 0 eye 2 0 0\n"
                                  "ambient a 0.25\nambient 2 0\n");
-    CHECK(s.local_viewer && s.flat_shading && s.viewer_place.line == 1 && s.shading_place.line == 2,
+    CHECK(s.local_viewer && s.shading == SHADING_FLAT && s.viewer_place.line == 1 &&
+              s.shading_place.line == 2,
           "viewer and shading know their lines");
     CHECK(s.width == 262144 && s.height == 1, "the widest picture");
     CHECK(s.camera.near == -3 && s.camera.far == 7 && same_vector(s.camera.up, 0, 0, 1),
@@ -518,6 +520,122 @@ static void check_override_errors(void)
     scene_free(&dark);
 }
 
+static void check_shading(void)
+{
+    struct scene s = read_string("shading phong\n");
+    struct error err = {EXIT_AGREED, ""};
+    CHECK(s.shading == SHADING_PHONG && s.tessellation == 1 && s.sampling == NULL,
+          "a scene says how it is shaded; tessellation is as it says, and nothing is sampled");
+    CHECK(scene_set_shading(&s, "flat", &err) && s.shading == SHADING_FLAT, "another shading");
+    CHECK(scene_set_shading(&s, "smooth", &err) && s.shading == SHADING_SMOOTH, "and again");
+    CHECK(scene_set_tessellation(&s, "0.25", &err) && s.tessellation == 0.25, "a factor");
+    CHECK_TEXT(err.text, "", "none of these failed");
+    refuse(scene_set_shading, &s, "dull",
+           "--shading:1:1: error: unknown shading 'dull'; known are smooth, flat, phong");
+    refuse(scene_set_shading, &s, "flat phong",
+           "--shading:1:6: error: 'phong' is too much: shading takes no more");
+    refuse(scene_set_tessellation, &s, "0",
+           "--tessellation:1:1: error: factor 0 is not above 0; it is always above 0");
+    refuse(scene_set_tessellation, &s, "inf",
+           "--tessellation:1:1: error: factor must be a number such as 2.5 or 1e-3, not 'inf'");
+    scene_free(&s);
+}
+
+/* One shape by a factor: lengths stay, counts are those expected. */
+static void check_tessellated(enum shape_kind kind, const double from[4], double factor,
+                              const double expected[4])
+{
+    struct shape shape = {.kind = kind};
+    memcpy(shape.parameter, from, sizeof shape.parameter);
+    shape = shape_tessellated(&shape, factor);
+    CHECK(shape.kind == kind && memcmp(shape.parameter, expected, sizeof shape.parameter) == 0,
+          "%s of %g %g %g %g times %g has %g %g %g %g", shape_name(kind), from[0], from[1], from[2],
+          from[3], factor, expected[0], expected[1], expected[2], expected[3]);
+}
+
+static void check_tessellation(void)
+{
+    static const struct {
+        enum shape_kind kind;
+        double from[4], factor, expected[4];
+    } all[] = {
+        {SHAPE_SPHERE, {1.5, 40, 20, 0}, 2, {1.5, 80, 40, 0}},
+        {SHAPE_SPHERE, {1.5, 5, 5, 0}, 0.5, {1.5, 3, 3, 0}},
+        {SHAPE_SPHERE, {1.5, 40, 20, 0}, 1e-300, {1.5, 3, 2, 0}},
+        {SHAPE_SPHERE, {1.5, 40, 20, 0}, 1e308, {1.5, 4096, 4096, 0}},
+        {SHAPE_TORUS, {1, 2, 10, 30}, 1.26, {1, 2, 13, 38}},
+        {SHAPE_TORUS, {1, 2, 10, 30}, 0.1, {1, 2, 3, 3}},
+        {SHAPE_BOX, {1, 2, 3, 0}, 7, {1, 2, 3, 0}},
+        {SHAPE_PLANE, {1, 2, 0, 0}, 7, {1, 2, 0, 0}},
+        {SHAPE_CYLINDER, {1, 2, 10, 3}, 0.1, {1, 2, 3, 1}},
+        {SHAPE_CONE, {1, 2, 10, 3}, 3, {1, 2, 30, 9}},
+        {SHAPE_DISK, {1, 12, 0, 0}, 1.04, {1, 12, 0, 0}},
+        {SHAPE_TEAPOT, {1, 10, 0, 0}, 7, {1, 64, 0, 0}},
+        {SHAPE_MESH, {0, 0, 0, 0}, 7, {0, 0, 0, 0}},
+    };
+    for (size_t i = 0; i < sizeof all / sizeof all[0]; i++)
+        check_tessellated(all[i].kind, all[i].from, all[i].factor, all[i].expected);
+}
+
+/* The row of values is `factor` at every nm. */
+static bool is_constant(const double *row, int n, double factor)
+{
+    bool same = true;
+    for (int i = 0; i < n; i++)
+        same = same && row[i] == factor;
+    return same;
+}
+
+/* Light 1 has the spectrum of light 2, light 4 does not shine; the mesh and the textures that the
+ * scene names do not exist. `part` is half of a map's object, `unused` of none. */
+static const char spectral_scene[] =
+    "wavelengths list 400 450.5 500.2\n"
+    "light 2 3 position 0 0 9\n"
+    "light 2 1 position 9 0 9\n"
+    "light gaussian:450,10 1 position 0 0 9\n"
+    "light 1 0 position 0 0 9\n"
+    "ambient 0.5 1\n"
+    "material plain { diffuse 0.5 texture none.tif }\n"
+    "material glossy { diffuse 0.25 gloss 9 emission 4 spectral-texture none.tif }\n"
+    "material half { diffuse 0.125 metamer plain }\n"
+    "material unused { diffuse 0.375 }\n"
+    "object sphere 1 9 9 material plain\n"
+    "object mesh none.obj materials spectral.map\n";
+
+static void check_spectra(void)
+{
+    struct fine_spectra spectra;
+    struct error err = {EXIT_AGREED, ""};
+    write_text("spectral.map", "a material glossy\nb material half\n");
+    struct scene s = read_string(spectral_scene);
+    bool done = scene_spectra(&s, &spectra, &err);
+    CHECK_TEXT(err.text, "", "spectra of a scene are made without its mesh and its textures");
+    if (!done)
+        return;
+    const int n = spectra.n_nm;
+    CHECK(spectra.first_nm == 400 && n == 101, "at every nm from the first wavelength on");
+    CHECK(spectra.n_lights == 4, "lights: two, ambient light and emission (%d)", spectra.n_lights);
+    CHECK(is_constant(spectra.lights, n, 6), "lights of one spectrum are one");
+    CHECK(spectra.lights[n + 50] == 1, "a light of another, at its peak");
+    CHECK(is_constant(spectra.lights + 2 * n, n, 0.5), "the ambient light");
+    CHECK(is_constant(spectra.lights + 3 * n, n, 4), "the emission");
+    CHECK(spectra.n_products == 3 + 5 + 3,
+          "products: of what is matt three, of what is glossy five, and no unused ones (%d)",
+          spectra.n_products);
+    CHECK(is_constant(spectra.products, n, 0.25), "ambient light x reflectance");
+    CHECK(is_constant(spectra.products + n, n, 3), "light x reflectance");
+    CHECK(is_constant(spectra.products + 3 * n, n, 4.125), "ambient light and emission");
+    CHECK(is_constant(spectra.products + 5 * n, n, 6), "light x specular reflectance");
+    CHECK(is_constant(spectra.products + 9 * n, n, 0.75), "the half of an object");
+    fine_spectra_free(&spectra);
+    scene_free(&s);
+    s = read_string("wavelengths list 400 66000\n");
+    CHECK(!scene_spectra(&s, &spectra, &err) && err.status == EXIT_INPUT &&
+              strstr(err.text, ":1:1: error: wavelengths from 400 to 66000 nm") != NULL,
+          "a range without end is refused (%s)", err.text);
+    scene_free(&s);
+}
+
 int main(void)
 {
     check_defaults();
@@ -537,5 +655,8 @@ int main(void)
     check_builtin_scenes();
     check_overrides();
     check_override_errors();
+    check_shading();
+    check_tessellation();
+    check_spectra();
     return test_end();
 }

@@ -328,7 +328,7 @@ static void test_float(void)
                                     .n_wavelengths = 1,
                                     .wavelengths_nm = &wavelength,
                                     .full_scale = 7,
-                                    .floating = true};
+                                    .bits = 32};
     struct stack_writer writer;
     struct error err = {0};
     float seen[4] = {0};
@@ -454,7 +454,7 @@ static void test_refusals(void)
     }
     for (size_t i = 0; i < sizeof worse / sizeof worse[0]; i++) {
         options = small_options();
-        options.floating = true;
+        options.bits = 32;
         options.n_wavelengths = worse[i].n_pages;
         options.width = worse[i].width;
         options.height = worse[i].height;
@@ -550,6 +550,64 @@ static void test_full_disk(void)
     CHECK(access(path, F_OK) != 0, "nothing is left of it");
 }
 
+/* Pages of 8 bits, and pages that have labels instead of wavelengths, or both. */
+static void check_narrow(int bits, const char *const *labels)
+{
+    const char *path = "stack_narrow.tif";
+    const struct place nowhere = {0};
+    struct stack_options options = small_options();
+    struct stack_writer writer;
+    struct image image;
+    struct error err = {0};
+    uint16_t wide[WIDTH * HEIGHT];
+    uint8_t narrow[WIDTH * HEIGHT];
+    float row[WIDTH * HEIGHT];
+    options.bits = bits;
+    options.labels = labels;
+    bool good = stack_open(&writer, path, &options, &err);
+    for (int page = 0; good && page < PAGES; page++) {
+        for (int i = 0; i < WIDTH * HEIGHT; i++)
+            wide[i] = narrow[i] = (uint8_t)(7 * i + 60 * page);
+        good = stack_write(&writer, page, 0, 0, WIDTH, HEIGHT,
+                           bits == 8 ? (const void *)narrow : wide, &err);
+    }
+    good = good && stack_finish(&writer, "good", &err) && stack_commit(&writer, &err) &&
+           image_open(path, nowhere, &image, &err);
+    if (!CHECK(good, "%d bits, %s: written and opened %s", bits, labels ? "labels" : "wavelengths",
+               err.text))
+        return;
+    CHECK((image.wavelengths_nm == NULL) == (labels != NULL) && image.n_pages == PAGES,
+          "wavelengths are told where there are some");
+    CHECK(image.scale == options.full_scale, "the scale is exact");
+    CHECK((strstr(image.description, bits == 8 ? "/ 255" : "/ 65535") != NULL) &&
+              strstr(image.description, bits == 8 ? "\"uint8\"" : "\"uint16\"") != NULL,
+          "the description tells the bits");
+    CHECK((strstr(image.description, "EmissionWavelength") == NULL) == (labels != NULL) &&
+              (strstr(image.description, " nm") == NULL) == (labels != NULL) &&
+              (strstr(image.description, "Name=\"a &lt;b&gt;\"") == NULL) == (labels == NULL),
+          "and no wavelength of a label");
+    bool same = image_read(&image, PAGES - 1, 0, HEIGHT, row, &err);
+    for (int i = 0; i < WIDTH * HEIGHT; i++)
+        same = same && row[i] == (float)((uint8_t)(7 * i + 60 * (PAGES - 1)) /
+                                         (bits == 8 ? 255.0 : 65535.0) * options.full_scale);
+    CHECK(same, "the samples read back %s", err.text);
+    image_close(&image);
+    TIFF *tiff = TIFFOpen(path, "r");
+    const char *name = "";
+    TIFFGetField(tiff, TIFFTAG_PAGENAME, &name);
+    CHECK_TEXT(name, labels ? labels[0] : "300 nm", "the page's name");
+    TIFFClose(tiff);
+    unlink(path);
+}
+
+static void test_narrow(void)
+{
+    const char *const labels[PAGES] = {"red", "a <b>", "component 3", "Y"};
+    check_narrow(8, NULL);
+    check_narrow(8, labels);
+    check_narrow(16, labels);
+}
+
 int main(void)
 {
     const char *folder = test_folder();
@@ -559,6 +617,7 @@ int main(void)
     test_map(1);
     test_map(2);
     test_float();
+    test_narrow();
     test_large();
     test_many_pages();
     test_refusals();

@@ -30,7 +30,7 @@ static bool write_stack(int n_pages, float times)
                                           .n_wavelengths = n_pages,
                                           .wavelengths_nm = page_nm,
                                           .full_scale = 1,
-                                          .floating = true};
+                                          .bits = 32};
     struct stack_writer writer;
     struct error err = {0};
     bool good = stack_open(&writer, path, &options, &err);

@@ -42,7 +42,7 @@ def used(effects):
 
 def plain():
     result = report(scene_of())
-    check(result["work"] == {"gl_passes": PASSES, "draw_calls": PASSES, "vertices_lit": 4,
+    check(result["work"] == {"gl_passes": PASSES, "draw_calls": PASSES, "vertices_lit": 4, "points_lit": 0,
                              "specular_vertices": 0, "power_functions": 0, "excitation_integrals": 0,
                              "textures_loaded": 0, "materials_loaded": 1, "terms": 1},
           "a matt square under a light: one term, and no power function", result["work"])

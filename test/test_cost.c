@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: MIT */
+/* What is concluded from times and errors, and processes whose result comes back. Times are made up
+ * here, so that what follows from them is known. */
+#include "test.h"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include "raster/cost.h"
+
+/* ---- the frontier ---- */
+
+static struct cost_entry entry(double fastest, double seconds, double slowest, double error)
+{
+    return (struct cost_entry){.fastest = fastest,
+                               .seconds = seconds,
+                               .slowest = slowest,
+                               .mean = error / 2,
+                               .quantile_95 = error,
+                               .largest = 2 * error,
+                               .radiance_error = (double)NAN};
+}
+
+static void frontier(void)
+{
+    struct cost_entry entries[] = {
+        entry(0.9, 1, 1.1, 5),   /* the fastest */
+        entry(1.9, 2, 2.1, 6),   /* slower and worse than that */
+        entry(2.9, 3, 3.5, 2),   /* better; may be slower than the next */
+        entry(3.4, 3.6, 3.8, 2), /* as good, and may be faster */
+        entry(3.9, 4, 4.1, 2.5), /* slower and worse by more than noise */
+        entry(8, 9, 10, 0),      /* the best */
+    };
+    struct cost cost = {.entries = entries, .n = 6};
+    static const bool best[] = {true, false, true, false, false, true};
+    static const bool uncertain[] = {false, false, true, true, false, false};
+    cost_mark(&cost);
+    for (int i = 0; i < cost.n; i++) {
+        CHECK(entries[i].best == best[i], "entry %d is %son the frontier", i,
+              best[i] ? "" : "not ");
+        CHECK(entries[i].uncertain == uncertain[i], "entry %d is %swithin noise", i,
+              uncertain[i] ? "" : "not ");
+    }
+    CHECK(cost_within(&cost, 2, false) == &entries[2], "within 2 the fastest of those is named");
+    CHECK(cost_within(&cost, 100, false) == &entries[0], "within 100 the fastest of all");
+    CHECK(cost_within(&cost, 0, false) == &entries[5], "within 0 what has no error");
+    CHECK(cost_affordable(&cost, 4, false) == &entries[2],
+          "in 4 s the most accurate, of equals the faster");
+    CHECK(cost_affordable(&cost, 1, false) == &entries[0], "a budget may be used up");
+    CHECK(!cost_affordable(&cost, 0.99, false), "in 0.99 s there is none");
+    CHECK(!cost_within(&cost, 100, true) && !cost_affordable(&cost, 100, true),
+          "none of them has spectra");
+    entries[4].spectral = true;
+    CHECK(cost_within(&cost, 2.5, true) == &entries[4] &&
+              cost_affordable(&cost, 100, true) == &entries[4],
+          "where spectra are wanted the only one that has them is named");
+    entries[5].quantile_95 = 0.5;
+    CHECK(!cost_within(&cost, 0.4, false), "within 0.4 there is none");
+}
+
+static void equals(void)
+{
+    struct cost_entry entries[] = {entry(1, 1, 1, 3), entry(1, 1, 1, 3)};
+    struct cost cost = {.entries = entries, .n = 2};
+    cost_mark(&cost);
+    CHECK(entries[0].best && entries[1].best && !entries[0].uncertain,
+          "of two that are the same both are on the frontier");
+}
+
+/* ---- settings ---- */
+
+static void words(void)
+{
+    struct error err = {.status = EXIT_AGREED};
+    struct cost_entry seen = {.n_words = 0};
+    const struct setting setting = {.sampling = "gauss:8,open",
+                                    .shading = SHADING_SMOOTH,
+                                    .tessellation = 2,
+                                    .renderer = BY_CHECKED_LLVMPIPE,
+                                    .buffer_bits = 16,
+                                    .bits = 32};
+    static const char *const expected[] = {
+        "--sampling=gauss:8,open", "--detector=cie1964", "--shading=smooth", "--tessellation=2",
+        "--renderer=llvmpipe",     "--buffer=16",        "--depth=32f"};
+    CHECK(setting_entry(&setting, "cie1964", &seen, &err) && seen.n_words == 7,
+          "a setting of everything is seven words, without --no-check");
+    for (int i = 0; i < seen.n_words && i < 7; i++)
+        CHECK_TEXT(seen.words[i], expected[i], "word %d is %s", i + 1, expected[i]);
+    CHECK_TEXT(seen.name, "gauss:8,open smooth x2 llvmpipe checked buffer 16 depth 32f",
+               "its name tells them all");
+    cost_entry_free(&seen);
+    seen = (struct cost_entry){.n_words = 0};
+    CHECK(setting_entry(&reference_setting, "cie1931", &seen, &err) && seen.n_words == 5,
+          "the default observer is no word");
+    cost_entry_free(&seen);
+}
+
+/* Names are in quotation marks: some have a comma. */
+static void csv(void)
+{
+    struct cost_entry entries[] = {entry(1, 2, 3, 0.1)};
+    struct cost cost = {.entries = entries, .n = 1};
+    struct error err = {.status = EXIT_AGREED};
+    const struct setting setting = {.sampling = "rgb", .tessellation = 1};
+    char *text = NULL;
+    size_t length;
+    FILE *stream = open_memstream(&text, &length);
+    setting_entry(&setting, "a \"film\".csv", &entries[0], &err);
+    cost_print_csv(&cost, stream);
+    fclose(stream);
+    CHECK_TEXT(strchr(text, '\n') + 1,
+               "\"rgb smooth\",\"--sampling=rgb --detector=a \"\"film\"\".csv --shading=smooth "
+               "--renderer=raster --no-check\",2,1,3,0.05,0.1,0.2,,0,0\n",
+               "a line of the table, with an observer whose name has quotation marks, and no "
+               "radiances");
+    free(text);
+    cost_entry_free(&entries[0]);
+}
+
+/* ---- processes ---- */
+
+static bool doubles(void *context, void *out, struct error *err)
+{
+    const int *number = context;
+    (void)err;
+    *(int *)out = 2 * *number;
+    return true;
+}
+
+static bool refuses(void *context, void *out, struct error *err)
+{
+    (void)context;
+    (void)out;
+    return error_usage(err, "seven is no colour");
+}
+
+static bool dies(void *context, void *out, struct error *err)
+{
+    (void)context;
+    (void)out;
+    (void)err;
+    return kill(getpid(), SIGKILL) == 0;
+}
+
+static void processes(void)
+{
+    struct error err = {.status = EXIT_AGREED};
+    int number = 21, out = 0;
+    double seconds = -1;
+    CHECK(process_run(doubles, &number, &out, sizeof out, &seconds, &err) && out == 42,
+          "what a process finds comes back");
+    CHECK(seconds > 0, "with its seconds");
+    CHECK(number == 21, "and it has its own copy of all else");
+    CHECK(!process_run(refuses, &number, &out, sizeof out, NULL, &err) && err.status == EXIT_INPUT,
+          "its failure comes back");
+    CHECK_TEXT(err.text, "error: seven is no colour", "in its own words");
+    err = (struct error){.status = EXIT_AGREED};
+    CHECK(!process_run(dies, &number, &out, sizeof out, NULL, &err) && err.status == EXIT_SYSTEM,
+          "one that is killed is a failure of the system");
+    CHECK(strstr(err.text, "Killed") != NULL, "which tells the signal");
+}
+
+/* Tells that it was not ended before its end. */
+static bool lingers(void *context, void *out, struct error *err)
+{
+    const int *to = context;
+    (void)out;
+    (void)err;
+    return sleep(1) == 0 && write(*to, "x", 1) == 1;
+}
+
+static void interruption(void)
+{
+    struct error err = {.status = EXIT_AGREED};
+    int ends[2];
+    char byte;
+    const struct sigaction ignored = {.sa_handler = SIG_IGN};
+    void *held = signals_hold();
+    CHECK(pipe(ends) == 0, "a pipe");
+    raise(SIGTERM);
+    CHECK(!process_run(lingers, &ends[1], NULL, 0, NULL, &err) && err.status == EXIT_SYSTEM,
+          "a signal that waits ends a process");
+    CHECK(strstr(err.text, "interrupted") != NULL, "and is told as an interruption");
+    close(ends[1]);
+    CHECK(read(ends[0], &byte, 1) == 0, "the process did not live on");
+    close(ends[0]);
+    sigaction(SIGTERM, &ignored, NULL); /* drops it */
+    signals_release(held);
+}
+
+int main(void)
+{
+    frontier();
+    equals();
+    words();
+    csv();
+    processes();
+    interruption();
+    return test_end();
+}

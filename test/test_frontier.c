@@ -1,0 +1,304 @@
+/* SPDX-License-Identifier: MIT */
+/* The chart of accuracy and cost is whole XML whatever is plotted; points lie where their numbers
+ * say; labels cover neither each other nor points, and nothing lies outside the chart. */
+#include "spectral.h"
+#include "test.h"
+
+enum { MANY = 60 };
+
+static char *svg_of(const struct frontier_point *points, int n)
+{
+    const struct frontier frontier = {.title = "cost & <accuracy>",
+                                      .cost_label = "seconds",
+                                      .error_label = "difference",
+                                      .points = points,
+                                      .n = n};
+    char *svg = frontier_svg(&frontier);
+    if (svg == NULL) {
+        printf("Bail out! no memory\n");
+        exit(1);
+    }
+    return svg;
+}
+
+static struct frontier_point point_of(const char *name, double cost, double error, bool best)
+{
+    return (struct frontier_point){name, cost, 0.95 * cost, 1.1 * cost, error, best, false};
+}
+
+static int count_of(const char *text, const char *part)
+{
+    int count = 0;
+    for (const char *at = text; (at = strstr(at, part)) != NULL; at += strlen(part))
+        count++;
+    return count;
+}
+
+/* ---- what is in the file ---- */
+
+struct item {
+    double x, y, left, right, top, bottom;
+    bool turned;
+    char text[128];
+};
+
+static double attribute(const char *element, const char *name, double otherwise)
+{
+    const char *end = strchr(element, '>'), *at = strstr(element, name);
+    return at != NULL && at < end ? strtod(at + strlen(name), NULL) : otherwise;
+}
+
+/* The next element of this kind, with the room that its characters take at most: 0.6 of their
+ * size. */
+static const char *next_text(const char *at, struct item *out)
+{
+    at = strstr(at, "<text");
+    if (at == NULL)
+        return NULL;
+    const char *end = strchr(at, '>');
+    const double size = attribute(at, " font-size=\"", 12);
+    const char *middle = strstr(at, "text-anchor=\"middle\""), *last = strstr(at, "=\"end\"");
+    int length = 0;
+    snprintf(out->text, sizeof out->text, "%.*s", (int)strcspn(end + 1, "<"), end + 1);
+    for (const char *c = out->text; *c != '\0'; c++) {
+        length += ((unsigned char)*c & 0xc0) != 0x80;
+        if (*c == '&')
+            c += strcspn(c, ";");
+    }
+    const double width = length * 0.6 * size;
+    const double part = middle != NULL && middle < end ? 0.5 : last != NULL && last < end ? 1 : 0;
+    out->turned = strstr(at, "rotate") != NULL && strstr(at, "rotate") < end;
+    out->x = attribute(at, " x=\"", 0);
+    out->y = attribute(at, " y=\"", 0);
+    out->left = out->x - part * width;
+    out->right = out->left + width;
+    out->top = out->y - 0.85 * size;
+    out->bottom = out->y + 0.15 * size;
+    return end;
+}
+
+/* The marker of the point of this name. */
+static bool find_marker(const char *svg, const char *name, double *x, double *y)
+{
+    char title[256];
+    snprintf(title, sizeof title, "<g><title>%s</title>", name);
+    const char *at = strstr(svg, title);
+    at = at != NULL ? strstr(at, "<circle") : NULL;
+    if (at == NULL)
+        return false;
+    *x = attribute(at, " cx=\"", HUGE_VAL);
+    *y = attribute(at, " cy=\"", HUGE_VAL);
+    return true;
+}
+
+/* ---- truths ---- */
+
+/* Four corners of two decades: equal factors are equal distances. */
+static void test_places(void)
+{
+    const struct frontier_point points[] = {
+        point_of("one", 0.1, 1, true), point_of("two", 1, 0.1, true),
+        point_of("three", 10, 0.01, true), point_of("beaten", 10, 1, false)};
+    double x[4] = {0}, y[4] = {0};
+    char *svg = svg_of(points, 4);
+    for (int i = 0; i < 4; i++)
+        CHECK(find_marker(svg, points[i].name, &x[i], &y[i]), "%s is there", points[i].name);
+    CHECK_NEAR(x[1] - x[0], x[2] - x[1], 0.02, "equal factors of cost are equal distances");
+    CHECK_NEAR(y[1] - y[0], y[2] - y[1], 0.02, "and of error");
+    CHECK(x[1] > x[0] && y[1] > y[0], "cost grows to the right, error upwards");
+    CHECK_NEAR(x[3], x[2], 0, "equal costs are above each other");
+    CHECK_NEAR(y[3], y[0], 0, "equal errors beside each other");
+    const char *const labels[] = {">0.1<",     ">1<",          ">10<",     ">0.01<",
+                                  ">seconds<", ">difference<", ">beaten<", ">three<"};
+    for (size_t i = 0; i < sizeof labels / sizeof labels[0]; i++)
+        CHECK(strstr(svg, labels[i]) != NULL, "%s is written", labels[i]);
+    char steps[128];
+    snprintf(steps, sizeof steps, "M%.2f,%.2fL%.2f,%.2fL%.2f,%.2fL%.2f,%.2fL%.2f,%.2f\"", x[0],
+             y[0], x[1], y[0], x[1], y[1], x[2], y[1], x[2], y[2]);
+    CHECK(strstr(svg, steps) != NULL, "the frontier is joined by steps: first cost, then error");
+    free(svg);
+}
+
+/* Whether what is drawn for a point has this in it. */
+static bool is_marked(const char *svg, const char *name, const char *part)
+{
+    char title[256];
+    snprintf(title, sizeof title, "<g><title>%s</title>", name);
+    const char *at = strstr(svg, title), *end = at != NULL ? strstr(at, "</g>") : NULL;
+    const char *found = at != NULL ? strstr(at, part) : NULL;
+    return found != NULL && found < end;
+}
+
+/* Without colours: a disk on the frontier, a circle off it, a dashed ring around what may be
+ * either. */
+static void test_markers(void)
+{
+    struct frontier_point points[] = {point_of("best", 0.1, 5, true),
+                                      point_of("beaten", 1, 6, false),
+                                      point_of("either", 2, 7, false)};
+    points[2].uncertain = true;
+    char *svg = svg_of(points, 3);
+    CHECK(is_marked(svg, "best", "r=\"4.5\" fill=\"#0072b2\"") &&
+              !is_marked(svg, "best", "stroke-dasharray"),
+          "what is on the frontier is a disk");
+    CHECK(is_marked(svg, "beaten", "r=\"2.8\" fill=\"#fff\"") &&
+              !is_marked(svg, "beaten", "stroke-dasharray"),
+          "what is not, a smaller circle");
+    CHECK(is_marked(svg, "either", "r=\"2.8\" fill=\"#fff\"") &&
+              is_marked(svg, "either", "stroke-dasharray"),
+          "and a ring is around what is within noise");
+    free(svg);
+}
+
+/* The edge's own label and that of a tick just above it would cover each other. */
+static void test_edge_label(void)
+{
+    const struct frontier_point points[] = {point_of("coarse", 0.1, 9.9, true),
+                                            point_of("exact", 2, 0, true)};
+    char *svg = svg_of(points, 2);
+    CHECK(strstr(svg, ">≤ 0.0099<") != NULL && strstr(svg, ">0.01<") == NULL,
+          "a tick that the edge's label covers has none");
+    free(svg);
+}
+
+static void test_edge(void)
+{
+    const struct frontier_point points[] = {
+        point_of("coarse", 0.1, 5, true), point_of("fine", 1, 0.004, true),
+        point_of("exact", 2, 0, true), point_of("close", 3, 0.006, false)};
+    double x, fine = 0, exact = 0, close = 0;
+    char *svg = svg_of(points, 4);
+    CHECK(find_marker(svg, "fine", &x, &fine) && find_marker(svg, "exact", &x, &exact) &&
+              find_marker(svg, "close", &x, &close),
+          "all are there");
+    CHECK_NEAR(fine, exact, 0, "no error, and one below 1/1000 of the largest, lie on the edge");
+    CHECK(close < exact, "one above does not");
+    CHECK(strstr(svg, ">≤ 0.005<") != NULL, "the edge tells what it stands for");
+    free(svg);
+}
+
+static void check_whole(const char *name, const struct frontier_point *points, int n)
+{
+    struct item item;
+    char *svg = svg_of(points, n), *again = svg_of(points, n);
+    const double height = attribute(strstr(svg, "<svg"), " height=\"", 0);
+    bool inside = true;
+    int texts = 0;
+    for (const char *at = svg; (at = next_text(at, &item)) != NULL; texts++)
+        inside = inside && (item.turned || (item.left >= 0 && item.right <= 800.5 &&
+                                            item.top >= 0 && item.bottom <= height));
+    CHECK(inside && texts > 5, "%s: no text lies outside the chart", name);
+    CHECK(strstr(svg, "nan") == NULL && strstr(svg, "inf") == NULL &&
+              strstr(svg, "</svg>\n") != NULL && strstr(svg, "& ") == NULL,
+          "%s: whole, and of numbers", name);
+    CHECK(count_of(svg, "<g>") + count_of(svg, "<g ") == count_of(svg, "</g>") &&
+              count_of(svg, "<text") == count_of(svg, "</text>"),
+          "%s: what opens closes", name);
+    CHECK_TEXT(again, svg, "%s: the same twice", name);
+    char path[256];
+    snprintf(path, sizeof path, "%s/frontier.svg", test_folder());
+    test_write(path, svg);
+    char command[400];
+    snprintf(command, sizeof command,
+             "/usr/bin/python3 -c 'import sys, xml.dom.minidom as x; x.parse(sys.argv[1])' %s",
+             path);
+    CHECK(system(command) == 0, "%s: an XML parser takes it", name);
+    remove(path);
+    free(svg);
+    free(again);
+}
+
+static void test_degenerate(void)
+{
+    static char name[200];
+    struct frontier_point points[4] = {point_of("one", 1, 1, true)};
+    memset(name, 'W', sizeof name - 1);
+    check_whole("no point", points, 0);
+    check_whole("one point", points, 1);
+    points[0].error = 0;
+    check_whole("one without error", points, 1);
+    for (int i = 0; i < 4; i++)
+        points[i] = point_of("a <b> & \"c\" \x01\xff", 2, 3, i % 2 == 0);
+    check_whole("equal costs, equal errors, names of all kinds", points, 4);
+    for (int i = 0; i < 4; i++)
+        points[i] = point_of(name, 1 + i, 4 - i, i != 2);
+    check_whole("long names", points, 4);
+    points[0] = point_of("fast", 1e-300, 1e-300, true);
+    points[1] = point_of("slow", 1e300, 1e300, false);
+    check_whole("any size", points, 2);
+}
+
+/* A third of them crowded in one place. */
+static void fill(struct frontier_point *points, char (*names)[64], int n)
+{
+    unsigned random = 7;
+    for (int i = 0; i < n; i++) {
+        double uniform[2];
+        for (int k = 0; k < 2; k++) {
+            random = random * 1664525u + 1013904223u;
+            uniform[k] = (random >> 8) / 16777216.0;
+        }
+        const bool crowded = i % 3 == 0;
+        const double cost = (crowded ? 0.2 + 0.02 * uniform[0] : 0.02 + uniform[0] * i / n);
+        const double error = (crowded ? 0.3 + 0.05 * uniform[1] : 0.02 / cost * (0.3 + uniform[1]));
+        snprintf(names[i], 64, "gauss:%d shading phong tessellation %d", i, i % 4);
+        points[i] = point_of(names[i], cost, i == n - 1 ? 0 : error, false);
+        points[i].uncertain = i % 9 == 0;
+    }
+    for (int i = 0; i < n; i++) {
+        points[i].best = true;
+        for (int k = 0; k < n; k++)
+            points[i].best = points[i].best && (points[k].cost >= points[i].cost ||
+                                                points[k].error > points[i].error);
+    }
+}
+
+static bool meet(const struct item *a, const struct item *b)
+{
+    return a->left < b->right && b->left < a->right && a->top < b->bottom && b->top < a->bottom;
+}
+
+/* Labels of points are those whose text is in the middle, inside the frame. */
+static void test_labels(int n)
+{
+    static char names[MANY][64];
+    struct frontier_point points[MANY];
+    struct item labels[2 * MANY];
+    int n_labels = 0, overlaps = 0, covered = 0;
+    fill(points, names, n);
+    char *svg = svg_of(points, n);
+    const char *at = strstr(svg, "</title><path");
+    while ((at = next_text(at, &labels[n_labels])) != NULL && labels[n_labels].bottom < 492)
+        n_labels++;
+    CHECK(n_labels == n, "%d points have a label each: %d", n, n_labels);
+    for (int i = 0; i < n_labels; i++)
+        for (int k = 0; k < i; k++)
+            overlaps += meet(&labels[i], &labels[k]);
+    CHECK(overlaps == 0, "%d of them overlap", overlaps);
+    for (int i = 0; i < n; i++) {
+        double x = HUGE_VAL, y = HUGE_VAL;
+        if (!CHECK(find_marker(svg, points[i].name, &x, &y), "point %d is there", i))
+            continue;
+        const double radius = points[i].best ? 4.5 : 2.8;
+        const struct item marker = {
+            .left = x - radius, .right = x + radius, .top = y - radius, .bottom = y + radius};
+        for (int k = 0; k < n_labels; k++)
+            covered += meet(&marker, &labels[k]);
+        CHECK(count_of(svg, points[i].name) >= 2, "its name is shown, not only told to a pointer");
+    }
+    CHECK(covered == 0, "%d points are covered", covered);
+    free(svg);
+    check_whole("a crowd", points, n);
+}
+
+int main(void)
+{
+    test_places();
+    test_edge();
+    test_edge_label();
+    test_markers();
+    test_degenerate();
+    test_labels(50);
+    test_labels(MANY);
+    return test_end();
+}

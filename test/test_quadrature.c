@@ -1,0 +1,308 @@
+/* SPDX-License-Identifier: MIT */
+/* Quadrature against published tables, closed forms, and what makes a rule Gaussian: sums of
+ * polynomials. */
+#include "spectral.h"
+#include "test.h"
+
+enum { MOST_POINTS = 512 };
+
+/* ---- Legendre ---- */
+
+/* M. Abramowitz and I. A. Stegun, Handbook of Mathematical Functions (National Bureau of Standards,
+ * 1964), table 25.4: positive nodes and their weights. */
+static const double node_16[] = {0.095012509837637440185, 0.281603550779258913230,
+                                 0.458016777657227386342, 0.617876244402643748447,
+                                 0.755404408355003033895, 0.865631202387831743880,
+                                 0.944575023073232576078, 0.989400934991649932596};
+static const double weight_16[] = {0.189450610455068496285, 0.182603415044923588867,
+                                   0.169156519395002538189, 0.149595988816576732081,
+                                   0.124628971255533872052, 0.095158511682492784810,
+                                   0.062253523938647892863, 0.027152459411754094852};
+static const double node_64[] = {
+    0.024350292663424432509, 0.072993121787799039450, 0.121462819296120554470,
+    0.169644420423992818037, 0.217423643740007084150, 0.264687162208767416374,
+    0.311322871990210956158, 0.357220158337668115950, 0.402270157963991603696,
+    0.446366017253464087985, 0.489403145707052957479, 0.531279464019894545658,
+    0.571895646202634034284, 0.611155355172393250249, 0.648965471254657339858,
+    0.685236313054233242564, 0.719881850171610826849, 0.752819907260531896612,
+    0.783972358943341407610, 0.813265315122797559742, 0.840629296252580362752,
+    0.865999398154092819761, 0.889315445995114105853, 0.910522137078502805756,
+    0.929569172131939575821, 0.946411374858402816062, 0.961008799652053718919,
+    0.973326827789910963742, 0.983336253884625956931, 0.991013371476744320739,
+    0.996340116771955279347, 0.999305041735772139457};
+static const double weight_64[] = {
+    0.048690957009139720383,  0.048575467441503426935,  0.048344762234802957170,
+    0.047999388596458307728,  0.047540165714830308662,  0.046968182816210017325,
+    0.046284796581314417296,  0.045491627927418144480,  0.044590558163756563060,
+    0.043583724529323453377,  0.042473515123653589007,  0.041262563242623528610,
+    0.039953741132720341387,  0.038550153178615629129,  0.037055128540240046040,
+    0.035472213256882383811,  0.033805161837141609392,  0.032057928354851553585,
+    0.030234657072402478868,  0.028339672614259483228,  0.026377469715054658672,
+    0.024352702568710873338,  0.022270173808383254159,  0.020134823153530209372,
+    0.017951715775697343085,  0.015726030476024719322,  0.013463047896718642598,
+    0.011168139460131128819,  0.0088467598263639477231, 0.0065044579689783628561,
+    0.0041470332605624676353, 0.0017832807216964329473};
+
+/* The largest error of the nodes and weights of -1 to 1 beside those of the positive half. */
+static double worst_error(int n, const double *node, const double *weight)
+{
+    struct quadrature rule;
+    double worst = 0;
+    quadrature_legendre(-1, 1, n, &rule);
+    for (int i = 0; i < n; i++) {
+        const int half = n / 2, at = i >= half ? i - half : n - 1 - half - i;
+        const double sign = i >= half ? 1 : -1;
+        worst = fmax(worst, fabs(rule.node[i] - sign * node[at]));
+        worst = fmax(worst, fabs(rule.weight[i] - weight[at]));
+    }
+    return worst;
+}
+
+static void test_published(void)
+{
+    const double root = sqrt(1.0 / 3), one[] = {1};
+    CHECK_NEAR(worst_error(2, &root, one), 0, 1e-15, "2 nodes: +-sqrt(1/3)");
+    CHECK_NEAR(worst_error(3, (double[]){0, sqrt(0.6)}, (double[]){8.0 / 9, 5.0 / 9}), 0, 1e-15,
+               "3 nodes: 0 and +-sqrt(3/5)");
+    CHECK_NEAR(worst_error(4,
+                           (double[]){sqrt(3.0 / 7 - 2.0 / 7 * sqrt(1.2)),
+                                      sqrt(3.0 / 7 + 2.0 / 7 * sqrt(1.2))},
+                           (double[]){(18 + sqrt(30)) / 36, (18 - sqrt(30)) / 36}),
+               0, 1e-15, "4 nodes by their closed form");
+    CHECK_NEAR(
+        worst_error(
+            5, (double[]){0, sqrt(5 - 2 * sqrt(10.0 / 7)) / 3, sqrt(5 + 2 * sqrt(10.0 / 7)) / 3},
+            (double[]){128.0 / 225, (322 + 13 * sqrt(70)) / 900, (322 - 13 * sqrt(70)) / 900}),
+        0, 1e-15, "5 nodes by their closed form");
+    CHECK_NEAR(worst_error(16, node_16, weight_16), 0, 1e-14, "16 nodes as published");
+    CHECK_NEAR(worst_error(64, node_64, weight_64), 0, 1e-14, "64 nodes as published");
+}
+
+static void test_legendre_sums(void)
+{
+    double worst = 0, asymmetry = 0, least = 1;
+    bool inside = true;
+    for (int n = 1; n <= LARGEST_QUADRATURE; n++) {
+        struct quadrature rule;
+        quadrature_legendre(-1, 1, n, &rule);
+        for (int degree = 0; degree < 2 * n; degree++) {
+            double sum = 0;
+            for (int i = 0; i < n; i++)
+                sum += rule.weight[i] * power(fabs(rule.node[i]), degree) *
+                       (degree % 2 == 1 && rule.node[i] < 0 ? -1 : 1);
+            worst = fmax(worst, fabs(sum - (degree % 2 == 1 ? 0 : 2.0 / (degree + 1))));
+        }
+        for (int i = 0; i < n; i++) {
+            asymmetry = fmax(asymmetry, fabs(rule.node[i] + rule.node[n - 1 - i]));
+            least = fmin(least, rule.weight[i]);
+            inside =
+                inside && fabs(rule.node[i]) < 1 && (i == 0 || rule.node[i] > rule.node[i - 1]);
+        }
+    }
+    CHECK_NEAR(worst, 0, 1e-13, "x^k is integrated exactly up to 2n - 1, for every n to 64");
+    CHECK_NEAR(asymmetry, 0, 0, "nodes are symmetric");
+    CHECK(least > 0 && inside, "weights are positive, nodes inside and increasing");
+}
+
+static void test_interval(void)
+{
+    struct quadrature rule;
+    quadrature_legendre(379.5, 780.5, 64, &rule);
+    double sum = 0, worst = 0;
+    for (int i = 0; i < 64; i++) {
+        const double x = i < 32 ? -node_64[31 - i] : node_64[i - 32];
+        worst = fmax(worst, fabs(rule.node[i] - (580 + 200.5 * x)));
+        sum += rule.weight[i];
+    }
+    CHECK_NEAR(worst, 0, 401e-14, "nodes of another interval are right to 1e-14 of it");
+    CHECK_NEAR(sum, 401, 401e-14, "weights add up to it");
+}
+
+/* ---- discrete weights ---- */
+
+/* The largest error of the sums of Chebyshev's polynomials up to 2n - 1, in parts of the sum of
+ * magnitudes of the weights. */
+static double worst_sum(const double *x, const double *w, int count, const struct quadrature *rule)
+{
+    const double centre = (x[0] + x[count - 1]) / 2, half = (x[count - 1] - x[0]) / 2;
+    double sum[2 * LARGEST_QUADRATURE] = {0}, whole = 0, worst = 0;
+    for (int i = 0; i < count + rule->n; i++) {
+        const double factor = i < count ? w[i] : -rule->weight[i - count];
+        const double at = ((i < count ? x[i] : rule->node[i - count]) - centre) / half;
+        double before = at, value = 1;
+        for (int degree = 0; degree < 2 * rule->n; degree++) {
+            const double next = 2 * at * value - before;
+            sum[degree] += factor * value;
+            before = value;
+            value = next;
+        }
+        whole += i < count ? fabs(w[i]) : 0;
+    }
+    for (int degree = 0; degree < 2 * rule->n; degree++)
+        worst = fmax(worst, fabs(sum[degree]) / whole);
+    return worst;
+}
+
+static void check_closed_form(const char *name, const double *x, const double *w, int count,
+                              const double squares[3], double centre)
+{
+    struct quadrature rule;
+    double worst = 0;
+    for (int n = 2; n <= 4; n++) {
+        if (!quadrature_discrete(x, w, count, n, &rule))
+            worst = HUGE_VAL;
+        for (int k = 1; k <= n / 2; k++) {
+            const double s = n == 4 ? squares[0] + squares[1] + squares[2] : 0;
+            const double sign = k == 1 ? 1 : -1;
+            const double square = n == 2 ? squares[0]
+                                  : n == 3
+                                      ? squares[0] + squares[1]
+                                      : (s + sign * sqrt(s * s - 4 * squares[0] * squares[2])) / 2;
+            worst = fmax(worst, fabs(rule.node[n - k] - centre - sqrt(square)));
+            worst = fmax(worst, fabs(rule.node[k - 1] - centre + sqrt(square)));
+        }
+    }
+    CHECK_NEAR(worst, 0, 1e-13 * count, "%s: 2, 3 and 4 nodes by their closed form", name);
+}
+
+/* Recurrence coefficients: W. Gautschi, Orthogonal Polynomials (Oxford, 2004), table 1.2, or DLMF
+ * 18.22: k^2 (m^2 - k^2) / (4 (4 k^2 - 1)) of m equal weights, k (m - k + 1) / 4 of the binomial.
+ */
+static void test_closed_forms(void)
+{
+    double x[MOST_POINTS], equal[MOST_POINTS], binomial[MOST_POINTS], gram[3], krawtchouk[3];
+    const int m = 41;
+    for (int j = 0; j < m; j++) {
+        x[j] = j;
+        equal[j] = 0.25;
+        binomial[j] = j == 0 ? 1 : binomial[j - 1] * (m - j) / j;
+    }
+    for (int k = 1; k <= 3; k++) {
+        gram[k - 1] = k * k * (m * m - k * k) / (4.0 * (4 * k * k - 1));
+        krawtchouk[k - 1] = k * (m - k) / 4.0;
+    }
+    check_closed_form("equal weights", x, equal, m, gram, 20);
+    check_closed_form("binomial weights", x, binomial, m, krawtchouk, 20);
+}
+
+static void test_exactness(void)
+{
+    double x[MOST_POINTS], bump[MOST_POINTS], worst = 0, least = 1;
+    const int count = 401;
+    bool found = true;
+    for (int j = 0; j < count; j++) {
+        x[j] = 380 + j;
+        bump[j] = exponential(-power(fabs(x[j] - 450) / 30, 2)) +
+                  exponential(-power(fabs(x[j] - 580) / 60, 2));
+    }
+    for (int n = 1; n <= LARGEST_QUADRATURE; n++) {
+        struct quadrature rule;
+        found = found && quadrature_discrete(x, bump, count, n, &rule);
+        worst = fmax(worst, found ? worst_sum(x, bump, count, &rule) : HUGE_VAL);
+        for (int i = 0; i < n && found; i++)
+            least = fmin(least, rule.weight[i]);
+    }
+    CHECK(found, "a positive weight has a rule for every n");
+    CHECK_NEAR(worst, 0, 1e-12, "which is exact for polynomials up to 2n - 1");
+    CHECK(least > 0, "and whose weights are positive");
+}
+
+/* As many nodes as points: the points themselves. */
+static void check_all_points(const char *name, const double *x, const double *w, int count)
+{
+    struct quadrature rule;
+    const bool found = quadrature_discrete(x, w, count, count, &rule);
+    double node = found ? 0 : HUGE_VAL, weight = node;
+    for (int i = 0; i < count && found; i++) {
+        node = fmax(node, fabs(rule.node[i] - x[i]));
+        weight = fmax(weight, fabs(rule.weight[i] - w[i]));
+    }
+    CHECK_NEAR(node, 0, 1e-11, "%s: as many nodes as points are the points", name);
+    CHECK_NEAR(weight, 0, 1e-11, "%s: with their weights", name);
+}
+
+static void test_all_points(void)
+{
+    double x[LARGEST_QUADRATURE], w[LARGEST_QUADRATURE];
+    for (int j = 0; j < LARGEST_QUADRATURE; j++) {
+        x[j] = 500 + j;
+        w[j] = 1 + j % 3;
+    }
+    check_all_points("1 point", x, w, 1);
+    check_all_points("2 points", x, w, 2);
+    check_all_points("20 points", x, w, 20);
+    check_all_points("64 points", x, w, 64);
+}
+
+/* A weight is right to its own digits, however small it is beside the others. */
+static void test_small_weights(void)
+{
+    double x[LARGEST_QUADRATURE], w[LARGEST_QUADRATURE], worst = 0;
+    struct quadrature rule;
+    const int count = 41;
+    for (int j = 0; j < count; j++) {
+        x[j] = j;
+        w[j] = j == 0 ? 1 : w[j - 1] * (count - j) / j;
+    }
+    const bool found = quadrature_discrete(x, w, count, count, &rule);
+    for (int j = 0; j < count && found; j++)
+        worst = fmax(worst, fabs(rule.weight[j] / w[j] - 1));
+    CHECK(found && worst < 1e-11, "binomial weights from 1 to 1e11 are found, each to 1e-11");
+    printf("# %.3g\n", worst);
+}
+
+static void test_signs(void)
+{
+    const double x[] = {-2, -1, 0, 1, 2}, w[] = {1, -0.2, 1, -0.2, 1};
+    struct quadrature rule;
+    CHECK(quadrature_discrete(x, w, 5, 2, &rule), "a weight of both signs has 2 nodes");
+    CHECK_NEAR(rule.node[1], sqrt(7.6 / 2.6), 1e-14, "where its moments say");
+    CHECK_NEAR(rule.weight[0], 1.3, 1e-14, "each with half of the sum");
+    CHECK(!quadrature_discrete(x, w, 5, 3, &rule), "but no 3 that are not beyond its ends");
+    check_all_points("both signs", x, w, 5);
+    CHECK(!quadrature_discrete(x, (double[]){1, 0, 0, 0, -1}, 5, 1, &rule),
+          "a weight whose sum is 0 has no node");
+    CHECK(!quadrature_discrete(x, (double[]){2, 0, 0, 0, -1}, 5, 1, &rule),
+          "nor has one whose mean lies outside");
+}
+
+static void test_few_points(void)
+{
+    const double x[] = {400, 500, 600}, w[] = {0, 2, 0}, none[] = {0, 0, 0};
+    struct quadrature rule;
+    CHECK(quadrature_discrete(x, w, 3, 1, &rule) && rule.node[0] == 500 && rule.weight[0] == 2,
+          "one point of weight is its node");
+    CHECK(!quadrature_discrete(x, w, 3, 2, &rule), "more nodes than points of weight are refused");
+    CHECK(!quadrature_discrete(x, none, 3, 1, &rule), "so is no weight at all");
+    CHECK(quadrature_discrete(x, (double[]){0, 0, 1}, 3, 1, &rule) && rule.node[0] == 600,
+          "a node may be the last point");
+}
+
+static void test_lagrange(void)
+{
+    const double node[] = {400, 450, 470, 600};
+    double worst = 0;
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++)
+            worst = fmax(worst, fabs(quadrature_lagrange(node, 4, i, node[j]) - (i == j)));
+    CHECK_NEAR(worst, 0, 0, "Lagrange's polynomials are 1 at their node and 0 at others");
+    double cube = 0;
+    for (int i = 0; i < 4; i++)
+        cube += quadrature_lagrange(node, 4, i, 520) * power(node[i] / 100, 3);
+    CHECK_NEAR(cube, 5.2 * 5.2 * 5.2, 1e-12, "and add up to a cubic between four nodes");
+}
+
+int main(void)
+{
+    test_published();
+    test_legendre_sums();
+    test_interval();
+    test_closed_forms();
+    test_exactness();
+    test_all_points();
+    test_small_weights();
+    test_signs();
+    test_few_points();
+    test_lagrange();
+    return test_end();
+}

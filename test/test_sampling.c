@@ -1,0 +1,883 @@
+/* SPDX-License-Identifier: MIT */
+/* Samplings against the sum over every nm: errors of a known order, exact where they have to be,
+ * and hard cases. */
+#include "spectral.h"
+#include "test.h"
+
+/* ---- scenes of one light and some reflectances ---- */
+
+enum { MOST_SURFACES = 32, MOST_NM = 601, MOST_PAGES = MOST_NM };
+struct stage {
+    struct fine_spectra fine;
+    struct spectrum light, surface[MOST_SURFACES];
+    int n;                /* surfaces */
+    const char *detector; /* NULL: cie1931 */
+};
+
+static struct spectrum spectrum_of(const char *text)
+{
+    struct spectrum out = {0};
+    struct error err = {0};
+    const struct word word = {.start = text, .length = strlen(text)};
+    if (!spectrum_read(&word, 0, HUGE_VAL, &out, &err))
+        printf("# %s\n", err.text);
+    return out;
+}
+
+static void put_light(struct stage *stage, const char *light, double first, int n_nm)
+{
+    struct fine_spectra *fine = &stage->fine;
+    stage->light = spectrum_of(light);
+    *fine = (struct fine_spectra){.first_nm = first, .n_nm = n_nm, .n_lights = 1};
+    fine->lights = calloc((size_t)n_nm, sizeof *fine->lights);
+    fine->products = calloc((size_t)n_nm * MOST_SURFACES, sizeof *fine->products);
+    for (int j = 0; j < n_nm; j++)
+        fine->lights[j] = spectrum_at(&stage->light, first + j, SPECTRUM_ZERO);
+}
+
+/* Owns the reflectance from then on. */
+static void put_reflectance(struct stage *stage, struct spectrum reflectance)
+{
+    struct fine_spectra *fine = &stage->fine;
+    stage->surface[stage->n] = reflectance;
+    for (int j = 0; j < fine->n_nm; j++)
+        fine->products[stage->n * fine->n_nm + j] =
+            fine->lights[j] *
+            spectrum_at(&stage->surface[stage->n], fine->first_nm + j, SPECTRUM_HOLD);
+    fine->n_products = ++stage->n;
+}
+
+static void put_surface(struct stage *stage, const char *text)
+{
+    put_reflectance(stage, spectrum_of(text));
+}
+
+/* The patches of the ColorChecker under a light. */
+static struct stage chart(const char *light, double first, int n_nm)
+{
+    static const char folder[] = "materials/colorchecker/";
+    struct stage stage = {.n = 0};
+    put_light(&stage, light, first, n_nm);
+    for (size_t i = 0; i < builtin_file_count && stage.n < MOST_SURFACES; i++) {
+        char path[256];
+        if (strncmp(builtin_files[i].name, folder, strlen(folder)) == 0 &&
+            strstr(builtin_files[i].name, ".txt") != NULL) {
+            snprintf(path, sizeof path, "builtin:%s", builtin_files[i].name);
+            put_surface(&stage, path);
+        }
+    }
+    return stage;
+}
+
+static struct stage single(const char *light, const char *surface, double first, int n_nm)
+{
+    struct stage stage = {.n = 0};
+    put_light(&stage, light, first, n_nm);
+    put_surface(&stage, surface);
+    return stage;
+}
+
+static void clear(struct stage *stage)
+{
+    spectrum_free(&stage->light);
+    for (int i = 0; i < stage->n; i++)
+        spectrum_free(&stage->surface[i]);
+    fine_spectra_free(&stage->fine);
+}
+
+/* ---- making and using samplings ---- */
+
+/* Zeroed after an error, which is in err. */
+static struct sampling sampling_of(const struct stage *stage, const char *text,
+                                   const char *detector, struct error *err)
+{
+    struct sampling_method method;
+    struct sampling out = {0};
+    *err = (struct error){0};
+    if (sampling_read("--sampling", text, &method, err))
+        sampling_make(&method, detector, &stage->fine, &out, err);
+    return out;
+}
+
+static struct sampling made(const struct stage *stage, const char *text)
+{
+    struct error err;
+    struct sampling out =
+        sampling_of(stage, text, stage->detector != NULL ? stage->detector : "cie1931", &err);
+    if (out.n == 0)
+        printf("# %s\n", err.text);
+    return out;
+}
+
+/* A surface in the light: the page values of both, or the components of the product. */
+static double page_of(const struct stage *stage, const struct sampling *s, int surface, int page)
+{
+    struct sampling copy = *s;
+    const struct scene scene = {
+        .sampling = &copy, .wavelengths_nm = s->wavelength_nm, .n_wavelengths = s->n};
+    double sum = 0;
+    if (s->analysis == NULL)
+        return scene_page(&scene, &stage->light, page, SPECTRUM_ZERO) *
+               scene_page(&scene, &stage->surface[surface], page, SPECTRUM_HOLD);
+    for (int j = 0; j < s->n_nm; j++)
+        sum += s->analysis[page * s->n_nm + j] * stage->fine.products[surface * s->n_nm + j];
+    return sum;
+}
+
+static void channels_of(const struct stage *stage, const struct sampling *s, int surface,
+                        double out[3])
+{
+    double pages[MOST_PAGES];
+    for (int page = 0; page < s->n; page++)
+        pages[page] = page_of(stage, s, surface, page);
+    detector_response(s->weights, pages, s->n, out);
+}
+
+static void truth_of(const struct stage *stage, const struct sampling *s, int surface,
+                     double out[3])
+{
+    detector_response(s->detector_weights, stage->fine.products + surface * s->n_nm, s->n_nm, out);
+}
+
+/* Errors of all channels of all surfaces, in parts of the light's largest response. */
+struct errors {
+    double rms, worst;
+};
+static struct errors errors_of(const struct stage *stage, const struct sampling *s)
+{
+    struct errors out = {0, 0};
+    double light[3];
+    if (s->n == 0)
+        return (struct errors){HUGE_VAL, HUGE_VAL};
+    detector_response(s->detector_weights, stage->fine.lights, s->n_nm, light);
+    const double scale = fmax(light[0], fmax(light[1], light[2]));
+    for (int i = 0; i < stage->n; i++) {
+        double seen[3], truth[3];
+        channels_of(stage, s, i, seen);
+        truth_of(stage, s, i, truth);
+        for (int channel = 0; channel < 3; channel++) {
+            const double error = fabs(seen[channel] - truth[channel]) / scale;
+            out.worst = fmax(out.worst, error);
+            out.rms += error * error / (3 * stage->n);
+        }
+    }
+    out.rms = sqrt(out.rms);
+    return out;
+}
+
+static struct errors error_of(const struct stage *stage, const char *text)
+{
+    struct sampling s = made(stage, text);
+    const struct errors out = errors_of(stage, &s);
+    printf("# %s: %d pages, rms %.3g, worst %.3g\n", text, s.n, out.rms, out.worst);
+    sampling_free(&s);
+    return out;
+}
+
+static int pages_of(const struct stage *stage, const char *text)
+{
+    struct sampling s = made(stage, text);
+    const int n = s.n;
+    sampling_free(&s);
+    return n;
+}
+
+/* ---- names ---- */
+
+static void test_names(void)
+{
+    static const char *const good[] = {"box:8",         "riemann:10",
+                                       "riemann:2.5",   "gauss:8",
+                                       "gauss:8,open",  "gauss:9,xyz",
+                                       "gauss:9,lms",   "gauss:6,acc",
+                                       "adaptive:0.01", "adaptive:1e-09",
+                                       "adaptive:0.3",  "basis:6",
+                                       "rgb",           "xyz"};
+    static const char *const bad[] = {
+        "",           "box",      "box:",     "box:0",       "box:1.5",          "riemann:0.5",
+        "riemann:x",  "gauss:65", "gauss:8,", "gauss:8,rgb", "box:8,xyz",        "adaptive:0",
+        "adaptive:2", "rgb:3",    "xyz:",     "simpson:8",   "gauss:8,open,xyz", "gauss: 8"};
+    for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
+        struct sampling_method method;
+        struct error err = {0};
+        char name[SAMPLING_NAME] = "refused";
+        if (sampling_read("--sampling", good[i], &method, &err))
+            sampling_name(&method, name);
+        CHECK_TEXT(name, good[i], "%s is read and named again", good[i]);
+    }
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        struct sampling_method method;
+        struct error err = {0};
+        CHECK(!sampling_read("--sampling", bad[i], &method, &err) && err.status == EXIT_INPUT &&
+                  strstr(err.text, "--sampling") != NULL,
+              "'%s' is refused", bad[i]);
+    }
+}
+
+/* ---- known truths ---- */
+
+/* Hats of width 160 nm, whose corners are wavelengths of every sampling: the error of each corner
+ * is the square of the step times its bend / 12. The range has all of them. */
+static const char *hats(void)
+{
+    static char path[512];
+    char text[512] = "nm,x,y,z\n360,0,0,0\n";
+    for (int nm = 440; nm <= 760; nm += 80)
+        snprintf(text + strlen(text), sizeof text - strlen(text), "%d,%d,%d,%d\n", nm, nm == 680,
+                 nm == 600, nm == 520);
+    snprintf(path, sizeof path, "%s/sampling-hats.csv", test_folder());
+    return test_write(path, text);
+}
+
+static void test_riemann(void)
+{
+    struct stage stage = {.n = 0, .detector = hats()};
+    put_light(&stage, "gaussian:560,400", 360, 401);
+    put_surface(&stage, "gaussian:480,500");
+    put_surface(&stage, "1");
+    const double at_5 = error_of(&stage, "riemann:5").rms;
+    const double at_10 = error_of(&stage, "riemann:10").rms;
+    const double at_20 = error_of(&stage, "riemann:20").rms;
+    CHECK_NEAR(at_20 / at_10, (400 - 1) / (100 - 1.0), 0.05,
+               "the error of riemann has the square of the step (beside that of 1 nm): 20 and 10");
+    CHECK_NEAR(at_10 / at_5, (100 - 1) / (25 - 1.0), 0.05, "10 and 5");
+    CHECK_NEAR(error_of(&stage, "riemann:1").worst, 0, 1e-15, "every nm is exact");
+    clear(&stage);
+}
+
+static void test_smooth_light(void)
+{
+    struct stage stage = chart("d65", 380, 401);
+    CHECK(stage.n == 24, "24 patches");
+    const double gauss_8 = error_of(&stage, "gauss:8").rms;
+    CHECK(pages_of(&stage, "riemann:57") == 8 && gauss_8 < error_of(&stage, "riemann:57").rms,
+          "under d65 8 of gauss are better than 8 of riemann");
+    CHECK(error_of(&stage, "gauss:32").rms < gauss_8 && gauss_8 < error_of(&stage, "gauss:2").rms,
+          "errors of gauss fall with their number");
+    CHECK(error_of(&stage, "box:64").rms < error_of(&stage, "box:16").rms &&
+              error_of(&stage, "box:16").rms < error_of(&stage, "box:4").rms,
+          "so do those of boxes");
+    CHECK(error_of(&stage, "gauss:64,open").worst < 0.001, "64 open ones within 0.1 %%");
+    clear(&stage);
+}
+
+static void test_tube(void)
+{
+    struct stage stage = chart("fluorescent", 380, 401);
+    struct sampling s = made(&stage, "adaptive:0.01");
+    bool found = false;
+    for (int i = 0; i < s.n_peaks; i++)
+        found = found || s.peak_nm[i] == 535;
+    CHECK(found, "the tube's line at 535 nm is found");
+    CHECK(errors_of(&stage, &s).worst <= 0.01, "adaptive:0.01 is within its tolerance");
+    CHECK(error_of(&stage, "gauss:8").worst > 0.1 && error_of(&stage, "gauss:16").worst > 0.05,
+          "plain gauss is not by far");
+    sampling_free(&s);
+    clear(&stage);
+}
+
+static void test_tolerances(const char *light, int n_peaks)
+{
+    static const char *const names[] = {"adaptive:0.1", "adaptive:0.01", "adaptive:0.001",
+                                        "adaptive:1e-06", "adaptive:1e-09"};
+    struct stage stage = chart(light, 360, 441);
+    int most = 0;
+    bool within = true;
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        struct sampling s = made(&stage, names[i]);
+        within = within && errors_of(&stage, &s).worst <= s.method.tolerance;
+        most = s.n > most ? s.n : most;
+        if (i == 0 && n_peaks >= 0)
+            CHECK(s.n_peaks == n_peaks, "%s has %d emission peaks", light, n_peaks);
+        sampling_free(&s);
+    }
+    CHECK(within, "%s: adaptive keeps every tolerance", light);
+    CHECK(most <= 441, "%s: with no more pages than nm", light);
+    clear(&stage);
+}
+
+static void test_adaptive(void)
+{
+    test_tolerances("d65", 0);
+    test_tolerances("a", 0);
+    test_tolerances("1", 0);
+    test_tolerances("blackbody:2000", 0);
+    test_tolerances("blackbody:20000", 0);
+    test_tolerances("gaussian:546,4", 1);
+    test_tolerances("gaussian:546.5,1", 1);
+    test_tolerances("fluorescent", -1);
+}
+
+/* Pages cost time: what suffices is known where the light is simple. */
+static void test_few_pages(void)
+{
+    struct stage tube = chart("fluorescent", 380, 401), day = chart("d65", 380, 401);
+    struct stage narrow = chart("gaussian:546.5,0.5", 380, 401);
+    const int coarse = pages_of(&tube, "adaptive:0.1"), fine = pages_of(&tube, "adaptive:0.01");
+    CHECK(pages_of(&narrow, "adaptive:0.001") <= 4,
+          "a line of 2 nm has a page each, and one before and behind");
+    CHECK(coarse <= 8 && fine <= 34 && fine > coarse, "the tube has up to 8 pages, then up to 34");
+    CHECK(pages_of(&day, "adaptive:0.01") <= 17, "daylight has up to 17");
+    printf("# tube %d and %d\n", coarse, fine);
+    clear(&tube);
+    clear(&day);
+    clear(&narrow);
+}
+
+static void test_peaks(void)
+{
+    char path[512];
+    snprintf(path, sizeof path, "%s/sampling-lines.csv", test_folder());
+    test_write(path, "nm,power\n380,1\n439,1\n440,9\n442,9\n443,1\n545,1\n550,3\n555,1\n640,1\n"
+                     "645,1.7\n650,1\n680,1\n700,2.3\n720,1\n745,1\n750,1.45\n755,1\n780,1\n");
+    struct stage stage = single(path, "0.5", 380, 401);
+    struct sampling s = made(&stage, "adaptive:0.01");
+    CHECK(s.n_peaks == 4 && s.peak_nm[0] == 440 && s.peak_nm[1] == 550 && s.peak_nm[2] == 645 &&
+              s.peak_nm[3] == 700,
+          "peaks are what is above its neighbours by half the mean, the first nm of a flat one");
+    sampling_free(&s);
+    clear(&stage);
+}
+
+/* Under a dim light and a bright one, in this order: what the dim one shows is judged by it. */
+static void test_dim_light(void)
+{
+    struct stage stage = single("1*0.001", "gaussian:610,6", 380, 401);
+    double *lights = realloc(stage.fine.lights, 2 * 401 * sizeof *lights);
+    for (int j = 0; lights != NULL && j < 401; j++)
+        lights[401 + j] = 1;
+    stage.fine.lights = lights;
+    stage.fine.n_lights = 2;
+    struct sampling s = made(&stage, "adaptive:0.001");
+    CHECK(errors_of(&stage, &s).worst <= 0.001, "the tolerance is of the light that shines");
+    sampling_free(&s);
+    clear(&stage);
+}
+
+static void test_basis(void)
+{
+    struct stage stage = chart("d65", 380, 401);
+    char name[32];
+    double before = HUGE_VAL;
+    bool falls = true;
+    for (int k = 1; k <= 24; k++) {
+        double sum = 0;
+        snprintf(name, sizeof name, "basis:%d", k);
+        struct sampling s = made(&stage, name);
+        for (int i = 0; i < stage.n; i++)
+            for (int j = 0; j < s.n_nm; j++) {
+                double value = 0;
+                for (int page = 0; page < s.n; page++)
+                    value += s.synthesis[j * s.n + page] * page_of(&stage, &s, i, page);
+                value -= stage.fine.products[i * s.n_nm + j];
+                sum += value * value;
+            }
+        falls = falls && sqrt(sum) < before;
+        before = sqrt(sum);
+        sampling_free(&s);
+    }
+    CHECK(falls, "with every component the rms error of radiances falls");
+    CHECK_NEAR(before, 0, 1e-10, "until, at the rank, radiances are exact");
+    CHECK_NEAR(error_of(&stage, "basis:24").worst, 0, 1e-10, "and channels");
+    clear(&stage);
+}
+
+static void test_coordinates(const char *light)
+{
+    struct stage stage = chart(light, 380, 401);
+    double least = 0, largest = 0;
+    char name[32];
+    for (int k = 1; k <= 24; k++) {
+        snprintf(name, sizeof name, "basis:%d", k);
+        struct sampling s = made(&stage, name);
+        for (int i = 0; i < stage.n; i++)
+            for (int page = 0; page < s.n; page++) {
+                const double value = page_of(&stage, &s, i, page);
+                least = fmin(least, value);
+                largest = fmax(largest, value);
+            }
+        sampling_free(&s);
+    }
+    CHECK(least >= -1e-13 * largest, "%s: no product has a negative component", light);
+    clear(&stage);
+}
+
+/* What is rounded off a page reaches radiances by no more than this, in parts of the brightest. */
+static void check_magnified(const struct stage *stage, const char *name, double most)
+{
+    struct sampling s = made(stage, name);
+    double largest_page = 0, largest = 0, worst = 0;
+    for (int i = 0; i < stage->n; i++)
+        for (int page = 0; page < s.n; page++)
+            largest_page = fmax(largest_page, page_of(stage, &s, i, page));
+    for (int i = 0; i < stage->n * s.n_nm; i++)
+        largest = fmax(largest, stage->fine.products[i]);
+    for (int j = 0; j < s.n_nm; j++) {
+        double sum = 0;
+        for (int page = 0; page < s.n; page++)
+            sum += fabs(s.synthesis[j * s.n + page]);
+        worst = fmax(worst, sum * largest_page / largest);
+    }
+    printf("# %s magnifies by %.3g\n", name, worst);
+    CHECK(worst <= most, "%s magnifies what is rounded off by no more than %g", name, most);
+    sampling_free(&s);
+}
+
+static void test_magnified(void)
+{
+    struct stage day = chart("d65", 380, 401), apart = {.n = 0};
+    char text[64];
+    check_magnified(&day, "basis:6", 8);
+    check_magnified(&day, "basis:24", 30);
+    put_light(&apart, "1", 430, 61);
+    for (int i = 0; i < 12; i++) {
+        snprintf(text, sizeof text, "gaussian:%d,%d*1e-%d", 430 + 17 * i % 60, 4 + i % 7, i % 3);
+        put_surface(&apart, text);
+    }
+    for (int k = 2; k <= 8; k++) {
+        snprintf(text, sizeof text, "basis:%d", k);
+        check_magnified(&apart, text, 30);
+    }
+    clear(&day);
+    clear(&apart);
+}
+
+static void test_three_numbers(void)
+{
+    struct stage stage = chart("d65", 380, 401);
+    struct sampling rgb = made(&stage, "rgb");
+    double worst = 0;
+    for (int i = 0; i < stage.n; i++) {
+        double seen[3], truth[3];
+        bool clipped = false;
+        for (int page = 0; page < 3; page++)
+            clipped = clipped || page_of(&stage, &rgb, i, page) <= 0;
+        channels_of(&stage, &rgb, i, seen);
+        truth_of(&stage, &rgb, i, truth);
+        for (int channel = 0; channel < 3 && !clipped; channel++)
+            worst = fmax(worst, fabs(seen[channel] - truth[channel]));
+    }
+    CHECK_NEAR(worst, 0, 1e-10, "under d65 rgb is exact where nothing is clipped");
+    CHECK_NEAR(error_of(&stage, "xyz").worst, 0, 1e-12, "and xyz everywhere");
+    const struct scene scene = {.sampling = &rgb, .wavelengths_nm = rgb.wavelength_nm};
+    struct spectrum white = spectrum_of("1"), green = spectrum_of("gaussian:510,5");
+    CHECK_NEAR(scene_page(&scene, &white, 1, SPECTRUM_HOLD), 1, 1e-14,
+               "a reflectance of 1 has 1 of each");
+    CHECK(scene_page(&scene, &green, 0, SPECTRUM_ZERO) == 0 &&
+              scene_page(&scene, &green, 1, SPECTRUM_ZERO) > 0,
+          "a spectral green has no red: less than that is clipped");
+    spectrum_free(&white);
+    spectrum_free(&green);
+    sampling_free(&rgb);
+    clear(&stage);
+}
+
+/* Polynomials of the wavelength, up to a degree, are seen as they are. */
+static void check_polynomials(const struct stage *stage, const char *text, int degree)
+{
+    struct sampling s = made(stage, text);
+    double worst = s.n > 0 ? 0 : HUGE_VAL;
+    for (int k = 0; k <= degree; k++)
+        for (int channel = 0; channel < 3; channel++) {
+            double truth = 0, seen = 0;
+            for (int j = 0; j < s.n_nm; j++)
+                truth +=
+                    s.detector_weights[channel * s.n_nm + j] * power((s.first_nm + j) / 800, k);
+            for (int page = 0; page < s.n; page++)
+                seen += s.weights[channel * s.n + page] * power(s.wavelength_nm[page] / 800, k);
+            worst = fmax(worst, fabs(seen - truth));
+        }
+    CHECK_NEAR(worst, 0, 1e-9, "%s is exact for polynomials of degree %d", text, degree);
+    sampling_free(&s);
+}
+
+static void test_polynomials(void)
+{
+    struct stage stage = chart("d65", 380, 401);
+    check_polynomials(&stage, "gauss:8", 7);
+    check_polynomials(&stage, "gauss:8,open", 7);
+    check_polynomials(&stage, "gauss:9,xyz", 5);
+    check_polynomials(&stage, "gauss:10,xyz", 5);
+    check_polynomials(&stage, "gauss:9,lms", 5);
+    check_polynomials(&stage, "gauss:6,acc", 3);
+    check_polynomials(&stage, "gauss:7,acc", 3);
+    clear(&stage);
+}
+
+/* The two greys are alike under d65. */
+static void test_metamers(const char *light, bool alike)
+{
+    static const char path[] = "builtin:materials/metamers/illuminant-1-grey.txt";
+    struct material grey;
+    struct error err = {0};
+    struct stage stage = {.n = 0};
+    double truth[2][3], rgb[2][3], gauss[2][3];
+    put_light(&stage, light, 380, 321);
+    CHECK(material_read(path, (struct place){.path = NULL}, &grey, &err), "metamers are read");
+    put_reflectance(&stage, grey.diffuse);
+    put_reflectance(&stage, grey.partner->diffuse);
+    struct sampling three = made(&stage, "rgb"), many = made(&stage, "gauss:32,open");
+    for (int i = 0; i < 2; i++) {
+        truth_of(&stage, &three, i, truth[i]);
+        channels_of(&stage, &three, i, rgb[i]);
+        channels_of(&stage, &many, i, gauss[i]);
+    }
+    const double differ = fabs(truth[0][0] - truth[1][0]);
+    printf("# %s: they differ by %.3g in X\n", light, differ);
+    CHECK(alike ? differ < 0.02 : differ > 1, "%s: metamers are %s", light,
+          alike ? "alike" : "different");
+    CHECK_NEAR(rgb[0][0], rgb[1][0], 0.02, "%s: to rgb they are alike", light);
+    CHECK_NEAR(gauss[0][0] - gauss[1][0], truth[0][0] - truth[1][0], 0.2, "%s: gauss tells them",
+               light);
+    sampling_free(&three);
+    sampling_free(&many);
+    grey.diffuse = grey.partner->diffuse = (struct spectrum){0};
+    material_free(&grey);
+    clear(&stage);
+}
+
+/* ---- hard cases ---- */
+
+static const char *const all[] = {
+    "box:8",       "riemann:10",  "gauss:1",       "gauss:8",        "gauss:64", "gauss:8,open",
+    "gauss:9,xyz", "gauss:9,lms", "adaptive:0.01", "adaptive:1e-09", "basis:1",  "basis:9",
+    "rgb",         "xyz"};
+enum { ALL = sizeof all / sizeof all[0] };
+
+static bool finite_all(const double *values, size_t count)
+{
+    bool good = true;
+    for (size_t i = 0; i < count && values != NULL; i++)
+        good = good && isfinite(values[i]);
+    return good;
+}
+
+static bool is_sound(const struct sampling *s)
+{
+    const size_t pages = (size_t)s->n, cells = pages * (size_t)s->n_nm;
+    bool good = s->n >= 1 && finite_all(s->weights, 3 * pages) && finite_all(s->analysis, cells) &&
+                finite_all(s->synthesis, cells) && finite_all(s->light_mean, cells) &&
+                finite_all(s->reflectance_mean, cells) && finite_all(s->wavelength_nm, pages);
+    for (int i = 1; i < s->n; i++)
+        good = good && s->wavelength_nm[i] > s->wavelength_nm[i - 1];
+    return good;
+}
+
+static void check_all(const char *what, const struct stage *stage)
+{
+    bool sound = true;
+    for (int i = 0; i < ALL; i++) {
+        struct sampling s = made(stage, all[i]);
+        sound = sound && is_sound(&s) && isfinite(errors_of(stage, &s).worst) == (stage->n > 0);
+        if (!sound)
+            printf("# %s\n", all[i]);
+        sampling_free(&s);
+    }
+    CHECK(sound, "%s: all samplings are made, finite, with increasing wavelengths", what);
+}
+
+static void test_black(void)
+{
+    struct stage stage = single("0", "0.5", 380, 401);
+    for (int i = 0; i < ALL; i++) {
+        struct sampling s = made(&stage, all[i]);
+        double seen[3] = {1, 1, 1};
+        channels_of(&stage, &s, 0, seen);
+        CHECK(is_sound(&s) && seen[0] == 0 && seen[1] == 0 && seen[2] == 0,
+              "%s: an all-black scene is black", all[i]);
+        if (s.method.kind == SAMPLING_BASIS)
+            CHECK(s.n == 1 && s.rank == 0, "of one component, rank 0");
+        sampling_free(&s);
+    }
+    clear(&stage);
+}
+
+static void test_line(void)
+{
+    char path[512];
+    snprintf(path, sizeof path, "%s/sampling-line.csv", test_folder());
+    test_write(path, "nm,power\n380,0\n554,0\n555,1\n556,0\n780,0\n");
+    struct stage stage = chart(path, 380, 401);
+    struct sampling s = made(&stage, "adaptive:0.001"), basis = made(&stage, "basis:9");
+    CHECK(s.n_peaks == 1 && s.peak_nm[0] == 555, "a light of a single sample is a peak");
+    CHECK_NEAR(errors_of(&stage, &s).worst, 0, 1e-3, "and adaptive sees it");
+    CHECK(basis.rank == 1 && basis.n == 1, "its products have rank 1");
+    CHECK_NEAR(errors_of(&stage, &basis).worst, 0, 1e-12, "of which one component is exact");
+    check_all("a single line", &stage);
+    sampling_free(&s);
+    sampling_free(&basis);
+    clear(&stage);
+}
+
+static void test_identical(void)
+{
+    struct stage stage = {.n = 0};
+    put_light(&stage, "d65", 380, 401);
+    for (int i = 0; i < 9; i++)
+        put_surface(&stage, i % 2 == 0 ? "0.5" : "0.25");
+    struct sampling s = made(&stage, "basis:7");
+    CHECK(s.n == 1 && s.rank == 1, "spectra that are alike but for a factor have rank 1");
+    CHECK_NEAR(errors_of(&stage, &s).worst, 0, 1e-13, "and are exact with it");
+    sampling_free(&s);
+    check_all("identical spectra", &stage);
+    clear(&stage);
+}
+
+static void test_rank(void)
+{
+    struct stage stage = single("1", "1", 380, 401);
+    put_surface(&stage, "gaussian:450,100*1e-10");
+    put_surface(&stage, "gaussian:650,100*1e-14");
+    struct sampling s = made(&stage, "basis:3");
+    CHECK(s.rank == 2 && s.n == 2, "rank counts what is above 1e-12 of the largest");
+    sampling_free(&s);
+    clear(&stage);
+}
+
+static void test_apart(void)
+{
+    struct stage stage = {.n = 0};
+    put_light(&stage, "1", 380, 401);
+    put_surface(&stage, "gaussian:450,1*1e-200");
+    put_surface(&stage, "gaussian:550,1*1e-200");
+    put_surface(&stage, "gaussian:650,1*1e-200");
+    struct sampling s = made(&stage, "basis:3"), fewer = made(&stage, "basis:2");
+    CHECK(s.rank == 3 && is_sound(&s) && errors_of(&stage, &s).worst < 1e-210,
+          "spectra apart, and tiny, are exact");
+    CHECK(is_sound(&fewer), "and finite with fewer components");
+    sampling_free(&s);
+    sampling_free(&fewer);
+    clear(&stage);
+}
+
+static void test_one_wavelength(void)
+{
+    static const char *const good[] = {"riemann:10", "gauss:1",       "gauss:1,open",
+                                       "box:1",      "adaptive:0.01", "basis:3"};
+    static const char *const bad[] = {"gauss:2", "gauss:2,open", "box:2", "gauss:3,xyz", "rgb"};
+    struct stage stage = single("d65", "0.5", 555, 1);
+    for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
+        struct sampling s = made(&stage, good[i]);
+        CHECK(s.n == 1 && is_sound(&s), "one wavelength: %s has one page", good[i]);
+        CHECK_NEAR(errors_of(&stage, &s).worst, 0, 1e-14, "which is exact");
+        sampling_free(&s);
+    }
+    for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
+        struct error err;
+        const struct sampling s = sampling_of(&stage, bad[i], "cie1931", &err);
+        CHECK(s.n == 0 && s.weights == NULL && err.status == EXIT_INPUT,
+              "one wavelength: %s is refused", bad[i]);
+    }
+    clear(&stage);
+}
+
+static void check_refusal(const struct stage *stage, const char *text, const char *detector,
+                          const char *reason)
+{
+    struct error err;
+    struct sampling s = sampling_of(stage, text, detector, &err);
+    CHECK(s.n == 0 && err.status == EXIT_INPUT && strstr(err.text, reason) != NULL,
+          "%s for %s: '%s'", text, detector, reason);
+    if (strstr(err.text, reason) == NULL)
+        printf("# %s\n", err.text);
+    sampling_free(&s);
+}
+
+static void test_refusals(void)
+{
+    struct stage stage = chart("d65", 380, 401), dark = chart("d65", 300, 50);
+    struct stage blue = chart("d65", 380, 50);
+    check_refusal(&stage, "box:8", "dcs200-camera", "needs an observer");
+    check_refusal(&stage, "rgb", "dcs200-camera", "needs an observer");
+    check_refusal(&stage, "xyz", "transparency-film", "needs an observer");
+    check_refusal(&stage, "gauss:6,acc", "dcs200-camera", "needs an observer");
+    check_refusal(&stage, "box:402", "cie1931", "401 nm");
+    check_refusal(&dark, "gauss:60,open", "cie1931", "50 nm");
+    check_refusal(&blue, "rgb", "cie1931", "not all three are above 0 from 380 to 429 nm");
+    check_refusal(&stage, "riemann:500", "cie1931", "400 nm long");
+    check_refusal(&stage, "gauss:8", "no-such-detector", "no-such-detector");
+    for (int i = 0; i < ALL; i++)
+        if (strcmp(all[i], "riemann:10") != 0 && strcmp(all[i], "gauss:8,open") != 0)
+            check_refusal(&dark, all[i], "cie1931", "sees nothing");
+    struct sampling open = made(&dark, "gauss:8,open"), steps = made(&dark, "riemann:10");
+    CHECK(open.n == 8 && steps.n == 5, "what leaves the detector open needs none that sees");
+    sampling_free(&open);
+    sampling_free(&steps);
+    clear(&stage);
+    clear(&dark);
+    clear(&blue);
+}
+
+/* The number that a refusal proposes has a solution. */
+static void test_unsolvable(void)
+{
+    struct stage stage = chart("d65", 380, 401);
+    int refused = 0, solved = 0;
+    for (int n = 3; n <= 12; n++) {
+        char text[32];
+        struct error err;
+        snprintf(text, sizeof text, "gauss:%d,acc", n);
+        struct sampling s = sampling_of(&stage, text, "cie1931", &err);
+        const char *number = strrchr(err.text, ';');
+        if (s.n == 0 && number != NULL) {
+            refused++;
+            snprintf(text, sizeof text, "gauss:%d,acc", atoi(number + 1));
+            struct sampling other = made(&stage, text);
+            solved += other.n > 0;
+            sampling_free(&other);
+        }
+        sampling_free(&s);
+    }
+    printf("# %d of 10 have no solution\n", refused);
+    CHECK(refused > 0 && solved == refused,
+          "functions that change sign: what is refused comes with a number that is not");
+    clear(&stage);
+}
+
+/* ---- what others do with samplings ---- */
+
+/* What a stack records gives the weights again, to the last bit, and of any detector: a radiance of
+ * 1 everywhere is seen as it is. */
+static void test_recorded(void)
+{
+    static const char *const names[] = {"box:8", "gauss:8", "gauss:33,open", "adaptive:0.001"};
+    struct stage stage = chart("fluorescent", 380.3, 400);
+    struct detector own, other;
+    struct error err = {0};
+    double again[3 * MOST_PAGES], grid[MOST_NM], truth[3 * MOST_NM], white[3], seen[3];
+    CHECK(detector_read("cie1931", &own, &err) && detector_read("dcs200-camera", &other, &err),
+          "detectors are read");
+    for (int j = 0; j < 400; j++)
+        grid[j] = 380.3 + j;
+    detector_weights(&other, grid, 400, truth);
+    detector_response(truth, NULL, 400, white);
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        struct sampling s = made(&stage, names[i]);
+        sampling_weights(&own, s.wavelength_nm, s.segment_nm, s.n, again);
+        CHECK(memcmp(again, s.weights, 3 * (size_t)s.n * sizeof again[0]) == 0,
+              "%s: segments give the same weights again", names[i]);
+        sampling_weights(&other, s.wavelength_nm, s.segment_nm, s.n, again);
+        detector_response(again, NULL, s.n, seen);
+        if (s.method.kind != SAMPLING_BOX)
+            CHECK_NEAR(seen[1], white[1], 1e-9 * white[1], "%s: a camera sees white as it is",
+                       names[i]);
+        sampling_free(&s);
+    }
+    detector_free(&own);
+    detector_free(&other);
+    clear(&stage);
+}
+
+/* Between pages radiances are linear, in boxes constant. */
+static void test_synthesis(void)
+{
+    static const char *const names[] = {"box:8", "riemann:7", "gauss:8", "gauss:6,acc",
+                                        "adaptive:0.1"};
+    struct stage stage = chart("d65", 380, 401);
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        struct sampling s = made(&stage, names[i]);
+        double sums = 0, line = 0;
+        for (int j = 0; j < s.n_nm; j++) {
+            const double x = s.first_nm + j, last = s.wavelength_nm[s.n - 1];
+            double sum = 0, value = 0;
+            for (int page = 0; page < s.n; page++) {
+                sum += s.synthesis[j * s.n + page];
+                value += s.synthesis[j * s.n + page] * s.wavelength_nm[page];
+            }
+            sums = fmax(sums, fabs(sum - 1));
+            line = fmax(line, fabs(value - fmin(fmax(x, s.wavelength_nm[0]), last)));
+        }
+        CHECK_NEAR(sums, 0, 1e-15, "%s: a constant radiance is told as it is", names[i]);
+        if (s.method.kind != SAMPLING_BOX)
+            CHECK_NEAR(line, 0, 1e-11, "%s: so is a linear one, held at the ends", names[i]);
+        sampling_free(&s);
+    }
+    clear(&stage);
+}
+
+static void check_print(const struct stage *stage, const char *text, const char *expected,
+                        const char *label)
+{
+    char path[512], line[512] = "", seen[24];
+    struct sampling s = made(stage, text);
+    snprintf(path, sizeof path, "%s/sampling-print.txt", test_folder());
+    FILE *file = fopen(path, "w+");
+    sampling_print(&s, file);
+    rewind(file);
+    CHECK(fgets(line, sizeof line, file) != NULL && fgetc(file) == EOF, "%s: one line", text);
+    fclose(file);
+    CHECK_TEXT(line, expected, "%s: what it tells of itself", text);
+    sampling_label(&s, 1, seen);
+    CHECK_TEXT(seen, label, "%s: label of the second page", text);
+    sampling_free(&s);
+}
+
+static void test_print(void)
+{
+    struct stage stage = chart("gaussian:546,4", 380, 401);
+    check_print(&stage, "riemann:50",
+                "riemann:50 for cie1931: 9 wavelengths; tells only these wavelengths\n", "");
+    check_print(&stage, "gauss:8",
+                "gauss:8 for cie1931: 8 wavelengths, 3 of 24 weights negative (-1.1 %);"
+                " tells only these wavelengths\n",
+                "");
+    check_print(&stage, "adaptive:0.1",
+                "adaptive:0.1 for cie1931: 5 wavelengths, 1 emission peak (546 nm);"
+                " tells only these wavelengths\n",
+                "");
+    check_print(
+        &stage, "rgb",
+        "rgb for cie1931: 3 components; no spectra, and no fluorescence; only cie1931 can be"
+        " served\n",
+        "green");
+    check_print(
+        &stage, "xyz",
+        "xyz for cie1931: 3 components; no spectra, and no fluorescence; only cie1931 can be"
+        " served\n",
+        "Y");
+    clear(&stage);
+}
+
+static void test_without(void)
+{
+    struct spectrum light = spectrum_of("a");
+    double nm = 450;
+    const struct scene scene = {.wavelengths_nm = &nm, .n_wavelengths = 1};
+    CHECK(scene_page(&scene, &light, 0, SPECTRUM_ZERO) == spectrum_at(&light, 450, SPECTRUM_ZERO),
+          "without a sampling a page is the value at its wavelength");
+    spectrum_free(&light);
+}
+
+int main(void)
+{
+    test_names();
+    test_riemann();
+    test_smooth_light();
+    test_tube();
+    test_adaptive();
+    test_few_pages();
+    test_peaks();
+    test_dim_light();
+    test_polynomials();
+    test_basis();
+    test_coordinates("d65");
+    test_coordinates("fluorescent");
+    test_coordinates("gaussian:546,4");
+    test_magnified();
+    test_three_numbers();
+    test_metamers("d65", true);
+    test_metamers("fluorescent", false);
+    test_black();
+    test_line();
+    test_identical();
+    test_rank();
+    test_apart();
+    test_one_wavelength();
+    test_refusals();
+    test_unsolvable();
+    test_recorded();
+    test_synthesis();
+    test_print();
+    test_without();
+    return test_end();
+}
