@@ -1083,6 +1083,8 @@ static bool command_cost(struct options *options, struct error *err)
     const struct cost_program program = {cost_render, cost_read, options};
     const struct cost_options cost_options = {
         .observer = detector_of(options),
+        .given = options->recorded,
+        .n_given = options->n_recorded,
         .runs = options->runs,
         .threads = options->plan.threads,
         .progress = !options->quiet && isatty(STDERR_FILENO) ? show_progress : NULL,

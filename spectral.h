@@ -1680,6 +1680,8 @@ struct cost_entry {
 };
 struct cost_options {
     const char *observer;
+    char *const *given; /* what the command line changes of the scene, for the reader */
+    int n_given;
     int runs, threads;
     void (*progress)(void *context, long done, long all); /* NULL: none */
     void *progress_context;

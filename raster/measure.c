@@ -267,10 +267,27 @@ static bool conclude(struct measurement *measurement, struct error *err)
                                        cost->n_notes > 0 ? cost->notes[cost->n_notes - 1] : "");
 }
 
+/* The scene with what the command line changes of it; allocated, NULL: no memory. */
+static char *name_scene(const struct measurement *measurement)
+{
+    char *text = NULL;
+    size_t length = 0;
+    FILE *stream = open_memstream(&text, &length);
+    if (!stream)
+        return NULL;
+    fputs(measurement->survey.scene, stream);
+    for (int i = 0; i < measurement->options->n_given; i++)
+        fprintf(stream, " %s", measurement->options->given[i]);
+    if (fclose(stream) == 0)
+        return text;
+    free(text);
+    return NULL;
+}
+
 static bool describe(struct measurement *measurement, struct error *err)
 {
     struct cost *cost = measurement->cost;
-    cost->scene = strdup(measurement->survey.scene);
+    cost->scene = name_scene(measurement);
     cost->observer = strdup(measurement->options->observer);
     cost->width = measurement->survey.width;
     cost->height = measurement->survey.height;
