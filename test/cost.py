@@ -220,6 +220,29 @@ def quantile(scene, options, given, observer):
     return difference[len(difference) - len(difference) // 20 - 1]
 
 
+def radiances(stack):
+    """Wavelengths, and the radiance of each pixel there; of float pages."""
+    with tifffile.TiffFile(stack) as tiff:
+        return (np.array([float(page.tags["PageName"].value.split()[0]) for page in tiff.pages]),
+                np.array([page.asarray().ravel() for page in tiff.pages], float))
+
+
+def radiance_errors(scene, table):
+    """Of small pictures every pixel counts; between its pages a stack is linear."""
+    stack, fine = os.path.join(TMP, "stack.tif"), ["--shading=phong", "--tessellation=4", "--renderer=raster",
+                                                   "--depth=32f"]
+    render(stack, scene, ["--sampling=riemann:1", *fine])
+    every_nm, truth = radiances(stack)
+    for sampling in ("riemann:40", "gauss:8"):
+        render(stack, scene, [f"--sampling={sampling}", *fine])
+        nm, seen = radiances(stack)
+        between = np.array([np.interp(every_nm, nm, pixel) for pixel in seen.T]).T
+        relative = np.sqrt(((between - truth) ** 2).sum() / (truth ** 2).sum())
+        said = error(table, f"{sampling} phong x4", "radiance_error")
+        check(abs(said - relative) <= 1e-3 * relative, f"the radiance's error of {sampling} is that of its stack",
+              said, relative)
+
+
 def holds(scene, given, observer, named, command):
     """A line that names a setting, and the one that renders it."""
     name = " ".join([os.path.basename(scene), *given, observer, *named.split(":")[:1]])
@@ -293,7 +316,9 @@ def interruptions(scene):
 
 
 small = write("small scene's.scene", SCENE)
-smooth_light(tables(small))
+measured = tables(small)
+smooth_light(measured)
+radiance_errors(small, measured)
 emission_lines(small)
 three_numbers()
 recommends(small)
