@@ -113,6 +113,8 @@ bool output_interrupted(void);
 bool output_commit(struct output *out, struct error *err);
 void output_discard(struct output *out); /* safe after commit, and on a zeroed struct */
 
+/* Writes all bytes; on failure see errno. */
+bool write_all(int descriptor, const void *bytes, size_t length);
 /* Writes a whole small file atomically; "-" is standard output. */
 bool file_write(const char *path, const char *bytes, size_t length, struct error *err);
 

@@ -327,13 +327,14 @@ bool output_open(struct output *out, const char *path, struct error *err)
     return false;
 }
 
-static bool write_all(int descriptor, const char *bytes, size_t length)
+bool write_all(int descriptor, const void *bytes, size_t length)
 {
+    const char *at = bytes;
     while (length > 0) {
-        const ssize_t done = write(descriptor, bytes, length);
+        const ssize_t done = write(descriptor, at, length);
         if (done < 0)
             return false;
-        bytes += done;
+        at += done;
         length -= (size_t)done;
     }
     return true;

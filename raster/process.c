@@ -16,19 +16,6 @@ struct reply {
     struct error err;
 };
 
-static bool write_whole(int to, const void *bytes, size_t length)
-{
-    const char *at = bytes;
-    while (length > 0) {
-        const ssize_t written = write(to, at, length);
-        if (written < 0)
-            return false;
-        at += written;
-        length -= (size_t)written;
-    }
-    return true;
-}
-
 /* How often an interruption is looked for while a job runs: signals are held back. */
 enum { LOOK_MS = 50 };
 
@@ -101,7 +88,7 @@ bool process_run(bool (*job)(void *context, void *out, struct error *err), void 
         struct reply reply = {.done = false};
         close(ends[0]);
         reply.done = job(context, out, &reply.err);
-        _exit(!(write_whole(ends[1], &reply, sizeof reply) && write_whole(ends[1], out, size)));
+        _exit(!(write_all(ends[1], &reply, sizeof reply) && write_all(ends[1], out, size)));
     }
     close(ends[1]);
     const bool done = child > 0 ? await(child, ends[0], out, size, err)
