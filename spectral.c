@@ -9,7 +9,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "spectral.h"
+#include "raster/raster.h"
 
 static const char usage[] =
     "usage: spectral COMMAND [SCENE] [OPTIONS]\n"

@@ -4,7 +4,7 @@
 #ifndef CHECK_H
 #define CHECK_H
 
-#include "spectral.h"
+#include "raster/raster.h"
 
 /* ---- raster/counts.c ---- */
 

@@ -5,7 +5,7 @@
 #ifndef COST_H
 #define COST_H
 
-#include "spectral.h"
+#include "raster/raster.h"
 
 /* ---- raster/process.c ---- */
 

@@ -6,7 +6,7 @@
 #ifndef COVERAGE_H
 #define COVERAGE_H
 
-#include "spectral.h"
+#include "raster/raster.h"
 
 /* ---- raster/clip.c: homogeneous clipping ---- */
 

@@ -5,7 +5,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "spectral.h"
+#include "raster/raster.h"
 
 /* The largest power of two that x, not 0, is a multiple of. */
 static double lowest_bit(double x)

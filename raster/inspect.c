@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "spectral.h"
+#include "raster/raster.h"
 
 struct region {
     struct plan plan; /* a view of the caller's, whose samples are radiances */

@@ -4,7 +4,7 @@
 #ifndef LIGHT_H
 #define LIGHT_H
 
-#include "spectral.h"
+#include "raster/raster.h"
 
 /* ---- raster/light.c: one vertex, or one point between vertices ---- */
 

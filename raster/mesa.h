@@ -9,7 +9,7 @@
 /* after GL/gl.h, which osmesa.h includes */
 #include <GL/glext.h>
 
-#include "spectral.h"
+#include "raster/raster.h"
 
 struct gl {
     const struct plan *plan;

@@ -3,7 +3,7 @@
  * the functions that need an open one are here only to be linked. */
 #include <errno.h>
 
-#include "spectral.h"
+#include "raster/raster.h"
 
 bool gl_is_built(void)
 {

@@ -4,7 +4,7 @@
 #ifndef PLAN_H
 #define PLAN_H
 
-#include "spectral.h"
+#include "raster/raster.h"
 
 /* Distances in eye space are below this: their squares are numbers in single precision. */
 #define FARTHEST 1e18

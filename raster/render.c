@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <time.h>
 
-#include "spectral.h"
+#include "raster/raster.h"
 
 struct render_state {
     const struct plan *plan;

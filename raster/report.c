@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "spectral.h"
+#include "raster/raster.h"
 
 static double rms(const struct check_samples *samples)
 {

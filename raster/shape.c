@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "spectral.h"
+#include "raster/raster.h"
 
 struct direction {
     double cosine, sine;

@@ -7,7 +7,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "spectral.h"
+#include "raster/raster.h"
 
 static const double u = 1.0 / 16777216;
 

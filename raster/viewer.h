@@ -3,7 +3,7 @@
 #ifndef VIEWER_H
 #define VIEWER_H
 
-#include "spectral.h"
+#include "raster/raster.h"
 
 /* Browsers refuse longer texts and larger canvases. */
 enum { LARGEST_SAMPLE = 65535, LARGEST_PAGE = 1 << 24 };

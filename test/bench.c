@@ -10,7 +10,7 @@
 #include <GL/osmesa.h>
 #include <GL/glext.h>
 
-#include "spectral.h"
+#include "raster/raster.h"
 
 enum { RUNS = 5 };
 

@@ -33,7 +33,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "spectral.h"
+#include "raster/raster.h"
 
 static const long double u = 0x1p-53L;
 

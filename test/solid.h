@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "spectral.h"
+#include "raster/raster.h"
 
 struct solid {
     int places;          /* different positions */

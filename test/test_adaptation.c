@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Adaptations and displays against the thesis's equations worked by hand, and published values. */
-#include "spectral.h"
+#include "raster/raster.h"
 #include "test.h"
 
 static const double equal[3] = {100, 100, 100};

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Colour spaces and differences against published values, and values worked by hand. */
-#include "spectral.h"
+#include "raster/raster.h"
 #include "test.h"
 
 /* G. Sharma, W. Wu, E. N. Dalal, The CIEDE2000 color-difference formula: implementation notes,

@@ -2,7 +2,7 @@
 /* What a stack tells of its scene: its lights, the white they make, and which object each pixel
  * shows, all against what was written into the scene by hand. A stack whose record is forged,
  * damaged or missing is read as one of others; what is no spectral stack is refused. */
-#include "spectral.h"
+#include "raster/raster.h"
 #include "test.h"
 
 #include <stdlib.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Detectors against the CIE's published white points, and weights and losses worked by hand. */
-#include "spectral.h"
+#include "raster/raster.h"
 #include "test.h"
 
 enum { PATH_SIZE = 512, MOST = 1024 };

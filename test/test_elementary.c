@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Functions of our own against the C library's in long double. Those are right to a unit in their
  * own last place, which is 2^-11 of one here: enough to see a bound of 0.501. */
-#include "spectral.h"
+#include "raster/raster.h"
 #include "test.h"
 
 #include <float.h>

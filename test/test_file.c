@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads that fail cleanly, names that resolve, outputs that appear whole or not at all, and the
  * digests that FIPS 180-4's own examples publish. */
-#include "spectral.h"
+#include "raster/raster.h"
 #include "test.h"
 
 #include <dirent.h>

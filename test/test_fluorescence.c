@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Excitation and Donaldson matrices against the thesis's sums in long double, integrals in closed
  * form, and the balance of energy. */
-#include "spectral.h"
+#include "raster/raster.h"
 #include "test.h"
 
 #include <float.h>

@@ -2,7 +2,7 @@
 /* One picture of a closed form, written by libtiff here, by tifffile (test/images.py) and by the
  * program itself in the variants that TIFF knows, must read back to the same radiances; what is
  * broken, cut short or of another kind is refused. */
-#include "spectral.h"
+#include "raster/raster.h"
 #include "test.h"
 
 #include <fcntl.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Material files of the thesis's format, and the same in a scene's words. Refusals stand in
  * test/bad; here is what must be accepted, and what it means. */
-#include "spectral.h"
+#include "raster/raster.h"
 #include "test.h"
 
 #include <stdlib.h>

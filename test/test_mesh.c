@@ -6,7 +6,7 @@
 #include <time.h>
 
 #include "solid.h"
-#include "spectral.h"
+#include "raster/raster.h"
 #include "test.h"
 
 static const double pi = 3.14159265358979323846;

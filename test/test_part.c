@@ -3,7 +3,7 @@
 #include <float.h>
 
 #include "solid.h"
-#include "spectral.h"
+#include "raster/raster.h"
 #include "test.h"
 
 static void stop_unless(bool good, const struct error *err)

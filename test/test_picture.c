@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Pictures are read back with libtiff. */
-#include "spectral.h"
+#include "raster/raster.h"
 #include "test.h"
 
 #include <fcntl.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Quadrature against published tables, closed forms, and what makes a rule Gaussian: sums of
  * polynomials. */
-#include "spectral.h"
+#include "raster/raster.h"
 #include "test.h"
 
 enum { MOST_POINTS = 512 };

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A record that was written reads back as it was, whatever bytes its names have, through the file's
  * own XML; and one that was forged does no harm. */
-#include "spectral.h"
+#include "raster/raster.h"
 #include "test.h"
 
 #include <stdlib.h>

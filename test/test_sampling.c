@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Samplings against the sum over every nm: errors of a known order, exact where they have to be,
  * and hard cases. */
-#include "spectral.h"
+#include "raster/raster.h"
 #include "test.h"
 
 /* ---- scenes of one light and some reflectances ---- */

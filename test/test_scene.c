@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Scenes: what each statement means, held against the thesis's figures and against products of
  * transforms written out by hand; and the command line's overrides. Refusals stand in test/bad. */
-#include "spectral.h"
+#include "raster/raster.h"
 #include "test.h"
 
 #include <stdlib.h>

@@ -4,7 +4,7 @@
 #include <float.h>
 
 #include "solid.h"
-#include "spectral.h"
+#include "raster/raster.h"
 #include "test.h"
 
 static const double pi = 3.14159265358979323846;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Spectra against closed forms and physical constants: readers share no code with the check of
  * pictures, so that an error here would go unseen there. */
-#include "spectral.h"
+#include "raster/raster.h"
 #include "test.h"
 
 #include <float.h>

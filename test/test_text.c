@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Words, numbers and their places. Numbers are held against strtod, whose roundings are exact. */
-#include "spectral.h"
+#include "raster/raster.h"
 #include "test.h"
 
 #include <errno.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Textures of stacks that the program writes itself: which way up they lie, and what stands between
  * and beyond their wavelengths. */
-#include "spectral.h"
+#include "raster/raster.h"
 #include "test.h"
 
 #include <stdlib.h>

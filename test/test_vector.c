@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Vectors and matrices against closed forms, exact where exactness is promised. */
-#include "spectral.h"
+#include "raster/raster.h"
 #include "test.h"
 
 #include <float.h>
