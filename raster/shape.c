@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "raster/raster.h"
+#include "raster/plan/plan.h"
 
 struct direction {
     double cosine, sine;

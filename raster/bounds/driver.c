@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT */
+/* What is known of OpenGL's implementations: where each stays within the specification, and where
+ * it is better than it must be. Measured on Mesa 22.3.6; test/README.md says how. */
+#include <string.h>
+
+#include "raster/bounds/bounds.h"
+
+/* llvmpipe moves corners to a grid of 1/256 pixel, to the nearest point (half a step), and follows
+ * edges in integers. softpipe follows them line by line in single precision, from unmoved corners:
+ * start, slope and step round 8 times relative to the largest coordinate. Depth is rounded by the
+ * one (a product in single precision, then to the nearest of 2^24 - 1 steps) and truncated by the
+ * other. */
+static const struct driver drivers[] = {
+    {"llvmpipe", 1.0 / 512, 0, 1, true, FILL_LEFT_BOTTOM},
+    {"softpipe", 0, 8, 1.5, false, FILL_ANY},
+    {"unknown", 1.0 / 512, 8, 1.5, false, FILL_ANY},
+};
+
+const struct driver *driver_of(const char *gl_renderer)
+{
+    size_t last = sizeof drivers / sizeof *drivers - 1;
+    for (size_t i = 0; gl_renderer && i < last; i++)
+        if (strncmp(gl_renderer, drivers[i].name, strlen(drivers[i].name)) == 0)
+            return &drivers[i];
+    return &drivers[last];
+}

@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: MIT */
+/* How far OpenGL's single precision may be off in a texture. OpenGL turns a coordinate s into texels
+ * by scale, offset and wrapping (4 roundings relative to s x width or to the width), finds weights
+ * exactly, and mixes four texels. u = 2^-24. */
+#include <float.h>
+#include <math.h>
+
+#include "raster/bounds/bounds.h"
+
+static const double u = 1.0 / 16777216;
+
+/* Three mixes of two values, each a difference, a product and a sum. */
+enum { MIX_ROUNDINGS = 9 };
+/* Bounds wider than this many texels take in the whole texture. Within them lie twice as many
+ * texels, one for either end, and a neighbour; one more if an end is rounded. */
+enum { WIDEST_BOUND = 3, MOST_TEXELS = 2 * WIDEST_BOUND + 4 };
+
+/* Extrapolated far outside a thin triangle, a place may be anywhere: where the reference does not
+ * know its texel, there is no bound. */
+struct texel_point texel_point(const struct texels *texels, const double s_t[2],
+                               const float e_s_t[2])
+{
+    const double size[2] = {texels->width, texels->height};
+    struct texel_point at;
+    texel_place(texels, s_t, at.place);
+    for (int i = 0; i < 2; i++)
+        at.e_place[i] =
+            fabs(s_t[0] * size[0]) < 0x1p40 && fabs(s_t[1] * size[1]) < 0x1p40
+                ? (float)fmin((double)FLT_MAX,
+                              size[i] * ((double)e_s_t[i] + 4 * u * (1 + fabs(s_t[i]))))
+                : FLT_MAX;
+    return at;
+}
+
+/* Texels along one direction. */
+struct span {
+    double first; /* whole */
+    int n;
+};
+
+static struct span span_of(double low, double high)
+{
+    return (struct span){floor(low), (int)(floor(high) - floor(low)) + 1};
+}
+
+int texel_choices(const struct texels *texels, const struct texel_point *at,
+                  struct texel_point out[TEXEL_CHOICES])
+{
+    double e_u = (double)at->e_place[0], e_v = (double)at->e_place[1];
+    out[0] = *at;
+    if (texels->linear || e_u >= 0.5 || e_v >= 0.5)
+        return 1;
+    struct span across = span_of(at->place[0] - e_u, at->place[0] + e_u),
+                up = span_of(at->place[1] - e_v, at->place[1] + e_v);
+    for (int j = 0; j < up.n; j++)
+        for (int i = 0; i < across.n; i++)
+            out[j * across.n + i] =
+                (struct texel_point){{across.first + i + 0.5, up.first + j + 0.5}, {0, 0}};
+    return up.n * across.n;
+}
+
+/* How much neighbouring texels of a patch differ, and the largest of them. */
+struct spread {
+    double across, up, largest;
+};
+
+static struct spread spread_of(const struct texels *texels, const struct span *across,
+                               const struct span *up)
+{
+    struct spread out = {0, 0, 0};
+    double below[MOST_TEXELS];
+    for (int j = 0; j < up->n; j++)
+        for (int i = 0; i < across->n; i++) {
+            double here = texel_of(texels, across->first + i, up->first + j);
+            out.largest = fmax(out.largest, here);
+            if (i > 0)
+                out.across = fmax(out.across, fabs(here - below[i - 1]));
+            if (j > 0)
+                out.up = fmax(out.up, fabs(here - below[i]));
+            below[i] = here;
+        }
+    return out;
+}
+
+/* Between texel centres the value changes by at most the largest difference of neighbours per
+ * texel; from one nearest texel to another by as many differences as lie between them. */
+double texel_error(const struct texels *texels, const struct texel_point *at, double largest)
+{
+    double offset = texels->linear ? 0.5 : 0, x = at->place[0] - offset, y = at->place[1] - offset;
+    double e_u = (double)at->e_place[0], e_v = (double)at->e_place[1];
+    if (e_u > WIDEST_BOUND || e_v > WIDEST_BOUND)
+        return largest;
+    struct span across = span_of(x - e_u, x + e_u), up = span_of(y - e_v, y + e_v);
+    across.n += texels->linear;
+    up.n += texels->linear;
+    struct spread spread = spread_of(texels, &across, &up);
+    return texels->linear
+               ? e_u * spread.across + e_v * spread.up + MIX_ROUNDINGS * u * spread.largest
+               : (across.n - 1) * spread.across + (up.n - 1) * spread.up;
+}

@@ -1,0 +1,386 @@
+/* SPDX-License-Identifier: MIT */
+/* A triangle as it lies in a tile: the reference's, cut where single precision may cut it, with the
+ * bounds that hold for all of it; and the triangles that OpenGL sets up for it. */
+#include <math.h>
+#include <string.h>
+
+#include "raster/bounds/bounds.h"
+
+static const double u = 1.0 / 16777216;
+
+/* Cutting an edge in single precision: weight and sum round three times, relative to both ends. */
+static const double cut_roundings = 3.0 / 16777216;
+
+static const struct vertex_bounds *vertex_bounds(const struct lit_scene *lit,
+                                                 const struct screen_triangle *screen, int corner)
+{
+    return &lit->bounds[screen->surface].vertices[screen->vertex[corner]];
+}
+
+static bool in_front(const struct surface *surface, const int32_t vertex[3])
+{
+    for (int i = 0; i < 3; i++)
+        if (!(surface->vertices[vertex[i]].clip[3] > 0))
+            return false;
+    return true;
+}
+
+/* True where nothing of a triangle in front of the eye reaches a pixel centre of the rows. Centres
+ * lie half a pixel inside, so that slack below that is of no matter. */
+static bool is_beside(const struct surface *surface, const struct surface_bounds *bounds,
+                      const int32_t vertex[3], const struct rectangle *rows)
+{
+    double x[3], y[3], slack = 0;
+    for (int i = 0; i < 3; i++) {
+        x[i] = surface->vertices[vertex[i]].x;
+        y[i] = surface->vertices[vertex[i]].y;
+        slack = fmax(slack, (double)bounds->vertices[vertex[i]].slack_px);
+    }
+    return most_of(x) + slack < rows->x || least_of(x) - slack > rows->x + rows->width ||
+           most_of(y) + slack < rows->y || least_of(y) - slack > rows->y + rows->height;
+}
+
+/* ---- clipping, with the errors that it makes ---- */
+
+/* Corners of a polygon, and bounds on OpenGL's errors in their clip coordinates from cutting. */
+struct polygon {
+    int n;
+    struct corner corner[CLIP_CORNERS];
+    double e_cut[CLIP_CORNERS][3]; /* CLIP_XY, CLIP_Z, CLIP_W */
+};
+
+/* A cut adds its own error to the larger one of the ends of its edge. */
+static void clip(struct polygon *polygon, const struct clip_plane *plane)
+{
+    const struct polygon from = *polygon;
+    polygon->n = clip_polygon(plane, from.corner, from.n, polygon->corner);
+    for (int i = 0; i < polygon->n; i++) {
+        int inner = polygon->corner[i].inner, outer = polygon->corner[i].outer;
+        const double *a = from.corner[inner].clip, *b = from.corner[outer].clip;
+        const double sums[3] = {[CLIP_XY] = fmax(fabs(a[0]) + fabs(b[0]), fabs(a[1]) + fabs(b[1])),
+                                [CLIP_Z] = fabs(a[2]) + fabs(b[2]),
+                                [CLIP_W] = fabs(a[3]) + fabs(b[3])};
+        for (int k = 0; k < 3; k++)
+            polygon->e_cut[i][k] = fmax(from.e_cut[inner][k], from.e_cut[outer][k]) +
+                                   (inner == outer ? 0 : cut_roundings * sums[k]);
+    }
+}
+
+/* The planes in Mesa's order: right, left, top, bottom of the tile, then near, far. The last two
+ * are widened by what single precision may be off there, so that no possible pixel is lost; near
+ * not so far that w = 0 comes in, which is of no matter: see check_near in vertex.c. */
+static void planes_of(const struct lit_scene *lit, const struct screen_triangle *screen,
+                      const struct rectangle *tile, struct clip_plane planes[CLIP_PLANES])
+{
+    const struct plan *plan = lit->plan;
+    double width = plan->scene->width, height = plan->scene->height, error = 0;
+    double near_w = plan->scene->camera.perspective ? plan->near : 1;
+    for (int i = 0; i < 3; i++)
+        error = fmax(error, (double)vertex_bounds(lit, screen, i)->e_clip[CLIP_Z]);
+    double left = 2 * tile->x / width - 1, right = 2 * (tile->x + tile->width) / width - 1;
+    double top = 1 - 2 * tile->y / height, bottom = 1 - 2 * (tile->y + tile->height) / height;
+    planes[0] = (struct clip_plane){{-1, 0, 0, right}, 0};
+    planes[1] = (struct clip_plane){{1, 0, 0, -left}, 0};
+    planes[2] = (struct clip_plane){{0, -1, 0, top}, 0};
+    planes[3] = (struct clip_plane){{0, 1, 0, -bottom}, 0};
+    planes[4] = (struct clip_plane){{0, 0, 1, 1}, fmin(2 * error, 0.25 * near_w)};
+    planes[5] = (struct clip_plane){{0, 0, -1, 1}, 2 * error};
+}
+
+/* What planes first .. CLIP_PLANES - 1 leave of the whole triangle. Its corners come in the order in
+ * which OpenGL gets them, which decides how it fans the polygon. */
+static struct polygon polygon_of(const struct lit_scene *lit, const struct screen_triangle *screen,
+                                 bool turned, const struct rectangle *tile, int first)
+{
+    struct clip_plane planes[CLIP_PLANES];
+    struct corner whole[3];
+    struct polygon out = {.n = 3};
+    whole_corners(&lit->surfaces[screen->surface], screen->vertex, whole);
+    for (int i = 0; i < 3; i++)
+        out.corner[i] = whole[turned ? (3 - i) % 3 : i];
+    planes_of(lit, screen, tile, planes);
+    for (int p = first; p < CLIP_PLANES && out.n > 0; p++)
+        clip(&out, &planes[p]);
+    return out;
+}
+
+/* ---- bounds of corners ---- */
+
+/* Bounds on OpenGL's errors in a corner's place, w and depth. */
+struct slack {
+    double px, w, depth;
+};
+
+static struct slack slack_of_whole(const struct vertex_bounds *vertex)
+{
+    return (struct slack){(double)vertex->slack_px, (double)vertex->slack_w,
+                          (double)vertex->slack_depth};
+}
+
+/* A cut adds its own error to those of the whole corners, in clip coordinates. */
+static struct slack slack_of(const struct lit_scene *lit, const struct screen_triangle *screen,
+                             const struct polygon *polygon, int i)
+{
+    const struct corner *corner = &polygon->corner[i];
+    if (corner->whole >= 0)
+        return slack_of_whole(vertex_bounds(lit, screen, corner->whole));
+    double half = 0.5 * fmax(lit->plan->scene->width, lit->plan->scene->height),
+           w = corner->clip[3];
+    double n = fmax(fabs(corner->clip[0]), fabs(corner->clip[1])) / w, e[3];
+    for (int k = 0; k < 3; k++) {
+        e[k] = 0;
+        for (int v = 0; v < 3; v++)
+            e[k] = fmax(e[k], (double)vertex_bounds(lit, screen, v)->e_clip[k]);
+        e[k] += polygon->e_cut[i][k];
+    }
+    /* a tile's clip space is shifted against the picture's by at most w */
+    double shift = lit->plan->tiled, e_xy = e[CLIP_XY] + shift * polygon->e_cut[i][CLIP_W];
+    return (struct slack){
+        .px = half * ((e_xy + (n + shift) * e[CLIP_W]) / w + 8 * u),
+        .w = e[CLIP_W] / w + 2 * u,
+        .depth = 0.5 * (e[CLIP_Z] + e[CLIP_W]) / w + 4 * u /* |z| <= w */
+    };
+}
+
+static void widen(struct bounded_triangle *triangle, const struct slack *slack)
+{
+    triangle->slack_px = fmax(triangle->slack_px, slack->px);
+    triangle->slack_w = fmax(triangle->slack_w, slack->w);
+    triangle->slack_depth = fmax(triangle->slack_depth, slack->depth);
+}
+
+/* Whether OpenGL may take the front for the back: moving a corner by e in x and y changes twice the
+ * area by at most e times the 1-norm of the edge opposite, all together by 8 e^2 more. */
+static bool is_edge_on(const struct bounded_triangle *triangle)
+{
+    const double *x = triangle->screen.x, *y = triangle->screen.y;
+    double worst = most_of(triangle->edge_px), change = 8 * worst * worst;
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        change += triangle->edge_px[i] * (fabs(x[k] - x[j]) + fabs(y[k] - y[j]));
+    }
+    return triangle->screen.twice_area <= change;
+}
+
+/* ---- what OpenGL sets up ---- */
+
+/* How far off OpenGL follows an edge, whose ends it may move to its grid. */
+static double edge_error(const struct driver *driver, const struct rectangle *tile)
+{
+    return driver->grid_px + driver->edge_roundings * u * fmax(tile->width, tile->height);
+}
+
+/* All corners lie on the driver's grid, without any error; one that was cut lies anywhere. */
+static bool is_exact(const struct lit_scene *lit, const struct bounded_triangle *triangle)
+{
+    bool exact = lit->driver->fill_rule != FILL_ANY && !triangle->straddles;
+    for (int i = 0; i < 3; i++)
+        exact = exact && vertex_bounds(lit, &triangle->screen, i)->exact;
+    return exact;
+}
+
+static struct clipped_triangle clipped(const struct lit_scene *lit,
+                                       const struct bounded_triangle *from,
+                                       const struct rectangle *tile, const double slack_px[3])
+{
+    struct clipped_triangle out = {.grid_px = edge_error(lit->driver, tile),
+                                   .slack_w = from->slack_w,
+                                   .slack_depth = from->slack_depth,
+                                   .reach_x = tile->width + 1.0,
+                                   .reach_y = tile->height + 1.0};
+    memcpy(out.x, from->screen.x, sizeof out.x);
+    memcpy(out.y, from->screen.y, sizeof out.y);
+    memcpy(out.z, from->screen.z, sizeof out.z);
+    memcpy(out.inverse_w, from->screen.inverse_w, sizeof out.inverse_w);
+    memcpy(out.share, from->screen.share, sizeof out.share);
+    memcpy(out.slack_px, slack_px, sizeof out.slack_px);
+    for (int i = 0; i < 3; i++)
+        out.edge_px[i] = slack_px[i] + out.grid_px;
+    out.magnification = bound_magnification(&out);
+    out.inverse_w_bound = bound_inverse_w(&out);
+    out.inverse_w_bound.fixed *= out.magnification;
+    out.inverse_w_bound.per_d *= out.magnification;
+    return out;
+}
+
+/* Those that clipping at the tile's border and in depth makes. Where hardly anything of the triangle
+ * is in the tile, nothing is known of it. */
+static int clip_to_tile(const struct lit_scene *lit, const struct rectangle *tile,
+                        const struct bounded_triangle *triangle,
+                        struct clipped_triangle out[CLIP_CORNERS - 2])
+{
+    const struct screen_triangle *screen = &triangle->screen;
+    const struct surface *surface = &lit->surfaces[screen->surface];
+    struct polygon polygon = polygon_of(lit, screen, !screen->clockwise, tile, 0);
+    struct bounded_triangle part = *triangle;
+    double slacks[CLIP_CORNERS];
+    part.slack_px = part.slack_w = part.slack_depth = 0;
+    for (int i = 0; i < polygon.n; i++) {
+        struct slack slack = slack_of(lit, screen, &polygon, i);
+        slacks[i] = slack.px;
+        widen(&part, &slack);
+    }
+    for (int i = 2; i < polygon.n; i++) {
+        const int corners[3] = {0, i - 1, i};
+        double slack_px[3];
+        for (int c = 0; c < 3; c++) {
+            screen_corner(&lit->plan->view, surface, &polygon.corner[corners[c]], c, &part.screen);
+            slack_px[c] = slacks[corners[c]];
+        }
+        out[i - 2] = clipped(lit, &part, tile, slack_px);
+    }
+    if (polygon.n >= 3)
+        return polygon.n - 2;
+    const double slack_px[3] = {triangle->slack_px, triangle->slack_px, triangle->slack_px};
+    out[0] = clipped(lit, triangle, tile, slack_px);
+    out[0].magnification = HUGE_VAL;
+    return 1;
+}
+
+int clipped_triangles(const struct lit_scene *lit, const struct rectangle *tile,
+                      const struct bounded_triangle *triangle,
+                      struct clipped_triangle out[CLIP_CORNERS - 2])
+{
+    double slack_px[3];
+    if (triangle->straddles)
+        return clip_to_tile(lit, tile, triangle, out);
+    for (int i = 0; i < 3; i++)
+        slack_px[i] = (double)vertex_bounds(lit, &triangle->screen, i)->slack_px;
+    out[0] = clipped(lit, triangle, tile, slack_px);
+    return 1;
+}
+
+/* How far a stored depth may be off from the one computed. */
+static double depth_rounding(const struct driver *driver)
+{
+    return driver->depth_roundings * u;
+}
+
+/* Corners that are cut off lie nowhere for OpenGL; those that cutting makes are off by slack_px. */
+static void set_edge_errors(const struct lit_scene *lit, const struct rectangle *tile,
+                            struct bounded_triangle *triangle)
+{
+    bool exact = is_exact(lit, triangle);
+    for (int i = 0; i < 3; i++) {
+        double slack = triangle->straddles
+                           ? triangle->slack_px
+                           : (double)vertex_bounds(lit, &triangle->screen, i)->slack_px;
+        triangle->edge_px[i] = exact ? 0 : slack + edge_error(lit->driver, tile);
+    }
+}
+
+/* Bounds that hold for all clipped triangles but those too thin for one, and the side that is seen.
+ * Where all are too thin, the depth has no bound. */
+static void complete(const struct lit_scene *lit, const struct rectangle *tile,
+                     struct bounded_triangle *triangle)
+{
+    struct clipped_triangle parts[CLIP_CORNERS - 2];
+    double error = -1;
+    screen_turn(&lit->surfaces[triangle->screen.surface], &triangle->screen);
+    int n = clipped_triangles(lit, tile, triangle, parts);
+    triangle->slack_px = 0; /* only the corners that OpenGL has in the tile count */
+    for (int i = 0; i < n; i++) {
+        triangle->slack_px = fmax(triangle->slack_px, most_of(parts[i].slack_px));
+        if (parts[i].magnification < HUGE_VAL)
+            error = fmax(error, parts[i].magnification *
+                                    bound_linear(&parts[i], parts[i].z, parts[i].slack_depth));
+    }
+    triangle->depth_error = error < 0 ? HUGE_VAL : error + depth_rounding(lit->driver);
+    set_edge_errors(lit, tile, triangle);
+    triangle->edge_on = is_edge_on(triangle);
+}
+
+/* ---- the parts of a triangle ---- */
+
+static bool crosses_depth(const struct lit_scene *lit, const struct screen_triangle *screen)
+{
+    for (int i = 0; i < 3; i++) {
+        double z = lit->surfaces[screen->surface].vertices[screen->vertex[i]].z,
+               slack = (double)vertex_bounds(lit, screen, i)->slack_depth +
+                       depth_rounding(lit->driver);
+        if (z < slack || z > 1 - slack)
+            return true;
+    }
+    return false;
+}
+
+static bool crosses_border(const struct lit_scene *lit, const struct screen_triangle *screen,
+                           const struct rectangle *tile)
+{
+    for (int i = 0; i < 3; i++) {
+        const struct window_vertex *v =
+            &lit->surfaces[screen->surface].vertices[screen->vertex[i]];
+        double slack = (double)vertex_bounds(lit, screen, i)->slack_px;
+        if (v->x - slack < tile->x || v->x + slack > tile->x + tile->width ||
+            v->y - slack < tile->y || v->y + slack > tile->y + tile->height)
+            return true;
+    }
+    return false;
+}
+
+/* The polygon that the widened near and far planes leave, fanned from its first corner. */
+static int cut_in_depth(const struct lit_scene *lit, const struct rectangle *tile,
+                        const struct bounded_triangle *whole,
+                        struct bounded_triangle out[BOUNDED_TRIANGLES])
+{
+    const struct surface *surface = &lit->surfaces[whole->screen.surface];
+    struct polygon polygon = polygon_of(lit, &whole->screen, false, tile, 4);
+    for (int i = 2; i < polygon.n; i++) {
+        struct bounded_triangle *part = &out[i - 2];
+        *part = *whole;
+        part->straddles = part->cut = true;
+        screen_corner(&lit->plan->view, surface, &polygon.corner[0], 0, &part->screen);
+        screen_corner(&lit->plan->view, surface, &polygon.corner[i - 1], 1, &part->screen);
+        screen_corner(&lit->plan->view, surface, &polygon.corner[i], 2, &part->screen);
+        complete(lit, tile, part);
+    }
+    return polygon.n < 3 ? 0 : polygon.n - 2;
+}
+
+static void place_whole(const struct lit_scene *lit, const struct rectangle *tile,
+                        struct bounded_triangle *triangle)
+{
+    const struct surface *surface = &lit->surfaces[triangle->screen.surface];
+    struct corner corners[3];
+    whole_corners(surface, triangle->screen.vertex, corners);
+    for (int i = 0; i < 3; i++) {
+        struct slack slack = slack_of_whole(vertex_bounds(lit, &triangle->screen, i));
+        screen_corner(&lit->plan->view, surface, &corners[i], i, &triangle->screen);
+        widen(triangle, &slack);
+    }
+    triangle->straddles = crosses_border(lit, &triangle->screen, tile);
+    complete(lit, tile, triangle);
+}
+
+/* Triangles seen edge-on may show their other side as well. */
+static int add_other_sides(const struct surface *surface, int n,
+                           struct bounded_triangle triangles[BOUNDED_TRIANGLES])
+{
+    int n_out = n;
+    for (int i = 0; i < n && surface->n_sides == 2; i++)
+        if (triangles[i].edge_on) {
+            triangles[n_out] = triangles[i];
+            triangles[n_out].other_side = true;
+            triangles[n_out++].screen.side = !triangles[i].screen.side;
+        }
+    return n_out;
+}
+
+int bounded_triangles(const struct lit_scene *lit, int surface, int triangle,
+                      const struct rectangle *tile, const struct rectangle *rows,
+                      struct bounded_triangle out[BOUNDED_TRIANGLES])
+{
+    const struct surface *of = &lit->surfaces[surface];
+    const int32_t *vertex = of->instance->triangles[triangle];
+    bool front = in_front(of, vertex);
+    if (front && is_beside(of, &lit->bounds[surface], vertex, rows))
+        return 0;
+    struct bounded_triangle whole = {
+        .screen = {.surface = surface, .triangle = triangle, .provoking = vertex[2]}};
+    memcpy(whole.screen.vertex, vertex, sizeof whole.screen.vertex);
+    if (!front || crosses_depth(lit, &whole.screen))
+        return add_other_sides(of, cut_in_depth(lit, tile, &whole, out), out);
+    out[0] = whole;
+    place_whole(lit, tile, &out[0]);
+    return add_other_sides(of, 1, out);
+}

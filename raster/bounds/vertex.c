@@ -1,0 +1,305 @@
+/* SPDX-License-Identifier: MIT */
+/* A lit scene: every vertex in the window and lit by the reference, and how far OpenGL may be off
+ * there. What single precision cannot hold is refused here. */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "raster/bounds/bounds.h"
+
+static const double u = 1.0 / 16777216;
+
+/* A homogeneous coordinate goes through: one rounding of the vertex, of the modelview and of the
+ * projection entry (3), the product of the two matrices and the product with the vertex, each four
+ * multiplications and three additions (4 + 4); one more for second-order terms. */
+enum { TRANSFORM_ROUNDINGS = 12 };
+/* Eye space: vertex, modelview, product (1 + 1 + 4), one for second-order terms. w is the eye's z,
+ * negative, or 1 in a parallel view: the last row of a projection is made of 0, 1 and -1. */
+enum { EYE_ROUNDINGS = 7 };
+
+/* ---- position ---- */
+
+/* sum_j |m_ij| |v_j|: the rounding errors of row i are relative to it. */
+static void magnitudes(const struct matrix *m, const double v[4], double out[4])
+{
+    for (int i = 0; i < 4; i++) {
+        out[i] = 0;
+        for (int j = 0; j < 4; j++)
+            out[i] += fabs(m->row[i][j]) * fabs(v[j]);
+    }
+}
+
+/* Where OpenGL draws a picture in tiles, each with a projection that scales and shifts clip space,
+ * the shift adds w's roundings and error to those of x and y, at most once. Division, scale and
+ * offset of the viewport: 4 roundings of a coordinate as large as the picture. */
+static void bound_place(const struct plan *plan, const double magnitude[4],
+                        const struct window_vertex *vertex, struct vertex_bounds *out)
+{
+    bool perspective = plan->scene->camera.perspective;
+    double w = vertex->clip[3], half_width = 0.5 * plan->scene->width,
+           half_height = 0.5 * plan->scene->height, shift = plan->tiled,
+           unit = TRANSFORM_ROUNDINGS * u,
+           e_w = perspective ? EYE_ROUNDINGS * u * magnitude[3] : 0;
+    double e_x = unit * (magnitude[0] + shift * magnitude[3]),
+           e_y = unit * (magnitude[1] + shift * magnitude[3]), e_z = unit * magnitude[2];
+    out->e_clip[CLIP_XY] = (float)fmax(e_x, e_y);
+    out->e_clip[CLIP_Z] = (float)e_z;
+    out->e_clip[CLIP_W] = (float)e_w;
+    if (!(w > 0))
+        return;
+    double nx = fabs(vertex->clip[0] / w), ny = fabs(vertex->clip[1] / w),
+           nz = fabs(vertex->clip[2] / w);
+    out->slack_px = (float)fmax(half_width * ((e_x + (nx + shift) * e_w) / w + 8 * u),
+                                half_height * ((e_y + (ny + shift) * e_w) / w + 8 * u));
+    out->slack_depth = (float)(0.5 * (e_z + nz * e_w) / w + 4 * u);
+    out->slack_w = perspective ? (float)(e_w / w + 2 * u) : 0;
+}
+
+/* ---- where no error is made ---- */
+
+/* Whether the clip coordinates of an instance's vertices may come out exact: an orthographic picture
+ * in one tile, and matrices that multiply without rounding. Their product is stored. */
+static bool may_be_exact(const struct plan *plan, const struct instance *instance,
+                         struct matrix *product)
+{
+    *product = matrix_product(plan->view.projection, instance->model_view);
+    return !plan->scene->camera.perspective && !plan->tiled &&
+           exact_product(&plan->view.projection, &instance->model_view);
+}
+
+/* Whether the viewport keeps a coordinate exact, and puts it on the grid of 1/256 pixel. */
+static bool is_on_grid(double normalised, double window, int size)
+{
+    double terms[2] = {normalised * 0.5 * size, 0.5 * size}, steps = window * 256;
+    return exact_sum(terms, 2) && steps == floor(steps) && fabs(steps) < 16777216;
+}
+
+/* `object` is the vertex, `product` the matrix that may_be_exact stored. */
+static bool is_exact(const struct plan *plan, const struct matrix *product, const double object[4],
+                     const struct window_vertex *vertex)
+{
+    return exact_row(product->row[0], object) && exact_row(product->row[1], object) &&
+           vertex->clip[3] == 1 && is_on_grid(vertex->clip[0], vertex->x, plan->scene->width) &&
+           is_on_grid(vertex->clip[1], vertex->y, plan->scene->height);
+}
+
+/* ---- one vertex ---- */
+
+/* What bounding the vertices of one surface takes. */
+struct bounding {
+    const struct plan *plan;
+    struct surface *surface;
+    struct surface_bounds *bounds;
+    struct normal_bounds normals;
+    struct matrix product;
+    bool may_be_exact;
+};
+
+static void make_vertex(const struct bounding *of, int index, struct light_work *work)
+{
+    const struct instance *instance = of->surface->instance;
+    struct vector position = instance->vertices[index].position;
+    struct vertex_bounds *out = &of->bounds->vertices[index];
+    const double object[4] = {position.x, position.y, position.z, 1};
+    double eye_magnitude[4], clip_magnitude[4];
+    surface_light(&of->plan->view, of->surface, index, work);
+    magnitudes(&instance->model_view, object, eye_magnitude);
+    magnitudes(&of->plan->view.projection, eye_magnitude, clip_magnitude);
+    bound_place(of->plan, clip_magnitude, &of->surface->vertices[index], out);
+    out->exact = of->may_be_exact &&
+                 is_exact(of->plan, &of->product, object, &of->surface->vertices[index]);
+    if (out->exact)
+        out->slack_px = 0;
+    double e_eye = EYE_ROUNDINGS * u * (eye_magnitude[0] + eye_magnitude[1] + eye_magnitude[2]);
+    light_bounds(&of->plan->view, of->surface, &of->normals, index, e_eye,
+                 of->plan->options.check, of->bounds->errors, work);
+}
+
+/* ---- what is refused ---- */
+
+/* Half a texel off, OpenGL may show any of the texture's values. */
+static bool check_texture(const struct surface *surface, const struct surface_bounds *bounds,
+                          int index, struct error *err)
+{
+    size_t at = surface_attributes(surface, index, 0) + (size_t)surface->instance->n_terms;
+    const double *s_t = surface->weights + at;
+    struct texel_point place = texel_point(&surface->instance->texels, s_t, bounds->errors + at);
+    return ((double)place.e_place[0] < 0.5 && (double)place.e_place[1] < 0.5) ||
+           error_at(err, bounds->body->object->place,
+                    "the texture coordinates %.6g %.6g of vertex %d are too large for single "
+                    "precision; the texture must repeat less often",
+                    s_t[0], s_t[1], index + 1);
+}
+
+static bool check_vertex(const struct surface *surface, const struct surface_bounds *bounds,
+                         int index, struct error *err)
+{
+    const struct window_vertex *vertex = &surface->vertices[index];
+    size_t first = surface_attributes(surface, index, 0),
+           last = surface_attributes(surface, index + 1, 0);
+    double sum = vertex->x + vertex->y + vertex->z + (double)bounds->vertices[index].slack_px,
+           weights = 0;
+    for (int i = 0; i < 4; i++)
+        sum += vertex->clip[i];
+    for (size_t i = first; i < last; i++)
+        weights += surface->weights[i] + (double)bounds->errors[i];
+    if (!isfinite(sum))
+        return error_at(err, bounds->body->object->place,
+                        "vertex %d of this object is not finite in the window; "
+                        "coordinates and scales are too large",
+                        index + 1);
+    if (surface->instance->textured && !check_texture(surface, bounds, index, err))
+        return false;
+    return isfinite(weights) || error_at(err, bounds->body->object->place,
+                                         "vertex %d of this object reflects no finite radiance; "
+                                         "a light that weakens with distance may be too near",
+                                         index + 1);
+}
+
+/* The least w of what the sides of the view, widened by how far OpenGL may be off, leave of a
+ * triangle; HUGE_VAL: nothing. */
+static double least_w(const struct surface *surface, const struct surface_bounds *bounds,
+                      const int32_t vertex[3])
+{
+    struct clip_plane sides[4] = {
+        {{-1, 0, 0, 1}, 0}, {{1, 0, 0, 1}, 0}, {{0, -1, 0, 1}, 0}, {{0, 1, 0, 1}, 0}};
+    struct corner corners[2][CLIP_CORNERS];
+    double least = HUGE_VAL, offset = 0;
+    int n = 3;
+    for (int i = 0; i < 3; i++) {
+        const float *e_clip = bounds->vertices[vertex[i]].e_clip;
+        offset = fmax(offset, 2 * (double)(e_clip[CLIP_XY] + e_clip[CLIP_W]));
+    }
+    whole_corners(surface, vertex, corners[0]);
+    for (int p = 0; p < 4 && n > 0; p++) {
+        sides[p].offset = offset;
+        n = clip_polygon(&sides[p], corners[p % 2], n, corners[1 - p % 2]);
+    }
+    for (int i = 0; i < n; i++)
+        least = fmin(least, corners[0][i].clip[3]);
+    return least;
+}
+
+/* Where a triangle reaches the eye, OpenGL must know depths better than where the near plane is. */
+static bool check_near(const struct plan *plan, const struct surface *surface,
+                       const struct surface_bounds *bounds, int triangle, struct error *err)
+{
+    const int32_t *vertex = surface->instance->triangles[triangle];
+    double error = 0;
+    for (int i = 0; i < 3; i++)
+        error = fmax(error, (double)bounds->vertices[vertex[i]].e_clip[CLIP_Z]);
+    return error <= 0.125 * plan->near || least_w(surface, bounds, vertex) > 8 * error ||
+           error_at(
+               err, bounds->body->object->place,
+               "triangle %d of this object reaches the eye, and single precision does not know "
+               "depths there better than %.3g; the camera's near plane, at %.6g, must lie "
+               "farther away",
+               triangle + 1, error * plan->unit, plan->scene->camera.near);
+}
+
+static bool check_surface(const struct bounding *of, struct error *err)
+{
+    const struct instance *instance = of->surface->instance;
+    for (int i = 0; i < instance->n_vertices; i++)
+        if (!check_vertex(of->surface, of->bounds, i, err))
+            return false;
+    for (int i = 0; i < instance->n_triangles && of->plan->scene->camera.perspective; i++)
+        if (!check_near(of->plan, of->surface, of->bounds, i, err))
+            return false;
+    return true;
+}
+
+/* ---- surfaces ---- */
+
+/* Window bounds of the whole surface, or everything where a vertex is beside or behind the eye. */
+static void find_extent(const struct surface *surface, struct surface_bounds *bounds)
+{
+    bounds->left = bounds->top = HUGE_VAL;
+    bounds->right = bounds->bottom = -HUGE_VAL;
+    for (int i = 0; i < surface->instance->n_vertices; i++) {
+        const struct window_vertex *vertex = &surface->vertices[i];
+        bool in_front = vertex->clip[3] > 0;
+        double slack = 1 + (double)bounds->vertices[i].slack_px; /* a pixel more costs nothing */
+        bounds->left = fmin(bounds->left, in_front ? vertex->x - slack : -HUGE_VAL);
+        bounds->top = fmin(bounds->top, in_front ? vertex->y - slack : -HUGE_VAL);
+        bounds->right = fmax(bounds->right, in_front ? vertex->x + slack : HUGE_VAL);
+        bounds->bottom = fmax(bounds->bottom, in_front ? vertex->y + slack : HUGE_VAL);
+    }
+}
+
+bool surface_reaches(const struct surface_bounds *surface, const struct rectangle *at)
+{
+    return surface->right >= at->x && surface->left <= at->x + at->width &&
+           surface->bottom >= at->y && surface->top <= at->y + at->height;
+}
+
+static bool allocate(const struct plan *plan, const struct body *body, struct surface *surface,
+                     struct surface_bounds *bounds)
+{
+    bounds->body = body;
+    bounds->finish = &plan->finishes[body->finish];
+    bool opened = surface_open(&body->instance, surface);
+    size_t n_weights = surface_attributes(surface, body->instance.n_vertices, 0);
+    bounds->vertices = calloc((size_t)body->instance.n_vertices + 1, sizeof *bounds->vertices);
+    bounds->errors = calloc(n_weights + 1, sizeof *bounds->errors);
+    return opened && bounds->vertices && bounds->errors;
+}
+
+static bool make_surface(const struct lit_scene *lit, int index, struct light_work *work,
+                         struct error *err)
+{
+    const struct body *body = &lit->plan->bodies[index];
+    struct bounding of = {lit->plan, &lit->surfaces[index], &lit->bounds[index],
+                          normal_bounds(&body->instance)};
+    if (!allocate(lit->plan, body, of.surface, of.bounds))
+        return error_memory(err);
+    of.may_be_exact = may_be_exact(lit->plan, &body->instance, &of.product);
+    long lit_vertices = 0, specular = 0, powers = 0;
+    int n_vertices = body->instance.n_vertices;
+#pragma omp parallel for reduction(+ : lit_vertices, specular, powers) \
+    num_threads(lit->plan->options.threads)
+    for (int i = 0; i < n_vertices; i++) {
+        struct light_work own = {0};
+        make_vertex(&of, i, &own);
+        lit_vertices += own.vertices_lit;
+        specular += own.specular_vertices;
+        powers += own.power_functions;
+    }
+    work->vertices_lit += lit_vertices;
+    work->specular_vertices += specular;
+    work->power_functions += powers;
+    if (!check_surface(&of, err))
+        return false;
+    find_extent(of.surface, of.bounds);
+    return true;
+}
+
+bool lit_make(const struct plan *plan, const struct driver *driver, struct lit_scene *out,
+              struct light_work *work, struct error *err)
+{
+    size_t n = (size_t)plan->n_bodies + 1;
+    *work = (struct light_work){0};
+    *out = (struct lit_scene){.plan = plan,
+                              .driver = driver,
+                              .surfaces = calloc(n, sizeof *out->surfaces),
+                              .bounds = calloc(n, sizeof *out->bounds)};
+    if (!out->surfaces || !out->bounds)
+        return error_memory(err);
+    for (int i = 0; i < plan->n_bodies; i++)
+        if (!make_surface(out, i, work, err))
+            return false;
+    return true;
+}
+
+void lit_free(struct lit_scene *lit)
+{
+    for (int i = 0; lit->surfaces && lit->bounds && i < lit->plan->n_bodies; i++) {
+        surface_close(&lit->surfaces[i]);
+        free(lit->bounds[i].vertices);
+        free(lit->bounds[i].errors);
+    }
+    free(lit->surfaces);
+    free(lit->bounds);
+    *lit = (struct lit_scene){.plan = NULL};
+}

@@ -1,0 +1,114 @@
+/* SPDX-License-Identifier: MIT */
+/* What OpenGL may show at each pixel: the reference's picture, every other triangle that may be seen
+ * there without being wrong, with weights and bounds, and how many fragments may be drawn. Triangles
+ * are walked a second time for that, after the reference has drawn. */
+#ifndef CANDIDATES_H
+#define CANDIDATES_H
+
+#include "raster/bounds/bounds.h"
+
+/* ---- presence.c: how sure it is that OpenGL has a fragment at a point ---- */
+
+enum presence { IMPOSSIBLE, POSSIBLE, DEFINITE };
+/* slack[i] bounds the error of OpenGL's edge function i, whose corners are off by errors[]. */
+void edge_slack(const struct edge_functions *edges, const double errors[3], double slack[3]);
+/* Of a triangle, whose slack comes from its edge_px. */
+enum presence triangle_presence(const struct bounded_triangle *triangle,
+                                const struct edge_functions *edges, const double slack[3]);
+enum presence clipped_presence(const struct clipped_triangle *triangle, double px, double py);
+
+/* ---- fragments.c: the fragments that OpenGL may have ---- */
+
+/* A fragment that may be seen at a pixel: a link in the pixel's list. */
+struct fragment {
+    int32_t triangle, next;
+    bool loose; /* its colour has no bound */
+    double depth, depth_error;
+};
+struct fragment_list { /* of a pixel */
+    int32_t head;                   /* first possible fragment; -1: none */
+    int32_t n_candidates, n_pruned; /* in the list; when it was last rid of hidden ones */
+    double limit; /* upper bound on the depth of the nearest definite fragment; HUGE_VAL: none */
+    /* fragments, hidden ones too: definite ones, possible ones, and the reference's of the latter */
+    uint32_t n_definite, n_possible, n_covered;
+    /* Each edge that runs by within its slack, a random number for one direction and its negative
+     * for the other, adds to one of these, by how its triangle turns. Both are 0 where all these
+     * edges have a triangle on either side. */
+    uint64_t edge_sum[2];
+    bool open; /* some possible fragment is not counted there */
+};
+struct fragments {
+    const struct lit_scene *lit;
+    const struct rectangle *tile; /* as OpenGL draws it */
+    struct rectangle rows;        /* this chunk's part */
+    struct fragment_list *pixels;
+    struct bounded_triangle *triangles;
+    struct fragment *fragments;
+    struct clipped_triangle *clipped;
+    size_t n_triangles, n_fragments, n_clipped, triangle_capacity, fragment_capacity,
+        clipped_capacity;
+    int32_t unused; /* list of fragments to use again */
+};
+/* Finds the fragments of all pixels of out->rows; lit, tile and rows are set. False: no memory. */
+bool fragments_find(struct fragments *out);
+void fragments_free(struct fragments *fragments);
+/* Which clipped triangles OpenGL may have at a point: bit i stands for number i. Beyond the near and
+ * the far plane there may be any: they end there, but single precision does not know where. */
+unsigned clipped_at(const struct fragments *fragments, const struct bounded_triangle *triangle,
+                    double px, double py);
+/* Whether an edge near the centre always has a triangle on either side. */
+bool is_closed(const struct fragment_list *pixel);
+/* Makes room for `needed` elements of an array. False: no memory, or more than int32_t counts. */
+bool array_grow(void *array, size_t *capacity, size_t needed, size_t size);
+
+/* ---- chunk.c: a part of a tile, with its candidates ---- */
+
+/* A triangle that OpenGL may show at a pixel. */
+struct candidate {
+    int32_t surface, triangle;
+    float depth, depth_error;
+    bool loose;   /* its error has no bound here */
+    size_t first; /* of its pixel_rows numbers in candidate_rows and candidate_errors */
+};
+/* How many fragments OpenGL may draw at a pixel, hidden ones too; modulo 256, as it counts them. */
+struct overdraw {
+    uint8_t least, spread; /* least .. least + spread; a spread of 255 or more is kept as 255 */
+    uint8_t meant;         /* by the reference */
+    bool closed;           /* an edge near the centre always has a triangle on either side */
+};
+/* A pixel with more than one candidate, or a loose one. */
+struct ambiguous_pixel {
+    int32_t pixel;        /* within the chunk, row by row */
+    int32_t first, count; /* candidates */
+    bool background;      /* whether nothing at all may be there as well */
+};
+/* Some rows of a tile, the unit of work of a thread: the reference's picture; with a check also: */
+struct chunk {
+    struct picture picture;
+    float *errors;      /* of picture.rows: bounds on OpenGL's error; NULL without a check */
+    float *depth_error; /* of picture.depth */
+    struct overdraw *overdraw;
+    float *steepness; /* bound on how radiance changes within a pixel's width, in any wavelength */
+    bool *is_ambiguous;
+    struct ambiguous_pixel *ambiguous;
+    struct candidate *candidates;
+    double *candidate_rows;
+    float *candidate_errors;
+    size_t n_ambiguous, n_candidates, n_numbers;
+};
+enum { CHUNK_ROWS = 16 };
+int chunk_count(const struct rectangle *tile);
+/* Does `work` of each chunk of a tile, by so many threads; fails with the first that fails. */
+bool chunks_each(const struct rectangle *tile, int threads,
+                 bool (*work)(void *context, const struct rectangle *tile, int index,
+                              struct error *err),
+                 void *context, struct error *err);
+/* The rows of a tile's chunk: CHUNK_ROWS of them, fewer in the last one. */
+struct rectangle chunk_rows(const struct rectangle *tile, int index);
+/* Draws a chunk, and finds its candidates where the plan asks for a check. Results do not depend on
+ * how a picture is cut into chunks. chunk_free accepts what a failure left. */
+bool chunk_draw(const struct lit_scene *lit, const struct rectangle *tile, int index,
+                struct chunk *out, struct error *err);
+void chunk_free(struct chunk *chunk);
+
+#endif

@@ -1,0 +1,318 @@
+/* SPDX-License-Identifier: MIT */
+/* The fragments that OpenGL may have at each pixel of a chunk: those that it may show there without
+ * being wrong, and how many there may be, hidden ones included. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "raster/candidates/candidates.h"
+
+bool array_grow(void *array, size_t *capacity, size_t needed, size_t size)
+{
+    void *old;
+    memcpy(&old, array, sizeof old);
+    if (needed <= *capacity)
+        return true;
+    size_t larger = *capacity * 2 > needed ? *capacity * 2 : needed + 256;
+    if (larger > SIZE_MAX / size || larger > INT32_MAX)
+        return false;
+    void *moved = realloc(old, larger * size);
+    if (!moved)
+        return false;
+    memcpy(array, &moved, sizeof moved);
+    *capacity = larger;
+    return true;
+}
+
+/* ---- visibility ---- */
+
+/* Takes out of a pixel's list the fragments behind its limit. */
+static void drop_hidden(struct fragments *of, struct fragment_list *pixel)
+{
+    int32_t *link = &pixel->head;
+    while (*link >= 0) {
+        struct fragment *fragment = &of->fragments[*link];
+        if (fragment->depth - fragment->depth_error <= pixel->limit) {
+            link = &fragment->next;
+            continue;
+        }
+        int32_t dropped = *link;
+        pixel->n_candidates--;
+        *link = fragment->next;
+        fragment->next = of->unused;
+        of->unused = dropped;
+    }
+}
+
+/* Adds a possible or definite fragment to a pixel's list. */
+static bool add_fragment(struct fragments *of, struct fragment_list *pixel,
+                         const struct fragment *fragment, bool definite)
+{
+    if (fragment->depth - fragment->depth_error > pixel->limit)
+        return true;
+    if (definite)
+        pixel->limit = fmin(pixel->limit, fragment->depth + fragment->depth_error);
+    if (pixel->n_candidates >= 2 * pixel->n_pruned) { /* seldom enough that time stays linear */
+        drop_hidden(of, pixel);
+        pixel->n_pruned = pixel->n_candidates + 1;
+    }
+    int32_t place = of->unused;
+    if (place >= 0) {
+        of->unused = of->fragments[place].next;
+    } else {
+        if (!array_grow(&of->fragments, &of->fragment_capacity, of->n_fragments + 1,
+                        sizeof *of->fragments))
+            return false;
+        place = (int32_t)of->n_fragments++;
+    }
+    of->fragments[place] = *fragment;
+    of->fragments[place].next = pixel->head;
+    pixel->head = place;
+    pixel->n_candidates++;
+    return true;
+}
+
+/* ---- how many fragments there are ---- */
+
+/* Scatters bits (the finalizer of SplitMix64: Steele, Lea and Flood 2014). */
+static uint64_t scatter(uint64_t bits)
+{
+    bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
+    bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
+    return bits ^ (bits >> 31);
+}
+
+static uint64_t corner_number(const struct screen_triangle *triangle, int i, uint64_t object)
+{
+    uint64_t x, y;
+    memcpy(&x, &triangle->x[i], sizeof x);
+    memcpy(&y, &triangle->y[i], sizeof y);
+    return scatter(scatter(scatter(object) + x) + y);
+}
+
+/* A triangle at a pixel centre. */
+struct visit {
+    struct fragments *of;
+    int32_t triangle;
+    bool any; /* there may be a fragment of it somewhere */
+    struct fragment_list *pixel;
+    double x, y;
+    struct edge_functions edges;
+    double slack[3];
+};
+
+static const struct bounded_triangle *visited(const struct visit *visit)
+{
+    return &visit->of->triangles[visit->triangle];
+}
+
+/* Adds the edges that OpenGL may put on either side of the centre. Triangles of one object that
+ * meet have corners of the same bits there. */
+static void add_edges(const struct visit *visit)
+{
+    const struct lit_scene *lit = visit->of->lit;
+    const struct screen_triangle *screen = &visited(visit)->screen;
+    uint64_t object =
+        (uint64_t)(lit->bounds[screen->surface].body->object - lit->plan->scene->objects);
+    for (int i = 0; i < 3; i++) {
+        if (visit->edges.e[i] > visit->slack[i])
+            continue;
+        uint64_t from = corner_number(screen, (i + 1) % 3, object),
+                 to = corner_number(screen, (i + 2) % 3, object);
+        visit->pixel->edge_sum[screen->clockwise] +=
+            scatter(from + 2 * to) - scatter(to + 2 * from);
+    }
+}
+
+static void count_fragment(const struct visit *visit, enum presence presence, bool covered)
+{
+    const struct bounded_triangle *triangle = visited(visit);
+    struct fragment_list *pixel = visit->pixel;
+    if (triangle->other_side) /* counted as the one that it is */
+        return;
+    pixel->n_possible++;
+    if (presence == DEFINITE) {
+        pixel->n_definite++;
+        return;
+    }
+    pixel->n_covered += covered;
+    pixel->open = pixel->open || triangle->edge_on || triangle->cut;
+    add_edges(visit);
+}
+
+bool is_closed(const struct fragment_list *pixel)
+{
+    return !pixel->open && pixel->edge_sum[0] == 0 && pixel->edge_sum[1] == 0;
+}
+
+/* ---- clipped triangles ---- */
+
+static bool note_clipped(struct fragments *of, struct bounded_triangle *triangle)
+{
+    if (!array_grow(&of->clipped, &of->clipped_capacity, of->n_clipped + CLIP_CORNERS,
+                    sizeof *of->clipped))
+        return false;
+    triangle->first_clipped = (int32_t)of->n_clipped;
+    triangle->n_clipped =
+        clipped_triangles(of->lit, of->tile, triangle, of->clipped + of->n_clipped);
+    of->n_clipped += (size_t)triangle->n_clipped;
+    return true;
+}
+
+/* Whether the point lies where OpenGL sets two clipped triangles side by side. */
+static bool is_on_seam(const struct visit *visit)
+{
+    const struct bounded_triangle *triangle = visited(visit);
+    const struct clipped_triangle *clipped = &visit->of->clipped[triangle->first_clipped];
+    for (int32_t i = 0; i < triangle->n_clipped && triangle->n_clipped > 1; i++)
+        if (clipped_presence(&clipped[i], visit->x, visit->y) == POSSIBLE)
+            return true;
+    return false;
+}
+
+static unsigned count_bits(unsigned bits)
+{
+    unsigned n = 0;
+    for (; bits != 0; bits &= bits - 1)
+        n++;
+    return n;
+}
+
+unsigned clipped_at(const struct fragments *fragments, const struct bounded_triangle *triangle,
+                    double px, double py)
+{
+    const struct clipped_triangle *clipped = &fragments->clipped[triangle->first_clipped];
+    unsigned all = (1u << triangle->n_clipped) - 1, some = 0;
+    if (triangle->n_clipped == 1)
+        return all;
+    for (int32_t i = 0; i < triangle->n_clipped; i++)
+        if (clipped_presence(&clipped[i], px, py) != IMPOSSIBLE)
+            some |= 1u << i;
+    return some == 0 && triangle->cut ? all : some;
+}
+
+/* Whether OpenGL's error has no bound at a point: on a clipped triangle that is too thin for one,
+ * where depth has none either, or so far away that roundings of 1 / w, made where it is larger, may
+ * be nearly all of it. */
+static bool is_loose(const struct visit *visit, unsigned clipped, bool *thin)
+{
+    const struct bounded_triangle *triangle = visited(visit);
+    double sum = 0, inverse_w = 0;
+    bool far = false;
+    for (int i = 0; i < 3; i++) {
+        sum += visit->edges.e[i];
+        inverse_w += visit->edges.e[i] * triangle->screen.inverse_w[i];
+    }
+    *thin = false;
+    for (int32_t i = 0; i < triangle->n_clipped; i++) {
+        const struct clipped_triangle *part = &visit->of->clipped[triangle->first_clipped + i];
+        const struct inverse_w_bound *bound = &part->inverse_w_bound;
+        if (!(clipped >> i & 1))
+            continue;
+        *thin = *thin || !(part->magnification < HUGE_VAL);
+        far = far || !(1.125 * (bound->fixed * sum + bound->per_d * inverse_w) <= inverse_w);
+    }
+    return *thin || far;
+}
+
+/* ---- triangles ---- */
+
+/* A fragment that OpenGL has, or may have. */
+static bool judge_fragment(struct visit *visit, enum presence presence, unsigned clipped)
+{
+    const struct bounded_triangle *triangle = visited(visit);
+    struct fragment fragment = {.triangle = visit->triangle,
+                                .depth = depth_at(&triangle->screen, &visit->edges)};
+    bool thin, covered = fragment.depth >= 0 && fragment.depth < 1 &&
+                         (presence == DEFINITE || edges_cover(&triangle->screen, &visit->edges));
+    if (!visit->of->lit->driver->watertight && is_on_seam(visit)) {
+        presence = POSSIBLE;
+        if (!triangle->other_side) /* a fragment by each clipped triangle */
+            visit->pixel->n_possible += count_bits(clipped) - 1;
+    }
+    fragment.loose = is_loose(visit, clipped, &thin);
+    fragment.depth_error = thin ? HUGE_VAL : triangle->depth_error;
+    /* the near or the far plane may cut it off */
+    if (!(fragment.depth > fragment.depth_error && fragment.depth < 1 - fragment.depth_error)) {
+        presence = POSSIBLE;
+        visit->pixel->open = true;
+    }
+    count_fragment(visit, presence, covered);
+    return visit->of->lit->bounds[triangle->screen.surface].body->twin ||
+           add_fragment(visit->of, visit->pixel, &fragment, presence == DEFINITE);
+}
+
+static bool visit_pixel(void *context, int x, int y)
+{
+    struct visit *visit = context;
+    const struct bounded_triangle *triangle = visited(visit);
+    const struct rectangle *rows = &visit->of->rows;
+    visit->x = x + 0.5;
+    visit->y = y + 0.5;
+    edges_at(triangle->screen.x, triangle->screen.y, visit->x, visit->y, &visit->edges);
+    edge_slack(&visit->edges, triangle->edge_px, visit->slack);
+    enum presence presence = triangle_presence(triangle, &visit->edges, visit->slack);
+    if (presence == IMPOSSIBLE)
+        return true;
+    visit->any = true;
+    unsigned clipped = clipped_at(visit->of, triangle, visit->x, visit->y);
+    if (clipped == 0)
+        return true;
+    visit->pixel =
+        &visit->of->pixels[(size_t)(y - rows->y) * (size_t)rows->width + (size_t)(x - rows->x)];
+    return judge_fragment(visit, presence, clipped);
+}
+
+/* Triangles without a fragment are forgotten at once: there may be thousands to a pixel. */
+static bool visit_triangle(struct fragments *of, int surface, int triangle)
+{
+    struct bounded_triangle parts[BOUNDED_TRIANGLES];
+    int n = bounded_triangles(of->lit, surface, triangle, of->tile, &of->rows, parts);
+    for (int i = 0; i < n; i++) {
+        struct visit visit = {.of = of, .triangle = (int32_t)of->n_triangles};
+        size_t n_clipped = of->n_clipped;
+        if (!array_grow(&of->triangles, &of->triangle_capacity, of->n_triangles + 1,
+                        sizeof *of->triangles) ||
+            !note_clipped(of, &parts[i]))
+            return false;
+        of->triangles[of->n_triangles] = parts[i];
+        if (!scan_triangle(&parts[i].screen, &of->rows, most_of(parts[i].edge_px), visit_pixel,
+                           &visit))
+            return false;
+        if (visit.any)
+            of->n_triangles++;
+        else
+            of->n_clipped = n_clipped;
+    }
+    return true;
+}
+
+bool fragments_find(struct fragments *out)
+{
+    size_t n_pixels = (size_t)out->rows.width * (size_t)out->rows.height;
+    out->unused = -1;
+    out->pixels = malloc(n_pixels * sizeof *out->pixels);
+    if (!out->pixels)
+        return false;
+    for (size_t i = 0; i < n_pixels; i++)
+        out->pixels[i] = (struct fragment_list){.head = -1, .limit = HUGE_VAL};
+    for (int s = 0; s < out->lit->plan->n_bodies; s++) {
+        if (!surface_reaches(&out->lit->bounds[s], &out->rows))
+            continue;
+        int n_triangles = out->lit->surfaces[s].instance->n_triangles;
+        for (int t = 0; t < n_triangles; t++)
+            if (!visit_triangle(out, s, t))
+                return false;
+    }
+    for (size_t i = 0; i < n_pixels; i++)
+        drop_hidden(out, &out->pixels[i]);
+    return true;
+}
+
+void fragments_free(struct fragments *fragments)
+{
+    free(fragments->pixels);
+    free(fragments->triangles);
+    free(fragments->fragments);
+    free(fragments->clipped);
+}

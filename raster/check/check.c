@@ -1,0 +1,375 @@
+/* SPDX-License-Identifier: MIT */
+/* The verdict on each pixel. OpenGL names the triangle that it shows there: that must be one which
+ * may be seen at all, it must lie as deep as it should, there must be as many fragments as there
+ * may be, and what OpenGL drew must be what this one triangle looks like, at all wavelengths, each
+ * within its own bound. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "raster/check/check.h"
+
+/* A candidate on trial: it lives as long as it has explained everything. */
+struct check_trial {
+    bool alive;
+    struct check_samples samples;
+    double floor;                 /* its largest bound */
+    double seen, expected, bound; /* of the sample at which it died */
+    int band;                     /* of the same; -1: it is not what OpenGL shows */
+};
+
+static const double depth_steps = 16777215;
+
+static size_t count_pixels(const struct chunk *chunk)
+{
+    return (size_t)chunk->rows.width * (size_t)chunk->rows.height;
+}
+
+static void note_failure(struct check *check, size_t pixel, const struct check_failure *failure)
+{
+    const struct tile *rows = &check->chunk->rows;
+    if (check->tally.first.found)
+        return;
+    check->tally.first = *failure;
+    check->tally.first.found = true;
+    check->tally.first.x = rows->x + (int)pixel % rows->width;
+    check->tally.first.y = rows->y + (int)pixel / rows->width;
+    check->tally.first.surface = check->chunk->surface[pixel];
+}
+
+/* ---- which triangle, how deep, how many ---- */
+
+/* Whether a depth fits; the background's is 1. Beyond the near or the far plane, where a cut edge
+ * may still cover a centre, OpenGL stores what is nearest to it. */
+static bool fits_depth(struct check *check, const struct shown *shown, double depth, double error)
+{
+    double off = fabs(shown->depth / depth_steps - fmin(fmax(depth, 0), 1));
+    if (off <= error && error > 0 && error < HUGE_VAL)
+        check->tally.worst_depth_ratio = fmax(check->tally.worst_depth_ratio, off / error);
+    return off <= error;
+}
+
+static struct check_failure depth_failure(const struct shown *shown, double depth, double error)
+{
+    return (struct check_failure){.kind = FAILURE_DEPTH,
+                                  .seen = shown->depth / depth_steps,
+                                  .expected = depth,
+                                  .bound = error};
+}
+
+static void identify_settled(struct check *check, size_t pixel, const struct shown *shown)
+{
+    const struct chunk *chunk = check->chunk;
+    bool background = chunk->surface[pixel] < 0;
+    double depth = background ? 1 : (double)chunk->depth[pixel],
+           error = background ? 0 : (double)chunk->depth_error[pixel];
+    struct check_failure failure = {.kind = FAILURE_TRIANGLE, .shown = *shown};
+    if (shown->surface == chunk->surface[pixel] &&
+        (background || shown->triangle == chunk->triangle[pixel])) {
+        if (fits_depth(check, shown, depth, error))
+            return;
+        failure = depth_failure(shown, depth, error);
+    }
+    check->failed[pixel] = true;
+    note_failure(check, pixel, &failure);
+}
+
+/* Only what OpenGL shows stays on trial. */
+static void identify_contest(struct check *check, size_t index, const struct shown *shown)
+{
+    const struct chunk *chunk = check->chunk;
+    const struct contest *contest = &chunk->contests[index];
+    struct check_trial *background = &check->trials[chunk->n_candidates + index];
+    background->alive = background->alive && shown->surface < 0 && fits_depth(check, shown, 1, 0);
+    struct check_failure failure = {.kind = FAILURE_TRIANGLE, .shown = *shown};
+    bool any = background->alive;
+    for (int c = contest->first; c < contest->first + contest->count; c++) {
+        const struct candidate *candidate = &chunk->candidates[c];
+        double depth = (double)candidate->depth, error = (double)candidate->depth_error;
+        bool named = candidate->surface == shown->surface && candidate->triangle == shown->triangle;
+        check->trials[c].alive = named && fits_depth(check, shown, depth, error);
+        any = any || check->trials[c].alive;
+        if (named)
+            failure = depth_failure(shown, depth, error);
+    }
+    if (!any)
+        note_failure(check, (size_t)contest->pixel, &failure);
+}
+
+/* Fragments are counted modulo 256. Where triangles meet, a driver whose edges leak may have one
+ * too few or too many: that is counted. */
+static void count_fragments(struct check *check, size_t pixel, const struct shown *shown)
+{
+    const struct overdraw *overdraw = &check->chunk->overdraw[pixel];
+    uint8_t above = (uint8_t)(shown->fragments - overdraw->least),
+            off = (uint8_t)(shown->fragments - overdraw->meant);
+    bool leaks = overdraw->closed && off != 0, possible = above <= overdraw->spread;
+    if (leaks && possible) {
+        check->tally.edge_holes += off >= 128;
+        check->tally.edge_doubles += off < 128;
+    }
+    if (possible && !(leaks && check->tight_edges))
+        return;
+    struct check_failure failure = {.kind = FAILURE_FRAGMENTS,
+                                    .seen = shown->fragments,
+                                    .expected = overdraw->meant,
+                                    .bound = overdraw->closed ? 0 : overdraw->spread};
+    check->failed[pixel] = true;
+    note_failure(check, pixel, &failure);
+}
+
+void check_identity(struct check *check, const struct gl *gl, const struct tile *tile)
+{
+    const struct chunk *chunk = check->chunk;
+    size_t contest = 0;
+    for (size_t i = 0; i < count_pixels(chunk); i++) {
+        int x = chunk->rows.x - tile->x + (int)i % chunk->rows.width,
+            y = chunk->rows.y - tile->y + (int)i / chunk->rows.width;
+        struct shown shown = gl_shown(gl, x, y);
+        if (chunk->contested[i])
+            identify_contest(check, contest++, &shown);
+        else
+            identify_settled(check, i, &shown);
+        count_fragments(check, i, &shown);
+    }
+}
+
+/* ---- pixels with a single candidate ---- */
+
+/* The surface of a run, or -1, evaluated into expected and bound. */
+static void expect_run(const struct check *check, size_t first, size_t n, int band,
+                       struct block *block)
+{
+    const struct chunk *chunk = check->chunk;
+    if (chunk->surface[first] < 0) { /* the cleared background is exactly 0 */
+        memset(block->expected, 0, n * sizeof *block->expected);
+        memset(block->bound, 0, n * sizeof *block->bound);
+        return;
+    }
+    struct rows rows = {chunk->weights + first, chunk->errors + first, count_pixels(chunk)};
+    counts_expect(check->plan, check->surfaces[chunk->surface[first]].finish, &rows, n, band,
+                  check->full_scale, block->expected, block->bound);
+}
+
+static void judge_run(struct check *check, size_t first, size_t n, int band, const float *channel)
+{
+    struct block block;
+    block.n = n;
+    for (size_t i = 0; i < n; i++)
+        block.seen[i] = (double)channel[4 * i] * FULL_COUNT;
+    expect_run(check, first, n, band, &block);
+    bool explained = samples_compare(&check->tally.samples, &block);
+    float *floor = check->floor + first;
+    for (size_t i = 0; i < n; i++)
+        floor[i] = floor[i] < block.bound[i] ? block.bound[i] : floor[i];
+    for (size_t i = 0; i < n && !explained; i++) {
+        if (block.difference[i] <= block.bound[i])
+            continue;
+        check->failed[first + i] = true;
+        note_failure(check, first + i,
+                     &(struct check_failure){.kind = FAILURE_RADIANCE,
+                                             .band = band,
+                                             .seen = block.seen[i],
+                                             .expected = block.expected[i],
+                                             .bound = (double)block.bound[i]});
+    }
+}
+
+/* How many pixels from `first` on, within the row and a block, share its surface settled. */
+static size_t run_length(const struct chunk *chunk, size_t first, size_t row_end)
+{
+    size_t last = row_end - first < BLOCK ? row_end : first + BLOCK, at = first;
+    while (at < last && !chunk->contested[at] && chunk->surface[at] == chunk->surface[first])
+        at++;
+    return at - first;
+}
+
+/* ---- contested pixels ---- */
+
+/* candidate NULL stands for the background. What has no bound explains every number. */
+static void try_candidate(struct check *check, const struct candidate *candidate,
+                          struct check_trial *trial, int band, double seen)
+{
+    struct block single;
+    if (!trial->alive)
+        return;
+    single.n = 1;
+    single.seen[0] = seen;
+    single.expected[0] = 0;
+    single.bound[0] = 0;
+    if (candidate) {
+        const struct chunk *chunk = check->chunk;
+        struct rows rows = {chunk->candidate_weights + candidate->first,
+                            chunk->candidate_errors + candidate->first, 1};
+        counts_expect(check->plan, check->surfaces[candidate->surface].finish, &rows, 1, band,
+                      check->full_scale, single.expected, single.bound);
+    }
+    trial->seen = seen;
+    trial->expected = single.expected[0];
+    trial->bound = (double)single.bound[0];
+    trial->band = band;
+    trial->floor = fmax(trial->floor, trial->bound);
+    trial->alive = samples_compare(&trial->samples, &single);
+    if (candidate && candidate->loose)
+        trial->alive = isfinite(seen);
+}
+
+static void judge_contests(struct check *check, int band, int channel, const float *pixels,
+                           size_t stride)
+{
+    const struct chunk *chunk = check->chunk;
+    for (size_t i = 0; i < chunk->n_contests; i++) {
+        const struct contest *contest = &chunk->contests[i];
+        int x = contest->pixel % chunk->rows.width, y = contest->pixel / chunk->rows.width;
+        double seen =
+            (double)pixels[((size_t)y * stride + (size_t)x) * 4 + (size_t)channel] * FULL_COUNT;
+        for (int c = contest->first; c < contest->first + contest->count; c++)
+            try_candidate(check, &chunk->candidates[c], &check->trials[c], band, seen);
+        try_candidate(check, NULL, &check->trials[chunk->n_candidates + i], band, seen);
+    }
+}
+
+/* The trial that explains best: the living one closest to its bound's middle; where all are dead,
+ * the one that lived longest. */
+static const struct check_trial *best_trial(const struct check_trial *a,
+                                            const struct check_trial *b)
+{
+    if (a->alive != b->alive)
+        return a->alive ? a : b;
+    if (a->alive)
+        return a->samples.worst_ratio <= b->samples.worst_ratio ? a : b;
+    return a->band >= b->band ? a : b;
+}
+
+static void settle(struct check *check, size_t index)
+{
+    const struct chunk *chunk = check->chunk;
+    const struct contest *contest = &chunk->contests[index];
+    const struct check_trial *best = &check->trials[chunk->n_candidates + index];
+    for (int c = contest->first; c < contest->first + contest->count; c++)
+        best = best_trial(&check->trials[c], best);
+    ptrdiff_t candidate = best - check->trials;
+    bool nothing = candidate >= (ptrdiff_t)chunk->n_candidates,
+         loose = !nothing && chunk->candidates[candidate].loose;
+    struct check_samples samples = best->samples;
+    if (loose) /* counted, but it says nothing of OpenGL's errors */
+        samples.largest = samples.sum = samples.sum_of_squares = samples.worst_ratio = 0;
+    check->tally.ambiguous++;
+    samples_add(&check->tally.samples, &samples);
+    if (!best->alive) {
+        check->failed[contest->pixel] = true;
+        note_failure(check, (size_t)contest->pixel,
+                     &(struct check_failure){.kind = FAILURE_RADIANCE,
+                                             .band = best->band,
+                                             .seen = best->seen,
+                                             .expected = best->expected,
+                                             .bound = best->bound});
+    } else if (loose) {
+        check->tally.unbounded++;
+        check->failed[contest->pixel] = check->plan->options.strict;
+        if (check->plan->options.strict)
+            note_failure(check, (size_t)contest->pixel,
+                         &(struct check_failure){.kind = FAILURE_UNBOUNDED});
+    } else if (!nothing) {
+        floor_note(&check->tally.floor, best->floor);
+    }
+}
+
+/* ---- floors ---- */
+
+/* Whether a pixel lies inside a surface, together with its neighbours, and changes little. */
+static bool is_smooth(const struct check *check, size_t pixel)
+{
+    const struct chunk *chunk = check->chunk;
+    size_t width = (size_t)chunk->rows.width, n_pixels = count_pixels(chunk), n = 0, neighbours[4];
+    if ((double)chunk->steepness[pixel] * FULL_COUNT > SMOOTH_COUNTS * check->full_scale)
+        return false;
+    if (pixel % width > 0)
+        neighbours[n++] = pixel - 1;
+    if (pixel % width < width - 1)
+        neighbours[n++] = pixel + 1;
+    if (pixel >= width)
+        neighbours[n++] = pixel - width;
+    if (pixel + width < n_pixels)
+        neighbours[n++] = pixel + width;
+    for (size_t i = 0; i < n; i++)
+        if (chunk->contested[neighbours[i]] ||
+            chunk->surface[neighbours[i]] != chunk->surface[pixel])
+            return false;
+    return true;
+}
+
+static void note_floors(struct check *check)
+{
+    const struct chunk *chunk = check->chunk;
+    for (size_t i = 0; i < count_pixels(chunk); i++) {
+        if (chunk->contested[i] || chunk->surface[i] < 0)
+            continue;
+        floor_note(&check->tally.floor, (double)check->floor[i]);
+        if (is_smooth(check, i))
+            floor_note(&check->tally.smooth_floor, (double)check->floor[i]);
+    }
+}
+
+/* ---- a chunk ---- */
+
+bool check_open(const struct plan *plan, const struct surface *surfaces, const struct chunk *chunk,
+                double full_scale, struct check *out, struct error *err)
+{
+    size_t n_trials = chunk->n_candidates + chunk->n_contests;
+    *out = (struct check){.plan = plan,
+                          .surfaces = surfaces,
+                          .chunk = chunk,
+                          .full_scale = full_scale,
+                          .failed = calloc(count_pixels(chunk), sizeof *out->failed),
+                          .floor = calloc(count_pixels(chunk), sizeof *out->floor),
+                          .trials = calloc(n_trials + 1, sizeof *out->trials)};
+    if (!out->failed || !out->floor || !out->trials) {
+        free(out->failed);
+        free(out->floor);
+        free(out->trials);
+        *out = (struct check){.plan = NULL};
+        return error_memory(err);
+    }
+    for (size_t i = 0; i < n_trials; i++)
+        out->trials[i] = (struct check_trial){.alive = true, .band = -1};
+    for (size_t i = 0; i < chunk->n_contests; i++)
+        out->trials[chunk->n_candidates + i].alive = chunk->contests[i].background;
+    out->tight_edges =
+        plan->options.strict || (plan->n_bodies > 0 && surfaces[0].driver->watertight);
+    return true;
+}
+
+void check_pass(struct check *check, int first_band, const float *pixels, size_t stride)
+{
+    const struct chunk *chunk = check->chunk;
+    size_t width = (size_t)chunk->rows.width;
+    int n_channels = check->plan->n_bands - first_band;
+    if (n_channels > BANDS_PER_PASS)
+        n_channels = BANDS_PER_PASS;
+    for (size_t y = 0; y < (size_t)chunk->rows.height; y++) {
+        size_t row = y * width;
+        for (size_t at = row; at < row + width;) {
+            size_t n = run_length(chunk, at, row + width);
+            for (int c = 0; c < n_channels && n > 0; c++)
+                judge_run(check, at, n, first_band + c, pixels + (y * stride + (at - row)) * 4 + c);
+            at += n > 0 ? n : 1;
+        }
+    }
+    for (int c = 0; c < n_channels; c++)
+        judge_contests(check, first_band + c, c, pixels, stride);
+}
+
+void check_close(struct check *check, struct check_tally *total)
+{
+    for (size_t i = 0; i < check->chunk->n_contests; i++)
+        settle(check, i);
+    note_floors(check);
+    check->tally.pixels = count_pixels(check->chunk);
+    for (size_t i = 0; i < check->tally.pixels; i++)
+        check->tally.unexplained += check->failed[i];
+    tally_add(total, &check->tally);
+    free(check->failed);
+    free(check->floor);
+    free(check->trials);
+}

@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: MIT */
+/* How samples compare with what is expected of them, and the sums over many of them. */
+#include <float.h>
+#include <math.h>
+
+#include "raster/check/check.h"
+
+/* ---- samples ---- */
+
+/* Sums over a block are kept in lanes, which the compiler can do together. A block is filled up to
+ * whole lanes with samples that are 0 and expected to be 0. */
+enum { LANES = 8 };
+
+static size_t fill_lanes(struct block *block)
+{
+    size_t n = block->n;
+    for (; n % LANES != 0; n++) {
+        block->seen[n] = block->expected[n] = 0;
+        block->bound[n] = 0;
+    }
+    return n;
+}
+
+static void differ(struct check_samples *samples, struct block *block, size_t all)
+{
+    double sums[LANES] = {0}, squares[LANES] = {0};
+    for (size_t i = 0; i < all; i += LANES)
+        for (size_t k = 0; k < LANES; k++) {
+            double difference = block->seen[i + k] - block->expected[i + k];
+            block->difference[i + k] = (float)fabs(difference);
+            sums[k] += difference;
+            squares[k] += difference * difference;
+        }
+    for (size_t k = 0; k < LANES; k++) {
+        samples->sum += sums[k];
+        samples->sum_of_squares += squares[k];
+    }
+}
+
+static void count_equal(struct check_samples *samples, const struct block *block)
+{
+    int exact = 0, within_1 = 0;
+    for (size_t i = 0; i < block->n; i++) {
+        int apart = counts_round(block->seen[i]) - counts_round(block->expected[i]);
+        exact += apart == 0;
+        within_1 += apart >= -1 && apart <= 1;
+    }
+    samples->n += block->n;
+    samples->exact += (uint64_t)exact;
+    samples->within_1 += (uint64_t)within_1;
+}
+
+/* Whether all differences are at most `factor` times their bounds; NaN is not. */
+static bool are_within(const struct block *block, float factor, size_t all)
+{
+    int above[LANES] = {0};
+    int sum = 0;
+    for (size_t i = 0; i < all; i += LANES)
+        for (size_t k = 0; k < LANES; k++)
+            above[k] |= !(block->difference[i + k] <= factor * block->bound[i + k]);
+    for (size_t k = 0; k < LANES; k++)
+        sum |= above[k];
+    return sum == 0;
+}
+
+/* NaN is not larger than anything. (gcc 12 for ARM cannot compile this with fmax.) */
+static void raise_largest(double *largest, const struct block *block, size_t all)
+{
+    float most[LANES] = {0};
+    for (size_t i = 0; i < all; i += LANES)
+        for (size_t k = 0; k < LANES; k++)
+            most[k] = most[k] < block->difference[i + k] ? block->difference[i + k] : most[k];
+    for (size_t k = 0; k < LANES; k++)
+        if ((double)most[k] > *largest)
+            *largest = (double)most[k];
+}
+
+/* Looks closer only where a ratio may be larger. */
+static void raise_ratio(double *worst, const struct block *block, size_t all)
+{
+    if (are_within(block, (float)*worst, all))
+        return;
+    for (size_t i = 0; i < block->n; i++) {
+        double difference = (double)block->difference[i], bound = (double)block->bound[i];
+        if (difference <= bound && difference > *worst * bound)
+            *worst = difference / bound;
+    }
+}
+
+bool samples_compare(struct check_samples *samples, struct block *block)
+{
+    size_t all = fill_lanes(block);
+    differ(samples, block, all);
+    count_equal(samples, block);
+    raise_largest(&samples->largest, block, all);
+    raise_ratio(&samples->worst_ratio, block, all);
+    return are_within(block, 1, all);
+}
+
+void samples_add(struct check_samples *to, const struct check_samples *from)
+{
+    to->n += from->n;
+    to->exact += from->exact;
+    to->within_1 += from->within_1;
+    to->largest = fmax(to->largest, from->largest);
+    to->sum += from->sum;
+    to->sum_of_squares += from->sum_of_squares;
+    to->worst_ratio = fmax(to->worst_ratio, from->worst_ratio);
+}
+
+/* ---- floors ---- */
+
+/* Bins are an eighth of an octave wide, the first one ends at 2^-16 counts. */
+enum { BINS_PER_OCTAVE = 8, FIRST_OCTAVE = -16 };
+
+void floor_note(struct check_floor *to, double counts)
+{
+    int exponent, bin = counts > 0 ? FLOOR_BINS - 1 : 0;
+    double fraction = frexp(counts, &exponent); /* counts = fraction x 2^exponent, from 0.5 to 1 */
+    if (counts > 0 && counts <= DBL_MAX)
+        bin = (exponent - FIRST_OCTAVE) * BINS_PER_OCTAVE +
+              (int)(2 * BINS_PER_OCTAVE * (fraction - 0.5));
+    to->bins[bin < 0 ? 0 : bin < FLOOR_BINS ? bin : FLOOR_BINS - 1]++;
+    to->n++;
+    to->worst = fmax(to->worst, counts);
+}
+
+double floor_quantile(const struct check_floor *of, double part)
+{
+    uint64_t below = 0;
+    int bin = 0;
+    while (bin < FLOOR_BINS - 1 && (double)(below + of->bins[bin]) < part * (double)of->n)
+        below += of->bins[bin++];
+    double upper = ldexp(0.5 + (bin % BINS_PER_OCTAVE + 1) / (2.0 * BINS_PER_OCTAVE),
+                         bin / BINS_PER_OCTAVE + FIRST_OCTAVE);
+    return fmin(upper, of->worst);
+}
+
+static void floor_add(struct check_floor *to, const struct check_floor *from)
+{
+    for (int i = 0; i < FLOOR_BINS; i++)
+        to->bins[i] += from->bins[i];
+    to->n += from->n;
+    to->worst = fmax(to->worst, from->worst);
+}
+
+/* ---- all of it ---- */
+
+void tally_add(struct check_tally *to, const struct check_tally *from)
+{
+    samples_add(&to->samples, &from->samples);
+    floor_add(&to->floor, &from->floor);
+    floor_add(&to->smooth_floor, &from->smooth_floor);
+    to->pixels += from->pixels;
+    to->ambiguous += from->ambiguous;
+    to->unexplained += from->unexplained;
+    to->unbounded += from->unbounded;
+    to->edge_holes += from->edge_holes;
+    to->edge_doubles += from->edge_doubles;
+    to->worst_depth_ratio = fmax(to->worst_depth_ratio, from->worst_depth_ratio);
+    if (!to->first.found)
+        to->first = from->first;
+}

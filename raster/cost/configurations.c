@@ -1,0 +1,440 @@
+/* SPDX-License-Identifier: MIT */
+/* Which settings of render make sense for a scene. */
+#include <limits.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "raster/cost/cost.h"
+
+/* ---- the scene ---- */
+
+static bool material_fluoresces(const struct material *material)
+{
+    return material->excitation.kind != SPECTRUM_NONE || material->donaldson ||
+           (material->partner && material_fluoresces(material->partner));
+}
+
+static void survey_materials(const struct scene *scene, struct survey *out, bool *glossy)
+{
+    for (int i = 0; i < scene->n_materials; i++) {
+        const struct material *material = &scene->materials[i];
+        out->fluorescent = out->fluorescent || material_fluoresces(material);
+        out->spectral_texture = out->spectral_texture || material->spectral_texture ||
+                                (material->partner && material->partner->spectral_texture);
+        *glossy =
+            *glossy || material->gloss > 0 || (material->partner && material->partner->gloss > 0);
+    }
+}
+
+/* On flat shapes without highlights directional light is the same everywhere. */
+static void survey_shapes(const struct scene *scene, bool glossy, struct survey *out)
+{
+    bool varied = glossy;
+    for (int i = 0; i < scene->n_lights; i++)
+        varied = varied || !scene->lights[i].directional;
+    for (int i = 0; i < scene->n_objects; i++) {
+        const enum shape_kind kind = scene->objects[i].shape.kind;
+        const bool counts = kind != SHAPE_BOX && kind != SHAPE_PLANE;
+        varied = varied || (counts && kind != SHAPE_DISK);
+        out->tessellated = out->tessellated || (counts && kind != SHAPE_MESH);
+    }
+    out->shaded = varied && scene->n_lights > 0;
+}
+
+struct surveyor {
+    const struct cost_program *program;
+    const char *observer;
+};
+
+/* The scene as it is sampled by a method. */
+static bool read_sampled(const struct surveyor *surveyor, const char *sampling, struct scene *out,
+                         struct error *err)
+{
+    struct setting setting = {.tessellation = 1, .renderer = BY_RASTER};
+    struct cost_entry entry = {.n_words = 0};
+    snprintf(setting.sampling, sizeof setting.sampling, "%s", sampling);
+    const bool done =
+        setting_entry(&setting, surveyor->observer, &entry, err) &&
+        surveyor->program->read(surveyor->program->context, entry.words, entry.n_words, out, err);
+    cost_entry_free(&entry);
+    return done;
+}
+
+/* What the samplings themselves find out; one that refuses the scene finds nothing. */
+static void survey_spectra(const struct surveyor *surveyor, struct survey *out)
+{
+    struct error ignored = {.status = EXIT_AGREED};
+    struct scene scene = {.path = NULL};
+    out->n_peaks = -1;
+    if (read_sampled(surveyor, "adaptive:0.01", &scene, &ignored)) {
+        out->n_peaks =
+            scene.sampling->n_peaks < MAX_SURVEY_PEAKS ? scene.sampling->n_peaks : MAX_SURVEY_PEAKS;
+        for (int i = 0; i < out->n_peaks; i++)
+            out->peak_nm[i] = scene.sampling->peak_nm[i];
+    }
+    scene_free(&scene);
+    ignored = (struct error){.status = EXIT_AGREED};
+    scene = (struct scene){.path = NULL};
+    if (!out->spectral_texture && read_sampled(surveyor, "basis:1", &scene, &ignored))
+        out->rank = scene.sampling->rank;
+    scene_free(&scene);
+}
+
+static bool survey(void *context, void *result, struct error *err)
+{
+    const struct surveyor *surveyor = context;
+    struct survey *out = result;
+    struct scene scene = {.path = NULL};
+    bool glossy = false;
+    const bool done = surveyor->program->read(surveyor->program->context, NULL, 0, &scene, err);
+    if (done) {
+        snprintf(out->scene, sizeof out->scene, "%s", scene.path);
+        out->width = scene.width;
+        out->height = scene.height;
+        survey_materials(&scene, out, &glossy);
+        survey_shapes(&scene, glossy, out);
+        survey_spectra(surveyor, out);
+    }
+    scene_free(&scene);
+    return done;
+}
+
+bool survey_scene(const struct cost_program *program, const char *observer, struct survey *out,
+                  struct error *err)
+{
+    struct surveyor surveyor = {program, observer};
+    *out = (struct survey){.width = 0};
+    return process_run(survey, &surveyor, out, sizeof *out, NULL, err);
+}
+
+/* ---- a setting in words ---- */
+
+static const char *const shading_names[] = {
+    [SHADING_SMOOTH] = "smooth", [SHADING_FLAT] = "flat", [SHADING_PHONG] = "phong"};
+static const char *const renderer_names[] = {[BY_RASTER] = "raster",
+                                             [BY_LLVMPIPE] = "llvmpipe",
+                                             [BY_CHECKED_LLVMPIPE] = "llvmpipe",
+                                             [BY_SOFTPIPE] = "softpipe"};
+
+static bool add_word(struct cost_entry *entry, struct error *err, const char *option,
+                     const char *value)
+{
+    const size_t length = strlen(option) + strlen(value) + 1;
+    char *word = malloc(length);
+    if (!word)
+        return error_memory(err);
+    snprintf(word, length, "%s%s", option, value);
+    entry->words[entry->n_words++] = word;
+    return true;
+}
+
+static bool add_words(const struct setting *setting, const char *observer, struct cost_entry *out,
+                      struct error *err)
+{
+    char tessellation[16];
+    snprintf(tessellation, sizeof tessellation, "%d", setting->tessellation);
+    return (!setting->sampling[0] || add_word(out, err, "--sampling=", setting->sampling)) &&
+           (!setting->sampling[0] || strcmp(observer, "cie1931") == 0 ||
+            add_word(out, err, "--detector=", observer)) &&
+           add_word(out, err, "--shading=", shading_names[setting->shading]) &&
+           (setting->tessellation == 1 || add_word(out, err, "--tessellation=", tessellation)) &&
+           add_word(out, err, "--renderer=", renderer_names[setting->renderer]) &&
+           (setting->renderer == BY_CHECKED_LLVMPIPE || add_word(out, err, "--no-check", "")) &&
+           (setting->buffer_bits == 0 ||
+            add_word(out, err, "--buffer=", setting->buffer_bits == 8 ? "8" : "16")) &&
+           (setting->bits == 0 || add_word(out, err, "--depth=", setting->bits == 8 ? "8" : "32f"));
+}
+
+bool setting_entry(const struct setting *setting, const char *observer, struct cost_entry *out,
+                   struct error *err)
+{
+    char finer[16] = "", buffer[24] = "";
+    if (setting->tessellation > 1)
+        snprintf(finer, sizeof finer, " x%d", setting->tessellation);
+    if (setting->buffer_bits > 0)
+        snprintf(buffer, sizeof buffer, " buffer %d", setting->buffer_bits);
+    snprintf(out->name, sizeof out->name, "%s %s%s%s%s%s%s%s",
+             setting->sampling[0] ? setting->sampling : "own wavelengths",
+             shading_names[setting->shading], finer, setting->renderer == BY_RASTER ? "" : " ",
+             setting->renderer == BY_RASTER ? "" : renderer_names[setting->renderer],
+             setting->renderer == BY_CHECKED_LLVMPIPE ? " checked" : "", buffer,
+             setting->bits == 0   ? ""
+             : setting->bits == 8 ? " depth 8"
+                                  : " depth 32f");
+    return add_words(setting, observer, out, err);
+}
+
+/* ---- one axis after the other ---- */
+
+const struct setting reference_setting = {
+    .sampling = "riemann:1", .shading = SHADING_PHONG, .tessellation = 4, .renderer = BY_RASTER};
+
+static bool same_setting(const struct setting *a, const struct setting *b)
+{
+    return strcmp(a->sampling, b->sampling) == 0 && a->shading == b->shading &&
+           a->tessellation == b->tessellation && a->renderer == b->renderer &&
+           a->buffer_bits == b->buffer_bits && a->bits == b->bits;
+}
+
+/* One that is there already, or finds no room, is left out. */
+static bool add(struct trials *trials, struct setting setting, const char *sampling,
+                const char *observer, struct error *err)
+{
+    snprintf(setting.sampling, sizeof setting.sampling, "%s", sampling);
+    for (int i = 0; i < trials->n; i++)
+        if (same_setting(&trials->trial[i].setting, &setting))
+            return true;
+    if (trials->n == MAX_SETTINGS)
+        return true;
+    struct trial *trial = &trials->trial[trials->n++];
+    *trial = (struct trial){.setting = setting};
+    return setting_entry(&setting, observer, &trial->entry, err);
+}
+
+/* What samplings, and then shadings, are tried with. */
+static struct setting finest(const struct survey *survey)
+{
+    struct setting setting = reference_setting;
+    setting.tessellation = survey->tessellated ? setting.tessellation : 1;
+    return setting;
+}
+
+/* The first few components, and as many as there are. */
+static bool add_bases(const struct survey *survey, const char *observer, struct trials *out,
+                      struct error *err)
+{
+    static const int counts[] = {1, 2, 4, 8, INT_MAX};
+    char name[SAMPLING_NAME];
+    for (int i = 0; i < 5 && (i == 0 || counts[i - 1] < survey->rank); i++) {
+        snprintf(name, sizeof name, "basis:%d",
+                 counts[i] < survey->rank ? counts[i] : survey->rank);
+        if (!add(out, finest(survey), name, observer, err))
+            return false;
+    }
+    return true;
+}
+
+/* More of gauss under smooth light, and more of adaptive under emission lines. */
+enum lights { ANY_LIGHT, SMOOTH_LIGHT, LINES };
+static const struct {
+    const char *name;
+    enum lights under;
+} samplings[] = {{"", ANY_LIGHT},
+                 {"riemann:40", ANY_LIGHT},
+                 {"riemann:20", ANY_LIGHT},
+                 {"riemann:10", ANY_LIGHT},
+                 {"riemann:5", ANY_LIGHT},
+                 {"riemann:1", ANY_LIGHT},
+                 {"gauss:4", ANY_LIGHT},
+                 {"gauss:8", ANY_LIGHT},
+                 {"gauss:12", SMOOTH_LIGHT},
+                 {"gauss:16", ANY_LIGHT},
+                 {"gauss:24", ANY_LIGHT},
+                 {"gauss:8,open", ANY_LIGHT},
+                 {"box:8", ANY_LIGHT},
+                 {"box:16", ANY_LIGHT},
+                 {"adaptive:0.1", LINES},
+                 {"adaptive:0.01", ANY_LIGHT},
+                 {"adaptive:0.001", LINES}};
+
+bool settings_samplings(const struct survey *survey, const char *observer, struct trials *out,
+                        struct error *err)
+{
+    const enum lights other = survey->n_peaks > 0 ? SMOOTH_LIGHT : LINES;
+    for (size_t i = 0; i < sizeof samplings / sizeof samplings[0]; i++)
+        if (samplings[i].under != other &&
+            !add(out, finest(survey), samplings[i].name, observer, err))
+            return false;
+    return survey->spectral_texture ||
+           (add(out, finest(survey), "rgb", observer, err) &&
+            add(out, finest(survey), "xyz", observer, err) &&
+            (survey->rank == 0 || add_bases(survey, observer, out, err)));
+}
+
+/* ---- shading, renderer and arithmetic, with a sampling that is good enough not to matter ---- */
+
+/* The trial of a sampling; NULL: there is none that could be rendered. */
+static const struct trial *find(const struct trials *trials, struct setting setting,
+                                const char *sampling)
+{
+    snprintf(setting.sampling, sizeof setting.sampling, "%s", sampling);
+    for (int i = 0; i < trials->n; i++)
+        if (same_setting(&trials->trial[i].setting, &setting) && trials->trial[i].n_pages > 0)
+            return &trials->trial[i];
+    return NULL;
+}
+
+enum content { ANY_PAGES, RADIANCES, WAVELENGTHS }; /* what pages tell, at least */
+
+static bool tells(const struct cost_entry *entry, enum content content)
+{
+    return content == WAVELENGTHS ? entry->spectral
+                                  : content == ANY_PAGES || !isnan(entry->radiance_error);
+}
+
+/* The sampling of the fewest pages within a colour difference, or where none is the closest. */
+static const char *leanest(const struct survey *survey, const struct trials *trials,
+                           double tolerance, enum content content)
+{
+    const struct trial *best = NULL;
+    for (int i = 0; i < trials->n; i++) {
+        const struct trial *trial = &trials->trial[i];
+        const double error = fmax(trial->entry.quantile_95, tolerance);
+        if (find(trials, finest(survey), trial->setting.sampling) != trial ||
+            !tells(&trial->entry, content))
+            continue;
+        const double least = best ? fmax(best->entry.quantile_95, tolerance) : HUGE_VAL;
+        if (error < least || (error <= least && trial->n_pages < best->n_pages))
+            best = trial;
+    }
+    return best ? best->setting.sampling : "";
+}
+
+static const char *good_sampling(const struct survey *survey, const struct trials *trials)
+{
+    return leanest(survey, trials, 0.1, RADIANCES);
+}
+
+/* About in the order of what they cost. */
+static const struct setting shadings[] = {
+    {.shading = SHADING_FLAT, .tessellation = 1},   {.shading = SHADING_SMOOTH, .tessellation = 1},
+    {.shading = SHADING_PHONG, .tessellation = 1},  {.shading = SHADING_FLAT, .tessellation = 2},
+    {.shading = SHADING_SMOOTH, .tessellation = 2}, {.shading = SHADING_PHONG, .tessellation = 2},
+    {.shading = SHADING_FLAT, .tessellation = 4},   {.shading = SHADING_SMOOTH, .tessellation = 4},
+    {.shading = SHADING_PHONG, .tessellation = 4}};
+enum { N_SHADINGS = sizeof shadings / sizeof shadings[0] };
+
+static bool is_on_axis(const struct survey *survey, const struct setting *shading)
+{
+    return (survey->tessellated || shading->tessellation == 1) &&
+           (survey->shaded || shading->shading == SHADING_SMOOTH);
+}
+
+static bool add_shadings(const struct survey *survey, const char *observer, struct trials *out,
+                         struct error *err)
+{
+    for (int i = 0; i < N_SHADINGS; i++)
+        if (is_on_axis(survey, &shadings[i]) &&
+            !add(out, shadings[i], good_sampling(survey, out), observer, err))
+            return false;
+    return true;
+}
+
+static const struct setting opengl = {.tessellation = 1, .renderer = BY_LLVMPIPE};
+
+/* OpenGL lights vertices only: smooth. */
+static bool add_renderers(const struct survey *survey, const char *observer, struct trials *out,
+                          struct error *err)
+{
+    const char *sampling = good_sampling(survey, out);
+    struct setting eight = opengl, sixteen = opengl, checked = opengl, softpipe = opengl;
+    eight.buffer_bits = 8;
+    sixteen.buffer_bits = 16;
+    checked.renderer = BY_CHECKED_LLVMPIPE;
+    softpipe.renderer = BY_SOFTPIPE;
+    return !gl_is_built() || (add(out, opengl, sampling, observer, err) &&
+                              add(out, sixteen, sampling, observer, err) &&
+                              add(out, eight, sampling, observer, err) &&
+                              add(out, checked, sampling, observer, err) &&
+                              add(out, softpipe, sampling, observer, err));
+}
+
+static bool add_depths(const struct survey *survey, const char *observer, struct trials *out,
+                       struct error *err)
+{
+    struct setting bytes = finest(survey), floats = finest(survey);
+    bytes.bits = 8;
+    floats.bits = 32;
+    return add(out, bytes, good_sampling(survey, out), observer, err) &&
+           add(out, floats, good_sampling(survey, out), observer, err);
+}
+
+bool settings_pictures(const struct survey *survey, const char *observer, struct trials *out,
+                       struct error *err)
+{
+    return add_shadings(survey, observer, out, err) && add_renderers(survey, observer, out, err) &&
+           add_depths(survey, observer, out, err);
+}
+
+/* ---- combinations ---- */
+
+/* A sampling with the shadings that none listed before is closer than. */
+static bool combine(const struct survey *survey, const char *observer, const char *sampling,
+                    struct trials *trials, struct error *err)
+{
+    double best = HUGE_VAL;
+    for (int i = 0; i < N_SHADINGS; i++) {
+        const struct trial *trial = find(trials, shadings[i], good_sampling(survey, trials));
+        if (!trial || trial->entry.quantile_95 >= best)
+            continue;
+        best = trial->entry.quantile_95;
+        if (!add(trials, shadings[i], sampling, observer, err))
+            return false;
+    }
+    return !gl_is_built() || add(trials, opengl, sampling, observer, err);
+}
+
+bool settings_combined(const struct survey *survey, const char *observer, struct trials *trials,
+                       struct error *err)
+{
+    char colours[SAMPLING_NAME], spectra[SAMPLING_NAME];
+    snprintf(colours, sizeof colours, "%s", leanest(survey, trials, 0.5, ANY_PAGES));
+    snprintf(spectra, sizeof spectra, "%s", leanest(survey, trials, 0.5, WAVELENGTHS));
+    return combine(survey, observer, colours, trials, err) &&
+           combine(survey, observer, spectra, trials, err);
+}
+
+/* ---- notes ---- */
+
+bool cost_note(struct cost *cost, struct error *err, const char *format, ...)
+{
+    char text[1024];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    char **notes = array_more(cost->notes, cost->n_notes, sizeof *notes, err);
+    if (!notes)
+        return false;
+    cost->notes = notes;
+    notes[cost->n_notes] = strdup(text);
+    return notes[cost->n_notes++] || error_memory(err);
+}
+
+static bool note_lights(const struct survey *survey, struct cost *cost, struct error *err)
+{
+    char list[16 * MAX_SURVEY_PEAKS] = "";
+    if (survey->n_peaks < 0)
+        return true;
+    if (survey->n_peaks == 0)
+        return cost_note(cost, err, "no emission peaks: gauss needs few samples");
+    for (int i = 0; i < survey->n_peaks; i++)
+        snprintf(list + strlen(list), sizeof list - strlen(list), "%s%.6g", i > 0 ? ", " : "",
+                 survey->peak_nm[i]);
+    return cost_note(
+        cost, err,
+        "emission peaks at %s nm, of lights or materials: adaptive samples them, others "
+        "may miss them or give them too much weight",
+        list);
+}
+
+bool survey_notes(const struct survey *survey, struct cost *cost, struct error *err)
+{
+    return note_lights(survey, cost, err) &&
+           (!survey->fluorescent ||
+            cost_note(cost, err, "materials fluoresce: rgb and xyz cannot show it")) &&
+           (!survey->spectral_texture ||
+            cost_note(cost, err,
+                      "spectral textures leave out basis, rgb and xyz: they have "
+                      "radiances at wavelengths")) &&
+           (survey->shaded ||
+            cost_note(cost, err,
+                      "shadings do not differ: nothing curved, no highlights, and no "
+                      "light that is near")) &&
+           (survey->tessellated ||
+            cost_note(cost, err, "no shape has slices or stacks: there is no --tessellation")) &&
+           (gl_is_built() ||
+            cost_note(cost, err, "this program was built without OpenGL: raster renders all"));
+}

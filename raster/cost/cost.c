@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: MIT */
+/* What was measured, concluded: the frontier, recommendations, tables and the chart. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "raster/cost/cost.h"
+
+void cost_entry_free(struct cost_entry *entry)
+{
+    for (int i = 0; i < entry->n_words; i++)
+        free(entry->words[i]);
+    entry->n_words = 0;
+}
+
+void cost_free(struct cost *cost)
+{
+    for (int i = 0; cost->entries && i < cost->n; i++)
+        cost_entry_free(&cost->entries[i]);
+    for (int i = 0; cost->notes && i < cost->n_notes; i++)
+        free(cost->notes[i]);
+    free(cost->entries);
+    free(cost->notes);
+    free(cost->scene);
+    free(cost->observer);
+    *cost = (struct cost){.scene = NULL};
+}
+
+/* ---- the frontier ---- */
+
+/* Whether one of that time and error leaves nothing to be said for another. */
+static bool dominates(double seconds, double error, double other_seconds, double other_error)
+{
+    return seconds <= other_seconds && error <= other_error &&
+           (seconds < other_seconds || error < other_error);
+}
+
+/* Whether the entry is dominated: by medians, or with its own time and those of others at their
+ * extremes. */
+enum luck { NO_LUCK, GOOD_LUCK, BAD_LUCK };
+
+static double seconds_with(const struct cost_entry *entry, enum luck luck)
+{
+    return luck == GOOD_LUCK ? entry->fastest : luck == BAD_LUCK ? entry->slowest : entry->seconds;
+}
+
+static bool is_dominated(const struct cost *cost, int index, enum luck own, enum luck others)
+{
+    const struct cost_entry *entry = &cost->entries[index];
+    for (int i = 0; i < cost->n; i++)
+        if (i != index &&
+            dominates(seconds_with(&cost->entries[i], others), cost->entries[i].quantile_95,
+                      seconds_with(entry, own), entry->quantile_95))
+            return true;
+    return false;
+}
+
+/* The true median of a time lies between the fastest and the slowest of n runs unless all n fall on
+ * one side of it: with probability 1 - 2/2^n, of 5 runs 94 % (David and Nagaraja, Order Statistics,
+ * 2003, 7.1). */
+void cost_mark(struct cost *cost)
+{
+    for (int i = 0; i < cost->n; i++) {
+        struct cost_entry *entry = &cost->entries[i];
+        entry->best = !is_dominated(cost, i, NO_LUCK, NO_LUCK);
+        entry->uncertain = entry->best ? is_dominated(cost, i, BAD_LUCK, GOOD_LUCK)
+                                       : !is_dominated(cost, i, GOOD_LUCK, BAD_LUCK);
+    }
+}
+
+/* Entries are in the order of their seconds: the first of equals is the faster. */
+const struct cost_entry *cost_within(const struct cost *cost, double tolerance, bool spectral)
+{
+    for (int i = 0; i < cost->n; i++)
+        if (cost->entries[i].quantile_95 <= tolerance && (cost->entries[i].spectral || !spectral))
+            return &cost->entries[i];
+    return NULL;
+}
+
+const struct cost_entry *cost_affordable(const struct cost *cost, double seconds, bool spectral)
+{
+    const struct cost_entry *best = NULL;
+    for (int i = 0; i < cost->n && cost->entries[i].seconds <= seconds; i++)
+        if ((cost->entries[i].spectral || !spectral) &&
+            (!best || cost->entries[i].quantile_95 < best->quantile_95))
+            best = &cost->entries[i];
+    return best;
+}
+
+/* ---- tables ---- */
+
+static void print_entry(const struct cost_entry *entry, FILE *to)
+{
+    fprintf(to, "%s%s %-40s %8.3f  %7.3f..%-7.3f %8.3g %8.3g %8.3g ", entry->best ? "*" : " ",
+            entry->uncertain ? "~" : " ", entry->name, entry->seconds, entry->fastest,
+            entry->slowest, entry->mean, entry->quantile_95, entry->largest);
+    if (isnan(entry->radiance_error))
+        fprintf(to, "%9s\n", "-");
+    else
+        fprintf(to, "%9.3g\n", entry->radiance_error);
+}
+
+void cost_print(const struct cost *cost, FILE *to)
+{
+    fprintf(
+        to,
+        "scene             %s, %d x %d pixels\n"
+        "observer          %s\n"
+        "runs              %d of each setting after a warm-up, one setting after the other, each "
+        "in a\n"
+        "                  process of its own; seconds are the median, fastest and slowest\n"
+        "reference         every nm, phong shading, tessellation 4, in double: %.3g s\n\n",
+        cost->scene, cost->width, cost->height, cost->observer, cost->runs,
+        cost->reference_seconds);
+    fprintf(to, "   %-40s %8s  %16s %8s %8s %8s %9s\n", "setting", "seconds", "fastest..slowest",
+            "dE00", "95 %", "largest", "radiance");
+    for (int i = 0; i < cost->n; i++)
+        print_entry(&cost->entries[i], to);
+    fprintf(
+        to,
+        "\n"
+        "*  on the frontier: no other is both faster and closer for 95 %% of the pixels\n"
+        "~  within noise: times between fastest and slowest would put it on the frontier, or off;\n"
+        "   a true median is between them with a probability of %.4g %%\n",
+        100 * (1 - ldexp(2, -cost->runs)));
+    fputs("dE00 is CIEDE2000 over the pixels that show an object: mean, 95 %, largest; radiance is "
+          "the\n"
+          "rms error of radiances at every nm, relative to theirs, - where pages tell none\n",
+          to);
+    for (int i = 0; i < cost->n_notes; i++)
+        fprintf(to, "%s- %s\n", i == 0 ? "\n" : "", cost->notes[i]);
+}
+
+/* RFC 4180; neither names nor options have a quotation mark, unless a file's name does. */
+static void print_quoted(const char *text, FILE *to)
+{
+    for (; *text; text++) {
+        if (*text == '"')
+            fputc('"', to);
+        fputc(*text, to);
+    }
+}
+
+static void print_csv_entry(const struct cost_entry *entry, FILE *to)
+{
+    fprintf(to, "\"%s\",\"", entry->name);
+    for (int i = 0; i < entry->n_words; i++) {
+        fputs(i > 0 ? " " : "", to);
+        print_quoted(entry->words[i], to);
+    }
+    fprintf(to, "\",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,", entry->seconds, entry->fastest, entry->slowest,
+            entry->mean, entry->quantile_95, entry->largest);
+    if (!isnan(entry->radiance_error))
+        fprintf(to, "%.9g", entry->radiance_error);
+    fprintf(to, ",%d,%d\n", entry->best, entry->uncertain);
+}
+
+void cost_print_csv(const struct cost *cost, FILE *to)
+{
+    fputs("name,options,seconds,fastest,slowest,dE00_mean,dE00_95,dE00_largest,radiance_error,"
+          "frontier,within_noise\n",
+          to);
+    for (int i = 0; i < cost->n; i++)
+        print_csv_entry(&cost->entries[i], to);
+}
+
+/* ---- the chart ---- */
+
+char *cost_svg(const struct cost *cost)
+{
+    char title[512];
+    struct frontier_point *points = calloc((size_t)cost->n + 1, sizeof *points);
+    for (int i = 0; points && i < cost->n; i++) {
+        const struct cost_entry *entry = &cost->entries[i];
+        points[i] = (struct frontier_point){.name = entry->name,
+                                            .cost = entry->seconds,
+                                            .cost_low = entry->fastest,
+                                            .cost_high = entry->slowest,
+                                            .error = entry->quantile_95,
+                                            .best = entry->best,
+                                            .uncertain = entry->uncertain};
+    }
+    snprintf(title, sizeof title, "%s, %d x %d pixels, %s", cost->scene, cost->width, cost->height,
+             cost->observer);
+    const struct frontier frontier = {title, "seconds", "CIEDE2000, 95 % of the pixels", points,
+                                      cost->n};
+    char *svg = points ? frontier_svg(&frontier) : NULL;
+    free(points);
+    return svg;
+}

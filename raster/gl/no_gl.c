@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: MIT */
+/* In the place of mesa.c and identify.c in a program without OpenGL. None is ever opened, so that
+ * the functions that need an open one are here only to be linked. */
+#include <errno.h>
+
+#include "raster/gl/gl.h"
+
+bool gl_is_built(void)
+{
+    return false;
+}
+
+void gl_library(char *out, size_t capacity)
+{
+    snprintf(out, capacity, "without OpenGL");
+}
+
+bool gl_open(const struct plan *plan, struct gl **out, struct error *err)
+{
+    (void)plan;
+    *out = NULL;
+    errno = 0;
+    return error_system(err, "this program was built without OpenGL");
+}
+
+void gl_close(struct gl *gl)
+{
+    (void)gl;
+}
+
+/* ---- with an open one ---- */
+
+const char *gl_renderer(const struct gl *gl)
+{
+    (void)gl;
+    return "none";
+}
+
+const char *gl_version(const struct gl *gl)
+{
+    (void)gl;
+    return "none";
+}
+
+void gl_aim(struct gl *gl, const struct surface *surfaces, const struct tile *tile)
+{
+    (void)gl, (void)surfaces, (void)tile;
+}
+
+bool gl_draw(struct gl *gl, int first_band, double full_scale, const float **pixels,
+             struct error *err)
+{
+    (void)gl, (void)first_band, (void)full_scale, (void)pixels;
+    return error_system(err, "there is no OpenGL");
+}
+
+bool gl_identify(struct gl *gl, struct error *err)
+{
+    (void)gl;
+    return error_system(err, "there is no OpenGL");
+}
+
+struct shown gl_shown(const struct gl *gl, int x, int y)
+{
+    (void)gl, (void)x, (void)y;
+    return (struct shown){-1, -1, 0, 0};
+}
+
+struct gl_work gl_work(const struct gl *gl)
+{
+    (void)gl;
+    return (struct gl_work){0, 0};
+}

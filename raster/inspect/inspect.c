@@ -1,0 +1,215 @@
+/* SPDX-License-Identifier: MIT */
+/* How a pixel's spectrum comes about: the reference draws a region as it draws the whole picture,
+ * and the spectra that its finish is made of are given beside it. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "raster/inspect/inspect.h"
+
+struct region {
+    struct plan plan; /* a view of the caller's, whose samples are radiances */
+    struct surface *surfaces;
+    double full_scale;
+    struct chunk *chunks; /* of the current tile */
+    int n_chunks;
+    float *samples;          /* of a chunk */
+    struct moments *moments; /* of each band */
+    struct probe *probe;
+    int surface; /* of the first pixel; -1: the background */
+    bool begun, several;
+};
+
+/* ---- pixels ---- */
+
+static void note_surface(struct region *region, int surface)
+{
+    if (!region->begun)
+        region->surface = surface;
+    region->begun = true;
+    region->several = region->several || surface != region->surface;
+}
+
+static bool rasterize_chunks(struct region *region, const struct tile *tile, struct error *err)
+{
+    region->n_chunks = chunk_count(tile);
+    region->chunks = calloc((size_t)region->n_chunks, sizeof *region->chunks);
+    if (!region->chunks)
+        return error_memory(err);
+    for (int i = 0; i < region->n_chunks; i++) {
+        struct chunk *chunk = &region->chunks[i];
+        if (!chunk_rasterize(&region->plan, region->surfaces, tile, i, chunk, err))
+            return false;
+        for (int pixel = 0; pixel < chunk->rows.width * chunk->rows.height; pixel++)
+            note_surface(region, chunk->surface[pixel]);
+    }
+    return true;
+}
+
+static bool add_band(struct region *region, int band, struct error *err)
+{
+    for (int i = 0; i < region->n_chunks; i++) {
+        const struct chunk *chunk = &region->chunks[i];
+        const size_t n = (size_t)chunk->rows.width * (size_t)chunk->rows.height;
+        const struct odd_samples odd = counts_of_reference(
+            &region->plan, region->surfaces, chunk, band, region->full_scale, region->samples);
+        if (odd.undefined > 0)
+            return error_usage(err, "%s: a radiance there is not finite", region->probe->source);
+        moments_add(&region->moments[band], region->samples, n);
+    }
+    return true;
+}
+
+static void free_chunks(struct region *region)
+{
+    for (int i = 0; region->chunks && i < region->n_chunks; i++)
+        chunk_free(&region->chunks[i]);
+    free(region->chunks);
+    region->chunks = NULL;
+}
+
+static bool inspect_tile(struct region *region, const struct tile *tile, struct error *err)
+{
+    bool done = rasterize_chunks(region, tile, err);
+    for (int band = 0; done && band < region->plan.n_bands; band++)
+        done = (band % BANDS_PER_PASS != 0 || plan_load_textures(&region->plan, band, err)) &&
+               add_band(region, band, err);
+    free_chunks(region);
+    return done;
+}
+
+/* In tiles no larger than the plan's, which bound the memory. */
+static bool inspect_tiles(struct region *region, struct error *err)
+{
+    const struct probe *probe = region->probe;
+    const struct tile whole = {probe->x, probe->y, probe->width, probe->height};
+    for (int i = 0; i < plan_tiles(&region->plan, &whole); i++) {
+        const struct tile tile = plan_tile(&region->plan, &whole, i);
+        if (!inspect_tile(region, &tile, err))
+            return false;
+    }
+    for (int band = 0; band < probe->n; band++)
+        moments_end(&region->moments[band], &probe->mean[band], &probe->spread[band]);
+    return true;
+}
+
+/* ---- curves ---- */
+
+/* factor x spectrum under a name; of NULL 1. What finds no room is left out. */
+static bool add_curve(struct probe *probe, const char *name, bool relative, double factor,
+                      const struct spectrum *spectrum, enum spectrum_ends ends, struct error *err)
+{
+    struct probe_curve *curve = &probe->curves[probe->n_curves];
+    if (probe->n_curves == MAX_PROBE_CURVES)
+        return true;
+    curve->values = calloc((size_t)probe->n, sizeof *curve->values);
+    if (!curve->values)
+        return error_memory(err);
+    snprintf(curve->name, sizeof curve->name, "%s", name);
+    curve->relative = relative;
+    for (int i = 0; i < probe->n; i++)
+        curve->values[i] =
+            factor * (spectrum ? spectrum_at(spectrum, probe->wavelengths_nm[i], ends) : 1);
+    probe->n_curves++;
+    return true;
+}
+
+static bool add_light(struct probe *probe, const char *kind, int index, double intensity,
+                      const struct spectrum *spectrum, struct error *err)
+{
+    char name[sizeof probe->curves[0].name];
+    snprintf(name, sizeof name, "%s %d (%s)", kind, index + 1, spectrum->name);
+    return add_curve(probe, name, false, intensity, spectrum, SPECTRUM_ZERO, err);
+}
+
+static bool add_lights(struct probe *probe, const struct scene *scene, struct error *err)
+{
+    for (int i = 0; i < scene->n_lights; i++)
+        if (!add_light(probe, "light", i, scene->lights[i].intensity, &scene->lights[i].spectrum,
+                       err))
+            return false;
+    for (int i = 0; i < scene->n_ambients; i++)
+        if (!add_light(probe, "ambient light", i, scene->ambients[i].intensity,
+                       &scene->ambients[i].spectrum, err))
+            return false;
+    return true;
+}
+
+/* Each as raster/finish.c takes it. */
+static bool add_material(struct probe *probe, const struct material *material, struct error *err)
+{
+    const struct spectrum *specular =
+        material->specular.kind != SPECTRUM_NONE ? &material->specular : NULL;
+    return add_curve(probe, "reflectance", true, 1, &material->diffuse, SPECTRUM_HOLD, err) &&
+           (material->gloss == 0 ||
+            add_curve(probe, "specular reflectance", true, 1, specular, SPECTRUM_HOLD, err)) &&
+           (material->excitation.kind == SPECTRUM_NONE ||
+            (add_curve(probe, "excitation", true, 1, &material->excitation, SPECTRUM_ZERO, err) &&
+             add_curve(probe, "emission", true, 1, &material->emission, SPECTRUM_ZERO, err))) &&
+           (material->glow.kind == SPECTRUM_NONE ||
+            add_curve(probe, "own light", false, 1, &material->glow, SPECTRUM_ZERO, err));
+}
+
+/* The object's come first: there may be too many lights. */
+static bool add_curves(const struct region *region, struct error *err)
+{
+    struct probe *probe = region->probe;
+    if (!region->several) {
+        probe->object = strdup(object_name(&region->plan, region->surface));
+        if (!probe->object)
+            return error_memory(err);
+        if (region->surface >= 0 &&
+            !add_material(probe, region->surfaces[region->surface].finish->material, err))
+            return false;
+    }
+    return add_lights(probe, region->plan.scene, err);
+}
+
+/* ---- the whole ---- */
+
+/* The white is that of a stack of this scene. */
+static bool add_colour(struct probe *probe, const struct scene *scene,
+                       const struct probe_options *options, struct error *err)
+{
+    struct cube cube = {.image = {.path = scene->path,
+                                  .n_pages = scene->n_wavelengths,
+                                  .wavelengths_nm = scene->wavelengths_nm}};
+    cube.record.white = calloc((size_t)probe->n, sizeof *cube.record.white);
+    if (!cube.record.white)
+        return error_memory(err);
+    cube.record.n_white = scene_white(scene, cube.record.white) > 0 ? probe->n : 0;
+    bool done = probe_colour(probe, &cube, options, err);
+    free(cube.record.white);
+    return done;
+}
+
+static bool inspect(struct region *region, struct error *err)
+{
+    const struct plan *plan = &region->plan;
+    const size_t largest_chunk = (size_t)CHUNK_ROWS * (size_t)plan->tile_width;
+    struct light_work work;
+    bool clips;
+    if (plan->scene->shading == SHADING_PHONG) /* which may have no largest radiance */
+        region->plan.options.full_scale = 1;
+    region->samples = calloc(largest_chunk, sizeof *region->samples);
+    region->moments = calloc((size_t)plan->n_bands, sizeof *region->moments);
+    if (!region->samples || !region->moments)
+        return error_memory(err);
+    return surfaces_light(plan, driver_of(NULL), &region->surfaces, &work, err) &&
+           surfaces_full_scale(plan, region->surfaces, &region->full_scale, &clips, err) &&
+           inspect_tiles(region, err) && add_curves(region, err);
+}
+
+bool probe_scene(const struct plan *plan, const struct probe_options *options, struct probe *out,
+                 struct error *err)
+{
+    const struct scene *scene = plan->scene;
+    struct region region = {.plan = *plan, .probe = out};
+    region.plan.options.bits = 32;
+    bool done = probe_open(out, scene->path, options, scene->width, scene->height, err) &&
+                probe_allocate(out, scene->wavelengths_nm, scene->n_wavelengths, err) &&
+                inspect(&region, err) && add_colour(out, scene, options, err);
+    surfaces_free(plan, region.surfaces);
+    free(region.samples);
+    free(region.moments);
+    return done;
+}

@@ -1,0 +1,324 @@
+/* SPDX-License-Identifier: MIT */
+/* The plan in words: each effect with the reason why it is simulated or not, each light, and what
+ * is guessed rather than measured. */
+#include <string.h>
+
+#include "raster/plan/plan.h"
+
+/* ---- counting what the plan uses ---- */
+
+static bool has_term(const struct finish *finish, enum term_kind kind)
+{
+    for (int i = 0; i < finish->n_terms; i++)
+        if (finish->terms[i].kind == kind)
+            return true;
+    return false;
+}
+
+static bool is_ambient(const struct finish *finish)
+{
+    return finish->ambient;
+}
+
+static bool is_diffuse(const struct finish *finish)
+{
+    return has_term(finish, TERM_DIFFUSE);
+}
+
+static bool is_specular(const struct finish *finish)
+{
+    return has_term(finish, TERM_SPECULAR);
+}
+
+static bool has_excitation(const struct finish *finish)
+{
+    return finish->material->excitation.kind != SPECTRUM_NONE;
+}
+
+static bool has_matrix(const struct finish *finish)
+{
+    return finish->material->donaldson != NULL;
+}
+
+static bool is_fluorescent(const struct finish *finish)
+{
+    return finish->fluoresces && has_excitation(finish);
+}
+
+static bool is_bispectral(const struct finish *finish)
+{
+    return finish->fluoresces && has_matrix(finish);
+}
+
+static bool is_textured(const struct finish *finish)
+{
+    return finish->texture && !finish->texture->spectral;
+}
+
+static bool is_spectrally_textured(const struct finish *finish)
+{
+    return finish->texture && finish->texture->spectral;
+}
+
+static bool is_emitting(const struct finish *finish)
+{
+    return finish->emits;
+}
+
+static int count_finishes(const struct plan *plan, bool (*is)(const struct finish *))
+{
+    int n = 0;
+    for (int i = 0; i < plan->n_finishes; i++)
+        n += is(&plan->finishes[i]);
+    return n;
+}
+
+static bool is_two_sided(const struct object *object)
+{
+    return object->two_sided;
+}
+
+static bool is_mapped(const struct object *object)
+{
+    return object->material_map != NULL;
+}
+
+static int count_objects(const struct plan *plan, bool (*is)(const struct object *))
+{
+    int n = 0;
+    for (int i = 0; i < plan->scene->n_objects; i++)
+        n += is(&plan->scene->objects[i]);
+    return n;
+}
+
+/* ---- effects and their reasons ---- */
+
+static void add_effect(struct plan *plan, const char *name, int used, int all, const char *what,
+                       const char *otherwise)
+{
+    struct plan_effect *effect = &plan->effects[plan->n_effects++];
+    effect->name = name;
+    effect->used = used > 0;
+    if (used > 0)
+        snprintf(effect->reason, sizeof effect->reason, "%d of %d %s", used, all, what);
+    else
+        snprintf(effect->reason, sizeof effect->reason, "%s", otherwise);
+}
+
+static void add_finish_effect(struct plan *plan, const char *name,
+                              bool (*is)(const struct finish *), const char *otherwise)
+{
+    add_effect(plan, name, count_finishes(plan, is), plan->n_finishes, "materials", otherwise);
+}
+
+/* A material with a partner and the partner count as one. */
+static int count_halves(const struct plan *plan)
+{
+    int n = 0;
+    for (int i = 0; i < plan->n_finishes; i++)
+        n += plan->finishes[i].material->partner || plan->finishes[i].material->partner_name;
+    return n;
+}
+
+static void add_switch(struct plan *plan, const char *name, bool asked, bool matters,
+                       const char *not_asked, const char *no_matter)
+{
+    add_effect(plan, name, asked && matters, 1, "", asked ? no_matter : not_asked);
+    if (asked && matters)
+        snprintf(plan->effects[plan->n_effects - 1].reason, sizeof plan->effects[0].reason,
+                 "the scene asks for it");
+}
+
+static const char *other_shading(const struct scene *scene)
+{
+    return scene->shading == SHADING_FLAT    ? "shading is flat"
+           : scene->shading == SHADING_PHONG ? "shading is phong"
+                                             : "shading is smooth";
+}
+
+static const char *why_no_luminescence(const struct plan *plan, int able, const char *none_able)
+{
+    return able == 0                         ? none_able
+           : shows_luminescence(plan->scene) ? "nothing is excited and shown"
+                                             : "rgb and xyz cannot show it";
+}
+
+/* Objects whose counts a factor changes. */
+static int count_tessellated(const struct scene *scene)
+{
+    int n = 0;
+    for (int i = 0; i < scene->n_objects; i++) {
+        const struct shape *shape = &scene->objects[i].shape;
+        const struct shape other = shape_tessellated(shape, scene->tessellation);
+        n += memcmp(shape->parameter, other.parameter, sizeof other.parameter) != 0;
+    }
+    return n;
+}
+
+void plan_effects(struct plan *plan)
+{
+    const struct scene *scene = plan->scene;
+    int attenuated = 0, spots = 0, n_specular = count_finishes(plan, is_specular);
+    for (int i = 0; i < plan->n_lights; i++) {
+        attenuated += plan->lights[i].attenuated;
+        spots += plan->lights[i].spot;
+    }
+    add_finish_effect(plan, "ambient", is_ambient, "no ambient light reflected");
+    add_effect(plan, "lights", plan->n_lights, scene->n_lights, "shine", "no light shines");
+    add_finish_effect(plan, "diffuse", is_diffuse, "no material reflects a light");
+    add_finish_effect(plan, "specular", is_specular, "no lit material has gloss");
+    add_switch(plan, "local_viewer", scene->local_viewer, n_specular > 0, "the viewer is infinite",
+               "no highlight depends on it");
+    add_effect(plan, "attenuation", attenuated, plan->n_lights, "lights", "no light weakens");
+    add_effect(plan, "spot", spots, plan->n_lights, "lights", "no light is a spot");
+    add_finish_effect(plan, "fluorescence", is_fluorescent,
+                      why_no_luminescence(plan, count_finishes(plan, has_excitation),
+                                          "no material has excitation"));
+    add_finish_effect(plan, "bispectral", is_bispectral,
+                      why_no_luminescence(plan, count_finishes(plan, has_matrix),
+                                          "no material has a Donaldson matrix"));
+    add_finish_effect(plan, "texture", is_textured, "no lit material has a texture");
+    add_finish_effect(plan, "spectral_texture", is_spectrally_textured,
+                      "no lit material has a spectral texture");
+    add_finish_effect(plan, "emission", is_emitting, "no material emits");
+    add_effect(plan, "metamer", count_halves(plan), plan->n_finishes, "materials",
+               "no material has a partner");
+    add_effect(plan, "two_sided", count_objects(plan, is_two_sided), scene->n_objects, "objects",
+               "no object is two-sided");
+    add_switch(plan, "flat", scene->shading == SHADING_FLAT, true, other_shading(scene), "");
+    add_switch(plan, "phong", scene->shading == SHADING_PHONG, true, other_shading(scene), "");
+    add_effect(plan, "material_map", count_objects(plan, is_mapped), scene->n_objects, "objects",
+               "no object has several materials");
+    add_effect(plan, "tessellation", count_tessellated(scene), scene->n_objects, "objects",
+               scene->tessellation == 1 ? "shapes are as the scene says"
+                                        : "no object has other numbers by the factor");
+}
+
+/* ---- the plan in words ---- */
+
+/* Why a light does not shine; NULL: it does. */
+static const char *why_off(const struct plan *plan, const struct light *light)
+{
+    const struct scene *scene = plan->scene;
+    for (int i = 0; i < plan->n_lights; i++)
+        if (plan->lights[i].light == light)
+            return NULL;
+    return light->intensity == 0               ? "intensity 0"
+           : !is_seen(scene, &light->spectrum) ? "spectrum 0 at every wavelength shown"
+                                               : "no material reflects it";
+}
+
+static void print_lights(const struct plan *plan, FILE *to)
+{
+    for (int i = 0; i < plan->scene->n_lights; i++) {
+        const struct light *light = &plan->scene->lights[i];
+        const char *off = why_off(plan, light);
+        fprintf(to, "light %-11d %s%s (%s, intensity %.6g)\n", i + 1, off ? "off: " : "on",
+                off ? off : "", light->spectrum.name, light->intensity);
+    }
+}
+
+static void print_extrapolation(const struct plan *plan, const char *what, const char *ends,
+                                const struct spectrum *spectrum, const char *owner, FILE *to)
+{
+    const struct scene *scene = plan->scene;
+    const int n = looked_at(scene);
+    int outside = 0;
+    for (int i = 0; i < n; i++)
+        outside += spectrum_extrapolates(spectrum, looked_at_nm(scene, i));
+    if (outside > 0)
+        fprintf(to, "extrapolated      %s %s: %d of %d wavelengths outside %g..%g nm, %s there\n",
+                what, owner, outside, n, spectrum->wavelength_nm[0],
+                spectrum->wavelength_nm[spectrum->count - 1], ends);
+}
+
+static void print_finish(const struct plan *plan, const struct finish *finish, FILE *to)
+{
+    static const char held[] = "the end value holds", dark[] = "0";
+    const struct material *material = finish->material;
+    print_extrapolation(plan, "diffuse", held, &material->diffuse, material->name, to);
+    if (is_specular(finish))
+        print_extrapolation(plan, "specular", held, &material->specular, material->name, to);
+    if (is_fluorescent(finish))
+        print_extrapolation(plan, "emission", dark, &material->emission, material->name, to);
+    if (is_emitting(finish))
+        print_extrapolation(plan, "emission", dark, &material->glow, material->name, to);
+    if (material->from_rgb)
+        fprintf(to, "not measured      %s: RGB of %s, spread over three bands\n", material->name,
+                material->path);
+}
+
+static void print_texture(const struct plan *plan, const struct texture *texture, FILE *to)
+{
+    const struct image *image = &texture->image;
+    struct spectrum pages = {
+        .kind = SPECTRUM_SAMPLED, .count = image->n_pages, .wavelength_nm = image->wavelengths_nm};
+    fprintf(to, "texture           %s: %d x %d texels, %d pages, %s%s\n", image->path, image->width,
+            image->height, image->n_pages, texture->linear ? "linear" : "nearest",
+            texture->spectral && plan->scene->sampling ? ", at the wavelength of each page" : "");
+    if (texture->spectral)
+        print_extrapolation(plan, "texture", "the end page holds", &pages, image->path, to);
+}
+
+static void print_guesses(const struct plan *plan, FILE *to)
+{
+    const struct scene *scene = plan->scene;
+    for (int i = 0; i < plan->n_lights; i++)
+        print_extrapolation(plan, "light", "0", &plan->lights[i].light->spectrum,
+                            plan->lights[i].light->spectrum.name, to);
+    for (int i = 0; i < scene->n_ambients; i++)
+        print_extrapolation(plan, "ambient", "0", &scene->ambients[i].spectrum,
+                            scene->ambients[i].spectrum.name, to);
+    for (int i = 0; i < plan->n_finishes; i++)
+        print_finish(plan, &plan->finishes[i], to);
+}
+
+static void print_work(const struct plan *plan, FILE *to)
+{
+    const struct scene *scene = plan->scene;
+    const struct tile picture = plan_picture(plan);
+    int passes = plan->n_passes * plan->n_light_groups, most = 0;
+    for (int i = 0; i < plan->n_finishes; i++)
+        most = plan->finishes[i].n_terms > most ? plan->finishes[i].n_terms : most;
+    fprintf(to, "objects           %d (%d bodies, %ld vertices, %ld triangles)\n", scene->n_objects,
+            plan->n_bodies, plan->n_vertices, plan->n_triangles);
+    fprintf(to, "materials         %d (%ld terms, at most %d in one)\n", plan->n_finishes,
+            plan->work.terms, most);
+    fprintf(to, "excitation        %ld integrals\n", plan->work.excitation_integrals);
+    fprintf(to, "tiles             %d of %d x %d pixels\n", plan_tiles(plan, &picture),
+            plan->tile_width, plan->tile_height);
+    fprintf(to, "passes            %ld (%d a tile, %d bands and %d lights each)\n",
+            (long)passes * plan_tiles(plan, &picture), passes, BANDS_PER_PASS, LIGHTS_PER_PASS);
+    fprintf(to, "memory            %.1f MiB for a tile\n", (double)plan->tile_bytes / 1048576);
+    fprintf(to, "file              %llu bytes of pixels\n", (unsigned long long)plan->file_bytes);
+}
+
+static void print_bands(const struct plan *plan, FILE *to)
+{
+    const struct scene *scene = plan->scene;
+    if (scene->sampling && !scene->sampling->spectral)
+        fprintf(to, "bands             %d (components)\n", plan->n_bands);
+    else
+        fprintf(to, "bands             %d (%.10g to %.10g nm)\n", plan->n_bands,
+                scene->wavelengths_nm[0], scene->wavelengths_nm[plan->n_bands - 1]);
+    if (scene->sampling) {
+        fprintf(to, "sampling          ");
+        sampling_print(scene->sampling, to);
+    }
+}
+
+void plan_print(const struct plan *plan, FILE *to)
+{
+    const struct scene *scene = plan->scene;
+    fprintf(to, "scene             %s\n", scene->path);
+    fprintf(to, "picture           %d x %d pixels\n", scene->width, scene->height);
+    print_bands(plan, to);
+    print_work(plan, to);
+    for (int i = 0; i < plan->n_effects; i++)
+        fprintf(to, "%-17s %s (%s)\n", plan->effects[i].name, plan->effects[i].used ? "yes" : "no",
+                plan->effects[i].reason);
+    print_lights(plan, to);
+    for (int i = 0; i < plan->n_textures; i++)
+        print_texture(plan, &plan->textures[i], to);
+    print_guesses(plan, to);
+}

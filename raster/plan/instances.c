@@ -1,0 +1,376 @@
+/* SPDX-License-Identifier: MIT */
+/* Objects become bodies: each mesh is built once, parted by material and cut in half where a
+ * material has a metameric partner, moved to its centre and placed. Objects that show the same mesh
+ * share it. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "raster/plan/plan.h"
+
+/* A mesh as its shape describes it, before it is parted and moved. */
+struct whole {
+    struct shape shape; /* tessellated; its names are the scene's */
+    struct mesh mesh;
+    struct vector centre;
+    double unit; /* as in plan_mesh */
+};
+/* What a mesh of the plan shows of a whole: one part, or all (-1), and of that one side of x = 0,
+ * or both (-1). */
+struct cutting {
+    int whole, part, side;
+};
+struct body_maker {
+    struct plan *plan;
+    struct whole *wholes;
+    struct cutting *cuttings; /* of each mesh of the plan */
+    int n_wholes;
+};
+
+/* ---- whole meshes ---- */
+
+static bool same_shape(const struct shape *a, const struct shape *b)
+{
+    if (a->kind != b->kind || a->planar != b->planar ||
+        memcmp(a->repeat, b->repeat, sizeof a->repeat) != 0)
+        return false;
+    if (a->kind == SHAPE_MESH)
+        return strcmp(a->path, b->path) == 0 && a->unitize == b->unitize &&
+               a->crease_deg == b->crease_deg;
+    return memcmp(a->parameter, b->parameter, sizeof a->parameter) == 0;
+}
+
+static struct vector centre_of(const struct mesh *mesh)
+{
+    struct vector low = mesh->vertices[0].position, high = low;
+    for (int i = 1; i < mesh->n_vertices; i++) {
+        struct vector p = mesh->vertices[i].position;
+        low = (struct vector){fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z)};
+        high = (struct vector){fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z)};
+    }
+    return vector_add(vector_scale(low, 0.5), vector_scale(high, 0.5));
+}
+
+/* The power of two next to the largest distance from the centre along an axis. */
+static double mesh_unit(const struct mesh *mesh, struct vector centre)
+{
+    double largest = 0;
+    int exponent;
+    for (int i = 0; i < mesh->n_vertices; i++) {
+        struct vector p = vector_subtract(mesh->vertices[i].position, centre);
+        largest = fmax(largest, fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))));
+    }
+    frexp(largest, &exponent);
+    return largest > 0 ? ldexp(1, exponent) : 1;
+}
+
+static bool build_whole(struct whole *whole, struct error *err)
+{
+    const struct shape *shape = &whole->shape;
+    struct mesh *mesh = &whole->mesh;
+    if (!shape_build(shape, mesh, err))
+        return false;
+    if (shape->planar)
+        mesh_planar(mesh);
+    for (int i = 0; i < mesh->n_vertices; i++) {
+        mesh->vertices[i].s *= shape->repeat[0];
+        mesh->vertices[i].t *= shape->repeat[1];
+    }
+    whole->centre = centre_of(mesh);
+    whole->unit = mesh_unit(mesh, whole->centre);
+    return true;
+}
+
+/* The index of a shape's mesh, which is built when it is first asked for; -1 after an error. */
+static int find_whole(struct body_maker *maker, const struct shape *described, struct error *err)
+{
+    const struct shape shape = shape_tessellated(described, maker->plan->scene->tessellation);
+    for (int i = 0; i < maker->n_wholes; i++)
+        if (same_shape(&maker->wholes[i].shape, &shape))
+            return i;
+    struct whole *more = array_more(maker->wholes, maker->n_wholes, sizeof *more, err);
+    if (!more)
+        return -1;
+    maker->wholes = more;
+    more[maker->n_wholes].shape = shape;
+    return build_whole(&more[maker->n_wholes], err) ? maker->n_wholes++ : -1;
+}
+
+/* ---- meshes as they are drawn ---- */
+
+/* Adds a mesh to the plan, which takes it over even if this fails; moved by the centre of the
+ * whole: halves and parts that meet have the same numbers where they do. */
+static bool add_mesh(struct body_maker *maker, struct cutting cutting, struct mesh *mesh,
+                     struct error *err)
+{
+    struct plan *plan = maker->plan;
+    const struct whole *whole = &maker->wholes[cutting.whole];
+    struct cutting *cuttings = array_more(maker->cuttings, plan->n_meshes, sizeof *cuttings, err);
+    if (cuttings)
+        maker->cuttings = cuttings;
+    struct plan_mesh *meshes =
+        cuttings ? array_more(plan->meshes, plan->n_meshes, sizeof *meshes, err) : NULL;
+    if (!meshes) {
+        mesh_free(mesh);
+        return false;
+    }
+    for (int i = 0; i < mesh->n_vertices; i++)
+        mesh->vertices[i].position = vector_scale(
+            vector_subtract(mesh->vertices[i].position, whole->centre), 1 / whole->unit);
+    plan->meshes = meshes;
+    cuttings[plan->n_meshes] = cutting;
+    meshes[plan->n_meshes++] =
+        (struct plan_mesh){.mesh = *mesh, .centre = whole->centre, .unit = whole->unit};
+    return true;
+}
+
+static bool add_sides(struct body_maker *maker, struct cutting cutting, const struct mesh *part,
+                      struct error *err)
+{
+    struct mesh halves = {.n_vertices = 0}, half = {.n_vertices = 0};
+    bool done = mesh_cut(part, &halves, err);
+    for (cutting.side = 0; done && cutting.side < 2; cutting.side++) {
+        done = mesh_part(&halves, cutting.side, &half, err);
+        if (!done)
+            mesh_free(&half);
+        done = done && add_mesh(maker, cutting, &half, err);
+    }
+    mesh_free(&halves);
+    return done;
+}
+
+/* Takes out what a cutting shows; both of its sides, where it asks for one. */
+static bool cut_out(struct body_maker *maker, struct cutting cutting, struct error *err)
+{
+    struct mesh from = maker->wholes[cutting.whole].mesh, part = {.n_vertices = 0};
+    if (cutting.part < 0)
+        from.part = NULL; /* everything is part 0 */
+    bool done = mesh_part(&from, cutting.part < 0 ? 0 : cutting.part, &part, err);
+    if (done && cutting.side < 0)
+        return add_mesh(maker, cutting, &part, err);
+    done = done && add_sides(maker, cutting, &part, err);
+    mesh_free(&part);
+    return done;
+}
+
+static int known_mesh(const struct body_maker *maker, const struct cutting *wanted)
+{
+    for (int i = 0; i < maker->plan->n_meshes; i++)
+        if (memcmp(&maker->cuttings[i], wanted, sizeof *wanted) == 0)
+            return i;
+    return -1;
+}
+
+/* The index of the mesh in the plan, which is made when it is first asked for; -1 after an error.
+ */
+static int find_mesh(struct body_maker *maker, struct cutting wanted, struct error *err)
+{
+    int known = known_mesh(maker, &wanted);
+    if (known < 0 && cut_out(maker, wanted, err))
+        known = known_mesh(maker, &wanted);
+    return known;
+}
+
+/* ---- bodies ---- */
+
+/* Whether the upper 3x3 turns left into right. Rows are brought to unit length, so that small and
+ * large scales neither underflow nor overflow. */
+static bool is_mirrored(const struct matrix *m)
+{
+    struct vector row[3];
+    for (int i = 0; i < 3; i++)
+        row[i] = vector_normalise((struct vector){m->row[i][0], m->row[i][1], m->row[i][2]});
+    return vector_dot(vector_cross(row[0], row[1]), row[2]) < 0;
+}
+
+/* From a mesh as it is drawn to the mesh as it was read. */
+static struct matrix placement(const struct plan_mesh *mesh)
+{
+    struct matrix place = matrix_translation(mesh->centre);
+    for (int i = 0; i < 3; i++)
+        place.row[i][i] = mesh->unit;
+    return place;
+}
+
+/* Whether Mesa can invert the upper 3x3 and use it on normals: in single precision its determinant
+ * must be a number above 1e-25 (m_matrix.c), and above its own rounding error, 16 of its terms; and
+ * so must be the square of what its inverse, cofactors over the determinant, makes of a normal. */
+static bool has_inverse(const struct matrix *m)
+{
+    double determinant = 0, magnitude = 0, largest = 0;
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        for (int row = 0; row < 3; row++) {
+            const double *a = m->row[(row + 1) % 3], *b = m->row[(row + 2) % 3];
+            double plus = a[j] * b[k], minus = a[k] * b[j];
+            largest = fmax(largest, fabs(plus - minus));
+            determinant += row == 0 ? m->row[0][i] * (plus - minus) : 0;
+            magnitude += row == 0 ? fabs(m->row[0][i]) * (fabs(plus) + fabs(minus)) : 0;
+        }
+    }
+    determinant = fabs(determinant);
+    return determinant > 2e-25 && determinant > magnitude * 16 / 16777216 && magnitude < 1e37 &&
+           largest < 1e18 * determinant;
+}
+
+static bool add_body(struct body_maker *maker, const struct object *object, struct cutting cutting,
+                     const struct material *material, struct error *err)
+{
+    struct plan *plan = maker->plan;
+    struct body body = {.object = object, .mesh = find_mesh(maker, cutting, err)};
+    if (body.mesh < 0)
+        return false;
+    struct plan_mesh *mesh = &plan->meshes[body.mesh];
+    if (mesh->mesh.n_triangles == 0) /* all of it lies on the other side */
+        return true;
+    struct body *more = array_more(plan->bodies, plan->n_bodies, sizeof *more, err);
+    if (!more)
+        return false;
+    plan->bodies = more;
+    if (!finish_find(plan, material, &body.finish, err))
+        return false;
+    mesh->textured = mesh->textured || plan->finishes[body.finish].texture;
+    body.model_view =
+        matrix_product(plan->view, matrix_product(object->transform, placement(mesh)));
+    body.mirrored = is_mirrored(&body.model_view);
+    if (!matrix_normal(&body.model_view, &body.normal_matrix) || !has_inverse(&body.model_view))
+        return error_at(err, object->place,
+                        "the object's transform is singular or not finite, or the object is too "
+                        "small, too large or too flat beside the picture for single precision");
+    more[plan->n_bodies++] = body;
+    plan->n_vertices += mesh->mesh.n_vertices;
+    plan->n_triangles += mesh->mesh.n_triangles;
+    return true;
+}
+
+/* A mesh, or a part of it, of one material: in two halves if that has a partner. */
+static bool add_halves(struct body_maker *maker, const struct object *object,
+                       struct cutting cutting, const struct material *material, struct error *err)
+{
+    const struct material *partner = material->partner;
+    if (material->partner_name)
+        partner = &maker->plan->scene->materials[material->partner_index];
+    if (!partner)
+        return add_body(maker, object, cutting, material, err);
+    cutting.side = 0;
+    if (!add_body(maker, object, cutting, material, err))
+        return false;
+    cutting.side = 1;
+    return add_body(maker, object, cutting, partner, err);
+}
+
+/* ---- several materials on one mesh ---- */
+
+static const char *part_name(const struct mesh *mesh, int part)
+{
+    return mesh->part_names ? mesh->part_names[part] : "";
+}
+
+static int count_parts(const struct mesh *mesh)
+{
+    return mesh->part ? mesh->n_parts : 1;
+}
+
+static const struct part_use *find_use(const struct object *object, const char *name)
+{
+    const struct part_use *all = NULL;
+    for (int i = 0; i < object->n_uses; i++)
+        if (strcmp(object->uses[i].name, name) == 0)
+            return &object->uses[i];
+        else if (strcmp(object->uses[i].name, "*") == 0)
+            all = &object->uses[i];
+    return all;
+}
+
+/* A line for a usemtl that the mesh does not have is a mistake. */
+static bool check_uses(const struct object *object, const struct mesh *mesh, struct error *err)
+{
+    for (int i = 0; i < object->n_uses; i++) {
+        bool found = strcmp(object->uses[i].name, "*") == 0;
+        for (int part = 0; part < count_parts(mesh); part++)
+            found = found || strcmp(object->uses[i].name, part_name(mesh, part)) == 0;
+        if (!found)
+            return error_at(err, object->uses[i].place, "%.300s has no usemtl '%.100s'",
+                            object->shape.path, object->uses[i].name);
+    }
+    return true;
+}
+
+static bool add_parts(struct body_maker *maker, const struct object *object, int whole,
+                      struct error *err)
+{
+    const struct material *materials = maker->plan->scene->materials;
+    int n_parts = count_parts(&maker->wholes[whole].mesh);
+    if (!check_uses(object, &maker->wholes[whole].mesh, err))
+        return false;
+    for (int part = 0; part < n_parts; part++) {
+        const char *name = part_name(&maker->wholes[whole].mesh, part);
+        const struct part_use *use = find_use(object, name);
+        if (!use)
+            return error_at(err, object->place,
+                            "%s%.100s of %.300s has no line in %.300s; a line for * stands for all "
+                            "others",
+                            name[0] ? "usemtl " : "what comes before the first usemtl", name,
+                            object->shape.path, object->material_map);
+        if (!add_halves(maker, object, (struct cutting){whole, part, -1}, &materials[use->material],
+                        err))
+            return false;
+    }
+    return true;
+}
+
+static bool add_object(struct body_maker *maker, const struct object *object, struct error *err)
+{
+    int whole = find_whole(maker, &object->shape, err);
+    if (whole < 0)
+        return false;
+    if (object->material_map)
+        return add_parts(maker, object, whole, err);
+    return add_halves(maker, object, (struct cutting){whole, -1, -1},
+                      &maker->plan->scene->materials[object->material], err);
+}
+
+/* By mesh, place and order of drawing. */
+static int compare_bodies(const void *a, const void *b)
+{
+    const struct body *first = *(const struct body *const *)a,
+                      *second = *(const struct body *const *)b;
+    if (first->mesh != second->mesh)
+        return first->mesh < second->mesh ? -1 : 1;
+    int place = memcmp(&first->model_view, &second->model_view, sizeof first->model_view);
+    if (place != 0)
+        return place;
+    return first < second ? -1 : first > second;
+}
+
+/* Of two bodies that agree to the last bit OpenGL shows the first: what is as deep is not nearer.
+ */
+static bool find_twins(struct plan *plan, struct error *err)
+{
+    size_t n = (size_t)plan->n_bodies;
+    struct body **sorted = malloc((n + 1) * sizeof *sorted);
+    if (!sorted)
+        return error_memory(err);
+    for (size_t i = 0; i < n; i++)
+        sorted[i] = &plan->bodies[i];
+    qsort(sorted, n, sizeof *sorted, compare_bodies);
+    for (size_t i = 1; i < n; i++)
+        sorted[i]->twin =
+            sorted[i]->mesh == sorted[i - 1]->mesh &&
+            memcmp(&sorted[i]->model_view, &sorted[i - 1]->model_view, sizeof(struct matrix)) == 0;
+    free(sorted);
+    return true;
+}
+
+bool bodies_make(struct plan *plan, struct error *err)
+{
+    struct body_maker maker = {.plan = plan};
+    bool done = true;
+    for (int i = 0; i < plan->scene->n_objects && done; i++)
+        done = add_object(&maker, &plan->scene->objects[i], err);
+    for (int i = 0; i < maker.n_wholes; i++)
+        mesh_free(&maker.wholes[i].mesh);
+    free(maker.wholes);
+    free(maker.cuttings);
+    return done && find_twins(plan, err);
+}

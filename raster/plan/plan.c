@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: MIT */
+/* What a scene calls for, decided once and before anything is drawn: which lights shine, which
+ * terms each material needs, which meshes, passes and tiles follow. What is not planned here is not
+ * computed. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "raster/plan/plan.h"
+
+/* Bytes that a pixel of a tile takes apart from its rows: Mesa's own colour and depth (20), our
+ * copies of them (20), samples of three bands (12), surface, triangle, depth and its bound (16),
+ * fragments, steepness and floor (12), flags (2), and room for contested pixels (14). A row has a
+ * weight (8) and an error (4); a sum of passes is a colour (16). Checked steps of 16 bits have a
+ * colour and depth of Mesa's own (12) and our copy (8) beside what floats have. */
+enum { PIXEL_BYTES = 96, ROW_BYTES = 12, SUM_BYTES = 16, STEPS_BYTES = 20 };
+/* What a tile may take, so that a render stays well below 300 MiB with Mesa's own memory. */
+static const size_t tile_budget = (size_t)128 << 20;
+/* Tiles no larger than Mesa's largest viewport (16384), with room for older drivers. */
+enum { LARGEST_TILE = 8192 };
+
+/* ---- camera and tiles ---- */
+
+/* A unit for eye space in which what is seen measures 1024 to 2048, so that squares and
+ * determinants of lengths, however small or large the scene, are numbers in single precision, and
+ * differences that Mesa takes for none are none. A power of two changes no digit. */
+static double eye_unit(const struct camera *camera)
+{
+    int exponent;
+    double size = fmax(fabs(camera->near), fabs(camera->far));
+    if (!camera->perspective)
+        size = fmax(size, camera->extent);
+    frexp(size, &exponent);
+    return ldexp(1, exponent - 11);
+}
+
+/* Eye space to clip space, as OpenGL's glOrtho and glFrustum define it. */
+static struct matrix projection_of(const struct camera *camera, int width, int height)
+{
+    double aspect = (double)width / height, depth = camera->far - camera->near;
+    struct matrix m = {{{0}}};
+    if (camera->perspective) {
+        double sine, cosine, cotangent;
+        sine_cosine(camera->extent / 2, &sine, &cosine);
+        cotangent = cosine / sine;
+        m.row[0][0] = cotangent / aspect;
+        m.row[1][1] = cotangent;
+        m.row[2][2] = -(camera->far + camera->near) / depth;
+        m.row[2][3] = -2 * camera->far * camera->near / depth;
+        m.row[3][2] = -1;
+    } else {
+        m.row[0][0] = 2 / camera->extent;
+        m.row[1][1] = 2 / camera->extent * aspect;
+        m.row[2][2] = -2 / depth;
+        m.row[2][3] = -(camera->far + camera->near) / depth;
+        m.row[3][3] = 1;
+    }
+    return m;
+}
+
+/* Bytes of a number that each object has, and the background. OpenGL tells only with a check what
+ * it shows. */
+static int map_bytes(const struct plan *plan)
+{
+    const bool unknown =
+        plan->options.use_gl && !plan->options.check && !plan->options.store_raster;
+    const int n = plan->n_bodies;
+    return unknown || n == 0 || n > UINT16_MAX ? 0 : n > UINT8_MAX ? 2 : 1;
+}
+
+/* Whole rows of the picture where they fit, so that a band of a tile is one piece of its page. */
+static void size_tiles(struct plan *plan)
+{
+    size_t pixel = PIXEL_BYTES + ROW_BYTES * (size_t)plan->max_rows +
+                   (plan->n_light_groups > 1 ? SUM_BYTES : 0) +
+                   (plan->options.check && buffer_steps(plan) > 0 ? STEPS_BYTES : 0);
+    size_t pixels = tile_budget / pixel, most = pixels / CHUNK_ROWS, columns = LARGEST_TILE;
+    int width = plan->scene->width, height = plan->scene->height;
+    while (columns > most && columns > 1)
+        columns /= 2;
+    plan->tile_width = width < (int)columns ? width : (int)columns;
+    size_t rows = pixels / (size_t)plan->tile_width;
+    rows -= rows % CHUNK_ROWS;
+    if (rows < CHUNK_ROWS)
+        rows = CHUNK_ROWS;
+    if (rows > LARGEST_TILE)
+        rows = LARGEST_TILE;
+    plan->tile_height = (int)rows < height ? (int)rows : height;
+    plan->tiled = plan->tile_width < width || plan->tile_height < height;
+    plan->tile_bytes = (uint64_t)pixel * (uint64_t)plan->tile_width * (uint64_t)plan->tile_height;
+    plan->map_bytes = map_bytes(plan);
+    plan->file_bytes =
+        (uint64_t)width * (uint64_t)height *
+        ((uint64_t)plan->n_bands * (uint64_t)plan->options.bits / 8 + (uint64_t)plan->map_bytes);
+}
+
+struct tile plan_picture(const struct plan *plan)
+{
+    return (struct tile){0, 0, plan->scene->width, plan->scene->height};
+}
+
+static int tile_columns(const struct plan *plan, const struct tile *region)
+{
+    return (region->width + plan->tile_width - 1) / plan->tile_width;
+}
+
+int plan_tiles(const struct plan *plan, const struct tile *region)
+{
+    return tile_columns(plan, region) *
+           ((region->height + plan->tile_height - 1) / plan->tile_height);
+}
+
+struct tile plan_tile(const struct plan *plan, const struct tile *region, int index)
+{
+    const int columns = tile_columns(plan, region);
+    const int x = index % columns * plan->tile_width, y = index / columns * plan->tile_height;
+    const int width = region->width - x, height = region->height - y;
+    return (struct tile){region->x + x, region->y + y,
+                         width < plan->tile_width ? width : plan->tile_width,
+                         height < plan->tile_height ? height : plan->tile_height};
+}
+
+/* Arrays that pointers lead into have their final size from the start: every material, and its
+ * partner from the same file, has at most one finish and one texture. */
+bool plan_allocate(struct plan *plan, struct error *err)
+{
+    size_t most = 2 * (size_t)plan->scene->n_materials + 1;
+    plan->finishes = calloc(most, sizeof *plan->finishes);
+    plan->textures = calloc(most, sizeof *plan->textures);
+    return (plan->finishes && plan->textures) || error_memory(err);
+}
+
+bool plan_make(const struct scene *scene, const struct plan_options *options, struct plan *out,
+               struct error *err)
+{
+    struct camera camera = scene->camera;
+    *out = (struct plan){.scene = scene, .options = *options, .unit = eye_unit(&camera)};
+    camera.near /= out->unit;
+    camera.far /= out->unit;
+    camera.extent /= camera.perspective ? 1 : out->unit;
+    out->options.threads = threads_start(options->threads);
+    out->options.bits = options->bits > 0 ? options->bits : 16;
+    out->n_bands = scene->n_wavelengths;
+    out->n_passes = (out->n_bands + BANDS_PER_PASS - 1) / BANDS_PER_PASS;
+    out->near = camera.near;
+    out->view =
+        matrix_product(matrix_scaling((struct vector){1 / out->unit, 1 / out->unit, 1 / out->unit}),
+                       matrix_look_at(camera.eye, camera.look, camera.up));
+    out->projection = projection_of(&camera, scene->width, scene->height);
+    if (!plan_allocate(out, err) || !lights_list(out, err) || !bodies_make(out, err) ||
+        !lights_drop_idle(out, err))
+        return false;
+    out->n_light_groups = (out->n_lights + LIGHTS_PER_PASS - 1) / LIGHTS_PER_PASS;
+    if (out->n_light_groups == 0)
+        out->n_light_groups = 1;
+    size_tiles(out);
+    plan_effects(out);
+    return true;
+}
+
+void plan_free(struct plan *plan)
+{
+    for (int i = 0; i < plan->n_meshes; i++)
+        mesh_free(&plan->meshes[i].mesh);
+    for (int i = 0; i < plan->n_finishes; i++) {
+        free(plan->finishes[i].terms);
+        free(plan->finishes[i].spectra);
+    }
+    for (int i = 0; i < plan->n_textures; i++)
+        texture_free(&plan->textures[i]);
+    free(plan->meshes);
+    free(plan->finishes);
+    free(plan->textures);
+    free(plan->bodies);
+    free(plan->lights);
+    *plan = (struct plan){0};
+}

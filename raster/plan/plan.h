@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: MIT */
+/* What a scene calls for, decided once: instances, terms, effects, passes, bytes. */
+#ifndef PLAN_H
+#define PLAN_H
+
+#include "raster/reference/reference.h"
+#include "spectral.h"
+
+/* ---- plan.c: what a scene calls for, decided once ---- */
+
+enum { LIGHTS_PER_PASS = 8, BANDS_PER_PASS = TEXTURE_PLANES };
+
+/* A material under the lights of the scene. Lights of one spectrum share their terms, and terms
+ * whose spectrum is 0 in all bands are left out. */
+struct finish {
+    const struct material *material;
+    struct texture *texture; /* NULL: none */
+    int n_terms, n_colours;  /* colours: those that OpenGL adds up, a term's one for each light */
+    struct term *terms;
+    double *peaks;   /* of each term the largest value of its own spectrum */
+    double *spectra; /* n_terms rows of n_bands radiances */
+    bool ambient, emits, fluoresces;
+};
+
+/* A mesh, or a part of one, that is drawn: re-centred and brought to a common size, so that single
+ * precision spends its digits on the shape and not on where it stands. */
+struct plan_mesh {
+    struct mesh mesh;
+    struct vector centre; /* of the whole mesh */
+    double unit;          /* what its lengths are measured in: a power of two, about its size */
+    bool textured;        /* some body of it is */
+};
+/* An object, or a part of one, as it will be drawn: transform and camera composed in double. */
+struct body {
+    const struct object *object;
+    int mesh, finish; /* indices into the plan */
+    bool twin;        /* an earlier body is the same in the same place, and hides it */
+    struct instance instance;
+};
+struct plan_effect {
+    const char *name;
+    bool used;
+    char reason[160];
+};
+enum { MAX_EFFECTS = 18 };
+/* Counted where it is done. */
+struct plan_work {
+    long materials_loaded, textures_loaded, excitation_integrals, terms;
+};
+
+struct plan_options {
+    double full_scale;  /* 0: the largest vertex radiance */
+    bool check, use_gl; /* whether the reference and OpenGL are needed */
+    int buffer_bits;    /* of a channel of OpenGL's colour buffer: 8, 16, or 32 of floats; 0: 32 */
+    const char *gl_driver; /* "llvmpipe" or "softpipe"; NULL: whatever there is */
+    bool strict;           /* pixels without a bound, and edges that leak, are differences */
+    bool store_raster;     /* the stored pixels are the reference's */
+    int bits;              /* of a page's sample: 8 or 16 of counts, 32 of floats; 0: 16 */
+    bool exchangeable; /* lights may be exchanged afterwards: every light and every term is kept,
+                          each by itself, also what is dark */
+    int threads;       /* 0: as many as OpenMP offers; the plan holds the number */
+    char *const *recorded; /* options for the stack's record, each one word; not owned */
+    int n_recorded;        /* at most MAX_RECORD_OPTIONS */
+};
+struct plan {
+    const struct scene *scene;
+    struct plan_options options;
+    int n_bands, n_passes; /* n_passes: groups of bands */
+    double unit; /* of lengths in eye space: a power of two, 1/1024 of the picture's size */
+    double near; /* distance of the near plane, in that unit */
+    bool tiled;  /* there is more than one tile */
+    struct matrix world_to_eye;
+    struct view view; /* of the picture, for the reference */
+    struct plan_mesh *meshes;
+    struct finish *finishes;
+    struct texture *textures;
+    struct body *bodies;
+    struct eye_light *lights; /* those that shine; and each as the scene has it: */
+    const struct light **sources;
+    int n_meshes, n_finishes, n_textures, n_bodies, n_lights;
+    int n_light_groups; /* passes that a group of bands takes: 1, or more beyond LIGHTS_PER_PASS */
+    int max_rows;       /* largest finish_rows of a finish */
+    int tile_width, tile_height; /* the last column and row of tiles may be smaller */
+    uint64_t file_bytes, tile_bytes;
+    int map_bytes; /* of a number in the object map; 0: there is none */
+    struct plan_effect effects[MAX_EFFECTS];
+    int n_effects;
+    struct plan_work work;
+    long n_vertices, n_triangles; /* as drawn: a mesh counts once for every body */
+};
+/* Reads meshes and textures, composes matrices, multiplies spectra; draws nothing. Refuses, at its
+ * place, what cannot be drawn. The scene must outlive the plan. */
+bool plan_make(const struct scene *scene, const struct plan_options *options, struct plan *out,
+               struct error *err);
+/* A region is drawn in so many tiles of the plan's size or smaller, row by row. */
+struct rectangle plan_picture(const struct plan *plan); /* the whole picture */
+int plan_tiles(const struct plan *plan, const struct rectangle *region);
+struct rectangle plan_tile(const struct plan *plan, const struct rectangle *region, int index);
+/* Numbers that a pixel of this finish keeps: a weight for each term, and where its texture differs
+ * from band to band the place in it (u and v, in texels). */
+int finish_rows(const struct finish *finish);
+/* What a finish of the plan fluoresces in each of its bands, under a light of intensity 1 that
+ * shines on it squarely. */
+bool finish_luminescence(const struct plan *plan, const struct finish *finish,
+                         const struct spectrum *light, double *out, struct error *err);
+/* Steps of a channel of OpenGL's colour buffer, from 0 to full scale; 0: floats. */
+int buffer_steps(const struct plan *plan);
+/* Plane 0, 1 or 2 of a texture, for the reference. */
+struct texels plan_texels(const struct texture *texture, int plane);
+/* Loads what spectral textures show in the bands of a pass. */
+bool plan_load_textures(const struct plan *plan, int first_band, struct error *err);
+void plan_free(struct plan *plan);
+
+/* ---- products.c: the spectra that a scene's pixels are made of ---- */
+
+/* Spectra of all lights and of every term of every material that an object uses, at every nm of the
+ * scene's range. Opens no mesh and no texture. */
+bool scene_spectra(const struct scene *scene, struct fine_spectra *out, struct error *err);
+/* Samples the scene by a method from now on: sets its sampling and wavelengths. Refuses what
+ * sampling_make refuses, and spectral textures under basis, rgb and xyz. */
+bool scene_sample(struct scene *scene, const struct sampling_method *method, const char *detector,
+                  struct error *err);
+
+/* ---- effects.c: the plan in words ---- */
+
+/* Fills the plan's effects, each with the reason why it is simulated or not. */
+void plan_effects(struct plan *plan);
+void plan_print(const struct plan *plan, FILE *to);
+
+/* ---- inside this room ---- */
+
+/* Distances in eye space are below this: their squares are numbers in single precision. */
+#define FARTHEST 1e18
+
+/* ---- plan.c: what a scene calls for ---- */
+
+/* Room for all finishes and textures of the plan's scene. */
+bool plan_allocate(struct plan *plan, struct error *err);
+
+/* ---- finish.c: materials and lights become terms ---- */
+
+/* The wavelengths that spectra are looked at: those of the pages, but every nm for pages that are
+ * means over wavelengths, or components. */
+int looked_at(const struct scene *scene);
+double looked_at_nm(const struct scene *scene, int i);
+/* Whether a light is above 0 at any of them. */
+bool is_seen(const struct scene *scene, const struct spectrum *light);
+/* Under rgb and xyz a scene is lights times reflectances, which no fluorescence is. */
+bool shows_luminescence(const struct scene *scene);
+
+/* Lists all lights that may shine; finishes then use those that matter to them. */
+bool lights_list(struct plan *plan, struct error *err);
+/* The finish of a material, made when it is first asked for; its index into the plan. */
+bool finish_find(struct plan *plan, const struct material *material, int *out, struct error *err);
+/* The same, but its texture is not opened. */
+bool finish_terms(struct plan *plan, const struct material *material, int *out, struct error *err);
+/* Forgets the lights that no finish uses; to be called when all finishes are made. */
+bool lights_drop_idle(struct plan *plan, struct error *err);
+
+/* ---- body.c: objects become meshes in their places ---- */
+
+bool bodies_make(struct plan *plan, struct error *err);
+
+#endif

@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: MIT */
+/* What a sample should be, and radiance as counts: a sum over terms of weight x spectrum.
+ *
+ * Bound of a sample, in counts: sum over terms of (error of the weight) x (spectrum), which
+ * raster/bounds/light.c and raster/bounds/plane.c derive, plus the roundings of the colour sum. u = 2^-24. */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "raster/radiance/radiance.h"
+
+static const double u = 1.0 / 16777216;
+
+/* A colour: its spectrum rounded to single precision (1), light times material (2), a texture's
+ * value and its product (2), the buffer (1); each colour and each pass added (1 each). One more for
+ * those of the bound itself. */
+enum { COLOUR_ROUNDINGS = 7 };
+/* Mesa flushes results below 2^-126 = 1.2e-38 to zero. In a plane's set-up that is magnified by one
+ * over the triangle's area (10^4 at most, smaller ones are too thin for a bound) and by the
+ * distance to the framebuffer's origin (2 x 16384), and by a w of up to 2048; 4 such steps. Some
+ * 10^-25 of full scale, in counts. */
+static const double flushed = 65535 * 1.2e-38 * 1e4 * 32768 * 2048 * 4;
+
+/* ---- OpenGL's colour buffer ---- */
+
+/* Each pass is rounded to the nearest step. On the way to that a driver multiplies and adds (2
+ * roundings); the step as a part of full scale, and the sum of such parts, are rounded again (2).
+ * Measured on Mesa 22.3.6, 3 million colours: llvmpipe and softpipe round to the nearest step, but
+ * for 0.5 u of full scale at most (0.002 of a step of 16 bits). */
+double buffer_rounding(const struct plan *plan)
+{
+    int steps = buffer_steps(plan);
+    return steps > 0 ? plan->n_light_groups * (0.5 / steps + 4 * u) * FULL_COUNT : 0;
+}
+
+/* ---- what is expected ---- */
+
+/* Multiplies a run by the value of a varied texture there in this band. bound may be NULL. */
+static void apply_texture(const struct run *run, int band, double *expected, float *bound)
+{
+    const struct texture *texture = run->finish->texture;
+    const struct texels texels = plan_texels(texture, band % BANDS_PER_PASS);
+    size_t across = (size_t)run->finish->n_terms * run->stride, up = across + run->stride;
+    for (size_t i = 0; i < run->n; i++) {
+        struct texel_point at = {{run->rows[across + i], run->rows[up + i]}, {0, 0}};
+        double value = texel_at(&texels, at.place);
+        if (bound) {
+            at.e_place[0] = run->errors[across + i];
+            at.e_place[1] = run->errors[up + i];
+            double error = texel_error(&texels, &at, texture->largest);
+            bound[i] = (float)((double)bound[i] * (value + error) + fabs(expected[i]) * error);
+        }
+        expected[i] *= value;
+    }
+}
+
+/* What a buffer of steps makes of a colour. Each pass is cut off at full scale: of what passes add
+ * up to that leaves a full scale at least, where there is as much, and all of it at most. */
+static void expect_steps(const struct plan *plan, size_t n, double *expected, float *bound)
+{
+    double most = (double)plan->n_light_groups * FULL_COUNT, rounding = buffer_rounding(plan);
+    for (size_t i = 0; i < n; i++) {
+        double low = expected[i] < FULL_COUNT ? expected[i] : FULL_COUNT,
+               high = expected[i] < most ? expected[i] : most;
+        float more = (float)(0.5 * (high - low) + rounding);
+        expected[i] = 0.5 * (low + high);
+        bound[i] = bound[i] < 0 ? bound[i] : bound[i] + more;
+    }
+}
+
+/* Adds what the colour sum rounds; a bound that is not finite becomes -1. */
+static void add_roundings(const struct plan *plan, const struct run *run, const double *expected,
+                          float *bound)
+{
+    double rounding = (COLOUR_ROUNDINGS + run->finish->n_colours + plan->n_light_groups) * u;
+    for (size_t i = 0; i < run->n; i++) {
+        float whole = bound[i] + (float)(flushed + rounding * fabs(expected[i]));
+        bound[i] = whole <= FLT_MAX ? whole : -1;
+    }
+}
+
+void expect_counts(const struct plan *plan, const struct run *run, int band, double full_scale,
+                   double *expected, float *bound)
+{
+    const struct finish *finish = run->finish;
+    memset(expected, 0, run->n * sizeof *expected);
+    if (run->errors)
+        memset(bound, 0, run->n * sizeof *bound);
+    for (int t = 0; t < finish->n_terms; t++) {
+        double spectrum = finish->spectra[(size_t)t * (size_t)plan->n_bands + (size_t)band] /
+                          full_scale * FULL_COUNT;
+        const float *error = run->errors + (run->errors ? (size_t)t * run->stride : 0);
+        add_term(run->rows + (size_t)t * run->stride, spectrum, run->n, expected);
+        for (size_t i = 0; i < run->n && run->errors; i++)
+            bound[i] += error[i] * (float)spectrum;
+    }
+    if (finish->texture && finish->texture->spectral)
+        apply_texture(run, band, expected, run->errors ? bound : NULL);
+    if (!run->errors)
+        return;
+    add_roundings(plan, run, expected, bound);
+    if (buffer_steps(plan) > 0)
+        expect_steps(plan, run->n, expected, bound);
+}
+
+size_t run_length(const int32_t *surface, size_t first, size_t last)
+{
+    size_t n = 1;
+    while (n < BLOCK && first + n < last && surface[first + n] == surface[first])
+        n++;
+    return n;
+}
+
+/* ---- counts ---- */
+
+/* Whether a page can hold a value; NaN no page can. */
+static bool is_storable(double value)
+{
+    return fabs(value) <= (double)FLT_MAX;
+}
+
+enum { COUNTS_PER_BYTE = FULL_COUNT / UINT8_MAX };
+
+/* From where on a sample is cut off, not rounded. */
+static double clipping_limit(const struct plan *plan)
+{
+    return plan->options.bits == 32  ? HUGE_VAL
+           : plan->options.bits == 8 ? FULL_COUNT + 0.5 * COUNTS_PER_BYTE
+                                     : FULL_COUNT + 0.5;
+}
+
+/* Stores n samples given in units of full scale x FULL_COUNT at out[at]; those at `limit` or above
+ * it count as clipped. */
+static void store(const struct stored_band *band, const double *counts, size_t n, double limit,
+                  size_t at, struct odd_samples *odd)
+{
+    int bits = band->plan->options.bits;
+    double scale = bits == 32 ? band->full_scale / FULL_COUNT : 1;
+    int clipped = 0, undefined = 0;
+    for (size_t i = 0; i < n; i++) {
+        clipped += counts[i] >= limit;
+        undefined += !is_storable(counts[i] * scale);
+    }
+    odd->clipped += (uint64_t)clipped;
+    odd->undefined += (uint64_t)undefined;
+    for (size_t i = 0; i < n && bits == 8; i++)
+        ((uint8_t *)band->out)[at + i] = (uint8_t)(counts_clamp(counts[i]) / COUNTS_PER_BYTE + 0.5);
+    for (size_t i = 0; i < n && bits == 16; i++)
+        ((uint16_t *)band->out)[at + i] = (uint16_t)counts_round(counts[i]);
+    for (size_t i = 0; i < n && bits == 32; i++)
+        ((float *)band->out)[at + i] =
+            is_storable(counts[i] * scale) ? (float)(counts[i] * scale) : 0.0F;
+}
+
+struct odd_samples store_reference(const struct stored_band *band, const struct lit_scene *lit,
+                                   const struct picture *picture)
+{
+    size_t n_pixels = (size_t)picture->at.width * (size_t)picture->at.height, n;
+    struct odd_samples odd = {0, 0};
+    double counts[BLOCK];
+    for (size_t at = 0; at < n_pixels; at += n) {
+        n = run_length(picture->surface, at, n_pixels);
+        memset(counts, 0, n * sizeof *counts);
+        if (picture->surface[at] >= 0) {
+            struct run run = {lit->bounds[picture->surface[at]].finish, picture->rows + at, NULL,
+                              n_pixels, n};
+            expect_counts(band->plan, &run, band->band, band->full_scale, counts, NULL);
+        }
+        store(band, counts, n, clipping_limit(band->plan), at, &odd);
+    }
+    return odd;
+}
+
+struct odd_samples store_gl(const struct stored_band *band, const struct rectangle *rows, bool clips,
+                            const float *pixels, size_t stride)
+{
+    double limit =
+        clips && buffer_steps(band->plan) > 0 ? FULL_COUNT : clipping_limit(band->plan);
+    size_t width = (size_t)rows->width, n;
+    struct odd_samples odd = {0, 0};
+    double counts[BLOCK];
+    for (size_t y = 0; y < (size_t)rows->height; y++)
+        for (size_t x = 0; x < width; x += n) {
+            const float *from = pixels + (y * stride + x) * 4;
+            n = width - x < BLOCK ? width - x : BLOCK;
+            for (size_t i = 0; i < n; i++)
+                counts[i] = (double)from[4 * i] * FULL_COUNT;
+            store(band, counts, n, limit, y * width + x, &odd);
+        }
+    return odd;
+}

@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: MIT */
+/* The radiance that the largest count stands for: the largest of all vertices at all wavelengths. */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "raster/radiance/radiance.h"
+
+/* ---- upper bounds for Phong shading ---- */
+
+/* The point of a triangle that is nearest to p is that of its plane, or lies on an edge. */
+static double distance_to_edge(struct vector p, struct vector a, struct vector b)
+{
+    struct vector edge = vector_subtract(b, a), to = vector_subtract(p, a);
+    double squared = vector_dot(edge, edge);
+    double part = squared > 0 ? fmin(fmax(vector_dot(to, edge) / squared, 0), 1) : 0;
+    return vector_length(vector_subtract(to, vector_scale(edge, part)));
+}
+
+static double distance_to_triangle(struct vector p, const struct vector corner[3])
+{
+    struct vector normal = vector_normalise(
+        vector_cross(vector_subtract(corner[1], corner[0]), vector_subtract(corner[2], corner[0])));
+    double least = HUGE_VAL;
+    bool above = vector_length(normal) > 0;
+    for (int i = 0; i < 3; i++) {
+        struct vector a = corner[i], b = corner[(i + 1) % 3];
+        struct vector inwards = vector_cross(normal, vector_subtract(b, a));
+        above = above && vector_dot(inwards, vector_subtract(p, a)) > 0;
+        least = fmin(least, distance_to_edge(p, a, b));
+    }
+    return above ? fabs(vector_dot(normal, vector_subtract(p, corner[0]))) : least;
+}
+
+/* How near a light is to the surface, less the roundings of points on it. */
+static double least_distance(const struct surface *surface, const struct eye_light *light)
+{
+    const struct instance *instance = surface->instance;
+    double least = HUGE_VAL, largest = vector_length(light->position);
+    for (int i = 0; i < instance->n_triangles; i++) {
+        struct vector corner[3];
+        for (int j = 0; j < 3; j++) {
+            corner[j] = matrix_point(&instance->model_view,
+                                     instance->vertices[instance->triangles[i][j]].position);
+            largest = fmax(largest, vector_length(corner[j]));
+        }
+        least = fmin(least, distance_to_triangle(light->position, corner));
+    }
+    return fmax(0, least - 1e-12 * largest);
+}
+
+/* An upper bound on each term's weight at any point that Phong shading lights. It is infinite where a
+ * light that weakens with distance may be too near; its index is left in *light. */
+static void phong_limits(const struct view *view, const struct surface *surface, double *limits,
+                         int *light)
+{
+    const struct instance *instance = surface->instance;
+    for (int t = 0; t < instance->n_terms; t++)
+        limits[t] = instance->terms[t].kind == TERM_CONSTANT;
+    for (int i = 0; i < view->n_lights; i++) {
+        const struct eye_light *from = &view->lights[i];
+        const double *k = from->attenuation;
+        double d, most = from->share;
+        if (!reflects(instance, from))
+            continue;
+        if (from->attenuated) {
+            d = least_distance(surface, from);
+            most /= k[0] + k[1] * d + k[2] * d * d;
+        }
+        if (!isfinite(most))
+            *light = i;
+        for (int t = 0; t < instance->n_terms; t++)
+            limits[t] += instance->terms[t].light == from->first ? most : 0;
+    }
+}
+
+/* ---- the largest radiance ---- */
+
+/* Where a surface may be brightest: weights of both sides of its vertices; in phong shading upper
+ * bounds on those of all its points. */
+struct brightest {
+    const double *weights;
+    size_t n, stride;
+};
+
+/* The largest radiance in one band, and which of the brightest has it. */
+static double largest_radiance(const struct plan *plan, const struct finish *finish,
+                               const struct brightest *of, int band, size_t *at)
+{
+    size_t n_terms = (size_t)finish->n_terms, n_bands = (size_t)plan->n_bands;
+    double largest = -1;
+    for (size_t i = 0; i < of->n; i++) {
+        const double *weights = of->weights + i * of->stride;
+        double radiance = 0;
+        for (size_t t = 0; t < n_terms; t++)
+            radiance += weights[t] * finish->spectra[t * n_bands + (size_t)band];
+        if (!(radiance <= largest)) { /* NaN counts as larger, so that it is found */
+            largest = radiance;
+            *at = i;
+        }
+        if (!isfinite(largest))
+            break;
+    }
+    return finish->texture ? largest * finish->texture->largest : largest;
+}
+
+static bool check_radiance(const struct lit_scene *lit, int surface, int band, size_t at,
+                           double radiance, struct error *err)
+{
+    char page[PAGE_NAME], vertex[32] = "this object";
+    const struct plan *plan = lit->plan;
+    struct place place = lit->bounds[surface].body->object->place;
+    if (isfinite(radiance) && !(plan->options.bits == 32 && radiance > (double)FLT_MAX))
+        return true;
+    if (plan->scene->shading != SHADING_PHONG)
+        snprintf(vertex, sizeof vertex, "vertex %d", (int)at / lit->surfaces[surface].n_sides + 1);
+    page_name(plan->scene, band, page);
+    return isfinite(radiance)
+               ? error_at(err, place,
+                          "the radiance of %s at %s is %.3g, above what a float page holds", vertex,
+                          page, radiance)
+               : error_at(
+                     err, place,
+                     "the radiance of %s at %s is not finite; lights and factors are too large",
+                     vertex, page);
+}
+
+/* False where phong shading has no bound: that of the light `*light`. limits has room for the
+ * surface's terms. */
+static bool find_brightest(const struct plan *plan, const struct surface *surface, double *limits,
+                           struct brightest *out, int *light)
+{
+    *light = -1;
+    *out = (struct brightest){surface->weights,
+                              (size_t)surface->instance->n_vertices * (size_t)surface->n_sides,
+                              (size_t)surface->n_attributes};
+    if (plan->scene->shading != SHADING_PHONG)
+        return true;
+    *out = (struct brightest){limits, 1, 0};
+    phong_limits(&plan->view, surface, limits, light);
+    return *light < 0;
+}
+
+/* Raises *largest to the largest radiance of a surface. What has no bound needs a full scale that
+ * is asked for. */
+static bool raise_largest(const struct lit_scene *lit, int surface, double *limits, double *largest,
+                          struct error *err)
+{
+    const struct plan *plan = lit->plan;
+    const struct finish *finish = lit->bounds[surface].finish;
+    struct brightest brightest;
+    int light;
+    if (!find_brightest(plan, &lit->surfaces[surface], limits, &brightest, &light))
+        return plan->options.full_scale > 0 ||
+               error_at(err, plan->sources[light]->attenuation_place,
+                        "this light has no limit where it touches %s, so that phong shading has no "
+                        "largest radiance; --full-scale can set one, or a constant attenuation",
+                        finish->material->name);
+    for (int band = 0; band < plan->n_bands; band++) {
+        size_t at = 0;
+        double radiance = largest_radiance(plan, finish, &brightest, band, &at);
+        if (!check_radiance(lit, surface, band, at, radiance, err))
+            return false;
+        *largest = fmax(*largest, radiance);
+    }
+    return true;
+}
+
+static bool find_largest(const struct lit_scene *lit, double *largest, struct error *err)
+{
+    const struct plan *plan = lit->plan;
+    double *limits = malloc(((size_t)plan->max_rows + 1) * sizeof *limits);
+    bool done = limits || error_memory(err);
+    *largest = 0;
+    for (int s = 0; s < plan->n_bodies && done; s++)
+        done = raise_largest(lit, s, limits, largest, err);
+    free(limits);
+    return done;
+}
+
+/* The colours that OpenGL is given are spectra over full scale: below 2^100 they, and their sums,
+ * are numbers in single precision. What is seen beside such light is black. */
+static double least_full_scale(const struct plan *plan)
+{
+    double largest = 0, share = 1;
+    for (int i = 0; i < plan->n_lights; i++)
+        share = fmax(share, plan->lights[i].share);
+    for (int f = 0; f < plan->n_finishes; f++)
+        for (int t = 0; t < plan->finishes[f].n_terms; t++)
+            largest = fmax(largest, plan->finishes[f].peaks[t]);
+    return ldexp(largest * share, -100);
+}
+
+bool find_full_scale(const struct lit_scene *lit, double *out, bool *clips, struct error *err)
+{
+    const struct plan *plan = lit->plan;
+    double largest;
+    if (!find_largest(lit, &largest, err))
+        return false;
+    if (plan->options.bits == 32 && largest > 0 && largest < (double)FLT_MIN * 16777216)
+        return error_at(
+            err, plan->bodies[0].object->place,
+            "the largest radiance is %.3g, so small that a float page would lose digits; "
+            "lights and factors are too small",
+            largest);
+    double least = least_full_scale(plan), wanted = plan->options.full_scale;
+    if (wanted > 0 && wanted < least)
+        return error_usage(err,
+                           "--full-scale: %g is too small beside the lights; the least that single "
+                           "precision can show is %.3g",
+                           wanted, least);
+    *clips = wanted > 0 && wanted < largest;
+    largest = fmax(largest, least);
+    *out = wanted > 0 ? wanted : largest > 0 ? largest : 1;
+    return true;
+}

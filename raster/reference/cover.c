@@ -1,0 +1,225 @@
+/* SPDX-License-Identifier: MIT */
+/* Triangles in the window, and the pixel centres that they cover.
+ *
+ * With p the centre and a, b two corners minus p, the edge function a x b is twice the area of the
+ * triangle (p, a, b). Swapping a and b changes exactly its sign in floating point too. Each edge is
+ * decided from its two corners alone, and exactly: of two triangles that share an edge, one covers a
+ * centre on it. */
+#include <math.h>
+#include <string.h>
+
+#include "raster/reference/reference.h"
+
+/* ---- triangles in the window ---- */
+
+void whole_corners(const struct surface *surface, const int32_t vertex[3], struct corner out[3])
+{
+    for (int i = 0; i < 3; i++) {
+        out[i] = (struct corner){.whole = i};
+        memcpy(out[i].clip, surface->vertices[vertex[i]].clip, sizeof out[i].clip);
+        out[i].share[i] = 1;
+    }
+}
+
+void screen_corner(const struct view *view, const struct surface *surface,
+                   const struct corner *corner, int i, struct screen_triangle *out)
+{
+    struct window_vertex vertex;
+    if (corner->whole >= 0) {
+        vertex = surface->vertices[out->vertex[corner->whole]];
+    } else {
+        memcpy(vertex.clip, corner->clip, sizeof vertex.clip);
+        window_place(view, &vertex);
+    }
+    memcpy(out->share[i], corner->share, sizeof corner->share);
+    out->x[i] = vertex.x;
+    out->y[i] = vertex.y;
+    out->z[i] = vertex.z;
+    out->inverse_w[i] = vertex.inverse_w;
+}
+
+static void swap_corners(struct screen_triangle *triangle)
+{
+    const struct screen_triangle old = *triangle;
+    static const int order[3] = {0, 2, 1};
+    for (int i = 0; i < 3; i++) {
+        triangle->x[i] = old.x[order[i]];
+        triangle->y[i] = old.y[order[i]];
+        triangle->z[i] = old.z[order[i]];
+        triangle->inverse_w[i] = old.inverse_w[order[i]];
+        triangle->vertex[i] = old.vertex[order[i]];
+        for (int j = 0; j < 3; j++)
+            triangle->share[i][j] = old.share[order[i]][order[j]];
+    }
+}
+
+void screen_turn(const struct surface *surface, struct screen_triangle *triangle)
+{
+    const double *x = triangle->x, *y = triangle->y;
+    double area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
+    triangle->twice_area = fabs(area);
+    triangle->clockwise = area >= 0;
+    triangle->side =
+        surface->n_sides == 2 && triangle->clockwise != surface->instance->mirrored;
+    if (!triangle->clockwise)
+        swap_corners(triangle);
+}
+
+/* True where the near or the far plane cuts the triangle, or the eye is not in front of it. */
+static bool is_cut(const struct surface *surface, const int32_t vertex[3])
+{
+    for (int i = 0; i < 3; i++) {
+        const struct window_vertex *v = &surface->vertices[vertex[i]];
+        if (!(v->clip[3] > 0) || v->z < 0 || v->z > 1)
+            return true;
+    }
+    return false;
+}
+
+/* The polygon that the planes leave is fanned from its first corner. */
+int screen_triangles(const struct view *view, const struct surface *surfaces, int surface,
+                     int triangle, struct screen_triangle out[SCREEN_TRIANGLES])
+{
+    static const struct clip_plane near_plane = {{0, 0, 1, 1}, 0}, far_plane = {{0, 0, -1, 1}, 0};
+    const struct surface *of = &surfaces[surface];
+    const int32_t *vertex = of->instance->triangles[triangle];
+    struct screen_triangle whole = {
+        .surface = surface, .triangle = triangle, .provoking = vertex[2]};
+    struct corner corners[CLIP_CORNERS], cut[CLIP_CORNERS];
+    int n = 3;
+    memcpy(whole.vertex, vertex, sizeof whole.vertex);
+    whole_corners(of, vertex, corners);
+    if (is_cut(of, vertex)) {
+        n = clip_polygon(&near_plane, corners, n, cut);
+        n = n > 0 ? clip_polygon(&far_plane, cut, n, corners) : 0;
+    }
+    for (int i = 2; i < n; i++) {
+        struct screen_triangle *part = &out[i - 2];
+        *part = whole;
+        screen_corner(view, of, &corners[0], 0, part);
+        screen_corner(view, of, &corners[i - 1], 1, part);
+        screen_corner(view, of, &corners[i], 2, part);
+        screen_turn(of, part);
+    }
+    return n < 3 ? 0 : n - 2;
+}
+
+/* ---- edge functions ---- */
+
+void edges_at(const double x[3], const double y[3], double px, double py,
+              struct edge_functions *out)
+{
+    for (int i = 0; i < 3; i++) {
+        out->dx[i] = x[i] - px;
+        out->dy[i] = y[i] - py;
+    }
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        out->e[i] = out->dx[j] * out->dy[k] - out->dx[k] * out->dy[j];
+    }
+}
+
+/* The sign of ax by - bx ay without error: where the rounded products are too near each other for
+ * their rounded difference, that difference is exact, and the parts that rounding took from the
+ * products decide (Dekker 1971). */
+static double exact_turn(double ax, double ay, double bx, double by)
+{
+    double p = ax * by, q = bx * ay, difference = p - q;
+    if (fabs(difference) > 1e-15 * (fabs(p) + fabs(q))) /* above four roundings */
+        return difference;
+    return difference + (fma(ax, by, -p) - fma(bx, ay, -q));
+}
+
+/* A centre exactly on an edge belongs to the triangle whose edge runs this way, not to the one whose
+ * edge runs back: to its left or lower one in the picture. sense: 1, or -1 if the corners turn the
+ * other way. */
+bool owns_edge(const struct screen_triangle *triangle, int edge, int sense)
+{
+    int j = (edge + 1) % 3, k = (edge + 2) % 3;
+    double dx = sense * (triangle->x[k] - triangle->x[j]),
+           dy = sense * (triangle->y[k] - triangle->y[j]);
+    return dy < 0 || (dy == 0 && dx < 0);
+}
+
+static bool covers_in_sense(const struct screen_triangle *triangle,
+                            const struct edge_functions *edges, int sense)
+{
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        double turn = sense * exact_turn(edges->dx[j], edges->dy[j], edges->dx[k], edges->dy[k]);
+        if (turn < 0 || (turn == 0 && !owns_edge(triangle, i, sense)))
+            return false;
+    }
+    return true;
+}
+
+/* The rounded area of a needle may have the wrong sign: then all three edges agree on the other
+ * sense. */
+bool edges_cover(const struct screen_triangle *triangle, const struct edge_functions *edges)
+{
+    return covers_in_sense(triangle, edges, 1) || covers_in_sense(triangle, edges, -1);
+}
+
+/* Depth is linear in the window. Sums of edge functions, not the area, make shares add up to 1. */
+double depth_at(const struct screen_triangle *triangle, const struct edge_functions *edges)
+{
+    const double *e = edges->e, *z = triangle->z;
+    double sum = e[0] + e[1] + e[2];
+    return sum > 0 ? (e[0] * z[0] + e[1] * z[1] + e[2] * z[2]) / sum : z[0];
+}
+
+double least_of(const double v[3])
+{
+    return fmin(v[0], fmin(v[1], v[2]));
+}
+
+double most_of(const double v[3])
+{
+    return fmax(v[0], fmax(v[1], v[2]));
+}
+
+static int clamp_to(double value, int low, int high)
+{
+    return value < low ? low : value > high ? high : (int)value;
+}
+
+/* Leaves of a row's pixels, *left to *right - 1, those whose edge functions may all be at
+ * `least` or above, and a few more. Edge functions are linear along a row. */
+static void narrow_row(const struct screen_triangle *triangle, int y, double least, int *left,
+                       int *right)
+{
+    double py = y + 0.5, px = *left + 0.5;
+    int first = *left, last = *right;
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        double p = (triangle->x[j] - px) * (triangle->y[k] - py),
+               q = (triangle->x[k] - px) * (triangle->y[j] - py),
+               step = triangle->y[j] - triangle->y[k];
+        double inside = p - q - least + 1e-15 * (fabs(p) + fabs(q)), pixels = -inside / step;
+        if (step > 0 && pixels > 2)
+            *left = clamp_to(fmax(*left, first + pixels - 2), first, last);
+        if (step < 0 && pixels < last - first)
+            *right = clamp_to(fmin(*right, first + pixels + 2), first, last);
+    }
+}
+
+/* A corner that moves by up to `margin` in x and y changes an edge function by `margin` times the
+ * distance from the centre to the edge's other end, and a second-order term. */
+bool scan_triangle(const struct screen_triangle *triangle, const struct rectangle *at,
+                   double margin, bool (*visit)(void *context, int x, int y), void *context)
+{
+    const double *x = triangle->x, *y = triangle->y;
+    int left = clamp_to(floor(least_of(x) - margin - 0.5), at->x, at->x + at->width);
+    int right = clamp_to(ceil(most_of(x) + margin + 0.5), at->x, at->x + at->width);
+    int top = clamp_to(floor(least_of(y) - margin - 0.5), at->y, at->y + at->height);
+    int bottom = clamp_to(ceil(most_of(y) + margin + 0.5), at->y, at->y + at->height);
+    double reach = most_of(x) - least_of(x) + most_of(y) - least_of(y) + 2;
+    for (int row = top; row < bottom; row++) {
+        int first = left, last = right;
+        narrow_row(triangle, row, -2 * margin * (reach + 3 * margin), &first, &last);
+        for (int column = first; column < last; column++)
+            if (!visit(context, column, row))
+                return false;
+    }
+    return true;
+}

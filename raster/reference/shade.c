@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: MIT */
+/* What a pixel looks like: attributes interpolated between the vertices, perspective-correct, as
+ * Gouraud interpolates colours; or positions and normals, and the point lit (Bui Tuong Phong 1975). */
+#include <math.h>
+
+#include "raster/reference/reference.h"
+
+/* Barycentric coordinates of a point in the whole triangle; returns 1 / w there. Outside the part
+ * that clipping left they extrapolate; where it has no area they are those of its middle. */
+double shares_at(const struct screen_triangle *triangle, double px, double py, double out[3])
+{
+    struct edge_functions edges;
+    double share[3], sum = 0;
+    bool has_area = triangle->twice_area > 0;
+    edges_at(triangle->x, triangle->y, px, py, &edges);
+    for (int i = 0; i < 3; i++) {
+        share[i] = has_area ? edges.e[i] * triangle->inverse_w[i] : 1;
+        sum += share[i];
+    }
+    for (int j = 0; j < 3; j++) {
+        out[j] = 0;
+        for (int i = 0; i < 3; i++)
+            out[j] += share[i] / sum * triangle->share[i][j];
+    }
+    return sum / (has_area ? triangle->twice_area : 3);
+}
+
+static void shade_phong(const struct view *view, const struct surface *surface,
+                        const struct screen_triangle *triangle, const double share[3],
+                        double *attributes, struct light_work *work)
+{
+    struct vertex point = {.s = 0};
+    for (int j = 0; j < 3; j++) {
+        const struct vertex *vertex = &surface->instance->vertices[triangle->vertex[j]];
+        point.position = vector_add(point.position, vector_scale(vertex->position, share[j]));
+        point.normal = vector_add(point.normal, vector_scale(vertex->normal, share[j]));
+        point.s += share[j] * vertex->s;
+        point.t += share[j] * vertex->t;
+    }
+    light_point(view, surface->instance, &point, triangle->side, attributes, work);
+    work->points_lit++;
+}
+
+/* In flat shading one vertex colours the whole triangle; its texture is smooth all the same. */
+void shade(const struct view *view, const struct surface *surface,
+           const struct screen_triangle *triangle, const double share[3], double *attributes,
+           struct light_work *work)
+{
+    const double *corner[3],
+        *provoking = surface->weights +
+                     surface_attributes(surface, triangle->provoking, triangle->side);
+    int first = view->shading == FLAT ? surface->instance->n_terms : 0;
+    if (view->shading == PHONG) {
+        shade_phong(view, surface, triangle, share, attributes, work);
+        return;
+    }
+    for (int j = 0; j < 3; j++)
+        corner[j] =
+            surface->weights + surface_attributes(surface, triangle->vertex[j], triangle->side);
+    for (int a = 0; a < first; a++)
+        attributes[a] = provoking[a];
+    for (int a = first; a < surface->n_attributes; a++) {
+        double sum = 0;
+        for (int j = 0; j < 3; j++)
+            sum += share[j] * corner[j][a];
+        attributes[a] = sum;
+    }
+}
+
+int pixel_rows(const struct instance *instance)
+{
+    return instance->n_terms + (instance->varied ? 2 : 0);
+}
+
+void put_rows(const struct instance *instance, const double *attributes, const double place[2],
+              double *rows, size_t stride)
+{
+    bool constant = instance->textured && !instance->varied;
+    double value = constant ? texel_at(&instance->texels, place) : 1;
+    size_t n_terms = (size_t)instance->n_terms;
+    for (size_t t = 0; t < n_terms; t++)
+        rows[t * stride] = attributes[t] * value;
+    for (size_t i = 0; i < 2 && instance->varied; i++)
+        rows[(n_terms + i) * stride] = place[i];
+}
+
+void add_term(const double *weights, double spectrum, size_t n, double *radiance)
+{
+    for (size_t i = 0; i < n; i++)
+        radiance[i] += weights[i] * spectrum;
+}

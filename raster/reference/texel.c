@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: MIT */
+/* A texture at a point (OpenGL 2.1 specification, section 3.8.8). Places are in texels, from the
+ * lower left corner of the texture; texel centres lie at half-integers. */
+#include <math.h>
+
+#include "raster/reference/reference.h"
+
+/* Beyond 2^40 texels a double no longer knows which texel it is. */
+void texel_place(const struct texels *texels, const double s_t[2], double place[2])
+{
+    place[0] = s_t[0] * texels->width;
+    place[1] = s_t[1] * texels->height;
+    if (!(fabs(place[0]) < 0x1p40 && fabs(place[1]) < 0x1p40))
+        place[0] = place[1] = 0;
+}
+
+/* A whole number of texels, in [0, n). */
+static size_t wrapped(double whole, int n)
+{
+    if (whole >= 0 && whole < n)
+        return (size_t)whole;
+    return (size_t)(whole - n * floor(whole / n));
+}
+
+double texel_of(const struct texels *texels, double column, double row)
+{
+    size_t width = (size_t)texels->width;
+    return (double)texels->values[width * wrapped(row, texels->height) +
+                                  wrapped(column, texels->width)];
+}
+
+static double mix(double a, double b, double share)
+{
+    return a + (b - a) * share;
+}
+
+double texel_at(const struct texels *texels, const double place[2])
+{
+    double offset = texels->linear ? 0.5 : 0, x = place[0] - offset, y = place[1] - offset;
+    double i = floor(x), j = floor(y);
+    if (!texels->linear)
+        return texel_of(texels, i, j);
+    return mix(mix(texel_of(texels, i, j), texel_of(texels, i + 1, j), x - i),
+               mix(texel_of(texels, i, j + 1), texel_of(texels, i + 1, j + 1), x - i), y - j);
+}

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: MIT */
+/* Vertices go from the mesh through eye space and clip space to the window. */
+#include <stdlib.h>
+
+#include "raster/reference/reference.h"
+
+size_t surface_attributes(const struct surface *surface, int vertex, int side)
+{
+    return ((size_t)vertex * (size_t)surface->n_sides + (size_t)side) *
+           (size_t)surface->n_attributes;
+}
+
+bool surface_open(const struct instance *instance, struct surface *out)
+{
+    *out = (struct surface){.instance = instance,
+                            .n_sides = instance->two_sided ? 2 : 1,
+                            .n_attributes = instance->n_terms + (instance->textured ? 2 : 0)};
+    size_t n_weights = surface_attributes(out, instance->n_vertices, 0);
+    out->vertices = calloc((size_t)instance->n_vertices + 1, sizeof *out->vertices);
+    out->weights = calloc(n_weights + 1, sizeof *out->weights);
+    return out->vertices && out->weights;
+}
+
+void surface_close(struct surface *surface)
+{
+    free(surface->vertices);
+    free(surface->weights);
+    *surface = (struct surface){.instance = NULL};
+}
+
+static void project(const struct matrix *m, struct vector eye, double clip[4])
+{
+    for (int i = 0; i < 4; i++)
+        clip[i] =
+            m->row[i][0] * eye.x + m->row[i][1] * eye.y + m->row[i][2] * eye.z + m->row[i][3];
+}
+
+void window_place(const struct view *view, struct window_vertex *vertex)
+{
+    const double *clip = vertex->clip, w = clip[3];
+    vertex->x = (clip[0] / w + 1) * 0.5 * view->width;
+    vertex->y = (1 - clip[1] / w) * 0.5 * view->height;
+    vertex->z = (clip[2] / w + 1) * 0.5;
+    vertex->inverse_w = 1 / w;
+}
+
+void surface_light(const struct view *view, struct surface *surface, int vertex,
+                   struct light_work *work)
+{
+    const struct instance *instance = surface->instance;
+    const struct vertex *point = &instance->vertices[vertex];
+    struct window_vertex *out = &surface->vertices[vertex];
+    project(&view->projection, matrix_point(&instance->model_view, point->position), out->clip);
+    if (out->clip[3] > 0)
+        window_place(view, out);
+    for (int side = 0; side < surface->n_sides; side++)
+        light_point(view, instance, point, side,
+                    surface->weights + surface_attributes(surface, vertex, side), work);
+    work->vertices_lit += view->shading != PHONG;
+}

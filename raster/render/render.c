@@ -1,0 +1,444 @@
+/* SPDX-License-Identifier: MIT */
+/* The loop over tiles and passes: pixels, verdict, stack. A tile is rasterized once by the
+ * reference; then its wavelengths go by, three in a pass, each judged and written before the next
+ * are drawn. */
+#include <errno.h>
+#include <stdlib.h>
+#include <time.h>
+
+#include "raster/render/render.h"
+
+struct render_state {
+    const struct plan *plan;
+    struct surface *surfaces;
+    struct gl *gl;
+    struct stack_writer writer;
+    bool writing;
+    unsigned char *samples[BANDS_PER_PASS]; /* a tile of one band each */
+    struct chunk *chunks;                   /* of the current tile */
+    struct check *checks;
+    int n_chunks;
+    long steps, all_steps;
+    const struct render_progress *progress;
+    struct render_result *result;
+};
+
+double render_clock(void)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+}
+
+/* Adds the seconds since *since to a part, and starts the next one. */
+static void clock_in(double *part, double *since)
+{
+    double time = render_clock();
+    *part += time - *since;
+    *since = time;
+}
+
+/* ---- a tile by the reference ---- */
+
+static bool rasterize_chunk(void *context, const struct tile *tile, int index, struct error *err)
+{
+    const struct render_state *state = context;
+    struct chunk *chunk = &state->chunks[index];
+    return chunk_rasterize(state->plan, state->surfaces, tile, index, chunk, err) &&
+           (!state->plan->options.check ||
+            check_open(state->plan, state->surfaces, chunk, state->result->full_scale,
+                       &state->checks[index], err));
+}
+
+static bool rasterize_tile(struct render_state *state, const struct tile *tile, struct error *err)
+{
+    state->chunks = calloc((size_t)state->n_chunks, sizeof *state->chunks);
+    state->checks = calloc((size_t)state->n_chunks, sizeof *state->checks);
+    if (!state->chunks || !state->checks)
+        return error_memory(err);
+    return chunks_each(tile, state->plan->options.threads, rasterize_chunk, state, err);
+}
+
+static void work_add(struct light_work *to, const struct light_work *from)
+{
+    to->points_lit += from->points_lit;
+    to->specular_vertices += from->specular_vertices;
+    to->power_functions += from->power_functions;
+}
+
+static void free_tile(struct render_state *state)
+{
+    for (int i = 0; i < state->n_chunks; i++) {
+        if (state->checks && state->checks[i].chunk)
+            check_close(&state->checks[i], &state->result->check);
+        if (state->chunks) {
+            work_add(&state->result->light, &state->chunks[i].work);
+            chunk_free(&state->chunks[i]);
+        }
+    }
+    free(state->chunks);
+    free(state->checks);
+    state->chunks = NULL;
+    state->checks = NULL;
+    state->n_chunks = 0;
+}
+
+/* ---- a pass ---- */
+
+static size_t sample_size(const struct plan *plan)
+{
+    return (size_t)plan->options.bits / 8;
+}
+
+static int bands_of_pass(const struct plan *plan, int pass)
+{
+    int left = plan->n_bands - pass * BANDS_PER_PASS;
+    return left < BANDS_PER_PASS ? left : BANDS_PER_PASS;
+}
+
+/* Whether OpenGL shows the triangles that it should, where it should. */
+static bool identify_tile(struct render_state *state, const struct tile *tile, struct error *err)
+{
+    if (!gl_identify(state->gl, err))
+        return false;
+#pragma omp parallel for schedule(dynamic) num_threads(state->plan->options.threads)
+    for (int i = 0; i < state->n_chunks; i++)
+        check_identity(&state->checks[i], state->gl, tile);
+    return true;
+}
+
+static void check_tile(struct render_state *state, const struct tile *tile, int pass,
+                       const float *pixels)
+{
+    size_t stride = (size_t)state->plan->tile_width;
+#pragma omp parallel for schedule(dynamic) num_threads(state->plan->options.threads)
+    for (int i = 0; i < state->n_chunks; i++) {
+        size_t row = (size_t)(state->chunks[i].rows.y - tile->y);
+        check_pass(&state->checks[i], pass * BANDS_PER_PASS, pixels + row * stride * 4, stride);
+    }
+}
+
+static struct odd_samples count_chunk(struct render_state *state, const struct tile *tile,
+                                      int index, int band, int channel, const float *pixels)
+{
+    const struct plan *plan = state->plan;
+    struct tile rows = chunk_rows(tile, index);
+    size_t first = (size_t)(rows.y - tile->y), stride = (size_t)plan->tile_width;
+    double full_scale = state->result->full_scale;
+    void *out = state->samples[channel] + first * (size_t)tile->width * sample_size(plan);
+    if (plan->options.store_raster)
+        return counts_of_reference(plan, state->surfaces, &state->chunks[index], band, full_scale,
+                                   out);
+    return counts_of_gl(plan, &rows, channel, full_scale, state->result->clips,
+                        pixels + first * stride * 4, stride, out);
+}
+
+static void count_tile(struct render_state *state, const struct tile *tile, int pass,
+                       const float *pixels)
+{
+    const struct plan *plan = state->plan;
+    uint64_t clipped = 0, undefined = 0;
+#pragma omp parallel for schedule(dynamic) num_threads(plan->options.threads) \
+    reduction(+ : clipped, undefined)
+    for (int i = 0; i < state->n_chunks; i++)
+        for (int c = 0; c < bands_of_pass(plan, pass); c++) {
+            struct odd_samples odd =
+                count_chunk(state, tile, i, pass * BANDS_PER_PASS + c, c, pixels);
+            clipped += odd.clipped;
+            undefined += odd.undefined;
+        }
+    state->result->odd.clipped += clipped;
+    state->result->odd.undefined += undefined;
+}
+
+static bool write_tile(struct render_state *state, const struct tile *tile, int pass,
+                       struct error *err)
+{
+    for (int c = 0; c < bands_of_pass(state->plan, pass); c++)
+        if (!stack_write(&state->writer, pass * BANDS_PER_PASS + c, tile->x, tile->y, tile->width,
+                         tile->height, state->samples[c], err))
+            return false;
+    return true;
+}
+
+static bool render_pass(struct render_state *state, const struct tile *tile, int pass,
+                        struct error *err)
+{
+    struct render_seconds *seconds = &state->result->seconds;
+    const float *pixels = NULL;
+    double since = render_clock();
+    if (!plan_load_textures(state->plan, pass * BANDS_PER_PASS, err))
+        return false;
+    clock_in(&seconds->read, &since);
+    if (state->gl &&
+        !gl_draw(state->gl, pass * BANDS_PER_PASS, state->result->full_scale, &pixels, err))
+        return false;
+    clock_in(&seconds->gl, &since);
+    if (state->plan->options.check)
+        check_tile(state, tile, pass, pixels);
+    clock_in(&seconds->check, &since);
+    if (state->writing) {
+        count_tile(state, tile, pass, pixels);
+        if (!write_tile(state, tile, pass, err))
+            return false;
+    }
+    clock_in(&seconds->write, &since);
+    state->steps++;
+    if (state->progress && state->progress->step)
+        state->progress->step(state->progress->context, state->steps, state->all_steps);
+    errno = 0;
+    return !output_interrupted() || error_system(err, "interrupted; nothing was written");
+}
+
+/* ---- the object map ---- */
+
+/* The number of what the stored pixels show at a pixel of the tile, from 1: OpenGL's by the last
+ * identification, or the reference's of a chunk. What is nothing that there is counts as
+ * background. */
+static int object_at(const struct render_state *state, const struct tile *tile, int x, int y)
+{
+    const struct chunk *chunk = &state->chunks[y / CHUNK_ROWS];
+    const size_t pixel = (size_t)(y % CHUNK_ROWS) * (size_t)tile->width + (size_t)x;
+    const int surface = state->plan->options.store_raster ? chunk->surface[pixel]
+                                                          : gl_shown(state->gl, x, y).surface;
+    return surface < state->plan->n_bodies ? surface + 1 : 0;
+}
+
+/* Its numbers go through the room of a band. */
+static bool write_map(struct render_state *state, const struct tile *tile, struct error *err)
+{
+    unsigned char *at = state->samples[0];
+    if (!state->writing || state->plan->map_bytes == 0)
+        return true;
+    for (int y = 0; y < tile->height; y++)
+        for (int x = 0; x < tile->width; x++) {
+            const int object = object_at(state, tile, x, y);
+            *at++ = (unsigned char)(object % 256);
+            if (state->plan->map_bytes > 1)
+                *at++ = (unsigned char)(object / 256);
+        }
+    return stack_write(&state->writer, state->plan->n_bands, tile->x, tile->y, tile->width,
+                       tile->height, state->samples[0], err);
+}
+
+/* ---- the whole picture ---- */
+
+static bool render_tile(struct render_state *state, const struct tile *tile, struct error *err)
+{
+    const struct plan *plan = state->plan;
+    double since = render_clock();
+    state->n_chunks = chunk_count(tile);
+    bool done =
+        !(plan->options.check || plan->options.store_raster) || rasterize_tile(state, tile, err);
+    clock_in(&state->result->seconds.raster, &since);
+    if (state->gl)
+        gl_aim(state->gl, state->surfaces, tile);
+    if (done && plan->options.check)
+        done = identify_tile(state, tile, err);
+    clock_in(&state->result->seconds.check, &since);
+    done = done && write_map(state, tile, err);
+    clock_in(&state->result->seconds.write, &since);
+    for (int pass = 0; done && pass < plan->n_passes; pass++)
+        done = render_pass(state, tile, pass, err);
+    free_tile(state);
+    return done;
+}
+
+static bool render_tiles(struct render_state *state, struct error *err)
+{
+    const struct plan *plan = state->plan;
+    const struct tile picture = plan_picture(plan);
+    const int n_tiles = plan_tiles(plan, &picture);
+    state->all_steps = (long)n_tiles * plan->n_passes;
+    for (int i = 0; i < n_tiles; i++) {
+        const struct tile tile = plan_tile(plan, &picture, i);
+        if (!render_tile(state, &tile, err))
+            return false;
+    }
+    return true;
+}
+
+static bool open_gl(struct render_state *state, struct error *err)
+{
+    struct render_result *result = state->result;
+    if (!gl_open(state->plan, &state->gl, err))
+        return false;
+    snprintf(result->gl_renderer, sizeof result->gl_renderer, "%s", gl_renderer(state->gl));
+    snprintf(result->gl_version, sizeof result->gl_version, "%s", gl_version(state->gl));
+    return true;
+}
+
+const char *render_stored(const struct plan *plan, const struct render_result *result)
+{
+    return plan->options.store_raster ? "raster" : result->gl_renderer;
+}
+
+/* The names of what the object map tells; allocated, none where there is no map. */
+static bool list_objects(const struct plan *plan, struct record *record, struct error *err)
+{
+    record->objects = calloc((size_t)plan->n_bodies + 1, sizeof *record->objects);
+    if (!record->objects)
+        return error_memory(err);
+    record->n_objects = plan->map_bytes > 0 ? plan->n_bodies : 0;
+    for (int i = 0; i < record->n_objects; i++)
+        record->objects[i] = object_name(plan, i);
+    return true;
+}
+
+/* Allocated; NULL on failure. */
+static char *provenance_text(const struct plan *plan, const struct render_result *result,
+                             struct error *err)
+{
+    struct record record;
+    char *text = NULL;
+    if (!record_scene(plan->scene, &record, err))
+        return NULL;
+    record.program = PROGRAM;
+    record.renderer = render_stored(plan, result);
+    record.n_options = plan->options.n_recorded;
+    for (int i = 0; i < record.n_options; i++)
+        record.options[i] = plan->options.recorded[i];
+    if (list_objects(plan, &record, err)) {
+        text = record_text(&record);
+        if (!text)
+            error_memory(err);
+    }
+    record_free(&record);
+    return text;
+}
+
+static bool allocate_samples(struct render_state *state, struct error *err)
+{
+    const struct plan *plan = state->plan;
+    size_t n_samples = (size_t)plan->tile_width * (size_t)plan->tile_height;
+    size_t size = sample_size(plan), map = (size_t)plan->map_bytes;
+    for (int c = 0; c < BANDS_PER_PASS; c++) {
+        state->samples[c] = malloc(n_samples * (size > map ? size : map));
+        if (!state->samples[c])
+            return error_memory(err);
+    }
+    return true;
+}
+
+/* The labels of pages that are no radiances at wavelengths, followed by their text; allocated. */
+static const char **make_labels(const struct sampling *sampling, struct error *err)
+{
+    typedef char label_text[24];
+    size_t n = (size_t)sampling->n;
+    const char **labels = calloc(n, sizeof *labels + sizeof(label_text));
+    label_text *text = (label_text *)(labels + n);
+    if (!labels)
+        error_memory(err);
+    for (int i = 0; labels && i < sampling->n; i++) {
+        sampling_label(sampling, i, text[i]);
+        labels[i] = text[i];
+    }
+    return labels;
+}
+
+static bool open_stack(struct render_state *state, const char *path, struct error *err)
+{
+    const struct plan *plan = state->plan;
+    const struct sampling *sampling = plan->scene->sampling;
+    const bool labelled = sampling && !sampling->spectral;
+    if (!allocate_samples(state, err))
+        return false;
+    char *provenance = provenance_text(plan, state->result, err);
+    const char **labels = labelled && provenance ? make_labels(sampling, err) : NULL;
+    struct stack_options options = {.width = plan->scene->width,
+                                    .height = plan->scene->height,
+                                    .n_wavelengths = plan->n_bands,
+                                    .wavelengths_nm = plan->scene->wavelengths_nm,
+                                    .full_scale = state->result->full_scale,
+                                    .bits = plan->options.bits,
+                                    .scene = plan->scene->path,
+                                    .provenance = provenance,
+                                    .map_bytes = plan->map_bytes,
+                                    .labels = labels};
+    state->writing =
+        provenance && (labels || !labelled) && stack_open(&state->writer, path, &options, err);
+    free(labels);
+    free(provenance);
+    return state->writing;
+}
+
+/* Everything up to the first pixel. */
+static bool prepare(struct render_state *state, struct error *err)
+{
+    struct render_result *result = state->result;
+    const struct plan *plan = state->plan;
+    double since = render_clock();
+    if (plan->options.use_gl && !open_gl(state, err))
+        return false;
+    result->driver = driver_of(state->gl ? result->gl_renderer : NULL);
+    clock_in(&result->seconds.gl, &since);
+    if (!surfaces_light(plan, result->driver, &state->surfaces, &result->light, err))
+        return false;
+    if (!surfaces_full_scale(plan, state->surfaces, &result->full_scale, &result->clips, err))
+        return false;
+    clock_in(&result->seconds.raster, &since);
+    return true;
+}
+
+bool render_agreed(const struct render_result *result)
+{
+    return result->check.unexplained == 0 && !result->difference.found;
+}
+
+static bool commit(struct render_state *state, const struct render_output *output,
+                   struct error *err)
+{
+    struct render_result *result = state->result;
+    char verdict[STACK_VERDICT];
+    double since = render_clock();
+    bool compared = output->again && result->odd.undefined == 0;
+    if (!state->writing || !(output->keep || compared || render_agreed(result)))
+        return true;
+    if (result->odd.undefined > 0) {
+        errno = 0;
+        return error_system(err,
+                            "%llu samples are not finite (or above what a float page holds); "
+                            "nothing was written",
+                            (unsigned long long)result->odd.undefined);
+    }
+    report_verdict(state->plan, &result->check, verdict, sizeof verdict);
+    bool done =
+        stack_finish(&state->writer, verdict, err) &&
+        (!output->again || stack_compare(&state->writer, output->again, &result->difference, err));
+    if (done && !output->discard && (output->keep || render_agreed(result)))
+        done = stack_commit(&state->writer, err);
+    clock_in(&result->seconds.write, &since);
+    return done;
+}
+
+static bool render_all(struct render_state *state, const struct render_output *output,
+                       struct error *err)
+{
+    /* OpenGL's threads start here, which take no signals either: see threads_start. */
+    void *held = signals_hold();
+    bool done = prepare(state, err);
+    signals_release(held);
+    if (!done || (output->path && !open_stack(state, output->path, err)) ||
+        !render_tiles(state, err))
+        return false;
+    if (state->gl)
+        state->result->gl = gl_work(state->gl);
+    return commit(state, output, err);
+}
+
+bool render(const struct plan *plan, const struct render_output *output,
+            const struct render_progress *progress, struct render_result *out, struct error *err)
+{
+    struct render_state state = {.plan = plan, .progress = progress, .result = out};
+    double since = render_clock();
+    *out = (struct render_result){.full_scale = 0};
+    bool done = render_all(&state, output, err);
+    if (state.writing)
+        stack_discard(&state.writer); /* what was committed stays */
+    for (int c = 0; c < BANDS_PER_PASS; c++)
+        free(state.samples[c]);
+    gl_close(state.gl);
+    surfaces_free(plan, state.surfaces);
+    clock_in(&out->seconds.total, &since);
+    return done;
+}

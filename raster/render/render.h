@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: MIT */
+/* The loop over tiles and passes, and the report of it. */
+#ifndef RENDER_H
+#define RENDER_H
+
+#include "raster/check/check.h"
+
+/* ---- render.c: the loop over tiles and passes ---- */
+
+struct render_seconds {
+    double read, plan, gl, raster, check, write, total;
+};
+struct render_result {
+    double full_scale;
+    bool clips; /* a vertex is brighter than that */
+    char gl_renderer[128], gl_version[128];
+    const struct driver *driver;
+    struct gl_work gl;
+    struct light_work light;
+    struct check_tally check;
+    struct odd_samples odd;
+    struct stack_difference difference; /* from the stack that was to be made again */
+    struct render_seconds seconds;
+};
+struct render_output {
+    const char *path;  /* of the stack; NULL: none is written */
+    const char *again; /* the stack that it shall be the same as, to the last byte; NULL: none */
+    bool keep;         /* also what failed its check, or is not the same, is stored */
+    bool discard;      /* nothing is stored: the stack is only compared with the other */
+};
+/* Called between passes with done of all steps. */
+struct render_progress {
+    void (*step)(void *context, long done, long all);
+    void *context;
+};
+/* Seconds of a clock that only goes forward. */
+double render_clock(void);
+/* Renders into a stack. True also if the picture failed its check, or is not the same: the result
+ * tells, and render_agreed. */
+bool render(const struct plan *plan, const struct render_output *output,
+            const struct render_progress *progress, struct render_result *out, struct error *err);
+bool render_agreed(const struct render_result *result);
+/* Whose pixels are stored: "raster", or OpenGL's GL_RENDERER. */
+const char *render_stored(const struct plan *plan, const struct render_result *result);
+
+/* ---- report.c: results in words and as JSON ---- */
+
+/* Of a page: "450 nm", or the label of a component. */
+enum { PAGE_NAME = 32 };
+void page_name(const struct scene *scene, int page, char out[PAGE_NAME]);
+/* The name of a surface: that of its material; or "background" for -1. */
+const char *object_name(const struct plan *plan, int surface);
+
+/* The verdict in one line of ASCII, for the stack. */
+void report_verdict(const struct plan *plan, const struct check_tally *tally, char *out,
+                    size_t capacity);
+/* Returns false with EXIT_DIFFERENT: where the pictures first differ, and `then` what follows from
+ * it. */
+bool report_difference(const struct plan *plan, const struct check_tally *tally, const char *then,
+                       struct error *err);
+/* The same for a stack made again that is not the same; `made` is how the one at `path` was made.
+ */
+bool report_not_again(const struct plan *plan, const struct render_result *result, const char *path,
+                      const struct record *made, const char *then, struct error *err);
+void report_print(const struct plan *plan, const struct render_result *result, FILE *to);
+/* One JSON object, allocated; NULL: no memory. output and sha256 may be NULL. */
+char *report_json(const struct plan *plan, const struct render_result *result, const char *output,
+                  const char *sha256, uint64_t peak_bytes);
+
+#endif

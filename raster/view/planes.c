@@ -1,0 +1,208 @@
+/* SPDX-License-Identifier: MIT */
+/* The picture as planes of weights, which depend on geometry only, and those as text. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <zlib.h>
+
+#include "raster/view/view.h"
+
+/* ---- the picture as planes ---- */
+
+void planes_free(struct planes *planes)
+{
+    free(planes->surface);
+    free(planes->values);
+    free(planes->place[0]);
+    free(planes->place[1]);
+    *planes = (struct planes){0};
+}
+
+static bool planes_allocate(const struct plan *plan, struct planes *out, struct error *err)
+{
+    *out = (struct planes){.n_pixels = (size_t)plan->scene->width * (size_t)plan->scene->height,
+                           .n_weights = 1 + 2 * plan->n_lights};
+    for (int i = 0; i < plan->n_textures; i++)
+        if (plan->textures[i].spectral && plan->textures[i].image.n_pages > out->n_pages)
+            out->n_pages = plan->textures[i].image.n_pages;
+    out->surface = calloc(out->n_pixels, sizeof *out->surface);
+    out->values =
+        calloc(out->n_pixels * (size_t)(out->n_weights + out->n_pages), sizeof *out->values);
+    for (int i = 0; i < 2 && out->n_pages > 0; i++)
+        out->place[i] = calloc(out->n_pixels, sizeof *out->place[i]);
+    return (out->surface && out->values &&
+            (out->n_pages == 0 || (out->place[0] && out->place[1]))) ||
+           error_memory(err);
+}
+
+static int plane_of(const struct term *term)
+{
+    return term->kind == TERM_CONSTANT ? 0 : 1 + 2 * term->light + (term->kind == TERM_SPECULAR);
+}
+
+/* A pixel `from` of a chunk is the picture's pixel `to`. */
+static void put_pixel(const struct surface *surfaces, const struct chunk *chunk, size_t from,
+                      struct planes *planes, size_t to)
+{
+    size_t stride = (size_t)chunk->rows.width * (size_t)chunk->rows.height;
+    if (chunk->surface[from] < 0)
+        return;
+    const struct finish *finish = surfaces[chunk->surface[from]].finish;
+    const double *weight = chunk->weights + from;
+    planes->surface[to] = (uint16_t)(chunk->surface[from] + 1);
+    for (int t = 0; t < finish->n_terms; t++, weight += stride)
+        planes->values[(size_t)plane_of(&finish->terms[t]) * planes->n_pixels + to] =
+            (float)*weight;
+    for (int i = 0; i < 2 && finish->texture && finish->texture->spectral; i++, weight += stride)
+        planes->place[i][to] = *weight;
+}
+
+struct painting {
+    const struct plan *plan;
+    const struct surface *surfaces;
+    struct planes *planes;
+};
+
+static bool put_chunk(void *context, const struct tile *tile, int index, struct error *err)
+{
+    const struct painting *of = context;
+    struct chunk chunk = {.surface = NULL};
+    bool done = chunk_rasterize(of->plan, of->surfaces, tile, index, &chunk, err);
+    for (int y = 0; done && y < chunk.rows.height; y++)
+        for (int x = 0; x < chunk.rows.width; x++)
+            put_pixel(of->surfaces, &chunk, (size_t)y * (size_t)chunk.rows.width + (size_t)x,
+                      of->planes,
+                      (size_t)(chunk.rows.y + y) * (size_t)of->plan->scene->width +
+                          (size_t)(chunk.rows.x + x));
+    chunk_free(&chunk);
+    return done;
+}
+
+/* The values of one texture at its own wavelengths, where it is seen. */
+static bool put_texture(const struct plan *plan, struct texture *texture, struct planes *planes,
+                        struct error *err)
+{
+    for (int page = 0; page < texture->image.n_pages; page++) {
+        float *plane = planes->values + (size_t)(planes->n_weights + page) * planes->n_pixels;
+        if (!texture_load(texture, texture->image.wavelengths_nm + page, 1, err))
+            return false;
+        for (size_t i = 0; i < planes->n_pixels; i++) {
+            int surface = planes->surface[i] - 1;
+            struct texel_point at = {planes->place[0][i], planes->place[1][i], 0, 0};
+            if (surface >= 0 && plan->finishes[plan->bodies[surface].finish].texture == texture)
+                plane[i] = (float)texel_value(texture, 0, at, NULL);
+        }
+    }
+    return true;
+}
+
+static bool put_picture(const struct plan *plan, const struct surface *surfaces,
+                        struct planes *planes, struct error *err)
+{
+    struct painting of = {plan, surfaces, planes};
+    const struct tile picture = plan_picture(plan);
+    for (int i = 0; i < plan_tiles(plan, &picture); i++) {
+        const struct tile tile = plan_tile(plan, &picture, i);
+        if (!chunks_each(&tile, plan->options.threads, put_chunk, &of, err))
+            return false;
+    }
+    for (int i = 0; i < plan->n_textures; i++)
+        if (plan->textures[i].spectral && !put_texture(plan, &plan->textures[i], planes, err))
+            return false;
+    return true;
+}
+
+bool planes_rasterize(const struct plan *plan, struct planes *out, struct error *err)
+{
+    struct surface *surfaces = NULL;
+    struct light_work work;
+    if (plan->n_bodies > LARGEST_SAMPLE)
+        return error_usage(err, "a page shows at most %d objects and parts; this scene has %d",
+                           LARGEST_SAMPLE, plan->n_bodies);
+    if ((int64_t)plan->scene->width * plan->scene->height > LARGEST_PAGE)
+        return error_usage(err, "a page shows at most %d pixels; --size WxH makes %d x %d fewer",
+                           LARGEST_PAGE, plan->scene->width, plan->scene->height);
+    bool done = planes_allocate(plan, out, err) &&
+                surfaces_light(plan, driver_of(NULL), &surfaces, &work, err) &&
+                put_picture(plan, surfaces, out, err);
+    surfaces_free(plan, surfaces);
+    return done;
+}
+
+/* ---- planes as text ---- */
+
+double plane_scale(const struct planes *planes, int plane)
+{
+    const float *values = planes->values + (size_t)plane * planes->n_pixels;
+    double largest = 0;
+    for (size_t i = 0; i < planes->n_pixels; i++)
+        if ((double)values[i] > largest)
+            largest = (double)values[i];
+    return largest / LARGEST_SAMPLE;
+}
+
+/* Differences between neighbours, which are small and alike, as bytes, all lower ones first. */
+static void put_differences(const uint16_t *samples, size_t n, unsigned char *out)
+{
+    for (size_t i = 0; i < n; i++) {
+        unsigned difference = samples[i] - (i > 0 ? (unsigned)samples[i - 1] : 0);
+        out[i] = difference & 0xff;
+        out[n + i] = difference >> 8 & 0xff;
+    }
+}
+
+/* All planes, that of the surfaces first; allocated, NULL: no memory. */
+static unsigned char *planes_bytes(const struct planes *planes, const double *scale, size_t *length)
+{
+    size_t n = planes->n_pixels, n_values = (size_t)(planes->n_weights + planes->n_pages);
+    unsigned char *bytes = malloc(2 * n * (1 + n_values));
+    uint16_t *samples = malloc(n * sizeof *samples);
+    for (size_t plane = 0; bytes && samples && plane < n_values; plane++) {
+        const float *values = planes->values + plane * n;
+        for (size_t i = 0; i < n; i++)
+            samples[i] =
+                (uint16_t)(scale[plane] > 0 ? fmax(0, floor((double)values[i] / scale[plane] + 0.5))
+                                            : 0);
+        put_differences(samples, n, bytes + 2 * n * (1 + plane));
+    }
+    if (bytes)
+        put_differences(planes->surface, n, bytes);
+    if (!samples) {
+        free(bytes);
+        bytes = NULL;
+    }
+    free(samples);
+    *length = 2 * n * (1 + n_values);
+    return bytes;
+}
+
+/* RFC 4648; out has room for 4 characters for every 3 bytes begun, and is not terminated. */
+static void base64(const unsigned char *bytes, size_t length, char *out)
+{
+    static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    for (size_t i = 0; i < length; i += 3) {
+        size_t left = length - i;
+        unsigned group = (unsigned)bytes[i] << 16 | (left > 1 ? (unsigned)bytes[i + 1] << 8 : 0) |
+                         (left > 2 ? bytes[i + 2] : 0);
+        for (size_t j = 0; j < 4; j++)
+            *out++ = j <= left ? digits[group >> (18 - 6 * j) & 63] : '=';
+    }
+}
+
+char *planes_text(const struct planes *planes, const double *scale, size_t *length)
+{
+    size_t raw_length;
+    unsigned char *raw = planes_bytes(planes, scale, &raw_length);
+    uLongf packed_length = compressBound((uLong)raw_length);
+    unsigned char *packed = raw ? malloc(packed_length) : NULL;
+    char *out = NULL;
+    if (packed &&
+        compress2(packed, &packed_length, raw, (uLong)raw_length, Z_DEFAULT_COMPRESSION) == Z_OK)
+        out = malloc((packed_length + 2) / 3 * 4);
+    if (out)
+        base64(packed, packed_length, out);
+    *length = (packed_length + 2) / 3 * 4;
+    free(raw);
+    free(packed);
+    return out;
+}

@@ -1,0 +1,455 @@
+/* SPDX-License-Identifier: MIT */
+/* An interactive viewer in one HTML file: the page of data/viewer.html with what it works from.
+ *
+ * Local illumination is linear: whatever the lights are, a pixel's radiance is its weights, which
+ * depend on geometry only, times spectra of light and material. The weights go into the page as
+ * planes of 16 bits, the spectra as JSON; products are made there. What fluoresces depends on
+ * wavelengths outside the picture: that is computed here for every illuminant on offer. */
+#include <assert.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "raster/view/view.h"
+
+/* ---- what the page computes with, as JSON ---- */
+
+struct page {
+    const struct plan *plan;
+    struct json json;
+    struct spectrum *illuminants; /* on offer; the first ones are owned */
+    int n_illuminants, n_owned;
+    double *row; /* n_bands; owned */
+    struct viewer_result *result;
+};
+
+static void json_matrix(struct json *json, const char *key, double matrix[3][3])
+{
+    json_open(json, key, '[');
+    for (int i = 0; i < 3; i++)
+        json_numbers(json, NULL, matrix[i], 3);
+    json_close(json, ']');
+}
+
+/* At the picture's wavelengths; null for a spectrum that is absent. */
+static void put_spectrum(struct page *page, const char *key, const struct spectrum *spectrum,
+                         enum spectrum_ends ends)
+{
+    const struct plan *plan = page->plan;
+    for (int i = 0; i < plan->n_bands; i++)
+        page->row[i] = spectrum_at(spectrum, plan->scene->wavelengths_nm[i], ends);
+    if (spectrum->kind == SPECTRUM_NONE)
+        json_string(&page->json, key, NULL);
+    else
+        json_numbers(&page->json, key, page->row, plan->n_bands);
+}
+
+/* ---- illuminants ---- */
+
+/* The name of a built-in table as the command line has it; false for another file. */
+static bool table_name(const struct builtin_file *file, char *out, size_t capacity)
+{
+    static const char folder[] = "tables/";
+    const char *name = file->name + strlen(folder);
+    if (strncmp(file->name, folder, strlen(folder)) != 0)
+        return false;
+    snprintf(out, capacity, "%.*s", (int)strcspn(name, "."), name);
+    return true;
+}
+
+static bool same_illuminant(const struct spectrum *a, const struct spectrum *b)
+{
+    size_t size = (size_t)a->count * sizeof *a->value;
+    return strcmp(a->name, b->name) == 0 && a->kind == b->kind && a->count == b->count &&
+           (size == 0 || (memcmp(a->value, b->value, size) == 0 &&
+                          memcmp(a->wavelength_nm, b->wavelength_nm, size) == 0));
+}
+
+/* The number of an illuminant, which is added if it is new; -1 after an error. */
+static int find_illuminant(struct page *page, const struct spectrum *spectrum, struct error *err)
+{
+    for (int i = 0; i < page->n_illuminants; i++)
+        if (same_illuminant(&page->illuminants[i], spectrum))
+            return i;
+    struct spectrum *more = array_more(page->illuminants, page->n_illuminants, sizeof *more, err);
+    if (!more)
+        return -1;
+    page->illuminants = more;
+    more[page->n_illuminants] = *spectrum;
+    return page->n_illuminants++;
+}
+
+static bool add_builtin(struct page *page, const char *name, struct error *err)
+{
+    struct word word = {.start = name, .length = strlen(name)};
+    struct spectrum spectrum;
+    if (!spectrum_read(&word, 0, HUGE_VAL, &spectrum, err))
+        return false;
+    if (find_illuminant(page, &spectrum, err) < 0) {
+        spectrum_free(&spectrum);
+        return false;
+    }
+    page->n_owned = page->n_illuminants;
+    return true;
+}
+
+/* Equal energy, the built-in ones, and what the scene has. */
+static bool find_illuminants(struct page *page, struct error *err)
+{
+    const struct scene *scene = page->plan->scene;
+    char name[256];
+    if (!add_builtin(page, "1", err))
+        return false;
+    for (size_t i = 0; i < builtin_file_count; i++)
+        if (table_name(&builtin_files[i], name, sizeof name) &&
+            !table_is_detector(&builtin_files[i]) && !add_builtin(page, name, err))
+            return false;
+    for (int i = 0; i < scene->n_ambients; i++)
+        if (find_illuminant(page, &scene->ambients[i].spectrum, err) < 0)
+            return false;
+    for (int i = 0; i < scene->n_lights; i++)
+        if (find_illuminant(page, &scene->lights[i].spectrum, err) < 0)
+            return false;
+    return true;
+}
+
+/* As the command line takes it: a file of the scene is found from the working folder. */
+static bool put_word(struct page *page, const struct spectrum *spectrum, struct error *err)
+{
+    char table[256], path[256];
+    snprintf(table, sizeof table, "%.*s", (int)strcspn(spectrum->name, ":*"), spectrum->name);
+    bool is_file = spectrum->kind == SPECTRUM_SAMPLED &&
+                   !builtin_path("tables/", table, ".csv", path, sizeof path);
+    char *word = is_file ? file_relative(spectrum->place.path, spectrum->name) : NULL;
+    if (is_file && !word)
+        return error_memory(err);
+    json_string(&page->json, "word", is_file ? word : spectrum->name);
+    free(word);
+    return true;
+}
+
+static bool put_illuminants(struct page *page, struct error *err)
+{
+    bool done = true;
+    json_open(&page->json, "illuminants", '[');
+    for (int i = 0; done && i < page->n_illuminants; i++) {
+        json_open(&page->json, NULL, '{');
+        json_string(&page->json, "name", page->illuminants[i].name);
+        done = put_word(page, &page->illuminants[i], err);
+        put_spectrum(page, "radiance", &page->illuminants[i], SPECTRUM_ZERO);
+        json_close(&page->json, '}');
+    }
+    json_close(&page->json, ']');
+    return done;
+}
+
+/* As the scene has it. */
+static bool put_light(struct page *page, const struct spectrum *spectrum, double intensity,
+                      struct error *err)
+{
+    int illuminant = find_illuminant(page, spectrum, err);
+    if (illuminant < 0)
+        return false;
+    json_open(&page->json, NULL, '{');
+    json_count(&page->json, "illuminant", (uint64_t)illuminant);
+    json_number(&page->json, "intensity", intensity);
+    json_close(&page->json, '}');
+    return true;
+}
+
+/* A scene without ambient light has one that is off. */
+static bool put_lights(struct page *page, struct error *err)
+{
+    const struct scene *scene = page->plan->scene;
+    bool done = true;
+    json_open(&page->json, "ambients", '[');
+    for (int i = 0; done && i < scene->n_ambients; i++)
+        done = put_light(page, &scene->ambients[i].spectrum, scene->ambients[i].intensity, err);
+    if (scene->n_ambients == 0)
+        done = put_light(page, &page->illuminants[0], 0, err);
+    json_close(&page->json, ']');
+    json_open(&page->json, "lights", '[');
+    for (int i = 0; done && i < scene->n_lights; i++)
+        done = put_light(page, &scene->lights[i].spectrum, scene->lights[i].intensity, err);
+    json_close(&page->json, ']');
+    return done;
+}
+
+/* ---- surfaces ---- */
+
+/* What each illuminant makes a finish give out. */
+static bool put_luminescence(struct page *page, const struct finish *finish, struct error *err)
+{
+    const struct material *material = finish->material;
+    bool fluoresces = material->excitation.kind != SPECTRUM_NONE || material->donaldson;
+    if (!fluoresces) {
+        json_string(&page->json, "luminescence", NULL);
+        return true;
+    }
+    json_open(&page->json, "luminescence", '[');
+    for (int i = 0; i < page->n_illuminants; i++) {
+        if (!finish_luminescence(page->plan, finish, &page->illuminants[i], page->row, err))
+            return false;
+        json_numbers(&page->json, NULL, page->row, page->plan->n_bands);
+    }
+    json_close(&page->json, ']');
+    return true;
+}
+
+static bool put_finish(struct page *page, const struct finish *finish, struct error *err)
+{
+    static const struct spectrum plastic = {
+        .kind = SPECTRUM_CONSTANT, .parameter = {1, 0}, .factor = 1};
+    static const struct spectrum none = {.kind = SPECTRUM_NONE};
+    const struct material *material = finish->material;
+    const struct spectrum *specular =
+        material->specular.kind != SPECTRUM_NONE ? &material->specular : &plastic;
+    struct json *json = &page->json;
+    json_open(json, NULL, '{');
+    put_spectrum(page, "diffuse", &material->diffuse, SPECTRUM_HOLD);
+    put_spectrum(page, "specular", material->gloss > 0 ? specular : &none, SPECTRUM_HOLD);
+    put_spectrum(page, "glow", &material->glow, SPECTRUM_ZERO);
+    put_spectrum(page, "excitation", &material->excitation, SPECTRUM_ZERO);
+    put_spectrum(page, "emission", &material->emission, SPECTRUM_ZERO);
+    if (finish->texture && finish->texture->spectral)
+        json_numbers(json, "texture", finish->texture->image.wavelengths_nm,
+                     finish->texture->image.n_pages);
+    else
+        json_string(json, "texture", NULL);
+    bool done = put_luminescence(page, finish, err);
+    json_close(json, '}');
+    return done;
+}
+
+static bool put_surfaces(struct page *page, struct error *err)
+{
+    const struct plan *plan = page->plan;
+    struct json *json = &page->json;
+    json_open(json, "finishes", '[');
+    for (int i = 0; i < plan->n_finishes; i++)
+        if (!put_finish(page, &plan->finishes[i], err))
+            return false;
+    json_close(json, ']');
+    json_open(json, "objects", '[');
+    for (int i = 0; i < plan->n_bodies; i++) {
+        json_open(json, NULL, '{');
+        json_string(json, "name", object_name(plan, i));
+        json_string(json, "shape", shape_name(plan->bodies[i].object->shape.kind));
+        json_count(json, "finish", (uint64_t)plan->bodies[i].finish);
+        json_close(json, '}');
+    }
+    json_close(json, ']');
+    return true;
+}
+
+/* ---- detectors, adaptations and displays ---- */
+
+static bool put_detector(struct page *page, const char *name, struct error *err)
+{
+    const struct plan *plan = page->plan;
+    const double *nm = plan->scene->wavelengths_nm;
+    struct detector detector = {.name = NULL};
+    struct json *json = &page->json;
+    double lost[3], *weights = malloc(3 * (size_t)plan->n_bands * sizeof *weights);
+    bool done = (weights || error_memory(err)) && detector_read(name, &detector, err);
+    if (done) {
+        detector_weights(&detector, nm, plan->n_bands, weights);
+        detector_lost(&detector, nm, plan->n_bands, lost);
+        json_open(json, NULL, '{');
+        json_string(json, "name", name);
+        json_truth(json, "observer", detector.observer);
+        json_open(json, "weights", '[');
+        for (int i = 0; i < 3; i++)
+            json_numbers(json, NULL, weights + (size_t)i * (size_t)plan->n_bands, plan->n_bands);
+        json_close(json, ']');
+        json_numbers(json, "lost", lost, 3);
+        json_close(json, '}');
+        page->result->n_detectors++;
+    }
+    detector_free(&detector);
+    free(weights);
+    return done;
+}
+
+static bool put_detectors(struct page *page, struct error *err)
+{
+    char name[256];
+    json_open(&page->json, "detectors", '[');
+    for (size_t i = 0; i < builtin_file_count; i++)
+        if (table_name(&builtin_files[i], name, sizeof name) &&
+            table_is_detector(&builtin_files[i]) && !put_detector(page, name, err))
+            return false;
+    json_close(&page->json, ']');
+    return true;
+}
+
+/* The cone responses in which each kind adapts, and the white to which a complete one leads. */
+static void put_adaptations(struct json *json)
+{
+    json_numbers(json, "display_white", display_white, 3);
+    json_open(json, "adaptations", '[');
+    for (int i = ADAPTATION_NONE; i <= ADAPTATION_CAT16; i++) {
+        enum adaptation_kind kind = (enum adaptation_kind)i;
+        double cones[3][3], inverse[3][3];
+        json_open(json, NULL, '{');
+        json_string(json, "name", adaptation_name(kind));
+        json_truth(json, "incomplete", kind == ADAPTATION_FAIRCHILD);
+        if (kind != ADAPTATION_NONE) {
+            adaptation_cones(kind, cones);
+            colour_inverse(cones, inverse);
+            json_matrix(json, "cones", cones);
+            json_matrix(json, "inverse", inverse);
+        }
+        json_close(json, '}');
+    }
+    json_close(json, ']');
+}
+
+/* The least linear value that is shown as this 8-bit code. */
+static double code_step(enum display_kind kind, int channel, int code)
+{
+    double below = 0, at = display_largest(kind, channel);
+    for (double middle = at / 2; middle > below && middle < at; middle = below + (at - below) / 2)
+        if (display_encode(kind, channel, middle) * 255 + 0.5 >= code)
+            at = middle;
+        else
+            below = middle;
+    return at;
+}
+
+/* A tone curve is what its 255 steps are. */
+static void put_displays(struct json *json)
+{
+    json_open(json, "displays", '[');
+    for (int i = DISPLAY_SRGB; i <= DISPLAY_MONITOR; i++) {
+        enum display_kind kind = (enum display_kind)i;
+        double matrix[3][3], largest[3], steps[255];
+        display_matrix(kind, matrix);
+        for (int c = 0; c < 3; c++)
+            largest[c] = display_largest(kind, c);
+        json_open(json, NULL, '{');
+        json_string(json, "name", display_name(kind));
+        json_matrix(json, "matrix", matrix);
+        json_numbers(json, "largest", largest, 3);
+        json_open(json, "steps", '[');
+        for (int c = 0; c < 3; c++) {
+            for (int code = 1; code <= 255; code++)
+                steps[code - 1] = code_step(kind, c, code);
+            json_numbers(json, NULL, steps, 255);
+        }
+        json_close(json, ']');
+        json_close(json, '}');
+    }
+    json_close(json, ']');
+}
+
+/* ---- the page ---- */
+
+static bool put_json(struct page *page, const struct planes *planes, const double *scale,
+                     struct error *err)
+{
+    const struct scene *scene = page->plan->scene;
+    struct json *json = &page->json;
+    json_open(json, NULL, '{');
+    json_string(json, "program", PROGRAM);
+    json_string(json, "scene", scene->path);
+    json_count(json, "width", (uint64_t)scene->width);
+    json_count(json, "height", (uint64_t)scene->height);
+    json_numbers(json, "wavelengths", scene->wavelengths_nm, scene->n_wavelengths);
+    if (!find_illuminants(page, err) || !put_lights(page, err) || !put_illuminants(page, err) ||
+        !put_surfaces(page, err) || !put_detectors(page, err))
+        return false;
+    put_adaptations(json);
+    put_displays(json);
+    json_numbers(json, "weight_scales", scale, planes->n_weights);
+    json_numbers(json, "texture_scales", scale + planes->n_weights, planes->n_pages);
+    json_close(json, '}');
+    return true;
+}
+
+/* JSON inside of HTML: a "<", which only strings have, might end the script that holds it. */
+static void write_json(const char *text, FILE *to)
+{
+    for (; *text; text++)
+        if (*text == '<')
+            fputs("\\u003c", to);
+        else
+            putc(*text, to);
+}
+
+/* The page's source with the data in the place of its mark. */
+static bool write_page(const char *json, const char *planes, size_t planes_length, const char *path,
+                       size_t *bytes, struct error *err)
+{
+    static const char mark[] = "<!-- scene -->\n";
+    const struct place nowhere = {NULL, 0, 0};
+    char *source = NULL, *text = NULL;
+    size_t length;
+    if (!file_read("builtin:viewer.html", nowhere, &source, &length, err))
+        return false;
+    const char *at = strstr(source, mark);
+    FILE *to = open_memstream(&text, bytes);
+    assert(at);
+    if (to) {
+        fwrite(source, 1, (size_t)(at - source), to);
+        fputs("<script id=\"scene\" type=\"application/json\">", to);
+        write_json(json, to);
+        fputs("</script>\n<script id=\"planes\" type=\"text/plain\">", to);
+        fwrite(planes, 1, planes_length, to);
+        fputs("</script>\n", to);
+        fputs(at + strlen(mark), to);
+    }
+    bool whole = to && !ferror(to);
+    whole = (!to || fclose(to) == 0) && whole;
+    bool done = whole ? file_write(path, text, *bytes, err) : error_memory(err);
+    free(source);
+    free(text);
+    return done;
+}
+
+static void page_free(struct page *page)
+{
+    for (int i = 0; i < page->n_owned; i++)
+        spectrum_free(&page->illuminants[i]);
+    free(page->illuminants);
+    free(page->row);
+    free(page->json.text);
+}
+
+static bool make_page(struct page *page, const struct planes *planes, const char *path,
+                      struct error *err)
+{
+    int n_planes = planes->n_weights + planes->n_pages;
+    double *scale = calloc((size_t)n_planes, sizeof *scale);
+    char *json = NULL, *text = NULL;
+    size_t length;
+    bool done = scale != NULL || error_memory(err);
+    for (int i = 0; done && i < n_planes; i++)
+        scale[i] = plane_scale(planes, i);
+    if (done && put_json(page, planes, scale, err)) {
+        json = json_end(&page->json);
+        text = planes_text(planes, scale, &length);
+        done = json && text ? write_page(json, text, length, path, &page->result->bytes, err)
+                            : error_memory(err);
+    } else
+        done = false;
+    free(scale);
+    free(json);
+    free(text);
+    return done;
+}
+
+bool viewer_write(const struct plan *plan, const char *path, struct viewer_result *out,
+                  struct error *err)
+{
+    struct page page = {.plan = plan, .result = out};
+    struct planes planes = {.n_pixels = 0};
+    *out = (struct viewer_result){.n_objects = plan->n_bodies, .n_lights = plan->n_lights};
+    page.row = calloc((size_t)plan->n_bands, sizeof *page.row);
+    bool done = (page.row || error_memory(err)) && planes_rasterize(plan, &planes, err) &&
+                make_page(&page, &planes, path, err);
+    out->n_illuminants = page.n_illuminants;
+    page_free(&page);
+    planes_free(&planes);
+    return done;
+}
