@@ -134,7 +134,7 @@ static bool add_lights(struct probe *probe, const struct scene *scene, struct er
     return true;
 }
 
-/* Each as raster/finish.c takes it. */
+/* Each as data/terms takes it. */
 static bool add_material(struct probe *probe, const struct material *material, struct error *err)
 {
     const struct spectrum *specular =
@@ -170,13 +170,14 @@ static bool add_curves(const struct region *region, struct error *err)
 static bool add_colour(struct probe *probe, const struct scene *scene,
                        const struct probe_options *options, struct error *err)
 {
+    const struct spectral_pages pages = scene_pages(scene);
     struct cube cube = {.image = {.path = scene->path,
                                   .n_pages = scene->n_wavelengths,
                                   .wavelengths_nm = scene->wavelengths_nm}};
     cube.record.white = calloc((size_t)probe->n, sizeof *cube.record.white);
     if (!cube.record.white)
         return error_memory(err);
-    cube.record.n_white = scene_white(scene, cube.record.white) > 0 ? probe->n : 0;
+    cube.record.n_white = scene_white(scene, &pages, cube.record.white) > 0 ? probe->n : 0;
     bool done = probe_colour(probe, &cube, options, err);
     free(cube.record.white);
     return done;

@@ -3,7 +3,7 @@
 #ifndef RASTER_H
 #define RASTER_H
 
-#include "spectral.h"
+#include "data/terms/terms.h"
 
 /* ---- raster/shape.c: built-in shapes as triangles ---- */
 
@@ -15,19 +15,6 @@ bool shape_build(const struct shape *shape, struct mesh *out, struct error *err)
 
 enum { LIGHTS_PER_PASS = 8, BANDS_PER_PASS = TEXTURE_PLANES };
 
-/* Radiance at a point is a sum over terms of weight(point) x spectrum(wavelength) (local
- * illumination is linear), times the texture there: weights depend on geometry only, spectra on
- * light and material. */
-enum term_kind {
-    TERM_CONSTANT, /* ambient light and emission; its weight is 1 */
-    TERM_DIFFUSE,
-    TERM_SPECULAR
-};
-struct term {
-    enum term_kind kind;
-    int light;   /* index into plan.lights of the first light of its spectrum; -1: none */
-    double peak; /* the largest value of its own spectrum */
-};
 /* A material under the lights of the scene. Lights of one spectrum share their terms, and terms
  * whose spectrum is 0 in all bands are left out. */
 struct finish {
@@ -93,6 +80,7 @@ struct plan_options {
 };
 struct plan {
     const struct scene *scene;
+    const struct sampling *sampling; /* NULL: none */
     struct plan_options options;
     int n_bands, n_passes; /* n_passes: groups of bands */
     double unit; /* of lengths in eye space: a power of two, 1/1024 of the picture's size */
@@ -103,7 +91,8 @@ struct plan {
     struct finish *finishes;
     struct texture *textures;
     struct body *bodies;
-    struct plan_light *lights; /* those that shine */
+    struct illumination illumination; /* the lights of the scene, before idle ones are dropped */
+    struct plan_light *lights;        /* those that light something */
     int n_meshes, n_finishes, n_textures, n_bodies, n_lights;
     int n_light_groups; /* passes that a group of bands takes: 1, or more beyond LIGHTS_PER_PASS */
     int max_rows;       /* largest finish_rows of a finish */
@@ -116,9 +105,9 @@ struct plan {
     long n_vertices, n_triangles; /* as drawn: a mesh counts once for every body */
 };
 /* Reads meshes and textures, composes matrices, multiplies spectra; draws nothing. Refuses, at its
- * place, what cannot be drawn. The scene must outlive the plan. */
-bool plan_make(const struct scene *scene, const struct plan_options *options, struct plan *out,
-               struct error *err);
+ * place, what cannot be drawn. Scene and sampling (NULL: none) must outlive the plan. */
+bool plan_make(const struct scene *scene, const struct sampling *sampling,
+               const struct plan_options *options, struct plan *out, struct error *err);
 /* A part of the picture, such as OpenGL draws at once; in pixels from the top left. */
 struct tile {
     int x, y, width, height;
@@ -130,23 +119,9 @@ struct tile plan_tile(const struct plan *plan, const struct tile *region, int in
 /* Numbers that a pixel of this finish keeps: a weight for each term, and where its texture differs
  * from band to band the place in it (u and v, in texels). */
 int finish_rows(const struct finish *finish);
-/* What a finish of the plan fluoresces in each of its bands, under a light of intensity 1 that
- * shines on it squarely. */
-bool finish_luminescence(const struct plan *plan, const struct finish *finish,
-                         const struct spectrum *light, double *out, struct error *err);
 /* Loads what spectral textures show in the bands of a pass. */
 bool plan_load_textures(const struct plan *plan, int first_band, struct error *err);
 void plan_free(struct plan *plan);
-
-/* ---- raster/products.c: the spectra that a scene's pixels are made of ---- */
-
-/* Spectra of all lights and of every term of every material that an object uses, at every nm of the
- * scene's range. Opens no mesh and no texture. */
-bool scene_spectra(const struct scene *scene, struct fine_spectra *out, struct error *err);
-/* Samples the scene by a method from now on: sets its sampling and wavelengths. Refuses what
- * sampling_make refuses, and spectral textures under basis, rgb and xyz. */
-bool scene_sample(struct scene *scene, const struct sampling_method *method, const char *detector,
-                  struct error *err);
 
 /* ---- raster/effects.c: the plan in words ---- */
 
@@ -474,7 +449,7 @@ const char *render_stored(const struct plan *plan, const struct render_result *r
 
 /* Of a page: "450 nm", or the label of a component. */
 enum { PAGE_NAME = 32 };
-void page_name(const struct scene *scene, int page, char out[PAGE_NAME]);
+void page_name(const struct plan *plan, int page, char out[PAGE_NAME]);
 /* The name of a surface: that of its material; or "background" for -1. */
 const char *object_name(const struct plan *plan, int surface);
 
@@ -501,9 +476,10 @@ struct cost_program {
     /* Renders the scene with the words (and all that the command line said) to a stack. */
     bool (*render)(void *context, char *const *words, int n_words, const char *output,
                    struct error *err);
-    /* Reads it as render would, sampled too. */
-    bool (*read)(void *context, char *const *words, int n_words, struct scene *out,
-                 struct error *err);
+    /* Reads it as render would, and samples it; *sampling stays zeroed where the words ask for
+     * none. */
+    bool (*read)(void *context, char *const *words, int n_words, struct scene *scene,
+                 struct sampling *sampling, struct error *err);
     void *context;
 };
 enum { COST_WORDS = 8 };

@@ -291,7 +291,7 @@ static char *provenance_text(const struct plan *plan, const struct render_result
 {
     struct record record;
     char *text = NULL;
-    if (!record_scene(plan->scene, &record, err))
+    if (!record_scene(plan->scene, plan->sampling, &record, err))
         return NULL;
     record.program = PROGRAM;
     record.renderer = render_stored(plan, result);
@@ -339,7 +339,7 @@ static const char **make_labels(const struct sampling *sampling, struct error *e
 static bool open_stack(struct render_state *state, const char *path, struct error *err)
 {
     const struct plan *plan = state->plan;
-    const struct sampling *sampling = plan->scene->sampling;
+    const struct sampling *sampling = plan->sampling;
     const bool labelled = sampling && !sampling->spectral;
     if (!allocate_samples(state, err))
         return false;

@@ -321,7 +321,7 @@ static bool check_radiance(const struct plan *plan, const struct surface *surfac
         return true;
     if (plan->scene->shading != SHADING_PHONG)
         snprintf(vertex, sizeof vertex, "vertex %d", (int)at / surface->n_sides + 1);
-    page_name(plan->scene, band, page);
+    page_name(plan, band, page);
     return isfinite(radiance)
                ? error_at(err, surface->body->object->place,
                           "the radiance of %s at %s is %.3g, above what a float page holds", vertex,
