@@ -177,7 +177,7 @@ links() {
 
 # Sets $sources: all but those that match.
 leave_out() {
-    sources=$(printf '%s\n' spectral.c data/*.c raster/*.c | grep -vE "$1")
+    sources=$(find spectral.c data raster -name '*.c' | sort | grep -vE "$1")
 }
 
 # Sets $sources and $libraries for $GL. A compiler that sees no libtiff, such as musl-gcc or one for

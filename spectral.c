@@ -414,8 +414,9 @@ static const char *detector_of(const struct options *options)
     return options->detector ? options->detector : "cie1931";
 }
 
-/* The same, sampled as the options say. */
-static bool read_sampled(const struct options *options, struct scene *out, struct error *err)
+/* The same, sampled as the options say; *sampling stays zeroed where they ask for none. */
+static bool read_sampled(const struct options *options, struct scene *out,
+                         struct sampling *sampling, struct error *err)
 {
     struct sampling_method method;
     if (!options->sampling)
@@ -423,17 +424,21 @@ static bool read_sampled(const struct options *options, struct scene *out, struc
                                                     "develop shows a stack to any detector")
                                  : read_scene(options, out, err);
     return sampling_read("--sampling", options->sampling, &method, err) &&
-           read_scene(options, out, err) && scene_sample(out, &method, detector_of(options), err);
+           read_scene(options, out, err) &&
+           scene_sample(out, &method, detector_of(options), sampling, err);
 }
 
 static bool command_plan(struct options *options, struct error *err)
 {
     struct scene scene = {.path = NULL};
+    struct sampling sampling = {.n = 0};
     struct plan plan = {.scene = NULL};
-    bool done = read_sampled(options, &scene, err) && plan_make(&scene, &options->plan, &plan, err);
+    bool done = read_sampled(options, &scene, &sampling, err) &&
+                plan_make(&scene, sampling_or_none(&sampling), &options->plan, &plan, err);
     if (done)
         plan_print(&plan, stdout);
     plan_free(&plan);
+    sampling_free(&sampling);
     scene_free(&scene);
     return done;
 }
@@ -628,20 +633,23 @@ static bool plan_and_render(const struct options *options, const struct render_o
                             const struct record *made, struct error *err)
 {
     struct scene scene = {.path = NULL};
+    struct sampling sampling = {.n = 0};
     struct plan plan = {.scene = NULL};
     struct plan_options plan_options = plan_of(options);
     struct render_seconds seconds = {.read = 0};
     double start = render_clock();
-    bool done = check_gl(options, output->again, err) && read_sampled(options, &scene, err) &&
+    bool done = check_gl(options, output->again, err) &&
+                read_sampled(options, &scene, &sampling, err) &&
                 check_shading(options, &scene, &plan_options, err) &&
                 (!made || same_scene(&scene, output->again, made, err)) &&
                 spares_scene(output->path, &scene, err) && spares_scene(options->json, &scene, err);
     seconds.read = render_clock() - start;
-    done = done && plan_make(&scene, &plan_options, &plan, err);
+    done = done && plan_make(&scene, sampling_or_none(&sampling), &plan_options, &plan, err);
     seconds.plan = render_clock() - start - seconds.read;
     done = done && can_report(options->json, err) &&
            render_planned(options, &plan, &seconds, output, made, err);
     plan_free(&plan);
+    sampling_free(&sampling);
     scene_free(&scene);
     return done;
 }
@@ -840,7 +848,7 @@ static bool probe_planned(const struct options *options, const struct probe_opti
     struct plan plan = {.scene = NULL};
     struct plan_options plan_options = {.store_raster = true};
     bool done = read_scene(options, &scene, err) && spares_scene(options->output, &scene, err) &&
-                plan_make(&scene, &plan_options, &plan, err) &&
+                plan_make(&scene, NULL, &plan_options, &plan, err) &&
                 probe_scene(&plan, region, out, err);
     plan_free(&plan);
     scene_free(&scene);
@@ -924,7 +932,7 @@ static bool command_view(struct options *options, struct error *err)
     char *page = options->output ? NULL : default_output(named, ".html");
     const char *output = options->output ? options->output : page;
     bool done = output ? read_scene(options, &scene, err) && spares_scene(output, &scene, err) &&
-                             plan_make(&scene, &plan_options, &plan, err) &&
+                             plan_make(&scene, NULL, &plan_options, &plan, err) &&
                              viewer_write(&plan, output, &result, err)
                        : error_memory(err);
     if (done && !options->quiet)
@@ -970,12 +978,12 @@ static bool cost_render(void *context, char *const *words, int n_words, const ch
     return done;
 }
 
-static bool cost_read(void *context, char *const *words, int n_words, struct scene *out,
-                      struct error *err)
+static bool cost_read(void *context, char *const *words, int n_words, struct scene *scene,
+                      struct sampling *sampling, struct error *err)
 {
     struct options options = {.operand = NULL};
-    bool done =
-        parse_render(context, words, n_words, &options, err) && read_sampled(&options, out, err);
+    bool done = parse_render(context, words, n_words, &options, err) &&
+                read_sampled(&options, scene, sampling, err);
     options_free(&options);
     return done;
 }
@@ -1069,9 +1077,12 @@ static bool report_cost(const struct options *options, const struct cost *cost, 
 static bool can_cost(struct options *options, struct error *err)
 {
     struct scene scene = {.path = NULL};
+    struct sampling sampling = {.n = 0};
     const char *csv = options->csv_file, *svg = options->svg_file;
-    bool done = cost_read(options, NULL, 0, &scene, err) && spares_scene(csv, &scene, err) &&
-                spares_scene(svg, &scene, err) && can_report(csv, err) && can_report(svg, err);
+    bool done = cost_read(options, NULL, 0, &scene, &sampling, err) &&
+                spares_scene(csv, &scene, err) && spares_scene(svg, &scene, err) &&
+                can_report(csv, err) && can_report(svg, err);
+    sampling_free(&sampling);
     scene_free(&scene);
     return done && (!csv || !svg || strcmp(csv, svg) != 0 ||
                     error_usage(err, "--csv and --svg are written to different files"));

@@ -647,8 +647,7 @@ struct scene {
     struct camera camera;
     bool local_viewer;
     enum shading_kind shading;
-    double tessellation;       /* factor of all slices, stacks, ... of built-in shapes */
-    struct sampling *sampling; /* NULL: spectra are taken at the wavelengths; owned */
+    double tessellation; /* factor of all slices, stacks, ... of built-in shapes */
     struct place viewer_place, shading_place, wavelengths_place, size_place;
     struct ambient *ambients;
     struct light *lights;
@@ -674,6 +673,8 @@ void scene_free(struct scene *scene);
 const char *shape_name(enum shape_kind kind); /* the scene language's word */
 
 /* ---- data/sampling.c: how a spectrum becomes a few numbers ---- */
+
+struct spectral_pages; /* data/terms/terms.h */
 
 enum sampling_kind {
     SAMPLING_BOX,      /* box:N - N boxes of equal area under the detector's functions (Hall) */
@@ -714,9 +715,12 @@ struct fine_spectra {
     int n_nm;
     int n_lights;     /* lights, ambient lights, and own light and luminescence of materials */
     double *lights;   /* [light][nm]; owned */
-    int n_products;   /* every term of every finish: light times reflectance, luminescence, ... */
+    int n_products;   /* every term of every material: light times reflectance, luminescence, ... */
     double *products; /* [product][nm], none negative; owned */
 };
+/* Makes the spectra of all lights, and of every term of every material that an object shows, over
+ * the range of the scene's wavelengths. Opens no mesh and no texture. */
+bool scene_spectra(const struct scene *scene, struct fine_spectra *out, struct error *err);
 void fine_spectra_free(struct fine_spectra *spectra);
 
 /* How the spectra of a scene become pages, and pages the channels of a detector. */
@@ -757,19 +761,41 @@ struct sampling {
  * becomes the rank. Never gives NaN or infinity. */
 bool sampling_make(const struct sampling_method *method, const char *detector,
                    const struct fine_spectra *spectra, struct sampling *out, struct error *err);
+/* Makes a sampling of a scene's spectra; its wavelengths, or numbers of components, replace the
+ * scene's. Refuses what sampling_make refuses, and spectral textures under basis, rgb and xyz. */
+bool scene_sample(struct scene *scene, const struct sampling_method *method, const char *detector,
+                  struct sampling *out, struct error *err);
+/* The sampling, or NULL of a zeroed one: functions that take a sampling take NULL for none. */
+const struct sampling *sampling_or_none(const struct sampling *sampling);
+/* How the pages are made of spectra. Valid as long as the sampling. */
+struct spectral_pages sampling_pages(const struct sampling *sampling);
 /* Weights of any detector at wavelengths that stand for segments: out[channel * n + i] = the sum
  * over cells of 1 nm of detector x polynomial, scaled as detector_weights scales. */
 void sampling_weights(const struct detector *detector, const double *wavelength_nm,
                       double (*segment_nm)[2], int n, double *out);
-/* What a page has of a spectrum: SPECTRUM_HOLD means a reflectance, SPECTRUM_ZERO a light.
- * `sampling` NULL: the value at the scene's wavelength. */
-double scene_page(const struct scene *scene, const struct spectrum *spectrum, int page,
-                  enum spectrum_ends ends);
 /* "red", "Y", "component 3"; "" of a wavelength. */
 void sampling_label(const struct sampling *sampling, int page, char out[24]);
 /* In one line: name, number of pages, negative weights, peaks, rank, what it cannot do. */
 void sampling_print(const struct sampling *sampling, FILE *to);
 void sampling_free(struct sampling *sampling);
+
+/* What a stack records of its sampling, so that any reader can weigh its pages. */
+struct sampling_description {
+    char method[SAMPLING_NAME]; /* as sampling_name */
+    const char *detector;       /* the sampling's, as are the arrays */
+    bool components;            /* pages have no wavelengths */
+    int n;                      /* pages */
+    double (*segment_nm)[2];    /* NULL: none is needed */
+    const double *response;     /* [channel * n + page]: the weights of a fixed sampling; or NULL */
+    double range_nm[2];         /* which the response holds for */
+};
+void sampling_describe(const struct sampling *sampling, struct sampling_description *out);
+/* The response of the sampling's detector to the scene's white at every nm. Returns false after an
+ * error. *illumination becomes the sum of the lights' intensities; 0: no such white is seen. */
+bool sampling_white(const struct sampling *sampling, const struct scene *scene, double out[3],
+                    double *illumination, struct error *err);
+/* Returns whether the method of this name takes means over segments, and no values in them. */
+bool sampling_takes_means(const char *name);
 
 /* ---- data/json.c: JSON out (RFC 8259) ---- */
 
@@ -846,14 +872,12 @@ struct record {
     int map_bytes;
     char *text; /* what lights, ambients and, of record_read, all strings point into; owned */
 };
-/* The mean of all lights and ambient lights, by intensity: the radiance of a perfect diffuser under
- * one light of intensity 1, at each of the scene's wavelengths. Returns the sum of the intensities,
- * or 0 where nothing shines there; out is then of no use. */
-double scene_white(const struct scene *scene, double *out);
 /* How many digits read back as the same double. */
 int exact_digits(double number);
-/* Fills in what a scene tells: itself, its lights and white. The scene must outlive the record. */
-bool record_scene(const struct scene *scene, struct record *out, struct error *err);
+/* Records a scene: its name, its lights, its white and its sampling (NULL: none). Scene and
+ * sampling must outlive the record. */
+bool record_scene(const struct scene *scene, const struct sampling *sampling, struct record *out,
+                  struct error *err);
 /* Lines "KEY: VALUE", allocated; NULL: no memory. In values, control characters, what is no UTF-8
  * and '%' become %XX, as in a URL. */
 char *record_text(const struct record *record);

@@ -174,10 +174,7 @@ static double mean_within(const struct spectrum *spectrum, const double limits[2
 
 static bool has_boxes(const struct record *record)
 {
-    struct sampling_method method;
-    struct error ignored = {0};
-    return record->n_segments > 0 && sampling_read("", record->sampling, &method, &ignored) &&
-           method.kind == SAMPLING_BOX;
+    return record->n_segments > 0 && sampling_takes_means(record->sampling);
 }
 
 static bool white_of_option(const struct cube *cube, const char *value, double *out,

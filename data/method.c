@@ -108,3 +108,10 @@ void sampling_name(const struct sampling_method *method, char out[SAMPLING_NAME]
     snprintf(out, SAMPLING_NAME, "%s%s%s%s%s", kinds[method->kind], number[0] != '\0' ? ":" : "",
              number, functions[0] != '\0' ? "," : "", functions);
 }
+
+bool sampling_takes_means(const char *name)
+{
+    struct sampling_method method;
+    struct error ignored = {0};
+    return sampling_read("", name, &method, &ignored) && method.kind == SAMPLING_BOX;
+}

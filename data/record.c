@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What a stack says of how it was made, so that it can be made again: lines in the description of
  * its first page, behind those of its scale. */
-#include "spectral.h"
+#include "data/terms/terms.h"
 
 #include <ctype.h>
 #include <float.h>
@@ -30,9 +30,9 @@ static void put_source(FILE *stream, const struct spectrum *spectrum, double int
 
 /* The lights, then the ambient lights, then the name of the sampling, each ended by a NUL;
  * allocated. NULL: no memory. */
-static char *source_texts(const struct scene *scene)
+static char *source_texts(const struct scene *scene, const char *sampling)
 {
-    char name[SAMPLING_NAME] = "", *text = NULL;
+    char *text = NULL;
     size_t length = 0;
     FILE *stream = open_memstream(&text, &length);
     if (stream == NULL)
@@ -41,9 +41,7 @@ static char *source_texts(const struct scene *scene)
         put_source(stream, &scene->lights[i].spectrum, scene->lights[i].intensity);
     for (int i = 0; i < scene->n_ambients; i++)
         put_source(stream, &scene->ambients[i].spectrum, scene->ambients[i].intensity);
-    if (scene->sampling != NULL)
-        sampling_name(&scene->sampling->method, name);
-    fprintf(stream, "%s%c", name, '\0');
+    fprintf(stream, "%s%c", sampling, '\0');
     if (fclose(stream) == 0)
         return text;
     free(text);
@@ -61,118 +59,91 @@ static const char **list_texts(const char **at, int n)
     return list;
 }
 
-static double illumination_of(const struct scene *scene)
+/* The white's response where the response of the pages is fixed. */
+static bool record_white_response(const struct scene *scene, const struct sampling *sampling,
+                                  struct record *out, struct error *err)
 {
-    double illumination = 0;
-    for (int i = 0; i < scene->n_lights; i++)
-        illumination += scene->lights[i].intensity;
-    for (int i = 0; i < scene->n_ambients; i++)
-        illumination += scene->ambients[i].intensity;
-    return illumination;
-}
-
-/* Of a light on a page (from 0), or at a wavelength where page is -1. */
-static double light_at(const struct scene *scene, const struct spectrum *light, int page, double nm)
-{
-    return page >= 0 ? scene_page(scene, light, page, SPECTRUM_ZERO)
-                     : spectrum_at(light, nm, SPECTRUM_ZERO);
-}
-
-static double white_at(const struct scene *scene, int page, double nm, double illumination)
-{
-    double sum = 0;
-    for (int i = 0; i < scene->n_lights; i++)
-        sum += scene->lights[i].intensity * light_at(scene, &scene->lights[i].spectrum, page, nm);
-    for (int i = 0; i < scene->n_ambients; i++)
-        sum +=
-            scene->ambients[i].intensity * light_at(scene, &scene->ambients[i].spectrum, page, nm);
-    return sum / illumination;
-}
-
-double scene_white(const struct scene *scene, double *out)
-{
-    const double illumination = illumination_of(scene);
-    double largest = 0;
-    bool finite = true;
-    for (int i = 0; i < scene->n_wavelengths; i++) {
-        out[i] = white_at(scene, i, 0, illumination);
-        largest = fmax(largest, out[i]);
-        finite = finite && out[i] <= DBL_MAX;
-    }
-    return finite && largest > 0 && illumination <= DBL_MAX ? illumination : 0;
-}
-
-/* The white of the scene at every nm, in the detector's channels. */
-static bool white_respond(const struct scene *scene, struct record *out, struct error *err)
-{
-    const struct sampling *sampling = scene->sampling;
-    double *white = calloc((size_t)sampling->n_nm, sizeof *white);
-    if (white == NULL)
-        return error_memory(err);
-    for (int j = 0; j < sampling->n_nm; j++)
-        white[j] = white_at(scene, -1, sampling->first_nm + j, illumination_of(scene));
-    detector_response(sampling->detector_weights, white, sampling->n_nm, out->white_response);
-    free(white);
-    bool seen = false, finite = illumination_of(scene) <= DBL_MAX;
-    for (int channel = 0; channel < 3; channel++) {
-        seen = seen || out->white_response[channel] > 0;
-        finite = finite && fabs(out->white_response[channel]) <= DBL_MAX;
-    }
-    out->has_white_response = seen && finite;
+    double illumination;
+    if (!sampling_white(sampling, scene, out->white_response, &illumination, err))
+        return false;
+    out->has_white_response = illumination > 0;
+    if (out->has_white_response)
+        out->illumination = illumination;
     return true;
 }
 
-static bool keep_sampling(const struct scene *scene, struct record *out, struct error *err)
+static bool copy_numbers(double **out, const double *numbers, size_t n, struct error *err)
 {
-    const struct sampling *sampling = scene->sampling;
+    *out = calloc(n, sizeof **out);
+    if (*out == NULL)
+        return error_memory(err);
+    memcpy(*out, numbers, n * sizeof **out);
+    return true;
+}
+
+static bool record_sampling(const struct sampling_description *sampling, struct record *out,
+                            struct error *err)
+{
     const size_t n = (size_t)sampling->n;
     out->sampling_detector = sampling->detector;
-    out->components = !sampling->spectral;
-    if (sampling->fixed) {
-        out->range_nm[0] = sampling->first_nm - 0.5;
-        out->range_nm[1] = sampling->first_nm + sampling->n_nm - 0.5;
-        out->response = calloc(3 * n, sizeof *out->response);
-        if (out->response == NULL)
-            return error_memory(err);
-        memcpy(out->response, sampling->weights, 3 * n * sizeof *out->response);
+    out->components = sampling->components;
+    if (sampling->response != NULL) {
+        memcpy(out->range_nm, sampling->range_nm, sizeof out->range_nm);
         out->n_response = 3 * sampling->n;
-        return white_respond(scene, out, err);
+        return copy_numbers(&out->response, sampling->response, 3 * n, err);
     }
     if (sampling->segment_nm == NULL)
         return true;
-    out->segments = calloc(2 * n, sizeof *out->segments);
-    if (out->segments == NULL)
-        return error_memory(err);
-    memcpy(out->segments, sampling->segment_nm, 2 * n * sizeof *out->segments);
     out->n_segments = 2 * sampling->n;
+    return copy_numbers(&out->segments, sampling->segment_nm[0], 2 * n, err);
+}
+
+/* The white of the pages; components have none. */
+static bool record_white(const struct scene *scene, const struct sampling *sampling,
+                         struct record *out, struct error *err)
+{
+    const struct spectral_pages pages =
+        sampling != NULL ? sampling_pages(sampling) : scene_pages(scene);
+    out->white = calloc((size_t)pages.n, sizeof *out->white);
+    if (out->white == NULL)
+        return error_memory(err);
+    out->illumination = scene_white(scene, &pages, out->white);
+    out->n_white = out->illumination > 0 ? pages.n : 0;
     return true;
 }
 
-bool record_scene(const struct scene *scene, struct record *out, struct error *err)
+/* `sampling` is a name; "": none. */
+static bool record_sources(const struct scene *scene, const char *sampling, struct record *out,
+                           struct error *err)
+{
+    const char *at = out->text = source_texts(scene, sampling);
+    if (at == NULL)
+        return error_memory(err);
+    out->lights = list_texts(&at, scene->n_lights);
+    out->ambients = list_texts(&at, scene->n_ambients);
+    out->sampling = *at != '\0' ? at : NULL;
+    return (out->lights != NULL && out->ambients != NULL) || error_memory(err);
+}
+
+bool record_scene(const struct scene *scene, const struct sampling *sampling, struct record *out,
+                  struct error *err)
 {
     *out = (struct record){.scene = scene->path,
                            .scene_sha256 = scene->sha256,
                            .n_lights = scene->n_lights,
-                           .n_ambients = scene->n_ambients,
-                           .text = source_texts(scene)};
-    const char *at = out->text;
-    out->white = calloc((size_t)scene->n_wavelengths, sizeof *out->white);
-    if (at != NULL) {
-        out->lights = list_texts(&at, scene->n_lights);
-        out->ambients = list_texts(&at, scene->n_ambients);
-        out->sampling = scene->sampling != NULL ? at : NULL;
-    }
-    if (((out->white == NULL || out->lights == NULL || out->ambients == NULL) &&
-         !error_memory(err)) ||
-        (scene->sampling != NULL && !keep_sampling(scene, out, err))) {
+                           .n_ambients = scene->n_ambients};
+    struct sampling_description description = {.method = ""};
+    if (sampling != NULL)
+        sampling_describe(sampling, &description);
+    const bool done = record_sources(scene, description.method, out, err) &&
+                      record_white(scene, sampling, out, err) &&
+                      record_sampling(&description, out, err) &&
+                      (out->n_response == 0 || record_white_response(scene, sampling, out, err));
+    if (out->components)
+        out->n_white = 0;
+    if (!done)
         record_free(out);
-        return false;
-    }
-    out->illumination = scene_white(scene, out->white);
-    out->n_white = out->illumination > 0 && !out->components ? scene->n_wavelengths : 0;
-    if (out->has_white_response)
-        out->illumination = illumination_of(scene);
-    return true;
+    return done;
 }
 
 /* ---- writing ---- */

@@ -2,6 +2,7 @@
 /* Samplings: making them, what they make of spectra, and what they tell of themselves. */
 #include "sampling.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -218,24 +219,116 @@ bool sampling_make(const struct sampling_method *method, const char *detector,
     return done;
 }
 
-/* ---- use ---- */
+/* ---- scenes that are sampled ---- */
 
-double scene_page(const struct scene *scene, const struct spectrum *spectrum, int page,
-                  enum spectrum_ends ends)
+/* Refuses spectral textures where pages are components. */
+static bool refuse_textures(const struct scene *scene, const struct sampling *sampling,
+                            struct error *err)
 {
-    const struct sampling *sampling = scene->sampling;
-    const double *mean = NULL;
-    if (sampling != NULL)
-        mean = ends == SPECTRUM_HOLD ? sampling->reflectance_mean : sampling->light_mean;
-    if (mean == NULL)
-        return spectrum_at(spectrum, scene->wavelengths_nm[page], ends);
-    double sum = 0;
-    for (int j = 0; j < sampling->n_nm; j++) {
-        const double part = mean[(size_t)page * (size_t)sampling->n_nm + (size_t)j];
-        sum += part != 0 ? part * spectrum_at(spectrum, sampling_grid(sampling, j), ends) : 0;
-    }
-    return sampling->clips ? fmax(sum, 0) : sum;
+    const struct material **materials, *refused = NULL;
+    char name[SAMPLING_NAME];
+    int n;
+    if (!materials_shown(scene, &materials, &n, err))
+        return false;
+    for (int i = 0; i < n && refused == NULL; i++)
+        if (materials[i]->spectral_texture != NULL)
+            refused = materials[i];
+    free(materials);
+    sampling_name(&sampling->method, name);
+    return refused == NULL ||
+           error_at(err, refused->spectral_texture_place,
+                    "%s has no wavelengths to take a spectral texture at; box, riemann, gauss and "
+                    "adaptive have",
+                    name);
 }
+
+static bool replace_wavelengths(struct scene *scene, const struct sampling *sampling,
+                                struct error *err)
+{
+    const size_t n = (size_t)sampling->n;
+    double *wavelengths_nm = malloc(n * sizeof *wavelengths_nm);
+    if (wavelengths_nm == NULL)
+        return error_memory(err);
+    memcpy(wavelengths_nm, sampling->wavelength_nm, n * sizeof *wavelengths_nm);
+    free(scene->wavelengths_nm);
+    scene->wavelengths_nm = wavelengths_nm;
+    scene->n_wavelengths = sampling->n;
+    return true;
+}
+
+bool scene_sample(struct scene *scene, const struct sampling_method *method, const char *detector,
+                  struct sampling *out, struct error *err)
+{
+    struct fine_spectra spectra = {.n_nm = 0};
+    *out = (struct sampling){.n = 0};
+    const bool done = scene_spectra(scene, &spectra, err) &&
+                      sampling_make(method, detector, &spectra, out, err) &&
+                      (out->spectral || refuse_textures(scene, out, err)) &&
+                      replace_wavelengths(scene, out, err);
+    fine_spectra_free(&spectra);
+    if (!done)
+        sampling_free(out);
+    return done;
+}
+
+const struct sampling *sampling_or_none(const struct sampling *sampling)
+{
+    return sampling->n > 0 ? sampling : NULL;
+}
+
+struct spectral_pages sampling_pages(const struct sampling *sampling)
+{
+    return (struct spectral_pages){.n = sampling->n,
+                                   .wavelength_nm = sampling->wavelength_nm,
+                                   .first_nm = sampling->first_nm,
+                                   .n_nm = sampling->n_nm,
+                                   .light_mean = sampling->light_mean,
+                                   .reflectance_mean = sampling->reflectance_mean,
+                                   .analysis = sampling->analysis,
+                                   .clips = sampling->clips,
+                                   .no_luminescence =
+                                       !sampling->spectral && sampling->analysis == NULL};
+}
+
+/* ---- what a stack records ---- */
+
+void sampling_describe(const struct sampling *sampling, struct sampling_description *out)
+{
+    *out = (struct sampling_description){
+        .detector = sampling->detector, .components = !sampling->spectral, .n = sampling->n};
+    sampling_name(&sampling->method, out->method);
+    if (sampling->fixed) {
+        out->response = sampling->weights;
+        out->range_nm[0] = sampling->first_nm - 0.5;
+        out->range_nm[1] = sampling->first_nm + sampling->n_nm - 0.5;
+    } else
+        out->segment_nm = sampling->segment_nm;
+}
+
+bool sampling_white(const struct sampling *sampling, const struct scene *scene, double out[3],
+                    double *illumination, struct error *err)
+{
+    const int n = sampling->n_nm;
+    double *nm = calloc(2 * (size_t)n, sizeof *nm), *white = nm + n;
+    if (nm == NULL)
+        return error_memory(err);
+    for (int j = 0; j < n; j++)
+        nm[j] = sampling_grid(sampling, j);
+    const struct spectral_pages pages = {.n = n, .wavelength_nm = nm};
+    *illumination = scene_white(scene, &pages, white);
+    detector_response(sampling->detector_weights, white, n, out);
+    free(nm);
+    bool seen = false, finite = true;
+    for (int channel = 0; channel < 3; channel++) {
+        seen = seen || out[channel] > 0;
+        finite = finite && fabs(out[channel]) <= DBL_MAX;
+    }
+    if (!(seen && finite))
+        *illumination = 0;
+    return true;
+}
+
+/* ---- in words ---- */
 
 void sampling_label(const struct sampling *sampling, int page, char out[24])
 {
@@ -296,13 +389,6 @@ void sampling_print(const struct sampling *sampling, FILE *to)
     if (sampling->fixed)
         fprintf(to, "; only %s can be served", sampling->detector);
     fputc('\n', to);
-}
-
-void fine_spectra_free(struct fine_spectra *spectra)
-{
-    free(spectra->lights);
-    free(spectra->products);
-    *spectra = (struct fine_spectra){0};
 }
 
 void sampling_free(struct sampling *sampling)

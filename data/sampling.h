@@ -3,7 +3,7 @@
 #ifndef SAMPLING_H
 #define SAMPLING_H
 
-#include "spectral.h"
+#include "data/terms/terms.h"
 
 /* What a sampling is made of; out has the grid, its detector's name and its weights there. */
 struct sampling_task {

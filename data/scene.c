@@ -201,9 +201,6 @@ void scene_free(struct scene *scene)
     free(scene->materials);
     free(scene->objects);
     free(scene->files);
-    if (scene->sampling != NULL)
-        sampling_free(scene->sampling);
-    free(scene->sampling);
     free(scene->wavelengths_nm);
     free(scene->path);
     *scene = (struct scene){0};

@@ -18,6 +18,7 @@ static bool render_sampled(const char *name, const char *size, enum kept kept, c
 {
     struct sampling_method method;
     struct scene scene = {.path = NULL};
+    struct sampling taken = {.n = 0};
     struct plan plan = {.scene = NULL};
     struct plan_options options = {.store_raster = kept == REFERENCE,
                                    .use_gl = kept != REFERENCE,
@@ -27,10 +28,11 @@ static bool render_sampled(const char *name, const char *size, enum kept kept, c
     bool done = scene_read(name, &scene, err) &&
                 (size == NULL || scene_set_size(&scene, size, err)) &&
                 (sampling == NULL || (sampling_read("--sampling", sampling, &method, err) &&
-                                      scene_sample(&scene, &method, "cie1931", err))) &&
-                plan_make(&scene, &options, &plan, err) &&
+                                      scene_sample(&scene, &method, "cie1931", &taken, err))) &&
+                plan_make(&scene, sampling_or_none(&taken), &options, &plan, err) &&
                 render(&plan, &output, NULL, &result, err) && render_agreed(&result);
     plan_free(&plan);
+    sampling_free(&taken);
     scene_free(&scene);
     return done;
 }

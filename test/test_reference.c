@@ -72,7 +72,7 @@ static void open_picture(const char *path, bool exact, struct picture *out)
     struct light_work work;
     *out = (struct picture){.surfaces = NULL};
     stop_unless(scene_read(path, &out->scene, &err) &&
-                    plan_make(&out->scene, &options, &out->plan, &err) &&
+                    plan_make(&out->scene, NULL, &options, &out->plan, &err) &&
                     surfaces_light(&out->plan, driver_of(NULL), &out->surfaces, &work, &err),
                 err.text);
     out->vertices = calloc((size_t)out->plan.n_bodies, sizeof(struct slow_vertex *));

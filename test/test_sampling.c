@@ -112,13 +112,11 @@ static struct sampling made(const struct stage *stage, const char *text)
 /* A surface in the light: the page values of both, or the components of the product. */
 static double page_of(const struct stage *stage, const struct sampling *s, int surface, int page)
 {
-    struct sampling copy = *s;
-    const struct scene scene = {
-        .sampling = &copy, .wavelengths_nm = s->wavelength_nm, .n_wavelengths = s->n};
+    const struct spectral_pages pages = sampling_pages(s);
     double sum = 0;
     if (s->analysis == NULL)
-        return scene_page(&scene, &stage->light, page, SPECTRUM_ZERO) *
-               scene_page(&scene, &stage->surface[surface], page, SPECTRUM_HOLD);
+        return page_value(&pages, &stage->light, page, SPECTRUM_ZERO) *
+               page_value(&pages, &stage->surface[surface], page, SPECTRUM_HOLD);
     for (int j = 0; j < s->n_nm; j++)
         sum += s->analysis[page * s->n_nm + j] * stage->fine.products[surface * s->n_nm + j];
     return sum;
@@ -459,12 +457,12 @@ static void test_three_numbers(void)
     }
     CHECK_NEAR(worst, 0, 1e-10, "under d65 rgb is exact where nothing is clipped");
     CHECK_NEAR(error_of(&stage, "xyz").worst, 0, 1e-12, "and xyz everywhere");
-    const struct scene scene = {.sampling = &rgb, .wavelengths_nm = rgb.wavelength_nm};
+    const struct spectral_pages pages = sampling_pages(&rgb);
     struct spectrum white = spectrum_of("1"), green = spectrum_of("gaussian:510,5");
-    CHECK_NEAR(scene_page(&scene, &white, 1, SPECTRUM_HOLD), 1, 1e-14,
+    CHECK_NEAR(page_value(&pages, &white, 1, SPECTRUM_HOLD), 1, 1e-14,
                "a reflectance of 1 has 1 of each");
-    CHECK(scene_page(&scene, &green, 0, SPECTRUM_ZERO) == 0 &&
-              scene_page(&scene, &green, 1, SPECTRUM_ZERO) > 0,
+    CHECK(page_value(&pages, &green, 0, SPECTRUM_ZERO) == 0 &&
+              page_value(&pages, &green, 1, SPECTRUM_ZERO) > 0,
           "a spectral green has no red: less than that is clipped");
     spectrum_free(&white);
     spectrum_free(&green);
@@ -843,7 +841,8 @@ static void test_without(void)
     struct spectrum light = spectrum_of("a");
     double nm = 450;
     const struct scene scene = {.wavelengths_nm = &nm, .n_wavelengths = 1};
-    CHECK(scene_page(&scene, &light, 0, SPECTRUM_ZERO) == spectrum_at(&light, 450, SPECTRUM_ZERO),
+    const struct spectral_pages pages = scene_pages(&scene);
+    CHECK(page_value(&pages, &light, 0, SPECTRUM_ZERO) == spectrum_at(&light, 450, SPECTRUM_ZERO),
           "without a sampling a page is the value at its wavelength");
     spectrum_free(&light);
 }

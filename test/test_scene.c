@@ -524,8 +524,8 @@ static void check_shading(void)
 {
     struct scene s = read_string("shading phong\n");
     struct error err = {EXIT_AGREED, ""};
-    CHECK(s.shading == SHADING_PHONG && s.tessellation == 1 && s.sampling == NULL,
-          "a scene says how it is shaded; tessellation is as it says, and nothing is sampled");
+    CHECK(s.shading == SHADING_PHONG && s.tessellation == 1,
+          "a scene says how it is shaded; tessellation is as it says");
     CHECK(scene_set_shading(&s, "flat", &err) && s.shading == SHADING_FLAT, "another shading");
     CHECK(scene_set_shading(&s, "smooth", &err) && s.shading == SHADING_SMOOTH, "and again");
     CHECK(scene_set_tessellation(&s, "0.25", &err) && s.tessellation == 0.25, "a factor");

@@ -250,7 +250,7 @@ static void add_light(const struct eye_light *light, const struct vertex_view *v
         if (instance->terms[t].light != light->first)
             continue;
         struct weight weight = diffuse_weight(n_l);
-        if (instance->terms[t].kind == TERM_SPECULAR)
+        if (instance->terms[t].reflection == SPECULAR)
             weight = gated_power(n_l, cosine_between(vertex->normal, half_way(vertex, path.towards)),
                                  instance->gloss, vertex);
         add_error(weakened ? product(weight, left) : weight, light->share, &errors[t]);

@@ -27,7 +27,7 @@ static size_t count_pixels(const struct chunk *chunk)
 
 static void note_failure(struct check *check, size_t pixel, const struct check_failure *failure)
 {
-    const struct tile *rows = &check->chunk->rows;
+    const struct rectangle *rows = &check->chunk->rows;
     if (check->tally.first.found)
         return;
     check->tally.first = *failure;
@@ -118,7 +118,7 @@ static void count_fragments(struct check *check, size_t pixel, const struct show
     note_failure(check, pixel, &failure);
 }
 
-void check_identity(struct check *check, const struct gl *gl, const struct tile *tile)
+void check_identity(struct check *check, const struct gl *gl, const struct rectangle *tile)
 {
     const struct chunk *chunk = check->chunk;
     size_t contest = 0;

@@ -48,17 +48,19 @@ struct surveyor {
     const char *observer;
 };
 
-/* The scene as it is sampled by a method. */
-static bool read_sampled(const struct surveyor *surveyor, const char *sampling, struct scene *out,
-                         struct error *err)
+/* The sampling of the scene by a method. */
+static bool read_sampling(const struct surveyor *surveyor, const char *method, struct sampling *out,
+                          struct error *err)
 {
+    const struct cost_program *program = surveyor->program;
     struct setting setting = {.tessellation = 1, .renderer = BY_RASTER};
     struct cost_entry entry = {.n_words = 0};
-    snprintf(setting.sampling, sizeof setting.sampling, "%s", sampling);
-    const bool done =
-        setting_entry(&setting, surveyor->observer, &entry, err) &&
-        surveyor->program->read(surveyor->program->context, entry.words, entry.n_words, out, err);
+    struct scene scene = {.path = NULL};
+    snprintf(setting.sampling, sizeof setting.sampling, "%s", method);
+    const bool done = setting_entry(&setting, surveyor->observer, &entry, err) &&
+                      program->read(program->context, entry.words, entry.n_words, &scene, out, err);
     cost_entry_free(&entry);
+    scene_free(&scene);
     return done;
 }
 
@@ -66,20 +68,18 @@ static bool read_sampled(const struct surveyor *surveyor, const char *sampling, 
 static void survey_spectra(const struct surveyor *surveyor, struct survey *out)
 {
     struct error ignored = {.status = EXIT_AGREED};
-    struct scene scene = {.path = NULL};
+    struct sampling sampling = {.n = 0};
     out->n_peaks = -1;
-    if (read_sampled(surveyor, "adaptive:0.01", &scene, &ignored)) {
-        out->n_peaks =
-            scene.sampling->n_peaks < MAX_SURVEY_PEAKS ? scene.sampling->n_peaks : MAX_SURVEY_PEAKS;
+    if (read_sampling(surveyor, "adaptive:0.01", &sampling, &ignored)) {
+        out->n_peaks = sampling.n_peaks < MAX_SURVEY_PEAKS ? sampling.n_peaks : MAX_SURVEY_PEAKS;
         for (int i = 0; i < out->n_peaks; i++)
-            out->peak_nm[i] = scene.sampling->peak_nm[i];
+            out->peak_nm[i] = sampling.peak_nm[i];
     }
-    scene_free(&scene);
+    sampling_free(&sampling);
     ignored = (struct error){.status = EXIT_AGREED};
-    scene = (struct scene){.path = NULL};
-    if (!out->spectral_texture && read_sampled(surveyor, "basis:1", &scene, &ignored))
-        out->rank = scene.sampling->rank;
-    scene_free(&scene);
+    if (!out->spectral_texture && read_sampling(surveyor, "basis:1", &sampling, &ignored))
+        out->rank = sampling.rank;
+    sampling_free(&sampling);
 }
 
 static bool survey(void *context, void *result, struct error *err)
@@ -87,8 +87,10 @@ static bool survey(void *context, void *result, struct error *err)
     const struct surveyor *surveyor = context;
     struct survey *out = result;
     struct scene scene = {.path = NULL};
+    struct sampling sampling = {.n = 0};
     bool glossy = false;
-    const bool done = surveyor->program->read(surveyor->program->context, NULL, 0, &scene, err);
+    const bool done =
+        surveyor->program->read(surveyor->program->context, NULL, 0, &scene, &sampling, err);
     if (done) {
         snprintf(out->scene, sizeof out->scene, "%s", scene.path);
         out->width = scene.width;
@@ -97,6 +99,7 @@ static bool survey(void *context, void *result, struct error *err)
         survey_shapes(&scene, glossy, out);
         survey_spectra(surveyor, out);
     }
+    sampling_free(&sampling);
     scene_free(&scene);
     return done;
 }

@@ -138,7 +138,7 @@ struct truth {
     int n_nm;
     int step, columns, rows; /* of the lattice */
 };
-/* Renders the scene, which is sampled at every nm, for an observer. */
+/* Renders the scene, of which every nm is a wavelength, for an observer. */
 bool truth_render(const struct scene *scene, const char *observer, int threads, const char *path,
                   struct truth *out, struct error *err);
 struct truth_errors {
@@ -146,10 +146,16 @@ struct truth_errors {
     bool spectral;
     double mean, quantile_95, largest, radiance;
 };
-/* How far a stack of the scene is off. */
-bool truth_compare(const struct truth *truth, const char *path, const struct scene *scene,
-                   const char *stack, const char *observer, int threads, struct truth_errors *out,
-                   struct error *err);
+/* A stack of a scene, how it was sampled (NULL: not), and who sees it. */
+struct truth_stack {
+    const char *path;
+    const struct scene *scene;
+    const struct sampling *sampling;
+    const char *observer;
+};
+/* How far a stack is off the reference picture, which lies in the file `path`. */
+bool truth_compare(const struct truth *truth, const char *path, const struct truth_stack *stack,
+                   int threads, struct truth_errors *out, struct error *err);
 
 /* ---- cost.c ---- */
 

@@ -94,10 +94,12 @@ static bool render_stack(void *context, void *out, struct error *err)
                                         task->entry->n_words, measurement->stack, err);
 }
 
-static bool read_scene(const struct task *task, struct scene *out, struct error *err)
+static bool read_scene(const struct task *task, struct scene *out, struct sampling *sampling,
+                       struct error *err)
 {
     const struct cost_program *program = task->measurement->program;
-    return program->read(program->context, task->entry->words, task->entry->n_words, out, err);
+    return program->read(program->context, task->entry->words, task->entry->n_words, out, sampling,
+                         err);
 }
 
 static bool render_reference(void *context, void *out, struct error *err)
@@ -105,9 +107,11 @@ static bool render_reference(void *context, void *out, struct error *err)
     const struct task *task = context;
     const struct measurement *measurement = task->measurement;
     struct scene scene = {.path = NULL};
-    const bool done = read_scene(task, &scene, err) &&
+    struct sampling sampling = {.n = 0};
+    const bool done = read_scene(task, &scene, &sampling, err) &&
                       truth_render(&scene, measurement->options->observer,
                                    measurement->options->threads, measurement->reference, out, err);
+    sampling_free(&sampling);
     scene_free(&scene);
     return done;
 }
@@ -117,10 +121,13 @@ static bool compare_stack(void *context, void *out, struct error *err)
     const struct task *task = context;
     const struct measurement *measurement = task->measurement;
     struct scene scene = {.path = NULL};
-    const bool done =
-        read_scene(task, &scene, err) &&
-        truth_compare(&measurement->truth, measurement->reference, &scene, measurement->stack,
-                      measurement->options->observer, measurement->options->threads, out, err);
+    struct sampling sampling = {.n = 0};
+    bool done = read_scene(task, &scene, &sampling, err);
+    const struct truth_stack stack = {measurement->stack, &scene, sampling_or_none(&sampling),
+                                      measurement->options->observer};
+    done = done && truth_compare(&measurement->truth, measurement->reference, &stack,
+                                 measurement->options->threads, out, err);
+    sampling_free(&sampling);
     scene_free(&scene);
     return done;
 }

@@ -84,7 +84,7 @@ struct renderer {
     int n_chunks;
 };
 
-static bool rasterize_chunk(void *context, const struct tile *tile, int index, struct error *err)
+static bool rasterize_chunk(void *context, const struct rectangle *tile, int index, struct error *err)
 {
     struct renderer *renderer = context;
     struct chunk *chunk = &renderer->chunks[index];
@@ -95,7 +95,7 @@ static bool rasterize_chunk(void *context, const struct tile *tile, int index, s
     return renderer->xyz[index] || error_memory(err);
 }
 
-static bool rasterize_tile(struct renderer *renderer, const struct tile *tile, struct error *err)
+static bool rasterize_tile(struct renderer *renderer, const struct rectangle *tile, struct error *err)
 {
     renderer->n_chunks = chunk_count(tile);
     renderer->chunks = calloc((size_t)renderer->n_chunks, sizeof *renderer->chunks);
@@ -110,7 +110,7 @@ static void add_radiances(struct renderer *renderer, int index, size_t at, size_
                           const double *radiance)
 {
     const struct truth *truth = renderer->truth;
-    const struct tile *rows = &renderer->chunks[index].rows;
+    const struct rectangle *rows = &renderer->chunks[index].rows;
     const double *weight = renderer->weights + band;
     double(*xyz)[3] = renderer->xyz[index] + at;
     for (size_t i = 0; i < n; i++)
@@ -210,10 +210,10 @@ static void free_tile(struct renderer *renderer)
 
 static bool render_tiles(struct renderer *renderer, struct error *err)
 {
-    const struct tile picture = plan_picture(&renderer->plan);
+    const struct rectangle picture = plan_picture(&renderer->plan);
     bool done = true;
     for (int i = 0; done && i < plan_tiles(&renderer->plan, &picture); i++) {
-        const struct tile tile = plan_tile(&renderer->plan, &picture, i);
+        const struct rectangle tile = plan_tile(&renderer->plan, &picture, i);
         done = rasterize_tile(renderer, &tile, err) && add_bands(renderer, err) &&
                store_chunks(renderer, err);
         free_tile(renderer);
@@ -224,11 +224,12 @@ static bool render_tiles(struct renderer *renderer, struct error *err)
 /* The lights as the observer sees them; where none shines, a radiance of 1. */
 static bool find_white(const struct scene *scene, struct renderer *renderer, struct error *err)
 {
+    const struct spectral_pages pages = scene_pages(scene);
     struct truth *truth = renderer->truth;
     double *white = calloc((size_t)truth->n_nm, sizeof *white);
     if (!white)
         return error_memory(err);
-    truth->lit = scene_white(scene, white) > 0;
+    truth->lit = scene_white(scene, &pages, white) > 0;
     detector_response(renderer->weights, truth->lit ? white : NULL, truth->n_nm, truth->white);
     if (truth->lit && !(truth->white[0] > 0 || truth->white[1] > 0 || truth->white[2] > 0)) {
         truth->lit = false;
@@ -291,7 +292,7 @@ bool truth_render(const struct scene *scene, const char *observer, int threads, 
     *out = truth_of(scene);
     if (renderer.file < 0)
         return error_system(err, "cannot write %s", path);
-    const bool done = plan_make(scene, &options, &renderer.plan, err) &&
+    const bool done = plan_make(scene, NULL, &options, &renderer.plan, err) &&
                       render_truth(scene, observer, &renderer, err);
     close(renderer.file);
     surfaces_free(&renderer.plan, renderer.surfaces);
@@ -485,14 +486,14 @@ static bool compare_radiances(struct comparer *comparer, const double *synthesis
 }
 
 /* Pages that tell no radiances are NaN off. */
-static bool compare_spectra(struct comparer *comparer, const struct scene *scene, double *out,
+static bool compare_spectra(struct comparer *comparer, const struct truth_stack *stack, double *out,
                             struct error *err)
 {
     *out = (double)NAN;
-    if (scene->sampling)
-        return !scene->sampling->synthesis ||
-               compare_radiances(comparer, scene->sampling->synthesis, out, err);
-    double *synthesis = interpolation(scene, comparer->truth);
+    if (stack->sampling)
+        return !stack->sampling->synthesis ||
+               compare_radiances(comparer, stack->sampling->synthesis, out, err);
+    double *synthesis = interpolation(stack->scene, comparer->truth);
     const bool done =
         synthesis ? compare_radiances(comparer, synthesis, out, err) : error_memory(err);
     free(synthesis);
@@ -531,11 +532,11 @@ static bool allocate(struct comparer *comparer, struct error *err)
            error_memory(err);
 }
 
-static bool compare_stack(struct comparer *comparer, const struct scene *scene,
-                          const char *observer, struct truth_errors *out, struct error *err)
+static bool compare_stack(struct comparer *comparer, const struct truth_stack *stack,
+                          struct truth_errors *out, struct error *err)
 {
     const int height = comparer->truth->height;
-    if (!weigh(comparer, observer, err) || !allocate(comparer, err))
+    if (!weigh(comparer, stack->observer, err) || !allocate(comparer, err))
         return false;
     for (int y = 0; y < height; y += comparer->rows) {
         const int left = height - y;
@@ -544,20 +545,19 @@ static bool compare_stack(struct comparer *comparer, const struct scene *scene,
     }
     conclude(comparer, out);
     out->n_pages = comparer->cube.image.n_pages;
-    out->spectral = !scene->sampling || scene->sampling->spectral;
-    return compare_spectra(comparer, scene, &out->radiance, err);
+    out->spectral = !stack->sampling || stack->sampling->spectral;
+    return compare_spectra(comparer, stack, &out->radiance, err);
 }
 
-bool truth_compare(const struct truth *truth, const char *path, const struct scene *scene,
-                   const char *stack, const char *observer, int threads, struct truth_errors *out,
-                   struct error *err)
+bool truth_compare(const struct truth *truth, const char *path, const struct truth_stack *stack,
+                   int threads, struct truth_errors *out, struct error *err)
 {
     struct comparer comparer = {
         .truth = truth, .file = open(path, O_RDONLY), .threads = threads_start(threads)};
     *out = (struct truth_errors){.mean = 0};
     const bool done = comparer.file < 0 ? error_system(err, "cannot read %s", path)
-                                        : cube_open(stack, &comparer.cube, err) &&
-                                              compare_stack(&comparer, scene, observer, out, err);
+                                        : cube_open(stack->path, &comparer.cube, err) &&
+                                              compare_stack(&comparer, stack, out, err);
     if (comparer.file >= 0)
         close(comparer.file);
     cube_close(&comparer.cube);

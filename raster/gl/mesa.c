@@ -47,7 +47,7 @@ static void aim_row(struct matrix *m, int row, double low, double high)
 
 static void aim(const struct gl *gl)
 {
-    const struct tile *tile = &gl->tile;
+    const struct rectangle *tile = &gl->tile;
     double width = gl->plan->scene->width, height = gl->plan->scene->height;
     struct matrix projection = gl->plan->projection;
     aim_row(&projection, 0, 2 * tile->x / width - 1, 2 * (tile->x + tile->width) / width - 1);
@@ -59,7 +59,7 @@ static void aim(const struct gl *gl)
     glViewport(0, gl->plan->tile_height - tile->height, tile->width, tile->height);
 }
 
-void gl_aim(struct gl *gl, const struct surface *surfaces, const struct tile *tile)
+void gl_aim(struct gl *gl, const struct surface *surfaces, const struct rectangle *tile)
 {
     gl->surfaces = surfaces;
     gl->tile = *tile;
@@ -430,7 +430,7 @@ static const double *term_row(const struct plan *plan, const struct finish *fini
 {
     for (int t = 0; t < finish->n_terms; t++)
         if (finish->terms[t].kind == kind && finish->terms[t].light == light)
-            return finish->spectra + (size_t)t * (size_t)plan->n_bands;
+            return finish->made.spectra + (size_t)t * (size_t)plan->n_bands;
     return NULL;
 }
 

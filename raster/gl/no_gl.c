@@ -42,7 +42,7 @@ const char *gl_version(const struct gl *gl)
     return "none";
 }
 
-void gl_aim(struct gl *gl, const struct surface *surfaces, const struct tile *tile)
+void gl_aim(struct gl *gl, const struct surface *surfaces, const struct rectangle *tile)
 {
     (void)gl, (void)surfaces, (void)tile;
 }

@@ -29,7 +29,7 @@ static void note_surface(struct region *region, int surface)
     region->several = region->several || surface != region->surface;
 }
 
-static bool rasterize_chunks(struct region *region, const struct tile *tile, struct error *err)
+static bool rasterize_chunks(struct region *region, const struct rectangle *tile, struct error *err)
 {
     region->n_chunks = chunk_count(tile);
     region->chunks = calloc((size_t)region->n_chunks, sizeof *region->chunks);
@@ -67,7 +67,7 @@ static void free_chunks(struct region *region)
     region->chunks = NULL;
 }
 
-static bool inspect_tile(struct region *region, const struct tile *tile, struct error *err)
+static bool inspect_tile(struct region *region, const struct rectangle *tile, struct error *err)
 {
     bool done = rasterize_chunks(region, tile, err);
     for (int band = 0; done && band < region->plan.n_bands; band++)
@@ -81,9 +81,9 @@ static bool inspect_tile(struct region *region, const struct tile *tile, struct 
 static bool inspect_tiles(struct region *region, struct error *err)
 {
     const struct probe *probe = region->probe;
-    const struct tile whole = {probe->x, probe->y, probe->width, probe->height};
+    const struct rectangle whole = {probe->x, probe->y, probe->width, probe->height};
     for (int i = 0; i < plan_tiles(&region->plan, &whole); i++) {
-        const struct tile tile = plan_tile(&region->plan, &whole, i);
+        const struct rectangle tile = plan_tile(&region->plan, &whole, i);
         if (!inspect_tile(region, &tile, err))
             return false;
     }
@@ -134,7 +134,7 @@ static bool add_lights(struct probe *probe, const struct scene *scene, struct er
     return true;
 }
 
-/* Each as raster/finish.c takes it. */
+/* Each as data/terms takes it. */
 static bool add_material(struct probe *probe, const struct material *material, struct error *err)
 {
     const struct spectrum *specular =
@@ -170,13 +170,14 @@ static bool add_curves(const struct region *region, struct error *err)
 static bool add_colour(struct probe *probe, const struct scene *scene,
                        const struct probe_options *options, struct error *err)
 {
+    const struct spectral_pages pages = scene_pages(scene);
     struct cube cube = {.image = {.path = scene->path,
                                   .n_pages = scene->n_wavelengths,
                                   .wavelengths_nm = scene->wavelengths_nm}};
     cube.record.white = calloc((size_t)probe->n, sizeof *cube.record.white);
     if (!cube.record.white)
         return error_memory(err);
-    cube.record.n_white = scene_white(scene, cube.record.white) > 0 ? probe->n : 0;
+    cube.record.n_white = scene_white(scene, &pages, cube.record.white) > 0 ? probe->n : 0;
     bool done = probe_colour(probe, &cube, options, err);
     free(cube.record.white);
     return done;

@@ -17,7 +17,7 @@ static bool has_term(const struct finish *finish, enum term_kind kind)
 
 static bool is_ambient(const struct finish *finish)
 {
-    return finish->ambient;
+    return finish->made.ambient;
 }
 
 static bool is_diffuse(const struct finish *finish)
@@ -42,12 +42,12 @@ static bool has_matrix(const struct finish *finish)
 
 static bool is_fluorescent(const struct finish *finish)
 {
-    return finish->fluoresces && has_excitation(finish);
+    return finish->made.fluoresces && has_excitation(finish);
 }
 
 static bool is_bispectral(const struct finish *finish)
 {
-    return finish->fluoresces && has_matrix(finish);
+    return finish->made.fluoresces && has_matrix(finish);
 }
 
 static bool is_textured(const struct finish *finish)
@@ -62,7 +62,7 @@ static bool is_spectrally_textured(const struct finish *finish)
 
 static bool is_emitting(const struct finish *finish)
 {
-    return finish->emits;
+    return finish->made.emits;
 }
 
 static int count_finishes(const struct plan *plan, bool (*is)(const struct finish *))
@@ -138,9 +138,9 @@ static const char *other_shading(const struct scene *scene)
 
 static const char *why_no_luminescence(const struct plan *plan, int able, const char *none_able)
 {
-    return able == 0                         ? none_able
-           : shows_luminescence(plan->scene) ? "nothing is excited and shown"
-                                             : "rgb and xyz cannot show it";
+    return able == 0                                  ? none_able
+           : plan->illumination.pages.no_luminescence ? "rgb and xyz cannot show it"
+                                                      : "nothing is excited and shown";
 }
 
 /* Objects whose counts a factor changes. */
@@ -199,13 +199,13 @@ void plan_effects(struct plan *plan)
 /* Why a light does not shine; NULL: it does. */
 static const char *why_off(const struct plan *plan, const struct light *light)
 {
-    const struct scene *scene = plan->scene;
+    const struct spectral_pages *pages = &plan->illumination.pages;
     for (int i = 0; i < plan->n_lights; i++)
-        if (plan->lights[i].light == light)
+        if (plan->sources[i] == light)
             return NULL;
-    return light->intensity == 0               ? "intensity 0"
-           : !is_seen(scene, &light->spectrum) ? "spectrum 0 at every wavelength shown"
-                                               : "no material reflects it";
+    return light->intensity == 0                  ? "intensity 0"
+           : !pages_show(pages, &light->spectrum) ? "spectrum 0 at every wavelength shown"
+                                                  : "no material reflects it";
 }
 
 static void print_lights(const struct plan *plan, FILE *to)
@@ -221,11 +221,11 @@ static void print_lights(const struct plan *plan, FILE *to)
 static void print_extrapolation(const struct plan *plan, const char *what, const char *ends,
                                 const struct spectrum *spectrum, const char *owner, FILE *to)
 {
-    const struct scene *scene = plan->scene;
-    const int n = looked_at(scene);
+    const struct spectral_pages *pages = &plan->illumination.pages;
+    const int n = pages_looked_at(pages);
     int outside = 0;
     for (int i = 0; i < n; i++)
-        outside += spectrum_extrapolates(spectrum, looked_at_nm(scene, i));
+        outside += spectrum_extrapolates(spectrum, pages_looked_at_nm(pages, i));
     if (outside > 0)
         fprintf(to, "extrapolated      %s %s: %d of %d wavelengths outside %g..%g nm, %s there\n",
                 what, owner, outside, n, spectrum->wavelength_nm[0],
@@ -255,7 +255,7 @@ static void print_texture(const struct plan *plan, const struct texture *texture
         .kind = SPECTRUM_SAMPLED, .count = image->n_pages, .wavelength_nm = image->wavelengths_nm};
     fprintf(to, "texture           %s: %d x %d texels, %d pages, %s%s\n", image->path, image->width,
             image->height, image->n_pages, texture->linear ? "linear" : "nearest",
-            texture->spectral && plan->scene->sampling ? ", at the wavelength of each page" : "");
+            texture->spectral && plan->sampling ? ", at the wavelength of each page" : "");
     if (texture->spectral)
         print_extrapolation(plan, "texture", "the end page holds", &pages, image->path, to);
 }
@@ -264,8 +264,8 @@ static void print_guesses(const struct plan *plan, FILE *to)
 {
     const struct scene *scene = plan->scene;
     for (int i = 0; i < plan->n_lights; i++)
-        print_extrapolation(plan, "light", "0", &plan->lights[i].light->spectrum,
-                            plan->lights[i].light->spectrum.name, to);
+        print_extrapolation(plan, "light", "0", &plan->sources[i]->spectrum,
+                            plan->sources[i]->spectrum.name, to);
     for (int i = 0; i < scene->n_ambients; i++)
         print_extrapolation(plan, "ambient", "0", &scene->ambients[i].spectrum,
                             scene->ambients[i].spectrum.name, to);
@@ -276,7 +276,7 @@ static void print_guesses(const struct plan *plan, FILE *to)
 static void print_work(const struct plan *plan, FILE *to)
 {
     const struct scene *scene = plan->scene;
-    const struct tile picture = plan_picture(plan);
+    const struct rectangle picture = plan_picture(plan);
     int passes = plan->n_passes * plan->n_light_groups, most = 0;
     for (int i = 0; i < plan->n_finishes; i++)
         most = plan->finishes[i].n_terms > most ? plan->finishes[i].n_terms : most;
@@ -296,14 +296,14 @@ static void print_work(const struct plan *plan, FILE *to)
 static void print_bands(const struct plan *plan, FILE *to)
 {
     const struct scene *scene = plan->scene;
-    if (scene->sampling && !scene->sampling->spectral)
+    if (plan->sampling && !plan->sampling->spectral)
         fprintf(to, "bands             %d (components)\n", plan->n_bands);
     else
         fprintf(to, "bands             %d (%.10g to %.10g nm)\n", plan->n_bands,
                 scene->wavelengths_nm[0], scene->wavelengths_nm[plan->n_bands - 1]);
-    if (scene->sampling) {
+    if (plan->sampling) {
         fprintf(to, "sampling          ");
-        sampling_print(scene->sampling, to);
+        sampling_print(plan->sampling, to);
     }
 }
 

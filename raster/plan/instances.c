@@ -227,7 +227,7 @@ static bool add_body(struct body_maker *maker, const struct object *object, stru
     if (!more)
         return false;
     plan->bodies = more;
-    if (!finish_find(plan, material, &body.finish, err))
+    if (!shaded_material_find(plan, material, &body.finish, err))
         return false;
     mesh->textured = mesh->textured || plan->finishes[body.finish].texture;
     body.model_view =

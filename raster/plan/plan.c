@@ -93,35 +93,35 @@ static void size_tiles(struct plan *plan)
         ((uint64_t)plan->n_bands * (uint64_t)plan->options.bits / 8 + (uint64_t)plan->map_bytes);
 }
 
-struct tile plan_picture(const struct plan *plan)
+struct rectangle plan_picture(const struct plan *plan)
 {
-    return (struct tile){0, 0, plan->scene->width, plan->scene->height};
+    return (struct rectangle){0, 0, plan->scene->width, plan->scene->height};
 }
 
-static int tile_columns(const struct plan *plan, const struct tile *region)
+static int tile_columns(const struct plan *plan, const struct rectangle *region)
 {
     return (region->width + plan->tile_width - 1) / plan->tile_width;
 }
 
-int plan_tiles(const struct plan *plan, const struct tile *region)
+int plan_tiles(const struct plan *plan, const struct rectangle *region)
 {
     return tile_columns(plan, region) *
            ((region->height + plan->tile_height - 1) / plan->tile_height);
 }
 
-struct tile plan_tile(const struct plan *plan, const struct tile *region, int index)
+struct rectangle plan_tile(const struct plan *plan, const struct rectangle *region, int index)
 {
     const int columns = tile_columns(plan, region);
     const int x = index % columns * plan->tile_width, y = index / columns * plan->tile_height;
     const int width = region->width - x, height = region->height - y;
-    return (struct tile){region->x + x, region->y + y,
+    return (struct rectangle){region->x + x, region->y + y,
                          width < plan->tile_width ? width : plan->tile_width,
                          height < plan->tile_height ? height : plan->tile_height};
 }
 
 /* Arrays that pointers lead into have their final size from the start: every material, and its
  * partner from the same file, has at most one finish and one texture. */
-bool plan_allocate(struct plan *plan, struct error *err)
+static bool plan_allocate(struct plan *plan, struct error *err)
 {
     size_t most = 2 * (size_t)plan->scene->n_materials + 1;
     plan->finishes = calloc(most, sizeof *plan->finishes);
@@ -129,25 +129,28 @@ bool plan_allocate(struct plan *plan, struct error *err)
     return (plan->finishes && plan->textures) || error_memory(err);
 }
 
-bool plan_make(const struct scene *scene, const struct plan_options *options, struct plan *out,
-               struct error *err)
+bool plan_make(const struct scene *scene, const struct sampling *sampling,
+               const struct plan_options *options, struct plan *out, struct error *err)
 {
+    const struct spectral_pages pages = sampling ? sampling_pages(sampling) : scene_pages(scene);
     struct camera camera = scene->camera;
-    *out = (struct plan){.scene = scene, .options = *options, .unit = eye_unit(&camera)};
+    *out = (struct plan){
+        .scene = scene, .sampling = sampling, .options = *options, .unit = eye_unit(&camera)};
     camera.near /= out->unit;
     camera.far /= out->unit;
     camera.extent /= camera.perspective ? 1 : out->unit;
     out->options.threads = threads_start(options->threads);
     out->options.bits = options->bits > 0 ? options->bits : 16;
-    out->n_bands = scene->n_wavelengths;
+    out->n_bands = pages.n;
     out->n_passes = (out->n_bands + BANDS_PER_PASS - 1) / BANDS_PER_PASS;
     out->near = camera.near;
     out->view =
         matrix_product(matrix_scaling((struct vector){1 / out->unit, 1 / out->unit, 1 / out->unit}),
                        matrix_look_at(camera.eye, camera.look, camera.up));
     out->projection = projection_of(&camera, scene->width, scene->height);
-    if (!plan_allocate(out, err) || !lights_list(out, err) || !bodies_make(out, err) ||
-        !lights_drop_idle(out, err))
+    if (!plan_allocate(out, err) ||
+        !illumination_make(scene, &pages, options->exchangeable, &out->illumination, err) ||
+        !lights_list(out, err) || !bodies_make(out, err) || !lights_drop_idle(out, err))
         return false;
     out->n_light_groups = (out->n_lights + LIGHTS_PER_PASS - 1) / LIGHTS_PER_PASS;
     if (out->n_light_groups == 0)
@@ -163,7 +166,7 @@ void plan_free(struct plan *plan)
         mesh_free(&plan->meshes[i].mesh);
     for (int i = 0; i < plan->n_finishes; i++) {
         free(plan->finishes[i].terms);
-        free(plan->finishes[i].spectra);
+        free(plan->finishes[i].made.spectra);
     }
     for (int i = 0; i < plan->n_textures; i++)
         texture_free(&plan->textures[i]);
@@ -172,5 +175,6 @@ void plan_free(struct plan *plan)
     free(plan->textures);
     free(plan->bodies);
     free(plan->lights);
+    illumination_free(&plan->illumination);
     *plan = (struct plan){0};
 }

@@ -3,8 +3,8 @@
 #ifndef PLAN_H
 #define PLAN_H
 
+#include "data/terms/terms.h"
 #include "raster/reference/reference.h"
-#include "spectral.h"
 
 /* ---- plan.c: what a scene calls for, decided once ---- */
 
@@ -16,10 +16,8 @@ struct finish {
     const struct material *material;
     struct texture *texture; /* NULL: none */
     int n_terms, n_colours;  /* colours: those that OpenGL adds up, a term's one for each light */
-    struct term *terms;
-    double *peaks;   /* of each term the largest value of its own spectrum */
-    double *spectra; /* n_terms rows of n_bands radiances */
-    bool ambient, emits, fluoresces;
+    struct term *terms;         /* for the reference; owned */
+    struct material_terms made; /* their spectra, on each page */
 };
 
 /* A mesh, or a part of one, that is drawn: re-centred and brought to a common size, so that single
@@ -64,6 +62,7 @@ struct plan_options {
 };
 struct plan {
     const struct scene *scene;
+    const struct sampling *sampling; /* NULL: none */
     struct plan_options options;
     int n_bands, n_passes; /* n_passes: groups of bands */
     double unit; /* of lengths in eye space: a power of two, 1/1024 of the picture's size */
@@ -75,11 +74,12 @@ struct plan {
     struct finish *finishes;
     struct texture *textures;
     struct body *bodies;
+    struct illumination illumination; /* the lights of the scene, before idle ones are dropped */
     struct eye_light *lights; /* those that shine; and each as the scene has it: */
     const struct light **sources;
     int n_meshes, n_finishes, n_textures, n_bodies, n_lights;
     int n_light_groups; /* passes that a group of bands takes: 1, or more beyond LIGHTS_PER_PASS */
-    int max_rows;       /* largest finish_rows of a finish */
+    int max_rows;       /* numbers that a pixel keeps, at most: see pixel_rows */
     int tile_width, tile_height; /* the last column and row of tiles may be smaller */
     uint64_t file_bytes, tile_bytes;
     int map_bytes; /* of a number in the object map; 0: there is none */
@@ -89,20 +89,13 @@ struct plan {
     long n_vertices, n_triangles; /* as drawn: a mesh counts once for every body */
 };
 /* Reads meshes and textures, composes matrices, multiplies spectra; draws nothing. Refuses, at its
- * place, what cannot be drawn. The scene must outlive the plan. */
-bool plan_make(const struct scene *scene, const struct plan_options *options, struct plan *out,
-               struct error *err);
+ * place, what cannot be drawn. Scene and sampling (NULL: none) must outlive the plan. */
+bool plan_make(const struct scene *scene, const struct sampling *sampling,
+               const struct plan_options *options, struct plan *out, struct error *err);
 /* A region is drawn in so many tiles of the plan's size or smaller, row by row. */
 struct rectangle plan_picture(const struct plan *plan); /* the whole picture */
 int plan_tiles(const struct plan *plan, const struct rectangle *region);
 struct rectangle plan_tile(const struct plan *plan, const struct rectangle *region, int index);
-/* Numbers that a pixel of this finish keeps: a weight for each term, and where its texture differs
- * from band to band the place in it (u and v, in texels). */
-int finish_rows(const struct finish *finish);
-/* What a finish of the plan fluoresces in each of its bands, under a light of intensity 1 that
- * shines on it squarely. */
-bool finish_luminescence(const struct plan *plan, const struct finish *finish,
-                         const struct spectrum *light, double *out, struct error *err);
 /* Steps of a channel of OpenGL's colour buffer, from 0 to full scale; 0: floats. */
 int buffer_steps(const struct plan *plan);
 /* Plane 0, 1 or 2 of a texture, for the reference. */
@@ -110,16 +103,6 @@ struct texels plan_texels(const struct texture *texture, int plane);
 /* Loads what spectral textures show in the bands of a pass. */
 bool plan_load_textures(const struct plan *plan, int first_band, struct error *err);
 void plan_free(struct plan *plan);
-
-/* ---- products.c: the spectra that a scene's pixels are made of ---- */
-
-/* Spectra of all lights and of every term of every material that an object uses, at every nm of the
- * scene's range. Opens no mesh and no texture. */
-bool scene_spectra(const struct scene *scene, struct fine_spectra *out, struct error *err);
-/* Samples the scene by a method from now on: sets its sampling and wavelengths. Refuses what
- * sampling_make refuses, and spectral textures under basis, rgb and xyz. */
-bool scene_sample(struct scene *scene, const struct sampling_method *method, const char *detector,
-                  struct error *err);
 
 /* ---- effects.c: the plan in words ---- */
 
@@ -132,32 +115,20 @@ void plan_print(const struct plan *plan, FILE *to);
 /* Distances in eye space are below this: their squares are numbers in single precision. */
 #define FARTHEST 1e18
 
-/* ---- plan.c: what a scene calls for ---- */
+/* ---- lights.c: lights in eye space ---- */
 
-/* Room for all finishes and textures of the plan's scene. */
-bool plan_allocate(struct plan *plan, struct error *err);
-
-/* ---- finish.c: materials and lights become terms ---- */
-
-/* The wavelengths that spectra are looked at: those of the pages, but every nm for pages that are
- * means over wavelengths, or components. */
-int looked_at(const struct scene *scene);
-double looked_at_nm(const struct scene *scene, int i);
-/* Whether a light is above 0 at any of them. */
-bool is_seen(const struct scene *scene, const struct spectrum *light);
-/* Under rgb and xyz a scene is lights times reflectances, which no fluorescence is. */
-bool shows_luminescence(const struct scene *scene);
-
-/* Lists all lights that may shine; finishes then use those that matter to them. */
+/* Lists all lights that shine; shaded materials then use those that matter to them. */
 bool lights_list(struct plan *plan, struct error *err);
-/* The finish of a material, made when it is first asked for; its index into the plan. */
-bool finish_find(struct plan *plan, const struct material *material, int *out, struct error *err);
-/* The same, but its texture is not opened. */
-bool finish_terms(struct plan *plan, const struct material *material, int *out, struct error *err);
-/* Forgets the lights that no finish uses; to be called when all finishes are made. */
+/* Forgets the lights that light nothing; to be called when all shaded materials are made. */
 bool lights_drop_idle(struct plan *plan, struct error *err);
 
-/* ---- body.c: objects become meshes in their places ---- */
+/* ---- shaded_materials.c: materials under lights ---- */
+
+/* The shaded material of a material, made when it is first asked for; its index into the plan. */
+bool shaded_material_find(struct plan *plan, const struct material *material, int *out,
+                          struct error *err);
+
+/* ---- instances.c: objects become meshes in their places ---- */
 
 bool bodies_make(struct plan *plan, struct error *err);
 

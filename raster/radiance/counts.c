@@ -87,7 +87,7 @@ void expect_counts(const struct plan *plan, const struct run *run, int band, dou
     if (run->errors)
         memset(bound, 0, run->n * sizeof *bound);
     for (int t = 0; t < finish->n_terms; t++) {
-        double spectrum = finish->spectra[(size_t)t * (size_t)plan->n_bands + (size_t)band] /
+        double spectrum = finish->made.spectra[(size_t)t * (size_t)plan->n_bands + (size_t)band] /
                           full_scale * FULL_COUNT;
         const float *error = run->errors + (run->errors ? (size_t)t * run->stride : 0);
         add_term(run->rows + (size_t)t * run->stride, spectrum, run->n, expected);

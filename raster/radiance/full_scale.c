@@ -56,7 +56,7 @@ static void phong_limits(const struct view *view, const struct surface *surface,
 {
     const struct instance *instance = surface->instance;
     for (int t = 0; t < instance->n_terms; t++)
-        limits[t] = instance->terms[t].kind == TERM_CONSTANT;
+        limits[t] = instance->terms[t].reflection == CONSTANT;
     for (int i = 0; i < view->n_lights; i++) {
         const struct eye_light *from = &view->lights[i];
         const double *k = from->attenuation;
@@ -93,7 +93,7 @@ static double largest_radiance(const struct plan *plan, const struct finish *fin
         const double *weights = of->weights + i * of->stride;
         double radiance = 0;
         for (size_t t = 0; t < n_terms; t++)
-            radiance += weights[t] * finish->spectra[t * n_bands + (size_t)band];
+            radiance += weights[t] * finish->made.spectra[t * n_bands + (size_t)band];
         if (!(radiance <= largest)) { /* NaN counts as larger, so that it is found */
             largest = radiance;
             *at = i;

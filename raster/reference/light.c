@@ -89,7 +89,7 @@ static void add_light(const struct view *view, const struct instance *instance,
     for (int t = 0; t < instance->n_terms; t++) {
         if (instance->terms[t].light != light->first)
             continue;
-        double weight = instance->terms[t].kind == TERM_DIFFUSE
+        double weight = instance->terms[t].reflection == DIFFUSE
                             ? fmax(0, vector_dot(point->normal, incidence.towards))
                             : specular_weight(view, instance, point, incidence.towards, work);
         weights[t] += light->share * (weight * left);
@@ -105,7 +105,7 @@ void light_point(const struct view *view, const struct instance *instance,
     if (side == 1)
         lit.normal = vector_scale(lit.normal, -1);
     for (int t = 0; t < instance->n_terms; t++)
-        attributes[t] = instance->terms[t].kind == TERM_CONSTANT;
+        attributes[t] = instance->terms[t].reflection == CONSTANT;
     for (int i = 0; i < view->n_lights; i++)
         if (reflects(instance, &view->lights[i]))
             add_light(view, instance, &view->lights[i], &lit, attributes, work);

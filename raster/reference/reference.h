@@ -39,9 +39,9 @@ struct view {
     const struct eye_light *lights;
     int n_lights;
 };
-enum term_kind { TERM_CONSTANT, TERM_DIFFUSE, TERM_SPECULAR }; /* constant: the weight is 1 */
+enum reflection { CONSTANT, DIFFUSE, SPECULAR }; /* constant: the weight is 1 */
 struct term {
-    enum term_kind kind;
+    enum reflection reflection;
     int light; /* the first light of its spectrum; -1: none */
 };
 struct texels { /* rows from the bottom upwards; the texture repeats without end */

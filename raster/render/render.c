@@ -40,7 +40,7 @@ static void clock_in(double *part, double *since)
 
 /* ---- a tile by the reference ---- */
 
-static bool rasterize_chunk(void *context, const struct tile *tile, int index, struct error *err)
+static bool rasterize_chunk(void *context, const struct rectangle *tile, int index, struct error *err)
 {
     const struct render_state *state = context;
     struct chunk *chunk = &state->chunks[index];
@@ -50,7 +50,7 @@ static bool rasterize_chunk(void *context, const struct tile *tile, int index, s
                        &state->checks[index], err));
 }
 
-static bool rasterize_tile(struct render_state *state, const struct tile *tile, struct error *err)
+static bool rasterize_tile(struct render_state *state, const struct rectangle *tile, struct error *err)
 {
     state->chunks = calloc((size_t)state->n_chunks, sizeof *state->chunks);
     state->checks = calloc((size_t)state->n_chunks, sizeof *state->checks);
@@ -97,7 +97,7 @@ static int bands_of_pass(const struct plan *plan, int pass)
 }
 
 /* Whether OpenGL shows the triangles that it should, where it should. */
-static bool identify_tile(struct render_state *state, const struct tile *tile, struct error *err)
+static bool identify_tile(struct render_state *state, const struct rectangle *tile, struct error *err)
 {
     if (!gl_identify(state->gl, err))
         return false;
@@ -107,7 +107,7 @@ static bool identify_tile(struct render_state *state, const struct tile *tile, s
     return true;
 }
 
-static void check_tile(struct render_state *state, const struct tile *tile, int pass,
+static void check_tile(struct render_state *state, const struct rectangle *tile, int pass,
                        const float *pixels)
 {
     size_t stride = (size_t)state->plan->tile_width;
@@ -118,11 +118,11 @@ static void check_tile(struct render_state *state, const struct tile *tile, int 
     }
 }
 
-static struct odd_samples count_chunk(struct render_state *state, const struct tile *tile,
+static struct odd_samples count_chunk(struct render_state *state, const struct rectangle *tile,
                                       int index, int band, int channel, const float *pixels)
 {
     const struct plan *plan = state->plan;
-    struct tile rows = chunk_rows(tile, index);
+    struct rectangle rows = chunk_rows(tile, index);
     size_t first = (size_t)(rows.y - tile->y), stride = (size_t)plan->tile_width;
     double full_scale = state->result->full_scale;
     void *out = state->samples[channel] + first * (size_t)tile->width * sample_size(plan);
@@ -133,7 +133,7 @@ static struct odd_samples count_chunk(struct render_state *state, const struct t
                         pixels + first * stride * 4, stride, out);
 }
 
-static void count_tile(struct render_state *state, const struct tile *tile, int pass,
+static void count_tile(struct render_state *state, const struct rectangle *tile, int pass,
                        const float *pixels)
 {
     const struct plan *plan = state->plan;
@@ -151,7 +151,7 @@ static void count_tile(struct render_state *state, const struct tile *tile, int 
     state->result->odd.undefined += undefined;
 }
 
-static bool write_tile(struct render_state *state, const struct tile *tile, int pass,
+static bool write_tile(struct render_state *state, const struct rectangle *tile, int pass,
                        struct error *err)
 {
     for (int c = 0; c < bands_of_pass(state->plan, pass); c++)
@@ -161,7 +161,7 @@ static bool write_tile(struct render_state *state, const struct tile *tile, int 
     return true;
 }
 
-static bool render_pass(struct render_state *state, const struct tile *tile, int pass,
+static bool render_pass(struct render_state *state, const struct rectangle *tile, int pass,
                         struct error *err)
 {
     struct render_seconds *seconds = &state->result->seconds;
@@ -195,7 +195,7 @@ static bool render_pass(struct render_state *state, const struct tile *tile, int
 /* The number of what the stored pixels show at a pixel of the tile, from 1: OpenGL's by the last
  * identification, or the reference's of a chunk. What is nothing that there is counts as
  * background. */
-static int object_at(const struct render_state *state, const struct tile *tile, int x, int y)
+static int object_at(const struct render_state *state, const struct rectangle *tile, int x, int y)
 {
     const struct chunk *chunk = &state->chunks[y / CHUNK_ROWS];
     const size_t pixel = (size_t)(y % CHUNK_ROWS) * (size_t)tile->width + (size_t)x;
@@ -205,7 +205,7 @@ static int object_at(const struct render_state *state, const struct tile *tile, 
 }
 
 /* Its numbers go through the room of a band. */
-static bool write_map(struct render_state *state, const struct tile *tile, struct error *err)
+static bool write_map(struct render_state *state, const struct rectangle *tile, struct error *err)
 {
     unsigned char *at = state->samples[0];
     if (!state->writing || state->plan->map_bytes == 0)
@@ -223,7 +223,7 @@ static bool write_map(struct render_state *state, const struct tile *tile, struc
 
 /* ---- the whole picture ---- */
 
-static bool render_tile(struct render_state *state, const struct tile *tile, struct error *err)
+static bool render_tile(struct render_state *state, const struct rectangle *tile, struct error *err)
 {
     const struct plan *plan = state->plan;
     double since = render_clock();
@@ -247,11 +247,11 @@ static bool render_tile(struct render_state *state, const struct tile *tile, str
 static bool render_tiles(struct render_state *state, struct error *err)
 {
     const struct plan *plan = state->plan;
-    const struct tile picture = plan_picture(plan);
+    const struct rectangle picture = plan_picture(plan);
     const int n_tiles = plan_tiles(plan, &picture);
     state->all_steps = (long)n_tiles * plan->n_passes;
     for (int i = 0; i < n_tiles; i++) {
-        const struct tile tile = plan_tile(plan, &picture, i);
+        const struct rectangle tile = plan_tile(plan, &picture, i);
         if (!render_tile(state, &tile, err))
             return false;
     }
@@ -291,7 +291,7 @@ static char *provenance_text(const struct plan *plan, const struct render_result
 {
     struct record record;
     char *text = NULL;
-    if (!record_scene(plan->scene, &record, err))
+    if (!record_scene(plan->scene, plan->sampling, &record, err))
         return NULL;
     record.program = PROGRAM;
     record.renderer = render_stored(plan, result);
@@ -339,7 +339,7 @@ static const char **make_labels(const struct sampling *sampling, struct error *e
 static bool open_stack(struct render_state *state, const char *path, struct error *err)
 {
     const struct plan *plan = state->plan;
-    const struct sampling *sampling = plan->scene->sampling;
+    const struct sampling *sampling = plan->sampling;
     const bool labelled = sampling && !sampling->spectral;
     if (!allocate_samples(state, err))
         return false;

@@ -33,17 +33,17 @@ static double percent(uint64_t part, uint64_t whole)
     return whole ? 100 * (double)part / (double)whole : 0;
 }
 
-static bool has_components(const struct scene *scene)
+static bool has_components(const struct plan *plan)
 {
-    return scene->sampling && !scene->sampling->spectral;
+    return plan->sampling && !plan->sampling->spectral;
 }
 
-void page_name(const struct scene *scene, int page, char out[PAGE_NAME])
+void page_name(const struct plan *plan, int page, char out[PAGE_NAME])
 {
-    if (has_components(scene))
-        sampling_label(scene->sampling, page, out);
+    if (has_components(plan))
+        sampling_label(plan->sampling, page, out);
     else
-        snprintf(out, PAGE_NAME, "%.10g nm", scene->wavelengths_nm[page]);
+        snprintf(out, PAGE_NAME, "%.10g nm", plan->scene->wavelengths_nm[page]);
 }
 
 static bool is_phong(const struct plan *plan)
@@ -126,10 +126,10 @@ void report_print(const struct plan *plan, const struct render_result *result, F
     const struct render_seconds *seconds = &result->seconds;
     fprintf(to, "scene             %s, %d x %d pixels, %d %s\n", plan->scene->path,
             plan->scene->width, plan->scene->height, plan->n_bands,
-            has_components(plan->scene) ? "components" : "wavelengths");
-    if (plan->scene->sampling) {
+            has_components(plan) ? "components" : "wavelengths");
+    if (plan->sampling) {
         fprintf(to, "sampling          ");
-        sampling_print(plan->scene->sampling, to);
+        sampling_print(plan->sampling, to);
     }
     fprintf(to, "full scale        %.10g is count 65535%s\n", result->full_scale,
             plan->options.bits == 8 ? ", stored as 255" : "");
@@ -161,7 +161,7 @@ static void failure_text(const struct plan *plan, const struct check_failure *fa
     char page[PAGE_NAME];
     switch (failure->kind) {
     case FAILURE_RADIANCE:
-        page_name(plan->scene, failure->band, page);
+        page_name(plan, failure->band, page);
         snprintf(out, capacity, "at %s OpenGL %.6g, reference %.6g, bound %.3g counts", page,
                  failure->seen, failure->expected, failure->bound);
         break;
@@ -225,7 +225,7 @@ bool report_not_again(const struct plan *plan, const struct render_result *resul
     else if (first->page < 0)
         snprintf(what, sizeof what, "in what the pages say of themselves; %s", changed);
     else {
-        page_name(plan->scene, first->page, page);
+        page_name(plan, first->page, page);
         snprintf(what, sizeof what, "first at %d,%d of page %d (%s); %s", first->x, first->y,
                  first->page + 1, page, changed);
     }
@@ -248,13 +248,13 @@ static void json_picture(struct json *json, const struct plan *plan,
     json_string(json, "scene_sha256", scene->sha256);
     json_count(json, "width", (uint64_t)scene->width);
     json_count(json, "height", (uint64_t)scene->height);
-    if (has_components(scene))
+    if (has_components(plan))
         json_string(json, "wavelengths_nm", NULL);
     else
         json_numbers(json, "wavelengths_nm", scene->wavelengths_nm, scene->n_wavelengths);
-    if (scene->sampling)
-        sampling_name(&scene->sampling->method, sampling);
-    json_string(json, "sampling", scene->sampling ? sampling : NULL);
+    if (plan->sampling)
+        sampling_name(&plan->sampling->method, sampling);
+    json_string(json, "sampling", plan->sampling ? sampling : NULL);
     json_string(json, "shading", shadings[scene->shading]);
     json_number(json, "tessellation", scene->tessellation);
     if (plan->options.use_gl)
@@ -311,12 +311,12 @@ static void json_failure(struct json *json, const struct plan *plan,
     json_count(json, "x", (uint64_t)first->x);
     json_count(json, "y", (uint64_t)first->y);
     json_string(json, "what", kinds[first->kind]);
-    if (first->kind == FAILURE_RADIANCE && !has_components(plan->scene))
+    if (first->kind == FAILURE_RADIANCE && !has_components(plan))
         json_number(json, "wavelength_nm", plan->scene->wavelengths_nm[first->band]);
     else
         json_string(json, "wavelength_nm", NULL);
     if (first->kind == FAILURE_RADIANCE)
-        page_name(plan->scene, first->band, page);
+        page_name(plan, first->band, page);
     json_string(json, "page", first->kind == FAILURE_RADIANCE ? page : NULL);
     json_string(json, "object", object_name(plan, first->surface));
     json_close(json, '}');

@@ -63,7 +63,7 @@ struct painting {
     struct planes *planes;
 };
 
-static bool put_chunk(void *context, const struct tile *tile, int index, struct error *err)
+static bool put_chunk(void *context, const struct rectangle *tile, int index, struct error *err)
 {
     const struct painting *of = context;
     struct chunk chunk = {.surface = NULL};
@@ -100,9 +100,9 @@ static bool put_picture(const struct plan *plan, const struct surface *surfaces,
                         struct planes *planes, struct error *err)
 {
     struct painting of = {plan, surfaces, planes};
-    const struct tile picture = plan_picture(plan);
+    const struct rectangle picture = plan_picture(plan);
     for (int i = 0; i < plan_tiles(plan, &picture); i++) {
-        const struct tile tile = plan_tile(plan, &picture, i);
+        const struct rectangle tile = plan_tile(plan, &picture, i);
         if (!chunks_each(&tile, plan->options.threads, put_chunk, &of, err))
             return false;
     }

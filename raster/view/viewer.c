@@ -188,7 +188,8 @@ static bool put_luminescence(struct page *page, const struct finish *finish, str
     }
     json_open(&page->json, "luminescence", '[');
     for (int i = 0; i < page->n_illuminants; i++) {
-        if (!finish_luminescence(page->plan, finish, &page->illuminants[i], page->row, err))
+        if (!material_luminescence(&page->plan->illumination.pages, material, &page->illuminants[i],
+                                   page->row, err))
             return false;
         json_numbers(&page->json, NULL, page->row, page->plan->n_bands);
     }

@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: MIT */
+/* Pages made of spectra: the value of a spectrum on a page, and the white of a scene. */
+#include <float.h>
+#include <math.h>
+
+#include "data/terms/terms.h"
+
+struct spectral_pages scene_pages(const struct scene *scene)
+{
+    return (struct spectral_pages){.n = scene->n_wavelengths,
+                                   .wavelength_nm = scene->wavelengths_nm};
+}
+
+static bool looks_at_grid(const struct spectral_pages *pages)
+{
+    return pages->light_mean || pages->analysis;
+}
+
+int pages_looked_at(const struct spectral_pages *pages)
+{
+    return looks_at_grid(pages) ? pages->n_nm : pages->n;
+}
+
+double pages_looked_at_nm(const struct spectral_pages *pages, int i)
+{
+    return looks_at_grid(pages) ? pages->first_nm + i : pages->wavelength_nm[i];
+}
+
+bool pages_show(const struct spectral_pages *pages, const struct spectrum *light)
+{
+    for (int i = 0; i < pages_looked_at(pages); i++)
+        if (spectrum_at(light, pages_looked_at_nm(pages, i), SPECTRUM_ZERO) != 0)
+            return true;
+    return false;
+}
+
+double page_value(const struct spectral_pages *pages, const struct spectrum *spectrum, int page,
+                  enum spectrum_ends ends)
+{
+    const double *mean = ends == SPECTRUM_HOLD ? pages->reflectance_mean : pages->light_mean;
+    if (!mean)
+        return spectrum_at(spectrum, pages->wavelength_nm[page], ends);
+    double sum = 0;
+    for (int j = 0; j < pages->n_nm; j++) {
+        double weight = mean[(size_t)page * (size_t)pages->n_nm + (size_t)j];
+        sum += weight != 0 ? weight * spectrum_at(spectrum, pages->first_nm + j, ends) : 0;
+    }
+    return pages->clips ? fmax(sum, 0) : sum;
+}
+
+/* ---- the white ---- */
+
+static double illumination_of(const struct scene *scene)
+{
+    double illumination = 0;
+    for (int i = 0; i < scene->n_lights; i++)
+        illumination += scene->lights[i].intensity;
+    for (int i = 0; i < scene->n_ambients; i++)
+        illumination += scene->ambients[i].intensity;
+    return illumination;
+}
+
+static double white_on(const struct scene *scene, const struct spectral_pages *pages, int page,
+                       double illumination)
+{
+    double sum = 0;
+    for (int i = 0; i < scene->n_lights; i++)
+        sum += scene->lights[i].intensity *
+               page_value(pages, &scene->lights[i].spectrum, page, SPECTRUM_ZERO);
+    for (int i = 0; i < scene->n_ambients; i++)
+        sum += scene->ambients[i].intensity *
+               page_value(pages, &scene->ambients[i].spectrum, page, SPECTRUM_ZERO);
+    return sum / illumination;
+}
+
+double scene_white(const struct scene *scene, const struct spectral_pages *pages, double *out)
+{
+    double illumination = illumination_of(scene), largest = 0;
+    bool finite = true;
+    for (int i = 0; i < pages->n; i++) {
+        out[i] = white_on(scene, pages, i, illumination);
+        largest = fmax(largest, out[i]);
+        finite = finite && out[i] <= DBL_MAX;
+    }
+    return finite && largest > 0 && illumination <= DBL_MAX ? illumination : 0;
+}

@@ -1,0 +1,280 @@
+/* SPDX-License-Identifier: MIT */
+/* The terms of a material: spectra of light, reflectance and fluorescence, multiplied. A term that
+ * is 0 on every page is left out; but where lights may be exchanged all terms are kept. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/terms/terms.h"
+
+struct luminescence {
+    const struct material *material;
+    bool glows;              /* the pages show what an excitation and an emission make */
+    struct donaldson matrix; /* the pages show what it makes; n_emission 0: none */
+};
+struct terms_maker {
+    const struct illumination *illumination;
+    struct material_terms *out;
+    struct luminescence luminescence;
+    double *fine; /* the next term at every nm, if pages are components; owned, otherwise NULL */
+};
+
+/* ---- products ---- */
+
+/* Values that a product has: one a page, or one a nm for components. */
+static int product_length(const struct spectral_pages *pages)
+{
+    return pages->analysis ? pages->n_nm : pages->n;
+}
+
+static double factor_at(const struct spectral_pages *pages, const struct spectrum *spectrum, int i,
+                        enum spectrum_ends ends)
+{
+    return pages->analysis ? spectrum_at(spectrum, pages_looked_at_nm(pages, i), ends)
+                           : page_value(pages, spectrum, i, ends);
+}
+
+/* Adds factor x spectrum x reflectance (NULL: 1) to a row; returns whether that is above 0. */
+static bool add_product(const struct spectral_pages *pages, double factor,
+                        const struct spectrum *spectrum, const struct spectrum *reflectance,
+                        double *row)
+{
+    const int n = product_length(pages);
+    bool any = false;
+    for (int i = 0; i < n; i++) {
+        double radiance = factor * factor_at(pages, spectrum, i, SPECTRUM_ZERO) *
+                          (reflectance ? factor_at(pages, reflectance, i, SPECTRUM_HOLD) : 1);
+        row[i] += radiance;
+        any = any || radiance != 0;
+    }
+    return any;
+}
+
+/* ---- fluorescence ---- */
+
+/* Reads what makes a material fluoresce; nothing where no page shows its emission. */
+static bool open_luminescence(const struct spectral_pages *pages, const struct material *material,
+                              struct luminescence *out, struct error *err)
+{
+    struct donaldson *matrix = &out->matrix;
+    *out = (struct luminescence){.material = material};
+    if (pages->no_luminescence)
+        return true;
+    out->glows =
+        material->excitation.kind != SPECTRUM_NONE && pages_show(pages, &material->emission);
+    if (!material->donaldson)
+        return true;
+    if (!donaldson_read(material->donaldson, material->donaldson_place, &material->diffuse, matrix,
+                        err))
+        return false;
+    if (matrix->emission_nm[0] > pages_looked_at_nm(pages, pages_looked_at(pages) - 1) ||
+        matrix->emission_nm[matrix->n_emission - 1] < pages_looked_at_nm(pages, 0))
+        donaldson_free(matrix);
+    return true;
+}
+
+/* Adds the luminescence under a light to the row; *any becomes whether that is above 0. */
+static bool luminesce(const struct spectral_pages *pages, const struct luminescence *of,
+                      const struct spectrum *light, double intensity, double *row, bool *any,
+                      struct error *err)
+{
+    *any = false;
+    if (of->glows) {
+        double mean = excitation_mean(light, &of->material->excitation);
+        *any = add_product(pages, intensity * mean, &of->material->emission, NULL, row);
+    }
+    if (of->matrix.n_emission > 0) {
+        struct spectrum emission = {.kind = SPECTRUM_NONE};
+        if (!donaldson_emission(&of->matrix, light, &emission, err))
+            return false;
+        *any = add_product(pages, intensity, &emission, NULL, row);
+        spectrum_free(&emission);
+    }
+    return true;
+}
+
+/* Adds the luminescence under a light to *lit and the row. */
+static bool add_luminescence(struct terms_maker *maker, const struct spectrum *light,
+                             double intensity, double *row, bool *lit, struct error *err)
+{
+    const struct luminescence *luminescence = &maker->luminescence;
+    bool any;
+    if (!luminesce(&maker->illumination->pages, luminescence, light, intensity, row, &any, err))
+        return false;
+    maker->out->excitation_integrals += luminescence->glows + luminescence->matrix.n_emission;
+    maker->out->fluoresces = maker->out->fluoresces || any;
+    *lit = *lit || any;
+    return true;
+}
+
+bool material_luminescence(const struct spectral_pages *pages, const struct material *material,
+                           const struct spectrum *light, double *out, struct error *err)
+{
+    struct luminescence luminescence;
+    bool any;
+    for (int i = 0; i < pages->n; i++)
+        out[i] = 0;
+    bool done = open_luminescence(pages, material, &luminescence, err) &&
+                luminesce(pages, &luminescence, light, 1, out, &any, err);
+    donaldson_free(&luminescence.matrix);
+    return done;
+}
+
+/* ---- terms ---- */
+
+/* The pages of the next term; zeroed. */
+static double *next_pages(const struct terms_maker *maker)
+{
+    return maker->out->spectra + (size_t)maker->out->n * (size_t)maker->illumination->pages.n;
+}
+
+/* The row that the next term fills; zeroed. */
+static double *next_row(const struct terms_maker *maker)
+{
+    return maker->fine ? maker->fine : next_pages(maker);
+}
+
+/* Makes components of the row, and clears it. Components of a scene's terms are not negative, and
+ * a sum of n products is off by n 2^-53 of the sum of their magnitudes at most: a sum below 0 is
+ * such an error. */
+static void analyse(const struct spectral_pages *pages, double *fine, double *out)
+{
+    const int n_nm = pages->n_nm;
+    for (int page = 0; page < pages->n; page++) {
+        double sum = 0;
+        for (int j = 0; j < n_nm; j++)
+            sum += pages->analysis[(size_t)page * (size_t)n_nm + (size_t)j] * fine[j];
+        out[page] = sum < 0 ? 0 : sum;
+    }
+    memset(fine, 0, (size_t)n_nm * sizeof *fine);
+}
+
+static void keep_term(struct terms_maker *maker, enum term_kind kind, int light)
+{
+    const struct spectral_pages *pages = &maker->illumination->pages;
+    double *spectrum = next_pages(maker);
+    struct spectral_term term = {kind, light, 0};
+    if (maker->fine)
+        analyse(pages, maker->fine, spectrum);
+    for (int i = 0; i < pages->n; i++)
+        term.peak = fmax(term.peak, spectrum[i]);
+    maker->out->terms[maker->out->n++] = term;
+}
+
+static bool add_constant(struct terms_maker *maker, struct error *err)
+{
+    const struct illumination *illumination = maker->illumination;
+    const struct scene *scene = illumination->scene;
+    struct material_terms *out = maker->out;
+    double *row = next_row(maker);
+    for (int i = 0; i < scene->n_ambients; i++) {
+        const struct ambient *ambient = &scene->ambients[i];
+        if (ambient->intensity == 0 || spectrum_is_zero(&ambient->spectrum))
+            continue;
+        if (add_product(&illumination->pages, ambient->intensity, &ambient->spectrum,
+                        &out->material->diffuse, row))
+            out->ambient = true;
+        if (!add_luminescence(maker, &ambient->spectrum, ambient->intensity, row, &out->ambient,
+                              err))
+            return false;
+    }
+    out->emits = out->material->glow.kind != SPECTRUM_NONE &&
+                 add_product(&illumination->pages, 1, &out->material->glow, NULL, row);
+    if (out->ambient || out->emits || illumination->exchangeable)
+        keep_term(maker, TERM_CONSTANT, -1);
+    return true;
+}
+
+static bool add_light(struct terms_maker *maker, int index, struct error *err)
+{
+    const struct spectral_pages *pages = &maker->illumination->pages;
+    const struct light *light = maker->illumination->lights[index].light;
+    const struct material *material = maker->out->material;
+    bool kept = maker->illumination->exchangeable;
+    double *row = next_row(maker);
+    bool lit = add_product(pages, light->intensity, &light->spectrum, &material->diffuse, row);
+    if (!add_luminescence(maker, &light->spectrum, light->intensity, row, &lit, err))
+        return false;
+    if (lit || kept)
+        keep_term(maker, TERM_DIFFUSE, index);
+    if (material->gloss > 0 &&
+        (add_product(pages, light->intensity, &light->spectrum,
+                     material->specular.kind != SPECTRUM_NONE ? &material->specular : NULL,
+                     next_row(maker)) ||
+         kept))
+        keep_term(maker, TERM_SPECULAR, index);
+    return true;
+}
+
+static bool allocate(struct terms_maker *maker, struct error *err)
+{
+    const struct spectral_pages *pages = &maker->illumination->pages;
+    struct material_terms *out = maker->out;
+    size_t most = 1 + 2 * (size_t)maker->illumination->n_lights;
+    out->terms = calloc(most, sizeof *out->terms);
+    out->spectra = calloc(most * (size_t)pages->n, sizeof *out->spectra);
+    if (pages->analysis)
+        maker->fine = calloc((size_t)pages->n_nm, sizeof *maker->fine);
+    return (out->terms && out->spectra && (maker->fine || !pages->analysis)) || error_memory(err);
+}
+
+bool material_terms_make(const struct illumination *illumination, const struct material *material,
+                         struct material_terms *out, struct error *err)
+{
+    struct terms_maker maker = {.illumination = illumination, .out = out};
+    *out = (struct material_terms){.material = material};
+    bool done = open_luminescence(&illumination->pages, material, &maker.luminescence, err) &&
+                allocate(&maker, err) && add_constant(&maker, err);
+    for (int i = 0; done && i < illumination->n_lights; i++)
+        done = illumination->lights[i].first != i || add_light(&maker, i, err);
+    donaldson_free(&maker.luminescence.matrix);
+    free(maker.fine);
+    if (!done)
+        material_terms_free(out);
+    return done;
+}
+
+void material_terms_free(struct material_terms *terms)
+{
+    free(terms->terms);
+    free(terms->spectra);
+    *terms = (struct material_terms){.n = 0};
+}
+
+/* ---- materials that objects show ---- */
+
+static void add_once(const struct material **list, int *n, const struct material *material)
+{
+    for (int i = 0; i < *n; i++)
+        if (list[i] == material)
+            return;
+    list[(*n)++] = material;
+}
+
+/* Adds a material, and the partner that half of an object is made of. */
+static void add_halves(const struct scene *scene, int index, const struct material **list, int *n)
+{
+    const struct material *material = &scene->materials[index], *partner = material->partner;
+    if (material->partner_name)
+        partner = &scene->materials[material->partner_index];
+    add_once(list, n, material);
+    if (partner)
+        add_once(list, n, partner);
+}
+
+bool materials_shown(const struct scene *scene, const struct material ***out, int *n,
+                     struct error *err)
+{
+    *n = 0;
+    *out = calloc(2 * (size_t)scene->n_materials + 1, sizeof **out);
+    if (!*out)
+        return error_memory(err);
+    for (int i = 0; i < scene->n_objects; i++) {
+        const struct object *object = &scene->objects[i];
+        if (!object->material_map)
+            add_halves(scene, object->material, *out, n);
+        for (int line = 0; line < object->n_uses; line++)
+            add_halves(scene, object->uses[line].material, *out, n);
+    }
+    return true;
+}

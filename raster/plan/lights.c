@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: MIT */
+/* The plan's lights: where they stand in eye space, and which of them light anything. */
+#include <stdlib.h>
+
+#include "raster/plan/plan.h"
+
+static struct eye_light place_light(const struct plan *plan, const struct shining_light *shining)
+{
+    const struct light *light = shining->light;
+    struct eye_light out = {
+        .directional = light->directional, .first = shining->first, .share = shining->share};
+    const double *k = light->attenuation;
+    if (light->directional) {
+        struct vector towards = vector_normalise(light->position);
+        out.position = vector_normalise(matrix_direction(&plan->world_to_eye, towards));
+        return out;
+    }
+    out.position = matrix_point(&plan->world_to_eye, light->position);
+    for (int i = 0; i < 3; i++)
+        out.attenuation[i] = k[i] * (i > 0 ? plan->unit : 1) * (i > 1 ? plan->unit : 1);
+    out.attenuated = k[0] != 1 || k[1] != 0 || k[2] != 0;
+    out.spot = light->spot && light->spot_cutoff_deg <= 90;
+    if (out.spot) {
+        double sine;
+        struct vector axis = vector_normalise(light->spot_direction);
+        out.axis = vector_normalise(matrix_direction(&plan->world_to_eye, axis));
+        out.spot_exponent = light->spot_exponent;
+        sine_cosine(light->spot_cutoff_deg, &sine, &out.cutoff_cosine);
+    }
+    return out;
+}
+
+/* Whether OpenGL can take a light's distances and their squares in single precision. */
+static bool check_light(const struct eye_light *placed, const struct light *light,
+                        struct error *err)
+{
+    const double *k = placed->attenuation;
+    if (light->directional)
+        return true;
+    if (!(vector_length(placed->position) < FARTHEST))
+        return error_at(err, light->place,
+                        "this light is too far away for single precision; give it a direction");
+    for (int i = 0; i < 3; i++)
+        if (!(k[i] < 1e18))
+            return error_at(err, light->attenuation_place,
+                            "attenuation %g is too strong for single precision, beside the "
+                            "picture's size",
+                            light->attenuation[i]);
+    return true;
+}
+
+bool lights_list(struct plan *plan, struct error *err)
+{
+    const struct illumination *illumination = &plan->illumination;
+    plan->lights = calloc((size_t)illumination->n_lights + 1, sizeof *plan->lights);
+    plan->sources = calloc((size_t)illumination->n_lights + 1, sizeof *plan->sources);
+    if (!plan->lights || !plan->sources)
+        return error_memory(err);
+    for (; plan->n_lights < illumination->n_lights; plan->n_lights++) {
+        const struct shining_light *shining = &illumination->lights[plan->n_lights];
+        struct eye_light *light = &plan->lights[plan->n_lights];
+        *light = place_light(plan, shining);
+        plan->sources[plan->n_lights] = shining->light;
+        if (!check_light(light, shining->light, err))
+            return false;
+    }
+    return true;
+}
+
+/* Gives the terms of a light another number; whether there are any. */
+static bool renumber_terms(struct plan *plan, int from, int to)
+{
+    bool any = false;
+    for (int f = 0; f < plan->n_finishes; f++)
+        for (int t = 0; t < plan->finishes[f].n_terms; t++) {
+            struct term *term = &plan->finishes[f].terms[t];
+            if (term->light != from)
+                continue;
+            term->light = to;
+            any = true;
+        }
+    return any;
+}
+
+/* Lights that share a spectrum are kept or dropped together. */
+bool lights_drop_idle(struct plan *plan, struct error *err)
+{
+    if (plan->options.exchangeable)
+        return true;
+    int *number = calloc((size_t)plan->n_lights + 1, sizeof *number); /* new one; -1: dropped */
+    if (!number)
+        return error_memory(err);
+    int n = 0;
+    for (int i = 0; i < plan->n_lights; i++) {
+        struct eye_light light = plan->lights[i];
+        bool kept = light.first == i ? renumber_terms(plan, i, n) : number[light.first] >= 0;
+        number[i] = kept ? n : -1;
+        light.first = number[light.first];
+        if (!kept)
+            continue;
+        plan->lights[n] = light;
+        plan->sources[n++] = plan->sources[i];
+    }
+    free(number);
+    plan->n_lights = n;
+    return true;
+}

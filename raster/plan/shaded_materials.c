@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: MIT */
+/* Materials under the lights of the plan, each made when it is first asked for, with its texture. A
+ * material without terms is black: its texture is not opened. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "raster/plan/plan.h"
+
+/* ---- textures ---- */
+
+static bool same_texture(const struct texture *a, const char *path, bool spectral, bool linear)
+{
+    return a->spectral == spectral && a->linear == linear && strcmp(a->image.path, path) == 0;
+}
+
+/* A texture is read when it is first asked for; NULL after an error. */
+static struct texture *find_texture(struct plan *plan, const struct material *material,
+                                    struct error *err)
+{
+    bool spectral = material->spectral_texture != NULL, linear = material->texture_linear;
+    const char *path = spectral ? material->spectral_texture : material->texture;
+    struct place place = spectral ? material->spectral_texture_place : material->texture_place;
+    struct texture *new = &plan->textures[plan->n_textures];
+    for (int i = 0; i < plan->n_textures; i++)
+        if (same_texture(&plan->textures[i], path, spectral, linear))
+            return &plan->textures[i];
+    if (!(spectral ? texture_read_spectral : texture_read)(path, place, linear, new, err))
+        return NULL;
+    plan->n_textures++;
+    plan->work.textures_loaded++;
+    return new;
+}
+
+struct texels plan_texels(const struct texture *texture, int plane)
+{
+    return (struct texels){texture->plane[plane], texture->image.width, texture->image.height,
+                           texture->linear};
+}
+
+bool plan_load_textures(const struct plan *plan, int first_band, struct error *err)
+{
+    int n = plan->n_bands - first_band;
+    for (int i = 0; i < plan->n_textures; i++)
+        if (!texture_load(&plan->textures[i], plan->scene->wavelengths_nm + first_band,
+                          n < BANDS_PER_PASS ? n : BANDS_PER_PASS, err))
+            return false;
+    return true;
+}
+
+/* ---- shaded materials ---- */
+
+/* A constant term is one colour of OpenGL's, another term one for each light of its spectrum. */
+static int count_colours(const struct plan *plan, const struct material_terms *made)
+{
+    int n = 0;
+    for (int t = 0; t < made->n; t++) {
+        n += made->terms[t].kind == TERM_CONSTANT;
+        for (int i = 0; i < plan->n_lights; i++)
+            n += plan->lights[i].first == made->terms[t].light;
+    }
+    return n;
+}
+
+/* The terms as the reference takes them. */
+static bool copy_terms(const struct material_terms *made, struct term **out, struct error *err)
+{
+    static const enum reflection reflections[] = {
+        [TERM_CONSTANT] = CONSTANT, [TERM_DIFFUSE] = DIFFUSE, [TERM_SPECULAR] = SPECULAR};
+    *out = calloc((size_t)made->n + 1, sizeof **out);
+    if (!*out)
+        return error_memory(err);
+    for (int t = 0; t < made->n; t++)
+        (*out)[t] = (struct term){reflections[made->terms[t].kind], made->terms[t].light};
+    return true;
+}
+
+static bool make_terms(struct plan *plan, const struct material *material, struct finish *out,
+                       struct error *err)
+{
+    struct material_terms *made = &out->made;
+    plan->work.materials_loaded++;
+    if (!material_terms_make(&plan->illumination, material, made, err))
+        return false;
+    plan->work.terms += made->n;
+    plan->work.excitation_integrals += made->excitation_integrals;
+    out->material = material;
+    out->n_terms = made->n;
+    out->n_colours = count_colours(plan, made);
+    return copy_terms(made, &out->terms, err);
+}
+
+static bool find_terms(struct plan *plan, const struct material *material, int *out,
+                       struct error *err)
+{
+    for (*out = 0; *out < plan->n_finishes; ++*out)
+        if (plan->finishes[*out].material == material)
+            return true;
+    plan->n_finishes++; /* counted first, so that plan_free reaches it after a failure */
+    return make_terms(plan, material, &plan->finishes[*out], err);
+}
+
+bool shaded_material_find(struct plan *plan, const struct material *material, int *out,
+                          struct error *err)
+{
+    const bool textured = material->texture || material->spectral_texture;
+    if (!find_terms(plan, material, out, err))
+        return false;
+    struct finish *finish = &plan->finishes[*out];
+    if (textured && finish->n_terms > 0 && !finish->texture) {
+        finish->texture = find_texture(plan, material, err);
+        if (!finish->texture)
+            return false;
+    }
+    int n_rows = finish->n_terms + (finish->texture && finish->texture->spectral ? 2 : 0);
+    plan->max_rows = n_rows > plan->max_rows ? n_rows : plan->max_rows;
+    return true;
+}
