@@ -250,8 +250,10 @@ static bool make_surface(const struct lit_scene *lit, int index, struct light_wo
                          struct error *err)
 {
     const struct body *body = &lit->plan->bodies[index];
-    struct bounding of = {lit->plan, &lit->surfaces[index], &lit->bounds[index],
-                          normal_bounds(&body->instance)};
+    struct bounding of = {.plan = lit->plan,
+                          .surface = &lit->surfaces[index],
+                          .bounds = &lit->bounds[index],
+                          .normals = normal_bounds(&body->instance)};
     if (!allocate(lit->plan, body, of.surface, of.bounds))
         return error_memory(err);
     of.may_be_exact = may_be_exact(lit->plan, &body->instance, &of.product);

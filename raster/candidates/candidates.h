@@ -96,7 +96,6 @@ struct chunk {
     float *candidate_errors;
     size_t n_ambiguous, n_candidates, n_numbers;
 };
-enum { CHUNK_ROWS = 16 };
 int chunk_count(const struct rectangle *tile);
 /* Does `work` of each chunk of a tile, by so many threads; fails with the first that fails. */
 bool chunks_each(const struct rectangle *tile, int threads,

@@ -166,11 +166,12 @@ static double steepness(const struct bounding *bounding)
     const struct bounded_pixel *pixel = &bounding->pixel;
     const struct instance *instance = pixel->surface->instance;
     const struct lit_scene *lit = bounding->fragments.lit;
-    const double *peaks = lit->bounds[pixel->triangle->screen.surface].finish->peaks;
+    const struct spectral_term *terms =
+        lit->bounds[pixel->triangle->screen.surface].finish->made.terms;
     double step = 0, whole = 0;
     for (int t = 0; t < instance->n_terms; t++) {
-        step += (double)pixel->slopes[t] * peaks[t];
-        whole += pixel->attributes[t] * peaks[t];
+        step += (double)pixel->slopes[t] * terms[t].peak;
+        whole += pixel->attributes[t] * terms[t].peak;
     }
     if (!instance->textured)
         return step;

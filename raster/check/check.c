@@ -10,7 +10,7 @@
 #include "raster/check/check.h"
 
 /* A candidate on trial: it lives as long as it has explained everything. */
-struct check_trial {
+struct hypothesis {
     bool alive;
     struct check_samples samples;
     double floor;                 /* its largest bound */
@@ -22,19 +22,19 @@ static const double depth_steps = 16777215;
 
 static size_t count_pixels(const struct chunk *chunk)
 {
-    return (size_t)chunk->rows.width * (size_t)chunk->rows.height;
+    return (size_t)chunk->picture.at.width * (size_t)chunk->picture.at.height;
 }
 
 static void note_failure(struct check *check, size_t pixel, const struct check_failure *failure)
 {
-    const struct rectangle *rows = &check->chunk->rows;
+    const struct rectangle *rows = &check->chunk->picture.at;
     if (check->tally.first.found)
         return;
     check->tally.first = *failure;
     check->tally.first.found = true;
     check->tally.first.x = rows->x + (int)pixel % rows->width;
     check->tally.first.y = rows->y + (int)pixel / rows->width;
-    check->tally.first.surface = check->chunk->surface[pixel];
+    check->tally.first.surface = check->chunk->picture.surface[pixel];
 }
 
 /* ---- which triangle, how deep, how many ---- */
@@ -57,15 +57,21 @@ static struct check_failure depth_failure(const struct shown *shown, double dept
                                   .bound = error};
 }
 
+/* In single precision, as the candidates' depths: depth_error covers the rounding. */
+static double settled_depth(const struct chunk *chunk, size_t pixel)
+{
+    return (double)(float)chunk->picture.depth[pixel];
+}
+
 static void identify_settled(struct check *check, size_t pixel, const struct shown *shown)
 {
     const struct chunk *chunk = check->chunk;
-    bool background = chunk->surface[pixel] < 0;
-    double depth = background ? 1 : (double)chunk->depth[pixel],
+    bool background = chunk->picture.surface[pixel] < 0;
+    double depth = background ? 1 : settled_depth(chunk, pixel),
            error = background ? 0 : (double)chunk->depth_error[pixel];
     struct check_failure failure = {.kind = FAILURE_TRIANGLE, .shown = *shown};
-    if (shown->surface == chunk->surface[pixel] &&
-        (background || shown->triangle == chunk->triangle[pixel])) {
+    if (shown->surface == chunk->picture.surface[pixel] &&
+        (background || shown->triangle == chunk->picture.triangle[pixel])) {
         if (fits_depth(check, shown, depth, error))
             return;
         failure = depth_failure(shown, depth, error);
@@ -75,25 +81,25 @@ static void identify_settled(struct check *check, size_t pixel, const struct sho
 }
 
 /* Only what OpenGL shows stays on trial. */
-static void identify_contest(struct check *check, size_t index, const struct shown *shown)
+static void identify_ambiguous(struct check *check, size_t index, const struct shown *shown)
 {
     const struct chunk *chunk = check->chunk;
-    const struct contest *contest = &chunk->contests[index];
-    struct check_trial *background = &check->trials[chunk->n_candidates + index];
+    const struct ambiguous_pixel *ambiguous = &chunk->ambiguous[index];
+    struct hypothesis *background = &check->hypotheses[chunk->n_candidates + index];
     background->alive = background->alive && shown->surface < 0 && fits_depth(check, shown, 1, 0);
     struct check_failure failure = {.kind = FAILURE_TRIANGLE, .shown = *shown};
     bool any = background->alive;
-    for (int c = contest->first; c < contest->first + contest->count; c++) {
+    for (int c = ambiguous->first; c < ambiguous->first + ambiguous->count; c++) {
         const struct candidate *candidate = &chunk->candidates[c];
         double depth = (double)candidate->depth, error = (double)candidate->depth_error;
         bool named = candidate->surface == shown->surface && candidate->triangle == shown->triangle;
-        check->trials[c].alive = named && fits_depth(check, shown, depth, error);
-        any = any || check->trials[c].alive;
+        check->hypotheses[c].alive = named && fits_depth(check, shown, depth, error);
+        any = any || check->hypotheses[c].alive;
         if (named)
             failure = depth_failure(shown, depth, error);
     }
     if (!any)
-        note_failure(check, (size_t)contest->pixel, &failure);
+        note_failure(check, (size_t)ambiguous->pixel, &failure);
 }
 
 /* Fragments are counted modulo 256. Where triangles meet, a driver whose edges leak may have one
@@ -121,13 +127,13 @@ static void count_fragments(struct check *check, size_t pixel, const struct show
 void check_identity(struct check *check, const struct gl *gl, const struct rectangle *tile)
 {
     const struct chunk *chunk = check->chunk;
-    size_t contest = 0;
+    size_t ambiguous = 0;
     for (size_t i = 0; i < count_pixels(chunk); i++) {
-        int x = chunk->rows.x - tile->x + (int)i % chunk->rows.width,
-            y = chunk->rows.y - tile->y + (int)i / chunk->rows.width;
+        int x = chunk->picture.at.x - tile->x + (int)i % chunk->picture.at.width,
+            y = chunk->picture.at.y - tile->y + (int)i / chunk->picture.at.width;
         struct shown shown = gl_shown(gl, x, y);
-        if (chunk->contested[i])
-            identify_contest(check, contest++, &shown);
+        if (chunk->is_ambiguous[i])
+            identify_ambiguous(check, ambiguous++, &shown);
         else
             identify_settled(check, i, &shown);
         count_fragments(check, i, &shown);
@@ -141,14 +147,14 @@ static void expect_run(const struct check *check, size_t first, size_t n, int ba
                        struct block *block)
 {
     const struct chunk *chunk = check->chunk;
-    if (chunk->surface[first] < 0) { /* the cleared background is exactly 0 */
+    if (chunk->picture.surface[first] < 0) { /* the cleared background is exactly 0 */
         memset(block->expected, 0, n * sizeof *block->expected);
         memset(block->bound, 0, n * sizeof *block->bound);
         return;
     }
-    struct rows rows = {chunk->weights + first, chunk->errors + first, count_pixels(chunk)};
-    counts_expect(check->plan, check->surfaces[chunk->surface[first]].finish, &rows, n, band,
-                  check->full_scale, block->expected, block->bound);
+    struct run run = {check->lit->bounds[chunk->picture.surface[first]].finish,
+                      chunk->picture.rows + first, chunk->errors + first, count_pixels(chunk), n};
+    expect_counts(check->lit->plan, &run, band, check->full_scale, block->expected, block->bound);
 }
 
 static void judge_run(struct check *check, size_t first, size_t n, int band, const float *channel)
@@ -176,10 +182,10 @@ static void judge_run(struct check *check, size_t first, size_t n, int band, con
 }
 
 /* How many pixels from `first` on, within the row and a block, share its surface settled. */
-static size_t run_length(const struct chunk *chunk, size_t first, size_t row_end)
+static size_t settled_run(const struct chunk *chunk, size_t first, size_t row_end)
 {
     size_t last = row_end - first < BLOCK ? row_end : first + BLOCK, at = first;
-    while (at < last && !chunk->contested[at] && chunk->surface[at] == chunk->surface[first])
+    while (at < last && !chunk->is_ambiguous[at] && chunk->picture.surface[at] == chunk->picture.surface[first])
         at++;
     return at - first;
 }
@@ -188,10 +194,10 @@ static size_t run_length(const struct chunk *chunk, size_t first, size_t row_end
 
 /* candidate NULL stands for the background. What has no bound explains every number. */
 static void try_candidate(struct check *check, const struct candidate *candidate,
-                          struct check_trial *trial, int band, double seen)
+                          struct hypothesis *hypothesis, int band, double seen)
 {
     struct block single;
-    if (!trial->alive)
+    if (!hypothesis->alive)
         return;
     single.n = 1;
     single.seen[0] = seen;
@@ -199,40 +205,41 @@ static void try_candidate(struct check *check, const struct candidate *candidate
     single.bound[0] = 0;
     if (candidate) {
         const struct chunk *chunk = check->chunk;
-        struct rows rows = {chunk->candidate_weights + candidate->first,
-                            chunk->candidate_errors + candidate->first, 1};
-        counts_expect(check->plan, check->surfaces[candidate->surface].finish, &rows, 1, band,
-                      check->full_scale, single.expected, single.bound);
+        struct run run = {check->lit->bounds[candidate->surface].finish,
+                          chunk->candidate_rows + candidate->first,
+                          chunk->candidate_errors + candidate->first, 1, 1};
+        expect_counts(check->lit->plan, &run, band, check->full_scale, single.expected,
+                      single.bound);
     }
-    trial->seen = seen;
-    trial->expected = single.expected[0];
-    trial->bound = (double)single.bound[0];
-    trial->band = band;
-    trial->floor = fmax(trial->floor, trial->bound);
-    trial->alive = samples_compare(&trial->samples, &single);
+    hypothesis->seen = seen;
+    hypothesis->expected = single.expected[0];
+    hypothesis->bound = (double)single.bound[0];
+    hypothesis->band = band;
+    hypothesis->floor = fmax(hypothesis->floor, hypothesis->bound);
+    hypothesis->alive = samples_compare(&hypothesis->samples, &single);
     if (candidate && candidate->loose)
-        trial->alive = isfinite(seen);
+        hypothesis->alive = isfinite(seen);
 }
 
-static void judge_contests(struct check *check, int band, int channel, const float *pixels,
+static void judge_ambiguous(struct check *check, int band, int channel, const float *pixels,
                            size_t stride)
 {
     const struct chunk *chunk = check->chunk;
-    for (size_t i = 0; i < chunk->n_contests; i++) {
-        const struct contest *contest = &chunk->contests[i];
-        int x = contest->pixel % chunk->rows.width, y = contest->pixel / chunk->rows.width;
+    for (size_t i = 0; i < chunk->n_ambiguous; i++) {
+        const struct ambiguous_pixel *ambiguous = &chunk->ambiguous[i];
+        int x = ambiguous->pixel % chunk->picture.at.width, y = ambiguous->pixel / chunk->picture.at.width;
         double seen =
             (double)pixels[((size_t)y * stride + (size_t)x) * 4 + (size_t)channel] * FULL_COUNT;
-        for (int c = contest->first; c < contest->first + contest->count; c++)
-            try_candidate(check, &chunk->candidates[c], &check->trials[c], band, seen);
-        try_candidate(check, NULL, &check->trials[chunk->n_candidates + i], band, seen);
+        for (int c = ambiguous->first; c < ambiguous->first + ambiguous->count; c++)
+            try_candidate(check, &chunk->candidates[c], &check->hypotheses[c], band, seen);
+        try_candidate(check, NULL, &check->hypotheses[chunk->n_candidates + i], band, seen);
     }
 }
 
 /* The trial that explains best: the living one closest to its bound's middle; where all are dead,
  * the one that lived longest. */
-static const struct check_trial *best_trial(const struct check_trial *a,
-                                            const struct check_trial *b)
+static const struct hypothesis *best_hypothesis(const struct hypothesis *a,
+                                            const struct hypothesis *b)
 {
     if (a->alive != b->alive)
         return a->alive ? a : b;
@@ -244,11 +251,11 @@ static const struct check_trial *best_trial(const struct check_trial *a,
 static void settle(struct check *check, size_t index)
 {
     const struct chunk *chunk = check->chunk;
-    const struct contest *contest = &chunk->contests[index];
-    const struct check_trial *best = &check->trials[chunk->n_candidates + index];
-    for (int c = contest->first; c < contest->first + contest->count; c++)
-        best = best_trial(&check->trials[c], best);
-    ptrdiff_t candidate = best - check->trials;
+    const struct ambiguous_pixel *ambiguous = &chunk->ambiguous[index];
+    const struct hypothesis *best = &check->hypotheses[chunk->n_candidates + index];
+    for (int c = ambiguous->first; c < ambiguous->first + ambiguous->count; c++)
+        best = best_hypothesis(&check->hypotheses[c], best);
+    ptrdiff_t candidate = best - check->hypotheses;
     bool nothing = candidate >= (ptrdiff_t)chunk->n_candidates,
          loose = !nothing && chunk->candidates[candidate].loose;
     struct check_samples samples = best->samples;
@@ -257,8 +264,8 @@ static void settle(struct check *check, size_t index)
     check->tally.ambiguous++;
     samples_add(&check->tally.samples, &samples);
     if (!best->alive) {
-        check->failed[contest->pixel] = true;
-        note_failure(check, (size_t)contest->pixel,
+        check->failed[ambiguous->pixel] = true;
+        note_failure(check, (size_t)ambiguous->pixel,
                      &(struct check_failure){.kind = FAILURE_RADIANCE,
                                              .band = best->band,
                                              .seen = best->seen,
@@ -266,9 +273,9 @@ static void settle(struct check *check, size_t index)
                                              .bound = best->bound});
     } else if (loose) {
         check->tally.unbounded++;
-        check->failed[contest->pixel] = check->plan->options.strict;
-        if (check->plan->options.strict)
-            note_failure(check, (size_t)contest->pixel,
+        check->failed[ambiguous->pixel] = check->lit->plan->options.strict;
+        if (check->lit->plan->options.strict)
+            note_failure(check, (size_t)ambiguous->pixel,
                          &(struct check_failure){.kind = FAILURE_UNBOUNDED});
     } else if (!nothing) {
         floor_note(&check->tally.floor, best->floor);
@@ -281,7 +288,7 @@ static void settle(struct check *check, size_t index)
 static bool is_smooth(const struct check *check, size_t pixel)
 {
     const struct chunk *chunk = check->chunk;
-    size_t width = (size_t)chunk->rows.width, n_pixels = count_pixels(chunk), n = 0, neighbours[4];
+    size_t width = (size_t)chunk->picture.at.width, n_pixels = count_pixels(chunk), n = 0, neighbours[4];
     if ((double)chunk->steepness[pixel] * FULL_COUNT > SMOOTH_COUNTS * check->full_scale)
         return false;
     if (pixel % width > 0)
@@ -293,8 +300,8 @@ static bool is_smooth(const struct check *check, size_t pixel)
     if (pixel + width < n_pixels)
         neighbours[n++] = pixel + width;
     for (size_t i = 0; i < n; i++)
-        if (chunk->contested[neighbours[i]] ||
-            chunk->surface[neighbours[i]] != chunk->surface[pixel])
+        if (chunk->is_ambiguous[neighbours[i]] ||
+            chunk->picture.surface[neighbours[i]] != chunk->picture.surface[pixel])
             return false;
     return true;
 }
@@ -303,7 +310,7 @@ static void note_floors(struct check *check)
 {
     const struct chunk *chunk = check->chunk;
     for (size_t i = 0; i < count_pixels(chunk); i++) {
-        if (chunk->contested[i] || chunk->surface[i] < 0)
+        if (chunk->is_ambiguous[i] || chunk->picture.surface[i] < 0)
             continue;
         floor_note(&check->tally.floor, (double)check->floor[i]);
         if (is_smooth(check, i))
@@ -313,56 +320,55 @@ static void note_floors(struct check *check)
 
 /* ---- a chunk ---- */
 
-bool check_open(const struct plan *plan, const struct surface *surfaces, const struct chunk *chunk,
-                double full_scale, struct check *out, struct error *err)
+bool check_open(const struct lit_scene *lit, const struct chunk *chunk, double full_scale,
+                struct check *out, struct error *err)
 {
-    size_t n_trials = chunk->n_candidates + chunk->n_contests;
-    *out = (struct check){.plan = plan,
-                          .surfaces = surfaces,
+    size_t n_hypotheses = chunk->n_candidates + chunk->n_ambiguous;
+    *out = (struct check){.lit = lit,
                           .chunk = chunk,
                           .full_scale = full_scale,
                           .failed = calloc(count_pixels(chunk), sizeof *out->failed),
                           .floor = calloc(count_pixels(chunk), sizeof *out->floor),
-                          .trials = calloc(n_trials + 1, sizeof *out->trials)};
-    if (!out->failed || !out->floor || !out->trials) {
+                          .hypotheses = calloc(n_hypotheses + 1, sizeof *out->hypotheses)};
+    if (!out->failed || !out->floor || !out->hypotheses) {
         free(out->failed);
         free(out->floor);
-        free(out->trials);
-        *out = (struct check){.plan = NULL};
+        free(out->hypotheses);
+        *out = (struct check){.lit = NULL};
         return error_memory(err);
     }
-    for (size_t i = 0; i < n_trials; i++)
-        out->trials[i] = (struct check_trial){.alive = true, .band = -1};
-    for (size_t i = 0; i < chunk->n_contests; i++)
-        out->trials[chunk->n_candidates + i].alive = chunk->contests[i].background;
+    for (size_t i = 0; i < n_hypotheses; i++)
+        out->hypotheses[i] = (struct hypothesis){.alive = true, .band = -1};
+    for (size_t i = 0; i < chunk->n_ambiguous; i++)
+        out->hypotheses[chunk->n_candidates + i].alive = chunk->ambiguous[i].background;
     out->tight_edges =
-        plan->options.strict || (plan->n_bodies > 0 && surfaces[0].driver->watertight);
+        lit->plan->options.strict || (lit->plan->n_bodies > 0 && lit->driver->watertight);
     return true;
 }
 
 void check_pass(struct check *check, int first_band, const float *pixels, size_t stride)
 {
     const struct chunk *chunk = check->chunk;
-    size_t width = (size_t)chunk->rows.width;
-    int n_channels = check->plan->n_bands - first_band;
+    size_t width = (size_t)chunk->picture.at.width;
+    int n_channels = check->lit->plan->n_bands - first_band;
     if (n_channels > BANDS_PER_PASS)
         n_channels = BANDS_PER_PASS;
-    for (size_t y = 0; y < (size_t)chunk->rows.height; y++) {
+    for (size_t y = 0; y < (size_t)chunk->picture.at.height; y++) {
         size_t row = y * width;
         for (size_t at = row; at < row + width;) {
-            size_t n = run_length(chunk, at, row + width);
+            size_t n = settled_run(chunk, at, row + width);
             for (int c = 0; c < n_channels && n > 0; c++)
                 judge_run(check, at, n, first_band + c, pixels + (y * stride + (at - row)) * 4 + c);
             at += n > 0 ? n : 1;
         }
     }
     for (int c = 0; c < n_channels; c++)
-        judge_contests(check, first_band + c, c, pixels, stride);
+        judge_ambiguous(check, first_band + c, c, pixels, stride);
 }
 
 void check_close(struct check *check, struct check_tally *total)
 {
-    for (size_t i = 0; i < check->chunk->n_contests; i++)
+    for (size_t i = 0; i < check->chunk->n_ambiguous; i++)
         settle(check, i);
     note_floors(check);
     check->tally.pixels = count_pixels(check->chunk);
@@ -371,5 +377,5 @@ void check_close(struct check *check, struct check_tally *total)
     tally_add(total, &check->tally);
     free(check->failed);
     free(check->floor);
-    free(check->trials);
+    free(check->hypotheses);
 }

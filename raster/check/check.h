@@ -59,25 +59,24 @@ struct check_tally {
 
 /* The state of a chunk while its bands go by. */
 struct check {
-    const struct plan *plan;
     const struct lit_scene *lit;
     const struct chunk *chunk;
     double full_scale;
     bool tight_edges; /* fragments lost or doubled where triangles meet are failures */
     struct check_tally tally;
-    struct check_trial *trials; /* one a candidate, then one a contest for its background */
+    struct hypothesis *hypotheses; /* one a candidate, then each ambiguous pixel's background */
     bool *failed;               /* pixels that are not explained */
-    float *floor;               /* the largest bound of each pixel that is not contested */
+    float *floor;               /* the largest bound of each pixel that is not ambiguous */
 };
 /* Opens the check of a chunk, whose memory the check does not own. */
-bool check_open(const struct plan *plan, const struct lit_scene *lit, const struct chunk *chunk,
-                double full_scale, struct check *out, struct error *err);
+bool check_open(const struct lit_scene *lit, const struct chunk *chunk, double full_scale,
+                struct check *out, struct error *err);
 /* Judges what gl_identify drew of the tile; to be called before the first pass. */
 void check_identity(struct check *check, const struct gl *gl, const struct rectangle *tile);
 /* Judges the bands of one GL pass. `pixels` is the chunk's first pixel, 4 floats each, rows
  * `stride` pixels apart, in units of full_scale. */
 void check_pass(struct check *check, int first_band, const float *pixels, size_t stride);
-/* Settles contested pixels, adds the chunk's tally to *total and frees the check. */
+/* Settles ambiguous pixels, adds the chunk's tally to *total and frees the check. */
 void check_close(struct check *check, struct check_tally *total);
 
 /* ---- inside this room ---- */

@@ -12,9 +12,10 @@ struct cost_program {
     /* Renders the scene with the words (and all that the command line said) to a stack. */
     bool (*render)(void *context, char *const *words, int n_words, const char *output,
                    struct error *err);
-    /* Reads it as render would, sampled too. */
-    bool (*read)(void *context, char *const *words, int n_words, struct scene *out,
-                 struct error *err);
+    /* Reads it as render would, and samples it; *sampling stays zeroed where the words ask for
+     * none. */
+    bool (*read)(void *context, char *const *words, int n_words, struct scene *scene,
+                 struct sampling *sampling, struct error *err);
     void *context;
 };
 enum { COST_WORDS = 8 };

@@ -74,7 +74,7 @@ static bool read_at(int file, uint64_t offset, void *bytes, size_t length)
 
 struct renderer {
     struct plan plan;
-    struct surface *surfaces;
+    struct lit_scene lit;
     struct truth *truth;
     double *weights; /* the observer's, at each nm */
     int file;
@@ -88,9 +88,9 @@ static bool rasterize_chunk(void *context, const struct rectangle *tile, int ind
 {
     struct renderer *renderer = context;
     struct chunk *chunk = &renderer->chunks[index];
-    if (!chunk_rasterize(&renderer->plan, renderer->surfaces, tile, index, chunk, err))
+    if (!chunk_draw(&renderer->lit, tile, index, chunk, err))
         return false;
-    const size_t n = (size_t)chunk->rows.width * (size_t)chunk->rows.height;
+    const size_t n = (size_t)chunk->picture.at.width * (size_t)chunk->picture.at.height;
     renderer->xyz[index] = calloc(n, sizeof *renderer->xyz[index]);
     return renderer->xyz[index] || error_memory(err);
 }
@@ -110,7 +110,7 @@ static void add_radiances(struct renderer *renderer, int index, size_t at, size_
                           const double *radiance)
 {
     const struct truth *truth = renderer->truth;
-    const struct rectangle *rows = &renderer->chunks[index].rows;
+    const struct rectangle *rows = &renderer->chunks[index].picture.at;
     const double *weight = renderer->weights + band;
     double(*xyz)[3] = renderer->xyz[index] + at;
     for (size_t i = 0; i < n; i++)
@@ -129,17 +129,16 @@ static void add_radiances(struct renderer *renderer, int index, size_t at, size_
 static void add_band(struct renderer *renderer, int index, int band)
 {
     const struct chunk *chunk = &renderer->chunks[index];
-    const size_t n_pixels = (size_t)chunk->rows.width * (size_t)chunk->rows.height;
+    const size_t n_pixels = (size_t)chunk->picture.at.width * (size_t)chunk->picture.at.height;
     double radiance[BLOCK];
     for (size_t at = 0, n; at < n_pixels; at += n) {
-        const size_t last = n_pixels - at < BLOCK ? n_pixels : at + BLOCK;
-        const struct rows rows = {chunk->weights + at, NULL, n_pixels};
-        for (n = 1; at + n < last && chunk->surface[at + n] == chunk->surface[at];)
-            n++;
-        if (chunk->surface[at] < 0)
+        const int surface = chunk->picture.surface[at];
+        n = run_length(chunk->picture.surface, at, n_pixels);
+        if (surface < 0)
             continue;
-        counts_expect(&renderer->plan, renderer->surfaces[chunk->surface[at]].finish, &rows, n,
-                      band, FULL_COUNT, radiance, NULL);
+        const struct run run = {renderer->lit.bounds[surface].finish, chunk->picture.rows + at,
+                                NULL, n_pixels, n};
+        expect_counts(&renderer->plan, &run, band, FULL_COUNT, radiance, NULL);
         add_radiances(renderer, index, at, n, band, radiance);
     }
 }
@@ -163,18 +162,18 @@ static bool store_chunk(struct renderer *renderer, int index)
 {
     const struct truth *truth = renderer->truth;
     const struct chunk *chunk = &renderer->chunks[index];
-    const size_t width = (size_t)chunk->rows.width;
+    const size_t width = (size_t)chunk->picture.at.width;
     unsigned char *shown = calloc(width, 1);
     bool done = shown != NULL;
-    for (int y = 0; done && y < chunk->rows.height; y++) {
+    for (int y = 0; done && y < chunk->picture.at.height; y++) {
         const uint64_t pixel =
-            (uint64_t)(chunk->rows.y + y) * (uint64_t)truth->width + (uint64_t)chunk->rows.x;
+            (uint64_t)(chunk->picture.at.y + y) * (uint64_t)truth->width + (uint64_t)chunk->picture.at.x;
         double(*colour)[3] = renderer->xyz[index] + (size_t)y * width;
         for (size_t x = 0; x < width; x++) {
             double xyz[3];
             memcpy(xyz, colour[x], sizeof xyz);
             cielab(xyz, truth->white, colour[x]);
-            shown[x] = chunk->surface[(size_t)y * width + x] >= 0;
+            shown[x] = chunk->picture.surface[(size_t)y * width + x] >= 0;
         }
         done = write_at(renderer->file, pixel * sizeof *colour, colour, width * sizeof *colour) &&
                write_at(renderer->file, offset_of_shown(truth) + pixel, shown, width);
@@ -277,7 +276,7 @@ static bool render_truth(const struct scene *scene, const char *observer, struct
         return error_memory(err);
     errno = 0;
     return weigh_nm(scene, observer, renderer, err) && find_white(scene, renderer, err) &&
-           surfaces_light(&renderer->plan, driver_of(NULL), &renderer->surfaces, &work, err) &&
+           lit_make(&renderer->plan, driver_of(NULL), &renderer->lit, &work, err) &&
            render_tiles(renderer, err) &&
            (write_at(renderer->file, offset_of_lattice(truth), renderer->spectra,
                      lattice_points(truth) * (size_t)truth->n_nm * sizeof *renderer->spectra) ||
@@ -295,7 +294,7 @@ bool truth_render(const struct scene *scene, const char *observer, int threads, 
     const bool done = plan_make(scene, NULL, &options, &renderer.plan, err) &&
                       render_truth(scene, observer, &renderer, err);
     close(renderer.file);
-    surfaces_free(&renderer.plan, renderer.surfaces);
+    lit_free(&renderer.lit);
     plan_free(&renderer.plan);
     free(renderer.weights);
     free(renderer.spectra);

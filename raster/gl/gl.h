@@ -46,9 +46,9 @@ struct shown gl_shown(const struct gl *gl, int x, int y);
 
 struct gl {
     const struct plan *plan;
-    const struct surface *surfaces;
-    struct osmesa_context * context;
-    struct osmesa_context * numbers; /* that draws into floats where `context` draws into steps; NULL: the
+    const struct lit_scene *lit;
+    struct osmesa_context *context;
+    struct osmesa_context *numbers; /* that draws into floats where `context` draws into steps; NULL: the
                               same */
     float *pixels;         /* tile_height rows of tile_width pixels of 4 floats, from the top */
     void *steps; /* the same of 4 uint8_t or uint16_t, which colours are drawn into; NULL: pixels
@@ -59,7 +59,7 @@ struct gl {
         *depths;     /* the same from the bottom: 24 bits of depth, 8 of stencil; NULL: unchecked */
     unsigned *buffers; /* BUFFERS of each mesh */
     unsigned *textures; /* of each texture */
-    struct tile tile;
+    struct rectangle tile;
     struct gl_work work;
 };
 

@@ -5,6 +5,11 @@
  * shows in colour (section 2.22 of the OpenGL 2.1 specification, invariance). */
 #include <stdlib.h>
 
+#define GL_GLEXT_PROTOTYPES
+#include <GL/osmesa.h>
+/* after GL/gl.h, which osmesa.h includes */
+#include <GL/glext.h>
+
 #include "raster/gl/gl.h"
 
 /* Triangles given to OpenGL at once: few enough to stay in the second-level cache. */
@@ -54,7 +59,7 @@ static void draw_bodies(const struct gl *gl, struct numbered_vertex *batch)
     glDisableClientState(GL_TEXTURE_COORD_ARRAY);
     glEnableClientState(GL_COLOR_ARRAY);
     for (int i = 0; i < gl->plan->n_bodies; i++)
-        if (surface_reaches(&gl->surfaces[i], &gl->tile))
+        if (surface_reaches(&gl->lit->bounds[i], &gl->tile))
             draw_numbers(gl->plan, i, batch);
     glDisableClientState(GL_COLOR_ARRAY);
     glEnableClientState(GL_NORMAL_ARRAY);

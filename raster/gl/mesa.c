@@ -12,6 +12,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#define GL_GLEXT_PROTOTYPES
+#include <GL/osmesa.h>
+/* after GL/gl.h, which osmesa.h includes */
+#include <GL/glext.h>
+
 #include "raster/gl/gl.h"
 
 enum { VERTICES, INDICES, PLACES, BUFFERS };
@@ -49,7 +54,7 @@ static void aim(const struct gl *gl)
 {
     const struct rectangle *tile = &gl->tile;
     double width = gl->plan->scene->width, height = gl->plan->scene->height;
-    struct matrix projection = gl->plan->projection;
+    struct matrix projection = gl->plan->view.projection;
     aim_row(&projection, 0, 2 * tile->x / width - 1, 2 * (tile->x + tile->width) / width - 1);
     aim_row(&projection, 1, 1 - 2 * (tile->y + tile->height) / height, 1 - 2 * tile->y / height);
     glMatrixMode(GL_PROJECTION);
@@ -59,9 +64,9 @@ static void aim(const struct gl *gl)
     glViewport(0, gl->plan->tile_height - tile->height, tile->width, tile->height);
 }
 
-void gl_aim(struct gl *gl, const struct surface *surfaces, const struct rectangle *tile)
+void gl_aim(struct gl *gl, const struct lit_scene *lit, const struct rectangle *tile)
 {
-    gl->surfaces = surfaces;
+    gl->lit = lit;
     gl->tile = *tile;
     aim(gl);
 }
@@ -101,7 +106,7 @@ bool gl_draw_into(struct gl *gl, bool floats, struct error *err)
                             plan->tile_width, plan->tile_height, bits);
     gl->current = buffer;
     OSMesaPixelStore(OSMESA_Y_UP, 0); /* first row on top, as in the picture */
-    if (gl->surfaces)
+    if (gl->lit)
         aim(gl);
     return check_context(plan, bits, err);
 }
@@ -319,10 +324,9 @@ static void set_state(const struct gl *gl)
     glEnableClientState(GL_NORMAL_ARRAY);
 }
 
-static void place_light(GLenum name, const struct plan_light *light)
+static void place_light(GLenum name, const struct eye_light *light, const struct light *source)
 {
-    const struct light *source = light->light;
-    struct vector at = light->eye_position, axis = light->eye_spot;
+    struct vector at = light->position, axis = light->axis;
     GLfloat position[4] = {(GLfloat)at.x, (GLfloat)at.y, (GLfloat)at.z,
                            source->directional ? 0.0F : 1.0F};
     GLfloat direction[3] = {(GLfloat)axis.x, (GLfloat)axis.y, (GLfloat)axis.z};
@@ -346,7 +350,8 @@ static void place_lights(const struct gl *gl, int group)
     for (int i = 0; i < LIGHTS_PER_PASS; i++) {
         int light = group * LIGHTS_PER_PASS + i;
         if (light < gl->plan->n_lights)
-            place_light(GL_LIGHT0 + (GLenum)i, &gl->plan->lights[light]);
+            place_light(GL_LIGHT0 + (GLenum)i, &gl->plan->lights[light],
+                        gl->plan->sources[light]);
         else
             glDisable(GL_LIGHT0 + (GLenum)i);
     }
@@ -426,10 +431,10 @@ static void band_colour(const struct plan *plan, const double *row, int first_ba
 }
 
 static const double *term_row(const struct plan *plan, const struct finish *finish,
-                              enum term_kind kind, int light)
+                              enum reflection reflection, int light)
 {
     for (int t = 0; t < finish->n_terms; t++)
-        if (finish->terms[t].kind == kind && finish->terms[t].light == light)
+        if (finish->terms[t].reflection == reflection && finish->terms[t].light == light)
             return finish->made.spectra + (size_t)t * (size_t)plan->n_bands;
     return NULL;
 }
@@ -443,7 +448,7 @@ struct pass {
 static void set_finish(const struct gl *gl, const struct finish *finish, const struct pass *pass)
 {
     const struct plan *plan = gl->plan;
-    const double *constant = pass->group == 0 ? term_row(plan, finish, TERM_CONSTANT, -1) : NULL;
+    const double *constant = pass->group == 0 ? term_row(plan, finish, CONSTANT, -1) : NULL;
     GLfloat colour[4];
     bool shiny = false;
     for (int i = 0; i < LIGHTS_PER_PASS; i++) {
@@ -453,8 +458,8 @@ static void set_finish(const struct gl *gl, const struct finish *finish, const s
             break;
         int first = plan->lights[light].first;
         double full_scale = pass->full_scale / plan->lights[light].share;
-        const double *specular = term_row(plan, finish, TERM_SPECULAR, first);
-        band_colour(plan, term_row(plan, finish, TERM_DIFFUSE, first), pass->first_band, full_scale,
+        const double *specular = term_row(plan, finish, SPECULAR, first);
+        band_colour(plan, term_row(plan, finish, DIFFUSE, first), pass->first_band, full_scale,
                     colour);
         glLightfv(name, GL_DIFFUSE, colour);
         band_colour(plan, specular, pass->first_band, full_scale, colour);
@@ -481,8 +486,8 @@ static void draw_body(const struct gl *gl, const struct body *body)
         glTexCoordPointer(2, GL_FLOAT, 0, NULL);
     }
     glLightModeli(GL_LIGHT_MODEL_TWO_SIDE, body->object->two_sided);
-    glFrontFace(body->mirrored ? GL_CW : GL_CCW);
-    gl_load_matrix(&body->model_view);
+    glFrontFace(body->instance.mirrored ? GL_CW : GL_CCW);
+    gl_load_matrix(&body->instance.model_view);
     glDrawElements(GL_TRIANGLES, 3 * gl->plan->meshes[body->mesh].mesh.n_triangles, GL_UNSIGNED_INT,
                    NULL);
 }
@@ -517,7 +522,7 @@ static void draw_pass(struct gl *gl, const struct pass *pass)
     place_lights(gl, pass->group);
     for (int i = 0; i < plan->n_bodies; i++) {
         const struct body *body = &plan->bodies[i];
-        if (!surface_reaches(&gl->surfaces[i], &gl->tile))
+        if (!surface_reaches(&gl->lit->bounds[i], &gl->tile))
             continue;
         if (body->finish != finish)
             set_finish(gl, &plan->finishes[body->finish], pass);

@@ -42,9 +42,9 @@ const char *gl_version(const struct gl *gl)
     return "none";
 }
 
-void gl_aim(struct gl *gl, const struct surface *surfaces, const struct rectangle *tile)
+void gl_aim(struct gl *gl, const struct lit_scene *lit, const struct rectangle *tile)
 {
-    (void)gl, (void)surfaces, (void)tile;
+    (void)gl, (void)lit, (void)tile;
 }
 
 bool gl_draw(struct gl *gl, int first_band, double full_scale, const float **pixels,

@@ -8,7 +8,7 @@
 
 struct region {
     struct plan plan; /* a view of the caller's, whose samples are radiances */
-    struct surface *surfaces;
+    struct lit_scene lit;
     double full_scale;
     struct chunk *chunks; /* of the current tile */
     int n_chunks;
@@ -37,10 +37,10 @@ static bool rasterize_chunks(struct region *region, const struct rectangle *tile
         return error_memory(err);
     for (int i = 0; i < region->n_chunks; i++) {
         struct chunk *chunk = &region->chunks[i];
-        if (!chunk_rasterize(&region->plan, region->surfaces, tile, i, chunk, err))
+        if (!chunk_draw(&region->lit, tile, i, chunk, err))
             return false;
-        for (int pixel = 0; pixel < chunk->rows.width * chunk->rows.height; pixel++)
-            note_surface(region, chunk->surface[pixel]);
+        for (int pixel = 0; pixel < chunk->picture.at.width * chunk->picture.at.height; pixel++)
+            note_surface(region, chunk->picture.surface[pixel]);
     }
     return true;
 }
@@ -49,9 +49,10 @@ static bool add_band(struct region *region, int band, struct error *err)
 {
     for (int i = 0; i < region->n_chunks; i++) {
         const struct chunk *chunk = &region->chunks[i];
-        const size_t n = (size_t)chunk->rows.width * (size_t)chunk->rows.height;
-        const struct odd_samples odd = counts_of_reference(
-            &region->plan, region->surfaces, chunk, band, region->full_scale, region->samples);
+        const size_t n = (size_t)chunk->picture.at.width * (size_t)chunk->picture.at.height;
+        const struct stored_band stored = {&region->plan, band, region->full_scale,
+                                           region->samples};
+        const struct odd_samples odd = store_reference(&stored, &region->lit, &chunk->picture);
         if (odd.undefined > 0)
             return error_usage(err, "%s: a radiance there is not finite", region->probe->source);
         moments_add(&region->moments[band], region->samples, n);
@@ -158,7 +159,7 @@ static bool add_curves(const struct region *region, struct error *err)
         if (!probe->object)
             return error_memory(err);
         if (region->surface >= 0 &&
-            !add_material(probe, region->surfaces[region->surface].finish->material, err))
+            !add_material(probe, region->lit.bounds[region->surface].finish->material, err))
             return false;
     }
     return add_lights(probe, region->plan.scene, err);
@@ -195,8 +196,8 @@ static bool inspect(struct region *region, struct error *err)
     region->moments = calloc((size_t)plan->n_bands, sizeof *region->moments);
     if (!region->samples || !region->moments)
         return error_memory(err);
-    return surfaces_light(plan, driver_of(NULL), &region->surfaces, &work, err) &&
-           surfaces_full_scale(plan, region->surfaces, &region->full_scale, &clips, err) &&
+    return lit_make(plan, driver_of(NULL), &region->lit, &work, err) &&
+           find_full_scale(&region->lit, &region->full_scale, &clips, err) &&
            inspect_tiles(region, err) && add_curves(region, err);
 }
 
@@ -209,7 +210,7 @@ bool probe_scene(const struct plan *plan, const struct probe_options *options, s
     bool done = probe_open(out, scene->path, options, scene->width, scene->height, err) &&
                 probe_allocate(out, scene->wavelengths_nm, scene->n_wavelengths, err) &&
                 inspect(&region, err) && add_colour(out, scene, options, err);
-    surfaces_free(plan, region.surfaces);
+    lit_free(&region.lit);
     free(region.samples);
     free(region.moments);
     return done;

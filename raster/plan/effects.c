@@ -10,7 +10,7 @@
 static bool has_term(const struct finish *finish, enum term_kind kind)
 {
     for (int i = 0; i < finish->n_terms; i++)
-        if (finish->terms[i].kind == kind)
+        if (finish->made.terms[i].kind == kind)
             return true;
     return false;
 }

@@ -230,10 +230,10 @@ static bool add_body(struct body_maker *maker, const struct object *object, stru
     if (!shaded_material_find(plan, material, &body.finish, err))
         return false;
     mesh->textured = mesh->textured || plan->finishes[body.finish].texture;
-    body.model_view =
-        matrix_product(plan->view, matrix_product(object->transform, placement(mesh)));
-    body.mirrored = is_mirrored(&body.model_view);
-    if (!matrix_normal(&body.model_view, &body.normal_matrix) || !has_inverse(&body.model_view))
+    body.instance.model_view =
+        matrix_product(plan->world_to_eye, matrix_product(object->transform, placement(mesh)));
+    body.instance.mirrored = is_mirrored(&body.instance.model_view);
+    if (!matrix_normal(&body.instance.model_view, &body.instance.normal_matrix) || !has_inverse(&body.instance.model_view))
         return error_at(err, object->place,
                         "the object's transform is singular or not finite, or the object is too "
                         "small, too large or too flat beside the picture for single precision");
@@ -337,7 +337,7 @@ static int compare_bodies(const void *a, const void *b)
                       *second = *(const struct body *const *)b;
     if (first->mesh != second->mesh)
         return first->mesh < second->mesh ? -1 : 1;
-    int place = memcmp(&first->model_view, &second->model_view, sizeof first->model_view);
+    int place = memcmp(&first->instance.model_view, &second->instance.model_view, sizeof first->instance.model_view);
     if (place != 0)
         return place;
     return first < second ? -1 : first > second;
@@ -357,9 +357,29 @@ static bool find_twins(struct plan *plan, struct error *err)
     for (size_t i = 1; i < n; i++)
         sorted[i]->twin =
             sorted[i]->mesh == sorted[i - 1]->mesh &&
-            memcmp(&sorted[i]->model_view, &sorted[i - 1]->model_view, sizeof(struct matrix)) == 0;
+            memcmp(&sorted[i]->instance.model_view, &sorted[i - 1]->instance.model_view, sizeof(struct matrix)) == 0;
     free(sorted);
     return true;
+}
+
+/* Gives the reference its view of a body, when no array moves any more. */
+static void fill_instance(const struct plan *plan, struct body *body)
+{
+    const struct mesh *mesh = &plan->meshes[body->mesh].mesh;
+    const struct finish *finish = &plan->finishes[body->finish];
+    struct instance *out = &body->instance;
+    out->vertices = mesh->vertices;
+    out->triangles = (const int32_t(*)[3])mesh->triangles;
+    out->n_vertices = mesh->n_vertices;
+    out->n_triangles = mesh->n_triangles;
+    out->two_sided = body->object->two_sided;
+    out->terms = finish->terms;
+    out->n_terms = finish->n_terms;
+    out->gloss = finish->material->gloss;
+    out->textured = finish->texture != NULL;
+    out->varied = finish->texture && finish->texture->spectral;
+    if (finish->texture)
+        out->texels = plan_texels(finish->texture, 0);
 }
 
 bool bodies_make(struct plan *plan, struct error *err)
@@ -372,5 +392,7 @@ bool bodies_make(struct plan *plan, struct error *err)
         mesh_free(&maker.wholes[i].mesh);
     free(maker.wholes);
     free(maker.cuttings);
+    for (int i = 0; done && i < plan->n_bodies; i++)
+        fill_instance(plan, &plan->bodies[i]);
     return done && find_twins(plan, err);
 }

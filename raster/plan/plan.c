@@ -57,6 +57,21 @@ static struct matrix projection_of(const struct camera *camera, int width, int h
     return m;
 }
 
+/* What the reference needs to know of the camera and the lights. */
+static struct view view_of(const struct plan *plan, const struct camera *camera)
+{
+    static const enum shading_model shadings[] = {
+        [SHADING_SMOOTH] = GOURAUD, [SHADING_FLAT] = FLAT, [SHADING_PHONG] = PHONG};
+    const struct scene *scene = plan->scene;
+    return (struct view){.width = scene->width,
+                         .height = scene->height,
+                         .projection = projection_of(camera, scene->width, scene->height),
+                         .local_viewer = scene->local_viewer,
+                         .shading = shadings[scene->shading],
+                         .lights = plan->lights,
+                         .n_lights = plan->n_lights};
+}
+
 /* Bytes of a number that each object has, and the background. OpenGL tells only with a check what
  * it shows. */
 static int map_bytes(const struct plan *plan)
@@ -91,6 +106,31 @@ static void size_tiles(struct plan *plan)
     plan->file_bytes =
         (uint64_t)width * (uint64_t)height *
         ((uint64_t)plan->n_bands * (uint64_t)plan->options.bits / 8 + (uint64_t)plan->map_bytes);
+}
+
+int buffer_steps(const struct plan *plan)
+{
+    return plan->options.buffer_bits == 8    ? UINT8_MAX
+           : plan->options.buffer_bits == 16 ? UINT16_MAX
+                                             : 0;
+}
+
+bool has_components(const struct plan *plan)
+{
+    return plan->sampling && !plan->sampling->spectral;
+}
+
+void band_name(const struct plan *plan, int band, char out[BAND_NAME])
+{
+    if (has_components(plan))
+        sampling_label(plan->sampling, band, out);
+    else
+        snprintf(out, BAND_NAME, "%.10g nm", plan->scene->wavelengths_nm[band]);
+}
+
+const char *object_name(const struct plan *plan, int surface)
+{
+    return surface < 0 ? "background" : plan->finishes[plan->bodies[surface].finish].material->name;
 }
 
 struct rectangle plan_picture(const struct plan *plan)
@@ -144,14 +184,14 @@ bool plan_make(const struct scene *scene, const struct sampling *sampling,
     out->n_bands = pages.n;
     out->n_passes = (out->n_bands + BANDS_PER_PASS - 1) / BANDS_PER_PASS;
     out->near = camera.near;
-    out->view =
+    out->world_to_eye =
         matrix_product(matrix_scaling((struct vector){1 / out->unit, 1 / out->unit, 1 / out->unit}),
                        matrix_look_at(camera.eye, camera.look, camera.up));
-    out->projection = projection_of(&camera, scene->width, scene->height);
     if (!plan_allocate(out, err) ||
         !illumination_make(scene, &pages, options->exchangeable, &out->illumination, err) ||
         !lights_list(out, err) || !bodies_make(out, err) || !lights_drop_idle(out, err))
         return false;
+    out->view = view_of(out, &camera);
     out->n_light_groups = (out->n_lights + LIGHTS_PER_PASS - 1) / LIGHTS_PER_PASS;
     if (out->n_light_groups == 0)
         out->n_light_groups = 1;
@@ -166,7 +206,7 @@ void plan_free(struct plan *plan)
         mesh_free(&plan->meshes[i].mesh);
     for (int i = 0; i < plan->n_finishes; i++) {
         free(plan->finishes[i].terms);
-        free(plan->finishes[i].made.spectra);
+        material_terms_free(&plan->finishes[i].made);
     }
     for (int i = 0; i < plan->n_textures; i++)
         texture_free(&plan->textures[i]);
@@ -175,6 +215,7 @@ void plan_free(struct plan *plan)
     free(plan->textures);
     free(plan->bodies);
     free(plan->lights);
+    free(plan->sources);
     illumination_free(&plan->illumination);
     *plan = (struct plan){0};
 }

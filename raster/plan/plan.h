@@ -8,6 +8,8 @@
 
 /* ---- plan.c: what a scene calls for, decided once ---- */
 
+/* Rows of a tile that a thread draws and judges at a time. */
+enum { CHUNK_ROWS = 16 };
 enum { LIGHTS_PER_PASS = 8, BANDS_PER_PASS = TEXTURE_PLANES };
 
 /* A material under the lights of the scene. Lights of one spectrum share their terms, and terms
@@ -96,6 +98,14 @@ bool plan_make(const struct scene *scene, const struct sampling *sampling,
 struct rectangle plan_picture(const struct plan *plan); /* the whole picture */
 int plan_tiles(const struct plan *plan, const struct rectangle *region);
 struct rectangle plan_tile(const struct plan *plan, const struct rectangle *region, int index);
+/* Whether bands are components, not radiances at wavelengths. */
+bool has_components(const struct plan *plan);
+/* Of a band: "450 nm", or the label of a component. */
+enum { BAND_NAME = 32 };
+void band_name(const struct plan *plan, int band, char out[BAND_NAME]);
+/* The name of a surface: that of its material; or "background" for -1. */
+const char *object_name(const struct plan *plan, int surface);
+
 /* Steps of a channel of OpenGL's colour buffer, from 0 to full scale; 0: floats. */
 int buffer_steps(const struct plan *plan);
 /* Plane 0, 1 or 2 of a texture, for the reference. */

@@ -107,14 +107,14 @@ static double largest_radiance(const struct plan *plan, const struct finish *fin
 static bool check_radiance(const struct lit_scene *lit, int surface, int band, size_t at,
                            double radiance, struct error *err)
 {
-    char page[PAGE_NAME], vertex[32] = "this object";
+    char page[BAND_NAME], vertex[32] = "this object";
     const struct plan *plan = lit->plan;
     struct place place = lit->bounds[surface].body->object->place;
     if (isfinite(radiance) && !(plan->options.bits == 32 && radiance > (double)FLT_MAX))
         return true;
     if (plan->scene->shading != SHADING_PHONG)
         snprintf(vertex, sizeof vertex, "vertex %d", (int)at / lit->surfaces[surface].n_sides + 1);
-    page_name(plan->scene, band, page);
+    band_name(plan, band, page);
     return isfinite(radiance)
                ? error_at(err, place,
                           "the radiance of %s at %s is %.3g, above what a float page holds", vertex,
@@ -187,7 +187,7 @@ static double least_full_scale(const struct plan *plan)
         share = fmax(share, plan->lights[i].share);
     for (int f = 0; f < plan->n_finishes; f++)
         for (int t = 0; t < plan->finishes[f].n_terms; t++)
-            largest = fmax(largest, plan->finishes[f].peaks[t]);
+            largest = fmax(largest, plan->finishes[f].made.terms[t].peak);
     return ldexp(largest * share, -100);
 }
 

@@ -10,7 +10,7 @@
 
 struct render_state {
     const struct plan *plan;
-    struct surface *surfaces;
+    struct lit_scene lit;
     struct gl *gl;
     struct stack_writer writer;
     bool writing;
@@ -44,10 +44,10 @@ static bool rasterize_chunk(void *context, const struct rectangle *tile, int ind
 {
     const struct render_state *state = context;
     struct chunk *chunk = &state->chunks[index];
-    return chunk_rasterize(state->plan, state->surfaces, tile, index, chunk, err) &&
+    return chunk_draw(&state->lit, tile, index, chunk, err) &&
            (!state->plan->options.check ||
-            check_open(state->plan, state->surfaces, chunk, state->result->full_scale,
-                       &state->checks[index], err));
+            check_open(&state->lit, chunk, state->result->full_scale, &state->checks[index],
+                       err));
 }
 
 static bool rasterize_tile(struct render_state *state, const struct rectangle *tile, struct error *err)
@@ -72,7 +72,7 @@ static void free_tile(struct render_state *state)
         if (state->checks && state->checks[i].chunk)
             check_close(&state->checks[i], &state->result->check);
         if (state->chunks) {
-            work_add(&state->result->light, &state->chunks[i].work);
+            work_add(&state->result->light, &state->chunks[i].picture.work);
             chunk_free(&state->chunks[i]);
         }
     }
@@ -113,7 +113,7 @@ static void check_tile(struct render_state *state, const struct rectangle *tile,
     size_t stride = (size_t)state->plan->tile_width;
 #pragma omp parallel for schedule(dynamic) num_threads(state->plan->options.threads)
     for (int i = 0; i < state->n_chunks; i++) {
-        size_t row = (size_t)(state->chunks[i].rows.y - tile->y);
+        size_t row = (size_t)(state->chunks[i].picture.at.y - tile->y);
         check_pass(&state->checks[i], pass * BANDS_PER_PASS, pixels + row * stride * 4, stride);
     }
 }
@@ -124,13 +124,13 @@ static struct odd_samples count_chunk(struct render_state *state, const struct r
     const struct plan *plan = state->plan;
     struct rectangle rows = chunk_rows(tile, index);
     size_t first = (size_t)(rows.y - tile->y), stride = (size_t)plan->tile_width;
-    double full_scale = state->result->full_scale;
-    void *out = state->samples[channel] + first * (size_t)tile->width * sample_size(plan);
+    struct stored_band stored = {plan, band, state->result->full_scale,
+                                 state->samples[channel] +
+                                     first * (size_t)tile->width * sample_size(plan)};
     if (plan->options.store_raster)
-        return counts_of_reference(plan, state->surfaces, &state->chunks[index], band, full_scale,
-                                   out);
-    return counts_of_gl(plan, &rows, channel, full_scale, state->result->clips,
-                        pixels + first * stride * 4, stride, out);
+        return store_reference(&stored, &state->lit, &state->chunks[index].picture);
+    return store_gl(&stored, &rows, state->result->clips, pixels + first * stride * 4 + channel,
+                    stride);
 }
 
 static void count_tile(struct render_state *state, const struct rectangle *tile, int pass,
@@ -199,7 +199,7 @@ static int object_at(const struct render_state *state, const struct rectangle *t
 {
     const struct chunk *chunk = &state->chunks[y / CHUNK_ROWS];
     const size_t pixel = (size_t)(y % CHUNK_ROWS) * (size_t)tile->width + (size_t)x;
-    const int surface = state->plan->options.store_raster ? chunk->surface[pixel]
+    const int surface = state->plan->options.store_raster ? chunk->picture.surface[pixel]
                                                           : gl_shown(state->gl, x, y).surface;
     return surface < state->plan->n_bodies ? surface + 1 : 0;
 }
@@ -232,7 +232,7 @@ static bool render_tile(struct render_state *state, const struct rectangle *tile
         !(plan->options.check || plan->options.store_raster) || rasterize_tile(state, tile, err);
     clock_in(&state->result->seconds.raster, &since);
     if (state->gl)
-        gl_aim(state->gl, state->surfaces, tile);
+        gl_aim(state->gl, &state->lit, tile);
     if (done && plan->options.check)
         done = identify_tile(state, tile, err);
     clock_in(&state->result->seconds.check, &since);
@@ -372,9 +372,9 @@ static bool prepare(struct render_state *state, struct error *err)
         return false;
     result->driver = driver_of(state->gl ? result->gl_renderer : NULL);
     clock_in(&result->seconds.gl, &since);
-    if (!surfaces_light(plan, result->driver, &state->surfaces, &result->light, err))
+    if (!lit_make(plan, result->driver, &state->lit, &result->light, err))
         return false;
-    if (!surfaces_full_scale(plan, state->surfaces, &result->full_scale, &result->clips, err))
+    if (!find_full_scale(&state->lit, &result->full_scale, &result->clips, err))
         return false;
     clock_in(&result->seconds.raster, &since);
     return true;
@@ -438,7 +438,7 @@ bool render(const struct plan *plan, const struct render_output *output,
     for (int c = 0; c < BANDS_PER_PASS; c++)
         free(state.samples[c]);
     gl_close(state.gl);
-    surfaces_free(plan, state.surfaces);
+    lit_free(&state.lit);
     clock_in(&out->seconds.total, &since);
     return done;
 }

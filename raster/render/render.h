@@ -45,12 +45,6 @@ const char *render_stored(const struct plan *plan, const struct render_result *r
 
 /* ---- report.c: results in words and as JSON ---- */
 
-/* Of a page: "450 nm", or the label of a component. */
-enum { PAGE_NAME = 32 };
-void page_name(const struct scene *scene, int page, char out[PAGE_NAME]);
-/* The name of a surface: that of its material; or "background" for -1. */
-const char *object_name(const struct plan *plan, int surface);
-
 /* The verdict in one line of ASCII, for the stack. */
 void report_verdict(const struct plan *plan, const struct check_tally *tally, char *out,
                     size_t capacity);

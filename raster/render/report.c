@@ -33,27 +33,9 @@ static double percent(uint64_t part, uint64_t whole)
     return whole ? 100 * (double)part / (double)whole : 0;
 }
 
-static bool has_components(const struct plan *plan)
-{
-    return plan->sampling && !plan->sampling->spectral;
-}
-
-void page_name(const struct plan *plan, int page, char out[PAGE_NAME])
-{
-    if (has_components(plan))
-        sampling_label(plan->sampling, page, out);
-    else
-        snprintf(out, PAGE_NAME, "%.10g nm", plan->scene->wavelengths_nm[page]);
-}
-
 static bool is_phong(const struct plan *plan)
 {
     return plan->scene->shading == SHADING_PHONG;
-}
-
-const char *object_name(const struct plan *plan, int surface)
-{
-    return surface < 0 ? "background" : plan->finishes[plan->bodies[surface].finish].material->name;
 }
 
 void report_verdict(const struct plan *plan, const struct check_tally *tally, char *out,
@@ -158,10 +140,10 @@ void report_print(const struct plan *plan, const struct render_result *result, F
 static void failure_text(const struct plan *plan, const struct check_failure *failure, char *out,
                          size_t capacity)
 {
-    char page[PAGE_NAME];
+    char page[BAND_NAME];
     switch (failure->kind) {
     case FAILURE_RADIANCE:
-        page_name(plan, failure->band, page);
+        band_name(plan, failure->band, page);
         snprintf(out, capacity, "at %s OpenGL %.6g, reference %.6g, bound %.3g counts", page,
                  failure->seen, failure->expected, failure->bound);
         break;
@@ -213,7 +195,7 @@ bool report_not_again(const struct plan *plan, const struct render_result *resul
     const struct stack_difference *first = &result->difference;
     const char *renderer = render_stored(plan, result);
     static const char changed[] = "it, or a file that the scene names, has changed";
-    char what[256], page[PAGE_NAME];
+    char what[256], page[BAND_NAME];
     if (strcmp(made->program, PROGRAM) != 0)
         snprintf(what, sizeof what, "it was made by %.80s, this is " PROGRAM, made->program);
     else if (strcmp(made->renderer, renderer) != 0)
@@ -225,7 +207,7 @@ bool report_not_again(const struct plan *plan, const struct render_result *resul
     else if (first->page < 0)
         snprintf(what, sizeof what, "in what the pages say of themselves; %s", changed);
     else {
-        page_name(plan, first->page, page);
+        band_name(plan, first->page, page);
         snprintf(what, sizeof what, "first at %d,%d of page %d (%s); %s", first->x, first->y,
                  first->page + 1, page, changed);
     }
@@ -302,7 +284,7 @@ static void json_failure(struct json *json, const struct plan *plan,
                          const struct check_failure *first)
 {
     static const char *const kinds[] = {"radiance", "triangle", "depth", "fragments", "unbounded"};
-    char page[PAGE_NAME];
+    char page[BAND_NAME];
     if (!first->found) {
         json_string(json, "first_unexplained", NULL);
         return;
@@ -316,7 +298,7 @@ static void json_failure(struct json *json, const struct plan *plan,
     else
         json_string(json, "wavelength_nm", NULL);
     if (first->kind == FAILURE_RADIANCE)
-        page_name(plan, first->band, page);
+        band_name(plan, first->band, page);
     json_string(json, "page", first->kind == FAILURE_RADIANCE ? page : NULL);
     json_string(json, "object", object_name(plan, first->surface));
     json_close(json, '}');

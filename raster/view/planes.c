@@ -37,19 +37,19 @@ static bool planes_allocate(const struct plan *plan, struct planes *out, struct 
 
 static int plane_of(const struct term *term)
 {
-    return term->kind == TERM_CONSTANT ? 0 : 1 + 2 * term->light + (term->kind == TERM_SPECULAR);
+    return term->reflection == CONSTANT ? 0 : 1 + 2 * term->light + (term->reflection == SPECULAR);
 }
 
-/* A pixel `from` of a chunk is the picture's pixel `to`. */
-static void put_pixel(const struct surface *surfaces, const struct chunk *chunk, size_t from,
+/* Pixel `from` of a part is the picture's pixel `to`. */
+static void put_pixel(const struct lit_scene *lit, const struct picture *picture, size_t from,
                       struct planes *planes, size_t to)
 {
-    size_t stride = (size_t)chunk->rows.width * (size_t)chunk->rows.height;
-    if (chunk->surface[from] < 0)
+    size_t stride = (size_t)picture->at.width * (size_t)picture->at.height;
+    if (picture->surface[from] < 0)
         return;
-    const struct finish *finish = surfaces[chunk->surface[from]].finish;
-    const double *weight = chunk->weights + from;
-    planes->surface[to] = (uint16_t)(chunk->surface[from] + 1);
+    const struct finish *finish = lit->bounds[picture->surface[from]].finish;
+    const double *weight = picture->rows + from;
+    planes->surface[to] = (uint16_t)(picture->surface[from] + 1);
     for (int t = 0; t < finish->n_terms; t++, weight += stride)
         planes->values[(size_t)plane_of(&finish->terms[t]) * planes->n_pixels + to] =
             (float)*weight;
@@ -58,22 +58,21 @@ static void put_pixel(const struct surface *surfaces, const struct chunk *chunk,
 }
 
 struct painting {
-    const struct plan *plan;
-    const struct surface *surfaces;
+    const struct lit_scene *lit;
     struct planes *planes;
 };
 
 static bool put_chunk(void *context, const struct rectangle *tile, int index, struct error *err)
 {
     const struct painting *of = context;
-    struct chunk chunk = {.surface = NULL};
-    bool done = chunk_rasterize(of->plan, of->surfaces, tile, index, &chunk, err);
-    for (int y = 0; done && y < chunk.rows.height; y++)
-        for (int x = 0; x < chunk.rows.width; x++)
-            put_pixel(of->surfaces, &chunk, (size_t)y * (size_t)chunk.rows.width + (size_t)x,
-                      of->planes,
-                      (size_t)(chunk.rows.y + y) * (size_t)of->plan->scene->width +
-                          (size_t)(chunk.rows.x + x));
+    struct chunk chunk;
+    bool done = chunk_draw(of->lit, tile, index, &chunk, err);
+    const struct rectangle *at = &chunk.picture.at;
+    for (int y = 0; done && y < at->height; y++)
+        for (int x = 0; x < at->width; x++)
+            put_pixel(of->lit, &chunk.picture, (size_t)y * (size_t)at->width + (size_t)x, of->planes,
+                      (size_t)(at->y + y) * (size_t)of->lit->plan->scene->width +
+                          (size_t)(at->x + x));
     chunk_free(&chunk);
     return done;
 }
@@ -86,20 +85,21 @@ static bool put_texture(const struct plan *plan, struct texture *texture, struct
         float *plane = planes->values + (size_t)(planes->n_weights + page) * planes->n_pixels;
         if (!texture_load(texture, texture->image.wavelengths_nm + page, 1, err))
             return false;
+        const struct texels texels = plan_texels(texture, 0);
         for (size_t i = 0; i < planes->n_pixels; i++) {
             int surface = planes->surface[i] - 1;
-            struct texel_point at = {planes->place[0][i], planes->place[1][i], 0, 0};
+            const double place[2] = {planes->place[0][i], planes->place[1][i]};
             if (surface >= 0 && plan->finishes[plan->bodies[surface].finish].texture == texture)
-                plane[i] = (float)texel_value(texture, 0, at, NULL);
+                plane[i] = (float)texel_at(&texels, place);
         }
     }
     return true;
 }
 
-static bool put_picture(const struct plan *plan, const struct surface *surfaces,
-                        struct planes *planes, struct error *err)
+static bool put_picture(const struct lit_scene *lit, struct planes *planes, struct error *err)
 {
-    struct painting of = {plan, surfaces, planes};
+    const struct plan *plan = lit->plan;
+    struct painting of = {lit, planes};
     const struct rectangle picture = plan_picture(plan);
     for (int i = 0; i < plan_tiles(plan, &picture); i++) {
         const struct rectangle tile = plan_tile(plan, &picture, i);
@@ -114,7 +114,7 @@ static bool put_picture(const struct plan *plan, const struct surface *surfaces,
 
 bool planes_rasterize(const struct plan *plan, struct planes *out, struct error *err)
 {
-    struct surface *surfaces = NULL;
+    struct lit_scene lit = {.plan = plan};
     struct light_work work;
     if (plan->n_bodies > LARGEST_SAMPLE)
         return error_usage(err, "a page shows at most %d objects and parts; this scene has %d",
@@ -123,9 +123,8 @@ bool planes_rasterize(const struct plan *plan, struct planes *out, struct error 
         return error_usage(err, "a page shows at most %d pixels; --size WxH makes %d x %d fewer",
                            LARGEST_PAGE, plan->scene->width, plan->scene->height);
     bool done = planes_allocate(plan, out, err) &&
-                surfaces_light(plan, driver_of(NULL), &surfaces, &work, err) &&
-                put_picture(plan, surfaces, out, err);
-    surfaces_free(plan, surfaces);
+                lit_make(plan, driver_of(NULL), &lit, &work, err) && put_picture(&lit, out, err);
+    lit_free(&lit);
     return done;
 }
 
