@@ -3,13 +3,24 @@
 #ifndef RASTER_H
 #define RASTER_H
 
+#include "data/base/base.h"
+#include "data/chart/chart.h"
+#include "data/colour/colour.h"
+#include "data/compare/compare.h"
+#include "data/develop/develop.h"
+#include "data/material/material.h"
+#include "data/maths/maths.h"
+#include "data/mesh/mesh.h"
+#include "data/pages/pages.h"
+#include "data/probe/probe.h"
+#include "data/record/record.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
+#include "data/stack/stack.h"
+#include "data/text/text.h"
+#include "data/tiff/tiff.h"
 #include "spectral.h"
-
-/* ---- raster/shape.c: built-in shapes as triangles ---- */
-
-/* Builds the mesh of any shape: watertight where the solid is, normals outward. A mesh file is
- * read. */
-bool shape_build(const struct shape *shape, struct mesh *out, struct error *err);
 
 /* ---- raster/plan.c: what a scene calls for, decided once ---- */
 
