@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* Scenes: what each statement means, held against the thesis's figures and against products of
  * transforms written out by hand; and the command line's overrides. Refusals stand in test/bad. */
-#include "raster/raster.h"
-#include "test.h"
-
 #include <stdlib.h>
 #include <sys/stat.h>
+
+#include "raster/raster.h"
+#include "test.h"
 
 enum { PATH_SIZE = 512 };
 
@@ -476,8 +476,8 @@ static void check_overrides(void)
     CHECK(scene_set_light(&s, "1=d65*0.5", &err) && s.lights[0].intensity == 0.5 &&
               s.lights[0].spectrum.factor == 1,
           "*INTENSITY sets it, and is no factor");
-    CHECK(scene_set_light(&s, "1=data/builtin/tables/a.csv*2", &err) && s.lights[0].intensity == 2 &&
-              s.lights[0].spectrum.place.column == 3,
+    CHECK(scene_set_light(&s, "1=data/builtin/tables/a.csv*2", &err) &&
+              s.lights[0].intensity == 2 && s.lights[0].spectrum.place.column == 3,
           "a file is relative to the current folder");
     CHECK(scene_set_ambient(&s, "d65", &err) && s.n_ambients == 1 && s.ambients[0].intensity == 1,
           "one ambient replaces all, with intensity 1");

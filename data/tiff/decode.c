@@ -16,7 +16,7 @@ struct rows {
 };
 
 /* A sample as stored. */
-static double sample_at(const struct layout *layout, const void *samples, size_t at)
+static double sample_at(const struct sample_layout *layout, const void *samples, size_t at)
 {
     if (layout->bits == 8)
         return ((const uint8_t *)samples)[at];
@@ -25,7 +25,7 @@ static double sample_at(const struct layout *layout, const void *samples, size_t
 }
 
 /* 0 to 1, or a float sample. The sum of RGB is a whole number: grey of the three gives the grey. */
-static double pixel_value(const struct layout *layout, const char *blocks, size_t pixel)
+static double pixel_value(const struct sample_layout *layout, const char *blocks, size_t pixel)
 {
     static const int grey[] = {1};
     static const int luma[] = {2126, 7152, 722}; /* ITU-R BT.709-6, item 3.2, in 1/10000 */
@@ -55,7 +55,7 @@ bool image_read_bytes(const struct image *image, uint64_t offset, size_t length,
 }
 
 /* Reads rows top .. end - 1 as they lie in the file, of each plane that is needed. */
-static bool rows_copy(const struct image *image, int page, const struct layout *layout,
+static bool rows_copy(const struct image *image, int page, const struct sample_layout *layout,
                       uint32_t top, uint32_t end, char *blocks, struct error *err)
 {
     const bool swapped = TIFFIsByteSwapped(image->file->tiff);
@@ -74,7 +74,7 @@ static bool rows_copy(const struct image *image, int page, const struct layout *
 }
 
 /* Decodes the block at column x and row y, of each plane that is needed. */
-static bool block_decode(const struct image *image, int page, const struct layout *layout,
+static bool block_decode(const struct image *image, int page, const struct sample_layout *layout,
                          uint32_t x, uint32_t y, char *blocks, struct error *err)
 {
     TIFF *tiff = image->file->tiff;
@@ -97,7 +97,7 @@ static void counts_place(const uint16_t *counts, uint32_t n, double scale, float
         out[i] = (float)(counts[i] / 65535.0 * scale);
 }
 
-static bool row_place(const struct image *image, int page, const struct layout *layout,
+static bool row_place(const struct image *image, int page, const struct sample_layout *layout,
                       const char *blocks, size_t first, uint32_t x, uint32_t y, uint32_t n,
                       float *out, struct error *err)
 {
@@ -120,8 +120,8 @@ static void pick(char *out, const char *in, uint32_t n, size_t step, size_t byte
 }
 
 /* n pixels of each band that is kept, from `first` on in the block; they are `at` in the rows. */
-static void row_keep(const struct kept_bands *kept, const struct layout *layout, const char *blocks,
-                     size_t first, size_t at, uint32_t n)
+static void row_keep(const struct kept_bands *kept, const struct sample_layout *layout,
+                     const char *blocks, size_t first, size_t at, uint32_t n)
 {
     const size_t plane = (size_t)(kept->end_row - kept->first_row) * layout->width;
     const size_t step = layout->pixel_step, bytes = layout->bits / 8u;
@@ -138,7 +138,7 @@ static void row_keep(const struct kept_bands *kept, const struct layout *layout,
 }
 
 /* Writes the pixels of the block at column x and row `top`, as far as they are asked for. */
-static bool block_place(const struct image *image, int page, const struct layout *layout,
+static bool block_place(const struct image *image, int page, const struct sample_layout *layout,
                         uint32_t x, uint32_t top, const char *blocks, const struct rows *wanted,
                         struct error *err)
 {
@@ -165,8 +165,8 @@ static bool block_place(const struct image *image, int page, const struct layout
 static bool page_turn(const struct image *image, int page, struct error *err)
 {
     struct image_file *file = image->file;
-    const struct layout *known = &file->pages[page].layout;
-    struct layout found;
+    const struct sample_layout *known = &file->pages[page].layout;
+    struct sample_layout found;
     if (known->rows_offset > 0 || file->directory == file->pages[page].directory)
         return true;
     file->directory = 0;
@@ -183,10 +183,10 @@ static bool page_turn(const struct image *image, int page, struct error *err)
 }
 
 /* Rows that are read as they lie in the file come in blocks that stay in the processor's cache. */
-static struct layout rows_layout(const struct layout *page, uint32_t rows)
+static struct sample_layout rows_layout(const struct sample_layout *page, uint32_t rows)
 {
     const size_t most = (size_t)1 << 18, fitting = most / page->row_bytes;
-    struct layout layout = *page;
+    struct sample_layout layout = *page;
     layout.block_height = fitting < 1 ? 1 : fitting < rows ? (uint32_t)fitting : rows;
     layout.block_bytes = layout.block_height * layout.row_bytes;
     if (layout.n_planes > 1)
@@ -195,8 +195,9 @@ static struct layout rows_layout(const struct layout *page, uint32_t rows)
 }
 
 /* Reads the block at column x and row y in whichever way it lies. */
-static bool block_read(const struct image *image, int page, const struct layout *layout, uint32_t x,
-                       uint32_t y, const struct rows *wanted, char *blocks, struct error *err)
+static bool block_read(const struct image *image, int page, const struct sample_layout *layout,
+                       uint32_t x, uint32_t y, const struct rows *wanted, char *blocks,
+                       struct error *err)
 {
     const uint32_t left = wanted->end - y;
     const uint32_t rows = left < layout->block_height ? left : layout->block_height;
@@ -210,7 +211,7 @@ static bool rows_read(struct image *image, int page, const struct rows *wanted, 
     bool good = true;
     if (!page_turn(image, page, err))
         return false;
-    struct layout layout = file->pages[page].layout;
+    struct sample_layout layout = file->pages[page].layout;
     uint32_t top = wanted->first / layout.block_height * layout.block_height;
     if (layout.rows_offset > 0) {
         layout = rows_layout(&layout, wanted->end - wanted->first);
@@ -234,7 +235,7 @@ static bool rows_read(struct image *image, int page, const struct rows *wanted, 
 static bool bands_keep(struct image *image, int page, const struct rows *wanted, struct error *err)
 {
     const size_t room = (size_t)1 << 28; /* but for one band of them */
-    const struct layout *layout = &image->file->pages[page].layout;
+    const struct sample_layout *layout = &image->file->pages[page].layout;
     struct kept_bands *kept = &image->file->kept;
     const size_t bytes = (size_t)(wanted->end - wanted->first) * layout->width * (layout->bits / 8);
     const size_t fitting = bytes < room ? room / bytes : 1, left = (size_t)(image->n_pages - page);
@@ -257,7 +258,7 @@ static bool kept_place(const struct image *image, int page, const struct rows *w
                        struct error *err)
 {
     const struct kept_bands *kept = &image->file->kept;
-    struct layout layout = image->file->pages[page].layout;
+    struct sample_layout layout = image->file->pages[page].layout;
     const size_t rows = (size_t)(page - kept->first_page) * (kept->end_row - kept->first_row) +
                         wanted->first - kept->first_row;
     layout.block_width = layout.width;
@@ -269,7 +270,7 @@ static bool kept_place(const struct image *image, int page, const struct rows *w
 
 bool image_read(struct image *image, int page, int y, int rows, float *out, struct error *err)
 {
-    const struct layout *layout = &image->file->pages[page].layout;
+    const struct sample_layout *layout = &image->file->pages[page].layout;
     const struct rows wanted = {(uint32_t)y, (uint32_t)(y + rows), out};
     if (layout->n_bands == 1 || layout->pixel_step == 1)
         return rows_read(image, page, &wanted, err);

@@ -61,7 +61,8 @@ bool image_refuse_broken(const struct image *image, int page, struct error *err)
                         message[0] != '\0' ? message : "its pages cannot be read");
 }
 
-static bool blocks_read(const struct image *image, int page, struct layout *out, struct error *err)
+static bool blocks_read(const struct image *image, int page, struct sample_layout *out,
+                        struct error *err)
 {
     TIFF *tiff = image->file->tiff;
     out->tiled = TIFFIsTiled(tiff);
@@ -79,7 +80,8 @@ static bool blocks_read(const struct image *image, int page, struct layout *out,
 
 /* Whether the rows of all planes lie one after the other, uncompressed, so that they can be read as
  * they are: the usual way of stacks. Refuses a file that ends before they do. */
-static bool rows_find(const struct image *image, int page, struct layout *out, struct error *err)
+static bool rows_find(const struct image *image, int page, struct sample_layout *out,
+                      struct error *err)
 {
     TIFF *tiff = image->file->tiff;
     const uint32_t n = TIFFNumberOfStrips(tiff);
@@ -125,7 +127,7 @@ static uint16_t count_bands(const struct image *image)
 }
 
 /* Whether the samples are the colours and at most an alpha behind them. */
-static bool colours_alone(TIFF *tiff, const struct layout *layout)
+static bool colours_alone(TIFF *tiff, const struct sample_layout *layout)
 {
     uint16_t n_extra = 0, *extra = NULL;
     TIFFGetFieldDefaulted(tiff, TIFFTAG_EXTRASAMPLES, &n_extra, &extra);
@@ -133,7 +135,8 @@ static bool colours_alone(TIFF *tiff, const struct layout *layout)
            (n_extra == 0 || (n_extra == 1 && extra[0] != EXTRASAMPLE_UNSPECIFIED));
 }
 
-static bool samples_read(const struct image *image, int page, struct layout *out, struct error *err)
+static bool samples_read(const struct image *image, int page, struct sample_layout *out,
+                         struct error *err)
 {
     TIFF *tiff = image->file->tiff;
     uint16_t photometric = UINT16_MAX, compression = 0, format = 0, planar = 0;
@@ -174,12 +177,12 @@ static bool samples_read(const struct image *image, int page, struct layout *out
            image_refuse(image, page, err, "its pixels are %.0f bytes, the file is shorter", bytes);
 }
 
-bool image_layout(const struct image *image, int page, struct layout *out, struct error *err)
+bool image_layout(const struct image *image, int page, struct sample_layout *out, struct error *err)
 {
     TIFF *tiff = image->file->tiff;
     uint16_t orientation = ORIENTATION_TOPLEFT, compression = 0;
     uint32_t depth = 1;
-    *out = (struct layout){0};
+    *out = (struct sample_layout){0};
     TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &out->width);
     TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &out->height);
     TIFFGetField(tiff, TIFFTAG_IMAGEDEPTH, &depth);
@@ -217,7 +220,7 @@ static bool page_add(struct image *image, int band, const char *const items[ITEM
     image->wavelengths_nm = nm;
     pages[page].directory = TIFFCurrentDirOffset(file->tiff);
     nm[page] = metadata_wavelength(file, items);
-    struct layout *layout = &pages[page].layout, *first = &pages[0].layout;
+    struct sample_layout *layout = &pages[page].layout, *first = &pages[0].layout;
     if (band > 0) {
         *layout = *first;
         layout->plane = (uint16_t)(layout->pixel_step == 1 ? band : 0);
@@ -277,7 +280,7 @@ static bool directory_add(struct image *image, struct error *err)
 /* Keeps the wavelengths of pages only where they can be used. */
 static bool wavelengths_keep(struct image *image, struct error *err)
 {
-    const struct layout *first = &image->file->pages[0].layout;
+    const struct sample_layout *first = &image->file->pages[0].layout;
     if (!image->file->told && first->n_bands > 1)
         return image_refuse(image, -1, err,
                             "it has %d samples a pixel and tells no wavelengths of them",

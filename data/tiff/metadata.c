@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What the pages of a TIFF file say of themselves: their wavelengths and scale, where data/stack/tags.c
- * lets a stack tell them, and where GDAL and OME-XML do. */
+/* What the pages of a TIFF file say of themselves: their wavelengths and scale, where
+ * data/stack/tags.c lets a stack tell them, and where GDAL and OME-XML do. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -122,7 +122,7 @@ double metadata_wavelength(struct image_file *file, const char *const items[ITEM
     return nm > 0 && nm <= DBL_MAX ? nm : (double)NAN;
 }
 
-bool metadata_scale(struct image *image, int page, const struct layout *layout,
+bool metadata_scale(struct image *image, int page, const struct sample_layout *layout,
                     const char *const items[ITEMS], struct error *err)
 {
     const char *own = strstr(image->description, "<Description>"); /* names come before it */

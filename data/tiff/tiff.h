@@ -75,7 +75,7 @@ void texture_free(struct texture *texture);
 
 /* How a page's samples lie in its blocks, which are tiles, or strips as wide as the page: colour i
  * of pixel p is sample i * colour_step + p * pixel_step of the planes of a block. */
-struct layout {
+struct sample_layout {
     uint32_t width, height, block_width, block_height;
     uint16_t bits, n_samples, n_colours, n_planes;
     uint16_t n_bands; /* pages of its directory */
@@ -88,7 +88,7 @@ struct layout {
 };
 struct image_page {
     uint64_t directory; /* its offset */
-    struct layout layout;
+    struct sample_layout layout;
 };
 /* Samples of some bands and rows, where the bands lie side by side in the file and reading one band
  * means reading them all: as stored, but band after band. */
@@ -118,7 +118,8 @@ bool PRINTF_LIKE(4, 5)
     image_refuse(const struct image *image, int page, struct error *err, const char *format, ...);
 bool image_refuse_broken(const struct image *image, int page, struct error *err);
 /* Finds the layout of the current directory. */
-bool image_layout(const struct image *image, int page, struct layout *out, struct error *err);
+bool image_layout(const struct image *image, int page, struct sample_layout *out,
+                  struct error *err);
 
 /* metadata.c: what a page records of itself. */
 
@@ -132,7 +133,7 @@ void metadata_items(struct tiff *tiff, int n_bands, const char **out);
 double metadata_wavelength(struct image_file *file, const char *const items[ITEMS]);
 /* Finds the scale. Float samples are radiances themselves. Counts have one scale in all pages; page
  * 0's description has its exact value in a stack of this program. */
-bool metadata_scale(struct image *image, int page, const struct layout *layout,
+bool metadata_scale(struct image *image, int page, const struct sample_layout *layout,
                     const char *const items[ITEMS], struct error *err);
 /* Reads the first page's description and verdict. */
 bool metadata_description(struct image *image, struct error *err);

@@ -2,8 +2,10 @@
 /* Meshes in parts: cutting in half must open no crack, lose no area and depend on no direction. */
 #include <float.h>
 
+#include "data/maths/maths.h"
+#include "data/mesh/mesh.h"
+#include "spectral.h"
 #include "solid.h"
-#include "raster/raster.h"
 #include "test.h"
 
 static void stop_unless(bool good, const struct error *err)
