@@ -35,8 +35,8 @@ static bool visit_materials(const struct scene *scene, material_visitor *visit, 
         const struct object *object = &scene->objects[i];
         if (!object->material_map && !visit_halves(scene, object->material, visit, context, err))
             return false;
-        for (int use = 0; use < object->n_assignments; use++)
-            if (!visit_halves(scene, object->assignments[use].material, visit, context, err))
+        for (int j = 0; j < object->n_assignments; j++)
+            if (!visit_halves(scene, object->assignments[j].material, visit, context, err))
                 return false;
     }
     return true;

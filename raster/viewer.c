@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* An interactive viewer in one HTML file: the page of data/builtin/viewer.html with what it works from.
+/* An interactive viewer in one HTML file: the page of data/builtin/viewer.html with its data.
  *
  * Local illumination is linear: whatever the lights are, a pixel's radiance is its weights, which
  * depend on geometry only, times spectra of light and material. The weights go into the page as
