@@ -131,15 +131,14 @@ make_cached() {
 }
 
 . raster/osmesa.sh
-. data/tiff.sh
+. data/tiff/libtiff.sh
 
 # ---- the program ----
 
-# The text files under data/ as C, so that the program runs alone.
+# The files under data/builtin as C, so that the program runs alone.
 builtin_files() {
-    find data/tables data/materials data/models data/scenes data/textures data/viewer.html -type f |
-        sort >"$BUILD/builtin.list"
-    echo '#include "spectral.h"'
+    find data/builtin -type f | sort >"$BUILD/builtin.list"
+    echo '#include "data/base/base.h"'
     number=0
     while read -r file; do
         number=$((number + 1))
@@ -151,7 +150,7 @@ builtin_files() {
     number=0
     while read -r file; do
         number=$((number + 1))
-        echo "{\"${file#data/}\", file_$number, sizeof file_$number - 1},"
+        echo "{\"${file#data/builtin/}\", file_$number, sizeof file_$number - 1},"
     done <"$BUILD/builtin.list"
     echo '};'
     echo "const size_t builtin_file_count = $number;"
@@ -177,7 +176,7 @@ links() {
 
 # Sets $sources: all but those that match.
 leave_out() {
-    sources=$(find spectral.c data raster -name '*.c' | sort | grep -vE "$1")
+    sources=$({ echo spectral.c; find data raster -name '*.c' | sort; } | grep -vE "$1")
 }
 
 # Sets $sources and $libraries for $GL. A compiler that sees no libtiff, such as musl-gcc or one for
@@ -205,7 +204,7 @@ find_libraries() {
 # The same for a program that is static with an OSMesa of its own, and hardened. Mesa calls the
 # pthread functions only if something else brings them, and crashes without. What would load drivers of
 # accelerators by dlopen is OpenMP's, and never called. Neither is libjbig, which would put the program
-# under the GPL: data/image.c refuses its pictures.
+# under the GPL: data/tiff/image.c refuses its pictures.
 find_static_libraries() {
     [ "$GL" = osmesa ] || refuse "build.sh: the static program has an OSMesa of its own; GL=$GL is for the plain build"
     need $static_packages
@@ -302,9 +301,7 @@ dist() {
     mkdir "$BUILD/$name" "$BUILD/$name/data"
     cp "$BUILD/spectral-static" "$BUILD/$name/spectral"
     cp README.md LICENSE spectral.1 "$BUILD/$name"
-    for folder in data/*/; do
-        cp -R "${folder%/}" "$BUILD/$name/data"
-    done
+    cp -R data/builtin data/gallery "$BUILD/$name/data"
     licences "$BUILD/$name/licences"
     (cd "$BUILD/$name" && find . -type f | sort | xargs sha256sum >../SHA256SUMS && mv ../SHA256SUMS .)
     tar -C "$BUILD" -c --sort=name --mtime="$(sed -n 's/^[.]Dd //p' spectral.1) UTC" --owner=0 --group=0 \

@@ -9,7 +9,27 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "raster/raster.h"
+#include "data/base/base.h"
+#include "data/colour/colour.h"
+#include "data/compare/compare.h"
+#include "data/develop/develop.h"
+#include "data/mesh/mesh.h"
+#include "data/method/method.h"
+#include "data/probe/probe.h"
+#include "data/record/record.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
+#include "data/stack/stack.h"
+#include "data/text/text.h"
+#include "data/tiff/tiff.h"
+#include "raster/cost/cost.h"
+#include "raster/gl/gl.h"
+#include "raster/inspect/inspect.h"
+#include "raster/plan/plan.h"
+#include "raster/render/render.h"
+#include "raster/view/view.h"
+#include "spectral.h"
 
 static const char usage[] =
     "usage: spectral COMMAND [SCENE] [OPTIONS]\n"

@@ -51,7 +51,7 @@ prints '^verdict +pixels of the reference$' "and what the check said"
 ! grep -q no-check "$tmp/out"
 ok $? "that the reference was not checked does not show"
 exits 0 "of one file the SHA-256 is the file's" "$SPECTRAL" render spheres --size 8x8 -o "$tmp/gl.tif"
-"$SPECTRAL" info "$tmp/gl.tif" | grep -q "$(sha256sum <data/scenes/spheres.scene | cut -c 1-64)"
+"$SPECTRAL" info "$tmp/gl.tif" | grep -q "$(sha256sum <data/builtin/scenes/spheres.scene | cut -c 1-64)"
 ok $? "built-in ones too"
 
 exits 0 "a stack is made again" "$SPECTRAL" render --again "$made" -o "$tmp/again.tif"
@@ -128,7 +128,7 @@ exits 2 "a scene that is gone" "$SPECTRAL" render --again "$made" -o "$tmp/no.ti
 says "its scene '$tmp/own.scene' is not there; names are relative" "is told, and from where it is looked for"
 
 # A list, the scene that shows it, and names of many kinds.
-cp data/materials/colorchecker/*.txt "$tmp"
+cp data/builtin/materials/colorchecker/*.txt "$tmp"
 (cd "$tmp" && ls ./*.txt | head -n 3) >"$tmp/a <b> & \"c\" 100%.list"
 exits 0 "a list of materials" "$SPECTRAL" render "$tmp/a <b> & \"c\" 100%.list" --wavelengths 500,600.5 \
     --size 8x8 -o "$tmp/list.tif"
@@ -136,14 +136,14 @@ exits 0 "is told" "$SPECTRAL" info "$tmp/list.tif"
 prints '/a <b> & "c" 100%[.]list$' "by its name"
 prints '^option +--wavelengths=500,600.5$' "with its wavelengths"
 prints '^wavelengths +500 to 600.5 nm$' "which the pages have"
-prints "^scene SHA-256 +$(cat "$tmp"/*.list data/scenes/colorchecker.scene | sha256sum | cut -c 1-64)$" \
+prints "^scene SHA-256 +$(cat "$tmp"/*.list data/builtin/scenes/colorchecker.scene | sha256sum | cut -c 1-64)$" \
     "its text is the list and the scene that shows it"
 exits 0 "and made again" "$SPECTRAL" render --again "$tmp/list.tif" -o "$tmp/again.tif"
 
 exits 2 "a scene beside --again" "$SPECTRAL" render patches --again "$tmp/gl.tif"
 exits 2 "another size" "$SPECTRAL" render --again "$tmp/gl.tif" --size 4x4
 says 'takes no --size=4x4' "is refused by name"
-exits 2 "a TIFF file of others" "$SPECTRAL" info data/textures/bark.tif
+exits 2 "a TIFF file of others" "$SPECTRAL" info data/builtin/textures/bark.tif
 says 'does not tell how it was made' "is told to be one"
 exits 2 "what is no TIFF file" "$SPECTRAL" render --again README.md
 exits 2 "info without a stack" "$SPECTRAL" info

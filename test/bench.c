@@ -10,7 +10,12 @@
 #include <GL/osmesa.h>
 #include <GL/glext.h>
 
-#include "raster/raster.h"
+#include "data/maths/maths.h"
+#include "data/mesh/mesh.h"
+#include "data/scene/scene.h"
+#include "raster/plan/plan.h"
+#include "raster/render/render.h"
+#include "spectral.h"
 
 enum { RUNS = 5 };
 

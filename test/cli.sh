@@ -125,8 +125,8 @@ PYTHON
     ok $? "with every field, and the SHA-256 of the stack"
 }
 
-printf '%s\n' "$PWD/data/materials/colorchecker/01-dark-skin.txt" \
-    "$PWD/data/materials/colorchecker/15-red.txt" >"$tmp/two.list"
+printf '%s\n' "$PWD/data/builtin/materials/colorchecker/01-dark-skin.txt" \
+    "$PWD/data/builtin/materials/colorchecker/15-red.txt" >"$tmp/two.list"
 exits 0 "a thesis list file is a scene" "$SPECTRAL" plan "$tmp/two.list"
 prints '^materials +3 ' "with its materials and the background"
 done_testing

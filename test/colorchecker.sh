@@ -4,10 +4,10 @@
 . test/tap.sh
 
 exits 0 "the converter runs" /usr/bin/python3 test/make_colorchecker.py "$tmp/made"
-for material in data/materials/colorchecker/*.txt; do
+for material in data/builtin/materials/colorchecker/*.txt; do
     cmp -s "$material" "$tmp/made/colorchecker/$(basename "$material")"
     ok $? "$(basename "$material" .txt) equals its source"
 done
-[ "$(grep -c '^colorchecker/' data/materials/colorchecker.list)" = 24 ]
+[ "$(grep -c '^colorchecker/' data/builtin/materials/colorchecker.list)" = 24 ]
 ok $? "the list has 24 patches"
 done_testing

@@ -22,7 +22,7 @@ FLOAT = 1e-7       # relative: what the map holds
 # ---- the same with numpy ----
 
 def xyz_weights(observer, nm):
-    rows = [line.split(",") for line in open(f"data/tables/{observer}.csv") if line[0].isdigit()]
+    rows = [line.split(",") for line in open(f"data/builtin/tables/{observer}.csv") if line[0].isdigit()]
     own, *curves = np.array(rows, float).T
     steps = np.diff(nm)
     widths = (np.append(steps[:1], steps) + np.append(steps, steps[-1:])) / 2
@@ -149,7 +149,7 @@ def test_statistics(name, a_pixels, b_pixels, nm, observer):
           f"{name}: of each wavelength the largest difference, its pixel and the RMS")
     check(near(told.largest, expected[flat.max(1).argmax()][[1, 0, 2, 3]]) and
           near(told.rms, np.sqrt((flat ** 2).mean())), f"{name}: and of all", told.largest, told.rms)
-    light = np.array([line.split(",") for line in open("data/tables/a.csv") if line[0].isdigit()], float).T
+    light = np.array([line.split(",") for line in open("data/builtin/tables/a.csv") if line[0].isdigit()], float).T
     weights = xyz_weights(observer, np.array(nm, float))
     white = weights @ np.interp(nm, *light, 0, 0)
     labs = [cielab(weights @ pixels.reshape(len(nm), -1), white[:, None]).reshape(3, *a.shape[1:])

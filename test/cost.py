@@ -23,7 +23,7 @@ sys.dont_write_bytecode = True
 from colours import cielab, ciede2000
 from rendered import SPECTRAL, TMP, check, done, write
 
-CHECKER = os.path.abspath("data/materials/colorchecker")
+CHECKER = os.path.abspath("data/builtin/materials/colorchecker")
 SCENE = f"""wavelengths 400 700 10
 size 48 32
 camera ortho 12
@@ -49,7 +49,7 @@ FLUORESCENT = FLAT + """material dye { diffuse 0.3 fluorescence uv gaussian:550,
 object plane 5 7 material red translate -3 0 0
 object plane 5 7 material dye translate 3 0 0
 """
-METAMERS = os.path.abspath("data/materials/metamers/illuminant-2-light-skin.txt")
+METAMERS = os.path.abspath("data/builtin/materials/metamers/illuminant-2-light-skin.txt")
 FEW = ["--runs", "5", "--threads", "1"]
 
 
@@ -325,7 +325,7 @@ recommends(small)
 recommends(small, "--light=1=fluorescent", observer="cie1964")
 refusals(small)
 interruptions(small)
-every = sorted(os.path.basename(path)[:-6] for path in glob.glob("data/scenes/*.scene"))
+every = sorted(os.path.basename(path)[:-6] for path in glob.glob("data/builtin/scenes/*.scene"))
 for built_in in every if os.environ.get("FULL") else ("fluorescence", "patches", "spheres"):
     recommends(built_in, "--size=24x16")
 done()

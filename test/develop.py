@@ -34,7 +34,7 @@ MONITOR = [[0.03426, -0.01633, -0.005365], [-0.01026, 0.01911, 0.0002522], [0.00
 # ---- the same with numpy ----
 
 def table(name):
-    return np.array([line.split(",") for line in open(f"data/tables/{name}.csv") if line[0].isdigit()], float).T
+    return np.array([line.split(",") for line in open(f"data/builtin/tables/{name}.csv") if line[0].isdigit()], float).T
 
 
 def widths(nm):

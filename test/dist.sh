@@ -27,7 +27,7 @@ tar -C "$tmp" -xzf "$tmp/one/build/$archive"
 release=$tmp/${archive%.tar.gz}
 (cd "$release" && sha256sum --quiet --check SHA256SUMS && [ "$(find . -type f | wc -l)" = $(($(wc -l <SHA256SUMS) + 1)) ])
 ok $? "its files have the SHA-256 that SHA256SUMS tells, and no file is without"
-for file in spectral spectral.1 README.md LICENSE data/scenes/room.scene data/gallery/room.png; do
+for file in spectral spectral.1 README.md LICENSE data/builtin/scenes/room.scene data/gallery/room.png; do
     [ -s "$release/$file" ]
     ok $? "it holds $file"
 done
@@ -48,9 +48,9 @@ sed 's/^[^ ]*  //' "$release/SHA256SUMS" | LC_ALL=C sort -c
 ok $? "in SHA256SUMS, too"
 ! grep -v " $(date -u -d "$(sed -n 's/^[.]Dd //p' spectral.1)" +%Y-%m-%d) " "$tmp/listing"
 ok $? "its date is that of the manual page"
-exits 0 "its program renders its scene" "$release/spectral" render "$release/data/scenes/room.scene" \
+exits 0 "its program renders its scene" "$release/spectral" render "$release/data/builtin/scenes/room.scene" \
     --size 60x40 -o "$tmp/room.tif"
-"$SPECTRAL" render "$release/data/scenes/room.scene" --size 60x40 --renderer raster --quiet -o "$tmp/a.tif" &&
+"$SPECTRAL" render "$release/data/builtin/scenes/room.scene" --size 60x40 --renderer raster --quiet -o "$tmp/a.tif" &&
     "$release/spectral" render --again "$tmp/a.tif" --quiet -o "$tmp/b.tif"
 ok $? "and makes a stack of $SPECTRAL again"
 

@@ -13,7 +13,7 @@ from rendered import (D65, LAMP_A, RED, TMP, WAVELENGTHS, Picture, check, done, 
                       write)
 
 SINGLE = 2.0 ** -24  # texels are kept in single precision, rounded once
-UV = np.interp(WAVELENGTHS, *table("data/tables/uv.csv", ","))
+UV = np.interp(WAVELENGTHS, *table("data/builtin/tables/uv.csv", ","))
 FLAT = "size 12 8\ncamera ortho 12\n"
 FACING = "light d65 1 direction 0 0 1\n"
 

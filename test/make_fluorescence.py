@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-# Makes data/materials/fluorescence/*.txt and fluorescence.list again, from data/tables/a.csv:
+# Makes data/builtin/materials/fluorescence/*.txt and fluorescence.list again, from data/builtin/tables/a.csv:
 # `python3 -B test/make_fluorescence.py FOLDER` writes them into FOLDER.
 import sys
 from decimal import Decimal
@@ -17,7 +17,7 @@ HEAD = """\
 # deviations of {widths} nm (excitation, emission below and above its peak).
 # Both are cut at {cut} nm, so that nothing is given out at a shorter wavelength than it is taken in.
 # The partner's reflectance rises from {low} to {high} about {edge} nm. Plain reflectance = the partner's
-# + emission x N / light under A (data/tables/a.csv, 300 to 760 nm every 5 nm), to 15 decimals.
+# + emission x N / light under A (data/builtin/tables/a.csv, 300 to 760 nm every 5 nm), to 15 decimals.
 # Licence: MIT. Made by test/make_fluorescence.py.
 """
 # name: what it is modelled after; nm of the peaks of excitation and emission; standard deviations of
@@ -50,7 +50,7 @@ def edge(nm, low, high, centre, steepness):
 
 def material(name):
     after, excited, emitted, widths, cut, peak, step = PAIRS[name]
-    light = {nm: row[0] for nm, row in table("data/tables/a.csv").items()}
+    light = {nm: row[0] for nm, row in table("data/builtin/tables/a.csv").items()}
     digits = Decimal("0.0001")
     excitation, emission, partner = {}, {}, {}
     for nm in WAVELENGTHS:

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-# Makes data/materials/metals/*.txt and metals.list again, from the optical constants below:
+# Makes data/builtin/materials/metals/*.txt and metals.list again, from the optical constants below:
 # `python3 -B test/make_metals.py FOLDER` writes both into FOLDER.
 import sys
 from decimal import Decimal

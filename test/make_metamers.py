@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-# Makes data/materials/metamers/* again, from data/tables and the ColorChecker:
+# Makes data/builtin/materials/metamers/* again, from data/builtin/tables and the ColorChecker:
 # `python3 -B test/make_metamers.py FOLDER` writes them into FOLDER/metamers.
 import sys
 from decimal import Decimal
@@ -12,7 +12,7 @@ SETS = {"illuminant": "they differ under illuminant A and under the fluorescent 
 HEAD = """\
 # Metamers {number} of the set '{set}', {name}: reflectance (0 to 1) by wavelength in nm. Plain
 # lines are one surface, mr lines its partner. To the CIE 1931 observer both are alike under D65
-# (data/tables): exactly as the thesis prints it in 4 decimals, within 0.01 CIEDE2000 in all digits;
+# (data/builtin/tables): exactly as the thesis prints it in 4 decimals, within 0.01 CIEDE2000 in all digits;
 # {difference}.
 # The plain one is {base}.
 # Its partner is the same plus a metameric black, which D65 and the observer see as 0 (J. B. Cohen
@@ -53,7 +53,7 @@ def determinant(a, b, c):
 
 def black(deviation, centres, height):
     """{nm: value} of the Gaussians, seen as 0"""
-    light, observer = table("data/tables/d65.csv"), thesis_observer()
+    light, observer = table("data/builtin/tables/d65.csv"), thesis_observer()
     bumps = [{nm: gaussian(nm, centre, deviation) for nm in WAVELENGTHS} for centre in centres]
     first, *others = [[sum(light[nm][0] * bump[nm] * observer[nm][i] for nm in WAVELENGTHS)
                        for i in range(3)] for bump in bumps]
@@ -71,9 +71,9 @@ def surface(name, patch):
         return ({nm: GREY for nm in WAVELENGTHS}, "a grey of 30 %, as in the 1998 thesis",
                 "MIT")
     file = "colorchecker/%02d-%s.txt" % (patch, name)
-    values = table("data/materials/" + file, None)
+    values = table("data/builtin/materials/" + file, None)
     held = {nm: values[max(nm, min(values))][0] for nm in WAVELENGTHS}
-    return (held, "data/materials/%s, its source there" % file,
+    return (held, "data/builtin/materials/%s, its source there" % file,
             "Expat (MIT), see ../colorchecker/LICENSE")
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-# Makes the CIE's observers in data/tables again, from the Debian package psychtoolbox-3-common:
+# Makes the CIE's observers in data/builtin/tables again, from the Debian package psychtoolbox-3-common:
 # `test/make_observers.py FOLDER` writes them into FOLDER.
 import sys
 from decimal import Decimal

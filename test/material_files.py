@@ -18,7 +18,7 @@ def table(path, separator=","):
 def thesis_observer():
     """{nm: (x, y, z)}: the CIE 1931 observer as the 1998 thesis prints it: in 4 decimals, 0 below 380 nm,
     and the figures of 750 nm up to 760 nm"""
-    cie, digits = table("data/tables/cie1931.csv"), decimal.Decimal("0.0001")
+    cie, digits = table("data/builtin/tables/cie1931.csv"), decimal.Decimal("0.0001")
     return {nm: tuple(value.quantize(digits) * (nm >= 380) for value in cie[min(max(nm, 380), 750)])
             for nm in WAVELENGTHS}
 

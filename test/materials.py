@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 """The sample materials: metals, metamers and fluorescent pairs. They are what their makers write,
-and what they claim is recomputed here from the digits in the files and from data/tables. Colours
+and what they claim is recomputed here from the digits in the files and from data/builtin/tables. Colours
 are compared by CIEDE2000. Prints TAP."""
 import os
 import subprocess
@@ -15,13 +15,13 @@ from rendered import SPECTRAL, TMP, check, done
 
 from material_files import thesis_observer
 
-FOLDER = "data/materials"
+FOLDER = "data/builtin/materials"
 NM = np.arange(300.0, 765.0, 5.0)
 VISIBLE_DIFFERENCE = 5 # CIEDE2000
 
 
 def table(name):
-    rows = [line.split(",") for line in open(f"data/tables/{name}.csv") if line[0].isdigit()]
+    rows = [line.split(",") for line in open(f"data/builtin/tables/{name}.csv") if line[0].isdigit()]
     nm, *columns = np.array(rows, float).T
     return np.array([np.interp(NM, nm, column, left=0, right=0) for column in columns])
 

@@ -18,7 +18,7 @@ SQUARES = """wavelengths 300 760 5
 size 300 200
 camera ortho 12
 light {light} 1 direction 0 0 1
-checker ../../../data/materials/{list} plane 5 5
+checker ../../../data/builtin/materials/{list} plane 5 5
 """
 
 
@@ -112,7 +112,7 @@ size 200 100
 camera ortho 8
 light d65 1 direction 0 0 1
 material plastic { diffuse 0.1 gloss 40 }
-material metal { diffuse 0.1 specular ../../../data/materials/colorchecker/16-yellow.txt gloss 40 }
+material metal { diffuse 0.1 specular ../../../data/builtin/materials/colorchecker/16-yellow.txt gloss 40 }
 object sphere 1.8 90 90 material plastic translate -2 0 0
 object sphere 1.8 90 90 material metal translate 2 0 0
 """)
@@ -129,7 +129,7 @@ def check_textures():
 size 100 100
 camera ortho 4
 light d65 1 direction 0 0 1
-material bark { diffuse ../../../data/materials/colorchecker/15-red.txt texture ../../../data/textures/bark.tif }
+material bark { diffuse ../../../data/builtin/materials/colorchecker/15-red.txt texture ../../../data/builtin/textures/bark.tif }
 object plane 4 4 material bark
 """)
     xyz = develop(render("textured", scene=scene), "--xyz")
@@ -249,9 +249,9 @@ def check_colorchecker():
     stack = render("patches-d50", "--light", f"1={path}", "--size", "300x200", scene="patches")
     lab = develop(stack, "--lab")
     seen = np.array([lab[y, x] for y in (25, 75, 125, 175) for x in range(25, 300, 50)])
-    names = [line.strip() for line in open("data/materials/colorchecker.list") if line[0] != "#"]
-    patches = np.array([np.interp(wavelengths, *table("data/materials/" + name)) for name in names])
-    nm, *curves = table("data/tables/cie1931.csv", ",")
+    names = [line.strip() for line in open("data/builtin/materials/colorchecker.list") if line[0] != "#"]
+    patches = np.array([np.interp(wavelengths, *table("data/builtin/materials/" + name)) for name in names])
+    nm, *curves = table("data/builtin/tables/cie1931.csv", ",")
     observer = np.array([np.interp(wavelengths, nm, curve) for curve in curves])
     expected = cielab(observer @ (patches * d50).T, (observer @ d50)[:, None]).T
     worst = np.abs(seen - expected).max()
@@ -266,7 +266,7 @@ def check_colorchecker():
 def check_renderers():
     """OpenGL's picture and the reference's, for people: within 1 of 255 but on edges, where they may
     show different objects or facets."""
-    for scene in sorted(name[:-6] for name in os.listdir("data/scenes")):
+    for scene in sorted(name[:-6] for name in os.listdir("data/builtin/scenes")):
         pictures = []
         for renderer in ("gl", "raster"):
             stack = os.path.join(TMP, f"{scene}-{renderer}.tif")

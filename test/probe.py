@@ -64,7 +64,7 @@ def test_stack():
     check((probe(path, 60, 40)["radiance"] == pixels[:, 40, 60]).all(), "a pixel's samples exactly")
     check(probe(path, 60, 40)["radiance"].tolist() == probe(path, 60, 40, 1, 1)["radiance"].tolist(),
           "a pixel is a region of 1 x 1")
-    own, *curves = table("data/tables/cie1931.csv", ",")
+    own, *curves = table("data/builtin/tables/cie1931.csv", ",")
     k = 100 / curves[1].sum() / (own[1] - own[0])
     weights = 5 * k * np.array([np.interp(WAVELENGTHS, own, c, 0, 0) for c in curves])
     lines, mean = told(path, 13, 7, 31, 22), pixels[:, 7:29, 13:44].mean((1, 2))
@@ -154,7 +154,7 @@ material dye {{ diffuse 0.3 specular 0.25 gloss 9 fluorescence gaussian:370,40 g
 object plane 1 2 material red translate -1 0 0
 object plane 1 2 material dye translate 1 0 0
 """)
-    lamp = np.interp(WAVELENGTHS, *table("data/tables/a.csv", ","), 0, 0)
+    lamp = np.interp(WAVELENGTHS, *table("data/builtin/tables/a.csv", ","), 0, 0)
     ambient = np.exp(-4 * np.log(2) * ((WAVELENGTHS - 500) / 80) ** 2)
     lights = {"light 1 (d65)": 0.75 * D65, "light 2 (a*0.5)": 0.125 * lamp,
               "ambient light 1 (gaussian:500,80)": 0.1 * ambient}
@@ -217,7 +217,7 @@ def test_visible(scene):
     root = ElementTree.fromstring(run("probe", scene, 30, 20, "--svg").stdout)
     stops = [(float(s.get("offset")), s.get("stop-color")) for s in root.iter(SVG + "stop")]
     nm = np.array([380 + 350 * offset for offset, _ in stops])
-    own, *curves = table("data/tables/cie1931.csv", ",")
+    own, *curves = table("data/builtin/tables/cie1931.csv", ",")
     xyz = np.array([np.interp(nm, own, curve) for curve in curves])
     linear = np.array([[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]]) @ xyz
     linear -= np.minimum(linear.min(0), 0)
@@ -242,7 +242,7 @@ def test_refusals(path, scene):
         for region in ((width, 0), (0, height), (width - 1, 0, 2, 1), (0, height - 1, 1, 2), (2147483647, 0),
                        (1, 1, 2147483647, 1)):
             refused(f"the picture is {size} pixels", source, *region)
-    refused("tells no wavelengths", os.path.relpath("data/textures/bark.tif"), 0, 0)
+    refused("tells no wavelengths", os.path.relpath("data/builtin/textures/bark.tif"), 0, 0)
     rgb, gauss = os.path.join(TMP, "rgb.tif"), os.path.join(TMP, "gauss.tif")
     for out, sampling in (rgb, "rgb"), (gauss, "gauss:6"):
         run("render", "metamers", "--size", "60x40", "--sampling", sampling, "--quiet", "-o", out)

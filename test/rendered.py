@@ -13,7 +13,7 @@ import tifffile
 SPECTRAL = os.environ.get("SPECTRAL", "build/spectral")
 TMP = os.path.join(os.environ.get("TEST_TMP", "build/tmp"),
                    os.path.splitext(os.path.basename(sys.argv[0]))[0])
-MATERIAL = "data/materials/colorchecker/15-red.txt"
+MATERIAL = "data/builtin/materials/colorchecker/15-red.txt"
 WAVELENGTHS = np.arange(300.0, 765.0, 5.0)
 os.makedirs(TMP, exist_ok=True)
 count = 0
@@ -24,8 +24,8 @@ def table(path, separator=None):
     return np.array(rows, float).T
 
 
-D65 = np.interp(WAVELENGTHS, *table("data/tables/d65.csv", ","))
-LAMP_A = np.interp(WAVELENGTHS, *table("data/tables/a.csv", ","))
+D65 = np.interp(WAVELENGTHS, *table("data/builtin/tables/d65.csv", ","))
+LAMP_A = np.interp(WAVELENGTHS, *table("data/builtin/tables/a.csv", ","))
 RED = np.interp(WAVELENGTHS, *table(MATERIAL))  # np.interp holds the end values, as reflectances do
 
 

@@ -18,7 +18,7 @@ from rendered import SPECTRAL, TMP, check, done, table, write
 
 FIRST, LAST = 380, 730  # of the scene patches
 NM = np.arange(FIRST, LAST + 1.0)
-CHART = [np.interp(NM, *table(path)) for path in sorted(glob.glob("data/materials/colorchecker/*.txt"))]
+CHART = [np.interp(NM, *table(path)) for path in sorted(glob.glob("data/builtin/materials/colorchecker/*.txt"))]
 METHODS = ["box:8", "riemann:10", "gauss:8", "gauss:8,open", "gauss:9,xyz", "gauss:9,lms", "gauss:8,acc",
            "adaptive:0.001", "basis:6", "rgb", "xyz"]
 FIXED = ["gauss:9,xyz", "gauss:9,lms", "gauss:8,acc", "basis:6", "rgb", "xyz"]
@@ -29,14 +29,14 @@ SMALL = "wavelengths 380 730 5\nsize 8 8\ncamera ortho 2\n"
 
 def weights(observer, nm):
     """Equation 11 of the thesis; k from the observer's own table at 1 nm."""
-    own, *curves = table(f"data/tables/{observer}.csv", ",")
+    own, *curves = table(f"data/builtin/tables/{observer}.csv", ",")
     steps = np.diff(nm)
     widths = (np.append(steps[:1], steps) + np.append(steps, steps[-1:])) / 2
     return 100 / curves[1].sum() * np.array([np.interp(nm, own, c, 0, 0) for c in curves]) * widths
 
 
 def light_of(name):
-    return np.interp(NM, *table(f"data/tables/{name}.csv", ","), 0, 0)
+    return np.interp(NM, *table(f"data/builtin/tables/{name}.csv", ","), 0, 0)
 
 
 EYE, EYE_10, D65 = weights("cie1931", NM), weights("cie1964", NM), light_of("d65")
@@ -265,9 +265,9 @@ def check_other_detector():
     for n, method in (8, "gauss:8,open"), (12, "gauss:12"):
         stack = Sampled("patches", method, "--size", "60x40")
         nodes = stack.nodes()
-        at = np.array([np.interp(nodes, *table("data/tables/d65.csv", ","))
+        at = np.array([np.interp(nodes, *table("data/builtin/tables/d65.csv", ","))
                        * np.interp(nodes, *table(path))
-                       for path in sorted(glob.glob("data/materials/colorchecker/*.txt"))])
+                       for path in sorted(glob.glob("data/builtin/materials/colorchecker/*.txt"))])
         of = EYE_10 @ lagrange(nodes).T
         seen = stack.xyz("--detector", "cie1964")[5::10, 5::10].reshape(-1, 3)
         is_near(seen, at @ of.T, f"{method} serves another observer, by the polynomial through its {n} pages",

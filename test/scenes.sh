@@ -10,7 +10,7 @@ agrees() { # NAME OPTION...
     prints '^unexplained +0$' "$name: no pixel is unexplained"
 }
 
-for scene in data/scenes/*.scene; do
+for scene in data/builtin/scenes/*.scene; do
     agrees "$(basename "$scene" .scene)" "$(basename "$scene" .scene)"
 done
 
@@ -27,7 +27,7 @@ for variant in GALLIUM_OVERRIDE_CPU_CAPS=sse2 DRAW_USE_LLVM=0 GALLIUM_DRIVER=sof
 done
 
 # At its own size, an error above 2 counts would be seen at nearly every smooth pixel.
-for scene in data/scenes/*.scene; do
+for scene in data/builtin/scenes/*.scene; do
     name=$(basename "$scene" .scene)
     exits 0 "$name: the pictures agree at its own size" "$SPECTRAL" render "$name" -o /dev/null \
         --json - --quiet
@@ -46,7 +46,7 @@ cat >"$tmp/pairs.scene" <<'SCENE'
 size 300 200
 camera ortho 12
 light a 1 direction 0 0 1
-checker ../../../data/materials/fluorescence.list plane 5 5
+checker ../../../data/builtin/materials/fluorescence.list plane 5 5
 SCENE
 halves() { # TRUTH NAME OPTION...
     truth=$1
@@ -72,6 +72,6 @@ halves 'right[40:].sum() > 4 * left[40:].sum()' 'above 500 nm only the right hal
     --light 1=uv
 
 "$SPECTRAL" render pasture --size 90x60 --wavelengths 380:730:25 --renderer raster \
-    -o "$tmp/picture.tif" --quiet && cmp "$tmp/picture.tif" data/textures/picture.tif
+    -o "$tmp/picture.tif" --quiet && cmp "$tmp/picture.tif" data/builtin/textures/picture.tif
 ok $? "the picture in the room is the stack that the program writes of the pasture"
 done_testing

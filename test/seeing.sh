@@ -84,8 +84,8 @@ cmp -s "$tmp/seen.tif" "$tmp/piped.tif"
 ok $? "a picture goes through a pipe"
 cp "$stack" "$tmp/mine.tif"
 ln -s mine.tif "$tmp/link.tif"
-cp data/scenes/patches.scene "$tmp/mine.scene"
-sed -i "s,[.][.]/,$PWD/data/,g" "$tmp/mine.scene"
+cp data/builtin/scenes/patches.scene "$tmp/mine.scene"
+sed -i "s,[.][.]/,$PWD/data/builtin/,g" "$tmp/mine.scene"
 cp "$tmp/mine.scene" "$tmp/kept.scene"
 while read -r words; do
     # shellcheck disable=SC2086  # a list of words
@@ -103,7 +103,7 @@ EOF
 cmp -s "$stack" "$tmp/mine.tif" && cmp -s "$tmp/mine.scene" "$tmp/kept.scene"
 ok $? "and so what is read stays"
 exits 0 "a table of three sensitivities is a detector" \
-    "$SPECTRAL" develop "$stack" --detector data/tables/dcs200-camera.csv -o "$tmp/camera.tif"
+    "$SPECTRAL" develop "$stack" --detector data/builtin/tables/dcs200-camera.csv -o "$tmp/camera.tif"
 "$SPECTRAL" develop "$stack" --detector dcs200-camera -o "$tmp/built-in.tif" --quiet
 "$python" -c 'import sys, tifffile; a, b = map(tifffile.imread, sys.argv[1:]); sys.exit(int((a != b).any()))' \
     "$tmp/camera.tif" "$tmp/built-in.tif"

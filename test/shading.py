@@ -14,7 +14,7 @@ sys.dont_write_bytecode = True
 from rendered import SPECTRAL, TMP, check, done, write
 
 STATIC = os.environ.get("STATIC", "build/spectral-static")
-SCENES = sorted(name[:-6] for name in os.listdir("data/scenes") if name.endswith(".scene"))
+SCENES = sorted(name[:-6] for name in os.listdir("data/builtin/scenes") if name.endswith(".scene"))
 ONE = "wavelengths 500 500 1\nmaterial matt { diffuse 1 }\nmaterial shiny { specular 1 gloss 40 }\n"
 
 

@@ -33,7 +33,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "raster/raster.h"
+#include "data/maths/maths.h"
+#include "data/scene/scene.h"
+#include "data/terms/terms.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
 
 static const long double u = 0x1p-53L;
 

@@ -8,7 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "raster/raster.h"
+#include "data/maths/maths.h"
+#include "data/mesh/mesh.h"
 
 struct solid {
     int places;          /* different positions */

@@ -91,7 +91,7 @@ equal_stacks() { # SCENE OPTION...
         cmp "$tmp/a.tif" "$tmp/b.tif"
     ok $? "the reference's stack of $* is that of $SPECTRAL to the byte"
 }
-for scene in data/scenes/*.scene; do
+for scene in data/builtin/scenes/*.scene; do
     equal_stacks "$(basename "$scene" .scene)" --size 300x200
 done
 equal_stacks colorchecker

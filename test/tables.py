@@ -9,7 +9,7 @@ import sys
 sys.dont_write_bytecode = True
 from rendered import TMP, check, done
 
-FOLDER = "data/tables"
+FOLDER = "data/builtin/tables"
 
 
 def table(name):

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Adaptations and displays against the thesis's equations worked by hand, and published values. */
-#include "raster/raster.h"
+#include "data/colour/colour.h"
+#include "spectral.h"
 #include "test.h"
 
 static const double equal[3] = {100, 100, 100};

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Plots are whole XML whatever is plotted; axes go in round steps; every point lies where its
  * numbers say. test/probe.py reads plots of spectra back. */
-#include "raster/raster.h"
+#include "data/chart/chart.h"
 #include "test.h"
 
 static char *svg_of(const struct chart *chart)

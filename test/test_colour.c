@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Colour spaces and differences against published values, and values worked by hand. */
-#include "raster/raster.h"
+#include "data/colour/colour.h"
+#include "data/maths/maths.h"
 #include "test.h"
 
 /* G. Sharma, W. Wu, E. N. Dalal, The CIEDE2000 color-difference formula: implementation notes,

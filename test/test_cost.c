@@ -6,7 +6,10 @@
 #include <signal.h>
 #include <unistd.h>
 
-#include "raster/cost.h"
+#include "data/base/base.h"
+#include "data/scene/scene.h"
+#include "raster/cost/cost.h"
+#include "spectral.h"
 
 /* ---- the frontier ---- */
 

@@ -2,7 +2,15 @@
 /* What a stack tells of its scene: its lights, the white they make, and which object each pixel
  * shows, all against what was written into the scene by hand. A stack whose record is forged,
  * damaged or missing is read as one of others; what is no spectral stack is refused. */
-#include "raster/raster.h"
+#include "data/method/method.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
+#include "data/stack/stack.h"
+#include "data/tiff/tiff.h"
+#include "raster/plan/plan.h"
+#include "raster/render/render.h"
+#include "spectral.h"
 #include "test.h"
 
 #include <stdlib.h>

@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Detectors against the CIE's published white points, and weights and losses worked by hand. */
-#include "raster/raster.h"
+#include "data/base/base.h"
+#include "data/colour/colour.h"
+#include "data/spectra/spectra.h"
+#include "data/text/text.h"
+#include "spectral.h"
 #include "test.h"
 
 enum { PATH_SIZE = 512, MOST = 1024 };

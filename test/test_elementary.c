@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Functions of our own against the C library's in long double. Those are right to a unit in their
  * own last place, which is 2^-11 of one here: enough to see a bound of 0.501. */
-#include "raster/raster.h"
-#include "test.h"
-
 #include <float.h>
+
+#include "data/maths/maths.h"
+#include "test.h"
 
 /* A number from 0 to 1, without 1 (splitmix64, S. Vigna, public domain). */
 static double next_random(uint64_t *state)

@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads that fail cleanly, names that resolve, outputs that appear whole or not at all, and the
  * digests that FIPS 180-4's own examples publish. */
-#include "raster/raster.h"
-#include "test.h"
-
 #include <dirent.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -12,6 +9,10 @@
 #include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "data/base/base.h"
+#include "spectral.h"
+#include "test.h"
 
 enum { PATH_SIZE = 512 };
 static const struct place nowhere = {NULL, 0, 0};

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* Excitation and Donaldson matrices against the thesis's sums in long double, integrals in closed
  * form, and the balance of energy. */
-#include "raster/raster.h"
-#include "test.h"
-
 #include <float.h>
 #include <stdlib.h>
 #include <sys/stat.h>
+
+#include "data/spectra/spectra.h"
+#include "data/text/text.h"
+#include "spectral.h"
+#include "test.h"
 
 enum { PATH_SIZE = 512 };
 static const double half_epsilon = DBL_EPSILON / 2; /* of a rounding */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The chart of accuracy and cost is whole XML whatever is plotted; points lie where their numbers
  * say; labels cover neither each other nor points, and nothing lies outside the chart. */
-#include "raster/raster.h"
+#include "data/chart/chart.h"
 #include "test.h"
 
 enum { MANY = 60 };

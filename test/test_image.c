@@ -2,15 +2,18 @@
 /* One picture of a closed form, written by libtiff here, by tifffile (test/images.py) and by the
  * program itself in the variants that TIFF knows, must read back to the same radiances; what is
  * broken, cut short or of another kind is refused. */
-#include "raster/raster.h"
-#include "test.h"
-
 #include <fcntl.h>
 #include <float.h>
 #include <stdlib.h>
 #include <sys/stat.h>
 #include <tiffio.h>
 #include <unistd.h>
+
+#include "data/base/base.h"
+#include "data/stack/stack.h"
+#include "data/tiff/tiff.h"
+#include "spectral.h"
+#include "test.h"
 
 enum { WIDTH = 37, HEIGHT = 29, PAGES = 3, PIXELS = WIDTH * HEIGHT };
 

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* Material files of the thesis's format, and the same in a scene's words. Refusals stand in
  * test/bad; here is what must be accepted, and what it means. */
-#include "raster/raster.h"
-#include "test.h"
-
 #include <stdlib.h>
 #include <sys/stat.h>
+
+#include "data/material/material.h"
+#include "data/spectra/spectra.h"
+#include "data/text/text.h"
+#include "spectral.h"
+#include "test.h"
 
 enum { PATH_SIZE = 512 };
 

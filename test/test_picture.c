@@ -1,14 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* Pictures are read back with libtiff. */
-#include "raster/raster.h"
-#include "test.h"
-
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <tiffio.h>
 #include <unistd.h>
+
+#include "data/base/base.h"
+#include "data/pages/pages.h"
+#include "spectral.h"
+#include "test.h"
 
 static const unsigned char profile[] = "a profile of an odd number of bytes!!";
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* ICC profiles, read as the specification says. `test_profile srgb` writes one to standard output,
  * for readers of others. */
-#include "raster/raster.h"
+#include "data/colour/colour.h"
 #include "test.h"
 
 struct profile {

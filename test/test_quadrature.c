@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Quadrature against published tables, closed forms, and what makes a rule Gaussian: sums of
  * polynomials. */
-#include "raster/raster.h"
+#include "data/maths/maths.h"
+#include "data/spectra/spectra.h"
 #include "test.h"
 
 enum { MOST_POINTS = 512 };

@@ -3,8 +3,10 @@
  * hold for single precision arithmetic as Mesa does it, without being far too wide. */
 #include <stdlib.h>
 
-#include "raster/check.h"
-#include "raster/coverage.h"
+#include "data/maths/maths.h"
+#include "raster/bounds/bounds.h"
+#include "raster/check/check.h"
+#include "raster/reference/reference.h"
 #include "test.h"
 
 /* A small generator of its own (Knuth's MMIX constants), so that every machine tests the same. */

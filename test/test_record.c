@@ -1,12 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* A record that was written reads back as it was, whatever bytes its names have, through the file's
  * own XML; and one that was forged does no harm. */
-#include "raster/raster.h"
-#include "test.h"
-
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+
+#include "data/record/record.h"
+#include "data/spectra/spectra.h"
+#include "data/stack/stack.h"
+#include "data/tiff/tiff.h"
+#include "spectral.h"
+#include "test.h"
 
 /* Bytes that XML, lines or UTF-8 give a meaning, and one that is no UTF-8. */
 static char strange[] = "--light=1=a <b>&amp;\"c\"\n%41 \t\x7f\xff\xc3\xa4: d";

@@ -7,7 +7,13 @@
  * pixel centre. */
 #include <stdlib.h>
 
-#include "raster/coverage.h"
+#include "data/maths/maths.h"
+#include "data/scene/scene.h"
+#include "raster/bounds/bounds.h"
+#include "raster/candidates/candidates.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "spectral.h"
 #include "slow.h"
 #include "test.h"
 

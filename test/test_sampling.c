@@ -1,7 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 /* Samplings against the sum over every nm: errors of a known order, exact where they have to be,
  * and hard cases. */
-#include "raster/raster.h"
+#include "data/base/base.h"
+#include "data/material/material.h"
+#include "data/maths/maths.h"
+#include "data/method/method.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
+#include "data/terms/terms.h"
+#include "data/text/text.h"
+#include "spectral.h"
 #include "test.h"
 
 /* ---- scenes of one light and some reflectances ---- */

@@ -1,11 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /* Scenes: what each statement means, held against the thesis's figures and against products of
  * transforms written out by hand; and the command line's overrides. Refusals stand in test/bad. */
-#include "raster/raster.h"
-#include "test.h"
-
 #include <stdlib.h>
 #include <sys/stat.h>
+
+#include "data/material/material.h"
+#include "data/maths/maths.h"
+#include "data/mesh/mesh.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
+#include "spectral.h"
+#include "test.h"
 
 enum { PATH_SIZE = 512 };
 
@@ -281,7 +287,7 @@ static void check_object_words(void)
 
 static const struct material *used(const struct scene *s, int object, int use)
 {
-    return &s->materials[s->objects[object].uses[use].material];
+    return &s->materials[s->objects[object].assignments[use].material];
 }
 
 static void check_map(void)
@@ -299,13 +305,15 @@ static void check_map(void)
                     "material late red.txt\nmaterial unused none.txt\n"
                     "object mesh room.obj materials maps/room.map unitize\n"
                     "checker one.list plane 1 1\n");
-    if (CHECK(s.n_objects == 3 && s.objects[0].n_uses == 4 && s.objects[1].n_uses == 4,
+    if (CHECK(s.n_objects == 3 && s.objects[0].n_assignments == 4 &&
+                  s.objects[1].n_assignments == 4,
               "a map names materials of the scene and entries of MTL files")) {
-        CHECK_TEXT(s.objects[0].uses[0].name, "wall", "by the names of usemtl");
-        CHECK_TEXT(s.objects[0].uses[1].name, "", "or \"\" for faces without one");
-        CHECK_TEXT(s.objects[0].uses[2].name, "two words", "which may be quoted");
-        CHECK_TEXT(s.objects[0].uses[3].name, "*", "and * for all others");
-        CHECK(s.objects[0].uses[1].place.line == 4 && s.objects[0].uses[1].place.column == 3,
+        CHECK_TEXT(s.objects[0].assignments[0].name, "wall", "by the names of usemtl");
+        CHECK_TEXT(s.objects[0].assignments[1].name, "", "or \"\" for faces without one");
+        CHECK_TEXT(s.objects[0].assignments[2].name, "two words", "which may be quoted");
+        CHECK_TEXT(s.objects[0].assignments[3].name, "*", "and * for all others");
+        CHECK(s.objects[0].assignments[1].place.line == 4 &&
+                  s.objects[0].assignments[1].place.column == 3,
               "each knows its place in the map");
         CHECK(used(&s, 0, 0)->from_rgb && used(&s, 0, 0)->diffuse.value[0] == 0.5 &&
                   strcmp(used(&s, 0, 0)->path, temporary("maps/a.mtl")) == 0,
@@ -406,11 +414,11 @@ static void check_thesis_scene(void)
                   strcmp(s.materials[s.objects[24].material].name, "24-black") == 0,
               "the last torus is the black patch");
     }
-    list = read_scene("data/materials/colorchecker.list");
+    list = read_scene("data/builtin/materials/colorchecker.list");
     CHECK(list.n_objects == s.n_objects && list.n_objects == 25 &&
               memcmp(&list.objects[24].transform, &s.objects[24].transform,
                      sizeof list.objects[24].transform) == 0 &&
-              strcmp(list.path, "data/materials/colorchecker.list") == 0,
+              strcmp(list.path, "data/builtin/materials/colorchecker.list") == 0,
           "a list of materials is shown in the same scene");
     scene_free(&list);
     write_text("one.list", "\n# the only one\nred.txt\n");
@@ -474,8 +482,8 @@ static void check_overrides(void)
     CHECK(scene_set_light(&s, "1=d65*0.5", &err) && s.lights[0].intensity == 0.5 &&
               s.lights[0].spectrum.factor == 1,
           "*INTENSITY sets it, and is no factor");
-    CHECK(scene_set_light(&s, "1=data/tables/a.csv*2", &err) && s.lights[0].intensity == 2 &&
-              s.lights[0].spectrum.place.column == 3,
+    CHECK(scene_set_light(&s, "1=data/builtin/tables/a.csv*2", &err) &&
+              s.lights[0].intensity == 2 && s.lights[0].spectrum.place.column == 3,
           "a file is relative to the current folder");
     CHECK(scene_set_ambient(&s, "d65", &err) && s.n_ambients == 1 && s.ambients[0].intensity == 1,
           "one ambient replaces all, with intensity 1");

@@ -3,8 +3,10 @@
  * if they were wrong. */
 #include <float.h>
 
+#include "data/maths/maths.h"
+#include "data/mesh/mesh.h"
+#include "spectral.h"
 #include "solid.h"
-#include "raster/raster.h"
 #include "test.h"
 
 static const double pi = 3.14159265358979323846;

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT */
 /* Spectra against closed forms and physical constants: readers share no code with the check of
  * pictures, so that an error here would go unseen there. */
-#include "raster/raster.h"
-#include "test.h"
-
 #include <float.h>
 #include <stdlib.h>
 #include <sys/stat.h>
+
+#include "data/spectra/spectra.h"
+#include "data/text/text.h"
+#include "spectral.h"
+#include "test.h"
 
 enum { PATH_SIZE = 512 };
 

@@ -1,15 +1,19 @@
 /* SPDX-License-Identifier: MIT */
 /* Stacks are read back twice: with libtiff, and byte by byte with a small walker of directories
  * that shares nothing with it, for what libtiff does not show (where each thing lies). */
-#include "data/pages.h"
-#include "test.h"
-
 #include <fcntl.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <tiffio.h>
 #include <unistd.h>
+
+#include "data/pages/pages.h"
+#include "data/stack/stack.h"
+#include "data/tiff/tiff.h"
+#include "spectral.h"
+#include "test.h"
 
 enum { WIDTH = 7, HEIGHT = 5, PAGES = 4 };
 static const double wavelengths[PAGES] = {300, 305, 452.5, 760};

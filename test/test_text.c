@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* Words, numbers and their places. Numbers are held against strtod, whose roundings are exact. */
-#include "raster/raster.h"
-#include "test.h"
-
 #include <errno.h>
 #include <float.h>
 #include <limits.h>
 #include <stdlib.h>
+
+#include "data/text/text.h"
+#include "spectral.h"
+#include "test.h"
 
 static struct text open_string(const char *string)
 {

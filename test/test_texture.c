@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* Textures of stacks that the program writes itself: which way up they lie, and what stands between
  * and beyond their wavelengths. */
-#include "raster/raster.h"
-#include "test.h"
-
 #include <stdlib.h>
 #include <sys/stat.h>
 #include <tiffio.h>
 #include <unistd.h>
+
+#include "data/stack/stack.h"
+#include "data/tiff/tiff.h"
+#include "spectral.h"
+#include "test.h"
 
 enum { WIDTH = 5, HEIGHT = 3, PIXELS = WIDTH * HEIGHT, PAGES = 3 };
 static const double page_nm[PAGES] = {400, 500, 700};

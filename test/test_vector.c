@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* Vectors and matrices against closed forms, exact where exactness is promised. */
-#include "raster/raster.h"
-#include "test.h"
-
 #include <float.h>
+
+#include "data/maths/maths.h"
+#include "test.h"
 
 static const struct vector x_axis = {1, 0, 0}, y_axis = {0, 1, 0}, z_axis = {0, 0, 1};
 

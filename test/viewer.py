@@ -342,7 +342,7 @@ def causes():
         seen = values()
         if "excitation" in seen:
             break
-    light = 0.5 * np.interp(seen["nm"], *table("data/tables/uv.csv", ","))
+    light = 0.5 * np.interp(seen["nm"], *table("data/builtin/tables/uv.csv", ","))
     check(np.allclose(seen["light 1 (uv)"], light, rtol=1e-5),
           "the light's spectrum is its table x its intensity")
     check("emission" in seen and "reflectance" in seen and seen["excitation"].max() > 0.1,

@@ -5,7 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/base/base.h"
+#include "data/material/material.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
 #include "data/terms/terms.h"
+#include "spectral.h"
 
 /* As wide as a stack of every nm may be. */
 enum { WIDEST_RANGE = 65535 };

@@ -5,7 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/material/material.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
 #include "data/terms/terms.h"
+#include "spectral.h"
 
 struct luminescence {
     const struct material *material;
@@ -273,8 +277,8 @@ bool materials_shown(const struct scene *scene, const struct material ***out, in
         const struct object *object = &scene->objects[i];
         if (!object->material_map)
             add_halves(scene, object->material, *out, n);
-        for (int line = 0; line < object->n_uses; line++)
-            add_halves(scene, object->uses[line].material, *out, n);
+        for (int line = 0; line < object->n_assignments; line++)
+            add_halves(scene, object->assignments[line].material, *out, n);
     }
     return true;
 }

@@ -4,6 +4,9 @@
 #ifndef TERMS_H
 #define TERMS_H
 
+#include "data/material/material.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
 #include "spectral.h"
 
 /* ---- data/terms/spectral_pages.c: pages made of spectra ---- */

@@ -7,7 +7,10 @@
 #ifndef BOUNDS_H
 #define BOUNDS_H
 
+#include "data/maths/maths.h"
 #include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "spectral.h"
 
 /* ---- driver.c: what is known of OpenGL's implementations ---- */
 

@@ -8,7 +8,9 @@
 #include <float.h>
 #include <math.h>
 
+#include "data/maths/maths.h"
 #include "raster/bounds/bounds.h"
+#include "raster/reference/reference.h"
 
 static const double u = 1.0 / 16777216;
 

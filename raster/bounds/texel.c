@@ -6,6 +6,7 @@
 #include <math.h>
 
 #include "raster/bounds/bounds.h"
+#include "raster/reference/reference.h"
 
 static const double u = 1.0 / 16777216;
 

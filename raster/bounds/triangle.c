@@ -5,6 +5,8 @@
 #include <string.h>
 
 #include "raster/bounds/bounds.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
 
 static const double u = 1.0 / 16777216;
 

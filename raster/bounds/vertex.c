@@ -6,7 +6,11 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/maths/maths.h"
 #include "raster/bounds/bounds.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "spectral.h"
 
 static const double u = 1.0 / 16777216;
 

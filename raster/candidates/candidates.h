@@ -6,6 +6,8 @@
 #define CANDIDATES_H
 
 #include "raster/bounds/bounds.h"
+#include "raster/reference/reference.h"
+#include "spectral.h"
 
 /* ---- presence.c: how sure it is that OpenGL has a fragment at a point ---- */
 

@@ -5,7 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
+#include "raster/reference/reference.h"
 
 bool array_grow(void *array, size_t *capacity, size_t needed, size_t size)
 {

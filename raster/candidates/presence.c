@@ -4,7 +4,9 @@
  * e |b|_1 + f |a|_1 + 2 e f: the slack. */
 #include <math.h>
 
+#include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
+#include "raster/reference/reference.h"
 
 void edge_slack(const struct edge_functions *edges, const double errors[3], double slack[3])
 {

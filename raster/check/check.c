@@ -7,7 +7,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "raster/bounds/bounds.h"
+#include "raster/candidates/candidates.h"
 #include "raster/check/check.h"
+#include "raster/gl/gl.h"
+#include "raster/plan/plan.h"
+#include "raster/radiance/radiance.h"
+#include "raster/reference/reference.h"
+#include "spectral.h"
 
 /* A candidate on trial: it lives as long as it has explained everything. */
 struct hypothesis {

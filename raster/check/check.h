@@ -3,8 +3,12 @@
 #ifndef CHECK_H
 #define CHECK_H
 
+#include "raster/bounds/bounds.h"
+#include "raster/candidates/candidates.h"
 #include "raster/gl/gl.h"
 #include "raster/radiance/radiance.h"
+#include "raster/reference/reference.h"
+#include "spectral.h"
 
 /* ---- tally.c: how samples compare ---- */
 

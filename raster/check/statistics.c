@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "raster/check/check.h"
+#include "raster/radiance/radiance.h"
 
 /* ---- samples ---- */
 

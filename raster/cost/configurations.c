@@ -6,7 +6,16 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/base/base.h"
+#include "data/material/material.h"
+#include "data/mesh/mesh.h"
+#include "data/method/method.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
 #include "raster/cost/cost.h"
+#include "raster/gl/gl.h"
+#include "spectral.h"
 
 /* ---- the scene ---- */
 

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/chart/chart.h"
 #include "raster/cost/cost.h"
 
 void cost_entry_free(struct cost_entry *entry)

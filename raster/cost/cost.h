@@ -3,7 +3,11 @@
 #ifndef COST_H
 #define COST_H
 
+#include "data/method/method.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
 #include "raster/render/render.h"
+#include "spectral.h"
 
 /* ---- cost.c: what accuracy costs in time ---- */
 

@@ -7,7 +7,12 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "data/base/base.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
 #include "raster/cost/cost.h"
+#include "raster/render/render.h"
+#include "spectral.h"
 
 struct measurement {
     const struct cost_program *program;

@@ -8,7 +8,10 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "data/base/base.h"
 #include "raster/cost/cost.h"
+#include "raster/render/render.h"
+#include "spectral.h"
 
 /* What comes before the job's own bytes. */
 struct reply {

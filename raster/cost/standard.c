@@ -10,8 +10,20 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "data/base/base.h"
+#include "data/colour/colour.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
+#include "data/stack/stack.h"
+#include "data/terms/terms.h"
+#include "data/tiff/tiff.h"
+#include "raster/bounds/bounds.h"
+#include "raster/candidates/candidates.h"
 #include "raster/cost/cost.h"
-#include "raster/cost/cost.h"
+#include "raster/plan/plan.h"
+#include "raster/radiance/radiance.h"
+#include "raster/reference/reference.h"
+#include "spectral.h"
 
 /* About as many pixels' spectra are compared. */
 static const double lattice_pixels = 2500;

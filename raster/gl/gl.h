@@ -3,7 +3,11 @@
 #ifndef GL_H
 #define GL_H
 
-#include "raster/candidates/candidates.h"
+#include "data/maths/maths.h"
+#include "raster/bounds/bounds.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "spectral.h"
 
 /* ---- mesa.c: the same picture through OSMesa ---- */
 

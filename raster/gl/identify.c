@@ -10,7 +10,13 @@
 /* after GL/gl.h, which osmesa.h includes */
 #include <GL/glext.h>
 
+#include "data/maths/maths.h"
+#include "data/mesh/mesh.h"
+#include "data/scene/scene.h"
+#include "raster/bounds/bounds.h"
 #include "raster/gl/gl.h"
+#include "raster/plan/plan.h"
+#include "spectral.h"
 
 /* Triangles given to OpenGL at once: few enough to stay in the second-level cache. */
 enum { BATCH = 4096 };
@@ -34,7 +40,7 @@ static void number_triangle(const struct mesh *mesh, int triangle, int body,
 static void draw_numbers(const struct plan *plan, int body, struct numbered_vertex *batch)
 {
     const struct mesh *mesh = &plan->meshes[plan->bodies[body].mesh].mesh;
-    gl_load_matrix(&plan->bodies[body].model_view);
+    gl_load_matrix(&plan->bodies[body].instance.model_view);
     for (int first = 0; first < mesh->n_triangles; first += BATCH) {
         int n = mesh->n_triangles - first < BATCH ? mesh->n_triangles - first : BATCH;
         for (int i = 0; i < n; i++)

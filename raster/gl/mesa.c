@@ -17,7 +17,15 @@
 /* after GL/gl.h, which osmesa.h includes */
 #include <GL/glext.h>
 
+#include "data/maths/maths.h"
+#include "data/mesh/mesh.h"
+#include "data/scene/scene.h"
+#include "data/tiff/tiff.h"
+#include "raster/bounds/bounds.h"
 #include "raster/gl/gl.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "spectral.h"
 
 enum { VERTICES, INDICES, PLACES, BUFFERS };
 

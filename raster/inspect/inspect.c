@@ -4,7 +4,19 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/material/material.h"
+#include "data/probe/probe.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
+#include "data/stack/stack.h"
+#include "data/terms/terms.h"
+#include "raster/bounds/bounds.h"
+#include "raster/candidates/candidates.h"
 #include "raster/inspect/inspect.h"
+#include "raster/plan/plan.h"
+#include "raster/radiance/radiance.h"
+#include "raster/reference/reference.h"
+#include "spectral.h"
 
 struct region {
     struct plan plan; /* a view of the caller's, whose samples are radiances */

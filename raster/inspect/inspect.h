@@ -3,7 +3,9 @@
 #ifndef INSPECT_H
 #define INSPECT_H
 
-#include "raster/render/render.h"
+#include "data/probe/probe.h"
+#include "raster/plan/plan.h"
+#include "spectral.h"
 
 /* ---- inspect.c: how a pixel's spectrum comes about ---- */
 

@@ -3,7 +3,15 @@
  * is guessed rather than measured. */
 #include <string.h>
 
+#include "data/material/material.h"
+#include "data/mesh/mesh.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
+#include "data/terms/terms.h"
+#include "data/tiff/tiff.h"
 #include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
 
 /* ---- counting what the plan uses ---- */
 

@@ -6,7 +6,14 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/base/base.h"
+#include "data/material/material.h"
+#include "data/maths/maths.h"
+#include "data/mesh/mesh.h"
+#include "data/scene/scene.h"
 #include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "spectral.h"
 
 /* A mesh as its shape describes it, before it is parted and moved. */
 struct whole {
@@ -271,27 +278,27 @@ static int count_parts(const struct mesh *mesh)
     return mesh->part ? mesh->n_parts : 1;
 }
 
-static const struct part_use *find_use(const struct object *object, const char *name)
+static const struct material_assignment *find_use(const struct object *object, const char *name)
 {
-    const struct part_use *all = NULL;
-    for (int i = 0; i < object->n_uses; i++)
-        if (strcmp(object->uses[i].name, name) == 0)
-            return &object->uses[i];
-        else if (strcmp(object->uses[i].name, "*") == 0)
-            all = &object->uses[i];
+    const struct material_assignment *all = NULL;
+    for (int i = 0; i < object->n_assignments; i++)
+        if (strcmp(object->assignments[i].name, name) == 0)
+            return &object->assignments[i];
+        else if (strcmp(object->assignments[i].name, "*") == 0)
+            all = &object->assignments[i];
     return all;
 }
 
 /* A line for a usemtl that the mesh does not have is a mistake. */
 static bool check_uses(const struct object *object, const struct mesh *mesh, struct error *err)
 {
-    for (int i = 0; i < object->n_uses; i++) {
-        bool found = strcmp(object->uses[i].name, "*") == 0;
+    for (int i = 0; i < object->n_assignments; i++) {
+        bool found = strcmp(object->assignments[i].name, "*") == 0;
         for (int part = 0; part < count_parts(mesh); part++)
-            found = found || strcmp(object->uses[i].name, part_name(mesh, part)) == 0;
+            found = found || strcmp(object->assignments[i].name, part_name(mesh, part)) == 0;
         if (!found)
-            return error_at(err, object->uses[i].place, "%.300s has no usemtl '%.100s'",
-                            object->shape.path, object->uses[i].name);
+            return error_at(err, object->assignments[i].place, "%.300s has no usemtl '%.100s'",
+                            object->shape.path, object->assignments[i].name);
     }
     return true;
 }
@@ -305,7 +312,7 @@ static bool add_parts(struct body_maker *maker, const struct object *object, int
         return false;
     for (int part = 0; part < n_parts; part++) {
         const char *name = part_name(&maker->wholes[whole].mesh, part);
-        const struct part_use *use = find_use(object, name);
+        const struct material_assignment *use = find_use(object, name);
         if (!use)
             return error_at(err, object->place,
                             "%s%.100s of %.300s has no line in %.300s; a line for * stands for all "

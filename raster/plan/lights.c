@@ -2,7 +2,12 @@
 /* The plan's lights: where they stand in eye space, and which of them light anything. */
 #include <stdlib.h>
 
+#include "data/maths/maths.h"
+#include "data/scene/scene.h"
+#include "data/terms/terms.h"
 #include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "spectral.h"
 
 static struct eye_light place_light(const struct plan *plan, const struct shining_light *shining)
 {

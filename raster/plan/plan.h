@@ -3,8 +3,15 @@
 #ifndef PLAN_H
 #define PLAN_H
 
+#include "data/material/material.h"
+#include "data/maths/maths.h"
+#include "data/mesh/mesh.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
 #include "data/terms/terms.h"
+#include "data/tiff/tiff.h"
 #include "raster/reference/reference.h"
+#include "spectral.h"
 
 /* ---- plan.c: what a scene calls for, decided once ---- */
 

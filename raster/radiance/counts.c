@@ -7,7 +7,11 @@
 #include <math.h>
 #include <string.h>
 
+#include "data/tiff/tiff.h"
+#include "raster/bounds/bounds.h"
+#include "raster/plan/plan.h"
 #include "raster/radiance/radiance.h"
+#include "raster/reference/reference.h"
 
 static const double u = 1.0 / 16777216;
 

@@ -4,7 +4,10 @@
 #ifndef RADIANCE_H
 #define RADIANCE_H
 
-#include "raster/candidates/candidates.h"
+#include "raster/bounds/bounds.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "spectral.h"
 
 /* ---- full_scale.c ---- */
 

@@ -3,6 +3,7 @@
  * point is a vertex, or in Phong shading a point between vertices. */
 #include <math.h>
 
+#include "data/maths/maths.h"
 #include "raster/reference/reference.h"
 
 static struct vector towards_light(const struct eye_light *light, struct vector eye,

@@ -3,6 +3,7 @@
  * Gouraud interpolates colours; or positions and normals, and the point lit (Bui Tuong Phong 1975). */
 #include <math.h>
 
+#include "data/maths/maths.h"
 #include "raster/reference/reference.h"
 
 /* Barycentric coordinates of a point in the whole triangle; returns 1 / w there. Outside the part

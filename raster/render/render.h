@@ -3,7 +3,15 @@
 #ifndef RENDER_H
 #define RENDER_H
 
+#include "data/record/record.h"
+#include "data/stack/stack.h"
+#include "raster/bounds/bounds.h"
 #include "raster/check/check.h"
+#include "raster/gl/gl.h"
+#include "raster/plan/plan.h"
+#include "raster/radiance/radiance.h"
+#include "raster/reference/reference.h"
+#include "spectral.h"
 
 /* ---- render.c: the loop over tiles and passes ---- */
 

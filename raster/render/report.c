@@ -5,7 +5,18 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/method/method.h"
+#include "data/record/record.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
+#include "data/stack/stack.h"
+#include "data/text/text.h"
+#include "raster/check/check.h"
+#include "raster/gl/gl.h"
+#include "raster/plan/plan.h"
+#include "raster/radiance/radiance.h"
 #include "raster/render/render.h"
+#include "spectral.h"
 
 static double rms(const struct check_samples *samples)
 {

@@ -5,7 +5,13 @@
 #include <string.h>
 #include <zlib.h>
 
+#include "data/tiff/tiff.h"
+#include "raster/bounds/bounds.h"
+#include "raster/candidates/candidates.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
 #include "raster/view/view.h"
+#include "spectral.h"
 
 /* ---- the picture as planes ---- */
 

@@ -3,7 +3,8 @@
 #ifndef VIEW_H
 #define VIEW_H
 
-#include "raster/radiance/radiance.h"
+#include "raster/plan/plan.h"
+#include "spectral.h"
 
 /* ---- viewer.c: an interactive viewer in one HTML file ---- */
 
@@ -14,7 +15,6 @@ struct viewer_result {
 /* Rasterizes once and writes the page; the plan must be of exchangeable lights. */
 bool viewer_write(const struct plan *plan, const char *path, struct viewer_result *out,
                   struct error *err);
-
 
 /* ---- inside this room ---- */
 

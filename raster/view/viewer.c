@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* An interactive viewer in one HTML file: the page of data/viewer.html with what it works from.
+/* An interactive viewer in one HTML file: the page of data/builtin/viewer.html with its data.
  *
  * Local illumination is linear: whatever the lights are, a pixel's radiance is its weights, which
  * depend on geometry only, times spectra of light and material. The weights go into the page as
@@ -10,7 +10,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/base/base.h"
+#include "data/colour/colour.h"
+#include "data/material/material.h"
+#include "data/mesh/mesh.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
+#include "data/terms/terms.h"
+#include "data/text/text.h"
+#include "raster/plan/plan.h"
 #include "raster/view/view.h"
+#include "spectral.h"
 
 /* ---- what the page computes with, as JSON ---- */
 

@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: MIT */
+/* Failures as one line of text and an exit status, and memory that fails in the same way. Texts
+ * take no allocation, so that they work when memory has run out; nothing is printed here, so that
+ * only the command line decides what the user sees. */
+#include <errno.h>
+#include <limits.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "spectral.h"
+
+/* Words and file names reach the text as they are; a control character among them could otherwise
+ * forge a second line or drive the terminal. */
+static void hide_controls(char *text)
+{
+    for (; *text != '\0'; text++)
+        if ((unsigned char)*text < 0x20 || *text == 0x7f)
+            *text = '?';
+}
+
+/* Keeps the room for `ending`, so that the cause survives a message that is too long. */
+static bool fail(struct error *err, enum exit_status status, const char *prefix, const char *format,
+                 va_list arguments, const char *ending)
+{
+    size_t room = sizeof err->text - strlen(ending), used;
+    if (err->status != EXIT_AGREED)
+        return false;
+    err->status = status;
+    snprintf(err->text, room, "%serror: ", prefix);
+    used = strlen(err->text);
+    vsnprintf(err->text + used, room - used, format, arguments);
+    strcat(err->text, ending);
+    hide_controls(err->text);
+    return false;
+}
+
+bool error_at(struct error *err, struct place place, const char *format, ...)
+{
+    /* Half of the text at most for the path: the message matters more. */
+    char prefix[sizeof err->text / 2 + 32] = "";
+    int longest = (int)(sizeof err->text / 2);
+    va_list arguments;
+    if (place.path != NULL && place.line > 0)
+        snprintf(prefix, sizeof prefix, "%.*s:%d:%d: ", longest, place.path, place.line,
+                 place.column);
+    else if (place.path != NULL)
+        snprintf(prefix, sizeof prefix, "%.*s: ", longest, place.path);
+    va_start(arguments, format);
+    fail(err, EXIT_INPUT, prefix, format, arguments, "");
+    va_end(arguments);
+    return false;
+}
+
+bool error_usage(struct error *err, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    fail(err, EXIT_INPUT, "", format, arguments, "");
+    va_end(arguments);
+    return false;
+}
+
+bool error_system(struct error *err, const char *format, ...)
+{
+    char ending[256] = "";
+    int cause = errno;
+    va_list arguments;
+    if (cause != 0)
+        snprintf(ending, sizeof ending, ": %s", strerror(cause));
+    va_start(arguments, format);
+    fail(err, EXIT_SYSTEM, "", format, arguments, ending);
+    va_end(arguments);
+    return false;
+}
+
+bool error_memory(struct error *err)
+{
+    errno = 0;
+    return error_system(err, "out of memory");
+}
+
+/* A count that is a power of two has filled its array, which then doubles. */
+void *array_more(void *array, int count, size_t size, struct error *err)
+{
+    size_t room = count > 0 ? 2 * (size_t)count : 1;
+    char *grown = array;
+    if (count > INT_MAX / 2 || room > SIZE_MAX / size) {
+        error_memory(err);
+        return NULL;
+    }
+    if ((count & (count - 1)) == 0) {
+        grown = realloc(array, room * size);
+        if (grown == NULL) {
+            error_memory(err);
+            return NULL;
+        }
+    }
+    memset(grown + (size_t)count * size, 0, size);
+    return grown;
+}

@@ -1,0 +1,444 @@
+/* SPDX-License-Identifier: MIT */
+/* Whole reads, and outputs that appear whole or not at all: a long rendering must never leave a
+ * half-written stack or destroy the one that stood there before. Nobody installs signal handlers,
+ * so that no system call is interrupted. */
+#include <errno.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <signal.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "data/base/base.h"
+#include "spectral.h"
+
+/* ---- compiled-in files ---- */
+
+static const char builtin_prefix[] = "builtin:";
+
+static bool is_builtin(const char *path)
+{
+    return strncmp(path, builtin_prefix, strlen(builtin_prefix)) == 0;
+}
+
+static int compare_builtin(const void *name, const void *file)
+{
+    return strcmp(name, ((const struct builtin_file *)file)->name);
+}
+
+/* `path` starts with the prefix. NULL: no such file. */
+static const struct builtin_file *builtin_find(const char *path)
+{
+    return bsearch(path + strlen(builtin_prefix), builtin_files, builtin_file_count,
+                   sizeof builtin_files[0], compare_builtin);
+}
+
+bool builtin_path(const char *folder, const char *name, const char *ending, char *out,
+                  size_t capacity)
+{
+    int length = snprintf(out, capacity, "%s%s%s%s", builtin_prefix, folder, name, ending);
+    return length >= 0 && (size_t)length < capacity && builtin_find(out) != NULL;
+}
+
+/* Drops "./" and "a/../" in place; above the root there is only the root. */
+static void fold(char *path)
+{
+    char *out = path;
+    const char *in = path;
+    while (*in != '\0') {
+        size_t length = strcspn(in, "/");
+        bool folder = in[length] == '/';
+        if (folder && length == 2 && strncmp(in, "..", 2) == 0) {
+            out -= out > path;
+            while (out > path && out[-1] != '/')
+                out--;
+        } else if (!folder || length != 1 || in[0] != '.') {
+            memmove(out, in, length + folder);
+            out += length + folder;
+        }
+        in += length + folder;
+    }
+    *out = '\0';
+}
+
+char *file_relative(const char *base, const char *name)
+{
+    const bool whole = base == NULL || name[0] == '/' || is_builtin(name);
+    const char *slash = whole ? NULL : strrchr(base, '/');
+    size_t folder = 0;
+    char *path;
+    if (slash != NULL)
+        folder = (size_t)(slash + 1 - base);
+    else if (!whole && is_builtin(base))
+        folder = strlen(builtin_prefix);
+    path = malloc(folder + strlen(name) + 1);
+    if (path == NULL)
+        return NULL;
+    sprintf(path, "%.*s%s", (int)folder, folder > 0 ? base : "", name);
+    if (is_builtin(path))
+        fold(path + strlen(builtin_prefix));
+    return path;
+}
+
+/* ---- reading ---- */
+
+/* A place counts lines and columns in int; a longer file could not be blamed. */
+static const size_t longest_read = INT_MAX;
+
+static bool refuse_read(struct error *err, struct place from, const char *path, const char *why)
+{
+    return error_at(err, from, "cannot read %s: %s", path, why);
+}
+
+/* Looks for NUL bytes while it reads, so that /dev/zero ends at once. Room is kept for a NUL. */
+static bool read_open(int descriptor, size_t capacity, const char *path, struct place from,
+                      char **bytes, size_t *length, struct error *err)
+{
+    for (ssize_t got = 1; got != 0;) {
+        char *zero, *more = realloc(*bytes, capacity);
+        if (more == NULL)
+            return error_memory(err);
+        *bytes = more;
+        got = read(descriptor, more + *length, capacity - 1 - *length);
+        if (got < 0)
+            return refuse_read(err, from, path, strerror(errno));
+        zero = memchr(more + *length, '\0', (size_t)got);
+        if (zero != NULL)
+            return error_at(err, (struct place){path, 0, 0},
+                            "byte %zu is NUL, so this is no text file", (size_t)(zero - more) + 1);
+        *length += (size_t)got;
+        if (*length > longest_read)
+            return refuse_read(err, from, path, "it is too long for a text file");
+        if (*length + 1 == capacity)
+            capacity += capacity / 2;
+    }
+    (*bytes)[*length] = '\0';
+    return true;
+}
+
+static bool read_path(const char *path, struct place from, char **bytes, size_t *length,
+                      struct error *err)
+{
+    size_t capacity = 1 << 16;
+    struct stat status;
+    bool done = false;
+    const int descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    if (descriptor < 0)
+        return refuse_read(err, from, path, strerror(errno));
+    if (fstat(descriptor, &status) != 0)
+        refuse_read(err, from, path, strerror(errno));
+    else if (S_ISDIR(status.st_mode))
+        refuse_read(err, from, path, "it is a folder");
+    else if (S_ISREG(status.st_mode) && status.st_size > (off_t)longest_read)
+        refuse_read(err, from, path, "it is too long for a text file");
+    else {
+        /* One byte for the NUL, and one so that the read that meets the end has room. */
+        if (S_ISREG(status.st_mode) && status.st_size > 0)
+            capacity = (size_t)status.st_size + 2;
+        done = read_open(descriptor, capacity, path, from, bytes, length, err);
+    }
+    close(descriptor);
+    return done;
+}
+
+static bool read_builtin(const char *path, struct place from, char **bytes, size_t *length,
+                         struct error *err)
+{
+    const struct builtin_file *file = builtin_find(path);
+    if (file == NULL)
+        return refuse_read(err, from, path, "there is no such built-in file");
+    *bytes = calloc(file->length + 1, 1);
+    if (*bytes == NULL)
+        return error_memory(err);
+    memcpy(*bytes, file->bytes, file->length);
+    *length = file->length;
+    return true;
+}
+
+bool file_read(const char *path, struct place from, char **bytes, size_t *length, struct error *err)
+{
+    *bytes = NULL;
+    *length = 0;
+    if (is_builtin(path) ? read_builtin(path, from, bytes, length, err)
+                         : read_path(path, from, bytes, length, err))
+        return true;
+    free(*bytes);
+    *bytes = NULL;
+    *length = 0;
+    return false;
+}
+
+bool file_open(const char *path, struct place from, int *descriptor,
+               const struct builtin_file **builtin, struct error *err)
+{
+    struct stat status;
+    *descriptor = -1;
+    *builtin = is_builtin(path) ? builtin_find(path) : NULL;
+    if (is_builtin(path))
+        return *builtin != NULL || refuse_read(err, from, path, "there is no such built-in file");
+    *descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe must not hold us up */
+    if (*descriptor < 0 || fstat(*descriptor, &status) != 0)
+        refuse_read(err, from, path, strerror(errno));
+    else if (!S_ISREG(status.st_mode))
+        refuse_read(err, from, path,
+                    S_ISDIR(status.st_mode) ? "it is a folder" : "it is no regular file");
+    else
+        return true;
+    if (*descriptor >= 0)
+        close(*descriptor);
+    *descriptor = -1;
+    return false;
+}
+
+/* ---- writing ---- */
+
+/* A path that cannot be written is bad input; a disk that cannot take the bytes is not. */
+static bool write_fault(struct error *err, const char *path)
+{
+    int cause = errno;
+    bool first = err->status == EXIT_AGREED;
+    error_system(err, "cannot write %s", path);
+    if (first && (cause == ENOENT || cause == ENOTDIR || cause == EISDIR || cause == EACCES ||
+                  cause == EPERM || cause == ENAMETOOLONG || cause == ELOOP))
+        err->status = EXIT_INPUT;
+    return false;
+}
+
+/* Held back while a temporary file exists: their default action would leave it behind. */
+static const int held_signals[] = {SIGINT, SIGTERM, SIGHUP};
+enum { HELD_SIGNALS = sizeof held_signals / sizeof held_signals[0] };
+
+void *signals_hold(void)
+{
+    sigset_t set, *before = malloc(sizeof *before);
+    if (before == NULL)
+        return NULL;
+    sigemptyset(&set);
+    for (int i = 0; i < HELD_SIGNALS; i++)
+        sigaddset(&set, held_signals[i]);
+    pthread_sigmask(SIG_BLOCK, &set, before);
+    return before;
+}
+
+void signals_release(void *held)
+{
+    if (held != NULL)
+        pthread_sigmask(SIG_SETMASK, held, NULL);
+    free(held);
+}
+
+bool output_interrupted(void)
+{
+    sigset_t pending;
+    sigemptyset(&pending);
+    sigpending(&pending);
+    for (int i = 0; i < HELD_SIGNALS; i++) {
+        /* Under nohup a blocked SIGHUP waits although it would be ignored. */
+        struct sigaction action;
+        if (sigismember(&pending, held_signals[i]) == 1 &&
+            sigaction(held_signals[i], NULL, &action) == 0 && action.sa_handler != SIG_IGN)
+            return true;
+    }
+    return false;
+}
+
+/* Creates .NAME.PID.N.tmp beside the path; a leftover of an earlier process with this number is
+ * stepped over. NAME is cut so that the whole stays below NAME_MAX. */
+static bool create_temporary(struct output *out, const char *path, mode_t mode)
+{
+    const char *slash = strrchr(path, '/'), *name = slash != NULL ? slash + 1 : path;
+    const size_t capacity = strlen(path) + 64;
+    out->temporary = malloc(capacity);
+    if (out->temporary == NULL)
+        return false;
+    for (int attempt = 0; attempt < 10000; attempt++) {
+        snprintf(out->temporary, capacity, "%.*s.%.200s.%ld.%d.tmp", (int)(name - path), path, name,
+                 (long)getpid(), attempt);
+        out->descriptor = open(out->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode);
+        if (out->descriptor >= 0)
+            return true;
+        if (errno != EEXIST)
+            break;
+    }
+    free(out->temporary);
+    out->temporary = NULL;
+    return false;
+}
+
+/* A device or a pipe: the temporary lies where temporary files lie. */
+static bool open_copied(struct output *out, const char *path, struct error *err)
+{
+    const char *folder = getenv("TMPDIR");
+    char beside[PATH_MAX];
+    if (folder == NULL || folder[0] == '\0')
+        folder = "/tmp";
+    snprintf(beside, sizeof beside, "%s/spectral", folder);
+    out->copied = true;
+    out->path = strdup(path);
+    if (out->path == NULL)
+        return error_memory(err);
+    return create_temporary(out, beside, 0600) ||
+           error_system(err, "cannot create a temporary file in %s", folder);
+}
+
+/* A regular file or a name that is still free. `existing` NULL: free. The umask takes bits that the
+ * replaced file may have. */
+static bool open_beside(struct output *out, const char *path, const struct stat *existing,
+                        struct error *err)
+{
+    const mode_t mode = existing != NULL ? existing->st_mode & 0777 : 0666;
+    out->path = existing != NULL ? realpath(path, NULL) : strdup(path);
+    return (out->path != NULL && create_temporary(out, out->path, mode) &&
+            (existing == NULL || fchmod(out->descriptor, mode) == 0)) ||
+           write_fault(err, path);
+}
+
+static bool open_target(struct output *out, const char *path, struct error *err)
+{
+    struct stat status;
+    size_t length = strlen(path);
+    if (stat(path, &status) == 0) {
+        if (S_ISDIR(status.st_mode))
+            return error_usage(err, "cannot write %s: it is a folder", path);
+        if (access(path, W_OK) != 0)
+            return write_fault(err, path);
+        return S_ISREG(status.st_mode) ? open_beside(out, path, &status, err)
+                                       : open_copied(out, path, err);
+    }
+    if (errno != ENOENT)
+        return write_fault(err, path);
+    if (length == 0 || path[length - 1] == '/' || is_builtin(path))
+        return error_usage(err, "cannot write '%s': it names no file", path);
+    if (lstat(path, &status) == 0)
+        return error_usage(err, "cannot write %s: it is a link to a missing file", path);
+    return open_beside(out, path, NULL, err);
+}
+
+bool output_open(struct output *out, const char *path, struct error *err)
+{
+    *out = (struct output){.descriptor = -1};
+    out->held = signals_hold();
+    if (out->held == NULL)
+        return error_memory(err);
+    if (open_target(out, path, err))
+        return true;
+    output_discard(out);
+    return false;
+}
+
+bool write_all(int descriptor, const void *bytes, size_t length)
+{
+    const char *at = bytes;
+    while (length > 0) {
+        const ssize_t done = write(descriptor, at, length);
+        if (done < 0)
+            return false;
+        at += done;
+        length -= (size_t)done;
+    }
+    return true;
+}
+
+/* Some file systems cannot sync and say EINVAL; there is no more to be done on them. */
+static bool sync_descriptor(int descriptor)
+{
+    return fsync(descriptor) == 0 || errno == EINVAL;
+}
+
+/* Makes the rename last. A folder that may be written but not read cannot be synced. */
+static bool sync_folder(const char *path)
+{
+    char *folder = file_relative(path, ".");
+    const int descriptor = folder != NULL ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+    const bool done = descriptor >= 0 ? sync_descriptor(descriptor) : errno == EACCES;
+    free(folder);
+    if (descriptor >= 0)
+        close(descriptor);
+    return done;
+}
+
+static bool commit_rename(struct output *out, struct error *err)
+{
+    bool done = sync_descriptor(out->descriptor);
+    done = close(out->descriptor) == 0 && done;
+    out->descriptor = -1;
+    if (!done || rename(out->temporary, out->path) != 0)
+        return write_fault(err, out->path);
+    free(out->temporary);
+    out->temporary = NULL;
+    return sync_folder(out->path) ||
+           error_system(err, "wrote %s, but cannot make its folder entry last", out->path);
+}
+
+static bool copy_bytes(int from, int to)
+{
+    char buffer[1 << 16];
+    ssize_t got = lseek(from, 0, SEEK_SET) == 0 ? 1 : -1;
+    while (got > 0) {
+        got = read(from, buffer, sizeof buffer);
+        if (got > 0 && !write_all(to, buffer, (size_t)got))
+            return false;
+    }
+    return got == 0;
+}
+
+static void drop_temporary(struct output *out)
+{
+    if (out->temporary != NULL)
+        unlink(out->temporary);
+    free(out->temporary);
+    out->temporary = NULL;
+}
+
+/* The temporary loses its name first. So nothing stays behind when a signal, free to come again,
+ * ends the wait for a pipe's reader. */
+static bool commit_copy(struct output *out, struct error *err)
+{
+    int target;
+    bool done;
+    drop_temporary(out);
+    signals_release(out->held);
+    out->held = NULL;
+    target = open(out->path, O_WRONLY | O_CLOEXEC);
+    done = target >= 0 && copy_bytes(out->descriptor, target);
+    done = (target < 0 || close(target) == 0) && done;
+    return done || write_fault(err, out->path);
+}
+
+bool output_commit(struct output *out, struct error *err)
+{
+    const bool done = out->copied ? commit_copy(out, err) : commit_rename(out, err);
+    output_discard(out);
+    return done;
+}
+
+void output_discard(struct output *out)
+{
+    if (out->path != NULL && out->descriptor >= 0)
+        close(out->descriptor);
+    drop_temporary(out);
+    free(out->path);
+    signals_release(out->held);
+    *out = (struct output){0};
+}
+
+bool file_write(const char *path, const char *bytes, size_t length, struct error *err)
+{
+    struct output output;
+    if (strcmp(path, "-") == 0) {
+        errno = 0;
+        if (fwrite(bytes, 1, length, stdout) != length || fflush(stdout) != 0)
+            return error_system(err, "cannot write to standard output");
+        return true;
+    }
+    if (!output_open(&output, path, err))
+        return false;
+    if (!write_all(output.descriptor, bytes, length)) {
+        write_fault(err, path);
+        output_discard(&output);
+        return false;
+    }
+    return output_commit(&output, err);
+}

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "chart": charts as SVG. */
+#ifndef CHART_H
+#define CHART_H
+
+#include <stdbool.h>
+#include <stdio.h>
+
+/* ---- chart.c: curves ---- */
+
+struct chart_line {
+    const char *name;
+    int n;
+    const double *x, *y;
+    const double *spread; /* drawn as a band of y - spread to y + spread; where y >= 0 the part
+                             below 0 is cut off; NULL: none */
+    bool right;           /* belongs to the axis on the right, e.g. a reflectance */
+};
+struct chart {
+    const char *title, *x_label, *y_label, *right_label; /* right_label NULL: no such axis */
+    const struct chart_line *lines;
+    int n_lines;
+    bool wavelengths; /* x is in nm: the visible range is shown in its colours */
+};
+/* Returns a whole SVG 1.1 file, allocated; NULL: no memory. */
+char *chart_svg(const struct chart *chart);
+
+/* ---- frontier.c: what accuracy costs ---- */
+
+struct frontier_point {
+    const char *name;
+    double cost, cost_low, cost_high; /* above 0 */
+    double error;                     /* 0 or more */
+    bool best;                        /* on the frontier */
+    bool uncertain;                   /* within noise of being on it or not */
+};
+struct frontier {
+    const char *title, *cost_label, *error_label;
+    const struct frontier_point *points;
+    int n;
+};
+/* Returns a whole SVG 1.1 file, allocated; NULL: no memory. Both axes are logarithmic; errors below
+ * 1/1000 of the largest, or 0, lie on the lower edge, which says so. All points are labelled; those
+ * of the frontier have their names and are joined by steps, the others are pale. */
+char *frontier_svg(const struct frontier *frontier);
+
+/* ---- Inside this room: how all charts look, in chart.c ---- */
+
+/* In SVG's pixels, 96 an inch. */
+enum {
+    CHART_WIDTH = 800,
+    CHART_LEFT = 84,
+    CHART_TOP = 52,
+    CHART_MARGIN = 28, /* on the right, without an axis there */
+    CHART_TICK = 5,
+    CHART_LEGEND_ROW = 20,
+    CHART_TITLE_SIZE = 16,
+    CHART_LABEL_SIZE = 13,
+    CHART_TEXT_SIZE = 12
+};
+
+/* Draws into an SVG file, allocated; NULL: no memory. */
+char *chart_file(void (*draw)(void *plot, FILE *to), void *plot);
+/* Writes the beginning of a file of this height, with the title. */
+void chart_head(FILE *to, const char *title, int height);
+/* Draws the frame around a plot. */
+void chart_frame(FILE *to, double width, int height);
+/* Writes at most so many characters of a text, escaped. A character that XML cannot hold becomes
+ * U+FFFD. */
+void chart_text(FILE *to, const char *text, int most);
+/* Writes a decimal exponent: ×10 and small digits. */
+void chart_exponent(FILE *to, int exponent);
+/* Begins the x axis's label, `below` the plot; the caller ends its text. */
+void chart_x_label(FILE *to, const char *label, double width, int below);
+/* Writes a label at the middle of an axis that stands at x and is `height` high. */
+void chart_y_label(FILE *to, const char *label, double x, int height);
+/* How many characters fit beside each other, and the width of n characters. */
+int chart_fitting(double width, int size);
+double chart_text_width(int n, int size);
+int chart_text_length(const char *text);
+/* Returns the columns of a legend, 1 to 3: as many as let texts of `longest` characters stand
+ * beside each other, each behind a sample of this width. */
+int chart_columns(int longest, double sample);
+
+#endif

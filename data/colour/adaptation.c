@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: MIT */
+/* Chromatic adaptation: cone responses to a light, each divided by that to the white. */
+#include <string.h>
+
+#include "data/colour/colour.h"
+#include "data/maths/maths.h"
+#include "data/text/text.h"
+#include "spectral.h"
+
+static const char *const names[] = {
+    [ADAPTATION_NONE] = "none",           [ADAPTATION_VON_KRIES] = "von-kries",
+    [ADAPTATION_FAIRCHILD] = "fairchild", [ADAPTATION_BRADFORD] = "bradford",
+    [ADAPTATION_CAT16] = "cat16",
+};
+enum { KINDS = sizeof names / sizeof names[0] };
+
+/* From XYZ. Hunt, Pointer and Estevez's, scaled for D65, as the thesis computed with it: it prints
+ * the figures rounded, and -0.023 for -0.2263. Bradford's is of ICC.1:2010, annex E; CAT16's of C.
+ * Li et al., Comprehensive color solutions, Color Res. Appl. 42, 703-718 (2017). */
+#define HUNT_POINTER_ESTEVEZ                                                                       \
+    {                                                                                              \
+        {0.4002, 0.7076, -0.0808}, {-0.2263, 1.1653, 0.0457}, {0, 0, 0.9182},                      \
+    }
+static const double cones[KINDS][3][3] = {
+    [ADAPTATION_VON_KRIES] = HUNT_POINTER_ESTEVEZ,
+    [ADAPTATION_FAIRCHILD] = HUNT_POINTER_ESTEVEZ,
+    [ADAPTATION_BRADFORD] = {{0.8951, 0.2664, -0.1614},
+                             {-0.7502, 1.7135, 0.0367},
+                             {0.0389, -0.0685, 1.0296}},
+    [ADAPTATION_CAT16] = {{0.401288, 0.650173, -0.051461},
+                          {-0.250268, 1.204414, 0.045854},
+                          {-0.002079, 0.048952, 0.953127}},
+};
+
+/* ---- names ---- */
+
+const char *adaptation_name(enum adaptation_kind kind)
+{
+    return names[kind];
+}
+
+static bool read_luminance(const char *option, const char *text, double *out, struct error *err)
+{
+    struct text line;
+    struct word word;
+    bool done = text_open_string(&line, option, text, err) && text_next_line(&line);
+    done = done && text_expect(&line, &word, "luminance in cd/m2", err) &&
+           word_number(&word, "luminance in cd/m2", 1e-6, 1e12, out, err) &&
+           text_end(&line, "a luminance", err);
+    text_free(&line);
+    return done;
+}
+
+bool adaptation_read(const char *option, const char *text, struct adaptation *out,
+                     struct error *err)
+{
+    static const char prefix[] = "fairchild:";
+    *out = (struct adaptation){0};
+    for (int kind = 0; kind < KINDS; kind++)
+        if (strcmp(text, names[kind]) == 0) {
+            out->kind = (enum adaptation_kind)kind;
+            return true;
+        }
+    if (strncmp(text, prefix, strlen(prefix)) == 0 && text[strlen(prefix)] != '\0') {
+        out->kind = ADAPTATION_FAIRCHILD;
+        return read_luminance(option, text + strlen(prefix), &out->luminance, err);
+    }
+    return error_usage(err,
+                       "%s is none, von-kries, fairchild, fairchild:LUMINANCE, bradford or cat16, "
+                       "not '%.100s'",
+                       option, text);
+}
+
+/* ---- matrices ---- */
+
+/* Equations 21 and 22: how far each kind of cones adapts, 1 to a white of equal energy. */
+static void incompleteness(const double white[3], const double equal[3], double luminance,
+                           double out[3])
+{
+    const double root = power(luminance, 1.0 / 3);
+    double sum = 0;
+    for (int i = 0; i < 3; i++)
+        sum += white[i] / equal[i];
+    for (int i = 0; i < 3; i++) {
+        const double m = 3 * (white[i] / equal[i]) / sum;
+        out[i] = (1 + root + m) / (1 + root + 1 / m);
+    }
+}
+
+/* Responses of zero or less have no ratio to adapt by: of deep spectral colours, for instance. */
+static bool check_responses(const struct adaptation *adaptation, const double response[3],
+                            struct error *err)
+{
+    for (int i = 0; i < 3; i++)
+        if (!(response[i] > 0))
+            return error_usage(err,
+                               "%s adaptation needs a white to which all cones respond; this one "
+                               "has %.6g, %.6g, %.6g",
+                               names[adaptation->kind], response[0], response[1], response[2]);
+    return true;
+}
+
+void adaptation_cones(enum adaptation_kind kind, double out[3][3])
+{
+    memcpy(out, cones[kind], sizeof cones[kind]);
+}
+
+/* Equations 19 and 23 multiply by 100 what is here the display's white in cone responses, so that
+ * white comes out as just that; with Hunt, Pointer and Estevez's they differ by 3e-5. */
+bool adaptation_matrix(const struct adaptation *adaptation, const double white[3],
+                       const double equal[3], double out[3][3], struct error *err)
+{
+    double forward[3][3], back[3][3], scaled[3][3];
+    double of_white[3], of_display[3], of_equal[3], part[3] = {1, 1, 1};
+    if (adaptation->kind == ADAPTATION_NONE) {
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++)
+                out[i][j] = i == j;
+        return true;
+    }
+    memcpy(forward, cones[adaptation->kind], sizeof forward);
+    colour_inverse(forward, back);
+    colour_apply(forward, white, of_white);
+    colour_apply(forward, display_white, of_display);
+    colour_apply(forward, equal, of_equal);
+    if (!check_responses(adaptation, of_white, err))
+        return false;
+    if (adaptation->kind == ADAPTATION_FAIRCHILD)
+        incompleteness(of_white, of_equal, adaptation->luminance, part);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            scaled[i][j] = part[i] * of_display[i] / of_white[i] * forward[i][j];
+    colour_product(back, scaled, out);
+    return true;
+}

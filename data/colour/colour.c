@@ -1,0 +1,187 @@
+/* SPDX-License-Identifier: MIT */
+/* Colours: chromaticities, CIELAB and CIELUV, and three formulas for how much two differ. */
+#include <math.h>
+
+#include "data/colour/colour.h"
+#include "data/maths/maths.h"
+
+const double display_white[3] = {100 * 0.3127 / 0.3290, 100, 100 * (1 - 0.3127 - 0.3290) / 0.3290};
+
+/* ---- matrices ---- */
+
+void colour_product(double a[3][3], double b[3][3], double out[3][3])
+{
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            out[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
+}
+
+/* The adjugate over the determinant. Indices that go round make the cofactors' signs. */
+void colour_inverse(double m[3][3], double out[3][3])
+{
+    double determinant = 0;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            const int up = (i + 1) % 3, over = (i + 2) % 3, right = (j + 1) % 3, far = (j + 2) % 3;
+            out[j][i] = m[up][right] * m[over][far] - m[up][far] * m[over][right];
+        }
+    for (int j = 0; j < 3; j++)
+        determinant += m[0][j] * out[j][0];
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            out[i][j] /= determinant;
+}
+
+void colour_apply(double m[3][3], const double xyz[3], double out[3])
+{
+    for (int i = 0; i < 3; i++)
+        out[i] = m[i][0] * xyz[0] + m[i][1] * xyz[1] + m[i][2] * xyz[2];
+}
+
+/* ---- colour spaces ---- */
+
+void chromaticity(const double xyz[3], double out[2])
+{
+    const double sum = xyz[0] + xyz[1] + xyz[2];
+    for (int i = 0; i < 2; i++)
+        out[i] = sum != 0 ? xyz[i] / sum : 0;
+}
+
+/* The cube root, and the line that touches it below (6/29)^3. What is more than `most` times the
+ * white, which may have next to none of X, Y or Z, counts as just that: no difference overflows. */
+static double compressed(double value, double white)
+{
+    const double most = 1e100;
+    const double ratio = white != 0 ? fmax(-most, fmin(value / white, most)) : 0;
+    return ratio > 216.0 / 24389 ? power(ratio, 1.0 / 3) : ratio * 841 / 108 + 4.0 / 29;
+}
+
+void cielab(const double xyz[3], const double white[3], double out[3])
+{
+    double f[3];
+    for (int i = 0; i < 3; i++)
+        f[i] = compressed(xyz[i], white[i]);
+    out[0] = 116 * f[1] - 16;
+    out[1] = 500 * (f[0] - f[1]);
+    out[2] = 200 * (f[1] - f[2]);
+}
+
+/* u' and v' of CIE 1976; 0 where they are not defined, as of black. */
+static void uniform_chromaticity(const double xyz[3], double out[2])
+{
+    const double sum = xyz[0] + 15 * xyz[1] + 3 * xyz[2];
+    out[0] = sum != 0 ? 4 * xyz[0] / sum : 0;
+    out[1] = sum != 0 ? 9 * xyz[1] / sum : 0;
+}
+
+void cieluv(const double xyz[3], const double white[3], double out[3])
+{
+    double of[2], of_white[2];
+    uniform_chromaticity(xyz, of);
+    uniform_chromaticity(white, of_white);
+    out[0] = 116 * compressed(xyz[1], white[1]) - 16;
+    for (int i = 0; i < 2; i++)
+        out[1 + i] = 13 * out[0] * (of[i] - of_white[i]);
+}
+
+/* ---- colour differences ---- */
+
+static double square(double x)
+{
+    return x * x;
+}
+
+static double chroma(double a, double b)
+{
+    return sqrt(a * a + b * b);
+}
+
+double cie76_difference(const double a[3], const double b[3])
+{
+    return sqrt(square(a[0] - b[0]) + square(a[1] - b[1]) + square(a[2] - b[2]));
+}
+
+double cie94_difference(const double standard[3], const double sample[3])
+{
+    const double c = chroma(standard[1], standard[2]);
+    const double lightness = standard[0] - sample[0];
+    const double chroma_difference = c - chroma(sample[1], sample[2]);
+    const double hue_squared = square(standard[1] - sample[1]) + square(standard[2] - sample[2]) -
+                               square(chroma_difference);
+    return sqrt(square(lightness) + square(chroma_difference / (1 + 0.045 * c)) +
+                fmax(0, hue_squared) / square(1 + 0.015 * c));
+}
+
+/* sqrt(c^7 / (c^7 + 25^7)), which grows from 0 to 1 about a chroma of 25; 1 from far below 1e40. */
+static double saturation(double c)
+{
+    const double c7 = power(fmin(c, 1e40), 7);
+    return sqrt(c7 / (c7 + 6103515625.0));
+}
+
+static double cosine_of(double degrees)
+{
+    double sine, cosine;
+    sine_cosine(degrees, &sine, &cosine);
+    return cosine;
+}
+
+static double sine_of(double degrees)
+{
+    double sine, cosine;
+    sine_cosine(degrees, &sine, &cosine);
+    return sine;
+}
+
+/* Of CIELAB with a stretched, as CIEDE2000 has it; hues in degrees, 0 to 360, of greys 0. */
+struct hued {
+    double a, b, chroma, hue;
+};
+static struct hued hued(double a, double b)
+{
+    struct hued out = {a, b, chroma(a, b), 0};
+    if (out.chroma > 0) {
+        const double upper = angle_of(fabs(b) / out.chroma, a / out.chroma) * (180 / PI);
+        out.hue = b < 0 ? 360 - upper : upper;
+    }
+    return out;
+}
+
+/* How far to turn from one hue to the other, the short way; from the colours themselves, so that
+ * opposite hues are told exactly. 0 if one is grey. */
+static double turn(struct hued one, struct hued two)
+{
+    const double both = one.chroma * two.chroma;
+    const double cross = one.a * two.b - one.b * two.a, dot = one.a * two.a + one.b * two.b;
+    if (!(both > 0))
+        return 0;
+    const double size = angle_of(fabs(cross) / both, dot / both) * (180 / PI);
+    return cross > 0 || (cross == 0 && two.hue > one.hue) ? size : -size;
+}
+
+/* The mean hue, 0 to 360; if one colour is grey the other's. */
+static double mean_hue(struct hued one, struct hued two)
+{
+    if (!(one.chroma * two.chroma > 0))
+        return one.hue + two.hue;
+    const double hue = one.hue + turn(one, two) / 2;
+    return hue < 0 ? hue + 360 : hue >= 360 ? hue - 360 : hue;
+}
+
+double ciede2000_difference(const double a[3], const double b[3])
+{
+    const double stretch = 1.5 - 0.5 * saturation((chroma(a[1], a[2]) + chroma(b[1], b[2])) / 2);
+    const struct hued one = hued(stretch * a[1], a[2]), two = hued(stretch * b[1], b[2]);
+    const double lightness = (a[0] + b[0]) / 2, c = (one.chroma + two.chroma) / 2;
+    const double hue = mean_hue(one, two);
+    const double t = 1 - 0.17 * cosine_of(hue - 30) + 0.24 * cosine_of(2 * hue) +
+                     0.32 * cosine_of(3 * hue + 6) - 0.20 * cosine_of(4 * hue - 63);
+    const double from_grey = square(lightness - 50);
+    const double dl = (b[0] - a[0]) / (1 + 0.015 * from_grey / sqrt(20 + from_grey));
+    const double dc = (two.chroma - one.chroma) / (1 + 0.045 * c);
+    const double dh =
+        2 * sqrt(one.chroma * two.chroma) * sine_of(turn(one, two) / 2) / (1 + 0.015 * c * t);
+    const double blue = 60 * exponential(-square((hue - 275) / 25));
+    const double rotation = -2 * saturation(c) * sine_of(blue);
+    return sqrt(fmax(0, square(dl) + square(dc) + square(dh) + rotation * dc * dh));
+}

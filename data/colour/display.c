@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: MIT */
+/* Displays: sRGB, and the monitor of the 1998 thesis. */
+#include <math.h>
+#include <string.h>
+
+#include "data/colour/colour.h"
+#include "data/maths/maths.h"
+#include "spectral.h"
+
+static const char *const names[] = {[DISPLAY_SRGB] = "srgb", [DISPLAY_MONITOR] = "monitor"};
+enum { KINDS = sizeof names / sizeof names[0] };
+
+/* The thesis's, as its program had it: the text prints figures rounded, and equation 14 with the
+ * inverse exponent and with offsets that were not used. */
+static const double monitor[3][3] = {
+    {0.03426, -0.01633, -0.005365}, {-0.01026, 0.01911, 0.0002522}, {0.000529, -0.001811, 0.00867}};
+static const struct display_curve monitor_curves[3] = {
+    {1.534, 1.035, 0, 0, 0}, {1.393, 1.053, 0, 0, 0}, {1.435, 1.047, 0, 0, 0}};
+static const struct display_curve srgb_curve = {2.4, 1 / 1.055, 0.055 / 1.055, 1 / 12.92, 0.04045};
+
+bool display_read(const char *option, const char *text, enum display_kind *out, struct error *err)
+{
+    for (int kind = 0; kind < KINDS; kind++)
+        if (strcmp(text, names[kind]) == 0) {
+            *out = (enum display_kind)kind;
+            return true;
+        }
+    return error_usage(err, "%s is srgb or monitor, not '%.100s'", option, text);
+}
+
+const char *display_name(enum display_kind kind)
+{
+    return names[kind];
+}
+
+/* From the chromaticities of sRGB's primaries (ITU-R BT.709), in amounts that add up to the white.
+ * The standard's own figures are these rounded to four decimals, and inverted after that. */
+static void srgb_matrix(double out[3][3])
+{
+    double primaries[3][3] = {{0.64, 0.30, 0.15},
+                              {0.33, 0.60, 0.06},
+                              {1 - 0.64 - 0.33, 1 - 0.30 - 0.60, 1 - 0.15 - 0.06}};
+    double amounts[3];
+    colour_inverse(primaries, out);
+    colour_apply(out, display_white, amounts);
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            out[i][j] /= amounts[i];
+}
+
+void display_matrix(enum display_kind kind, double out[3][3])
+{
+    if (kind == DISPLAY_SRGB)
+        srgb_matrix(out);
+    else
+        memcpy(out, monitor, sizeof monitor);
+}
+
+struct display_curve display_curve(enum display_kind kind, int channel)
+{
+    return kind == DISPLAY_SRGB ? srgb_curve : monitor_curves[channel];
+}
+
+double display_largest(enum display_kind kind, int channel)
+{
+    const struct display_curve curve = display_curve(kind, channel);
+    return kind == DISPLAY_SRGB ? 1 : power(curve.gain, curve.exponent);
+}
+
+double display_encode(enum display_kind kind, int channel, double linear)
+{
+    const struct display_curve curve = display_curve(kind, channel);
+    if (!(linear > 0))
+        return 0;
+    if (linear >= display_largest(kind, channel))
+        return 1;
+    if (linear <= curve.slope * curve.from)
+        return linear / curve.slope;
+    return fmin(1, (power(linear, 1 / curve.exponent) - curve.offset) / curve.gain);
+}

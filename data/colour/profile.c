@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: MIT */
+/* ICC profiles of displays: three colorants and three curves, version 4.3 (ICC.1:2010). */
+#include <math.h>
+#include <string.h>
+
+#include "data/colour/colour.h"
+#include "spectral.h"
+
+enum { HEADER = 128, TAGS = 10, TAG_ENTRY = 12 };
+
+/* The illuminant of the profile connection space, D50 (7.2.16). */
+static const double d50[3] = {0.9642, 1, 0.8249};
+
+struct profile {
+    unsigned char *bytes; /* zeroed before */
+    size_t at, end;       /* where the next byte is put, and the next tag's data */
+    int n_tags;
+};
+
+/* ---- numbers, big-endian ---- */
+
+static void put(struct profile *to, int n_bytes, uint32_t value)
+{
+    for (int i = n_bytes - 1; i >= 0; i--)
+        to->bytes[to->at++] = (unsigned char)(value >> 8 * i);
+}
+
+/* A signature of four characters. */
+static void put_name(struct profile *to, const char *name)
+{
+    for (int i = 0; i < 4; i++)
+        put(to, 1, (unsigned char)name[i]);
+}
+
+/* s15Fixed16Number */
+static void put_fixed(struct profile *to, double value)
+{
+    put(to, 4, (uint32_t)(int32_t)floor(value * 65536 + 0.5));
+}
+
+/* ---- tags ---- */
+
+/* Puts the tag into the table behind the header; its data follow, on a multiple of 4. */
+static void begin_tag(struct profile *to, const char *name, const char *type, size_t size)
+{
+    to->at = (size_t)(HEADER + 4 + TAG_ENTRY * to->n_tags++);
+    put_name(to, name);
+    put(to, 4, (uint32_t)to->end);
+    put(to, 4, (uint32_t)size);
+    to->at = to->end;
+    to->end += (size + 3) / 4 * 4;
+    put_name(to, type);
+    put(to, 4, 0);
+}
+
+/* multiLocalizedUnicodeType (10.13) of one text in ASCII. */
+static void put_text(struct profile *to, const char *name, const char *text)
+{
+    const size_t length = 2 * strlen(text);
+    begin_tag(to, name, "mluc", 28 + length);
+    put(to, 4, 1);
+    put(to, 4, 12);
+    put_name(to, "enUS");
+    put(to, 4, (uint32_t)length);
+    put(to, 4, 28);
+    for (; *text != '\0'; text++)
+        put(to, 2, (unsigned char)*text);
+}
+
+static void put_xyz(struct profile *to, const char *name, const double xyz[3])
+{
+    begin_tag(to, name, "XYZ ", 20);
+    for (int i = 0; i < 3; i++)
+        put_fixed(to, xyz[i]);
+}
+
+static void put_matrix(struct profile *to, const char *name, double matrix[3][3])
+{
+    begin_tag(to, name, "sf32", 44);
+    for (int i = 0; i < 9; i++)
+        put_fixed(to, matrix[i / 3][i % 3]);
+}
+
+/* parametricCurveType (10.15), of function 3, or of function 0 where the curve is a power alone:
+ * the largest value is 1, whatever the gain. */
+static void put_curve(struct profile *to, const char *name, struct display_curve curve)
+{
+    const bool plain = curve.from == 0 && curve.offset == 0;
+    const double numbers[5] = {curve.exponent, curve.gain, curve.offset, curve.slope, curve.from};
+    const int n = plain ? 1 : 5;
+    begin_tag(to, name, "para", (size_t)(12 + 4 * n));
+    put(to, 2, plain ? 0 : 3);
+    put(to, 2, 0);
+    for (int i = 0; i < n; i++)
+        put_fixed(to, numbers[i]);
+}
+
+/* ---- the profile ---- */
+
+/* Columns are XYZ of the primaries at their largest, together of Y = 1. */
+static void colorants(enum display_kind kind, double out[3][3])
+{
+    double from_xyz[3][3], y = 0;
+    display_matrix(kind, from_xyz);
+    colour_inverse(from_xyz, out);
+    for (int j = 0; j < 3; j++) {
+        for (int i = 0; i < 3; i++)
+            out[i][j] *= display_largest(kind, j);
+        y += out[1][j];
+    }
+    for (int i = 0; i < 9; i++)
+        out[i / 3][i % 3] /= y;
+}
+
+/* Bradford's matrix from the display's own white to D50, by way of D65. The whites are positive, so
+ * that no adaptation fails. */
+static void to_d50(double of_display[3][3], double out[3][3])
+{
+    static const struct adaptation bradford = {.kind = ADAPTATION_BRADFORD};
+    const double none[3] = {1, 1, 1};
+    double white[3], to_d65[3][3], d50_to_d65[3][3], back[3][3];
+    struct error err = {0};
+    colour_apply(of_display, none, white);
+    adaptation_matrix(&bradford, white, none, to_d65, &err);
+    adaptation_matrix(&bradford, d50, none, d50_to_d65, &err);
+    colour_inverse(d50_to_d65, back);
+    colour_product(back, to_d65, out);
+}
+
+/* Its date is fixed, so that the same bytes come whenever it is made. */
+static void put_header(struct profile *to)
+{
+    to->at = 0;
+    put(to, 4, (uint32_t)to->end);
+    put(to, 4, 0);
+    put(to, 4, 0x04300000);
+    put_name(to, "mntr");
+    put_name(to, "RGB ");
+    put_name(to, "XYZ ");
+    put(to, 2, 2000);
+    put(to, 2, 1);
+    put(to, 2, 1);
+    to->at = 36;
+    put_name(to, "acsp");
+    to->at = 68;
+    for (int i = 0; i < 3; i++)
+        put_fixed(to, d50[i]);
+    to->at = HEADER;
+    put(to, 4, TAGS);
+}
+
+size_t profile_write(enum display_kind kind, unsigned char out[LARGEST_PROFILE])
+{
+    static const char *const colorant[] = {"rXYZ", "gXYZ", "bXYZ"};
+    static const char *const curve[] = {"rTRC", "gTRC", "bTRC"};
+    struct profile profile = {.bytes = out, .end = HEADER + 4 + TAGS * TAG_ENTRY};
+    double of_display[3][3], chad[3][3], adapted[3][3];
+    memset(out, 0, LARGEST_PROFILE);
+    colorants(kind, of_display);
+    to_d50(of_display, chad);
+    colour_product(chad, of_display, adapted);
+    put_text(&profile, "desc", kind == DISPLAY_SRGB ? "sRGB" : "Monitor of 1998");
+    put_text(&profile, "cprt", "No copyright, use freely");
+    put_xyz(&profile, "wtpt", d50);
+    put_matrix(&profile, "chad", chad);
+    for (int j = 0; j < 3; j++)
+        put_xyz(&profile, colorant[j],
+                (const double[]){adapted[0][j], adapted[1][j], adapted[2][j]});
+    for (int j = 0; j < 3; j++)
+        put_curve(&profile, curve[j], display_curve(kind, j));
+    put_header(&profile);
+    return profile.end;
+}

@@ -1,0 +1,512 @@
+/* SPDX-License-Identifier: MIT */
+/* Where and by how much two stacks differ. Both are read in chunks of rows; rows are compared in
+ * parallel and added up in their order, so that nothing depends on chunks or threads. */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/colour/colour.h"
+#include "data/compare/compare.h"
+#include "data/maths/maths.h"
+#include "data/pages/pages.h"
+#include "data/record/record.h"
+#include "data/spectra/spectra.h"
+#include "data/stack/stack.h"
+#include "data/text/text.h"
+#include "data/tiff/tiff.h"
+#include "spectral.h"
+
+/* ---- tolerances ---- */
+
+bool tolerance_read(const char *option, const char *text, struct tolerance *out, struct error *err)
+{
+    static const struct {
+        const char *ending;
+        enum tolerance_unit unit;
+    } units[] = {{"dE76", TOLERANCE_CIE76},
+                 {"dE94", TOLERANCE_CIE94},
+                 {"dE00", TOLERANCE_CIEDE2000},
+                 {"%", TOLERANCE_PERCENT}};
+    struct word word = {.start = text, .length = strlen(text), .place = {option, 0, 0}};
+    out->unit = TOLERANCE_RADIANCE;
+    for (size_t i = 0; i < sizeof units / sizeof units[0]; i++) {
+        const size_t length = strlen(units[i].ending);
+        if (word.length > length && strcmp(text + word.length - length, units[i].ending) == 0) {
+            out->unit = units[i].unit;
+            word.length -= length;
+            break;
+        }
+    }
+    return word_number(&word, "tolerance (a radiance as 0.01, 0.1% of the largest, or 0.5dE00)", 0,
+                       HUGE_VAL, &out->value, err);
+}
+
+/* ---- statistics of pixels ---- */
+
+/* The values of all pixels, binned by the first 10 binary digits of a float's mantissa. As a
+ * quantile the largest value of its bin is given: too high by less than 1/1024. */
+enum { MANTISSA_LEFT_OUT = 13, N_BINS = 1 << 18 };
+struct distribution {
+    uint64_t *count;
+    double *largest; /* of each bin */
+    double sum;
+};
+
+static bool distribution_open(struct distribution *out, struct error *err)
+{
+    out->count = calloc(N_BINS, sizeof *out->count);
+    out->largest = calloc(N_BINS, sizeof *out->largest);
+    return (out->count != NULL && out->largest != NULL) || error_memory(err);
+}
+
+static void distribution_add(struct distribution *to, struct pixel_difference *difference,
+                             double value, int x, int y)
+{
+    const float rounded = (float)fmin(value, (double)FLT_MAX);
+    uint32_t bits;
+    memcpy(&bits, &rounded, sizeof bits); /* a value that is not negative: below 2^31 */
+    const uint32_t bin = bits >> MANTISSA_LEFT_OUT;
+    to->count[bin]++;
+    to->largest[bin] = fmax(to->largest[bin], value);
+    to->sum += value;
+    if (value > difference->largest) {
+        difference->largest = value;
+        difference->x = x;
+        difference->y = y;
+    }
+}
+
+/* The least value that at least 95 % of the pixels do not exceed. */
+static void distribution_end(const struct distribution *of, uint64_t n_pixels,
+                             struct pixel_difference *out)
+{
+    const uint64_t wanted = n_pixels - n_pixels / 20;
+    uint64_t so_far = of->count[0];
+    int bin = 0;
+    while (so_far < wanted)
+        so_far += of->count[++bin];
+    out->quantile_95 = of->largest[bin];
+    out->mean = of->sum / (double)n_pixels;
+}
+
+static void distribution_free(struct distribution *distribution)
+{
+    free(distribution->count);
+    free(distribution->largest);
+}
+
+/* ---- a pixel ---- */
+
+/* In degrees; 0 where both are black, 90 where one is. b is parted into a multiple of a and the
+ * rest, which is at right angles: with that as sine small angles keep their digits. */
+static double spectral_angle(const double *a, const double *b, int n)
+{
+    double aa = 0, bb = 0, ab = 0, rest = 0;
+    for (int i = 0; i < n; i++) {
+        aa += a[i] * a[i];
+        bb += b[i] * b[i];
+        ab += a[i] * b[i];
+    }
+    if (aa == 0 || bb == 0)
+        return aa == bb ? 0 : 90;
+    for (int i = 0; i < n; i++) {
+        const double across = b[i] - a[i] * (ab / aa);
+        rest += across * across;
+    }
+    return angle_of(fmin(sqrt(rest / bb), 1), fmin(ab / sqrt(aa) / sqrt(bb), 1)) * (180 / PI);
+}
+
+/* ---- a row ---- */
+
+struct comparer {
+    const struct compare_options *options;
+    struct comparison *out;
+    struct cube a, b;
+    double *weights; /* of X, Y and Z */
+    double white[3];
+    int threads, rows;             /* of a chunk */
+    float *samples_a, *samples_b;  /* [band][row][x] */
+    double *spectra;               /* [row][a, b][band]: the pixel at hand */
+    struct band_difference *bands; /* [row][band]; rms: sum of squares so far */
+    double *largest_a;             /* [row] */
+    double *angle, *colour;        /* [row][x], and of each formula */
+    float *map;                    /* [row][x][3] */
+    struct distribution angles, colours[COLOUR_FORMULAS];
+    struct picture_writer picture;
+};
+
+static double (*const formulas[])(const double a[3], const double b[3]) = {
+    [CIE76] = cie76_difference, [CIE94] = cie94_difference, [CIEDE2000] = ciede2000_difference};
+
+static void compare_colours(const struct comparer *comparer, const double *a, const double *b,
+                            double out[COLOUR_FORMULAS])
+{
+    const int n = comparer->out->n;
+    double xyz[3], lab_a[3], lab_b[3];
+    detector_response(comparer->weights, a, n, xyz);
+    cielab(xyz, comparer->white, lab_a);
+    detector_response(comparer->weights, b, n, xyz);
+    cielab(xyz, comparer->white, lab_b);
+    for (int i = 0; i < COLOUR_FORMULAS; i++)
+        out[i] = formulas[i](lab_a, lab_b);
+}
+
+/* Notes where the spectra of a pixel differ; returns by how much at most. */
+static double compare_bands(const double *a, const double *b, int n, int x, int y,
+                            struct band_difference *bands)
+{
+    double largest = 0;
+    for (int band = 0; band < n; band++) {
+        const double difference = fabs(a[band] - b[band]);
+        bands[band].rms += difference * difference;
+        largest = fmax(largest, difference);
+        if (difference > bands[band].largest) {
+            bands[band].largest = difference;
+            bands[band].x = x;
+            bands[band].y = y;
+        }
+    }
+    return largest;
+}
+
+static void compare_row(struct comparer *comparer, int row, int first_row)
+{
+    const int n = comparer->out->n, width = comparer->out->width;
+    const size_t plane = (size_t)comparer->rows * (size_t)width;
+    struct band_difference *bands = comparer->bands + (size_t)row * (size_t)n;
+    double *a = comparer->spectra + (size_t)row * 2 * (size_t)n, *b = a + n;
+    memset(bands, 0, (size_t)n * sizeof *bands);
+    comparer->largest_a[row] = 0;
+    for (int x = 0; x < width; x++) {
+        const size_t at = (size_t)row * (size_t)width + (size_t)x;
+        for (int band = 0; band < n; band++) {
+            a[band] = (double)comparer->samples_a[(size_t)band * plane + at];
+            b[band] = (double)comparer->samples_b[(size_t)band * plane + at];
+            comparer->largest_a[row] = fmax(comparer->largest_a[row], a[band]);
+        }
+        const double largest = compare_bands(a, b, n, x, first_row + row, bands);
+        comparer->angle[at] = largest > 0 ? spectral_angle(a, b, n) : 0;
+        double *colour = comparer->colour + at * COLOUR_FORMULAS;
+        memset(colour, 0, COLOUR_FORMULAS * sizeof *colour);
+        if (largest > 0 && comparer->out->has_white)
+            compare_colours(comparer, a, b, colour);
+        comparer->map[3 * at] = (float)largest;
+        comparer->map[3 * at + 1] = (float)comparer->angle[at];
+        comparer->map[3 * at + 2] = (float)fmin(colour[CIEDE2000], (double)FLT_MAX);
+    }
+}
+
+/* ---- all rows ---- */
+
+static void add_row(struct comparer *comparer, int row, int y)
+{
+    struct comparison *out = comparer->out;
+    const struct band_difference *bands = comparer->bands + (size_t)row * (size_t)out->n;
+    for (int band = 0; band < out->n; band++) {
+        const double sum = out->bands[band].rms + bands[band].rms;
+        if (bands[band].largest > out->bands[band].largest)
+            out->bands[band] = bands[band];
+        out->bands[band].rms = sum;
+    }
+    out->largest_radiance = fmax(out->largest_radiance, comparer->largest_a[row]);
+    for (int x = 0; x < out->width; x++) {
+        const size_t at = (size_t)row * (size_t)out->width + (size_t)x;
+        distribution_add(&comparer->angles, &out->angle, comparer->angle[at], x, y);
+        for (int i = 0; i < COLOUR_FORMULAS; i++)
+            distribution_add(&comparer->colours[i], &out->colour[i],
+                             comparer->colour[at * COLOUR_FORMULAS + (size_t)i], x, y);
+    }
+}
+
+static bool compare_chunk(struct comparer *comparer, int y, int rows, struct error *err)
+{
+    const size_t plane = (size_t)comparer->rows * (size_t)comparer->out->width;
+    for (int band = 0; band < comparer->out->n; band++)
+        if (!image_read(&comparer->a.image, band, y, rows,
+                        comparer->samples_a + (size_t)band * plane, err) ||
+            !image_read(&comparer->b.image, band, y, rows,
+                        comparer->samples_b + (size_t)band * plane, err))
+            return false;
+#pragma omp parallel for schedule(dynamic) num_threads(comparer->threads)
+    for (int row = 0; row < rows; row++)
+        compare_row(comparer, row, y);
+    for (int row = 0; row < rows; row++)
+        add_row(comparer, row, y + row);
+    return comparer->options->map == NULL ||
+           picture_write(&comparer->picture, comparer->map, rows, err);
+}
+
+/* Sums become root mean squares. */
+static void conclude(struct comparer *comparer)
+{
+    struct comparison *out = comparer->out;
+    const uint64_t n_pixels = (uint64_t)out->width * (uint64_t)out->height;
+    double sum = 0;
+    for (int band = 0; band < out->n; band++) {
+        if (out->bands[band].largest > out->all.largest) {
+            out->all = out->bands[band];
+            out->largest_band = band;
+        }
+        sum += out->bands[band].rms;
+        out->bands[band].rms = sqrt(out->bands[band].rms / (double)n_pixels);
+    }
+    out->all.rms = sqrt(sum / (double)n_pixels / out->n);
+    distribution_end(&comparer->angles, n_pixels, &out->angle);
+    for (int i = 0; i < COLOUR_FORMULAS; i++)
+        distribution_end(&comparer->colours[i], n_pixels, &out->colour[i]);
+}
+
+static bool compare_rows(struct comparer *comparer, struct error *err)
+{
+    const int height = comparer->out->height;
+    for (int y = 0; y < height; y += comparer->rows) {
+        const int left = height - y;
+        if (output_interrupted())
+            return error_system(err, "interrupted; nothing was written");
+        if (!compare_chunk(comparer, y, left < comparer->rows ? left : comparer->rows, err))
+            return false;
+    }
+    conclude(comparer);
+    return true;
+}
+
+/* ---- preparations ---- */
+
+/* Wavelengths that differ by less are the same: a file may hold them rounded. */
+static const double same_nm = 1e-6;
+
+static bool check_sizes(const struct image *a, const struct image *b, struct error *err)
+{
+    const struct place place = {b->path, 0, 0};
+    if (a->width != b->width || a->height != b->height)
+        return error_at(err, place, "%d x %d pixels, but %s has %d x %d", b->width, b->height,
+                        a->path, a->width, a->height);
+    if (a->n_pages != b->n_pages)
+        return error_at(err, place, "%d wavelengths, but %s has %d", b->n_pages, a->path,
+                        a->n_pages);
+    for (int i = 0; i < a->n_pages; i++)
+        if (!(fabs(a->wavelengths_nm[i] - b->wavelengths_nm[i]) < same_nm))
+            return error_at(err, place, "page %d is %.10g nm, but in %s %.10g nm", i + 1,
+                            b->wavelengths_nm[i], a->path, a->wavelengths_nm[i]);
+    return true;
+}
+
+/* Components have a meaning only by how they were sampled, which the response tells: a basis is
+ * that of its scene. */
+static bool check_samplings(const struct cube *a, const struct cube *b, struct error *err)
+{
+    const struct record *of_a = &a->record, *of_b = &b->record;
+    if (a->components != b->components)
+        return error_usage(err, "%s holds the components of %s, %s radiances at wavelengths",
+                           (a->components ? a : b)->image.path,
+                           (a->components ? of_a : of_b)->sampling,
+                           (a->components ? b : a)->image.path);
+    if (!a->components)
+        return true;
+    const bool alike = strcmp(of_a->sampling, of_b->sampling) == 0 &&
+                       strcmp(of_a->sampling_detector, of_b->sampling_detector) == 0;
+    return (alike && of_a->n_response == of_b->n_response &&
+            memcmp(of_a->response, of_b->response,
+                   (size_t)of_a->n_response * sizeof *of_a->response) == 0) ||
+           error_usage(err,
+                       "%s and %s hold components that cannot be compared: of %s for %s, and of %s"
+                       " for %s%s",
+                       a->image.path, b->image.path, of_a->sampling, of_a->sampling_detector,
+                       of_b->sampling, of_b->sampling_detector, alike ? " of other spectra" : "");
+}
+
+static bool prepare_colour(struct comparer *comparer, struct error *err)
+{
+    struct detector detector = {.name = NULL};
+    struct comparison *out = comparer->out;
+    out->observer = strdup(comparer->options->observer);
+    comparer->weights = calloc(3 * (size_t)out->n, sizeof *comparer->weights);
+    if (out->observer == NULL || comparer->weights == NULL)
+        return error_memory(err);
+    const bool done = observer_read(out->observer, &detector, err) &&
+                      cube_weights(&comparer->a, &detector, comparer->weights, err) &&
+                      cube_white_response(&comparer->a, comparer->options->white,
+                                          comparer->options->tolerance.unit >= TOLERANCE_CIE76,
+                                          comparer->weights, &out->has_white, comparer->white, err);
+    detector_free(&detector);
+    return done;
+}
+
+/* Samples of a chunk, of both stacks: 128 MiB at most, but for a row. */
+static const size_t chunk_samples = (size_t)32 << 20;
+
+static bool prepare_chunk(struct comparer *comparer, struct error *err)
+{
+    const size_t n = (size_t)comparer->out->n, width = (size_t)comparer->out->width;
+    const size_t height = (size_t)comparer->out->height, fitting = chunk_samples / (2 * n * width);
+    const size_t rows = fitting < 1 ? 1 : fitting < height ? fitting : height;
+    comparer->rows = (int)rows;
+    comparer->threads = threads_start(comparer->options->threads);
+    comparer->samples_a = calloc(n * rows * width, sizeof *comparer->samples_a);
+    comparer->samples_b = calloc(n * rows * width, sizeof *comparer->samples_b);
+    comparer->spectra = calloc(2 * n * rows, sizeof *comparer->spectra);
+    comparer->bands = calloc(n * rows, sizeof *comparer->bands);
+    comparer->largest_a = calloc(rows, sizeof *comparer->largest_a);
+    comparer->angle = calloc(rows * width, sizeof *comparer->angle);
+    comparer->colour = calloc(COLOUR_FORMULAS * rows * width, sizeof *comparer->colour);
+    comparer->map = calloc(3 * rows * width, sizeof *comparer->map);
+    return (comparer->samples_a != NULL && comparer->samples_b != NULL &&
+            comparer->spectra != NULL && comparer->bands != NULL && comparer->largest_a != NULL &&
+            comparer->angle != NULL && comparer->colour != NULL && comparer->map != NULL) ||
+           error_memory(err);
+}
+
+static bool open_distributions(struct comparer *comparer, struct error *err)
+{
+    for (int i = 0; i < COLOUR_FORMULAS; i++)
+        if (!distribution_open(&comparer->colours[i], err))
+            return false;
+    return distribution_open(&comparer->angles, err);
+}
+
+static bool prepare(struct comparer *comparer, struct error *err)
+{
+    const struct image *image = &comparer->a.image;
+    struct comparison *out = comparer->out;
+    const size_t n = (size_t)image->n_pages;
+    *out = (struct comparison){.n = image->n_pages,
+                               .width = image->width,
+                               .height = image->height,
+                               .components = comparer->a.components};
+    out->wavelengths_nm = calloc(n, sizeof *out->wavelengths_nm);
+    out->bands = calloc(n, sizeof *out->bands);
+    if (out->wavelengths_nm == NULL || out->bands == NULL)
+        return error_memory(err);
+    memcpy(out->wavelengths_nm, image->wavelengths_nm, n * sizeof *out->wavelengths_nm);
+    return check_samplings(&comparer->a, &comparer->b, err) &&
+           check_sizes(image, &comparer->b.image, err) && prepare_colour(comparer, err) &&
+           prepare_chunk(comparer, err) && open_distributions(comparer, err);
+}
+
+static bool open_map(struct comparer *comparer, struct error *err)
+{
+    const bool components = comparer->out->components;
+    const struct picture_options options = {
+        .width = comparer->out->width,
+        .height = comparer->out->height,
+        .samples = PICTURE_FLOAT,
+        .channels = {components ? "largest difference of components"
+                                : "largest difference of radiance",
+                     components ? "component angle in degrees" : "spectral angle in degrees",
+                     "CIEDE2000"},
+        .description = "How two spectral stacks differ"};
+    return comparer->options->map == NULL ||
+           picture_open(&comparer->picture, comparer->options->map, &options, err);
+}
+
+/* ---- the whole ---- */
+
+static void comparer_free(struct comparer *comparer)
+{
+    cube_close(&comparer->a);
+    cube_close(&comparer->b);
+    distribution_free(&comparer->angles);
+    for (int i = 0; i < COLOUR_FORMULAS; i++)
+        distribution_free(&comparer->colours[i]);
+    free(comparer->weights);
+    free(comparer->samples_a);
+    free(comparer->samples_b);
+    free(comparer->spectra);
+    free(comparer->bands);
+    free(comparer->largest_a);
+    free(comparer->angle);
+    free(comparer->colour);
+    free(comparer->map);
+}
+
+bool compare(const char *a, const char *b, const struct compare_options *options,
+             struct comparison *out, struct error *err)
+{
+    struct comparer comparer = {.options = options, .out = out};
+    *out = (struct comparison){.n = 0};
+    bool done =
+        cube_open(a, &comparer.a, err) && cube_open(b, &comparer.b, err) && prepare(&comparer, err);
+    const bool opened = done && open_map(&comparer, err);
+    done = opened && compare_rows(&comparer, err) &&
+           (options->map == NULL || picture_commit(&comparer.picture, err));
+    if (opened && options->map != NULL)
+        picture_discard(&comparer.picture); /* what was committed stays */
+    comparer_free(&comparer);
+    return done;
+}
+
+bool comparison_is_within(const struct comparison *comparison, const struct tolerance *tolerance)
+{
+    const int formula = (int)tolerance->unit - TOLERANCE_CIE76;
+    const double seen =
+        formula >= 0 ? comparison->colour[formula].largest : comparison->all.largest;
+    return seen <=
+           tolerance->value *
+               (tolerance->unit == TOLERANCE_PERCENT ? comparison->largest_radiance / 100 : 1);
+}
+
+/* Where the largest difference is, if there is any. */
+static void pixel_text(double largest, int x, int y, char out[32])
+{
+    if (largest > 0)
+        snprintf(out, 32, "%d,%d", x, y);
+    else
+        snprintf(out, 32, "none");
+}
+
+static void print_bands(const struct comparison *comparison, FILE *to)
+{
+    fprintf(to, "%-17s %-12s %-11s %s\n", comparison->components ? "component" : "wavelength (nm)",
+            "largest", "at pixel", "RMS");
+    for (int i = 0; i < comparison->n; i++) {
+        const struct band_difference *band = &comparison->bands[i];
+        char pixel[32];
+        pixel_text(band->largest, band->x, band->y, pixel);
+        fprintf(to, "%-17.10g %-12.6g %-11s %.6g\n", comparison->wavelengths_nm[i], band->largest,
+                pixel, band->rms);
+    }
+}
+
+static void print_pixels(const char *name, const struct pixel_difference *difference, FILE *to)
+{
+    char pixel[32];
+    pixel_text(difference->largest, difference->x, difference->y, pixel);
+    fprintf(to, "%s %.6g (mean), %.6g (95th percentile), %.6g (largest, at pixel %s)\n", name,
+            difference->mean, difference->quantile_95, difference->largest, pixel);
+}
+
+void comparison_print(const struct comparison *comparison, FILE *to)
+{
+    const bool components = comparison->components;
+    const char *unit = components ? "" : " W sr-1 m-2 nm-1 (relative)";
+    const struct band_difference *all = &comparison->all;
+    char pixel[32];
+    pixel_text(all->largest, all->x, all->y, pixel);
+    print_bands(comparison, to);
+    fprintf(to, "stacks            %d x %d pixels, %d %s\n", comparison->width, comparison->height,
+            comparison->n, components ? "components" : "wavelengths");
+    fprintf(to, "largest           %.6g%s at %s%.10g%s, at pixel %s\n", all->largest, unit,
+            components ? "component " : "", comparison->wavelengths_nm[comparison->largest_band],
+            components ? "" : " nm", pixel);
+    fprintf(to, "RMS               %.6g%s\n", all->rms, unit);
+    fprintf(to, "largest of A      %.6g%s\n", comparison->largest_radiance, unit);
+    print_pixels(components ? "component angle  " : "spectral angle   ", &comparison->angle, to);
+    if (!comparison->has_white)
+        fprintf(to, "colour            none: there is no white; --white SPECTRUM gives one\n");
+    else {
+        print_pixels("CIE76            ", &comparison->colour[CIE76], to);
+        print_pixels("CIE94            ", &comparison->colour[CIE94], to);
+        print_pixels("CIEDE2000        ", &comparison->colour[CIEDE2000], to);
+        fprintf(to, "observer          %s\n", comparison->observer);
+    }
+}
+
+void comparison_free(struct comparison *comparison)
+{
+    free(comparison->wavelengths_nm);
+    free(comparison->bands);
+    free(comparison->observer);
+    *comparison = (struct comparison){.n = 0};
+}

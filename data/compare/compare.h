@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "compare": where and by how much two stacks differ. */
+#ifndef COMPARE_H
+#define COMPARE_H
+
+#include "spectral.h"
+
+enum colour_formula { CIE76, CIE94, CIEDE2000, COLOUR_FORMULAS };
+enum tolerance_unit { /* the last three in the order of formulas */
+                      TOLERANCE_RADIANCE,
+                      TOLERANCE_PERCENT,
+                      TOLERANCE_CIE76,
+                      TOLERANCE_CIE94,
+                      TOLERANCE_CIEDE2000
+};
+struct tolerance {
+    double value;
+    enum tolerance_unit unit; /* per cent are of A's largest radiance */
+};
+/* Reads "0.01", "0.1%", "0.5dE00", "0.5dE94" or "0.5dE76". Messages name `option`. */
+bool tolerance_read(const char *option, const char *text, struct tolerance *out, struct error *err);
+struct compare_options {
+    const char *observer, *white; /* white NULL: what A records */
+    const char *map;              /* TIFF to write; NULL: none */
+    struct tolerance tolerance;
+    int threads;
+};
+struct band_difference {
+    double largest; /* |A - B|, in radiance */
+    int x, y;       /* of the first pixel that has it */
+    double rms;
+};
+/* Over all pixels: of spectral angles in degrees, or of a colour formula. */
+struct pixel_difference {
+    double mean, largest;
+    double quantile_95; /* 95 % of the pixels do not exceed it; too high by less than 1/1024 */
+    int x, y;           /* of the largest */
+};
+struct comparison {
+    int n, width, height;
+    bool components;               /* of both: wavelengths_nm is 1, 2, ... */
+    double *wavelengths_nm;        /* owned */
+    struct band_difference *bands; /* of each; owned */
+    struct band_difference all;
+    int largest_band;                                       /* the band that has all.largest */
+    double largest_radiance;                                /* of A */
+    struct pixel_difference angle, colour[COLOUR_FORMULAS]; /* A is the standard of CIE 94 */
+    bool has_white;                                         /* without, there are no colours */
+    char *observer;                                         /* owned */
+};
+/* Compares stack A with stack B. Refuses stacks of different size or wavelengths (EXIT_INPUT),
+ * components of different samplings, and a tolerance of colours without a white. Colours are by the
+ * weights of A's sampling. The map has three float samples a pixel: the largest |A - B| of all
+ * pages, the angle between the spectra or components in degrees, CIEDE2000 (0 without a white). It
+ * is written whatever the difference. */
+bool compare(const char *a, const char *b, const struct compare_options *options,
+             struct comparison *out, struct error *err);
+bool comparison_is_within(const struct comparison *comparison, const struct tolerance *tolerance);
+void comparison_print(const struct comparison *comparison, FILE *to);
+void comparison_free(struct comparison *comparison);
+
+#endif

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "develop": a stack as a detector sees it. */
+#ifndef DEVELOP_H
+#define DEVELOP_H
+
+#include "data/colour/colour.h"
+#include "data/method/method.h"
+#include "spectral.h"
+
+enum develop_values { DEVELOP_RGB, DEVELOP_XYZ, DEVELOP_LAB };
+struct develop_options {
+    const char *detector; /* name or file */
+    struct adaptation adaptation;
+    enum display_kind display;
+    const char *white; /* SPECTRUM; NULL: what the stack records */
+    double exposure;   /* factor of all radiances; 0: the one that brings the largest displayed
+                          value (or Y) of the picture to just 1 (or 100) */
+    enum develop_values values;
+    int bits;                               /* of RGB: 8 or 16 */
+    int threads;                            /* 0: as many as OpenMP offers */
+    const struct sampling_method *sampling; /* develops the stack's spectra, linear between pages,
+                                               as if they were sampled so; NULL: as they are.
+                                               Refused for stacks that were sampled, and for basis,
+                                               rgb and xyz, which need lights and reflectances
+                                               apart */
+};
+struct develop_result {
+    int width, height, n_pages;
+    double first_nm, last_nm; /* of pages, or of the range of components */
+    char sampling[512];       /* in a line, of the stack or as if; "": none */
+    bool components, observer;
+    struct adaptation adaptation; /* as used: with its luminance */
+    double lost[3];               /* detector_lost */
+    bool has_white;
+    double white[3];       /* the white in the detector's channels, before adaptation */
+    double exposure;       /* as used */
+    uint64_t out_of_gamut; /* pixels with a channel clipped by more than 1e-6; 0 of XYZ and Lab */
+};
+/* Reads a stack and writes a picture of it. The channels of cameras and films are balanced: each is
+ * divided by the white's. Refuses adaptation, XYZ and Lab for them. */
+bool develop(const char *stack, const char *output, const struct develop_options *options,
+             struct develop_result *out, struct error *err);
+void develop_print(const struct develop_options *options, const struct develop_result *result,
+                   FILE *to);
+
+#endif

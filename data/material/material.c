@@ -1,0 +1,355 @@
+/* SPDX-License-Identifier: MIT */
+/* Materials, from files in the format of the 1998 thesis (its Table 1: the first word of a line
+ * says what the line is) and from the words of a scene. Both are held to the same ranges. */
+#include <ctype.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "data/material/material.h"
+#include "data/spectra/spectra.h"
+#include "data/text/text.h"
+#include "spectral.h"
+
+/* The excitation by a light is divided by the sum, which stands for a light of 1 everywhere. */
+static bool check_excitation(const struct spectrum *excitation, struct error *err)
+{
+    double sum = excitation->factor;
+    if (excitation->kind == SPECTRUM_CONSTANT)
+        sum *= excitation->parameter[0];
+    if (excitation->kind == SPECTRUM_SAMPLED) {
+        double values = 0;
+        for (int i = 0; i < excitation->count; i++)
+            values += excitation->value[i];
+        sum *= values;
+    }
+    if (sum > 0 && isfinite(sum))
+        return true;
+    return error_at(err, excitation->place,
+                    "the sum of the excitation is %g; it is above 0 and finite", sum);
+}
+
+/* ---- material files ---- */
+
+/* WAVELENGTH REFLECTANCE */
+static bool read_reflectance(struct text *text, struct spectrum *out, struct error *err)
+{
+    struct word word;
+    double nm, value;
+    return text_expect(text, &word, "a wavelength", err) &&
+           word_number(&word, "wavelength", -HUGE_VAL, HUGE_VAL, &nm, err) &&
+           text_number(text, "reflectance", 0, 1, &value, err) &&
+           spectrum_append(out, nm, value, word.place, err);
+}
+
+/* WAVELENGTH EXCITATION EMISSION */
+static bool read_fluorescence(struct text *text, struct material *out, struct error *err)
+{
+    struct word word;
+    double nm, excitation, emission;
+    return text_expect(text, &word, "a wavelength", err) &&
+           word_number(&word, "wavelength", -HUGE_VAL, HUGE_VAL, &nm, err) &&
+           text_number(text, "excitation", 0, HUGE_VAL, &excitation, err) &&
+           text_number(text, "emission", 0, HUGE_VAL, &emission, err) &&
+           spectrum_append(&out->excitation, nm, excitation, word.place, err) &&
+           spectrum_append(&out->emission, nm, emission, word.place, err);
+}
+
+/* The partner, made when its first line comes. */
+static struct material *partner_of(struct material *material, struct place place, struct error *err)
+{
+    if (material->partner != NULL)
+        return material->partner;
+    material->partner = calloc(1, sizeof *material->partner);
+    if (material->partner == NULL)
+        error_memory(err);
+    else
+        material->partner->place = material->partner_place = place;
+    return material->partner;
+}
+
+/* The last letter of a line's first word, small; 0: nothing known. */
+static char line_kind(const struct word *word)
+{
+    static const char *const known[] = {"s", "f", "g", "t", "mr", "ms", "mf", "mg"};
+    if (word->quoted)
+        return 0;
+    for (size_t i = 0; i < sizeof known / sizeof known[0]; i++)
+        if (word->length == strlen(known[i]) &&
+            strncasecmp(word->start, known[i], word->length) == 0)
+            return known[i][word->length - 1];
+    return 0;
+}
+
+static bool read_line(struct text *text, const struct word *first, struct material *out,
+                      struct error *err)
+{
+    bool number = word_begins_number(first);
+    char kind = number ? 'r' : line_kind(first);
+    struct word word;
+    if (number)
+        text->at = first->start;
+    if (kind != 0 && tolower((unsigned char)first->start[0]) == 'm') {
+        out = partner_of(out, first->place, err);
+        if (out == NULL)
+            return false;
+    }
+    switch (kind) {
+    case 'r':
+        return read_reflectance(text, &out->diffuse, err);
+    case 's':
+        return read_reflectance(text, &out->specular, err);
+    case 'f':
+        return read_fluorescence(text, out, err);
+    case 'g':
+        return place_once(&out->gloss_place, first->place, "gloss", err) &&
+               text_expect(text, &word, "a gloss", err) &&
+               word_number(&word, "gloss", 0, HIGHEST_GLOSS, &out->gloss, err);
+    case 't':
+        return place_once(&out->texture_place, first->place, "texture", err) &&
+               text_expect(text, &word, "a texture file", err) &&
+               word_path(&word, &out->texture, err);
+    default:
+        return error_at(err, first->place,
+                        "unknown line '%.*s'; a line begins with a wavelength, g, s, f, t, mr, mg, "
+                        "ms or mf",
+                        word_shown(first), first->start);
+    }
+}
+
+static bool read_lines(struct text *text, struct material *out, struct error *err)
+{
+    struct word word;
+    while (text_next_line(text))
+        if (text_word(text, &word) &&
+            (!read_line(text, &word, out, err) || !text_end(text, "this line", err)))
+            return false;
+    return true;
+}
+
+/* Checks what only the whole file shows, and names the spectra. */
+static bool complete(struct material *material, const char *no_diffuse, struct error *err)
+{
+    struct spectrum *spectra[] = {&material->diffuse, &material->specular, &material->excitation,
+                                  &material->emission};
+    if (material->diffuse.kind == SPECTRUM_NONE)
+        return error_at(err, material->place, "%s", no_diffuse);
+    if (material->excitation.kind != SPECTRUM_NONE && !check_excitation(&material->excitation, err))
+        return false;
+    for (size_t i = 0; i < sizeof spectra / sizeof spectra[0]; i++)
+        if (spectra[i]->kind != SPECTRUM_NONE &&
+            !string_copy(material->name, &spectra[i]->name, err))
+            return false;
+    material->specular_place = material->specular.place;
+    return true;
+}
+
+static bool complete_file(struct material *out, struct error *err)
+{
+    struct material *partner = out->partner;
+    if (!complete(out, "no diffuse reflectance; a material has lines of a wavelength and one", err))
+        return false;
+    return partner == NULL ||
+           (string_copy(out->name, &partner->name, err) &&
+            string_copy(out->path, &partner->path, err) &&
+            complete(partner, "the partner has no mr lines; it needs a diffuse reflectance", err));
+}
+
+/* The file's name without folder and ending. */
+static char *name_of(const char *path)
+{
+    const char *slash = strrchr(path, '/'), *base = slash != NULL ? slash + 1 : path;
+    const char *dot = strrchr(base, '.');
+    return strndup(base, dot != NULL && dot > base ? (size_t)(dot - base) : strlen(base));
+}
+
+bool material_read(const char *path, struct place from, struct material *out, struct error *err)
+{
+    struct text text;
+    bool done;
+    *out = (struct material){0};
+    if (!text_open(&text, path, from, err))
+        return false;
+    out->path = text.path; /* taken over: the places point at it */
+    out->place = text_whole(&text);
+    out->name = name_of(path);
+    done = out->name != NULL ? read_lines(&text, out, err) && complete_file(out, err)
+                             : error_memory(err);
+    text.path = NULL;
+    text_free(&text);
+    if (!done)
+        material_free(out);
+    return done;
+}
+
+/* ---- materials written in a scene ---- */
+
+/* The next word, over lines. A brace that touches a word would hide in it. */
+static bool block_word(struct text *text, struct word *out, struct place open, struct error *err)
+{
+    while (!text_peek(*text, out))
+        if (!text_next_line(text))
+            return error_at(err, open, "this { is never closed by a }");
+    if (!text_expect(text, out, "a word", err))
+        return false;
+    return out->quoted || out->length == 1 || memchr(out->start, '}', out->length) == NULL ||
+           error_at(err, out->place, "a } stands alone, between blanks");
+}
+
+/* A word's argument. */
+static bool block_value(struct text *text, struct word *out, const char *what, struct place open,
+                        struct error *err)
+{
+    if (!block_word(text, out, open, err))
+        return false;
+    return !word_is(out, "}") || error_at(err, out->place, "expected %s before }", what);
+}
+
+static bool read_filter(struct text *text, struct material *out, struct error *err)
+{
+    struct text before = *text;
+    struct word word;
+    if (!block_word(text, &word, out->place, err))
+        return false;
+    out->texture_linear = word_is(&word, "linear");
+    if (!out->texture_linear && !word_is(&word, "nearest"))
+        *text = before;
+    return true;
+}
+
+static bool read_emission(struct text *text, struct material *out, struct error *err)
+{
+    struct word word;
+    return check_excitation(&out->excitation, err) &&
+           block_value(text, &word, "a spectrum", out->place, err) &&
+           spectrum_read(&word, 0, HUGE_VAL, &out->emission, err);
+}
+
+enum block_kind {
+    BLOCK_DIFFUSE,
+    BLOCK_SPECULAR,
+    BLOCK_GLOSS,
+    BLOCK_FLUORESCENCE,
+    BLOCK_DONALDSON,
+    BLOCK_TEXTURE,
+    BLOCK_SPECTRAL_TEXTURE,
+    BLOCK_EMISSION,
+    BLOCK_METAMER,
+    BLOCK_END
+};
+static const char *const block_words[] = {
+    "diffuse", "specular",         "gloss",    "fluorescence", "donaldson",
+    "texture", "spectral-texture", "emission", "metamer",      "}",
+    NULL};
+static const char *const block_values[BLOCK_END] = {"a spectrum", "a spectrum", "a gloss",
+                                                    "a spectrum", "a file",     "a file",
+                                                    "a file",     "a spectrum", "a material"};
+
+static bool block_entry(struct text *text, int kind, struct material *out, struct error *err)
+{
+    struct word word;
+    if (!block_value(text, &word, block_values[kind], out->place, err))
+        return false;
+    switch ((enum block_kind)kind) {
+    case BLOCK_DIFFUSE:
+        return spectrum_read(&word, 0, 1, &out->diffuse, err);
+    case BLOCK_SPECULAR:
+        return spectrum_read(&word, 0, 1, &out->specular, err);
+    case BLOCK_GLOSS:
+        return word_number(&word, "gloss", 0, HIGHEST_GLOSS, &out->gloss, err);
+    case BLOCK_FLUORESCENCE:
+        return spectrum_read(&word, 0, HUGE_VAL, &out->excitation, err) &&
+               read_emission(text, out, err);
+    case BLOCK_DONALDSON:
+        return word_path(&word, &out->donaldson, err);
+    case BLOCK_TEXTURE:
+        return word_path(&word, &out->texture, err) && read_filter(text, out, err);
+    case BLOCK_SPECTRAL_TEXTURE:
+        return word_path(&word, &out->spectral_texture, err) && read_filter(text, out, err);
+    case BLOCK_EMISSION:
+        return spectrum_read(&word, 0, HUGE_VAL, &out->glow, err);
+    case BLOCK_METAMER:
+        out->partner_name = word_copy(&word);
+        return out->partner_name != NULL || error_memory(err);
+    case BLOCK_END:
+        break;
+    }
+    return true;
+}
+
+static bool exclude(struct place first, struct place second, const char *what, struct error *err)
+{
+    return first.line == 0 || second.line == 0 ||
+           error_at(err, second, "a material has either %s, not both", what);
+}
+
+/* What shines or mirrors by itself needs no diffuse reflectance: it is 0 then. */
+static bool complete_diffuse(struct material *out, struct error *err)
+{
+    if (out->diffuse.kind != SPECTRUM_NONE)
+        return true;
+    if (out->specular.kind == SPECTRUM_NONE && out->glow.kind == SPECTRUM_NONE)
+        return error_at(err, out->place, "the material has none of diffuse, specular and emission");
+    out->diffuse = (struct spectrum){.kind = SPECTRUM_CONSTANT, .factor = 1, .place = out->place};
+    return string_copy("0", &out->diffuse.name, err);
+}
+
+static bool read_block(struct text *text, struct material *out, struct error *err)
+{
+    struct place diffuse = {0}, fluorescence = {0}, emission = {0};
+    struct place *given[BLOCK_END] = {&diffuse,
+                                      &out->specular_place,
+                                      &out->gloss_place,
+                                      &fluorescence,
+                                      &out->donaldson_place,
+                                      &out->texture_place,
+                                      &out->spectral_texture_place,
+                                      &emission,
+                                      &out->partner_place};
+    struct word word;
+    int kind;
+    for (;;) {
+        if (!block_word(text, &word, out->place, err))
+            return false;
+        kind = word_choose(&word, block_words, "word in a material", err);
+        if (kind == BLOCK_END)
+            break;
+        if (kind < 0 || !place_once(given[kind], word.place, block_words[kind], err) ||
+            !block_entry(text, kind, out, err))
+            return false;
+    }
+    return exclude(fluorescence, out->donaldson_place, "fluorescence or donaldson", err) &&
+           exclude(out->texture_place, out->spectral_texture_place, "texture or spectral-texture",
+                   err) &&
+           complete_diffuse(out, err);
+}
+
+bool material_read_words(struct text *text, struct material *out, struct error *err)
+{
+    *out = (struct material){.place = text_place(text)};
+    out->place.column--; /* the cursor stands behind the { */
+    if (read_block(text, out, err))
+        return true;
+    material_free(out);
+    return false;
+}
+
+void material_free(struct material *material)
+{
+    spectrum_free(&material->diffuse);
+    spectrum_free(&material->specular);
+    spectrum_free(&material->excitation);
+    spectrum_free(&material->emission);
+    spectrum_free(&material->glow);
+    if (material->partner != NULL)
+        material_free(material->partner);
+    free(material->partner);
+    free(material->partner_name);
+    free(material->donaldson);
+    free(material->texture);
+    free(material->spectral_texture);
+    free(material->name);
+    free(material->path);
+    *material = (struct material){0};
+}

@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "material": the thesis's material files, materials in words, MTL files. */
+#ifndef MATERIAL_H
+#define MATERIAL_H
+
+#include "data/spectra/spectra.h"
+#include "data/text/text.h"
+#include "spectral.h"
+
+/* ---- material.c: materials from files and from words ---- */
+
+/* How a surface reflects and emits light. All reflectances are in [0, 1]. */
+struct material {
+    char *name; /* file name without folder and ending, or the scene's name; owned */
+    char *path; /* owned; NULL for a material written in the scene */
+    struct place place;
+    struct spectrum diffuse;  /* always present */
+    struct spectrum specular; /* absent with gloss > 0: 1 at every wavelength */
+    double gloss;             /* 0..128; 0: no highlight */
+    struct place gloss_place, specular_place;
+    struct spectrum excitation, emission; /* fluorescence; both or neither; sum(excitation) > 0 */
+    char *donaldson;                      /* bispectral matrix file; owned, NULL: none */
+    struct place donaldson_place;
+    char *texture;       /* file; owned, NULL: none */
+    bool texture_linear; /* of either kind */
+    struct place texture_place;
+    char *spectral_texture; /* stack; owned, NULL: none */
+    struct place spectral_texture_place;
+    struct spectrum glow;     /* emission without light */
+    char *partner_name;       /* `metamer MATERIAL`: name in the scene; owned */
+    int partner_index;        /* of the material of that name, where it is used; otherwise 0 */
+    struct material *partner; /* from a material file's m lines; owned; place is set */
+    struct place partner_place;
+    bool from_rgb; /* three numbers of an MTL file, spread over the spectrum; nothing measured */
+};
+
+/* Reads a material file, which the place `from` names. */
+bool material_read(const char *path, struct place from, struct material *out, struct error *err);
+/* Reads the words between { and } of a scene's material; the { has been read. May span lines. */
+bool material_read_words(struct text *text, struct material *out, struct error *err);
+void material_free(struct material *material);
+
+/* ---- mtl.c: the colours that come with OBJ models ---- */
+
+/* Reads the entry of that name. A missing entry is an error at `from`, which names the file. */
+bool mtl_read(const char *path, struct place from, const struct word *name, struct material *out,
+              struct error *err);
+
+/* ---- Inside this room ---- */
+
+enum { HIGHEST_GLOSS = 128 }; /* as GL_SHININESS */
+
+#endif

@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: MIT */
+/* Entries of MTL files, the materials that come with OBJ models. Their colours are three numbers,
+ * which say nothing about single wavelengths: they are spread over the spectrum so that grey is
+ * constant. Only Kd, Ks, Ns and Ke are understood; all else is skipped, for there are many dialects
+ * of it. An entry is read only where a scene uses it. */
+#include <math.h>
+#include <string.h>
+
+#include "data/material/material.h"
+#include "data/spectra/spectra.h"
+#include "data/text/text.h"
+#include "spectral.h"
+
+enum statement { KD, KS, KE, NS, STATEMENTS };
+static const char *const statements[STATEMENTS] = {"Kd", "Ks", "Ke", "Ns"};
+
+struct entry {
+    double colour[NS][3]; /* red, green, blue */
+    double shininess;     /* Ns: 0..1000 */
+    struct place place, given[STATEMENTS];
+};
+
+static bool read_colour(struct text *text, enum statement statement, double out[3],
+                        struct error *err)
+{
+    static const char *const parts[] = {"red", "green", "blue"};
+    for (int i = 0; i < 3; i++) {
+        char what[16];
+        snprintf(what, sizeof what, "%s of %s", parts[i], statements[statement]);
+        if (!text_number(text, what, 0, statement == KE ? HUGE_VAL : 1, &out[i], err))
+            return false;
+    }
+    return true;
+}
+
+static bool read_statement(struct text *text, const struct word *first, struct entry *out,
+                           struct error *err)
+{
+    int i = 0;
+    while (i < STATEMENTS && !word_is(first, statements[i]))
+        i++;
+    if (i == STATEMENTS)
+        return true;
+    return place_once(&out->given[i], first->place, statements[i], err) &&
+           (i == NS ? text_number(text, statements[i], 0, 1000, &out->shininess, err)
+                    : read_colour(text, (enum statement)i, out->colour[i], err)) &&
+           text_end(text, statements[i], err);
+}
+
+/* The statements between the entry's newmtl and the next one. */
+static bool read_entry(struct text *text, const struct word *name, struct place from,
+                       struct entry *out, struct error *err)
+{
+    char list[LIST_SIZE] = "";
+    struct word word;
+    bool inside = false;
+    while (text_next_line(text)) {
+        if (!text_word(text, &word))
+            continue;
+        if (word_is(&word, "newmtl")) {
+            if (!text_expect(text, &word, "a name", err))
+                return false;
+            list_add(list, word.start, (size_t)word_shown(&word));
+            inside =
+                word.length == name->length && memcmp(word.start, name->start, word.length) == 0;
+            if (inside && !place_once(&out->place, word.place, "this entry", err))
+                return false;
+        } else if (inside && !read_statement(text, &word, out, err)) {
+            return false;
+        }
+    }
+    return out->place.line > 0 ||
+           error_at(err, from, "no entry '%.*s' in %.200s; its entries are: %s", word_shown(name),
+                    name->start, text->path, list[0] != '\0' ? list : "none");
+}
+
+/* Blue up to 480 nm, green from 500 to 570 nm, red from 600 nm on. The ends are beyond all light,
+ * so that the colour holds whether or not what reads the spectrum goes past its end. */
+static bool spread(const struct entry *entry, enum statement statement, const char *name,
+                   struct spectrum *out, struct error *err)
+{
+    static const struct {
+        double nm;
+        int part;
+    } knots[] = {{1, 2}, {480, 2}, {500, 1}, {570, 1}, {600, 0}, {999999, 0}};
+    for (size_t i = 0; i < sizeof knots / sizeof knots[0]; i++)
+        if (!spectrum_append(out, knots[i].nm, entry->colour[statement][knots[i].part],
+                             entry->given[statement], err))
+            return false;
+    return string_copy(name, &out->name, err);
+}
+
+/* What shines or mirrors needs no Kd: it is 0 then. Without one of Ks and Ns there is no highlight.
+ * Shininess above 128, which is OpenGL's largest, becomes that. */
+static bool make_material(struct entry *entry, struct material *out, struct error *err)
+{
+    bool present[NS];
+    struct place *given = entry->given;
+    if (given[KD].line == 0) {
+        if (given[KS].line == 0 && given[KE].line == 0)
+            return error_at(err, entry->place, "the entry has none of Kd, Ks and Ke");
+        given[KD] = entry->place;
+    }
+    for (int i = 0; i < NS; i++)
+        present[i] = entry->colour[i][0] > 0 || entry->colour[i][1] > 0 || entry->colour[i][2] > 0;
+    out->place = entry->place;
+    out->from_rgb = true;
+    out->gloss = present[KS] ? fmin(entry->shininess, HIGHEST_GLOSS) : 0;
+    out->gloss_place = given[NS];
+    out->specular_place = given[KS];
+    return spread(entry, KD, out->name, &out->diffuse, err) &&
+           (out->gloss == 0 || spread(entry, KS, out->name, &out->specular, err)) &&
+           (!present[KE] || spread(entry, KE, out->name, &out->glow, err));
+}
+
+bool mtl_read(const char *path, struct place from, const struct word *name, struct material *out,
+              struct error *err)
+{
+    struct entry entry = {.shininess = 0};
+    struct text text;
+    bool done;
+    *out = (struct material){0};
+    if (!text_open(&text, path, from, err))
+        return false;
+    out->path = text.path; /* taken over: the places point at it */
+    out->name = word_copy(name);
+    done = out->name != NULL
+               ? read_entry(&text, name, from, &entry, err) && make_material(&entry, out, err)
+               : error_memory(err);
+    text.path = NULL;
+    text_free(&text);
+    return done;
+}

@@ -1,0 +1,366 @@
+/* SPDX-License-Identifier: MIT */
+/* Makes a mesh of an OBJ file's faces: vertex normals where the file has none, planar texture
+ * coordinates likewise, each different corner one vertex, in order of first use. Time grows with
+ * the size of the file, but at a point where many corners differ, with their number squared. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/maths/maths.h"
+#include "data/mesh/mesh.h"
+#include "spectral.h"
+
+/* ---- the mesh itself ---- */
+
+/* NULL where more than int32_t can number, or than fits into memory, is asked for. */
+static void *resize(void *items, int have, size_t more, size_t size)
+{
+    const size_t n = (size_t)have + more;
+    if (more > (size_t)(INT32_MAX - have) || n > SIZE_MAX / size)
+        return NULL;
+    return realloc(items, (n > 0 ? n : 1) * size);
+}
+
+bool mesh_reserve(struct mesh *mesh, size_t n_vertices, size_t n_triangles, struct error *err)
+{
+    void *more = resize(mesh->vertices, mesh->n_vertices, n_vertices, sizeof *mesh->vertices);
+    if (!more)
+        return error_memory(err);
+    mesh->vertices = more;
+    more = resize(mesh->triangles, mesh->n_triangles, n_triangles, sizeof *mesh->triangles);
+    if (!more)
+        return error_memory(err);
+    mesh->triangles = more;
+    mesh->n_parts += mesh->n_parts == 0; /* it is one part as long as nobody divides it */
+    return true;
+}
+
+void mesh_free(struct mesh *mesh)
+{
+    free(mesh->vertices);
+    free(mesh->triangles);
+    free(mesh->part);
+    for (int i = 0; mesh->part_names && i < mesh->n_parts; i++)
+        free(mesh->part_names[i]);
+    free(mesh->part_names);
+    *mesh = (struct mesh){.n_vertices = 0};
+}
+
+/* ---- what becoming a mesh needs ---- */
+
+struct builder {
+    struct obj obj;
+    struct vector *ring; /* a face */
+    struct cutter cutter;
+    /* Facets are whole faces, so that normals do not depend on how a face is cut. One without area
+     * keeps a zero normal, and angles 0: it takes part in nothing. */
+    struct vector *normals;  /* of each face */
+    double *angles;          /* at each corner */
+    int32_t *faces;          /* of each corner */
+    int32_t *order, *starts; /* corners sorted by point; where each point's begin, and the end */
+    double cosine;           /* facets are neighbours while their normals' cosine exceeds it */
+    double half_cosine;      /* of half that angle */
+    /* The vertices of a point form a chain, which ends with -1. */
+    int32_t *first_vertex; /* of each point */
+    struct link {
+        int32_t next, corner;
+    } * links; /* of each vertex */
+};
+
+static int face_start(const struct obj *obj, int face)
+{
+    return face > 0 ? obj->faces[face - 1].end : 0;
+}
+
+static bool builder_allocate(struct builder *b, struct error *err)
+{
+    const size_t n_points = (size_t)b->obj.list[OBJ_POINT].n, n_corners = (size_t)b->obj.n_corners;
+    int longest = 0;
+    for (int face = 0; face < b->obj.n_faces; face++) {
+        const int n = b->obj.faces[face].end - face_start(&b->obj, face);
+        longest = n > longest ? n : longest;
+    }
+    b->ring = calloc((size_t)longest, sizeof *b->ring);
+    b->normals = calloc((size_t)b->obj.n_faces, sizeof *b->normals);
+    b->angles = calloc(n_corners, sizeof *b->angles);
+    b->faces = calloc(n_corners, sizeof *b->faces);
+    b->order = calloc(n_corners, sizeof *b->order);
+    b->starts = calloc(n_points + 1, sizeof *b->starts);
+    b->first_vertex = calloc(n_points, sizeof *b->first_vertex);
+    b->links = calloc(n_corners, sizeof *b->links);
+    if (b->ring && b->normals && b->angles && b->faces && b->order && b->starts &&
+        b->first_vertex && b->links)
+        return cutter_open(&b->cutter, longest, err);
+    return error_memory(err);
+}
+
+static void builder_free(struct builder *b)
+{
+    void *const owned[] = {b->ring,  b->normals, b->angles,       b->faces,
+                           b->order, b->starts,  b->first_vertex, b->links};
+    for (size_t i = 0; i < sizeof owned / sizeof *owned; i++)
+        free(owned[i]);
+    cutter_free(&b->cutter);
+    obj_free(&b->obj);
+}
+
+/* Fills the ring with a face's places; returns how many. */
+static int gather_ring(struct builder *b, int face)
+{
+    const int first = face_start(&b->obj, face), n = b->obj.faces[face].end - first;
+    for (int i = 0; i < n; i++)
+        b->ring[i] = b->obj.list[OBJ_POINT].at[b->obj.corners[first + i].index[OBJ_POINT]];
+    return n;
+}
+
+/* ---- the cube ---- */
+
+static void widen_side(double *low, double *high, double by)
+{
+    *low = by < *low ? by : *low;
+    *high = by > *high ? by : *high;
+}
+
+static void widen(struct vector *low, struct vector *high, struct vector by)
+{
+    widen_side(&low->x, &high->x, by.x);
+    widen_side(&low->y, &high->y, by.y);
+    widen_side(&low->z, &high->z, by.z);
+}
+
+/* The points that faces use go into [-1, 1]^3, which none leaves: half is the largest distance from
+ * the centre as it was rounded. It is above 0, since corners beside one another differ. */
+static void unitize_points(struct builder *b)
+{
+    struct vector *points = b->obj.list[OBJ_POINT].at;
+    struct vector low = points[b->obj.corners[0].index[OBJ_POINT]], high = low;
+    for (int i = 1; i < b->obj.n_corners; i++)
+        widen(&low, &high, points[b->obj.corners[i].index[OBJ_POINT]]);
+    const struct vector centre = vector_scale(vector_add(low, high), 0.5);
+    const struct vector up = vector_subtract(high, centre), down = vector_subtract(centre, low);
+    const double half = fmax(fmax(fmax(up.x, down.x), fmax(up.y, down.y)), fmax(up.z, down.z));
+    for (int i = 0; i < b->obj.list[OBJ_POINT].n; i++) {
+        const struct vector from = vector_subtract(points[i], centre);
+        points[i] = (struct vector){from.x / half, from.y / half, from.z / half};
+    }
+}
+
+/* ---- normals where the file has none ---- */
+
+static void measure_facets(struct builder *b)
+{
+    for (int face = 0; face < b->obj.n_faces; face++) {
+        const int first = face_start(&b->obj, face), n = gather_ring(b, face);
+        const struct vector normal = polygon_normal(b->ring, n);
+        const bool flat = vector_dot(normal, normal) == 0;
+        b->normals[face] = normal;
+        for (int i = 0; i < n; i++) {
+            b->faces[first + i] = face;
+            b->angles[first + i] = flat ? 0 : polygon_angle(b->ring, n, i, normal);
+        }
+    }
+}
+
+/* Counting sort; starts[p] runs to its point's end meanwhile. */
+static void sort_corners(struct builder *b)
+{
+    for (int i = 0; i < b->obj.n_corners; i++)
+        b->starts[b->obj.corners[i].index[OBJ_POINT]]++;
+    for (int p = 0; p < b->obj.list[OBJ_POINT].n; p++)
+        b->starts[p + 1] += b->starts[p];
+    for (int i = b->obj.n_corners; i-- > 0;)
+        b->order[--b->starts[b->obj.corners[i].index[OBJ_POINT]]] = i;
+}
+
+static struct vector weighted_normal(const struct builder *b, int32_t corner)
+{
+    return vector_scale(b->normals[b->faces[corner]], b->angles[corner]);
+}
+
+/* The average of all facets about the point; 0 0 0 where there is none. *smooth: all lie within
+ * half the crease angle of it, so that they are neighbours of one another. */
+static struct vector whole_average(const struct builder *b, int point, bool *smooth)
+{
+    struct vector sum = {0, 0, 0};
+    for (int i = b->starts[point]; i < b->starts[point + 1]; i++)
+        sum = vector_add(sum, weighted_normal(b, b->order[i]));
+    sum = vector_normalise(sum);
+    *smooth = true;
+    for (int i = b->starts[point]; *smooth && i < b->starts[point + 1]; i++)
+        *smooth = b->angles[b->order[i]] == 0 ||
+                  vector_dot(b->normals[b->faces[b->order[i]]], sum) > b->half_cosine;
+    return sum;
+}
+
+/* The average of those facets about the point that are neighbours of this corner's. */
+static struct vector crease_average(const struct builder *b, int point, int32_t corner)
+{
+    const int32_t own_face = b->faces[corner];
+    const struct vector own = b->normals[own_face];
+    struct vector sum = {0, 0, 0};
+    for (int i = b->starts[point]; i < b->starts[point + 1]; i++) {
+        const int32_t face = b->faces[b->order[i]];
+        if (face == own_face || vector_dot(b->normals[face], own) > b->cosine)
+            sum = vector_add(sum, weighted_normal(b, b->order[i]));
+    }
+    sum = vector_normalise(sum);
+    return vector_dot(sum, sum) > 0 ? sum : own;
+}
+
+/* Gives every corner about the point that lacks a normal one; equal ones are stored once. */
+static bool fill_point(struct builder *b, int point, struct error *err)
+{
+    struct obj_list *list = &b->obj.list[OBJ_NORMAL];
+    const int first = list->n;
+    bool smooth;
+    struct vector average = whole_average(b, point, &smooth);
+    if (vector_dot(average, average) == 0)
+        average.z = 1;
+    for (int i = b->starts[point]; i < b->starts[point + 1]; i++) {
+        const int32_t corner = b->order[i];
+        int32_t *index = &b->obj.corners[corner].index[OBJ_NORMAL];
+        struct vector normal = average;
+        if (*index >= 0)
+            continue;
+        if (!smooth && b->angles[corner] > 0)
+            normal = crease_average(b, point, corner);
+        for (*index = first; *index < list->n && !same_place(list->at[*index], normal);)
+            ++*index;
+        if (*index == list->n && !obj_add(list, normal, err))
+            return false;
+    }
+    return true;
+}
+
+/* Facets that meet at the crease angle itself must not fall on either side by chance. Coordinates
+ * are mostly written with six significant digits, so that a facet of a thirtieth of the model's
+ * size may lean by 1.5e-5 radians, or 0.001 degrees; by so much less must they meet. */
+static bool fill_normals(struct builder *b, double crease_deg, struct error *err)
+{
+    const double slack_deg = 0.001;
+    double sine;
+    sine_cosine(fmax(crease_deg - slack_deg, 0), &sine, &b->cosine);
+    b->half_cosine = sqrt((1 + b->cosine) / 2);
+    measure_facets(b);
+    sort_corners(b);
+    for (int point = 0; point < b->obj.list[OBJ_POINT].n; point++)
+        if (!fill_point(b, point, err))
+            return false;
+    return true;
+}
+
+/* ---- vertices ---- */
+
+static double share(double at, double low, double high)
+{
+    return high > low ? (at - low) / (high - low) : 0;
+}
+
+void mesh_planar(struct mesh *mesh)
+{
+    struct vector low = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = vector_scale(low, -1);
+    for (int i = 0; i < mesh->n_vertices; i++)
+        widen(&low, &high, mesh->vertices[i].position);
+    for (int i = 0; i < mesh->n_vertices; i++) {
+        struct vertex *vertex = &mesh->vertices[i];
+        vertex->s = share(vertex->position.x, low.x, high.x);
+        vertex->t = share(vertex->position.y, low.y, high.y);
+    }
+}
+
+/* Planar coordinates where the file has none. */
+static void fill_texture(const struct builder *b, struct mesh *mesh)
+{
+    mesh_planar(mesh);
+    for (int i = 0; i < mesh->n_vertices; i++) {
+        const int32_t index = b->obj.corners[b->links[i].corner].index[OBJ_TEXTURE];
+        if (index >= 0) {
+            mesh->vertices[i].s = b->obj.list[OBJ_TEXTURE].at[index].x;
+            mesh->vertices[i].t = b->obj.list[OBJ_TEXTURE].at[index].y;
+        }
+    }
+}
+
+/* The vertex of a corner, which may be new; -1: no memory. */
+static int32_t find_vertex(struct builder *b, int32_t corner, struct mesh *mesh, struct error *err)
+{
+    const struct obj_corner *corners = b->obj.corners, *wanted = &corners[corner];
+    int32_t *link = &b->first_vertex[wanted->index[OBJ_POINT]];
+    for (; *link >= 0; link = &b->links[*link].next)
+        if (memcmp(&corners[b->links[*link].corner], wanted, sizeof *wanted) == 0)
+            return *link;
+    struct vertex *more = array_more(mesh->vertices, mesh->n_vertices, sizeof *more, err);
+    if (!more)
+        return -1;
+    mesh->vertices = more;
+    more[mesh->n_vertices].position = b->obj.list[OBJ_POINT].at[wanted->index[OBJ_POINT]];
+    more[mesh->n_vertices].normal = b->obj.list[OBJ_NORMAL].at[wanted->index[OBJ_NORMAL]];
+    *link = mesh->n_vertices++;
+    b->links[*link] = (struct link){-1, corner};
+    return *link;
+}
+
+static bool add_face(struct builder *b, int face, struct mesh *mesh, struct error *err)
+{
+    const int first = face_start(&b->obj, face);
+    cutter_run(&b->cutter, b->ring, gather_ring(b, face));
+    for (int i = 0; i < b->cutter.n_triangles; i++) {
+        int32_t *vertices = mesh->triangles[mesh->n_triangles];
+        if (mesh->part)
+            mesh->part[mesh->n_triangles] = b->obj.faces[face].name;
+        mesh->n_triangles++;
+        for (int k = 0; k < 3; k++) {
+            vertices[k] = find_vertex(b, first + b->cutter.triangles[i][k], mesh, err);
+            if (vertices[k] < 0)
+                return false;
+        }
+    }
+    return true;
+}
+
+/* The names become the mesh's, unless no face has one. */
+static bool divide(struct obj *obj, size_t n_triangles, struct mesh *mesh, struct error *err)
+{
+    if (obj->n_names == 1 && obj->names[0][0] == '\0')
+        return true;
+    mesh->part = calloc(n_triangles, sizeof *mesh->part);
+    if (!mesh->part)
+        return error_memory(err);
+    mesh->part_names = obj->names;
+    mesh->n_parts = obj->n_names;
+    obj->names = NULL;
+    obj->n_names = 0;
+    return true;
+}
+
+/* A face of n corners has at most n - 2 triangles. */
+static bool add_faces(struct builder *b, struct mesh *mesh, struct error *err)
+{
+    const size_t most = (size_t)(b->obj.n_corners - 2 * b->obj.n_faces);
+    for (int p = 0; p < b->obj.list[OBJ_POINT].n; p++)
+        b->first_vertex[p] = -1;
+    if (!mesh_reserve(mesh, 0, most, err) || !divide(&b->obj, most, mesh, err))
+        return false;
+    for (int face = 0; face < b->obj.n_faces; face++)
+        if (!add_face(b, face, mesh, err))
+            return false;
+    fill_texture(b, mesh);
+    return mesh_reserve(mesh, 0, 0, err); /* gives back what was not needed */
+}
+
+bool mesh_read(const char *path, struct place from, bool unitize, double crease_deg,
+               struct mesh *out, struct error *err)
+{
+    struct builder builder = {.ring = NULL};
+    bool good = obj_read(path, from, &builder.obj, err) && builder_allocate(&builder, err);
+    *out = (struct mesh){.n_vertices = 0};
+    if (good && unitize)
+        unitize_points(&builder);
+    good = good && (!builder.obj.lacks_normals || fill_normals(&builder, crease_deg, err)) &&
+           add_faces(&builder, out, err);
+    builder_free(&builder);
+    if (!good)
+        mesh_free(out);
+    return good;
+}

@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "mesh": triangles, Wavefront OBJ files, built-in shapes. */
+#ifndef MESH_H
+#define MESH_H
+
+#include "data/maths/maths.h"
+#include "data/text/text.h"
+#include "spectral.h"
+
+/* ---- mesh.c: triangles ---- */
+
+struct mesh {
+    struct vertex *vertices;
+    int32_t (*triangles)[3]; /* counter-clockwise seen from outside */
+    int n_vertices, n_triangles;
+    int32_t *part;     /* of each triangle; NULL: all are part 0 */
+    char **part_names; /* usemtl of each part, "" for faces before the first; NULL: no names */
+    int n_parts;       /* at least 1 */
+};
+
+/* Makes room for so many more; *mesh keeps its content. A second call before filling must ask for
+ * all that is still to come. Fails with EXIT_SYSTEM. */
+bool mesh_reserve(struct mesh *mesh, size_t n_vertices, size_t n_triangles, struct error *err);
+/* Reads v, vt, vn, f, g, o, usemtl, mtllib, s; refuses malformed statements; skips other known
+ * statements. Faces of any size, concave too, are cut into triangles. A face without vn gets
+ * normals averaged with the neighbours at each vertex whose facets meet at less than crease_deg
+ * (angle-weighted); without vt, planar coordinates from the bounding box. With unitize, the mesh is
+ * first moved and scaled into the cube [-1, 1]^3. Zero-area faces are kept out of normals. */
+bool mesh_read(const char *path, struct place from, bool unitize, double crease_deg,
+               struct mesh *out, struct error *err);
+/* Sets texture coordinates, 0 to 1, from x and y in the bounding box of the mesh. */
+void mesh_planar(struct mesh *mesh);
+void mesh_free(struct mesh *mesh);
+
+/* ---- split.c: parts of a mesh ---- */
+
+/* Cuts all triangles that cross x = 0 there and makes two parts: 0 on the side of negative x, 1 on
+ * that of positive x. New vertices lie at exactly x = 0 and are the same numbers on both sides and
+ * in neighbouring triangles, so that no crack opens. Replaces the parts and names of *from. */
+bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err);
+/* Makes a mesh of the triangles of one part, with the vertices that they use, in their order. It
+ * may be empty: n_triangles 0. */
+bool mesh_part(const struct mesh *from, int part, struct mesh *out, struct error *err);
+
+/* ---- shape.c: built-in shapes as triangles ---- */
+
+/* With their words and sizes in the scene language. */
+enum shape_kind {
+    SHAPE_SPHERE,   /* radius slices stacks */
+    SHAPE_TORUS,    /* tube ring sides rings */
+    SHAPE_BOX,      /* w h d */
+    SHAPE_PLANE,    /* w h, faces +z */
+    SHAPE_CYLINDER, /* radius height slices stacks */
+    SHAPE_CONE,     /* radius height slices stacks */
+    SHAPE_DISK,     /* radius slices, faces +z */
+    SHAPE_TEAPOT,   /* size divisions */
+    SHAPE_MESH      /* an OBJ file */
+};
+struct shape {
+    enum shape_kind kind;
+    double parameter[4]; /* the sizes above */
+    char *path;          /* SHAPE_MESH; owned */
+    bool unitize;
+    double crease_deg; /* 90 by default */
+    bool planar;       /* texture coordinates by mesh_planar */
+    double repeat[2];  /* times that a texture fits along s and t; 1 1 by default */
+    struct place place;
+};
+const char *shape_name(enum shape_kind kind); /* the scene language's word */
+/* Reads a shape's word and sizes, or `mesh` and a file; the other members get their defaults. */
+bool shape_read(struct text *text, struct shape *out, struct error *err);
+/* Returns the shape with `factor` times as many slices, stacks, ...: rounded, and kept within the
+ * range that shape_read accepts. The result shares what *shape owns and is not to be freed. */
+struct shape shape_tessellated(const struct shape *shape, double factor);
+/* Builds the mesh of a shape: watertight where the solid is, normals outward. Reads a mesh file. */
+bool shape_build(const struct shape *shape, struct mesh *out, struct error *err);
+void shape_free(struct shape *shape);
+
+/* ---- Inside this room ---- */
+
+/* obj.c: the statements of a Wavefront OBJ file. */
+
+enum { OBJ_POINT, OBJ_TEXTURE, OBJ_NORMAL };
+
+struct obj_corner {
+    int32_t index[3]; /* into the lists, from 0; -1: none */
+};
+struct obj_list {
+    struct vector *at;
+    int n;
+};
+struct obj_face {
+    int32_t end;  /* its corners end before this one, and begin where the previous face's end */
+    int32_t name; /* index of its usemtl */
+};
+/* Neighbouring corners of a face lie at different places, and a face has at least 3. All counts are
+ * below 2^30, since the file is shorter than 2^31 bytes. */
+struct obj {
+    struct obj_list list[3]; /* OBJ_POINT, OBJ_TEXTURE; OBJ_NORMAL, of unit length or 0 0 0 */
+    struct obj_corner *corners;
+    struct obj_face *faces;
+    char **names; /* of usemtl, in order of first use by a face; "" before the first; owned */
+    int n_corners, n_faces, n_names;
+    struct word material; /* the latest usemtl, while the file is read */
+    int32_t name;         /* its index; -1: not used yet */
+    bool lacks_normals;   /* perhaps: some corner has none */
+};
+
+/* Reads and checks the file. Refuses one without any face. */
+bool obj_read(const char *path, struct place from, struct obj *out, struct error *err);
+bool obj_add(struct obj_list *list, struct vector item, struct error *err);
+void obj_free(struct obj *obj);
+
+/* polygon.c: faces of any size. */
+
+bool same_place(struct vector a, struct vector b);
+/* The unit normal by Newell's sum; (0,0,0) where the area is within rounding of 0. */
+struct vector polygon_normal(const struct vector *ring, int n);
+/* The interior angle at ring[i], 0 to 2 pi, seen against the normal. Neighbours differ. */
+double polygon_angle(const struct vector *ring, int n, int i, struct vector normal);
+
+struct cutter { /* working memory, for faces of up to so many corners */
+    struct cutter_node *nodes;
+    int32_t *blockers;
+    int32_t (*triangles)[3]; /* the result: indices into the ring */
+    int n_blockers, n_triangles;
+    double noise; /* how far rounding may have moved a corner in the polygon's plane */
+};
+bool cutter_open(struct cutter *out, int corners, struct error *err);
+/* Cuts the polygon, concave or not, into at most n - 2 triangles with the ring's orientation. Those
+ * with two corners at one place are left out. A polygon without area becomes a fan. */
+void cutter_run(struct cutter *cutter, const struct vector *ring, int n);
+void cutter_free(struct cutter *cutter);
+
+#endif

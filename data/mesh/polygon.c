@@ -1,0 +1,260 @@
+/* SPDX-License-Identifier: MIT */
+/* Faces of any size: normals, angles, and cutting into triangles by ear clipping. It never fails
+ * and always ends: a ring that is no simple polygon, within rounding, is finished as a fan. */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/maths/maths.h"
+#include "data/mesh/mesh.h"
+#include "spectral.h"
+
+bool same_place(struct vector a, struct vector b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+static double largest_component(struct vector a)
+{
+    return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
+}
+
+/* A ring is looked at relative to its first corner, in units of its reach: safe to multiply
+ * whatever the scale. */
+struct frame {
+    struct vector origin;
+    double reach;    /* farthest from the first corner along an axis, rounded up to a power of two:
+                        dividing by that is exact, so that straight corners stay straight */
+    double rounding; /* how far coordinates reach from 0, in units of the reach: by so much of an
+                        epsilon may relative ones be off, since the ring's own were rounded */
+};
+
+/* False where all corners are at one place. */
+static bool frame_make(const struct vector *ring, int n, struct frame *out)
+{
+    double reach = 0, largest = 0;
+    int exponent;
+
+    for (int i = 0; i < n; i++) {
+        reach = fmax(reach, largest_component(vector_subtract(ring[i], ring[0])));
+        largest = fmax(largest, largest_component(ring[i]));
+    }
+    frexp(reach, &exponent);
+    out->origin = ring[0];
+    out->reach = ldexp(1, exponent);
+    out->rounding = largest / out->reach;
+    return reach > 0;
+}
+
+static struct vector relative(const struct frame *frame, struct vector place)
+{
+    const struct vector from = vector_subtract(place, frame->origin);
+
+    return (struct vector){from.x / frame->reach, from.y / frame->reach, from.z / frame->reach};
+}
+
+struct vector polygon_normal(const struct vector *ring, int n)
+{
+    const struct vector none = {0, 0, 0};
+    struct vector sum = none, last = none, next;
+    struct frame frame;
+
+    if (!frame_make(ring, n, &frame))
+        return none;
+    for (int i = 1; i < n; i++, last = next) {
+        next = relative(&frame, ring[i]);
+        sum = vector_add(sum, vector_cross(last, next));
+    }
+    /* With s the frame's rounding, a coordinate, of size 1, is off by s / 2 epsilons from rounding,
+     * and its difference from the first by s and 1/2. A component of a cross product has 2 products
+     * of 2 such: 4 s + 2 epsilons for each of n - 2 triangles, and 3 for its own roundings. */
+    const double noise = (4 * frame.rounding + 5) * DBL_EPSILON * n;
+    return largest_component(sum) > noise ? vector_normalise(sum) : none;
+}
+
+double polygon_angle(const struct vector *ring, int n, int i, struct vector normal)
+{
+    const struct vector *at = &ring[i], *next = &ring[i + 1 < n ? i + 1 : 0];
+    const struct vector *previous = &ring[i > 0 ? i - 1 : n - 1];
+    const struct vector out = vector_normalise(vector_subtract(*next, *at));
+    const struct vector back = vector_normalise(vector_subtract(*previous, *at));
+    const struct vector across = vector_cross(out, back);
+    const double angle = angle_of(sqrt(vector_dot(across, across)), vector_dot(out, back));
+
+    return vector_dot(across, normal) < 0 ? 2 * PI - angle : angle;
+}
+
+/* ---- cutting ---- */
+
+/* A corner of what is left of the polygon: a ring that shrinks ear by ear. */
+struct cutter_node {
+    double x, y; /* in the plane of the polygon, which is counter-clockwise there */
+    int32_t previous, next;
+    bool convex, listed, refused, cut; /* listed: among the blockers; refused: no ear */
+};
+
+bool cutter_open(struct cutter *out, int corners, struct error *err)
+{
+    const size_t n = (size_t)corners;
+
+    out->nodes = calloc(n, sizeof *out->nodes);
+    out->blockers = calloc(n, sizeof *out->blockers);
+    out->triangles = calloc(n, sizeof *out->triangles);
+    return (out->nodes && out->blockers && out->triangles) || error_memory(err);
+}
+
+void cutter_free(struct cutter *cutter)
+{
+    free(cutter->nodes);
+    free(cutter->blockers);
+    free(cutter->triangles);
+    *cutter = (struct cutter){.n_triangles = 0};
+}
+
+static void add_triangle(struct cutter *cutter, const struct vector *ring, int a, int b, int c)
+{
+    const int32_t corner[3] = {a, b, c};
+
+    if (!same_place(ring[a], ring[b]) && !same_place(ring[b], ring[c]) &&
+        !same_place(ring[c], ring[a]))
+        memcpy(cutter->triangles[cutter->n_triangles++], corner, sizeof corner);
+}
+
+/* Projects along the normal onto the coordinate plane that faces it most, mirrored where needed to
+ * be counter-clockwise. With s the frame's rounding, a relative coordinate is off by s + 1/2
+ * epsilons; two of them and the projection's own roundings make 2 s + 3. */
+static void flatten(struct cutter *cutter, const struct vector *ring, int n, struct vector normal)
+{
+    const double along[3] = {normal.x, normal.y, normal.z}, largest = largest_component(normal);
+    const int axis = fabs(normal.z) == largest ? 2 : fabs(normal.y) == largest;
+    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
+    struct frame frame;
+
+    frame_make(ring, n, &frame);
+    cutter->noise = (2 * frame.rounding + 3) * DBL_EPSILON;
+    for (int i = 0; i < n; i++) {
+        const struct vector at = relative(&frame, ring[i]);
+        const double p[3] = {at.x, at.y, at.z};
+        const double x = p[u] * along[axis] - p[axis] * along[u];
+        const double y = p[v] * along[axis] - p[axis] * along[v];
+        cutter->nodes[i] = (struct cutter_node){.x = along[axis] > 0 ? x : y,
+                                                .y = along[axis] > 0 ? y : x,
+                                                .previous = i > 0 ? i - 1 : n - 1,
+                                                .next = i + 1 < n ? i + 1 : 0};
+    }
+}
+
+/* Twice the signed area of a b c: positive where the way a b c turns left. 0 within rounding, which
+ * moves each end of the two steps by the noise: a straight line must not turn by chance. */
+static double turn(const struct cutter *cutter, const struct cutter_node *a,
+                   const struct cutter_node *b, const struct cutter_node *c)
+{
+    const double x = b->x - a->x, y = b->y - a->y, next_x = c->x - b->x, next_y = c->y - b->y;
+    const double left = x * next_y - y * next_x;
+    const double length = fabs(x) + fabs(y) + fabs(next_x) + fabs(next_y);
+
+    return fabs(left) > 2 * cutter->noise * length ? left : 0;
+}
+
+static bool coincide(const struct cutter_node *a, const struct cutter_node *b)
+{
+    return a->x == b->x && a->y == b->y;
+}
+
+/* p in the closed triangle a b c, though not at one of its corners. */
+static bool is_inside(const struct cutter *cutter, const struct cutter_node *a,
+                      const struct cutter_node *b, const struct cutter_node *c,
+                      const struct cutter_node *p)
+{
+    return turn(cutter, a, b, p) >= 0 && turn(cutter, b, c, p) >= 0 && turn(cutter, c, a, p) >= 0 &&
+           !coincide(p, a) && !coincide(p, b) && !coincide(p, c);
+}
+
+/* An ear is a left turn whose triangle holds no other corner; only a corner that does not turn left
+ * need be looked at. A spike or a repeated place is one too: cutting it off loses nothing. Blockers
+ * that became convex or were cut leave the list on the way. */
+static bool is_ear(struct cutter *cutter, const struct cutter_node *b)
+{
+    struct cutter_node *nodes = cutter->nodes;
+    const struct cutter_node *a = &nodes[b->previous], *c = &nodes[b->next];
+
+    if (coincide(a, b) || coincide(b, c) || coincide(a, c))
+        return true;
+    if (!b->convex)
+        return turn(cutter, a, b, c) == 0 &&
+               (b->x - a->x) * (c->x - b->x) + (b->y - a->y) * (c->y - b->y) < 0;
+    const double left = fmin(a->x, fmin(b->x, c->x)), right = fmax(a->x, fmax(b->x, c->x));
+    for (int k = 0; k < cutter->n_blockers;) {
+        struct cutter_node *p = &nodes[cutter->blockers[k]];
+        if (p->cut || p->convex) {
+            p->listed = false;
+            cutter->blockers[k] = cutter->blockers[--cutter->n_blockers];
+            continue;
+        }
+        if (p->x >= left && p->x <= right && p != a && p != c && is_inside(cutter, a, b, c, p))
+            return false;
+        k++;
+    }
+    return true;
+}
+
+/* Looks at a corner's new turn: it may be an ear now. */
+static void refresh(struct cutter *cutter, int i)
+{
+    struct cutter_node *node = &cutter->nodes[i];
+
+    node->refused = false;
+    node->convex =
+        turn(cutter, &cutter->nodes[node->previous], node, &cutter->nodes[node->next]) > 0;
+    if (!node->convex && !node->listed) {
+        node->listed = true;
+        cutter->blockers[cutter->n_blockers++] = i;
+    }
+}
+
+/* Walks round and cuts what it can. An ear that is none stays none until a neighbour is cut, since
+ * what is left of the polygon only shrinks: corners are looked at n + 2n times at most. From a
+ * convex polygon the walk makes a fan. */
+static void cut_ears(struct cutter *cutter, const struct vector *ring, int n)
+{
+    struct cutter_node *nodes = cutter->nodes;
+    int i = 1, left = n, idle = 0;
+
+    cutter->n_blockers = 0;
+    for (int k = 0; k < n; k++)
+        refresh(cutter, k);
+    while (left > 3 && idle < left) {
+        const int a = nodes[i].previous, c = nodes[i].next;
+        nodes[i].cut = !nodes[i].refused && is_ear(cutter, &nodes[i]);
+        nodes[i].refused = true;
+        idle++;
+        if (nodes[i].cut) {
+            add_triangle(cutter, ring, a, i, c);
+            nodes[a].next = c;
+            nodes[c].previous = a;
+            refresh(cutter, a);
+            refresh(cutter, c);
+            left--;
+            idle = 0;
+        }
+        i = c;
+    }
+    const int first = nodes[i].previous;
+    for (; nodes[i].next != first; i = nodes[i].next)
+        add_triangle(cutter, ring, first, i, nodes[i].next);
+}
+
+void cutter_run(struct cutter *cutter, const struct vector *ring, int n)
+{
+    const struct vector normal = n > 3 ? polygon_normal(ring, n) : (struct vector){0, 0, 0};
+
+    cutter->n_triangles = 0;
+    if (largest_component(normal) > 0) {
+        flatten(cutter, ring, n, normal);
+        cut_ears(cutter, ring, n);
+        return;
+    }
+    for (int i = 1; i + 1 < n; i++)
+        add_triangle(cutter, ring, 0, i, i + 1);
+}

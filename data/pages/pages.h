@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "pages": TIFF files out, as pages of one format and as colour pictures. */
+#ifndef PAGES_H
+#define PAGES_H
+
+#include "data/base/base.h"
+#include "spectral.h"
+
+struct tiff; /* libtiff's TIFF */
+
+/* ---- pages.c: files of uncompressed pages ---- */
+
+/* A file of uncompressed pages of the same format. All directories come first, then the pages
+ * without gaps. */
+struct pages {
+    int count, width, height;
+    int channels;          /* 1: grey, 3: RGB */
+    int bits;              /* of a sample: 8, 16, or 32 of a float */
+    uint64_t bytes_behind; /* behind the last page, where readers of TIFF do not look */
+    const char *room;      /* how a text of the first page begins that comes last; NULL: none */
+    size_t room_bytes;
+    uint32_t room_tag;
+    /* found when the file is laid out: */
+    struct output output;
+    uint64_t first; /* offset of the first page's pixels */
+    uint64_t room_offset;
+    bool big; /* BigTIFF */
+};
+
+/* Sets the tags of the current directory that describe the page. `of` is the caller's. */
+typedef bool page_tags(struct tiff *tiff, const void *of, int page, struct error *err);
+
+/* Lays out the file that the first half of `pages` describes. Tags may record pages_offset where
+ * there are bytes behind the last page. On failure nothing is left open. */
+bool pages_open(struct pages *pages, const char *path, page_tags *set_tags, const void *of,
+                struct error *err);
+/* The offset of a page's pixels; of page `count`, of the bytes behind the last page. */
+uint64_t pages_offset(const struct pages *pages, int page);
+uint64_t pages_end(const struct pages *pages); /* of the file */
+/* Writes bytes, `at` bytes behind the beginning of a page's pixels. */
+bool pages_write(const struct pages *pages, int page, uint64_t at, const void *bytes, size_t length,
+                 struct error *err);
+/* Fills the room with a text (NULL where there is no room), and reads all directories again to see
+ * that they are whole. */
+bool pages_finish(struct pages *pages, const char *room, struct error *err);
+
+/* ---- picture.c: colour pictures ---- */
+
+enum picture_samples { PICTURE_8, PICTURE_16, PICTURE_FLOAT };
+struct picture_options {
+    int width, height; /* above 4 GiB it becomes a BigTIFF */
+    enum picture_samples samples;
+    const char *channels[3];      /* of a float picture, e.g. "X", "Y", "Z"; RGB otherwise */
+    const unsigned char *profile; /* ICC; NULL: none */
+    size_t profile_length;
+    const char *description; /* ASCII */
+};
+/* A TIFF file written from the top, which appears whole or not at all. RGB is one page of three
+ * samples a pixel; floats are three pages, each a channel and named as such. */
+struct picture_writer {
+    struct pages pages;
+    struct picture_options options;
+    int row; /* the next one */
+};
+bool picture_open(struct picture_writer *out, const char *path,
+                  const struct picture_options *options, struct error *err);
+/* Writes the next rows: three samples a pixel of uint8_t, uint16_t or float. */
+bool picture_write(struct picture_writer *writer, const void *samples, int rows, struct error *err);
+bool picture_commit(struct picture_writer *writer, struct error *err);
+void picture_discard(struct picture_writer *writer); /* safe after commit */
+
+/* ---- Inside this room ---- */
+
+uint64_t pages_row_bytes(const struct pages *pages);
+
+#endif

@@ -1,0 +1,308 @@
+/* SPDX-License-Identifier: MIT */
+/* The spectrum of a pixel or of a region of a stack, its colour, and what is printed of both, of a
+ * stack or of a scene (raster/inspect.c). */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/chart/chart.h"
+#include "data/colour/colour.h"
+#include "data/probe/probe.h"
+#include "data/spectra/spectra.h"
+#include "data/stack/stack.h"
+#include "data/tiff/tiff.h"
+#include "spectral.h"
+
+/* ---- colour ---- */
+
+bool probe_colour(struct probe *probe, const struct cube *cube, const struct probe_options *options,
+                  struct error *err)
+{
+    struct detector detector = {.name = NULL};
+    double *weights = calloc(3 * (size_t)probe->n, sizeof *weights);
+    probe->observer = strdup(options->observer);
+    bool done = (weights != NULL && probe->observer != NULL) || error_memory(err);
+    done = done && observer_read(probe->observer, &detector, err) &&
+           cube_weights(cube, &detector, weights, err);
+    if (done)
+        detector_response(weights, probe->mean, probe->n, probe->xyz);
+    done = done && cube_white_response(cube, options->white, false, weights, &probe->has_white,
+                                       probe->white, err);
+    detector_free(&detector);
+    free(weights);
+    return done;
+}
+
+/* ---- a region ---- */
+
+bool probe_open(struct probe *out, const char *source, const struct probe_options *options,
+                int width, int height, struct error *err)
+{
+    *out = (struct probe){.source = strdup(source),
+                          .x = options->x,
+                          .y = options->y,
+                          .width = options->width,
+                          .height = options->height};
+    if (out->source == NULL)
+        return error_memory(err);
+    return (out->width >= 1 && out->height >= 1 && out->x >= 0 && out->y >= 0 &&
+            out->x <= width - out->width && out->y <= height - out->height) ||
+           error_usage(err,
+                       "%s: the picture is %d x %d pixels; a region of %d x %d from %d,%d is not"
+                       " within it",
+                       source, width, height, out->width, out->height, out->x, out->y);
+}
+
+bool probe_allocate(struct probe *probe, const double *wavelengths_nm, int n, struct error *err)
+{
+    probe->n = n;
+    probe->wavelengths_nm = calloc((size_t)n, sizeof *probe->wavelengths_nm);
+    probe->mean = calloc((size_t)n, sizeof *probe->mean);
+    probe->spread = calloc((size_t)n, sizeof *probe->spread);
+    if (probe->wavelengths_nm == NULL || probe->mean == NULL || probe->spread == NULL)
+        return error_memory(err);
+    memcpy(probe->wavelengths_nm, wavelengths_nm, (size_t)n * sizeof *wavelengths_nm);
+    return true;
+}
+
+void moments_add(struct moments *moments, const float *values, size_t n)
+{
+    if (moments->n == 0 && n > 0)
+        moments->first = (double)values[0];
+    for (size_t i = 0; i < n; i++) {
+        const double difference = (double)values[i] - moments->first;
+        moments->sum += difference;
+        moments->sum_of_squares += difference * difference;
+    }
+    moments->n += n;
+}
+
+void moments_end(const struct moments *moments, double *mean, double *spread)
+{
+    const double n = (double)moments->n, off = moments->sum / n;
+    *mean = moments->first + off;
+    *spread = sqrt(fmax(0, moments->sum_of_squares / n - off * off));
+}
+
+/* ---- a stack ---- */
+
+/* Samples that are read at once, but for a row: compressed pages are unpacked as a whole. */
+enum { CHUNK_SAMPLES = 1 << 22 };
+
+static bool read_band(struct cube *cube, int page, int rows, float *samples, struct probe *probe,
+                      struct error *err)
+{
+    const int width = cube->image.width, end = probe->y + probe->height;
+    struct moments moments = {0};
+    for (int y = probe->y; y < end; y += rows) {
+        const int n = end - y < rows ? end - y : rows;
+        if (!image_read(&cube->image, page, y, n, samples, err))
+            return false;
+        for (int row = 0; row < n; row++)
+            moments_add(&moments, samples + (size_t)row * (size_t)width + probe->x,
+                        (size_t)probe->width);
+    }
+    moments_end(&moments, &probe->mean[page], &probe->spread[page]);
+    return true;
+}
+
+static bool read_bands(struct cube *cube, struct probe *probe, struct error *err)
+{
+    const int width = cube->image.width, fitting = CHUNK_SAMPLES / width;
+    const int rows = fitting < 1 ? 1 : fitting < probe->height ? fitting : probe->height;
+    float *samples = calloc((size_t)rows * (size_t)width, sizeof *samples);
+    bool done = samples != NULL || error_memory(err);
+    for (int page = 0; done && page < probe->n; page++)
+        done = read_band(cube, page, rows, samples, probe, err);
+    free(samples);
+    return done;
+}
+
+/* Whether all pixels of the region show the object; `row` is room for one row of it. */
+static bool same_object(const struct cube *cube, const struct probe *probe, int *row, bool *same,
+                        struct error *err)
+{
+    int object = -1;
+    *same = true;
+    for (int y = probe->y; *same && y < probe->y + probe->height; y++) {
+        if (!cube_objects(cube, probe->x, y, probe->width, row, err))
+            return false;
+        object = y == probe->y ? row[0] : object;
+        for (int x = 0; x < probe->width; x++)
+            *same = *same && row[x] == object && object >= 0;
+    }
+    row[0] = object;
+    return true;
+}
+
+static bool find_object(const struct cube *cube, struct probe *probe, struct error *err)
+{
+    bool same = false;
+    int *row = calloc((size_t)probe->width, sizeof *row);
+    bool done = (row != NULL || error_memory(err)) && same_object(cube, probe, row, &same, err);
+    if (done && same) {
+        probe->object = strdup(row[0] > 0 ? cube->record.objects[row[0] - 1] : "background");
+        done = probe->object != NULL || error_memory(err);
+    }
+    free(row);
+    return done;
+}
+
+bool probe_stack(const char *path, const struct probe_options *options, struct probe *out,
+                 struct error *err)
+{
+    struct cube cube;
+    *out = (struct probe){.source = NULL};
+    if (!cube_open(path, &cube, err))
+        return false;
+    const bool done = cube_needs_radiance(&cube, "a probe", err) &&
+                      probe_open(out, path, options, cube.image.width, cube.image.height, err) &&
+                      probe_allocate(out, cube.image.wavelengths_nm, cube.image.n_pages, err) &&
+                      read_bands(&cube, out, err) && find_object(&cube, out, err) &&
+                      probe_colour(out, &cube, options, err);
+    cube_close(&cube);
+    return done;
+}
+
+/* ---- out ---- */
+
+static const char unit[] = "W sr-1 m-2 nm-1, relative";
+
+static void print_colour(const struct probe *probe, FILE *to)
+{
+    double xy[2], lab[3], luv[3];
+    const double *xyz = probe->xyz, *white = probe->white;
+    chromaticity(xyz, xy);
+    fprintf(to, "observer          %s\n", probe->observer);
+    fprintf(to, "XYZ               %.4f %.4f %.4f\n", xyz[0], xyz[1], xyz[2]);
+    fprintf(to, "xy                %.5f %.5f\n", xy[0], xy[1]);
+    if (!probe->has_white) {
+        fprintf(to, "Lab               none: there is no white; --white SPECTRUM gives one\n");
+        return;
+    }
+    cielab(xyz, white, lab);
+    cieluv(xyz, white, luv);
+    fprintf(to, "Lab               %.4f %.4f %.4f\n", lab[0], lab[1], lab[2]);
+    fprintf(to, "Luv               %.4f %.4f %.4f\n", luv[0], luv[1], luv[2]);
+    fprintf(to, "white XYZ         %.4f %.4f %.4f\n", white[0], white[1], white[2]);
+}
+
+/* The pixel or region in words, e.g. "pixel 3,4". */
+static void region_text(const struct probe *probe, char *out, size_t capacity)
+{
+    if (probe->width == 1 && probe->height == 1)
+        snprintf(out, capacity, "pixel %d,%d", probe->x, probe->y);
+    else
+        snprintf(out, capacity, "%d x %d pixels from %d,%d", probe->width, probe->height, probe->x,
+                 probe->y);
+}
+
+/* What a row of numbers begins with; curves follow. */
+enum { WAVELENGTH, MEAN, SPREAD, CURVES };
+
+static double column_value(const struct probe *probe, int column, int i)
+{
+    return column == WAVELENGTH ? probe->wavelengths_nm[i]
+           : column == MEAN     ? probe->mean[i]
+           : column == SPREAD   ? probe->spread[i]
+                                : probe->curves[column - CURVES].values[i];
+}
+
+static void column_name(const struct probe *probe, int column, char *out, size_t capacity)
+{
+    static const char *const names[] = {"wavelength", "radiance", "standard deviation of radiance"};
+    const struct probe_curve *curve = column < CURVES ? NULL : &probe->curves[column - CURVES];
+    const char *of = column == WAVELENGTH ? "nm" : curve != NULL && curve->relative ? "1" : unit;
+    snprintf(out, capacity, "%s (%s)", curve != NULL ? curve->name : names[column], of);
+}
+
+void probe_print(const struct probe *probe, FILE *to)
+{
+    char text[160];
+    fprintf(to, "source            %s\n", probe->source);
+    region_text(probe, text, sizeof text);
+    fprintf(to, "region            %s\n", text);
+    fprintf(to, "object            %s\n",
+            probe->object != NULL ? probe->object : "not told, or several");
+    print_colour(probe, to);
+    for (int column = 0; column < CURVES + probe->n_curves; column++) {
+        column_name(probe, column, text, sizeof text);
+        fprintf(to, "column %-10d %s\n", column + 1, text);
+    }
+    for (int i = 0; i < probe->n; i++) {
+        fprintf(to, "%-17.10g", probe->wavelengths_nm[i]);
+        for (int column = MEAN; column < CURVES + probe->n_curves; column++)
+            fprintf(to, " %-12.6g", column_value(probe, column, i));
+        putc('\n', to);
+    }
+}
+
+/* A field of RFC 4180. */
+static void print_field(const char *text, FILE *to)
+{
+    putc('"', to);
+    for (; *text != '\0'; text++)
+        fprintf(to, *text == '"' ? "\"\"" : "%c", *text);
+    putc('"', to);
+}
+
+void probe_print_csv(const struct probe *probe, FILE *to)
+{
+    char name[160];
+    const int last = CURVES + probe->n_curves - 1;
+    for (int column = 0; column <= last; column++) {
+        column_name(probe, column, name, sizeof name);
+        print_field(name, to);
+        putc(column < last ? ',' : '\n', to);
+    }
+    for (int i = 0; i < probe->n; i++)
+        for (int column = 0; column <= last; column++) {
+            const double value = column_value(probe, column, i);
+            fprintf(to, "%.*g%c", exact_digits(value), value, column < last ? ',' : '\n');
+        }
+}
+
+char *probe_svg(const struct probe *probe)
+{
+    struct chart_line lines[1 + MAX_PROBE_CURVES];
+    char region[96], title[512];
+    const bool single = probe->width == 1 && probe->height == 1;
+    bool relative = false;
+    lines[0] = (struct chart_line){single ? "radiance" : "radiance ± standard deviation",
+                                   probe->n,
+                                   probe->wavelengths_nm,
+                                   probe->mean,
+                                   single ? NULL : probe->spread,
+                                   false};
+    for (int c = 0; c < probe->n_curves; c++) {
+        const struct probe_curve *curve = &probe->curves[c];
+        relative = relative || curve->relative;
+        lines[1 + c] = (struct chart_line){curve->name,   probe->n, probe->wavelengths_nm,
+                                           curve->values, NULL,     curve->relative};
+    }
+    region_text(probe, region, sizeof region);
+    snprintf(title, sizeof title, "%s%s%s: %s", probe->object != NULL ? probe->object : "",
+             probe->object != NULL ? ", " : "", region, probe->source);
+    const struct chart chart = {.title = title,
+                                .x_label = "wavelength (nm)",
+                                .y_label = "radiance (W sr⁻¹ m⁻² nm⁻¹, relative)",
+                                .right_label =
+                                    relative ? "reflectance, excitation, emission" : NULL,
+                                .lines = lines,
+                                .n_lines = 1 + probe->n_curves,
+                                .wavelengths = true};
+    return chart_svg(&chart);
+}
+
+void probe_free(struct probe *probe)
+{
+    for (int c = 0; c < probe->n_curves; c++)
+        free(probe->curves[c].values);
+    free(probe->source);
+    free(probe->wavelengths_nm);
+    free(probe->mean);
+    free(probe->spread);
+    free(probe->object);
+    free(probe->observer);
+    *probe = (struct probe){.source = NULL};
+}

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "probe": the spectrum of a pixel or a region. */
+#ifndef PROBE_H
+#define PROBE_H
+
+#include "data/stack/stack.h"
+#include "spectral.h"
+
+/* A spectrum that explains the pixel's, e.g. of a light. */
+struct probe_curve {
+    char name[96];  /* e.g. "light 1 (d65)", "reflectance" */
+    bool relative;  /* a reflectance, excitation or emission; otherwise a radiance */
+    double *values; /* one a wavelength; owned */
+};
+enum { MAX_PROBE_CURVES = 64 };
+struct probe {
+    char *source; /* stack or scene; owned */
+    int x, y, width, height;
+    int n;                  /* wavelengths */
+    double *wavelengths_nm; /* owned, as mean and spread */
+    double *mean, *spread;  /* radiance, and its standard deviation over the region */
+    char *object;           /* name of the object, if the region shows one only; owned; NULL */
+    char *observer;         /* owned */
+    bool has_white;
+    double xyz[3], white[3];                     /* of the mean, and of the white */
+    struct probe_curve curves[MAX_PROBE_CURVES]; /* of a scene */
+    int n_curves;
+};
+struct probe_options {
+    int x, y, width, height; /* region, within the picture */
+    const char *observer, *white;
+};
+/* Probes a stack. */
+bool probe_stack(const char *path, const struct probe_options *options, struct probe *out,
+                 struct error *err);
+/* Begins a probe. Refuses a region that is not within a picture of this size. */
+bool probe_open(struct probe *out, const char *source, const struct probe_options *options,
+                int width, int height, struct error *err);
+/* Makes room for n wavelengths and copies them. */
+bool probe_allocate(struct probe *probe, const double *wavelengths_nm, int n, struct error *err);
+/* Mean and standard deviation of samples that come in runs. Zero it before use. Sums are of
+ * differences from the first sample, so that equal samples give their value, and no deviation. */
+struct moments {
+    uint64_t n;
+    double first, sum, sum_of_squares;
+};
+void moments_add(struct moments *moments, const float *values, size_t n);
+void moments_end(const struct moments *moments, double *mean, double *spread);
+/* Computes XYZ of the mean, and of the white. A missing white is refused only if options name one.
+ */
+bool probe_colour(struct probe *probe, const struct cube *cube, const struct probe_options *options,
+                  struct error *err);
+void probe_print(const struct probe *probe, FILE *to);
+void probe_print_csv(const struct probe *probe, FILE *to);
+char *probe_svg(const struct probe *probe); /* allocated; NULL: no memory */
+void probe_free(struct probe *probe);
+
+#endif

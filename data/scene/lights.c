@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: MIT */
+/* The lights of a scene: its statements `ambient` and `light`, and the options of the command line
+ * that replace them. */
+#include <math.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
+#include "data/text/text.h"
+#include "spectral.h"
+
+/* ---- statements ---- */
+
+static struct ambient *add_ambient(struct scene *scene, struct place place, struct error *err)
+{
+    struct ambient *grown =
+        array_more(scene->ambients, scene->n_ambients, sizeof *scene->ambients, err);
+    if (grown == NULL)
+        return NULL;
+    scene->ambients = grown;
+    grown += scene->n_ambients++;
+    grown->place = place;
+    return grown;
+}
+
+static bool read_radiation(struct text *text, struct spectrum *spectrum, double *intensity,
+                           struct error *err)
+{
+    struct word word;
+    return text_expect(text, &word, "a spectrum", err) &&
+           spectrum_read(&word, 0, HUGE_VAL, spectrum, err) &&
+           text_number(text, "intensity", 0, HUGE_VAL, intensity, err);
+}
+
+bool ambient_read(struct scene_reader *reader, struct error *err)
+{
+    struct ambient *ambient = add_ambient(reader->scene, reader->place, err);
+    return ambient != NULL &&
+           read_radiation(reader->text, &ambient->spectrum, &ambient->intensity, err) &&
+           text_end(reader->text, "ambient", err);
+}
+
+static bool read_source(struct text *text, struct light *out, struct error *err)
+{
+    static const char *const words[] = {"position", "direction", NULL};
+    int chosen = text_choose(text, "position or direction", words, "word for a light", err);
+    out->directional = chosen == 1;
+    if (chosen == 1)
+        return text_direction(text, "direction", &out->position, err);
+    return chosen == 0 && text_vector(text, "position", &out->position, err);
+}
+
+static bool read_attenuation(struct text *text, struct light *out, struct error *err)
+{
+    static const char *const names[] = {"constant attenuation", "linear attenuation",
+                                        "quadratic attenuation"};
+    double *k = out->attenuation;
+    for (int i = 0; i < 3; i++)
+        if (!text_number(text, names[i], 0, HUGE_VAL, &k[i], err))
+            return false;
+    return k[0] > 0 || k[1] > 0 || k[2] > 0 ||
+           error_at(err, out->attenuation_place,
+                    "attenuation 0 0 0 divides by 0; one of its numbers must be above 0");
+}
+
+static bool read_spot(struct text *text, struct light *out, struct error *err)
+{
+    double *cutoff = &out->spot_cutoff_deg;
+    struct word word;
+    out->spot = true;
+    if (!text_direction(text, "spot", &out->spot_direction, err) ||
+        !text_expect(text, &word, "a cutoff", err) ||
+        !word_number(&word, "cutoff", -HUGE_VAL, HUGE_VAL, cutoff, err))
+        return false;
+    if (!(*cutoff >= 0 && *cutoff <= 90) && *cutoff != 180)
+        return error_at(err, word.place,
+                        "cutoff %.15g is out of range; it lies between 0 and 90, or is 180",
+                        *cutoff);
+    return text_number(text, "exponent", 0, 128, &out->spot_exponent, err);
+}
+
+static bool read_light_options(struct text *text, struct light *light, struct error *err)
+{
+    static const char *const words[] = {"attenuation", "spot", NULL};
+    struct place *given[] = {&light->attenuation_place, &light->spot_place};
+    struct word word;
+    while (text_word(text, &word)) {
+        int option = word_choose(&word, words, "word for a light", err);
+        if (option < 0 || !place_once(given[option], word.place, words[option], err))
+            return false;
+        if (light->directional)
+            return error_at(err, word.place,
+                            "%s needs a light with a position; a direction has no distance",
+                            words[option]);
+        if (option == 0 ? !read_attenuation(text, light, err) : !read_spot(text, light, err))
+            return false;
+    }
+    return true;
+}
+
+bool light_read(struct scene_reader *reader, struct error *err)
+{
+    struct scene *scene = reader->scene;
+    struct light *light = array_more(scene->lights, scene->n_lights, sizeof *light, err);
+    if (light == NULL)
+        return false;
+    scene->lights = light;
+    light += scene->n_lights++;
+    light->place = reader->place;
+    light->attenuation[0] = 1;
+    return read_radiation(reader->text, &light->spectrum, &light->intensity, err) &&
+           read_source(reader->text, light, err) && read_light_options(reader->text, light, err);
+}
+
+/* ---- options of the command line ---- */
+
+/* SPECTRUM[*INTENSITY] up to the end; *intensity keeps its value where none is given. */
+static bool read_light_option(const struct text *text, const char *start, struct spectrum *spectrum,
+                              double *intensity, struct error *err)
+{
+    const char *end = text->bytes + text->length, *star = strrchr(start, '*');
+    struct word word = option_word(text, start, star != NULL ? star : end), number;
+    if (star != NULL) {
+        number = option_word(text, star + 1, end);
+        if (!word_number(&number, "intensity", 0, HUGE_VAL, intensity, err))
+            return false;
+    }
+    if (word.length == 0)
+        return error_at(err, word.place, "expected a spectrum");
+    spectrum_free(spectrum);
+    return spectrum_read(&word, 0, HUGE_VAL, spectrum, err);
+}
+
+bool scene_set_light(struct scene *scene, const char *value, struct error *err)
+{
+    const char *equals;
+    struct text text;
+    struct word number;
+    long n;
+    if (!option_open(scene, "--light", value, &text, err))
+        return false;
+    equals = strchr(text.at, '=');
+    if (equals == NULL)
+        return error_at(err, text_place(&text),
+                        "expected N=SPECTRUM or N=SPECTRUM*INTENSITY, not '%s'", value);
+    if (scene->n_lights == 0)
+        return error_at(err, text_place(&text), "the scene has no lights");
+    number = option_word(&text, text.at, equals);
+    if (!word_integer(&number, "light", 1, scene->n_lights, &n, err))
+        return false;
+    return read_light_option(&text, equals + 1, &scene->lights[n - 1].spectrum,
+                             &scene->lights[n - 1].intensity, err);
+}
+
+bool scene_set_ambient(struct scene *scene, const char *value, struct error *err)
+{
+    struct ambient *ambient;
+    struct text text;
+    if (!option_open(scene, "--ambient", value, &text, err))
+        return false;
+    for (int i = 0; i < scene->n_ambients; i++)
+        spectrum_free(&scene->ambients[i].spectrum);
+    scene->n_ambients = 0;
+    ambient = add_ambient(scene, text_place(&text), err);
+    if (ambient == NULL)
+        return false;
+    ambient->intensity = 1;
+    return read_light_option(&text, text.at, &ambient->spectrum, &ambient->intensity, err);
+}

@@ -1,0 +1,261 @@
+/* SPDX-License-Identifier: MIT */
+/* Materials by name, and which of them objects use. They may be used before they are defined, so
+ * that they are found and read when the whole scene is known; those that nothing uses are never
+ * opened. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/material/material.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
+#include "data/text/text.h"
+#include "spectral.h"
+
+/* ---- definitions ---- */
+
+static bool same_name(const char *name, const struct word *word)
+{
+    return strncmp(name, word->start, word->length) == 0 && name[word->length] == '\0';
+}
+
+/* Whether the scene defines the material: files in a list and entries of MTL files have no name
+ * there. */
+static bool is_defined(const struct material *material)
+{
+    return material->name != NULL && !material->from_rgb;
+}
+
+static int find_material(const struct scene *scene, const struct word *word)
+{
+    for (int i = 0; i < scene->n_materials; i++)
+        if (is_defined(&scene->materials[i]) && same_name(scene->materials[i].name, word))
+            return i;
+    return -1;
+}
+
+/* Takes over what *material owns, unless this fails. */
+static bool add_material(struct scene *scene, const struct material *material, struct error *err)
+{
+    struct material *grown = array_more(scene->materials, scene->n_materials, sizeof *grown, err);
+    if (grown == NULL)
+        return false;
+    scene->materials = grown;
+    grown[scene->n_materials++] = *material;
+    return true;
+}
+
+static bool check_name(const struct scene *scene, const struct word *word, struct error *err)
+{
+    int first = find_material(scene, word);
+    if (word_is(word, "{"))
+        return error_at(err, word->place, "expected a name before the {");
+    if (first < 0)
+        return true;
+    return error_at(err, word->place, "there is a material '%.100s' already, in line %d of %.200s",
+                    scene->materials[first].name, scene->materials[first].place.line,
+                    scene->materials[first].place.path);
+}
+
+/* What follows the name: the words in braces, or a file that is only noted. */
+static bool read_content(struct text *text, struct material *out, struct error *err)
+{
+    struct word word;
+    if (!text_expect(text, &word, "a material file or {", err))
+        return false;
+    if (word_is(&word, "{"))
+        return material_read_words(text, out, err) && text_end(text, "a material", err);
+    if (!word.quoted && word.start[0] == '{')
+        return error_at(err, word.place, "a { stands alone, between blanks");
+    out->place = word.place;
+    return word_path(&word, &out->path, err) && text_end(text, "a material", err);
+}
+
+bool definition_read(struct scene_reader *reader, struct error *err)
+{
+    struct material material = {0};
+    struct word word;
+    if (text_expect(reader->text, &word, "a name for the material", err) &&
+        check_name(reader->scene, &word, err) && read_content(reader->text, &material, err)) {
+        material.name = word_copy(&word);
+        if (material.name == NULL)
+            error_memory(err);
+        else if (add_material(reader->scene, &material, err))
+            return true;
+    }
+    material_free(&material);
+    return false;
+}
+
+/* ---- files in a list ---- */
+
+/* Listed materials have no name until they are read; the same file is the same material. */
+bool listed_add(struct scene *scene, const struct word *word, int *out, struct error *err)
+{
+    struct material material = {.place = word->place};
+    int i = 0;
+    if (!word_path(word, &material.path, err))
+        return false;
+    while (i < scene->n_materials && (scene->materials[i].name != NULL ||
+                                      strcmp(scene->materials[i].path, material.path) != 0))
+        i++;
+    *out = i;
+    if (i == scene->n_materials && add_material(scene, &material, err))
+        return true;
+    material_free(&material);
+    return i < scene->n_materials;
+}
+
+/* ---- materials that are used ---- */
+
+static bool refuse_unknown(const struct scene *scene, const struct word *name, struct error *err)
+{
+    char list[LIST_SIZE] = "";
+    for (int i = 0; i < scene->n_materials; i++)
+        if (is_defined(&scene->materials[i]))
+            list_add(list, scene->materials[i].name, 40);
+    return error_at(err, name->place, "no material '%.*s'; the scene's materials are: %s",
+                    word_shown(name), name->start, list[0] != '\0' ? list : "none");
+}
+
+/* Reads a material file; name and place stay the scene's. */
+static bool load(struct material *material, struct error *err)
+{
+    struct material fresh;
+    char *name = material->name;
+    if (material->diffuse.kind != SPECTRUM_NONE)
+        return true;
+    if (!material_read(material->path, material->place, &fresh, err))
+        return false;
+    if (name != NULL) {
+        material->name = fresh.name;
+        fresh.name = name;
+    }
+    fresh.place = material->place;
+    material_free(material);
+    *material = fresh;
+    return true;
+}
+
+/* Finds a material and reads its file. */
+static bool find_named(struct scene *scene, const struct word *name, int *out, struct error *err)
+{
+    *out = find_material(scene, name);
+    return *out >= 0 ? load(&scene->materials[*out], err) : refuse_unknown(scene, name, err);
+}
+
+/* A material that is cut in half names its partner. */
+static bool use_partner(struct scene *scene, int index, struct error *err)
+{
+    struct material *material = &scene->materials[index], *partner;
+    struct word name = {.start = material->partner_name, .place = material->partner_place};
+    if (name.start == NULL)
+        return true;
+    name.length = strlen(name.start);
+    if (!find_named(scene, &name, &material->partner_index, err))
+        return false;
+    partner = &scene->materials[material->partner_index];
+    if (partner == material)
+        return error_at(err, name.place, "'%.100s' is its own partner; it must be another material",
+                        material->name);
+    if (partner->partner != NULL || partner->partner_name != NULL)
+        return error_at(err, name.place,
+                        "'%.100s' has a partner itself; a partner must be without one",
+                        partner->name);
+    return true;
+}
+
+static bool use_named(struct scene *scene, const struct word *name, int *out, struct error *err)
+{
+    return find_named(scene, name, out, err) && use_partner(scene, *out, err);
+}
+
+/* ---- material maps ---- */
+
+/* The entry of an MTL file; the same one is the same material. */
+static bool use_entry(struct scene *scene, const struct word *entry, const struct word *file,
+                      int *out, struct error *err)
+{
+    struct material material = {0};
+    char *path;
+    bool done;
+    if (word_is(entry, "*"))
+        return error_at(err, entry->place, "* is no entry of an MTL file; give it a material");
+    if (!word_path(file, &path, err))
+        return false;
+    for (*out = 0; *out < scene->n_materials; ++*out) {
+        const struct material *known = &scene->materials[*out];
+        if (known->from_rgb && same_name(known->name, entry) && strcmp(known->path, path) == 0)
+            break;
+    }
+    done = *out < scene->n_materials || (mtl_read(path, file->place, entry, &material, err) &&
+                                         add_material(scene, &material, err));
+    if (!done)
+        material_free(&material);
+    free(path);
+    return done;
+}
+
+/* NAME material MATERIAL, or NAME mtl FILE */
+static bool read_assignment(struct scene *scene, struct text *text, struct object *object,
+                            struct error *err)
+{
+    static const char *const words[] = {"material", "mtl", NULL};
+    struct material_assignment *assignment =
+        array_more(object->assignments, object->n_assignments, sizeof *assignment, err);
+    struct word name, word;
+    int kind;
+    if (assignment == NULL)
+        return false;
+    object->assignments = assignment;
+    if (!text_expect(text, &name, "the name of a usemtl", err))
+        return false;
+    for (; assignment < object->assignments + object->n_assignments; assignment++)
+        if (same_name(assignment->name, &name))
+            return place_once(&assignment->place, name.place, "this name", err);
+    assignment->place = name.place;
+    kind = text_choose(text, "material or mtl", words, "word in a material map", err);
+    if (kind < 0 || !text_expect(text, &word, kind == 0 ? "a material" : "an MTL file", err) ||
+        !text_end(text, "a line of a material map", err) ||
+        !(kind == 0 ? use_named(scene, &word, &assignment->material, err)
+                    : use_entry(scene, &name, &word, &assignment->material, err)))
+        return false;
+    assignment->name = word_copy(&name);
+    object->n_assignments += assignment->name != NULL;
+    return assignment->name != NULL || error_memory(err);
+}
+
+static bool map_read(struct scene *scene, const struct word *file, struct object *object,
+                     struct error *err)
+{
+    struct text text;
+    struct word word;
+    if (!scene_open(scene, file, &text, err))
+        return false;
+    while (text_next_line(&text))
+        if (text_peek(text, &word) && !read_assignment(scene, &text, object, err))
+            return false;
+    return object->n_assignments > 0 ||
+           error_at(err, text_whole(&text), "no lines; a material map has at least one");
+}
+
+/* ---- all of them ---- */
+
+bool materials_resolve(struct scene_reader *reader, struct error *err)
+{
+    struct scene *scene = reader->scene;
+    for (int i = 0; i < scene->n_objects; i++) {
+        struct object *object = &scene->objects[i];
+        const struct word *word = &reader->materials[i];
+        if (word->start != NULL &&
+            !(object->material_map != NULL ? map_read(scene, word, object, err)
+                                           : use_named(scene, word, &object->material, err)))
+            return false;
+    }
+    /* Reading names the listed ones, which nothing finds by that. */
+    for (int i = 0; i < scene->n_objects; i++)
+        if (reader->materials[i].start == NULL &&
+            !load(&scene->materials[scene->objects[i].material], err))
+            return false;
+    return true;
+}

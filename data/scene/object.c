@@ -1,0 +1,242 @@
+/* SPDX-License-Identifier: MIT */
+/* The things in a scene: shapes with their transforms, and the thesis's grid of one object a
+ * material. */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+
+#include "data/base/base.h"
+#include "data/maths/maths.h"
+#include "data/mesh/mesh.h"
+#include "data/scene/scene.h"
+#include "data/text/text.h"
+#include "spectral.h"
+
+/* ---- transforms ---- */
+
+/* One factor or three: two numbers are a mistake. */
+static bool read_scale(struct text *text, struct vector *out, struct error *err)
+{
+    double factor[3];
+    struct word word;
+    int n = 0;
+    do {
+        if (!text_expect(text, &word, "a scale factor", err) ||
+            !word_number(&word, "scale factor", -HUGE_VAL, HUGE_VAL, &factor[n], err))
+            return false;
+        if (factor[n] == 0)
+            return error_at(err, word.place,
+                            "scale factor 0 flattens the object; it must not be 0");
+        n++;
+    } while (n == 2 || (n == 1 && text_peek(*text, &word) && word_begins_number(&word)));
+    *out = (struct vector){factor[0], factor[n == 3 ? 1 : 0], factor[n == 3 ? 2 : 0]};
+    return true;
+}
+
+enum object_option {
+    OBJECT_MATERIAL,
+    OBJECT_MATERIALS,
+    OBJECT_SCALE,
+    OBJECT_ROTATE,
+    OBJECT_TRANSLATE,
+    OBJECT_TWO_SIDED,
+    OBJECT_PLANAR,
+    OBJECT_REPEAT,
+    OBJECT_UNITIZE,
+    OBJECT_CREASE,
+    OBJECT_OPTIONS
+};
+static const char *const option_words[] = {"material",  "materials", "scale",  "rotate",
+                                           "translate", "two-sided", "planar", "repeat",
+                                           "unitize",   "crease",    NULL};
+
+static bool read_transform(struct text *text, int option, struct matrix *out, struct error *err)
+{
+    struct matrix next;
+    struct vector by;
+    double angle;
+    if (option == OBJECT_SCALE) {
+        if (!read_scale(text, &by, err))
+            return false;
+        next = matrix_scaling(by);
+    } else if (option == OBJECT_ROTATE) {
+        if (!text_number(text, "angle", -HUGE_VAL, HUGE_VAL, &angle, err) ||
+            !text_direction(text, "axis", &by, err))
+            return false;
+        next = matrix_rotation(angle, by);
+    } else {
+        if (!text_vector(text, "translation", &by, err))
+            return false;
+        next = matrix_translation(by);
+    }
+    *out = matrix_product(next, *out);
+    return true;
+}
+
+/* ---- objects ---- */
+
+/* An object as its line says it. Its material, or the map of several, is a word until all materials
+ * are known. */
+struct description {
+    struct object object;
+    struct word material;
+    struct place given[OBJECT_OPTIONS]; /* those that hold only once */
+    bool listed;                        /* a list gives the materials */
+};
+
+static bool read_material(struct text *text, struct place place, bool map, struct description *out,
+                          struct error *err)
+{
+    if (out->listed)
+        return error_at(err, place, "the materials of a checker come from its list");
+    if (map && out->object.shape.kind != SHAPE_MESH)
+        return error_at(err, place, "only a mesh has several materials");
+    return place_once(&out->given[OBJECT_MATERIAL], place, "material", err) &&
+           text_expect(text, &out->material, map ? "a material map" : "a material", err) &&
+           (!map || word_path(&out->material, &out->object.material_map, err));
+}
+
+static bool read_option(struct text *text, const struct word *word, struct description *out,
+                        struct error *err)
+{
+    struct shape *shape = &out->object.shape;
+    int option = word_choose(word, option_words, "word for an object", err);
+    if (option < 0)
+        return false;
+    if (option <= OBJECT_MATERIALS)
+        return read_material(text, word->place, option == OBJECT_MATERIALS, out, err);
+    if (option <= OBJECT_TRANSLATE)
+        return read_transform(text, option, &out->object.transform, err);
+    if (option >= OBJECT_UNITIZE && shape->kind != SHAPE_MESH)
+        return error_at(err, word->place, "%s is for a mesh, not for a %s", option_words[option],
+                        shape_name(shape->kind));
+    if (!place_once(&out->given[option], word->place, option_words[option], err))
+        return false;
+    if (option == OBJECT_REPEAT)
+        return text_number(text, "repeat along s", DBL_MIN, HUGE_VAL, &shape->repeat[0], err) &&
+               text_number(text, "repeat along t", DBL_MIN, HUGE_VAL, &shape->repeat[1], err);
+    if (option == OBJECT_CREASE)
+        return text_number(text, "crease", 0, 180, &shape->crease_deg, err);
+    out->object.two_sided = out->object.two_sided || option == OBJECT_TWO_SIDED;
+    shape->planar = shape->planar || option == OBJECT_PLANAR;
+    shape->unitize = shape->unitize || option == OBJECT_UNITIZE;
+    return true;
+}
+
+/* The shape and all words after it. */
+static bool read_description(struct scene_reader *reader, struct description *out,
+                             struct error *err)
+{
+    struct word word;
+    out->object.place = reader->place;
+    out->object.material = -1;
+    out->object.transform = matrix_identity();
+    if (!shape_read(reader->text, &out->object.shape, err))
+        return false;
+    while (text_word(reader->text, &word))
+        if (!read_option(reader->text, &word, out, err))
+            return false;
+    return out->listed || out->given[OBJECT_MATERIAL].line > 0 ||
+           error_at(err, reader->place, "the object has no material; write material and its name");
+}
+
+void object_free(struct object *object)
+{
+    shape_free(&object->shape);
+    free(object->material_map);
+    for (int i = 0; i < object->n_assignments; i++)
+        free(object->assignments[i].name);
+    free(object->assignments);
+    *object = (struct object){.n_assignments = 0};
+}
+
+/* Copies what the description owns. */
+static bool add_object(struct scene_reader *reader, const struct description *description,
+                       struct error *err)
+{
+    const struct shape *from = &description->object.shape;
+    struct scene *scene = reader->scene;
+    int n = scene->n_objects;
+    struct object *objects = array_more(scene->objects, n, sizeof *objects, err);
+    struct word *materials;
+    if (objects == NULL)
+        return false;
+    scene->objects = objects;
+    materials = array_more(reader->materials, n, sizeof *materials, err);
+    if (materials == NULL)
+        return false;
+    reader->materials = materials;
+    materials[n] = description->material;
+    objects[n] = description->object;
+    objects[n].material_map = NULL;
+    scene->n_objects++;
+    return string_copy(from->path, &objects[n].shape.path, err) &&
+           string_copy(description->object.material_map, &objects[n].material_map, err);
+}
+
+bool object_read(struct scene_reader *reader, struct error *err)
+{
+    struct description description = {.listed = false};
+    bool done =
+        read_description(reader, &description, err) && add_object(reader, &description, err);
+    object_free(&description.object);
+    return done;
+}
+
+/* ---- the thesis's grid ---- */
+
+/* Where object i of n stands: rows by the number of objects, filled from the top left, 6 units
+ * apart before scaling. */
+static struct matrix grid_place(int i, int n)
+{
+    int rows = n <= 3 ? 1 : n <= 8 ? 2 : n <= 15 ? 3 : 4;
+    double scale = rows == 1 ? 1 : rows == 2 ? 0.66 : rows == 3 ? 0.5 : 0.333;
+    int columns = n / rows + (n % rows != 0);
+    struct vector size = {scale, scale, scale};
+    struct vector at = {6.0 * (i % columns) - 3.0 * (columns - 1),
+                        3.0 * (rows - 1) - 6.0 * (i / columns), 0};
+    return matrix_product(matrix_scaling(size), matrix_translation(at));
+}
+
+/* One material file a line, each the material of a copy of the pattern. */
+static bool add_listed(struct scene_reader *reader, struct text *list, struct description *pattern,
+                       struct error *err)
+{
+    struct word word;
+    while (text_next_line(list))
+        if (text_peek(*list, &word) &&
+            (!text_expect(list, &word, "a material file", err) ||
+             !text_end(list, "a line of a list", err) ||
+             !listed_add(reader->scene, &word, &pattern->object.material, err) ||
+             !add_object(reader, pattern, err)))
+            return false;
+    return true;
+}
+
+static bool add_grid(struct scene_reader *reader, struct text *list, struct description *pattern,
+                     struct error *err)
+{
+    struct scene *scene = reader->scene;
+    int first = scene->n_objects, n;
+    if (!add_listed(reader, list, pattern, err))
+        return false;
+    n = scene->n_objects - first;
+    for (int i = 0; i < n; i++) {
+        struct matrix *transform = &scene->objects[first + i].transform;
+        *transform = matrix_product(grid_place(i, n), *transform);
+    }
+    return n > 0 || error_at(err, text_whole(list), "no materials; a list names at least one");
+}
+
+bool checker_read(struct scene_reader *reader, struct error *err)
+{
+    struct description description = {.listed = true};
+    struct text list = reader->list;
+    struct word word;
+    bool done = text_expect(reader->text, &word, "a list of material files", err) &&
+                (list.path != NULL || scene_open(reader->scene, &word, &list, err)) &&
+                read_description(reader, &description, err) &&
+                add_grid(reader, &list, &description, err);
+    object_free(&description.object);
+    return done;
+}

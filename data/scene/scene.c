@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: MIT */
+/* Scenes: which file it is, its statements one a line, and files that it includes. Statements come
+ * in any order; one that can hold only once is refused the second time. */
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "data/base/base.h"
+#include "data/material/material.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
+#include "data/text/text.h"
+#include "spectral.h"
+
+/* ---- files ---- */
+
+bool scene_keep(struct scene *scene, struct text *text, struct error *err)
+{
+    struct text *grown = array_more(scene->files, scene->n_files, sizeof *grown, err);
+    if (grown == NULL) {
+        text_free(text);
+        return false;
+    }
+    scene->files = grown;
+    grown[scene->n_files++] = *text;
+    return true;
+}
+
+bool scene_open(struct scene *scene, const struct word *word, struct text *out, struct error *err)
+{
+    char *path = NULL;
+    bool done = word_path(word, &path, err) && text_open(out, path, word->place, err) &&
+                scene_keep(scene, out, err);
+    free(path);
+    return done;
+}
+
+static bool same_file(const char *a, const char *b)
+{
+    struct stat one, other;
+    return strcmp(a, b) == 0 || (stat(a, &one) == 0 && stat(b, &other) == 0 &&
+                                 one.st_dev == other.st_dev && one.st_ino == other.st_ino);
+}
+
+/* ---- statements ---- */
+
+static bool read_statements(struct scene_reader *reader, struct text *text, struct error *err);
+
+static bool include_read(struct scene_reader *reader, struct error *err)
+{
+    struct word word;
+    struct text text;
+    if (!text_expect(reader->text, &word, "a scene file", err) ||
+        !text_end(reader->text, "include", err) || !scene_open(reader->scene, &word, &text, err))
+        return false;
+    if (reader->n_open == DEEPEST_INCLUDE)
+        return error_at(err, word.place, "files include each other more than %d deep",
+                        DEEPEST_INCLUDE);
+    for (int i = 0; i < reader->n_open; i++)
+        if (same_file(reader->open[i], text.path))
+            return error_at(err, word.place, "%.200s would include itself", reader->open[i]);
+    return read_statements(reader, &text, err);
+}
+
+/* Those that hold only once come first. */
+static const char *const statements[] = {"wavelengths", "size",    "camera",  "viewer",
+                                         "shading",     "ambient", "light",   "material",
+                                         "object",      "checker", "include", NULL};
+static bool (*const statement_readers[])(struct scene_reader *, struct error *) = {
+    wavelengths_read, size_read,       camera_read, viewer_read,  shading_read, ambient_read,
+    light_read,       definition_read, object_read, checker_read, include_read};
+
+static bool read_statement(struct scene_reader *reader, const struct word *word, struct error *err)
+{
+    struct scene *scene = reader->scene;
+    struct place *once[] = {&scene->wavelengths_place, &scene->size_place, &scene->camera.place,
+                            &scene->viewer_place, &scene->shading_place};
+    int statement = word_choose(word, statements, "statement", err);
+    if (statement < 0)
+        return false;
+    if (statement < (int)(sizeof once / sizeof once[0]) &&
+        !place_once(once[statement], word->place, statements[statement], err))
+        return false;
+    reader->place = word->place;
+    return statement_readers[statement](reader, err);
+}
+
+/* From the cursor to the file's end. */
+static bool read_statements(struct scene_reader *reader, struct text *text, struct error *err)
+{
+    struct word word;
+    reader->open[reader->n_open++] = text->path;
+    while (text_next_line(text)) {
+        reader->text = text;
+        if (text_word(text, &word) && !read_statement(reader, &word, err))
+            return false;
+    }
+    reader->n_open--;
+    return true;
+}
+
+/* ---- scenes and lists ---- */
+
+static bool refuse_missing(const char *name, struct error *err)
+{
+    static const char folder[] = "scenes/", ending[] = ".scene";
+    char list[LIST_SIZE] = "";
+    for (size_t i = 0; i < builtin_file_count; i++) {
+        const char *file = builtin_files[i].name, *end = strrchr(file, '.');
+        if (strncmp(file, folder, strlen(folder)) == 0 && end != NULL && strcmp(end, ending) == 0)
+            list_add(list, file + strlen(folder), (size_t)(end - file) - strlen(folder));
+    }
+    return error_usage(err, "no built-in scene and no file '%.500s'; built-in: %s", name, list);
+}
+
+bool scene_is_missing(const char *name)
+{
+    char builtin[256];
+    return !builtin_path("scenes/", name, ".scene", builtin, sizeof builtin) &&
+           strncmp(name, "builtin:", 8) != 0 && access(name, F_OK) != 0 && errno == ENOENT;
+}
+
+static bool open_scene(struct scene *scene, const char *name, struct text *out, struct error *err)
+{
+    const struct place nowhere = {0};
+    char builtin[256];
+    if (scene_is_missing(name))
+        return refuse_missing(name, err);
+    if (builtin_path("scenes/", name, ".scene", builtin, sizeof builtin))
+        name = builtin;
+    return text_open(out, name, nowhere, err) && scene_keep(scene, out, err);
+}
+
+/* A list of materials, rather than a scene, begins with a line of one word that is no statement. */
+static bool is_list(struct text text, bool *out, struct error *err)
+{
+    struct word word, more;
+    while (text_next_line(&text)) {
+        if (!text_word(&text, &word))
+            continue;
+        *out = !text_word(&text, &more);
+        for (int i = 0; statements[i] != NULL; i++)
+            *out = *out && !word_is(&word, statements[i]);
+        return true;
+    }
+    return error_at(err, text_whole(&text), "empty; neither a scene nor a list of materials");
+}
+
+static void digest_files(struct scene *scene)
+{
+    struct digest digest;
+    digest_start(&digest);
+    for (int i = 0; i < scene->n_files; i++)
+        digest_add(&digest, scene->files[i].bytes, scene->files[i].length);
+    digest_end(&digest, scene->sha256);
+}
+
+/* A list is shown as the built-in colorchecker, with the list in place of the one it names. */
+static bool read_named(struct scene_reader *reader, const char *name, struct error *err)
+{
+    struct scene *scene = reader->scene;
+    struct text text;
+    bool list = false;
+    if (!string_copy(name, &scene->path, err) || !open_scene(scene, name, &text, err) ||
+        !is_list(text, &list, err))
+        return false;
+    if (list) {
+        reader->list = text;
+        if (!open_scene(scene, "colorchecker", &text, err))
+            return false;
+    }
+    return read_statements(reader, &text, err) && materials_resolve(reader, err) &&
+           view_complete(scene, err);
+}
+
+bool scene_read(const char *name, struct scene *out, struct error *err)
+{
+    struct scene_reader reader = {.scene = out};
+    bool done;
+    *out = (struct scene){0};
+    done = read_named(&reader, name, err);
+    free(reader.materials);
+    if (done)
+        digest_files(out);
+    else
+        scene_free(out);
+    return done;
+}
+
+void scene_free(struct scene *scene)
+{
+    for (int i = 0; i < scene->n_ambients; i++)
+        spectrum_free(&scene->ambients[i].spectrum);
+    for (int i = 0; i < scene->n_lights; i++)
+        spectrum_free(&scene->lights[i].spectrum);
+    for (int i = 0; i < scene->n_materials; i++)
+        material_free(&scene->materials[i]);
+    for (int i = 0; i < scene->n_objects; i++)
+        object_free(&scene->objects[i]);
+    for (int i = 0; i < scene->n_files; i++)
+        text_free(&scene->files[i]);
+    free(scene->ambients);
+    free(scene->lights);
+    free(scene->materials);
+    free(scene->objects);
+    free(scene->files);
+    free(scene->wavelengths_nm);
+    free(scene->path);
+    *scene = (struct scene){0};
+}

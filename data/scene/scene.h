@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "scene": the scene language. */
+#ifndef SCENE_H
+#define SCENE_H
+
+#include "data/material/material.h"
+#include "data/maths/maths.h"
+#include "data/mesh/mesh.h"
+#include "data/spectra/spectra.h"
+#include "data/text/text.h"
+#include "spectral.h"
+
+struct light {
+    struct spectrum spectrum;
+    double intensity;
+    struct vector position; /* or the direction towards it */
+    bool directional;
+    double attenuation[3]; /* constant, linear, quadratic; 1 0 0 by default */
+    bool spot;
+    struct vector spot_direction;
+    double spot_cutoff_deg, spot_exponent;
+    struct place place, attenuation_place, spot_place;
+};
+struct ambient {
+    struct spectrum spectrum;
+    double intensity;
+    struct place place;
+};
+struct camera {
+    bool perspective;
+    double extent; /* width of the view, or vertical angle in degrees */
+    double near, far;
+    struct vector eye, look, up;
+    struct place place;
+};
+/* A line of a material map: the material of a part of a mesh. */
+struct material_assignment {
+    char *name;   /* usemtl; "*" is every other one; owned */
+    int material; /* index */
+    struct place place;
+};
+struct object {
+    struct shape shape;
+    int material;                            /* index; -1 with a material map */
+    char *material_map;                      /* owned; NULL: none */
+    struct material_assignment *assignments; /* its lines; owned */
+    int n_assignments;
+    bool two_sided;
+    struct matrix transform;
+    struct place place;
+};
+enum shading_kind {
+    SHADING_SMOOTH, /* Gouraud's: lit at the vertices, interpolated */
+    SHADING_FLAT,   /* the colour of a triangle's last vertex */
+    SHADING_PHONG   /* normals interpolated, lit at each pixel; the reference only */
+};
+struct scene {
+    char *path;         /* as given: file or built-in name */
+    char sha256[65];    /* of its text: its file, then those that it includes and lists, as read */
+    struct text *files; /* every file read: owns the paths of all places */
+    int n_files;
+    double *wavelengths_nm; /* strictly increasing */
+    int n_wavelengths;
+    int width, height;
+    struct camera camera;
+    bool local_viewer;
+    enum shading_kind shading;
+    double tessellation;       /* factor of all slices, stacks, ... of built-in shapes */
+    struct place viewer_place, shading_place, wavelengths_place, size_place;
+    struct ambient *ambients;
+    struct light *lights;
+    struct material *materials; /* only those an object uses are read; others keep name and path */
+    struct object *objects;
+    int n_ambients, n_lights, n_materials, n_objects;
+};
+
+/* Reads a SCENE: a built-in scene's name, a scene file or a thesis list file. */
+bool scene_read(const char *name, struct scene *out, struct error *err);
+bool scene_is_missing(const char *name); /* neither built in nor a file */
+void scene_free(struct scene *scene);
+/* Options of the command line, which replace what the scene file says. `text` is the value of
+ * "--option", which messages name. */
+bool scene_set_wavelengths(struct scene *scene, const char *text, struct error *err);
+bool scene_set_size(struct scene *scene, const char *text, struct error *err);
+bool scene_set_light(struct scene *scene, const char *text, struct error *err);
+bool scene_set_ambient(struct scene *scene, const char *text, struct error *err);
+bool scene_set_shading(struct scene *scene, const char *text, struct error *err);
+/* A factor above 0 for shape_tessellated. */
+bool scene_set_tessellation(struct scene *scene, const char *text, struct error *err);
+
+/* ---- Inside this room ---- */
+
+enum { DEEPEST_INCLUDE = 32 };
+
+/* A reader of one statement, `NAME_read` below, starts behind the statement's first word. */
+struct scene_reader {
+    struct scene *scene;
+    struct word *materials; /* an object's material by name, or its map, until all materials are
+                               known; start NULL: known */
+    struct text *text;      /* the statement that is read */
+    struct place place;     /* of its first word */
+    const char *open[DEEPEST_INCLUDE]; /* the files that are being read, outermost first */
+    int n_open;
+    struct text list; /* what a checker reads instead of the list it names; zeroed: nothing */
+};
+/* Leaves the text to the scene, which frees it even if this fails. *text stays good as a cursor. */
+bool scene_keep(struct scene *scene, struct text *text, struct error *err);
+/* Opens the file that the word names, and keeps it. */
+bool scene_open(struct scene *scene, const struct word *word, struct text *out, struct error *err);
+
+/* view.c: wavelengths, size, camera, shading. */
+
+bool wavelengths_read(struct scene_reader *reader, struct error *err);
+bool size_read(struct scene_reader *reader, struct error *err);
+bool camera_read(struct scene_reader *reader, struct error *err);
+bool viewer_read(struct scene_reader *reader, struct error *err);
+bool shading_read(struct scene_reader *reader, struct error *err);
+/* Sets the defaults where no statement says otherwise. To be called after reading. */
+bool view_complete(struct scene *scene, struct error *err);
+/* Opens an option's value as a text of one line, which the scene keeps: places point into it. */
+bool option_open(struct scene *scene, const char *option, const char *value, struct text *out,
+                 struct error *err);
+/* The bytes of an option's text from `start` up to `end` as a word. */
+struct word option_word(const struct text *text, const char *start, const char *end);
+
+bool ambient_read(struct scene_reader *reader, struct error *err); /* in lights.c */
+bool light_read(struct scene_reader *reader, struct error *err);
+
+/* materials.c: materials by name, and which of them are used. */
+
+bool definition_read(struct scene_reader *reader, struct error *err);
+/* Adds the material of a file that a list names, unless it is there already; *out is its index. */
+bool listed_add(struct scene *scene, const struct word *word, int *out, struct error *err);
+/* Finds the materials of all objects and reads those that are used. */
+bool materials_resolve(struct scene_reader *reader, struct error *err);
+
+/* object.c: shapes, objects and grids of them. */
+
+bool object_read(struct scene_reader *reader, struct error *err);
+bool checker_read(struct scene_reader *reader, struct error *err);
+void object_free(struct object *object);
+
+#endif

@@ -1,0 +1,319 @@
+/* SPDX-License-Identifier: MIT */
+/* How a scene is viewed: wavelengths, size, camera, shading; and the options of the command line
+ * that replace them, which the same functions read. */
+#include <float.h>
+#include <math.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/maths/maths.h"
+#include "data/scene/scene.h"
+#include "data/text/text.h"
+#include "spectral.h"
+
+static const double smallest_positive = DBL_MIN;
+static const double longest_nm = 1e6; /* a millimetre: beyond, nothing is light */
+enum {
+    MOST_WAVELENGTHS = 65535, /* a TIFF file counts its pages in 16 bits */
+    LONGEST_SIDE = 262144
+};
+
+/* ---- wavelengths ---- */
+
+static bool check_count(double count, struct place place, struct error *err)
+{
+    return count < MOST_WAVELENGTHS ||
+           error_at(err, place, "more than %d wavelengths; a stack holds no more pages",
+                    MOST_WAVELENGTHS);
+}
+
+static bool add_wavelength(struct scene *scene, double nm, struct place place, struct error *err)
+{
+    int n = scene->n_wavelengths;
+    double *grown;
+    if (n > 0 && nm <= scene->wavelengths_nm[n - 1])
+        return error_at(err, place,
+                        "wavelength %.15g nm follows %.15g nm; wavelengths must increase", nm,
+                        scene->wavelengths_nm[n - 1]);
+    if (!check_count(n, place, err))
+        return false;
+    grown = array_more(scene->wavelengths_nm, n, sizeof *grown, err);
+    if (grown == NULL)
+        return false;
+    scene->wavelengths_nm = grown;
+    grown[scene->n_wavelengths++] = nm;
+    return true;
+}
+
+/* START + i STEP as far as END. Numbers such as 0.1 are rounded to 2^-53 of their size, so that the
+ * quotient misses a whole number of steps by some units of 2^-53 (START + END) / STEP: 2.5e-10 for
+ * 380 to 730 by 0.001. An END within 1e-9 of that many steps is thus meant to be included; nobody
+ * means a step cut off by so little. */
+static bool add_range(struct scene *scene, const double range[3], struct place place,
+                      struct error *err)
+{
+    double steps = (range[1] - range[0]) / range[2], whole = floor(steps + 0.5);
+    if (fabs(steps - whole) > 1e-9 * whole)
+        whole = floor(steps);
+    if (!check_count(whole, place, err))
+        return false;
+    for (int i = 0; i <= (int)whole; i++)
+        if (!add_wavelength(scene, range[0] + i * range[2], place, err))
+            return false;
+    return true;
+}
+
+static bool read_range(struct scene *scene, struct text *text, struct error *err)
+{
+    double range[3];
+    struct word end, step;
+    if (!text_number(text, "first wavelength", smallest_positive, longest_nm, &range[0], err) ||
+        !text_expect(text, &end, "a last wavelength", err) ||
+        !word_number(&end, "last wavelength", smallest_positive, longest_nm, &range[1], err) ||
+        !text_expect(text, &step, "a step", err) ||
+        !word_number(&step, "step", smallest_positive, HUGE_VAL, &range[2], err))
+        return false;
+    if (range[1] < range[0])
+        return error_at(err, end.place, "the last wavelength %.15g is below the first, %.15g",
+                        range[1], range[0]);
+    return add_range(scene, range, step.place, err);
+}
+
+static bool read_wavelength_list(struct scene *scene, struct text *text, struct error *err)
+{
+    struct word word;
+    double nm;
+    do
+        if (!text_expect(text, &word, "a wavelength", err) ||
+            !word_number(&word, "wavelength", smallest_positive, longest_nm, &nm, err) ||
+            !add_wavelength(scene, nm, word.place, err))
+            return false;
+    while (text_peek(*text, &word));
+    return true;
+}
+
+bool wavelengths_read(struct scene_reader *reader, struct error *err)
+{
+    struct text *text = reader->text, before = *text;
+    struct word word;
+    if (!text_expect(text, &word, "START END STEP or list and wavelengths", err))
+        return false;
+    if (word_is(&word, "list"))
+        return read_wavelength_list(reader->scene, text, err);
+    *text = before;
+    return read_range(reader->scene, text, err) && text_end(text, "wavelengths", err);
+}
+
+/* ---- picture ---- */
+
+bool size_read(struct scene_reader *reader, struct error *err)
+{
+    long width, height;
+    if (!text_integer(reader->text, "width", 1, LONGEST_SIDE, &width, err) ||
+        !text_integer(reader->text, "height", 1, LONGEST_SIDE, &height, err))
+        return false;
+    reader->scene->width = (int)width;
+    reader->scene->height = (int)height;
+    return text_end(reader->text, "size", err);
+}
+
+/* One of two words, the second of which sets *out. */
+static bool read_switch(struct text *text, const char *const words[3], const char *what, bool *out,
+                        struct error *err)
+{
+    int chosen = text_choose(text, what, words, what, err);
+    *out = chosen == 1;
+    return chosen >= 0 && text_end(text, what, err);
+}
+
+bool viewer_read(struct scene_reader *reader, struct error *err)
+{
+    static const char *const words[] = {"infinite", "local", NULL};
+    return read_switch(reader->text, words, "viewer", &reader->scene->local_viewer, err);
+}
+
+bool shading_read(struct scene_reader *reader, struct error *err)
+{
+    static const char *const words[] = {
+        [SHADING_SMOOTH] = "smooth", [SHADING_FLAT] = "flat", [SHADING_PHONG] = "phong", NULL};
+    int chosen = text_choose(reader->text, "shading", words, "shading", err);
+    reader->scene->shading = chosen > 0 ? (enum shading_kind)chosen : SHADING_SMOOTH;
+    return chosen >= 0 && text_end(reader->text, "shading", err);
+}
+
+/* ---- camera ---- */
+
+static const char *const camera_words[] = {"ortho", "perspective", NULL};
+static const struct camera camera_defaults[] = {
+    {.extent = 12, .near = -10, .far = 10, .look = {0, 0, -1}, .up = {0, 1, 0}},
+    {.perspective = true, .near = 1, .far = 64, .look = {0, 0, -1}, .up = {0, 1, 0}}};
+
+static bool read_extent(struct text *text, struct camera *out, struct error *err)
+{
+    double *angle = &out->extent;
+    struct word word;
+    if (!out->perspective)
+        return text_number(text, "width of the view", smallest_positive, HUGE_VAL, angle, err);
+    if (!text_expect(text, &word, "the vertical angle of the view", err) ||
+        !word_number(&word, "angle", -HUGE_VAL, HUGE_VAL, angle, err))
+        return false;
+    return (*angle > 0 && *angle < 180) ||
+           error_at(err, word.place, "angle %.15g is out of range; it is above 0 and below 180",
+                    *angle);
+}
+
+enum { CAMERA_NEAR, CAMERA_FAR, CAMERA_EYE, CAMERA_LOOK, CAMERA_UP, CAMERA_OPTIONS };
+
+static bool read_camera_option(struct text *text, int option, struct camera *out, struct error *err)
+{
+    double nearest = out->perspective ? smallest_positive : -HUGE_VAL;
+    switch (option) {
+    case CAMERA_NEAR:
+        return text_number(text, "near", nearest, HUGE_VAL, &out->near, err);
+    case CAMERA_FAR:
+        return text_number(text, "far", nearest, HUGE_VAL, &out->far, err);
+    case CAMERA_EYE:
+        return text_vector(text, "eye", &out->eye, err);
+    case CAMERA_LOOK:
+        return text_vector(text, "look", &out->look, err);
+    default:
+        return text_direction(text, "up", &out->up, err);
+    }
+}
+
+/* Two unit vectors that are parallel but for rounding, each within some 4 units of 2^-53 in every
+ * part, have a product shorter than 2^-49. */
+static bool check_camera(const struct camera *camera, struct error *err)
+{
+    struct vector view = vector_subtract(camera->look, camera->eye), side;
+    double depth = camera->far - camera->near, length = vector_length(view);
+    if (!(depth > 0 && isfinite(depth)))
+        return error_at(err, camera->place, "near %.15g must be below far %.15g", camera->near,
+                        camera->far);
+    if (!(length > 0 && isfinite(length)))
+        return error_at(err, camera->place,
+                        "eye and look are one point or too far apart; the view has no direction");
+    side = vector_cross(vector_normalise(camera->up), vector_normalise(view));
+    return vector_length(side) > 0x1p-49 ||
+           error_at(err, camera->place,
+                    "up is parallel to the view; it must point to the side of it");
+}
+
+bool camera_read(struct scene_reader *reader, struct error *err)
+{
+    static const char *const words[] = {"near", "far", "eye", "look", "up", NULL};
+    struct camera *camera = &reader->scene->camera;
+    struct place given[CAMERA_OPTIONS] = {{0}};
+    struct word word;
+    int option = text_choose(reader->text, "ortho or perspective", camera_words, "camera", err);
+    if (option < 0)
+        return false;
+    *camera = camera_defaults[option];
+    camera->place = reader->place;
+    if (!read_extent(reader->text, camera, err))
+        return false;
+    while (text_word(reader->text, &word)) {
+        option = word_choose(&word, words, "word for a camera", err);
+        if (option < 0 || !place_once(&given[option], word.place, words[option], err) ||
+            !read_camera_option(reader->text, option, camera, err))
+            return false;
+    }
+    return check_camera(camera, err);
+}
+
+/* ---- defaults ---- */
+
+bool view_complete(struct scene *scene, struct error *err)
+{
+    static const double range[3] = {300, 760, 5};
+    scene->tessellation = 1;
+    if (scene->camera.place.line == 0)
+        scene->camera = camera_defaults[0];
+    if (scene->size_place.line == 0) {
+        scene->width = 1200;
+        scene->height = 800;
+    }
+    return scene->n_wavelengths > 0 ||
+           add_range(scene, range, (struct place){scene->path, 0, 0}, err);
+}
+
+/* ---- options of the command line ---- */
+
+bool option_open(struct scene *scene, const char *option, const char *value, struct text *out,
+                 struct error *err)
+{
+    if (!text_open_string(out, option, value, err) || !scene_keep(scene, out, err))
+        return false;
+    if (text_next_line(out) && strchr(value, '\n') == NULL)
+        return true;
+    return error_at(err, text_place(out), "expected one line, not '%s'", value);
+}
+
+struct word option_word(const struct text *text, const char *start, const char *end)
+{
+    struct word word = {.start = start, .length = (size_t)(end - start)};
+    word.place = text_place(text);
+    word.place.column += (int)(start - text->at);
+    return word;
+}
+
+/* An option's numbers have one separator between them, and a # starts no comment. */
+static bool open_numbers(struct scene *scene, const char *option, const char *value,
+                         const char *separator, struct text *out, struct error *err)
+{
+    const char stops[] = {separator[0], '#', '\0'}, *at;
+    size_t length;
+    if (!option_open(scene, option, value, out, err))
+        return false;
+    out->separators = separator;
+    at = out->at;
+    do {
+        at += strspn(at, " \t");
+        length = strcspn(at, stops);
+        at += length;
+        if (length == 0 || *at == '#')
+            return error_at(err, option_word(out, at, at).place,
+                            "expected numbers with one '%s' between them", separator);
+    } while (*at++ != '\0');
+    return true;
+}
+
+bool scene_set_wavelengths(struct scene *scene, const char *value, struct error *err)
+{
+    bool range = strchr(value, ':') != NULL;
+    struct text text;
+    if (!open_numbers(scene, "--wavelengths", value, range ? ":" : ",", &text, err))
+        return false;
+    scene->n_wavelengths = 0;
+    scene->wavelengths_place = text_place(&text);
+    return range ? read_range(scene, &text, err) && text_end(&text, "START:END:STEP", err)
+                 : read_wavelength_list(scene, &text, err);
+}
+
+bool scene_set_size(struct scene *scene, const char *value, struct error *err)
+{
+    struct text text;
+    struct scene_reader reader = {.scene = scene, .text = &text};
+    if (!open_numbers(scene, "--size", value, "x", &text, err))
+        return false;
+    scene->size_place = text_place(&text);
+    return size_read(&reader, err);
+}
+
+bool scene_set_shading(struct scene *scene, const char *value, struct error *err)
+{
+    struct text text;
+    struct scene_reader reader = {.scene = scene, .text = &text};
+    if (!option_open(scene, "--shading", value, &text, err))
+        return false;
+    scene->shading_place = text_place(&text);
+    return shading_read(&reader, err);
+}
+
+bool scene_set_tessellation(struct scene *scene, const char *value, struct error *err)
+{
+    struct text text;
+    return option_open(scene, "--tessellation", value, &text, err) &&
+           text_number(&text, "factor", smallest_positive, HUGE_VAL, &scene->tessellation, err) &&
+           text_end(&text, "tessellation", err);
+}

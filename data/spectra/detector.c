@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: MIT */
+/* Detectors: three sensitivities, and what a radiance at each wavelength of a picture counts in
+ * them. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/spectra/spectra.h"
+#include "spectral.h"
+
+/* ---- wavelengths ---- */
+
+/* The band that a wavelength stands for: half-way to its neighbours, as far beyond the ends. */
+struct band {
+    double first, last;
+};
+static struct band band_of(const double *nm, int n, int i)
+{
+    const double left = i > 0 ? nm[i] - nm[i - 1] : n > 1 ? nm[1] - nm[0] : 1;
+    const double right = i < n - 1 ? nm[i + 1] - nm[i] : left;
+    return (struct band){nm[i] - left / 2, nm[i] + right / 2};
+}
+
+/* The sum of a sensitivity over its own table, or of its magnitude, outside a band. */
+static double sum_outside(const struct spectrum *s, bool magnitude, struct band picture)
+{
+    double sum = 0;
+    for (int i = 0; i < s->count; i++) {
+        const struct band own = band_of(s->wavelength_nm, s->count, i);
+        const double first = fmax(own.first, picture.first), last = fmin(own.last, picture.last);
+        const double outside = own.last - own.first - fmax(0, last - first);
+        sum += outside * (magnitude ? fabs(s->value[i]) : s->value[i]);
+    }
+    return sum;
+}
+
+static const struct band nowhere = {HUGE_VAL, HUGE_VAL};
+
+/* ---- reading ---- */
+
+/* Sensitivities may be negative, but not 0 everywhere. */
+static bool check_sensitivity(const struct spectrum *s, int column, bool is_y, struct error *err)
+{
+    const double sum = sum_outside(s, false, nowhere), magnitude = sum_outside(s, true, nowhere);
+    if (!(magnitude > 0))
+        return error_at(err, s->place, "value column %d is 0 everywhere", column);
+    if (!isfinite(magnitude))
+        return error_at(err, s->place, "value column %d is too large to be summed", column);
+    return !is_y || sum > 0 ||
+           error_at(err, s->place, "the sum of y is %.6g; an observer's is positive", sum);
+}
+
+/* The places are in a file that is closed by then; their path becomes the detector's name. */
+bool detector_read(const char *name, struct detector *out, struct error *err)
+{
+    *out = (struct detector){.name = strdup(name)};
+    bool done = out->name != NULL || error_memory(err);
+    done = done && spectra_read(name, out->sensitivity, &out->observer, err);
+    for (int channel = 0; channel < 3; channel++) {
+        struct spectrum *s = &out->sensitivity[channel];
+        s->place.path = out->name;
+        done = done && check_sensitivity(s, channel + 1, out->observer && channel == 1, err);
+    }
+    if (!done)
+        detector_free(out);
+    return done;
+}
+
+void detector_free(struct detector *detector)
+{
+    for (int channel = 0; channel < 3; channel++)
+        spectrum_free(&detector->sensitivity[channel]);
+    free(detector->name);
+    *detector = (struct detector){0};
+}
+
+/* ---- a picture's wavelengths ---- */
+
+void detector_weights(const struct detector *detector, const double *wavelengths_nm, int n,
+                      double *out)
+{
+    const struct spectrum *y = &detector->sensitivity[1];
+    const double k = detector->observer ? 100 / sum_outside(y, false, nowhere) : 1;
+    for (int i = 0; i < n; i++) {
+        const struct band band = band_of(wavelengths_nm, n, i);
+        const double width = k * (band.last - band.first);
+        for (int channel = 0; channel < 3; channel++)
+            out[channel * n + i] = width * spectrum_at(&detector->sensitivity[channel],
+                                                       wavelengths_nm[i], SPECTRUM_ZERO);
+    }
+}
+
+bool observer_read(const char *name, struct detector *out, struct error *err)
+{
+    if (!detector_read(name, out, err))
+        return false;
+    const bool observer = out->observer;
+    if (!observer)
+        detector_free(out);
+    return observer || error_usage(err,
+                                   "%s is a camera or film, which has no tristimulus values;"
+                                   " expected an observer",
+                                   name);
+}
+
+void detector_response(const double *weights, const double *radiance, int n, double out[3])
+{
+    for (int channel = 0; channel < 3; channel++) {
+        out[channel] = 0;
+        for (int i = 0; i < n; i++)
+            out[channel] += weights[channel * n + i] * (radiance != NULL ? radiance[i] : 1);
+    }
+}
+
+void detector_lost(const struct detector *detector, const double *wavelengths_nm, int n,
+                   double out[3])
+{
+    detector_lost_outside(detector, band_of(wavelengths_nm, n, 0).first,
+                          band_of(wavelengths_nm, n, n - 1).last, out);
+}
+
+void detector_lost_outside(const struct detector *detector, double first_nm, double last_nm,
+                           double out[3])
+{
+    const struct band picture = {first_nm, last_nm};
+    for (int channel = 0; channel < 3; channel++) {
+        const struct spectrum *s = &detector->sensitivity[channel];
+        out[channel] = sum_outside(s, true, picture) / sum_outside(s, true, nowhere);
+    }
+}

@@ -1,0 +1,317 @@
+/* SPDX-License-Identifier: MIT */
+/* A spectral stack to be read, with what it says of itself where it is one of our own. */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/method/method.h"
+#include "data/record/record.h"
+#include "data/sampling/sampling.h"
+#include "data/spectra/spectra.h"
+#include "data/stack/stack.h"
+#include "data/text/text.h"
+#include "data/tiff/tiff.h"
+#include "spectral.h"
+
+static const struct place nowhere = {0};
+
+/* The map is the last thing in the file, and every object has a name. A stack of which that is not
+ * true was written by others, or cut. */
+static bool map_is_whole(const struct cube *cube)
+{
+    const struct record *record = &cube->record;
+    const uint64_t pixels = (uint64_t)cube->image.width * (uint64_t)cube->image.height;
+    const uint64_t bytes = pixels * (uint64_t)record->map_bytes;
+    return record->n_objects > 0 && bytes <= cube->image.bytes &&
+           record->map_offset == cube->image.bytes - bytes;
+}
+
+/* Stands for the wavelengths that components do not have. */
+static bool number_pages(struct image *image, struct error *err)
+{
+    image->wavelengths_nm = calloc((size_t)image->n_pages, sizeof *image->wavelengths_nm);
+    for (int i = 0; image->wavelengths_nm != NULL && i < image->n_pages; i++)
+        image->wavelengths_nm[i] = i + 1;
+    return image->wavelengths_nm != NULL || error_memory(err);
+}
+
+bool cube_open(const char *path, struct cube *out, struct error *err)
+{
+    struct error foreign = {0};
+    *out = (struct cube){.record = {.text = NULL}};
+    if (!image_open(path, nowhere, &out->image, err))
+        return false;
+    const bool own = record_read(&out->image, &out->record, &foreign);
+    out->components = out->record.components && !out->image.coloured;
+    if (out->components && !number_pages(&out->image, err)) {
+        cube_close(out);
+        return false;
+    }
+    if (out->image.coloured || out->image.wavelengths_nm == NULL) {
+        error_usage(
+            err,
+            "%s: %s; expected a stack of grey pages, one page or one GDAL band a wavelength,"
+            " that tell increasing ones as OME-XML, GDAL_METADATA or page names such as"
+            " \"305 nm\"",
+            path, out->image.coloured ? "its pages are RGB" : out->image.untold);
+        cube_close(out);
+        return false;
+    }
+    if (own && !map_is_whole(out))
+        out->record.map_bytes = 0;
+    return true;
+}
+
+bool cube_needs_radiance(const struct cube *cube, const char *what, struct error *err)
+{
+    return !cube->components ||
+           error_usage(err, "%s needs radiances at wavelengths; %s holds the components of %s",
+                       what, cube->image.path, cube->record.sampling);
+}
+
+/* ---- weights ---- */
+
+static bool is_for(const struct cube *cube, const struct detector *detector, struct error *err)
+{
+    const struct record *record = &cube->record;
+    return strcmp(record->sampling_detector, detector->name) == 0 ||
+           error_usage(err,
+                       "%s: was sampled by %s for %s only; expected --detector %s, or a stack that"
+                       " was rendered with --detector %s",
+                       cube->image.path, record->sampling, record->sampling_detector,
+                       record->sampling_detector, detector->name);
+}
+
+/* Of weights and whites, so that no sum of them is infinite. */
+static const double largest_number = (double)FLT_MAX;
+
+static bool weights_are_finite(const struct cube *cube, const double *weights, struct error *err)
+{
+    for (int i = 0; i < 3 * cube->image.n_pages; i++)
+        if (!(fabs(weights[i]) <= largest_number))
+            return error_usage(err, "%s: weight %g of page %d is of no use", cube->image.path,
+                               weights[i], i % cube->image.n_pages + 1);
+    return true;
+}
+
+bool cube_weights(const struct cube *cube, const struct detector *detector, double *out,
+                  struct error *err)
+{
+    const struct record *record = &cube->record;
+    const struct image *image = &cube->image;
+    if (record->n_response > 0 && !is_for(cube, detector, err))
+        return false;
+    if (record->n_response > 0)
+        memcpy(out, record->response, (size_t)record->n_response * sizeof *out);
+    else if (record->n_segments > 0)
+        sampling_weights(detector, image->wavelengths_nm, (double(*)[2])record->segments,
+                         image->n_pages, out);
+    else
+        detector_weights(detector, image->wavelengths_nm, image->n_pages, out);
+    return weights_are_finite(cube, out, err);
+}
+
+void cube_lost(const struct cube *cube, const struct detector *detector, double out[3])
+{
+    const struct record *record = &cube->record;
+    if (record->n_response > 0)
+        detector_lost_outside(detector, record->range_nm[0], record->range_nm[1], out);
+    else if (record->n_segments > 0)
+        detector_lost_outside(detector, record->segments[0],
+                              record->segments[record->n_segments - 1], out);
+    else
+        detector_lost(detector, cube->image.wavelengths_nm, cube->image.n_pages, out);
+}
+
+/* What the detector of a fixed stack makes of a spectrum at every nm of its range; of NULL, of 1
+ * everywhere. */
+static bool respond_finely(const struct record *record, const struct detector *detector,
+                           const struct spectrum *spectrum, double out[3], struct error *err)
+{
+    const int n = (int)floor(record->range_nm[1] - record->range_nm[0] + 0.5);
+    const size_t count = n > 0 ? (size_t)n : 1;
+    double *nm = calloc(5 * count, sizeof *nm);
+    if (nm == NULL)
+        return error_memory(err);
+    double *radiance = nm + count, *weights = radiance + count;
+    for (int j = 0; j < n; j++) {
+        nm[j] = record->range_nm[0] + 0.5 + j;
+        radiance[j] = spectrum != NULL ? spectrum_at(spectrum, nm[j], SPECTRUM_ZERO) : 1;
+    }
+    detector_weights(detector, nm, n, weights);
+    detector_response(weights, radiance, n, out);
+    free(nm);
+    return true;
+}
+
+bool cube_equal_response(const struct cube *cube, const struct detector *detector,
+                         const double *weights, double out[3], struct error *err)
+{
+    if (cube->record.n_response > 0)
+        return respond_finely(&cube->record, detector, NULL, out, err);
+    detector_response(weights, NULL, cube->image.n_pages, out);
+    return true;
+}
+
+/* ---- the white ---- */
+
+/* The whole text is one word, blanks and all. */
+static bool spectrum_of_option(const char *value, struct text *text, struct spectrum *out,
+                               struct error *err)
+{
+    if (!text_open_string(text, "--white", value, err))
+        return false;
+    if (!text_next_line(text) || strchr(value, '\n') != NULL)
+        return error_at(err, text_place(text), "expected one line, not '%s'", value);
+    const struct word word = {
+        .start = text->at, .length = strlen(value), .place = {text->path, text->line, 1}};
+    return spectrum_read(&word, 0, HUGE_VAL, out, err);
+}
+
+/* Of a box, by the cells of 1 nm that begin at `origin`. */
+static double mean_within(const struct spectrum *spectrum, const double limits[2], double origin)
+{
+    double sum = 0;
+    for (double cell = origin + floor(limits[0] - origin); cell < limits[1]; cell++)
+        sum += fmax(0, fmin(cell + 1, limits[1]) - fmax(cell, limits[0])) *
+               spectrum_at(spectrum, cell + 0.5, SPECTRUM_ZERO);
+    return sum / (limits[1] - limits[0]);
+}
+
+static bool has_boxes(const struct record *record)
+{
+    return record->n_segments > 0 && sampling_takes_means(record->sampling);
+}
+
+static bool white_of_option(const struct cube *cube, const char *value, double *out,
+                            struct error *err)
+{
+    const bool boxes = has_boxes(&cube->record);
+    const double *segments = cube->record.segments;
+    struct text text = {.path = NULL};
+    struct spectrum spectrum = {.kind = SPECTRUM_NONE};
+    const bool good = spectrum_of_option(value, &text, &spectrum, err);
+    for (int i = 0; good && i < cube->image.n_pages; i++)
+        out[i] = boxes ? mean_within(&spectrum, segments + 2 * i, segments[0])
+                       : spectrum_at(&spectrum, cube->image.wavelengths_nm[i], SPECTRUM_ZERO);
+    spectrum_free(&spectrum);
+    text_free(&text);
+    return good;
+}
+
+static bool refuse_no_white(const struct cube *cube, struct error *err)
+{
+    return error_usage(err,
+                       "%s: tells no white, as stacks of scenes with lights do since spectral"
+                       " 0.3.0; expected --white SPECTRUM",
+                       cube->image.path);
+}
+
+static bool white_shines(const struct cube *cube, const double *white, int n, struct error *err)
+{
+    bool shines = false;
+    for (int i = 0; i < n; i++)
+        shines = shines || white[i] > 0;
+    return shines || error_usage(err,
+                                 "%s: the white is 0 at all of its wavelengths; expected one that"
+                                 " shines at some",
+                                 cube->image.path);
+}
+
+bool cube_white(const struct cube *cube, const char *spectrum, double *out, struct error *err)
+{
+    if (!cube_needs_radiance(cube, "a white", err))
+        return false;
+    if (spectrum == NULL && cube->record.n_white == 0)
+        return refuse_no_white(cube, err);
+    if (spectrum == NULL)
+        memcpy(out, cube->record.white, (size_t)cube->image.n_pages * sizeof *out);
+    else if (!white_of_option(cube, spectrum, out, err))
+        return false;
+    return white_shines(cube, out, cube->image.n_pages, err);
+}
+
+/* By the detector of a fixed stack. */
+static bool option_respond(const struct cube *cube, const char *value, double out[3],
+                           struct error *err)
+{
+    struct text text = {.path = NULL};
+    struct spectrum spectrum = {.kind = SPECTRUM_NONE};
+    struct detector detector = {.name = NULL};
+    const bool good = detector_read(cube->record.sampling_detector, &detector, err) &&
+                      spectrum_of_option(value, &text, &spectrum, err) &&
+                      respond_finely(&cube->record, &detector, &spectrum, out, err);
+    detector_free(&detector);
+    spectrum_free(&spectrum);
+    text_free(&text);
+    return good;
+}
+
+static bool white_of_fixed(const struct cube *cube, const char *spectrum, bool needed, bool *found,
+                           double out[3], struct error *err)
+{
+    const struct record *record = &cube->record;
+    *found = spectrum != NULL || record->has_white_response;
+    if (!*found)
+        return !needed || refuse_no_white(cube, err);
+    if (spectrum == NULL)
+        memcpy(out, record->white_response, sizeof record->white_response);
+    else if (!option_respond(cube, spectrum, out, err))
+        return false;
+    return white_shines(cube, out, 3, err);
+}
+
+static bool white_of_pages(const struct cube *cube, const char *spectrum, bool needed,
+                           const double *weights, bool *found, double out[3], struct error *err)
+{
+    struct error ignored = {.status = EXIT_AGREED};
+    double *radiance = calloc((size_t)cube->image.n_pages, sizeof *radiance);
+    if (radiance == NULL)
+        return error_memory(err);
+    needed = needed || spectrum != NULL;
+    *found = cube_white(cube, spectrum, radiance, needed ? err : &ignored);
+    if (*found)
+        detector_response(weights, radiance, cube->image.n_pages, out);
+    free(radiance);
+    return *found || !needed;
+}
+
+bool cube_white_response(const struct cube *cube, const char *spectrum, bool needed,
+                         const double *weights, bool *found, double out[3], struct error *err)
+{
+    const bool done = cube->record.n_response > 0
+                          ? white_of_fixed(cube, spectrum, needed, found, out, err)
+                          : white_of_pages(cube, spectrum, needed, weights, found, out, err);
+    for (int channel = 0; done && *found && channel < 3; channel++)
+        if (!(fabs(out[channel]) <= largest_number))
+            return error_usage(err, "%s: the white has %g in channel %d, which is of no use",
+                               cube->image.path, out[channel], channel + 1);
+    return done;
+}
+
+/* ---- the object map ---- */
+
+bool cube_objects(const struct cube *cube, int x, int y, int n, int *out, struct error *err)
+{
+    const struct record *record = &cube->record;
+    const uint64_t pixel = (uint64_t)y * (uint64_t)cube->image.width + (uint64_t)x;
+    const size_t length = (size_t)record->map_bytes, count = (size_t)n;
+    const unsigned char *bytes = (const unsigned char *)out;
+    if (length > 0 && !image_read_bytes(&cube->image, record->map_offset + pixel * length,
+                                        count * length, out, err))
+        return false;
+    for (size_t i = count; i-- > 0;) { /* from the end: a number takes more room than its bytes */
+        int number = length > 0 ? bytes[i * length] : record->n_objects + 1;
+        if (length > 1)
+            number += 256 * bytes[i * length + 1];
+        out[i] = number <= record->n_objects ? number : -1;
+    }
+    return true;
+}
+
+void cube_close(struct cube *cube)
+{
+    record_free(&cube->record);
+    image_close(&cube->image);
+}

@@ -1,0 +1,189 @@
+/* SPDX-License-Identifier: MIT */
+/* Writes the spectral stack: a multi-page TIFF, one page a wavelength or component. Behind the last
+ * page lies the object map, of which only the record tells: a reader of TIFF never gets there. */
+#include <assert.h>
+#include <float.h>
+#include <string.h>
+#include <tiffio.h>
+#include <unistd.h>
+
+#include "data/base/base.h"
+#include "data/pages/pages.h"
+#include "data/stack/stack.h"
+#include "data/tiff/tiff.h"
+#include "spectral.h"
+
+static bool check_options(const struct stack_options *options, struct error *err)
+{
+    const int most_pages = 65535; /* the SHORTs of tag PageNumber */
+    int n_pages = options->n_wavelengths, width = options->width, height = options->height;
+    if (n_pages < 1 || n_pages > most_pages || width < 1 || height < 1)
+        return error_usage(err,
+                           "a stack of %d wavelengths of %dx%d pixels is impossible; it has"
+                           " 1 to %d of at least 1x1",
+                           n_pages, width, height, most_pages);
+    if (!(options->full_scale > 0 && options->full_scale <= DBL_MAX))
+        return error_usage(err, "a full scale of %g is impossible; it is a positive radiance",
+                           options->full_scale);
+    for (int page = 0; options->labels == NULL && page < n_pages; page++) {
+        /* Tag 65000 takes floats. Labels have 10 digits: closer wavelengths could share one. */
+        double nm = options->wavelengths_nm[page];
+        double before = page > 0 ? options->wavelengths_nm[page - 1] : 0;
+        if (!(nm > before * (1 + 1e-9) && nm <= (double)FLT_MAX))
+            return error_usage(err,
+                               "wavelength %.10g nm after %.10g nm: the wavelengths of a stack"
+                               " are finite and rise from above 0",
+                               nm, before);
+    }
+    return true;
+}
+
+bool stack_open(struct stack_writer *out, const char *path, const struct stack_options *options,
+                struct error *err)
+{
+    *out = (struct stack_writer){.options = *options};
+    out->options.bits = options->bits > 0 ? options->bits : 16;
+    if (!check_options(options, err))
+        return false;
+    out->pages =
+        (struct pages){.count = options->n_wavelengths,
+                       .width = options->width,
+                       .height = options->height,
+                       .channels = 1,
+                       .bits = out->options.bits,
+                       .bytes_behind = (uint64_t)options->width * (uint64_t)options->height *
+                                       (uint64_t)options->map_bytes,
+                       .room = STACK_UNFINISHED,
+                       .room_bytes = STACK_VERDICT,
+                       .room_tag = TAG_VERDICT};
+    return pages_open(&out->pages, path, tags_set, out, err);
+}
+
+/* Of a page, or behind the last one of the object map. */
+static size_t sample_bytes(const struct stack_options *options, int page)
+{
+    if (page == options->n_wavelengths)
+        return (size_t)options->map_bytes;
+    return (size_t)options->bits / 8;
+}
+
+bool stack_write(struct stack_writer *writer, int page, int x, int y, int width, int height,
+                 const void *samples, struct error *err)
+{
+    const struct stack_options *options = &writer->options;
+    assert(page >= 0 && page < options->n_wavelengths + (options->map_bytes > 0) && x >= 0 &&
+           y >= 0 && width >= 0 && height >= 0 && x <= options->width - width &&
+           y <= options->height - height);
+    size_t sample = sample_bytes(options, page);
+    bool together = width == options->width; /* whole rows lie together in the file too */
+    size_t run = (size_t)width * sample * (together ? (size_t)height : 1);
+    uint64_t pitch = (uint64_t)options->width * sample;
+    uint64_t at = (uint64_t)y * pitch + (uint64_t)x * sample;
+    for (int row = 0; row < (together ? 1 : height); row++)
+        if (!pages_write(&writer->pages, page, at + (uint64_t)row * pitch,
+                         (const char *)samples + (size_t)row * run, run, err))
+            return false;
+    return true;
+}
+
+/* A verdict fills its room with blanks, so that the size of the file does not depend on it. What is
+ * no printable ASCII becomes '?'; what is too long loses its tail. */
+bool stack_finish(struct stack_writer *writer, const char *verdict, struct error *err)
+{
+    char room[STACK_VERDICT];
+    snprintf(room, sizeof room, "%-*.*s", STACK_VERDICT - 1, STACK_VERDICT - 1, verdict);
+    for (char *at = room; *at != '\0'; at++)
+        if (*at < ' ' || *at > '~')
+            *at = '?';
+    return pages_finish(&writer->pages, room, err);
+}
+
+/* ---- two stacks ---- */
+
+/* Reads up to `capacity` bytes; less only at the end of the file. -1: see errno. */
+static ssize_t read_at(int descriptor, char *bytes, size_t capacity, uint64_t offset)
+{
+    size_t length = 0;
+    ssize_t got = 1;
+    while (length < capacity && got > 0) {
+        got = pread(descriptor, bytes + length, capacity - length, (off_t)(offset + length));
+        if (got < 0)
+            return -1;
+        length += (size_t)got;
+    }
+    return (ssize_t)length;
+}
+
+/* The offset of the first byte that is not the same, UINT64_MAX where there is none. */
+static bool first_difference(int one, int other, uint64_t *out)
+{
+    char a[65536], b[sizeof a];
+    ssize_t n_a, n_b;
+    *out = 0;
+    do {
+        n_a = read_at(one, a, sizeof a, *out);
+        n_b = read_at(other, b, sizeof b, *out);
+        if (n_a < 0 || n_b < 0)
+            return false;
+        ssize_t same = 0;
+        while (same < n_a && same < n_b && a[same] == b[same])
+            same++;
+        *out += (uint64_t)same;
+        if (same < n_a || same < n_b)
+            return true;
+    } while (n_a > 0);
+    *out = UINT64_MAX;
+    return true;
+}
+
+bool stack_compare(const struct stack_writer *writer, const char *path,
+                   struct stack_difference *out, struct error *err)
+{
+    const struct place nowhere = {0};
+    const struct stack_options *options = &writer->options;
+    const struct builtin_file *builtin;
+    uint64_t offset;
+    int other;
+    if (!file_open(path, nowhere, &other, &builtin, err))
+        return false;
+    if (builtin != NULL)
+        return error_usage(err, "%s: is compiled in; only a file is compared", path);
+    bool good = first_difference(writer->pages.output.descriptor, other, &offset) ||
+                error_system(err, "%s: cannot be compared", path);
+    close(other);
+    *out = (struct stack_difference){
+        .compared = good, .found = good && offset != UINT64_MAX, .page = -1};
+    if (out->found && offset >= pages_offset(&writer->pages, 0) &&
+        offset < pages_end(&writer->pages)) {
+        int page = 0;
+        while (page < options->n_wavelengths && offset >= pages_offset(&writer->pages, page + 1))
+            page++;
+        const uint64_t pixel =
+            (offset - pages_offset(&writer->pages, page)) / sample_bytes(options, page);
+        out->in_map = page == options->n_wavelengths;
+        out->page = out->in_map ? -1 : page;
+        out->x = (int)(pixel % (uint64_t)options->width);
+        out->y = (int)(pixel / (uint64_t)options->width);
+    }
+    return good;
+}
+
+/* ---- the end ---- */
+
+bool stack_commit(struct stack_writer *writer, struct error *err)
+{
+    bool good = output_commit(&writer->pages.output, err);
+    stack_discard(writer);
+    return good;
+}
+
+void stack_discard(struct stack_writer *writer)
+{
+    output_discard(&writer->pages.output);
+    *writer = (struct stack_writer){0};
+}
+
+const char *stack_library(void)
+{
+    return TIFFGetVersion();
+}

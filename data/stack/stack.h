@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "stack": writing a spectral stack, and reading one. */
+#ifndef STACK_H
+#define STACK_H
+
+#include "data/pages/pages.h"
+#include "data/record/record.h"
+#include "data/spectra/spectra.h"
+#include "data/tiff/tiff.h"
+#include "spectral.h"
+
+/* ---- stack.c: the multi-page TIFF ---- */
+
+struct stack_options {
+    int width, height, n_wavelengths;
+    const double *wavelengths_nm;
+    double full_scale;      /* radiance of the largest count: 65535, of 8 bits 255 */
+    int bits;               /* of a sample: 8 or 16 of counts, 32 of float radiances; 0: 16 */
+    const char *scene;      /* for the description */
+    const char *provenance; /* lines of text for the description: record_text */
+    int map_bytes;          /* of a pixel's number in the object map: 1 or 2; 0: there is no map */
+    const char *const *labels; /* of the pages, which then have no wavelengths; NULL: they have */
+};
+/* A stack being written: laid out at once, then filled rectangle by rectangle in any order. */
+struct stack_writer {
+    struct pages pages; /* and behind them the object map */
+    struct stack_options options;
+};
+/* Lays the file out. The strings in options are copied into the file. The wavelengths are not
+ * copied: they must outlive the writer. */
+bool stack_open(struct stack_writer *out, const char *path, const struct stack_options *options,
+                struct error *err);
+/* Writes samples of a rectangle, row by row without gaps: uint8_t or uint16_t counts, or floats.
+ * Page n_wavelengths is the object map, behind the last page: of uint8_t or uint16_t. */
+bool stack_write(struct stack_writer *writer, int page, int x, int y, int width, int height,
+                 const void *samples, struct error *err);
+/* Stores `verdict` (the check in one line, ASCII, at most STACK_VERDICT - 1 bytes) in the room that
+ * stack_open left for it, and reads all directories again to see that they are whole. */
+enum { STACK_VERDICT = 512 };
+bool stack_finish(struct stack_writer *writer, const char *verdict, struct error *err);
+/* The first byte in which a finished stack and a file differ. */
+struct stack_difference {
+    bool compared, found;
+    bool in_map;    /* at x, y of the object map, which is no page */
+    int page, x, y; /* page -1: outside the pages */
+};
+bool stack_compare(const struct stack_writer *writer, const char *path,
+                   struct stack_difference *out, struct error *err);
+/* Lets a finished stack appear under its name. */
+bool stack_commit(struct stack_writer *writer, struct error *err);
+void stack_discard(struct stack_writer *writer); /* safe after commit */
+const char *stack_library(void);                 /* name and version of the libtiff in use */
+
+/* ---- cube.c: a spectral stack to be read ---- */
+
+/* Grey pages, or bands, of increasing wavelengths: a stack of this program, or any TIFF that
+ * records its wavelengths as OME-XML, GDAL_METADATA or page names. Or a stack of components of this
+ * program. */
+struct cube {
+    struct image image;
+    struct record record; /* zeroed in a stack of another program; map_bytes is 0 where no object
+                             map lies where it should */
+    bool components;      /* pages have no wavelengths: image.wavelengths_nm is 1, 2, ... */
+};
+/* Reads no samples. Messages name the path; their status is EXIT_INPUT. */
+bool cube_open(const char *path, struct cube *out, struct error *err);
+/* Refuses a cube of components where radiances are needed: "WHAT needs ...". */
+bool cube_needs_radiance(const struct cube *cube, const char *what, struct error *err);
+/* The weights of the pages in each channel: out[channel * n_pages + page]. They follow from the
+ * sampling that the stack records, otherwise from detector_weights. Refuses another detector than
+ * that of a fixed sampling. */
+bool cube_weights(const struct cube *cube, const struct detector *detector, double *out,
+                  struct error *err);
+/* The response of such weights to a radiance that is 1 everywhere. */
+bool cube_equal_response(const struct cube *cube, const struct detector *detector,
+                         const double *weights, double out[3], struct error *err);
+/* detector_lost, of the range that the pages stand for. */
+void cube_lost(const struct cube *cube, const struct detector *detector, double out[3]);
+/* The white's radiance at each page's wavelength (of box the mean), n_pages values. The white is
+ * the SPECTRUM that the word of a command line names, or, where that is NULL, the one that the
+ * stack records. Refuses a stack that records none, and a white that is 0 everywhere. */
+bool cube_white(const struct cube *cube, const char *spectrum, double *out, struct error *err);
+/* The response of weights (cube_weights) to that white; in a fixed stack its detector's response to
+ * the white at every nm. *found: there is a white. Refuses its absence if it is needed or was
+ * named, and always a white that is too large to compute with. */
+bool cube_white_response(const struct cube *cube, const char *spectrum, bool needed,
+                         const double *weights, bool *found, double out[3], struct error *err);
+/* The numbers of the objects at n pixels of a row, from 1, with names in record.objects; 0 is the
+ * background, -1 every pixel of a stack without an object map. */
+bool cube_objects(const struct cube *cube, int x, int y, int n, int *out, struct error *err);
+void cube_close(struct cube *cube);
+
+/* ---- Inside this room ---- */
+
+/* Until the stack is whole its verdict is this, padded to STACK_VERDICT bytes. */
+#define STACK_UNFINISHED "not finished"
+
+/* tags.c: sets all tags of the current directory but those of its format. It is the page_tags of a
+ * stack_writer, to which `stack` points. */
+bool tags_set(struct tiff *tiff, const void *stack, int page, struct error *err);
+
+#endif

@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: MIT */
+/* What each page of a stack says of itself, for readers that look in different places: OME-XML
+ * 2016-06 for tifffile and Bio-Formats, GDAL_METADATA as in the GTiff driver, IJMetadata as in
+ * ImageJ's TiffEncoder, 65000 and 65111 as in the ODSI-DB of retinal images, the rest TIFF 6.0. */
+#include <inttypes.h>
+#include <stdlib.h>
+#include <string.h>
+#include <tiffio.h>
+
+#include "data/pages/pages.h"
+#include "data/record/record.h"
+#include "data/stack/stack.h"
+#include "data/text/text.h"
+#include "data/tiff/tiff.h"
+#include "spectral.h"
+
+#define PAGE_LABEL "%.10g nm"
+#define RADIANCE_UNIT "W sr-1 m-2 nm-1 (relative)"
+#define OME_SCHEMA "http://www.openmicroscopy.org/Schemas/OME/2016-06"
+
+enum {
+    TAG_IMAGEJ_SIZES = 50838,
+    TAG_IMAGEJ_TEXTS = 50839,
+    TAG_WAVELENGTHS = 65000,
+    TEXT_SIZE = 160, /* the lines of the scale are the longest text, of 85 bytes and a number */
+    TEXT = TIFF_VARIABLE,
+    ARRAY = TIFF_VARIABLE2
+};
+
+/* TIFFFieldInfo takes char *, not const char *: hence no string literals. */
+static const TIFFFieldInfo private_fields[] = {
+    {TIFFTAG_GDAL_METADATA, TEXT, TEXT, TIFF_ASCII, FIELD_CUSTOM, 1, 0, (char[]){"GDALMetadata"}},
+    {TAG_IMAGEJ_SIZES, ARRAY, ARRAY, TIFF_LONG, FIELD_CUSTOM, 1, 1, (char[]){"IJMetadataSizes"}},
+    {TAG_IMAGEJ_TEXTS, ARRAY, ARRAY, TIFF_BYTE, FIELD_CUSTOM, 1, 1, (char[]){"IJMetadata"}},
+    {TAG_WAVELENGTHS, ARRAY, ARRAY, TIFF_FLOAT, FIELD_CUSTOM, 1, 1, (char[]){"Wavelengths"}},
+    {TAG_VERDICT, TEXT, TEXT, TIFF_ASCII, FIELD_CUSTOM, 1, 0, (char[]){"Verdict"}},
+};
+
+static int largest_count(const struct stack_options *options)
+{
+    return options->bits == 8 ? 255 : 65535;
+}
+
+/* How samples become radiances, or the components that labels name. */
+static void scale_lines(const struct stack_options *options, char text[TEXT_SIZE])
+{
+    char value[40] = "sample";
+    if (options->bits != 32)
+        snprintf(value, sizeof value, "count x full_scale / %d", largest_count(options));
+    snprintf(text, TEXT_SIZE, "full_scale: %.*g\nscale: %s = %s%s\n",
+             exact_digits(options->full_scale), options->full_scale,
+             options->labels != NULL ? "component" : "radiance", value,
+             options->labels != NULL ? "" : " " RADIANCE_UNIT);
+}
+
+static void page_label(const struct stack_options *options, int page, char out[TEXT_SIZE])
+{
+    if (options->labels != NULL)
+        snprintf(out, TEXT_SIZE, "%s", options->labels[page]);
+    else
+        snprintf(out, TEXT_SIZE, PAGE_LABEL, options->wavelengths_nm[page]);
+}
+
+/* What XML cannot hold (control characters, bytes that are no UTF-8) becomes '?'. No text: none. */
+static void put_escaped(FILE *stream, const char *text)
+{
+    static const char *const entities['>' + 1] = {
+        ['&'] = "&amp;", ['<'] = "&lt;", ['>'] = "&gt;", ['"'] = "&quot;"};
+    const unsigned char *at = (const unsigned char *)(text == NULL ? "" : text);
+    while (*at != '\0') {
+        int length = utf8_length(at);
+        if (*at <= '>' && entities[*at] != NULL)
+            fputs(entities[*at], stream);
+        else if (length == 0 || *at == 0x7f || (*at < ' ' && *at != '\n' && *at != '\t'))
+            putc('?', stream);
+        else
+            fwrite(at, 1, (size_t)length, stream);
+        at += length > 0 ? length : 1;
+    }
+}
+
+static void put_channel(FILE *stream, const struct stack_options *options, int page)
+{
+    char label[TEXT_SIZE];
+    page_label(options, page, label);
+    fprintf(stream, "<Channel ID=\"Channel:0:%d\" Name=\"", page);
+    put_escaped(stream, label);
+    fputs("\" SamplesPerPixel=\"1\"", stream);
+    if (options->labels == NULL)
+        fprintf(stream, " EmissionWavelength=\"%.10g\" EmissionWavelengthUnit=\"nm\"",
+                options->wavelengths_nm[page]);
+    fputs("/>\n", stream);
+}
+
+/* The first page tells of the whole stack. It begins with < and ends with >: readers know OME-XML
+ * by that. */
+static void put_description(FILE *stream, const struct stack_writer *writer, int page)
+{
+    const struct stack_options *options = &writer->options;
+    char scale[TEXT_SIZE];
+    if (page > 0) {
+        if (options->labels != NULL)
+            fprintf(stream, "component=%s", options->labels[page]);
+        else
+            fprintf(stream, "wavelength_nm=%.10g", options->wavelengths_nm[page]);
+        return;
+    }
+    scale_lines(options, scale);
+    fputs("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<OME xmlns=\"" OME_SCHEMA "\""
+          " xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\""
+          " xsi:schemaLocation=\"" OME_SCHEMA " " OME_SCHEMA "/ome.xsd\">\n"
+          "<Image ID=\"Image:0\" Name=\"",
+          stream);
+    put_escaped(stream, options->scene);
+    fprintf(stream, "\"><Description>%s", scale);
+    put_escaped(stream, options->provenance);
+    if (options->map_bytes > 0)
+        fprintf(stream, "object_map: %" PRIu64 " %d\n",
+                pages_offset(&writer->pages, options->n_wavelengths), options->map_bytes);
+    fprintf(stream,
+            "</Description>\n<Pixels ID=\"Pixels:0\" DimensionOrder=\"XYCZT\" Type=\"%s\""
+            " BigEndian=\"false\" SizeX=\"%d\" SizeY=\"%d\" SizeC=\"%d\" SizeZ=\"1\""
+            " SizeT=\"1\">\n",
+            options->bits == 32  ? "float"
+            : options->bits == 8 ? "uint8"
+                                 : "uint16",
+            options->width, options->height, options->n_wavelengths);
+    for (page = 0; page < options->n_wavelengths; page++)
+        put_channel(stream, options, page);
+    for (page = 0; page < options->n_wavelengths; page++)
+        fprintf(stream,
+                "<TiffData FirstC=\"%d\" FirstZ=\"0\" FirstT=\"0\" IFD=\"%d\""
+                " PlaneCount=\"1\"/>\n",
+                page, page);
+    fputs("</Pixels></Image></OME>", stream);
+}
+
+/* A page's width is the mean of the distances to its neighbours; alone it has none. */
+static void put_gdal_wavelength(FILE *stream, const struct stack_options *options, int page)
+{
+    const double *nm = options->wavelengths_nm;
+    int before = page > 0 ? page - 1 : page;
+    int after = page + 1 < options->n_wavelengths ? page + 1 : page;
+    fprintf(stream,
+            "<Item name=\"CENTRAL_WAVELENGTH_UM\" sample=\"0\""
+            " domain=\"IMAGERY\">%.10g</Item>\n",
+            nm[page] / 1000);
+    if (after > before)
+        fprintf(stream, "<Item name=\"FWHM_UM\" sample=\"0\" domain=\"IMAGERY\">%.10g</Item>\n",
+                (nm[after] - nm[before]) / (after - before) / 1000);
+    fprintf(stream,
+            "<Item name=\"wavelength\" sample=\"0\">%.10g</Item>\n"
+            "<Item name=\"wavelength_units\" sample=\"0\">Nanometers</Item>\n",
+            nm[page]);
+}
+
+static void put_gdal(FILE *stream, const struct stack_writer *writer, int page)
+{
+    const struct stack_options *options = &writer->options;
+    const double scale = options->bits == 32 ? 1 : options->full_scale / largest_count(options);
+    char label[TEXT_SIZE];
+    page_label(options, page, label);
+    fputs("<GDALMetadata>\n", stream);
+    if (options->labels == NULL)
+        put_gdal_wavelength(stream, options, page);
+    fputs("<Item name=\"DESCRIPTION\" sample=\"0\" role=\"description\">", stream);
+    put_escaped(stream, label);
+    fprintf(stream,
+            "</Item>\n<Item name=\"OFFSET\" sample=\"0\" role=\"offset\">0</Item>\n"
+            "<Item name=\"SCALE\" sample=\"0\" role=\"scale\">%.*g</Item>\n",
+            exact_digits(scale), scale);
+    if (options->labels == NULL)
+        fputs("<Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">" RADIANCE_UNIT "</Item>\n",
+              stream);
+    fputs("</GDALMetadata>\n", stream);
+}
+
+/* ImageJ's strings: how samples become radiances (page -1), then the label of each page. */
+static size_t imagej_string(const struct stack_options *options, int page, char text[TEXT_SIZE])
+{
+    if (page < 0)
+        scale_lines(options, text);
+    else
+        page_label(options, page, text);
+    return strlen(text);
+}
+
+/* In UTF-16 without terminators, behind "IJIJ" and how many there are of "info" and "labl". */
+static void put_imagej_texts(FILE *stream, const struct stack_writer *writer, int page)
+{
+    const struct stack_options *options = &writer->options;
+    const uint32_t header[5] = {0x494a494a, 0x696e666f, 1, 0x6c61626c,
+                                (uint32_t)options->n_wavelengths};
+    char text[TEXT_SIZE];
+    fwrite(header, sizeof header, 1, stream);
+    for (page = -1; page < options->n_wavelengths; page++) {
+        size_t length = imagej_string(options, page, text);
+        for (size_t i = 0; i < length; i++)
+            fwrite((char[2]){text[i], 0}, 2, 1, stream);
+    }
+}
+
+/* In bytes, of the header of five numbers and of each string. */
+static void put_imagej_sizes(FILE *stream, const struct stack_writer *writer, int page)
+{
+    const struct stack_options *options = &writer->options;
+    uint32_t size = 5 * sizeof size;
+    char text[TEXT_SIZE];
+    fwrite(&size, sizeof size, 1, stream);
+    for (page = -1; page < options->n_wavelengths; page++) {
+        size = 2 * (uint32_t)imagej_string(options, page, text);
+        fwrite(&size, sizeof size, 1, stream);
+    }
+}
+
+static void put_wavelengths(FILE *stream, const struct stack_writer *writer, int page)
+{
+    const struct stack_options *options = &writer->options;
+    for (page = 0; page < options->n_wavelengths; page++)
+        fwrite(&(float){(float)options->wavelengths_nm[page]}, sizeof(float), 1, stream);
+}
+
+/* Sets a tag to what `put` prints. */
+static bool set_printed(TIFF *tiff, uint32_t tag, const struct stack_writer *writer, int page,
+                        void (*put)(FILE *, const struct stack_writer *, int), struct error *err)
+{
+    const TIFFField *field = TIFFFieldWithTag(tiff, tag);
+    char *bytes = NULL;
+    size_t length = 0;
+    FILE *stream = open_memstream(&bytes, &length);
+    if (stream == NULL)
+        return error_memory(err);
+    put(stream, writer, page);
+    bool good = (fflush(stream) == 0 && !ferror(stream)) || error_memory(err);
+    fclose(stream);
+    uint32_t count = (uint32_t)length / (uint32_t)TIFFDataWidth(TIFFFieldDataType(field));
+    good = good && (TIFFFieldPassCount(field) ? TIFFSetField(tiff, tag, count, bytes)
+                                              : TIFFSetField(tiff, tag, bytes));
+    free(bytes);
+    return good;
+}
+
+static bool set_first_page(TIFF *tiff, const struct stack_writer *writer, struct error *err)
+{
+    char room[STACK_VERDICT];
+    snprintf(room, sizeof room, "%-*s", STACK_VERDICT - 1, STACK_UNFINISHED);
+    return set_printed(tiff, TAG_IMAGEJ_SIZES, writer, 0, put_imagej_sizes, err) &&
+           set_printed(tiff, TAG_IMAGEJ_TEXTS, writer, 0, put_imagej_texts, err) &&
+           (writer->options.labels != NULL ||
+            set_printed(tiff, TAG_WAVELENGTHS, writer, 0, put_wavelengths, err)) &&
+           TIFFSetField(tiff, TIFFTAG_SOFTWARE, PROGRAM) && TIFFSetField(tiff, TAG_VERDICT, room);
+}
+
+bool tags_set(TIFF *tiff, const void *stack, int page, struct error *err)
+{
+    const struct stack_writer *writer = stack;
+    const uint32_t n_private = sizeof private_fields / sizeof private_fields[0];
+    char label[TEXT_SIZE];
+    page_label(&writer->options, page, label);
+    return TIFFMergeFieldInfo(tiff, private_fields, n_private) == 0 &&
+           TIFFSetField(tiff, TIFFTAG_PAGENAME, label) &&
+           set_printed(tiff, TIFFTAG_IMAGEDESCRIPTION, writer, page, put_description, err) &&
+           set_printed(tiff, TIFFTAG_GDAL_METADATA, writer, page, put_gdal, err) &&
+           (page > 0 || set_first_page(tiff, writer, err));
+}

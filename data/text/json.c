@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: MIT */
+/* Writes JSON as a growing text; its structure is the caller's. */
+#include <math.h>
+#include <stdarg.h>
+#include <stdlib.h>
+
+#include "data/text/text.h"
+#include "spectral.h"
+
+static void json_text(struct json *json, const char *format, ...) PRINTF_LIKE(2, 3);
+
+static void json_text(struct json *json, const char *format, ...)
+{
+    va_list arguments;
+    for (int attempt = 0; attempt < 2 && !json->failed; attempt++) {
+        size_t room = json->capacity - json->length;
+        va_start(arguments, format);
+        int n = vsnprintf(json->text ? json->text + json->length : NULL, room, format, arguments);
+        va_end(arguments);
+        if (n >= 0 && (size_t)n < room) {
+            json->length += (size_t)n;
+            return;
+        }
+        json->capacity = 2 * json->capacity + (size_t)(n < 0 ? 0 : n) + 256;
+        char *larger = realloc(json->text, json->capacity);
+        json->failed = n < 0 || !larger;
+        json->text = larger ? larger : json->text;
+    }
+}
+
+static void json_key(struct json *json, const char *key)
+{
+    json_text(json, "%s", json->separated ? ", " : "");
+    if (key)
+        json_text(json, "\"%s\": ", key);
+    json->separated = true;
+}
+
+void json_open(struct json *json, const char *key, char bracket)
+{
+    json_key(json, key);
+    json_text(json, "%c", bracket);
+    json->separated = false;
+}
+
+void json_close(struct json *json, char bracket)
+{
+    json_text(json, "%c", bracket);
+    json->separated = true;
+}
+
+void json_string(struct json *json, const char *key, const char *value)
+{
+    json_key(json, key);
+    if (!value) {
+        json_text(json, "null");
+        return;
+    }
+    json_text(json, "\"");
+    for (const char *c = value; *c; c++)
+        if (*c == '"' || *c == '\\')
+            json_text(json, "\\%c", *c);
+        else if ((unsigned char)*c < 0x20)
+            json_text(json, "\\u%04x", (unsigned)*c);
+        else
+            json_text(json, "%c", *c);
+    json_text(json, "\"");
+}
+
+void json_number(struct json *json, const char *key, double value)
+{
+    json_key(json, key);
+    if (isfinite(value))
+        json_text(json, "%.17g", value);
+    else
+        json_text(json, "null");
+}
+
+void json_count(struct json *json, const char *key, uint64_t value)
+{
+    json_key(json, key);
+    json_text(json, "%llu", (unsigned long long)value);
+}
+
+void json_truth(struct json *json, const char *key, bool value)
+{
+    json_key(json, key);
+    json_text(json, value ? "true" : "false");
+}
+
+void json_numbers(struct json *json, const char *key, const double *values, int n)
+{
+    json_open(json, key, '[');
+    for (int i = 0; i < n; i++)
+        json_number(json, NULL, values[i]);
+    json_close(json, ']');
+}
+
+char *json_end(struct json *json)
+{
+    json_text(json, "\n");
+    char *text = json->text;
+    if (json->failed) {
+        free(text);
+        text = NULL;
+    }
+    *json = (struct json){.text = NULL};
+    return text;
+}

@@ -1,0 +1,373 @@
+/* SPDX-License-Identifier: MIT */
+/* Strict words and numbers for all readers: a number is read whole or refused, and every word knows
+ * its line and column. Words are slices, so that a file with millions of numbers costs no
+ * allocation. The bytes end in a NUL past `length` and hold none before it (file_read), so looking
+ * one character past a word is safe. */
+#include <float.h>
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/text/text.h"
+#include "spectral.h"
+
+enum {
+    SHOWN_SIZE = 48,      /* of a buffer for a word in a message: word_shown() and "..." */
+    LONGEST_NUMBER = 1024 /* a double's exact decimal expansion has at most 767 digits */
+};
+
+/* ---- lines ---- */
+
+/* Takes the bytes over; NULL, or no memory for the name, is an error. */
+static bool start(struct text *text, const char *name, char *bytes, struct error *err)
+{
+    *text = (struct text){.path = strdup(name), .bytes = bytes, .separators = ""};
+    if (text->path == NULL || bytes == NULL) {
+        text_free(text);
+        return error_memory(err);
+    }
+    text->length = strlen(bytes);
+    /* Spreadsheets begin UTF-8 files with a byte order mark; it is no part of the first word. */
+    text->at = bytes + (strncmp(bytes, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0);
+    text->line_start = text->line_end = text->at;
+    return true;
+}
+
+bool text_open(struct text *out, const char *path, struct place from, struct error *err)
+{
+    char *bytes;
+    size_t length;
+    *out = (struct text){0};
+    return file_read(path, from, &bytes, &length, err) && start(out, path, bytes, err);
+}
+
+bool text_open_string(struct text *out, const char *name, const char *string, struct error *err)
+{
+    return start(out, name, strdup(string), err);
+}
+
+void text_free(struct text *text)
+{
+    free(text->path);
+    free(text->bytes);
+    *text = (struct text){0};
+}
+
+bool text_next_line(struct text *text)
+{
+    const char *end = text->bytes + text->length, *next = text->line_end, *newline;
+    text->at = next;
+    if (text->line > 0) {
+        next += *next == '\r';
+        next += *next == '\n';
+    }
+    if (next == end)
+        return false;
+    newline = memchr(next, '\n', (size_t)(end - next));
+    text->line_end = newline != NULL ? newline : end;
+    if (newline != NULL && newline > next && newline[-1] == '\r')
+        text->line_end--;
+    text->at = text->line_start = next;
+    text->line++;
+    return true;
+}
+
+static struct place place_of(const struct text *text, const char *at)
+{
+    return (struct place){text->path, text->line, (int)(at - text->line_start) + 1};
+}
+
+struct place text_place(const struct text *text)
+{
+    return text->line > 0 ? place_of(text, text->at) : text_whole(text);
+}
+
+struct place text_whole(const struct text *text)
+{
+    return (struct place){text->path, 0, 0};
+}
+
+/* ---- words ---- */
+
+static bool separates(const struct text *text, char c)
+{
+    return c == ' ' || c == '\t' ||
+           (text->separators[0] != '\0' && strchr(text->separators, c) != NULL);
+}
+
+/* A closing quote must end the word: "a"b and "a""b" hide a missing blank. Such a word, like an
+ * unclosed one, gets the rest of the line; start[length] is then the line's end, never a quote. */
+static const char *quoted_end(const struct text *text, const char *first)
+{
+    const char *quote = memchr(first, '"', (size_t)(text->line_end - first));
+    if (quote == NULL)
+        return text->line_end;
+    if (quote + 1 == text->line_end || quote[1] == '#' || separates(text, quote[1]))
+        return quote;
+    return text->line_end;
+}
+
+bool text_word(struct text *text, struct word *out)
+{
+    const char *at = text->at, *end = text->line_end;
+    while (at < end && separates(text, *at))
+        at++;
+    text->at = at;
+    if (at == end || *at == '#')
+        return false;
+    out->place = place_of(text, at);
+    out->quoted = *at == '"';
+    if (out->quoted) {
+        out->start = at + 1;
+        at = quoted_end(text, at + 1);
+        text->at = at + (at < end);
+    } else {
+        out->start = at;
+        while (at < end && *at != '#' && !separates(text, *at))
+            at++;
+        text->at = at;
+    }
+    out->length = (size_t)(at - out->start);
+    return true;
+}
+
+int word_shown(const struct word *word)
+{
+    size_t length = word->length;
+    if (length > 40) { /* cut between characters of UTF-8 */
+        length = 40;
+        while (length > 0 && ((unsigned char)word->start[length] & 0xC0) == 0x80)
+            length--;
+    }
+    return (int)length;
+}
+
+/* The word for a message. */
+static const char *shown(const struct word *word, char out[SHOWN_SIZE])
+{
+    const int length = word_shown(word);
+    snprintf(out, SHOWN_SIZE, "%.*s%s", length, word->start,
+             (size_t)length < word->length ? "..." : "");
+    return out;
+}
+
+static bool word_check(const struct word *word, struct error *err)
+{
+    char buffer[SHOWN_SIZE];
+    if (!word->quoted || word->start[word->length] == '"')
+        return true;
+    return error_at(err, word->place,
+                    "the quote before '%s' must be closed on its line and a blank follow it",
+                    shown(word, buffer));
+}
+
+bool text_expect(struct text *text, struct word *out, const char *what, struct error *err)
+{
+    if (!text_word(text, out))
+        return error_at(err, text_place(text), "expected %s", what);
+    return word_check(out, err);
+}
+
+bool text_end(struct text *text, const char *what, struct error *err)
+{
+    char buffer[SHOWN_SIZE];
+    struct word word;
+    if (!text_word(text, &word))
+        return true;
+    if (!word_check(&word, err))
+        return false;
+    return error_at(err, word.place, "'%s' is too much: %s takes no more", shown(&word, buffer),
+                    what);
+}
+
+bool word_is(const struct word *word, const char *literal)
+{
+    return !word->quoted && strlen(literal) == word->length &&
+           memcmp(word->start, literal, word->length) == 0;
+}
+
+char *word_copy(const struct word *word)
+{
+    return strndup(word->start, word->length);
+}
+
+/* ---- numbers ---- */
+
+/* A decimal number as written: (-1)^negative * digits * 10^exponent, unless digits were dropped. */
+struct decimal {
+    uint64_t digits;
+    long exponent;
+    bool negative, dropped;
+};
+
+static bool is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+static const char *scan_sign(const char *at, const char *end, bool *negative)
+{
+    *negative = at < end && *at == '-';
+    return at + (at < end && (*at == '-' || *at == '+'));
+}
+
+/* Digits with at most one point among them, at least one digit. NULL: not so. */
+static const char *scan_digits(const char *at, const char *end, struct decimal *out)
+{
+    bool any = false, point = false;
+    for (; at < end && (is_digit(*at) || (*at == '.' && !point)); at++) {
+        if (*at == '.') {
+            point = true;
+            continue;
+        }
+        any = true;
+        out->dropped = out->dropped || out->digits > UINT64_MAX / 10 - 1;
+        if (!out->dropped) {
+            out->digits = 10 * out->digits + (uint64_t)(*at - '0');
+            out->exponent -= point;
+        }
+    }
+    return any ? at : NULL;
+}
+
+/* A sign, digits. NULL: no digit. Exponents stop growing where they decide nothing more. */
+static const char *scan_exponent(const char *at, const char *end, struct decimal *out)
+{
+    bool negative;
+    long exponent = 0;
+    at = scan_sign(at, end, &negative);
+    if (at == end)
+        return NULL;
+    for (; at < end && is_digit(*at); at++)
+        if (exponent < 1000000)
+            exponent = 10 * exponent + (*at - '0');
+    out->exponent += negative ? -exponent : exponent;
+    return at;
+}
+
+static bool scan_number(const struct word *word, struct decimal *out)
+{
+    const char *at = word->start, *end = at + word->length;
+    *out = (struct decimal){0};
+    if (word->quoted || word->length >= LONGEST_NUMBER)
+        return false;
+    at = scan_digits(scan_sign(at, end, &out->negative), end, out);
+    if (at != NULL && at < end && (*at == 'e' || *at == 'E'))
+        at = scan_exponent(at + 1, end, out);
+    return at == end;
+}
+
+/* Up to 2^53 the digits are exact in a double, and so is 10^22 = 2^22 5^22 < 2^22 2^53; then one
+ * multiplication or division, rounded once as IEEE 754 asks, is the correctly rounded value
+ * (Clinger 1990). All else goes the slow way, equally exact. */
+static double decimal_value(const struct word *word, const struct decimal *decimal)
+{
+    static const double power_of_ten[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                          1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+                                          1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+    const long exponent = decimal->exponent;
+    double value = decimal->negative ? -(double)decimal->digits : (double)decimal->digits;
+    char copy[LONGEST_NUMBER];
+    if (!decimal->dropped && decimal->digits <= (uint64_t)1 << 53 && labs(exponent) <= 22)
+        return exponent < 0 ? value / power_of_ten[-exponent] : value * power_of_ten[exponent];
+    memcpy(copy, word->start, word->length);
+    copy[word->length] = '\0';
+    return strtod(copy, NULL);
+}
+
+/* What the range asks for, in words; readers say "above 0" by a lowest value that is the smallest
+ * positive number. */
+static bool refuse_range(const struct word *word, const char *what, bool above, double lowest,
+                         double highest, struct error *err)
+{
+    const bool positive = lowest > 0 && lowest <= DBL_MIN;
+    const double low = positive ? 0 : lowest;
+    const char *side = above ? "above" : positive ? "not above" : "below";
+    char buffer[SHOWN_SIZE], asked[128];
+    if (lowest == -HUGE_VAL)
+        snprintf(asked, sizeof asked, "is at most %.15g", highest);
+    else if (highest == HUGE_VAL)
+        snprintf(asked, sizeof asked, "is %s %.15g", positive ? "always above" : "at least", low);
+    else
+        snprintf(asked, sizeof asked, "lies between %.15g and %.15g", low, highest);
+    return error_at(err, word->place, "%s %s is %s %.15g; it %s", what, shown(word, buffer), side,
+                    above ? highest : low, asked);
+}
+
+bool word_number(const struct word *word, const char *what, double lowest, double highest,
+                 double *out, struct error *err)
+{
+    char buffer[SHOWN_SIZE];
+    struct decimal decimal;
+    double value;
+    if (!word_check(word, err))
+        return false;
+    if (!scan_number(word, &decimal))
+        return error_at(err, word->place, "%s must be a number such as 2.5 or 1e-3, not '%s'", what,
+                        shown(word, buffer));
+    value = decimal_value(word, &decimal);
+    if (!isfinite(value))
+        return error_at(err, word->place, "%s %s is too large; numbers end at %.2g", what,
+                        shown(word, buffer), DBL_MAX);
+    if (value < lowest || value > highest)
+        return refuse_range(word, what, value > highest, lowest, highest, err);
+    *out = value;
+    return true;
+}
+
+bool word_integer(const struct word *word, const char *what, long lowest, long highest, long *out,
+                  struct error *err)
+{
+    char buffer[SHOWN_SIZE];
+    const char *end = word->start + word->length, *at;
+    bool negative, fits = true;
+    long value = 0;
+    if (!word_check(word, err))
+        return false;
+    at = scan_sign(word->start, end, &negative);
+    if (word->quoted || at == end || strspn(at, "0123456789") < (size_t)(end - at))
+        return error_at(err, word->place, "%s must be a whole number, not '%s'", what,
+                        shown(word, buffer));
+    for (; at < end; at++) {
+        fits = fits && value <= (LONG_MAX - (*at - '0')) / 10;
+        value = fits ? 10 * value + (*at - '0') : LONG_MAX;
+    }
+    value = negative ? -value : value;
+    if (!fits || value < lowest || value > highest)
+        return error_at(err, word->place, "%s %s is out of range; it lies between %ld and %ld",
+                        what, shown(word, buffer), lowest, highest);
+    *out = value;
+    return true;
+}
+
+bool text_number(struct text *text, const char *what, double lowest, double highest, double *out,
+                 struct error *err)
+{
+    struct word word;
+    return text_expect(text, &word, what, err) &&
+           word_number(&word, what, lowest, highest, out, err);
+}
+
+bool text_integer(struct text *text, const char *what, long lowest, long highest, long *out,
+                  struct error *err)
+{
+    struct word word;
+    return text_expect(text, &word, what, err) &&
+           word_integer(&word, what, lowest, highest, out, err);
+}
+
+/* Unicode, table 3-7. */
+int utf8_length(const unsigned char *at)
+{
+    int length = at[0] < 0x80 ? 1 : 2 + (at[0] >= 0xe0) + (at[0] >= 0xf0);
+    if ((at[0] >= 0x80 && at[0] < 0xc2) || at[0] > 0xf4 || (at[0] == 0xe0 && at[1] < 0xa0) ||
+        (at[0] == 0xed && at[1] > 0x9f) || (at[0] == 0xf0 && at[1] < 0x90) ||
+        (at[0] == 0xf4 && at[1] > 0x8f))
+        return 0;
+    for (int i = 1; i < length; i++)
+        if ((at[i] & 0xc0) != 0x80)
+            return 0;
+    return length;
+}

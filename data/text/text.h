@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "text": strict words and numbers in, JSON out. */
+#ifndef TEXT_H
+#define TEXT_H
+
+#include "data/maths/maths.h"
+#include "spectral.h"
+
+/* ---- text.c: a text file, word by word ---- */
+
+/* A text file being read. Lines end in \n or \r\n; '#' outside quotes starts a comment; words are
+ * separated by blanks and tabs (and the characters in `separators`); "..." is one word. */
+struct text {
+    char *path;  /* owned */
+    char *bytes; /* owned */
+    size_t length;
+    const char *at, *line_start, *line_end; /* cursor, current line */
+    int line;
+    const char *separators; /* more separators, e.g. ",;"; never NULL after text_open */
+};
+
+/* A word is a slice of its text, not terminated. It is valid while the text is open. */
+struct word {
+    const char *start;
+    size_t length;
+    bool quoted;
+    struct place place;
+};
+
+/* Opens the file that the place `from` names. No line is current yet. */
+bool text_open(struct text *out, const char *path, struct place from, struct error *err);
+/* The same for a string. `name` takes the place of the path in messages. Both are copied. */
+bool text_open_string(struct text *out, const char *name, const char *string, struct error *err);
+void text_free(struct text *text);
+
+/* Goes to the next line, blank or not. Returns false at the end of the file. */
+bool text_next_line(struct text *text);
+/* Reads the next word of the current line. Returns false at its end. An unclosed quote yields the
+ * rest of the line as a word with `quoted` set and start[length] != '"'; text_expect, text_end and
+ * the functions for numbers refuse it. */
+bool text_word(struct text *text, struct word *out);
+/* Reads what text_word would read; the cursor of the caller's text stays. */
+bool text_peek(struct text text, struct word *out);
+/* Like text_word, but refuses the end of the line: "expected WHAT". */
+bool text_expect(struct text *text, struct word *out, const char *what, struct error *err);
+/* Refuses a further word on this line: "WORD is too much: WHAT takes no more". */
+bool text_end(struct text *text, const char *what, struct error *err);
+/* The cursor as a place (for "expected ..." at the end of a line), and the whole file. */
+struct place text_place(const struct text *text);
+struct place text_whole(const struct text *text);
+
+/* How many bytes of a word a message repeats, as the precision of %.*s. */
+int word_shown(const struct word *word);
+bool word_is(const struct word *word, const char *literal); /* false for quoted words */
+char *word_copy(const struct word *word);                   /* allocated; NULL: no memory */
+/* Read a whole number or refuse it: 1.5abc, 1e999, nan, inf and 0x10 are errors. `what` names the
+ * number in messages. Ranges are inclusive; -HUGE_VAL and HUGE_VAL set no limit. */
+bool word_number(const struct word *word, const char *what, double lowest, double highest,
+                 double *out, struct error *err);
+bool word_integer(const struct word *word, const char *what, long lowest, long highest, long *out,
+                  struct error *err);
+/* text_expect and word_number (or word_integer) in one. */
+bool text_number(struct text *text, const char *what, double lowest, double highest, double *out,
+                 struct error *err);
+bool text_integer(struct text *text, const char *what, long lowest, long highest, long *out,
+                  struct error *err);
+
+/* The length in bytes of the UTF-8 character at `at`, a text that ends with a NUL; 0: there is no
+ * valid character. */
+int utf8_length(const unsigned char *at);
+
+/* ---- words.c: what statements of all kinds need, so that all refuse a mistake alike ---- */
+
+enum { LIST_SIZE = 512 };
+/* Adds up to `length` bytes of a name to a list in a message. Leaves out what finds no room. */
+void list_add(char list[LIST_SIZE], const char *name, size_t length);
+/* Returns the index of the word in `known`, which ends with NULL. Returns -1 for any other word,
+ * with an error that lists the known ones. `what` names the word in the message. */
+int word_choose(const struct word *word, const char *const *known, const char *what,
+                struct error *err);
+/* The same of the next word. Its absence is the error "expected EXPECTED". */
+int text_choose(struct text *text, const char *expected, const char *const *known, const char *what,
+                struct error *err);
+/* Sets *first to `again` where it has no line yet; otherwise refuses: "WHAT is given twice". */
+bool place_once(struct place *first, struct place again, const char *what, struct error *err);
+/* Returns whether the word, which is not empty, begins with a digit, a sign or a point and has no
+ * quotes. */
+bool word_begins_number(const struct word *word);
+/* Copies a string into an allocated one. A NULL stays NULL. */
+bool string_copy(const char *from, char **out, struct error *err);
+/* The path of the file that a word names, relative to the word's own file; allocated. Refuses an
+ * empty word. */
+bool word_path(const struct word *word, char **out, struct error *err);
+/* Reads three numbers; text_direction refuses 0 0 0. */
+bool text_vector(struct text *text, const char *what, struct vector *out, struct error *err);
+bool text_direction(struct text *text, const char *what, struct vector *out, struct error *err);
+
+/* ---- json.c: JSON out (RFC 8259) ---- */
+
+/* Grows as it is written. Zero it before use. text is owned; it is NULL after `failed`, which means
+ * that memory ran out. */
+struct json {
+    char *text;
+    size_t length, capacity;
+    bool failed, separated; /* separated: the next member needs a comma before it */
+};
+/* The key is NULL in an array. Brackets are '{' or '[' and their counterparts. */
+void json_open(struct json *json, const char *key, char bracket);
+void json_close(struct json *json, char bracket);
+void json_string(struct json *json, const char *key, const char *value); /* NULL: null */
+/* Infinity and NaN become null: JSON has neither. */
+void json_number(struct json *json, const char *key, double value);
+void json_count(struct json *json, const char *key, uint64_t value);
+void json_truth(struct json *json, const char *key, bool value);
+void json_numbers(struct json *json, const char *key, const double *values, int n); /* an array */
+/* Returns the text, which then belongs to the caller; NULL: no memory. */
+char *json_end(struct json *json);
+
+#endif

@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: MIT */
+/* Words that mean something, and the small things that all statements of a scene need: so that
+ * every statement refuses a mistake in the same manner. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/maths/maths.h"
+#include "data/text/text.h"
+#include "spectral.h"
+
+void list_add(char list[LIST_SIZE], const char *name, size_t length)
+{
+    size_t used = strlen(list);
+    snprintf(list + used, LIST_SIZE - used, "%s%.*s", used > 0 ? ", " : "", (int)length, name);
+}
+
+int word_choose(const struct word *word, const char *const *known, const char *what,
+                struct error *err)
+{
+    char list[LIST_SIZE] = "";
+    for (int i = 0; known[i] != NULL; i++)
+        if (word_is(word, known[i]))
+            return i;
+    for (int i = 0; known[i] != NULL; i++)
+        list_add(list, known[i], strlen(known[i]));
+    error_at(err, word->place, "unknown %s '%.*s'; known are %s", what, word_shown(word),
+             word->start, list);
+    return -1;
+}
+
+int text_choose(struct text *text, const char *expected, const char *const *known, const char *what,
+                struct error *err)
+{
+    struct word word;
+    return text_expect(text, &word, expected, err) ? word_choose(&word, known, what, err) : -1;
+}
+
+bool place_once(struct place *first, struct place again, const char *what, struct error *err)
+{
+    if (first->line > 0)
+        return error_at(err, again, "%s is given twice; the first is in line %d of %.200s", what,
+                        first->line, first->path);
+    *first = again;
+    return true;
+}
+
+bool word_begins_number(const struct word *word)
+{
+    return !word->quoted && strchr("0123456789+-.", word->start[0]) != NULL;
+}
+
+bool string_copy(const char *from, char **out, struct error *err)
+{
+    *out = from != NULL ? strdup(from) : NULL;
+    return from == NULL || *out != NULL || error_memory(err);
+}
+
+bool word_path(const struct word *word, char **out, struct error *err)
+{
+    char *name;
+    if (word->length == 0)
+        return error_at(err, word->place, "a file name must not be empty");
+    name = word_copy(word);
+    *out = name != NULL ? file_relative(word->place.path, name) : NULL;
+    free(name);
+    return *out != NULL || error_memory(err);
+}
+
+bool text_peek(struct text text, struct word *out)
+{
+    return text_word(&text, out);
+}
+
+bool text_vector(struct text *text, const char *what, struct vector *out, struct error *err)
+{
+    double *parts[] = {&out->x, &out->y, &out->z};
+    for (int i = 0; i < 3; i++) {
+        char name[64];
+        snprintf(name, sizeof name, "%c of %s", "xyz"[i], what);
+        if (!text_number(text, name, -HUGE_VAL, HUGE_VAL, parts[i], err))
+            return false;
+    }
+    return true;
+}
+
+bool text_direction(struct text *text, const char *what, struct vector *out, struct error *err)
+{
+    struct word first = {0};
+    text_peek(*text, &first);
+    if (!text_vector(text, what, out, err))
+        return false;
+    return out->x != 0 || out->y != 0 || out->z != 0 ||
+           error_at(err, first.place, "%s 0 0 0 points nowhere; one of its numbers must not be 0",
+                    what);
+}

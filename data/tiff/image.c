@@ -1,0 +1,412 @@
+/* SPDX-License-Identifier: MIT */
+/* Opens TIFF files through libtiff, whose messages are kept for our own. A band, as GDAL writes
+ * them, is one of several grey samples a pixel of a file's only directory; it is a page, too. */
+#include <inttypes.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <tiffio.h>
+#include <unistd.h>
+
+#include "data/base/base.h"
+#include "data/tiff/tiff.h"
+#include "spectral.h"
+
+/* Nothing goes to standard error. */
+static int PRINTF_LIKE(4, 0)
+    keep_error(TIFF *tiff, void *data, const char *module, const char *format, va_list arguments)
+{
+    struct image_file *file = data;
+    (void)tiff;
+    (void)module;
+    if (file->message[0] == '\0')
+        vsnprintf(file->message, sizeof file->message, format, arguments);
+    return 1;
+}
+
+/* Private tags are no news. */
+static int PRINTF_LIKE(4, 0)
+    keep_warning(TIFF *tiff, void *data, const char *module, const char *format, va_list arguments)
+{
+    const struct image_file *file = data;
+    return file->decoding ? keep_error(tiff, data, module, format, arguments) : 1;
+}
+
+/* ---- what a page is ---- */
+
+bool PRINTF_LIKE(4, 5)
+    image_refuse(const struct image *image, int page, struct error *err, const char *format, ...)
+{
+    char why[512], where[64] = "";
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(why, sizeof why, format, arguments);
+    va_end(arguments);
+    if (page >= 0 && image->wavelengths_nm != NULL && image->untold[0] == '\0' &&
+        image->wavelengths_nm[page] > 0)
+        snprintf(where, sizeof where, "page %d (%.10g nm): ", page + 1,
+                 image->wavelengths_nm[page]);
+    else if (page >= 0)
+        snprintf(where, sizeof where, "page %d: ", page + 1);
+    return error_at(err, image->file->from,
+                    "%s: %s%s; expected a TIFF file of grey or RGB pages of 8 or 16 bits or of"
+                    " grey 32-bit float ones",
+                    image->path, where, why);
+}
+
+bool image_refuse_broken(const struct image *image, int page, struct error *err)
+{
+    const char *message = image->file->message;
+    return image_refuse(image, page, err, "libtiff: %s",
+                        message[0] != '\0' ? message : "its pages cannot be read");
+}
+
+static bool blocks_read(const struct image *image, int page, struct sample_layout *out,
+                        struct error *err)
+{
+    TIFF *tiff = image->file->tiff;
+    out->tiled = TIFFIsTiled(tiff);
+    out->block_width = out->width;
+    if (out->tiled)
+        TIFFGetField(tiff, TIFFTAG_TILEWIDTH, &out->block_width);
+    TIFFGetFieldDefaulted(tiff, out->tiled ? TIFFTAG_TILELENGTH : TIFFTAG_ROWSPERSTRIP,
+                          &out->block_height);
+    if (!out->tiled && out->block_height > out->height)
+        out->block_height = out->height;
+    out->block_bytes = (size_t)(out->tiled ? TIFFTileSize(tiff) : TIFFStripSize(tiff));
+    out->colour_step = out->n_planes > 1 ? out->block_bytes / (out->bits / 8u) : 1;
+    return out->block_bytes > 0 || image_refuse_broken(image, page, err);
+}
+
+/* Whether the rows of all planes lie one after the other, uncompressed, so that they can be read as
+ * they are: the usual way of stacks. Refuses a file that ends before they do. */
+static bool rows_find(const struct image *image, int page, struct sample_layout *out,
+                      struct error *err)
+{
+    TIFF *tiff = image->file->tiff;
+    const uint32_t n = TIFFNumberOfStrips(tiff);
+    const uint32_t per_plane = (out->height - 1) / out->block_height + 1;
+    const uint64_t first = TIFFGetStrileOffset(tiff, 0);
+    uint16_t compression = 0, fill_order = 0;
+    uint64_t end = first;
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_FILLORDER, &fill_order);
+    out->row_bytes = (size_t)out->width * out->pixel_step * (out->bits / 8u);
+    if (out->tiled || compression != COMPRESSION_NONE || fill_order != FILLORDER_MSB2LSB)
+        return true;
+    for (uint32_t strip = 0; strip < n && end <= image->bytes; strip++) {
+        const uint32_t left = out->height - strip % per_plane * out->block_height;
+        const uint32_t rows = left < out->block_height ? left : out->block_height;
+        const uint64_t bytes = (uint64_t)rows * out->row_bytes;
+        if (TIFFGetStrileOffset(tiff, strip) != end || TIFFGetStrileByteCount(tiff, strip) < bytes)
+            return true;
+        end += bytes;
+    }
+    out->rows_offset = first;
+    return end <= image->bytes ||
+           image_refuse(image, page, err, "its pixels end behind the end of the file");
+}
+
+/* Several grey samples a pixel, of which none is an alpha, in a file's only directory. Otherwise 1,
+ * as of all that are not the first page. */
+static uint16_t count_bands(const struct image *image)
+{
+    TIFF *tiff = image->file->tiff;
+    uint16_t photometric = UINT16_MAX, n_samples = 1, n_extra = 0;
+    uint16_t *extra = NULL;
+    TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &photometric);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLESPERPIXEL, &n_samples);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_EXTRASAMPLES, &n_extra, &extra);
+    if (image->n_pages > 0 || !TIFFLastDirectory(tiff) || photometric >= PHOTOMETRIC_RGB ||
+        n_samples != n_extra + 1)
+        return 1;
+    for (int i = 0; i < n_extra; i++)
+        if (extra[i] != EXTRASAMPLE_UNSPECIFIED)
+            return 1;
+    return n_samples;
+}
+
+/* Whether the samples are the colours and at most an alpha behind them. */
+static bool colours_alone(TIFF *tiff, const struct sample_layout *layout)
+{
+    uint16_t n_extra = 0, *extra = NULL;
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_EXTRASAMPLES, &n_extra, &extra);
+    return layout->n_samples == layout->n_colours + n_extra &&
+           (n_extra == 0 || (n_extra == 1 && extra[0] != EXTRASAMPLE_UNSPECIFIED));
+}
+
+static bool samples_read(const struct image *image, int page, struct sample_layout *out,
+                         struct error *err)
+{
+    TIFF *tiff = image->file->tiff;
+    uint16_t photometric = UINT16_MAX, compression = 0, format = 0, planar = 0;
+    TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &photometric);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_BITSPERSAMPLE, &out->bits);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLESPERPIXEL, &out->n_samples);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLEFORMAT, &format);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_PLANARCONFIG, &planar);
+    if (photometric == PHOTOMETRIC_YCBCR && compression == COMPRESSION_JPEG &&
+        planar == PLANARCONFIG_CONTIG &&
+        TIFFSetField(tiff, TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB))
+        photometric = PHOTOMETRIC_RGB;
+    out->inverted = photometric == PHOTOMETRIC_MINISWHITE;
+    out->n_colours = photometric == PHOTOMETRIC_RGB ? 3 : 1;
+    out->n_planes = planar == PLANARCONFIG_SEPARATE ? out->n_colours : 1;
+    out->pixel_step = planar == PLANARCONFIG_SEPARATE ? 1 : out->n_samples;
+    out->largest = out->bits == 8 ? 255 : out->bits == 16 ? 65535 : 1;
+    if (photometric > PHOTOMETRIC_RGB) /* which comes after the two kinds of grey */
+        return image_refuse(image, page, err, "its colours are neither grey nor RGB");
+    out->n_bands = count_bands(image);
+    if (out->n_bands == 1 && !colours_alone(tiff, out))
+        return image_refuse(
+            image, page, err,
+            "it has %d samples a pixel, not %d and perhaps an alpha; more can be read if"
+            " they are grey and in the file's only directory",
+            out->n_samples, out->n_colours);
+    if (!(format == SAMPLEFORMAT_UINT && (out->bits == 8 || out->bits == 16)) &&
+        !(format == SAMPLEFORMAT_IEEEFP && out->bits == 32 &&
+          photometric == PHOTOMETRIC_MINISBLACK))
+        return image_refuse(image, page, err, "its samples are %d of %d bits, %s", out->n_samples,
+                            out->bits,
+                            format == SAMPLEFORMAT_UINT     ? "unsigned"
+                            : format == SAMPLEFORMAT_IEEEFP ? "float"
+                                                            : "of another kind");
+    const double bytes = (double)out->width * out->height * out->n_samples * out->bits / 8;
+    return compression != COMPRESSION_NONE || bytes <= (double)image->bytes ||
+           image_refuse(image, page, err, "its pixels are %.0f bytes, the file is shorter", bytes);
+}
+
+bool image_layout(const struct image *image, int page, struct sample_layout *out, struct error *err)
+{
+    TIFF *tiff = image->file->tiff;
+    uint16_t orientation = ORIENTATION_TOPLEFT, compression = 0;
+    uint32_t depth = 1;
+    *out = (struct sample_layout){0};
+    TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &out->width);
+    TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &out->height);
+    TIFFGetField(tiff, TIFFTAG_IMAGEDEPTH, &depth);
+    TIFFGetField(tiff, TIFFTAG_ORIENTATION, &orientation);
+    if (out->width - 1 >= INT32_MAX || out->height - 1 >= INT32_MAX || depth != 1)
+        return image_refuse(image, page, err, "it has %" PRIu32 "x%" PRIu32 "x%" PRIu32 " pixels",
+                            out->width, out->height, depth);
+    if (orientation != ORIENTATION_TOPLEFT)
+        return image_refuse(image, page, err, "its orientation is %d, not 1 (the top row first)",
+                            orientation);
+    TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
+    /* JBIG is for 1 bit a pixel; build.sh leaves its library out of the static program. */
+    if (compression == COMPRESSION_JBIG || !TIFFIsCODECConfigured(compression))
+        return image_refuse(image, page, err, "its compression (%d) is none that can be read here",
+                            compression);
+    return samples_read(image, page, out, err) && blocks_read(image, page, out, err) &&
+           rows_find(image, page, out, err);
+}
+
+/* ---- opening ---- */
+
+/* The next band of the current directory; the first one tells the layout of all. */
+static bool page_add(struct image *image, int band, const char *const items[ITEMS],
+                     struct error *err)
+{
+    struct image_file *file = image->file;
+    const int page = image->n_pages;
+    struct image_page *pages = array_more(file->pages, page, sizeof *pages, err);
+    if (pages == NULL)
+        return false;
+    file->pages = pages;
+    double *nm = array_more(image->wavelengths_nm, page, sizeof *nm, err);
+    if (nm == NULL)
+        return false;
+    image->wavelengths_nm = nm;
+    pages[page].directory = TIFFCurrentDirOffset(file->tiff);
+    nm[page] = metadata_wavelength(file, items);
+    struct sample_layout *layout = &pages[page].layout, *first = &pages[0].layout;
+    if (band > 0) {
+        *layout = *first;
+        layout->plane = (uint16_t)(layout->pixel_step == 1 ? band : 0);
+    } else if (!image_layout(image, page, layout, err)) {
+        return false;
+    }
+    if (layout->width != first->width || layout->height != first->height ||
+        layout->bits != first->bits)
+        return image_refuse(
+            image, page, err,
+            "it has %" PRIu32 "x%" PRIu32 "x%d bits, the first page %" PRIu32 "x%" PRIu32 "x%d",
+            layout->width, layout->height, layout->bits, first->width, first->height, first->bits);
+    image->coloured = image->coloured || layout->n_colours > 1;
+    file->directory = pages[page].directory;
+    image->n_pages++;
+    return metadata_scale(image, page, layout, items, err);
+}
+
+/* Says why the wavelengths up to the page that was added are of no use, if so. */
+static void check_wavelength(struct image *image)
+{
+    const int page = image->n_pages;
+    const double nm = image->wavelengths_nm[page - 1];
+    const double before = page > 1 ? image->wavelengths_nm[page - 2] : 0;
+    image->file->told = image->file->told || !isnan(nm) || image->file->unit[0] != '\0';
+    if (image->untold[0] != '\0' || nm > before)
+        return;
+    if (!isnan(nm))
+        snprintf(image->untold, sizeof image->untold,
+                 "its wavelengths %s: page %d tells %.10g nm after %.10g nm",
+                 nm < before ? "decrease" : "repeat", page, nm, before);
+    else if (image->file->unit[0] != '\0')
+        snprintf(image->untold, sizeof image->untold,
+                 "page %d tells its wavelength in '%s', which is no unit that is known here", page,
+                 image->file->unit);
+    else
+        snprintf(image->untold, sizeof image->untold, "page %d tells no wavelength", page);
+}
+
+static bool directory_add(struct image *image, struct error *err)
+{
+    const int n_bands = count_bands(image);
+    const char **items = calloc((size_t)n_bands * ITEMS, sizeof *items);
+    bool good = items != NULL || error_memory(err);
+    if (good)
+        metadata_items(image->file->tiff, n_bands, items);
+    for (int band = 0; good && band < n_bands; band++) {
+        image->file->unit[0] = '\0';
+        good = page_add(image, band, items + (size_t)band * ITEMS, err);
+        if (good)
+            check_wavelength(image);
+    }
+    free(items);
+    return good;
+}
+
+/* Keeps the wavelengths of pages only where they can be used. */
+static bool wavelengths_keep(struct image *image, struct error *err)
+{
+    const struct sample_layout *first = &image->file->pages[0].layout;
+    if (!image->file->told && first->n_bands > 1)
+        return image_refuse(image, -1, err,
+                            "it has %d samples a pixel and tells no wavelengths of them",
+                            first->n_samples);
+    if (!image->file->told)
+        snprintf(image->untold, sizeof image->untold, "tells no wavelengths");
+    if (image->untold[0] != '\0') {
+        free(image->wavelengths_nm);
+        image->wavelengths_nm = NULL;
+    }
+    return true;
+}
+
+static bool pages_read(struct image *image, struct error *err)
+{
+    TIFF *tiff = image->file->tiff;
+    if (!metadata_description(image, err))
+        return false;
+    do {
+        if (image->n_pages > 0 && !TIFFReadDirectory(tiff))
+            return image_refuse_broken(image, -1, err);
+        if (!directory_add(image, err))
+            return false;
+    } while (!TIFFLastDirectory(tiff));
+    image->width = (int)image->file->pages[0].layout.width;
+    image->height = (int)image->file->pages[0].layout.height;
+    return wavelengths_keep(image, err);
+}
+
+/* ---- a compiled-in file, as libtiff sees it ---- */
+
+static tmsize_t builtin_read(thandle_t handle, void *bytes, tmsize_t length)
+{
+    struct image_file *file = handle;
+    size_t at = (size_t)file->position, left = 0;
+    if (file->position < file->builtin->length)
+        left = file->builtin->length - at;
+    if (left < (size_t)length)
+        length = (tmsize_t)left;
+    memcpy(bytes, file->builtin->bytes + (left > 0 ? at : 0), (size_t)length);
+    file->position += (uint64_t)length;
+    return length;
+}
+
+static tmsize_t builtin_write(thandle_t handle, void *bytes, tmsize_t length)
+{
+    (void)handle;
+    (void)bytes;
+    (void)length;
+    return -1;
+}
+
+static toff_t builtin_size(thandle_t handle)
+{
+    const struct image_file *file = handle;
+    return file->builtin->length;
+}
+
+static toff_t builtin_seek(thandle_t handle, toff_t offset, int whence)
+{
+    struct image_file *file = handle;
+    file->position = offset + (whence == SEEK_CUR   ? file->position
+                               : whence == SEEK_END ? file->builtin->length
+                                                    : 0);
+    return file->position;
+}
+
+static int builtin_close(thandle_t handle)
+{
+    (void)handle;
+    return 0;
+}
+
+static bool tiff_open(struct image *image, struct error *err)
+{
+    const tmsize_t most_bytes = 1 << 30; /* of one allocation, whatever a broken file asks for */
+    struct image_file *file = image->file;
+    int descriptor;
+    if (!file_open(image->path, file->from, &descriptor, &file->builtin, err))
+        return false;
+    TIFFOpenOptions *options = TIFFOpenOptionsAlloc();
+    if (options != NULL) {
+        TIFFOpenOptionsSetMaxSingleMemAlloc(options, most_bytes);
+        TIFFOpenOptionsSetErrorHandlerExtR(options, keep_error, file);
+        TIFFOpenOptionsSetWarningHandlerExtR(options, keep_warning, file);
+        /* m: not mapped into memory, where a file cut short while it is open would end us; c: a
+         * large strip is not shown as many small ones. */
+        file->tiff =
+            file->builtin == NULL
+                ? TIFFFdOpenExt(descriptor, image->path, "rmc", options)
+                : TIFFClientOpenExt(image->path, "rmc", file, builtin_read, builtin_write,
+                                    builtin_seek, builtin_close, builtin_size, NULL, NULL, options);
+        TIFFOpenOptionsFree(options);
+    }
+    if (file->tiff == NULL && descriptor >= 0)
+        close(descriptor);
+    if (file->tiff != NULL)
+        image->bytes = TIFFGetSizeProc(file->tiff)(TIFFClientdata(file->tiff));
+    return file->tiff != NULL ||
+           (options == NULL ? error_memory(err) : image_refuse_broken(image, -1, err));
+}
+
+bool image_open(const char *path, struct place from, struct image *out, struct error *err)
+{
+    *out = (struct image){.scale = 1, .path = strdup(path), .file = calloc(1, sizeof *out->file)};
+    if (out->file != NULL)
+        out->file->from = from;
+    if (((out->path != NULL && out->file != NULL) || error_memory(err)) && tiff_open(out, err) &&
+        pages_read(out, err))
+        return true;
+    image_close(out);
+    return false;
+}
+
+void image_close(struct image *image)
+{
+    if (image->file != NULL) {
+        if (image->file->tiff != NULL)
+            TIFFClose(image->file->tiff);
+        free(image->file->pages);
+        free(image->file->kept.samples);
+    }
+    free(image->file);
+    free(image->path);
+    free(image->description);
+    free(image->verdict);
+    free(image->wavelengths_nm);
+    *image = (struct image){0};
+}

@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: MIT */
+/* Planes of textures. A spectral texture keeps only the planes of one pass in memory, so that a
+ * stack may be larger than it. */
+#include <assert.h>
+#include <stdlib.h>
+
+#include "data/tiff/tiff.h"
+#include "spectral.h"
+
+enum { LONGEST_TEXTURE = 16384 }; /* the longest side, in texels; OpenGL has a limit, too */
+
+static size_t plane_size(const struct texture *texture)
+{
+    return (size_t)texture->image.width * (size_t)texture->image.height;
+}
+
+/* A page, its bottom row first. */
+static bool plane_read(struct texture *texture, int page, float *plane, struct error *err)
+{
+    const size_t width = (size_t)texture->image.width;
+    if (!image_read(&texture->image, page, 0, texture->image.height, plane, err))
+        return false;
+    float *low = plane, *high = plane + plane_size(texture) - width;
+    for (; low < high; low += width, high -= width)
+        for (size_t i = 0; i < width; i++) {
+            const float kept = low[i];
+            low[i] = high[i];
+            high[i] = kept;
+        }
+    return true;
+}
+
+static bool plane_allocate(struct texture *texture, int i, struct error *err)
+{
+    if (texture->plane[i] == NULL)
+        texture->plane[i] = malloc(plane_size(texture) * sizeof(float));
+    return texture->plane[i] != NULL || error_memory(err);
+}
+
+/* Reads all pages, one after the other, into the first plane. */
+static bool find_largest(struct texture *texture, struct error *err)
+{
+    if (!plane_allocate(texture, 0, err))
+        return false;
+    for (int page = 0; page < texture->image.n_pages; page++) {
+        if (!plane_read(texture, page, texture->plane[0], err))
+            return false;
+        for (size_t i = 0; i < plane_size(texture); i++)
+            if ((double)texture->plane[0][i] > texture->largest) /* gcc 12 for ARM fails on fmax */
+                texture->largest = (double)texture->plane[0][i];
+    }
+    return true;
+}
+
+static bool read_texture(const char *path, struct place from, struct texture *out,
+                         struct error *err)
+{
+    if (!image_open(path, from, &out->image, err))
+        return false;
+    if (out->image.width > LONGEST_TEXTURE || out->image.height > LONGEST_TEXTURE)
+        error_at(err, from, "%s: it has %dx%d pixels; a texture has at most %d a side", path,
+                 out->image.width, out->image.height, LONGEST_TEXTURE);
+    else if (out->spectral && out->image.wavelengths_nm == NULL)
+        error_at(
+            err, from,
+            "%s: %s; a spectral texture is a stack as this program writes it, or tells"
+            " increasing wavelengths as OME-XML, GDAL_METADATA or page names such as \"305 nm\"",
+            path, out->image.untold);
+    else if (!out->spectral && out->image.n_pages > 1)
+        error_at(err, from,
+                 "%s: it has %d pages; a texture is one page, and a stack of pages with"
+                 " wavelengths a spectral-texture",
+                 path, out->image.n_pages);
+    else if (find_largest(out, err))
+        return true;
+    texture_free(out);
+    return false;
+}
+
+bool texture_read(const char *path, struct place from, bool linear, struct texture *out,
+                  struct error *err)
+{
+    *out = (struct texture){.linear = linear};
+    return read_texture(path, from, out, err);
+}
+
+bool texture_read_spectral(const char *path, struct place from, bool linear, struct texture *out,
+                           struct error *err)
+{
+    *out = (struct texture){.linear = linear, .spectral = true};
+    return read_texture(path, from, out, err);
+}
+
+/* `other` is room for one more page. */
+static bool plane_load(struct texture *texture, double nm, float *plane, float *other,
+                       struct error *err)
+{
+    const double *page_nm = texture->image.wavelengths_nm;
+    const int last = texture->image.n_pages - 1;
+    int page = 0;
+    while (page < last && page_nm[page + 1] <= nm)
+        page++;
+    if (!plane_read(texture, page, plane, err))
+        return false;
+    if (page == last || nm <= page_nm[page])
+        return true;
+    if (!plane_read(texture, page + 1, other, err))
+        return false;
+    const double share = (nm - page_nm[page]) / (page_nm[page + 1] - page_nm[page]);
+    for (size_t i = 0; i < plane_size(texture); i++)
+        plane[i] = (float)((double)plane[i] + share * ((double)other[i] - (double)plane[i]));
+    return true;
+}
+
+bool texture_load(struct texture *texture, const double *wavelengths_nm, int n, struct error *err)
+{
+    assert(n <= TEXTURE_PLANES);
+    if (!texture->spectral)
+        return true;
+    float *other = malloc(plane_size(texture) * sizeof *other);
+    bool good = other != NULL || error_memory(err);
+    for (int i = 0; good && i < n; i++)
+        good = plane_allocate(texture, i, err) &&
+               plane_load(texture, wavelengths_nm[i], texture->plane[i], other, err);
+    free(other);
+    return good;
+}
+
+void texture_free(struct texture *texture)
+{
+    for (int i = 0; i < TEXTURE_PLANES; i++)
+        free(texture->plane[i]);
+    image_close(&texture->image);
+    *texture = (struct texture){0};
+}

@@ -1,0 +1,429 @@
+/* SPDX-License-Identifier: MIT */
+/* Meshes in parts: cutting in half must open no crack, lose no area and depend on no direction. */
+#include <float.h>
+
+#include "data/maths/maths.h"
+#include "data/mesh/mesh.h"
+#include "spectral.h"
+#include "solid.h"
+#include "test.h"
+
+static void stop_unless(bool good, const struct error *err)
+{
+    if (!good) {
+        printf("Bail out! %s\n", err->text);
+        exit(1);
+    }
+}
+
+static struct mesh build(const struct shape *shape)
+{
+    struct error err = {.text = ""};
+    struct mesh mesh;
+
+    stop_unless(shape_build(shape, &mesh, &err), &err);
+    return mesh;
+}
+
+static struct mesh cut(const struct mesh *mesh)
+{
+    struct error err = {.text = ""};
+    struct mesh out;
+
+    stop_unless(mesh_cut(mesh, &out, &err), &err);
+    return out;
+}
+
+static struct mesh part_of(const struct mesh *mesh, int part)
+{
+    struct error err = {.text = ""};
+    struct mesh out;
+
+    stop_unless(mesh_part(mesh, part, &out, &err), &err);
+    return out;
+}
+
+/* Moves all vertices, turned first so that no coordinate is a round number. */
+static void place_mesh(struct mesh *mesh, double x, double angle_deg)
+{
+    const struct vector by = {x, 0, 0}, axis = {1, 2, 3};
+    const struct matrix move = matrix_translation(by), turn = matrix_rotation(angle_deg, axis);
+    const struct matrix all = matrix_product(move, turn);
+
+    for (int i = 0; i < mesh->n_vertices; i++) {
+        struct vertex *v = &mesh->vertices[i];
+        v->position = matrix_point(&all, v->position);
+        v->normal = matrix_direction(&turn, v->normal);
+    }
+}
+
+static struct vector corner_of(const struct mesh *mesh, int triangle, int k)
+{
+    return mesh->vertices[mesh->triangles[triangle][k]].position;
+}
+
+static struct vector twice_area(const struct mesh *mesh, int i)
+{
+    const struct vector a = corner_of(mesh, i, 0);
+
+    return vector_cross(vector_subtract(corner_of(mesh, i, 1), a),
+                        vector_subtract(corner_of(mesh, i, 2), a));
+}
+
+static double area(const struct mesh *mesh)
+{
+    double sum = 0;
+
+    for (int i = 0; i < mesh->n_triangles; i++)
+        sum += vector_length(twice_area(mesh, i)) / 2;
+    return sum;
+}
+
+/* Every triangle is of the part that its side of x = 0 makes it. */
+static bool is_sorted(const struct mesh *mesh)
+{
+    for (int i = 0; i < mesh->n_triangles; i++)
+        for (int k = 0; k < 3; k++) {
+            const double x = corner_of(mesh, i, k).x;
+            if (mesh->part[i] == 0 ? x > 0 : x < 0)
+                return false;
+        }
+    return true;
+}
+
+/* The first vertices are the old ones, the others at exactly 0 and of unit normal. */
+static bool new_vertices_lie_on_the_plane(const struct mesh *from, const struct mesh *to)
+{
+    bool good = memcmp(from->vertices, to->vertices,
+                       (size_t)from->n_vertices * sizeof *from->vertices) == 0;
+
+    for (int i = from->n_vertices; i < to->n_vertices; i++) {
+        const struct vertex *v = &to->vertices[i];
+        good = good && v->position.x == 0 && !signbit(v->position.x) &&
+               fabs(vector_length(v->normal) - 1) <= 4 * DBL_EPSILON;
+    }
+    return good;
+}
+
+/* x turned round, and each triangle's sense of rotation with it. */
+static struct mesh mirror(const struct mesh *mesh)
+{
+    struct mesh out = part_of(mesh, 0);
+
+    for (int i = 0; i < out.n_vertices; i++) {
+        out.vertices[i].position.x = -out.vertices[i].position.x;
+        out.vertices[i].normal.x = -out.vertices[i].normal.x;
+    }
+    for (int i = 0; i < out.n_triangles; i++) {
+        const int32_t last = out.triangles[i][2];
+        out.triangles[i][2] = out.triangles[i][1];
+        out.triangles[i][1] = last;
+    }
+    return out;
+}
+
+static bool is_mirrored(const struct vertex *a, const struct vertex *b)
+{
+    return a->position.x == -b->position.x && a->position.y == b->position.y &&
+           a->position.z == b->position.z && a->normal.x == -b->normal.x &&
+           a->normal.y == b->normal.y && a->normal.z == b->normal.z && a->s == b->s && a->t == b->t;
+}
+
+/* A number that is the same for the same triangles in whatever order and rotation: it sums a
+ * product that names three vertices and their cyclic order. */
+static uint64_t fingerprint(const struct mesh *mesh, int part, bool turned)
+{
+    uint64_t sum = 0;
+
+    for (int i = 0; i < mesh->n_triangles; i++) {
+        const int32_t *corner = mesh->triangles[i];
+        const uint64_t a = (uint64_t)corner[0], b = (uint64_t)corner[turned ? 2 : 1];
+        const uint64_t c = (uint64_t)corner[turned ? 1 : 2];
+        if (mesh->part[i] == part)
+            sum += (a * 0x9e3779b97f4a7c15u ^ b) * (b * 0x9e3779b97f4a7c15u ^ c) *
+                   (c * 0x9e3779b97f4a7c15u ^ a);
+    }
+    return sum;
+}
+
+static void check_mirrored(const struct mesh *mesh, const struct mesh *halves, const char *name)
+{
+    struct mesh other = mirror(mesh), others = cut(&other);
+    bool good = halves->n_vertices == others.n_vertices;
+
+    for (int i = 0; good && i < halves->n_vertices; i++)
+        good = is_mirrored(&halves->vertices[i], &others.vertices[i]);
+    CHECK(good, "%s: mirrored, the cut has mirrored vertices, bit for bit", name);
+    CHECK(halves->n_triangles == others.n_triangles &&
+              fingerprint(halves, 0, false) == fingerprint(&others, 1, true) &&
+              fingerprint(halves, 1, false) == fingerprint(&others, 0, true),
+          "%s: and mirrored triangles", name);
+    mesh_free(&other);
+    mesh_free(&others);
+}
+
+static void check_cut(const struct mesh *mesh, const char *name)
+{
+    const struct solid before = solid_measure(mesh);
+    struct mesh halves = cut(mesh), left = part_of(&halves, 0), right = part_of(&halves, 1);
+    const struct solid after = solid_measure(&halves);
+    const struct solid sides[2] = {solid_measure(&left), solid_measure(&right)};
+
+    CHECK(halves.n_parts == 2 && !halves.part_names && is_sorted(&halves),
+          "%s: no triangle crosses x = 0, and each is of its side", name);
+    CHECK(new_vertices_lie_on_the_plane(mesh, &halves), "%s: new vertices are at exactly 0", name);
+    CHECK_NEAR(area(&halves) / area(mesh), 1, 1e-12, "%s: the area stays", name);
+    CHECK_NEAR(area(&left) + area(&right), area(&halves), 1e-12 * area(mesh),
+               "%s: both parts are the whole", name);
+    CHECK_NEAR(after.volume, before.volume, 1e-12 * fabs(before.volume), "%s: the volume stays",
+               name);
+    CHECK(before.open_edges == 0 && after.open_edges == 0, "%s: no crack opens", name);
+    CHECK(sides[0].open_edges == sides[1].open_edges && sides[0].open_edges > 0,
+          "%s: the rims of both halves match", name);
+    CHECK(solid_euler(&after, &halves) == solid_euler(&before, mesh), "%s: its topology stays",
+          name);
+    CHECK(after.texture_inside == before.texture_inside, "%s: texture coordinates stay in range",
+          name);
+    check_mirrored(mesh, &halves, name);
+    mesh_free(&halves);
+    mesh_free(&left);
+    mesh_free(&right);
+}
+
+static void check_solids(void)
+{
+    const struct shape shapes[] = {
+        {.kind = SHAPE_SPHERE, .parameter = {1, 37, 23}},
+        {.kind = SHAPE_TORUS, .parameter = {1.05, 1.65, 30, 31}},
+        {.kind = SHAPE_BOX, .parameter = {1, 2, 3}},
+        {.kind = SHAPE_CONE, .parameter = {1, 2, 17, 5}},
+    };
+    const double shifts[] = {0, 0.37, -0.1};
+
+    for (size_t i = 0; i < sizeof shapes / sizeof *shapes; i++)
+        for (int turned = 0; turned < 2; turned++)
+            for (int k = 0; k < 3; k++) {
+                char name[64];
+                struct mesh mesh = build(&shapes[i]);
+                place_mesh(&mesh, shifts[k], turned ? 33 : 0);
+                snprintf(name, sizeof name, "%s %s at %g", turned ? "turned" : "upright",
+                         shape_name(shapes[i].kind), shifts[k]);
+                check_cut(&mesh, name);
+                mesh_free(&mesh);
+            }
+}
+
+static bool crosses_at(const struct mesh *mesh, int edge, struct vector *from, struct vector *to)
+{
+    *from = corner_of(mesh, edge / 3, edge % 3);
+    *to = corner_of(mesh, edge / 3, (edge + 1) % 3);
+    return from->x * to->x < 0;
+}
+
+/* Border edges from one side to the other. */
+static int crossing_border(const struct mesh *mesh)
+{
+    struct vector a, b, c, d;
+    int n = 0;
+
+    for (int i = 0; i < 3 * mesh->n_triangles; i++) {
+        bool open = crosses_at(mesh, i, &a, &b);
+        for (int k = 0; open && k < 3 * mesh->n_triangles; k++)
+            open = !crosses_at(mesh, k, &c, &d) || memcmp(&a, &d, sizeof a) != 0 ||
+                   memcmp(&b, &c, sizeof b) != 0;
+        n += open;
+    }
+    return n;
+}
+
+/* An open surface keeps its border, but for those edges of it that the cut divides. */
+static void check_teapot(void)
+{
+    const struct shape teapot = {.kind = SHAPE_TEAPOT, .parameter = {1, 7}};
+    struct mesh mesh = build(&teapot), halves;
+
+    place_mesh(&mesh, 0.05, 70);
+    halves = cut(&mesh);
+    const struct solid before = solid_measure(&mesh), after = solid_measure(&halves);
+    CHECK(halves.n_triangles > mesh.n_triangles && is_sorted(&halves), "the teapot is cut");
+    CHECK_NEAR(area(&halves) / area(&mesh), 1, 1e-12, "the teapot's area stays");
+    CHECK(crossing_border(&mesh) > 0 &&
+              after.open_edges == before.open_edges + crossing_border(&mesh),
+          "the teapot's border stays, but for %d edges that are divided: %d and %d",
+          crossing_border(&mesh), before.open_edges, after.open_edges);
+    check_mirrored(&mesh, &halves, "teapot");
+    mesh_free(&mesh);
+    mesh_free(&halves);
+}
+
+/* ---- triangles one by one ---- */
+
+static struct mesh triangles(const struct vertex *vertices, int n)
+{
+    struct error err = {.text = ""};
+    struct mesh mesh = {.n_vertices = 0};
+
+    stop_unless(mesh_reserve(&mesh, (size_t)n, (size_t)n / 3, &err), &err);
+    for (int i = 0; i < n; i++) {
+        mesh.vertices[mesh.n_vertices++] = vertices[i];
+        mesh.triangles[i / 3][i % 3] = i;
+    }
+    mesh.n_triangles = n / 3;
+    return mesh;
+}
+
+static double next_random(uint32_t *state)
+{
+    *state = *state * 1664525u + 1013904223u;
+    return *state / 2147483648.0 - 1;
+}
+
+/* Triangles of all sizes, which now and then have corners at x = 0, small or huge ones. */
+static void check_soup(void)
+{
+    enum { CORNERS = 30000 };
+    struct vertex *vertices = calloc(CORNERS, sizeof *vertices);
+    uint32_t seed = 3;
+    double worst = 0, lost = 0, sum = 0;
+
+    if (!vertices)
+        exit(1);
+    for (int i = 0; i < CORNERS; i++) {
+        const double kind = next_random(&seed), scale = kind > 0.9 ? 1e-9 : kind < -0.9 ? 1e3 : 1;
+        struct vertex *v = &vertices[i];
+        v->position = (struct vector){kind > 0.8 && kind < 0.9 ? 0 : scale * next_random(&seed),
+                                      next_random(&seed), next_random(&seed)};
+        v->normal = vector_normalise(
+            (struct vector){next_random(&seed), next_random(&seed), next_random(&seed)});
+        v->s = next_random(&seed);
+    }
+    struct mesh mesh = triangles(vertices, CORNERS), halves = cut(&mesh);
+    CHECK(is_sorted(&halves) && new_vertices_lie_on_the_plane(&mesh, &halves),
+          "of 10000 triangles none crosses any more");
+    /* The pieces of a triangle follow one another, and have its normal. */
+    for (int i = 0, k = 0; i < mesh.n_triangles; i++) {
+        const struct vector whole = twice_area(&mesh, i);
+        const int32_t first = mesh.triangles[i][0];
+        struct vector pieces = {0, 0, 0};
+        for (; k < halves.n_triangles; k++) {
+            const int32_t *c = halves.triangles[k];
+            const int32_t least =
+                c[0] < c[1] ? (c[0] < c[2] ? c[0] : c[2]) : (c[1] < c[2] ? c[1] : c[2]);
+            if (least > first + 2)
+                break;
+            const struct vector piece = twice_area(&halves, k);
+            worst = fmin(worst, vector_dot(piece, whole) / vector_dot(whole, whole));
+            pieces = vector_add(pieces, piece);
+        }
+        lost = fmax(lost, vector_length(vector_subtract(pieces, whole)));
+        sum += vector_length(whole);
+    }
+    CHECK(worst > -1e-12, "no piece is turned over");
+    CHECK_NEAR(lost / sum, 0, 1e-12, "and the pieces of each are the whole of it");
+    CHECK_NEAR(area(&halves) / area(&mesh), 1, 1e-12, "the soup's area stays");
+    check_mirrored(&mesh, &halves, "soup");
+    mesh_free(&mesh);
+    mesh_free(&halves);
+    free(vertices);
+}
+
+static void check_cases(void)
+{
+    static const struct {
+        const char *name;
+        double x[3];
+        int pieces, vertices, left; /* new ones; pieces in part 0 */
+    } cases[] = {{"one corner left", {-1, 1, 3}, 3, 2, 1},
+                 {"one corner right", {1, -1, -3}, 3, 2, 2},
+                 {"through a corner", {0, -1, 2}, 2, 1, 1},
+                 {"an edge on it, left", {0, 0, -1}, 1, 0, 1},
+                 {"an edge on it, right", {0, 0, 1}, 1, 0, 0},
+                 {"a corner on it", {0, 1, 2}, 1, 0, 0},
+                 {"in it", {0, 0, 0}, 1, 0, 1},
+                 {"in it, -0", {-0.0, 0, -0.0}, 1, 0, 1},
+                 {"left", {-1, -2, -3}, 1, 0, 1},
+                 {"right", {1, 2, 3}, 1, 0, 0}};
+
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
+        for (int turn = 0; turn < 3; turn++) {
+            struct vertex v[3] = {{{0, 0, 0}, {0, 0, 1}, 0, 0},
+                                  {{0, 0, 1}, {0, 0, 1}, 0, 0},
+                                  {{0, 1, 0}, {0, 0, 1}, 0, 0}};
+            int left = 0;
+            for (int k = 0; k < 3; k++)
+                v[k].position.x = cases[i].x[(k + turn) % 3];
+            struct mesh mesh = triangles(v, 3), halves = cut(&mesh);
+            for (int k = 0; k < halves.n_triangles; k++)
+                left += halves.part[k] == 0;
+            CHECK(halves.n_triangles == cases[i].pieces && left == cases[i].left &&
+                      halves.n_vertices == 3 + cases[i].vertices,
+                  "%s, turned %d: %d pieces, %d of them left", cases[i].name, turn, cases[i].pieces,
+                  cases[i].left);
+            mesh_free(&mesh);
+            mesh_free(&halves);
+        }
+}
+
+/* What is between the ends, by hand. */
+static void check_between(void)
+{
+    const struct vertex v[3] = {{{-1, 0.1, 4}, {0, 1, 0}, 0, 1},
+                                {{3, 0.1, 8}, {1, 0, 0}, 1, 0.3},
+                                {{1, 0.1, 0}, {0, -1, 0}, 0.5, 1}};
+    struct mesh mesh = triangles(v, 3), halves = cut(&mesh);
+
+    if (CHECK(halves.n_vertices == 5, "two new vertices")) {
+        const struct vertex *a = &halves.vertices[3], *b = &halves.vertices[4];
+        CHECK(a->position.y == 0.1 && b->position.y == 0.1, "what is equal at both ends stays");
+        CHECK(a->position.z == 5 && b->position.z == 2 && a->s == 0.25, "others in proportion");
+        CHECK_NEAR(a->t, 0.825, DBL_EPSILON, "t too");
+        /* 3/4 of (0,1,0) and 1/4 of (1,0,0) */
+        CHECK_NEAR(a->normal.x, 1 / sqrt(10), DBL_EPSILON, "normals turn on the way");
+        CHECK_NEAR(a->normal.y, 3 / sqrt(10), DBL_EPSILON, "and have unit length");
+        CHECK(b->normal.y == 1, "of opposite ones halfway that of the first vertex is taken");
+    }
+    mesh_free(&mesh);
+    mesh_free(&halves);
+}
+
+static void check_parts(void)
+{
+    const struct shape box = {.kind = SHAPE_BOX, .parameter = {2, 4, 6}};
+    struct mesh mesh = build(&box), halves, again, none;
+
+    CHECK(mesh.n_parts == 1 && !mesh.part, "a built-in shape is one part");
+    halves = cut(&mesh);
+    again = cut(&halves);
+    CHECK(again.n_triangles == halves.n_triangles && again.n_vertices == halves.n_vertices &&
+              memcmp(again.part, halves.part, (size_t)again.n_triangles * sizeof *again.part) == 0,
+          "cutting again changes nothing");
+    none = part_of(&halves, 2);
+    CHECK(none.n_triangles == 0 && none.n_vertices == 0 && none.n_parts == 1,
+          "a part that no triangle is of is empty");
+    mesh_free(&none);
+    none = part_of(&halves, 0);
+    CHECK(none.vertices[0].position.x == -1 && none.n_parts == 1 && !none.part,
+          "a part has only the vertices that it uses, and is one part itself");
+    mesh_planar(&mesh);
+    for (int i = 0; i < mesh.n_vertices; i++) {
+        const struct vertex *v = &mesh.vertices[i];
+        if (v->s != (v->position.x + 1) / 2 || v->t != (v->position.y + 2) / 4)
+            CHECK(false, "planar coordinates of vertex %d", i);
+    }
+    CHECK(mesh.vertices[0].s == 1, "planar coordinates span the bounding box");
+    mesh_free(&mesh);
+    mesh_free(&halves);
+    mesh_free(&again);
+    mesh_free(&none);
+}
+
+int main(void)
+{
+    check_solids();
+    check_teapot();
+    check_soup();
+    check_cases();
+    check_between();
+    check_parts();
+    return test_end();
+}
