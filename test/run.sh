@@ -22,13 +22,14 @@ test_name() {
     name=${name%.*}
 }
 
-# choose [NAME...] sets $units and $scripts to the named tests, or to all.
+# choose [NAME...] sets $units and $scripts to the named tests, or to all, and $bench if all is to be compiled.
 choose() {
     units=$(find test -name 'test_*.c' | sort)
     scripts=$(find test -type f -perm -u+x | sort)
+    bench=test/bench.c
     [ $# != 0 ] || return 0
     all="$units $scripts"
-    units='' scripts=''
+    units='' scripts='' bench=''
     for wanted; do
         test_name "$wanted"
         wanted=$name
@@ -44,18 +45,21 @@ $(for file in $all; do test_name "$file"; echo "  $name"; done)"
     done
 }
 
-# built_units prints the C tests to build: those that run, and those that a chosen script runs.
-built_units() {
+# programs prints what to build: the C tests that are chosen, and those that a chosen script runs.
+programs() {
     for program in $(sed -n 's:.*[{]BUILD[}]/test/\(test_[a-z0-9_]*\).*:\1:p' $scripts /dev/null); do
         find test -name "$program.c"
     done
-    printf '%s\n' $units
+    printf '%s\n' $units $bench
 }
+
+# chosen_need PATTERN succeeds if a chosen script has it.
+chosen_need() { grep -Eq "$1" $scripts /dev/null; }
 
 # Warnings are errors. Each test is linked with a library of everything but spectral.c.
 build_tests() (
     CFLAGS=
-    mkdir -p "$BUILD/test" "$BUILD/tmp"
+    mkdir -p "$BUILD/test"
     compile test/library '-O2 -Werror' $sources "$BUILD/builtin.c"
     set -- $objects
     main=$1 # of spectral.c
@@ -66,14 +70,12 @@ build_tests() (
         ar rcs "$LIBRARY.new" "$@"
         mv "$LIBRARY.new" "$LIBRARY"
     fi
-    compile test/units '-O1 -Werror -Itest' $(built_units | sort -u) test/bench.c
+    compile test/units '-O1 -Werror -Itest' $(programs | sort -u)
     for object in $objects; do
         test_name "$object"
         link "test/$name" "$object" "$LIBRARY"
     done
-    if grep -Eq 'FAULTS|MUTANT' $scripts /dev/null; then
-        build_faults
-    fi
+    ! chosen_need 'FAULTS|MUTANT' || build_faults
 )
 
 build_faults() {
@@ -99,10 +101,11 @@ run_tests() {
     export SPECTRAL="$BUILD/spectral" STATIC="$BUILD/spectral-static" TEST_TMP="$BUILD/tmp" BUILD \
         FAULTS="$BUILD/test/fault.so" LIBRARY="$BUILD/test/library.a"
     need perl $([ -z "$scripts" ] || echo $test_packages)
-    if grep -q STATIC $scripts /dev/null; then
-        static_program
+    mkdir -p "$TEST_TMP"
+    ! chosen_need STATIC || static_program
+    if [ -n "$(programs)" ] || chosen_need 'LIBRARY|FAULTS|MUTANT'; then
+        build_tests
     fi
-    build_tests
     prove --timer --jobs $at_once --exec '' \
         $(for file in $units; do test_name "$file"; echo "$BUILD/test/$name"; done) $scripts
     case "$full $scripts" in full*random_scenes*) run_random_tests ;; esac
