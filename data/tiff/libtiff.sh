@@ -34,7 +34,7 @@ make_tiff() {
 # Sets $zlib and $tiff to the libraries' folders.
 find_tiff() {
     need $tiff_packages
-    key="$(cat data/tiff.sh) $($CC -v 2>&1)"
+    key="$(cat data/tiff/libtiff.sh) $($CC -v 2>&1)"
     version=$(debian_version zlib1g)
     cached zlib zlib "$version" "$key"
     zlib=$library

@@ -27,6 +27,6 @@ make_osmesa() {
 find_osmesa() {
     need $osmesa_packages
     osmesa_version=$(debian_version libosmesa6-dev)
-    cached osmesa mesa "$osmesa_version" "$(cat raster/osmesa.sh) $hardening $($debian_tools gcc -v 2>&1)"
+    cached osmesa mesa "$osmesa_version" "$(cat raster/gl/osmesa.sh) $hardening $($debian_tools gcc -v 2>&1)"
     osmesa=$library
 }

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: MIT
+# shellcheck shell=sh disable=SC1091,SC2013,SC2016,SC2030,SC2031,SC2046,SC2086,SC2154
+# Builds and runs the tests and the benches; build.sh reads this for `test` and `bench`. A test is a file
+# test_NAME.c or an executable script, anywhere below this folder, and prints TAP.
+test_packages='gcc clang libomp-dev perl liblcms2-utils python3-pil python3-tifffile python3-numpy python3-scipy python3-gdal
+  imagej default-jdk-headless glmark2-data psychtoolbox-3-common mandoc bsdextrautils busybox-static
+  chromium file binutils musl-tools gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user'
+at_once=1 # tests that run at the same time; some measure seconds
+# The mutant is the program with a fault of its own in this file: its bounds on colours are a thousand times
+# too wide.
+mutated=raster/radiance/counts.c
+mutation='s/whole = bound\[i\]/whole = 1000 * bound[i]/'
+. raster/gl/static.sh
+
+needs_gl() {
+    [ "$GL" = osmesa ] || refuse "build.sh: this compares with OpenGL, which GL=$GL leaves out"
+}
+
+# test_name FILE sets $name, as users type it.
+test_name() {
+    name=${1##*/}
+    name=${name%.*}
+}
+
+# choose [NAME...] sets $units and $scripts to the named tests, or to all, and $bench if all is to be compiled.
+choose() {
+    units=$(find test -name 'test_*.c' | sort)
+    scripts=$(find test -type f -perm -u+x | sort)
+    bench=test/bench.c
+    [ $# != 0 ] || return 0
+    all="$units $scripts"
+    units='' scripts='' bench=''
+    for wanted; do
+        test_name "$wanted"
+        wanted=$name
+        found=
+        for file in $all; do
+            test_name "$file"
+            [ "$name" = "$wanted" ] || continue
+            found=$file
+            case $file in *.c) units="$units $file" ;; *) scripts="$scripts $file" ;; esac
+        done
+        [ -n "$found" ] || refuse "build.sh: there is no test '$wanted'; the tests are:
+$(for file in $all; do test_name "$file"; echo "  $name"; done)"
+    done
+}
+
+# programs prints what to build: the C tests that are chosen, and those that a chosen script runs.
+programs() {
+    for program in $(sed -n 's:.*[{]BUILD[}]/test/\(test_[a-z0-9_]*\).*:\1:p' $scripts /dev/null); do
+        find test -name "$program.c"
+    done
+    printf '%s\n' $units $bench
+}
+
+# chosen_need PATTERN succeeds if a chosen script has it.
+chosen_need() { grep -Eq "$1" $scripts /dev/null; }
+
+# Warnings are errors. Each test is linked with a library of everything but spectral.c.
+build_tests() (
+    CFLAGS=
+    mkdir -p "$BUILD/test"
+    compile test/library '-O2 -Werror' $sources "$BUILD/builtin.c"
+    set -- $objects
+    main=$1 # of spectral.c
+    shift
+    stamp "$LIBRARY.made-with" "$*"
+    if [ ! -f "$LIBRARY" ] || [ -n "$(find "$@" "$LIBRARY.made-with" -newer "$LIBRARY")" ]; then
+        rm -f "$LIBRARY.new"
+        ar rcs "$LIBRARY.new" "$@"
+        mv "$LIBRARY.new" "$LIBRARY"
+    fi
+    compile test/units '-O1 -Werror -Itest' $(programs | sort -u)
+    for object in $objects; do
+        test_name "$object"
+        link "test/$name" "$object" "$LIBRARY"
+    done
+    ! chosen_need 'FAULTS|MUTANT' || build_faults
+)
+
+build_faults() {
+    $CC $warnings -Werror $CPPFLAGS -O1 $language -shared -fPIC $LDFLAGS test/fault.c -o "$FAULTS" -ldl
+    sed "$mutation" "$mutated" >"$BUILD/test/mutant.new"
+    ! cmp -s "$mutated" "$BUILD/test/mutant.new" || refuse "test/run.sh: the mutation finds nothing in $mutated"
+    cmp -s "$BUILD/test/mutant.new" "$BUILD/test/mutant.c" || mv "$BUILD/test/mutant.new" "$BUILD/test/mutant.c"
+    compile test/mutant "-O1 -Werror -I$(dirname "$mutated")" "$BUILD/test/mutant.c"
+    link test/spectral-mutant "$main" $objects "$LIBRARY"
+}
+
+# run_tests [full] [NAME...]
+run_tests() {
+    needs_gl
+    full=
+    if [ "${1:-}" = full ]; then
+        full=full
+        export FULL=1
+        shift
+    fi
+    choose "$@"
+    build
+    export SPECTRAL="$BUILD/spectral" STATIC="$BUILD/spectral-static" TEST_TMP="$BUILD/tmp" BUILD \
+        FAULTS="$BUILD/test/fault.so" LIBRARY="$BUILD/test/library.a"
+    need perl $([ -z "$scripts" ] || echo $test_packages)
+    mkdir -p "$TEST_TMP"
+    ! chosen_need STATIC || static_program
+    if [ -n "$(programs)" ] || chosen_need 'LIBRARY|FAULTS|MUTANT'; then
+        build_tests
+    fi
+    prove --timer --jobs $at_once --exec '' \
+        $(for file in $units; do test_name "$file"; echo "$BUILD/test/$name"; done) $scripts
+    case "$full $scripts" in full*random_scenes*) run_random_tests ;; esac
+}
+
+# 5,000 random scenes on llvmpipe and 500 on softpipe.
+run_random_tests() {
+    for random in 'llvmpipe --count 5000' 'softpipe --count 500'; do
+        prove --timer --exec '' test/random_scenes.py :: --first 1000 --driver $random
+    done
+}
+
+# run_bench [effects]
+run_bench() {
+    needs_gl
+    build
+    if [ "${1:-}" = effects ]; then
+        need python3-tifffile python3-numpy
+        /usr/bin/python3 test/bench_effects.py "$BUILD/spectral" "$BUILD/tmp/bench"
+        return
+    fi
+    others=${objects#*.o } # all but that of spectral.c
+    compile obj-bench "$CFLAGS -Itest" test/bench.c
+    link bench $objects $others
+    "$BUILD/bench"
+}
+
+case $1 in
+test) shift; run_tests "$@" ;;
+bench) shift; run_bench "$@" ;;
+esac
