@@ -69,17 +69,22 @@ static struct spread spread_of(const struct texels *texels, const struct span *a
                                const struct span *up)
 {
     struct spread out = {0, 0, 0};
-    double below[MOST_TEXELS];
-    for (int j = 0; j < up->n; j++)
+    size_t column[MOST_TEXELS];
+    const float *below = NULL;
+    for (int i = 0; i < across->n; i++)
+        column[i] = texel_column(texels, across->first + i);
+    for (int j = 0; j < up->n; j++) {
+        const float *row = texel_row(texels, up->first + j);
         for (int i = 0; i < across->n; i++) {
-            double here = texel_of(texels, across->first + i, up->first + j);
+            double here = (double)row[column[i]];
             out.largest = fmax(out.largest, here);
             if (i > 0)
-                out.across = fmax(out.across, fabs(here - below[i - 1]));
+                out.across = fmax(out.across, fabs(here - (double)row[column[i - 1]]));
             if (j > 0)
-                out.up = fmax(out.up, fabs(here - below[i]));
-            below[i] = here;
+                out.up = fmax(out.up, fabs(here - (double)below[column[i]]));
         }
+        below = row;
+    }
     return out;
 }
 

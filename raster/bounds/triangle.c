@@ -32,14 +32,16 @@ static bool in_front(const struct surface *surface, const int32_t vertex[3])
 static bool is_beside(const struct surface *surface, const struct surface_bounds *bounds,
                       const int32_t vertex[3], const struct rectangle *rows)
 {
-    double x[3], y[3], slack = 0;
+    bool left = true, right = true, above = true, below = true;
     for (int i = 0; i < 3; i++) {
-        x[i] = surface->vertices[vertex[i]].x;
-        y[i] = surface->vertices[vertex[i]].y;
-        slack = fmax(slack, (double)bounds->vertices[vertex[i]].slack_px);
+        const struct window_vertex *corner = &surface->vertices[vertex[i]];
+        double slack = (double)bounds->vertices[vertex[i]].slack_px;
+        left = left && corner->x + slack < rows->x;
+        right = right && corner->x - slack > rows->x + rows->width;
+        above = above && corner->y + slack < rows->y;
+        below = below && corner->y - slack > rows->y + rows->height;
     }
-    return most_of(x) + slack < rows->x || least_of(x) - slack > rows->x + rows->width ||
-           most_of(y) + slack < rows->y || least_of(y) - slack > rows->y + rows->height;
+    return left || right || above || below;
 }
 
 /* ---- clipping, with the errors that it makes ---- */

@@ -12,11 +12,9 @@
 /* ---- presence.c: how sure it is that OpenGL has a fragment at a point ---- */
 
 enum presence { IMPOSSIBLE, POSSIBLE, DEFINITE };
-/* slack[i] bounds the error of OpenGL's edge function i, whose corners are off by errors[]. */
-void edge_slack(const struct edge_functions *edges, const double errors[3], double slack[3]);
-/* Of a triangle, whose slack comes from its edge_px. */
-enum presence triangle_presence(const struct bounded_triangle *triangle,
-                                const struct edge_functions *edges, const double slack[3]);
+/* Also finds the edge functions there, and bounds on OpenGL's errors in them. */
+enum presence triangle_presence(const struct bounded_triangle *triangle, double px, double py,
+                                struct edge_functions *edges, double slack[3]);
 enum presence clipped_presence(const struct clipped_triangle *triangle, double px, double py);
 
 /* ---- fragments.c: the fragments that OpenGL may have ---- */

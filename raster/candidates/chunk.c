@@ -23,7 +23,8 @@ struct bounded_pixel {
     const struct surface *surface;
     double *attributes; /* these four have room for those of any surface */
     float *errors, *interpolation, *slopes;
-    struct texel_point place; /* in its texture */
+    struct texel_point place; /* in its texture, and the value there where that is not varied */
+    double value;
 };
 
 /* A chunk whose fragments are known, while its pixels go by. */
@@ -102,7 +103,9 @@ static void add_bounds(struct bounding *bounding, double inverse_w, double px, d
 {
     struct bounded_pixel *pixel = &bounding->pixel;
     size_t n_attributes = (size_t)pixel->surface->n_attributes;
-    unsigned clipped = clipped_at(&bounding->fragments, pixel->triangle, px, py);
+    unsigned clipped = pixel->triangle->n_clipped == 1
+                           ? 1
+                           : clipped_at(&bounding->fragments, pixel->triangle, px, py);
     float d = (float)inverse_w;
     for (size_t a = 0; a < n_attributes; a++)
         pixel->interpolation[a] = pixel->slopes[a] = 0;
@@ -125,31 +128,40 @@ static void add_bounds(struct bounding *bounding, double inverse_w, double px, d
         pixel->errors[a] += pixel->interpolation[a];
 }
 
-/* The attributes of a triangle at a pixel, by the reference, and their bounds. */
+/* The errors of the vertices, interpolated as the attributes are. */
+static void interpolate_errors(struct bounding *bounding, const double share[3])
+{
+    const struct screen_triangle *screen = &bounding->pixel.triangle->screen;
+    const struct surface *surface = bounding->pixel.surface;
+    const float *errors = bounding->fragments.lit->bounds[screen->surface].errors, *corner[3],
+                *provoking = errors + surface_attributes(surface, screen->provoking, screen->side);
+    for (int j = 0; j < 3; j++)
+        corner[j] = errors + surface_attributes(surface, screen->vertex[j], screen->side);
+    for (size_t a = 0; a < (size_t)surface->n_attributes; a++) {
+        double error = 0;
+        for (int j = 0; j < 3; j++)
+            error += fabs(share[j]) * (double)corner[j][a];
+        bounding->pixel.errors[a] =
+            is_flat(bounding, surface, a) ? provoking[a] : (float)error;
+    }
+}
+
+/* The attributes of a triangle at a pixel, by the reference, and their bounds. The bounds of weights
+ * do not need the weights themselves, unless there is a texture. */
 static void bound_pixel(struct bounding *bounding, const struct bounded_triangle *triangle, int x,
-                        int y)
+                        int y, bool weights_matter)
 {
     const struct lit_scene *lit = bounding->fragments.lit;
     const struct screen_triangle *screen = &triangle->screen;
     const struct surface *surface = &lit->surfaces[screen->surface];
-    const float *errors = lit->bounds[screen->surface].errors;
     struct bounded_pixel *pixel = &bounding->pixel;
     struct light_work none = {0};
     double share[3], inverse_w = shares_at(screen, x + 0.5, y + 0.5, share);
     pixel->triangle = triangle;
     pixel->surface = surface;
-    shade(&lit->plan->view, surface, screen, share, pixel->attributes, &none);
-    for (size_t a = 0; a < (size_t)surface->n_attributes; a++) {
-        double error = 0;
-        for (int j = 0; j < 3; j++)
-            error += fabs(share[j]) *
-                     (double)errors[surface_attributes(surface, screen->vertex[j], screen->side) +
-                                    a];
-        if (is_flat(bounding, surface, a))
-            error = (double)
-                errors[surface_attributes(surface, screen->provoking, screen->side) + a];
-        pixel->errors[a] = (float)error;
-    }
+    if (weights_matter || surface->instance->textured)
+        shade(&lit->plan->view, surface, screen, share, pixel->attributes, &none);
+    interpolate_errors(bounding, share);
     add_bounds(bounding, inverse_w, x + 0.5, y + 0.5);
     size_t n_terms = (size_t)surface->instance->n_terms;
     if (surface->instance->textured)
@@ -158,6 +170,16 @@ static void bound_pixel(struct bounding *bounding, const struct bounded_triangle
 }
 
 /* ---- textures ---- */
+
+/* Takes a place in the texture for the pixel's. */
+static void take_place(struct bounded_pixel *pixel, const struct texel_point *place)
+{
+    const struct instance *instance = pixel->surface->instance;
+    pixel->place = *place;
+    pixel->value = instance->textured && !instance->varied
+                       ? texel_at(&instance->texels, place->place)
+                       : 1;
+}
 
 static const struct texture *texture_of(const struct bounding *bounding)
 {
@@ -175,40 +197,39 @@ static double steepness(const struct bounding *bounding)
     const struct spectral_term *terms =
         lit->bounds[pixel->triangle->screen.surface].finish->made.terms;
     double step = 0, whole = 0;
-    for (int t = 0; t < instance->n_terms; t++) {
+    for (int t = 0; t < instance->n_terms; t++)
         step += (double)pixel->slopes[t] * terms[t].peak;
-        whole += pixel->attributes[t] * terms[t].peak;
-    }
     if (!instance->textured)
         return step;
+    for (int t = 0; t < instance->n_terms; t++)
+        whole += pixel->attributes[t] * terms[t].peak;
     struct texel_point near = pixel->place;
     near.e_place[0] = pixel->slopes[instance->n_terms] * (float)instance->texels.width;
     near.e_place[1] = pixel->slopes[instance->n_terms + 1] * (float)instance->texels.height;
     double largest = texture_of(bounding)->largest;
     if (instance->varied)
         return (step + whole * (double)(near.e_place[0] + near.e_place[1])) * largest;
-    return step * texel_at(&instance->texels, near.place) +
+    return step * pixel->value +
            whole * texel_error(&instance->texels, &near, largest);
 }
 
 /* Bounds on the errors of the rows of a pixel: see put_rows. */
-static void put_errors(const struct bounding *bounding, const struct texel_point *place,
-                       float *errors, size_t stride)
+static void put_errors(const struct bounding *bounding, float *errors, size_t stride)
 {
     const struct bounded_pixel *pixel = &bounding->pixel;
     const struct instance *instance = pixel->surface->instance;
-    double value = 1, e_value = 0;
+    double e_value = 0;
     size_t n_terms = (size_t)instance->n_terms;
-    if (instance->textured && !instance->varied) {
-        value = texel_at(&instance->texels, place->place);
-        e_value = texel_error(&instance->texels, place, texture_of(bounding)->largest);
-    }
+    if (instance->textured && !instance->varied)
+        e_value = texel_error(&instance->texels, &pixel->place, texture_of(bounding)->largest);
     for (size_t t = 0; t < n_terms; t++) {
-        double weight = pixel->attributes[t], error = (double)pixel->errors[t];
-        errors[t * stride] = (float)(error * (value + e_value) + fabs(weight) * e_value);
+        double error = (double)pixel->errors[t] * (pixel->value + e_value);
+        if (instance->textured)
+            error += fabs(pixel->attributes[t]) * e_value;
+        errors[t * stride] = (float)error;
     }
     for (size_t i = 0; i < 2 && instance->varied; i++)
-        errors[(n_terms + i) * stride] = place->e_place[i];
+        errors[(n_terms + i) * stride] = pixel->place.e_place[i];
 }
 
 /* ---- ambiguous pixels ---- */
@@ -246,7 +267,7 @@ static bool add_candidates(struct bounding *bounding, const struct fragment *fra
     struct chunk *out = bounding->chunk;
     struct texel_point choices[TEXEL_CHOICES];
     const struct bounded_triangle *triangle = &bounding->fragments.triangles[fragment->triangle];
-    bound_pixel(bounding, triangle, x, y);
+    bound_pixel(bounding, triangle, x, y, true);
     const struct instance *instance = bounding->pixel.surface->instance;
     size_t n_rows = (size_t)pixel_rows(instance);
     int n = choices_of(&bounding->pixel, choices);
@@ -254,9 +275,10 @@ static bool add_candidates(struct bounding *bounding, const struct fragment *fra
         size_t first = out->n_numbers;
         if (!has_room(bounding, n_rows))
             return false;
+        take_place(&bounding->pixel, &choices[i]);
         put_rows(instance, bounding->pixel.attributes, choices[i].place,
                  out->candidate_rows + first, 1);
-        put_errors(bounding, &choices[i], out->candidate_errors + first, 1);
+        put_errors(bounding, out->candidate_errors + first, 1);
         out->candidates[out->n_candidates++] = (struct candidate){
             .surface = triangle->screen.surface,
             .triangle = triangle->screen.triangle,
@@ -323,14 +345,13 @@ static bool settle(struct bounding *bounding, size_t index, int x, int y)
         return false;
     const struct bounded_triangle *triangle =
         &bounding->fragments.triangles[bounding->fragments.fragments[list->head].triangle];
-    bound_pixel(bounding, triangle, x, y);
+    bound_pixel(bounding, triangle, x, y, false);
     int n = choices_of(&bounding->pixel, choices);
-    if (n == 1)
-        bounding->pixel.place = choices[0];
+    take_place(&bounding->pixel, n == 1 ? &choices[0] : &bounding->pixel.place);
     out->depth_error[index] =
         stored_depth_error(triangle->depth_error, out->picture.depth[index]);
     out->steepness[index] = (float)steepness(bounding);
-    put_errors(bounding, &bounding->pixel.place, out->errors + index, n_pixels);
+    put_errors(bounding, out->errors + index, n_pixels);
     return n > 1;
 }
 

@@ -185,8 +185,6 @@ unsigned clipped_at(const struct fragments *fragments, const struct bounded_tria
 {
     const struct clipped_triangle *clipped = &fragments->clipped[triangle->first_clipped];
     unsigned all = (1u << triangle->n_clipped) - 1, some = 0;
-    if (triangle->n_clipped == 1)
-        return all;
     for (int32_t i = 0; i < triangle->n_clipped; i++)
         if (clipped_presence(&clipped[i], px, py) != IMPOSSIBLE)
             some |= 1u << i;
@@ -251,13 +249,13 @@ static bool visit_pixel(void *context, int x, int y)
     const struct rectangle *rows = &visit->of->rows;
     visit->x = x + 0.5;
     visit->y = y + 0.5;
-    edges_at(triangle->screen.x, triangle->screen.y, visit->x, visit->y, &visit->edges);
-    edge_slack(&visit->edges, triangle->edge_px, visit->slack);
-    enum presence presence = triangle_presence(triangle, &visit->edges, visit->slack);
+    enum presence presence =
+        triangle_presence(triangle, visit->x, visit->y, &visit->edges, visit->slack);
     if (presence == IMPOSSIBLE)
         return true;
     visit->any = true;
-    unsigned clipped = clipped_at(visit->of, triangle, visit->x, visit->y);
+    unsigned clipped =
+        triangle->n_clipped == 1 ? 1 : clipped_at(visit->of, triangle, visit->x, visit->y);
     if (clipped == 0)
         return true;
     visit->pixel =

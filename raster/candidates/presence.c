@@ -8,7 +8,7 @@
 #include "raster/candidates/candidates.h"
 #include "raster/reference/reference.h"
 
-void edge_slack(const struct edge_functions *edges, const double errors[3], double slack[3])
+static void edge_slack(const struct edge_functions *edges, const double errors[3], double slack[3])
 {
     double reach[3];
     for (int i = 0; i < 3; i++)
@@ -19,11 +19,13 @@ void edge_slack(const struct edge_functions *edges, const double errors[3], doub
     }
 }
 
-enum presence triangle_presence(const struct bounded_triangle *triangle,
-                                const struct edge_functions *edges, const double slack[3])
+enum presence triangle_presence(const struct bounded_triangle *triangle, double px, double py,
+                                struct edge_functions *edges, double slack[3])
 {
     const double *errors = triangle->edge_px;
     enum presence presence = DEFINITE;
+    edges_at(triangle->screen.x, triangle->screen.y, px, py, edges);
+    edge_slack(edges, errors, slack);
     for (int i = 0; i < 3; i++) {
         bool exact = errors[(i + 1) % 3] <= 0 && errors[(i + 2) % 3] <= 0,
              on_edge = exact && edges->e[i] == 0;

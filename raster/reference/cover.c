@@ -109,13 +109,13 @@ int screen_triangles(const struct view *view, const struct surface *surfaces, in
 void edges_at(const double x[3], const double y[3], double px, double py,
               struct edge_functions *out)
 {
-    for (int i = 0; i < 3; i++) {
-        out->dx[i] = x[i] - px;
-        out->dy[i] = y[i] - py;
-    }
+    const double dx[3] = {x[0] - px, x[1] - px, x[2] - px},
+                 dy[3] = {y[0] - py, y[1] - py, y[2] - py};
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3, k = (i + 2) % 3;
-        out->e[i] = out->dx[j] * out->dy[k] - out->dx[k] * out->dy[j];
+        out->dx[i] = dx[i];
+        out->dy[i] = dy[i];
+        out->e[i] = dx[j] * dy[k] - dx[k] * dy[j];
     }
 }
 
@@ -168,6 +168,13 @@ double depth_at(const struct screen_triangle *triangle, const struct edge_functi
     return sum > 0 ? (e[0] * z[0] + e[1] * z[1] + e[2] * z[2]) / sum : z[0];
 }
 
+double covered_depth(const struct screen_triangle *triangle, double px, double py)
+{
+    struct edge_functions edges;
+    edges_at(triangle->x, triangle->y, px, py, &edges);
+    return edges_cover(triangle, &edges) ? depth_at(triangle, &edges) : -1;
+}
+
 double least_of(const double v[3])
 {
     return fmin(v[0], fmin(v[1], v[2]));
@@ -176,6 +183,26 @@ double least_of(const double v[3])
 double most_of(const double v[3])
 {
     return fmax(v[0], fmax(v[1], v[2]));
+}
+
+/* Barycentric coordinates of a point in the whole triangle; returns 1 / w there. Outside the part
+ * that clipping left they extrapolate; where it has no area they are those of its middle. */
+double shares_at(const struct screen_triangle *triangle, double px, double py, double out[3])
+{
+    struct edge_functions edges;
+    double share[3], sum = 0;
+    bool has_area = triangle->twice_area > 0;
+    edges_at(triangle->x, triangle->y, px, py, &edges);
+    for (int i = 0; i < 3; i++) {
+        share[i] = has_area ? edges.e[i] * triangle->inverse_w[i] : 1;
+        sum += share[i];
+    }
+    for (int j = 0; j < 3; j++) {
+        out[j] = 0;
+        for (int i = 0; i < 3; i++)
+            out[j] += share[i] / sum * triangle->share[i][j];
+    }
+    return sum / (has_area ? triangle->twice_area : 3);
 }
 
 static int clamp_to(double value, int low, int high)
@@ -196,8 +223,8 @@ static void narrow_row(const struct screen_triangle *triangle, int y, double lea
                q = (triangle->x[k] - px) * (triangle->y[j] - py),
                step = triangle->y[j] - triangle->y[k];
         double inside = p - q - least + 1e-15 * (fabs(p) + fabs(q)), pixels = -inside / step;
-        if (step > 0 && pixels > 2)
-            *left = clamp_to(fmax(*left, first + pixels - 2), first, last);
+        if (step > 0 && pixels > 0)
+            *left = clamp_to(fmax(*left, first + pixels), first, last);
         if (step < 0 && pixels < last - first)
             *right = clamp_to(fmin(*right, first + pixels + 2), first, last);
     }

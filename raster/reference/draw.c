@@ -28,9 +28,7 @@ static bool cover_pixel(void *context, int x, int y)
     const struct screen_triangle *triangle = &drawing->triangles[drawing->n_triangles];
     size_t pixel = (size_t)(y - picture->at.y) * (size_t)picture->at.width +
                    (size_t)(x - picture->at.x);
-    struct edge_functions edges;
-    edges_at(triangle->x, triangle->y, x + 0.5, y + 0.5, &edges);
-    double depth = edges_cover(triangle, &edges) ? depth_at(triangle, &edges) : 1;
+    double depth = covered_depth(triangle, x + 0.5, y + 0.5);
     if (depth >= 0 && depth < picture->depth[pixel]) {
         picture->depth[pixel] = depth;
         drawing->nearest[pixel] = drawing->n_triangles;
@@ -43,16 +41,17 @@ static bool cover_pixel(void *context, int x, int y)
 static bool is_beside(const struct surface *surface, const int32_t vertex[3],
                       const struct rectangle *at)
 {
-    double x[3], y[3];
+    bool left = true, right = true, above = true, below = true;
     for (int i = 0; i < 3; i++) {
         const struct window_vertex *corner = &surface->vertices[vertex[i]];
         if (!(corner->clip[3] > 0))
             return false;
-        x[i] = corner->x;
-        y[i] = corner->y;
+        left = left && corner->x < at->x;
+        right = right && corner->x > at->x + at->width;
+        above = above && corner->y < at->y;
+        below = below && corner->y > at->y + at->height;
     }
-    return most_of(x) < at->x || least_of(x) > at->x + at->width || most_of(y) < at->y ||
-           least_of(y) > at->y + at->height;
+    return left || right || above || below;
 }
 
 static bool has_room(struct drawing *drawing)

@@ -133,6 +133,8 @@ void edges_at(const double x[3], const double y[3], double px, double py,
 bool owns_edge(const struct screen_triangle *triangle, int edge, int sense);
 bool edges_cover(const struct screen_triangle *triangle, const struct edge_functions *edges);
 double depth_at(const struct screen_triangle *triangle, const struct edge_functions *edges);
+double covered_depth(const struct screen_triangle *triangle, double px,
+                     double py); /* -1: not covered */
 double least_of(const double v[3]);
 double most_of(const double v[3]);
 /* Visits every pixel of `at` whose centre may be covered if corners move by up to `margin` pixels,
@@ -151,7 +153,8 @@ void put_rows(const struct instance *instance, const double *attributes, const d
               double *rows, size_t stride);
 void texel_place(const struct texels *texels, const double s_t[2], double place[2]);
 double texel_at(const struct texels *texels, const double place[2]);
-double texel_of(const struct texels *texels, double column, double row); /* whole numbers */
+const float *texel_row(const struct texels *texels, double row); /* whole numbers of texels */
+size_t texel_column(const struct texels *texels, double column);
 void add_term(const double *weights, double spectrum, size_t n, double *radiance); /* n pixels */
 
 /* draw.c: a rectangle of the picture. No pixel depends on the rectangle. False: no memory. */

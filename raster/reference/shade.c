@@ -6,26 +6,6 @@
 #include "data/maths/maths.h"
 #include "raster/reference/reference.h"
 
-/* Barycentric coordinates of a point in the whole triangle; returns 1 / w there. Outside the part
- * that clipping left they extrapolate; where it has no area they are those of its middle. */
-double shares_at(const struct screen_triangle *triangle, double px, double py, double out[3])
-{
-    struct edge_functions edges;
-    double share[3], sum = 0;
-    bool has_area = triangle->twice_area > 0;
-    edges_at(triangle->x, triangle->y, px, py, &edges);
-    for (int i = 0; i < 3; i++) {
-        share[i] = has_area ? edges.e[i] * triangle->inverse_w[i] : 1;
-        sum += share[i];
-    }
-    for (int j = 0; j < 3; j++) {
-        out[j] = 0;
-        for (int i = 0; i < 3; i++)
-            out[j] += share[i] / sum * triangle->share[i][j];
-    }
-    return sum / (has_area ? triangle->twice_area : 3);
-}
-
 static void shade_phong(const struct view *view, const struct surface *surface,
                         const struct screen_triangle *triangle, const double share[3],
                         double *attributes, struct light_work *work)

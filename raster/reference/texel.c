@@ -22,11 +22,14 @@ static size_t wrapped(double whole, int n)
     return (size_t)(whole - n * floor(whole / n));
 }
 
-double texel_of(const struct texels *texels, double column, double row)
+const float *texel_row(const struct texels *texels, double row)
 {
-    size_t width = (size_t)texels->width;
-    return (double)texels->values[width * wrapped(row, texels->height) +
-                                  wrapped(column, texels->width)];
+    return texels->values + (size_t)texels->width * wrapped(row, texels->height);
+}
+
+size_t texel_column(const struct texels *texels, double column)
+{
+    return wrapped(column, texels->width);
 }
 
 static double mix(double a, double b, double share)
@@ -38,8 +41,12 @@ double texel_at(const struct texels *texels, const double place[2])
 {
     double offset = texels->linear ? 0.5 : 0, x = place[0] - offset, y = place[1] - offset;
     double i = floor(x), j = floor(y);
+    const float *low = texel_row(texels, j);
+    size_t left = texel_column(texels, i);
     if (!texels->linear)
-        return texel_of(texels, i, j);
-    return mix(mix(texel_of(texels, i, j), texel_of(texels, i + 1, j), x - i),
-               mix(texel_of(texels, i, j + 1), texel_of(texels, i + 1, j + 1), x - i), y - j);
+        return (double)low[left];
+    const float *high = texel_row(texels, j + 1);
+    size_t right = texel_column(texels, i + 1);
+    return mix(mix((double)low[left], (double)low[right], x - i),
+               mix((double)high[left], (double)high[right], x - i), y - j);
 }
