@@ -177,7 +177,7 @@ links() {
 
 # Sets $sources: all but those that match.
 leave_out() {
-    sources=$(printf '%s\n' spectral.c data/*.c raster/*.c | grep -vE "$1")
+    sources=$({ echo spectral.c; find data raster -name '*.c' | sort; } | grep -vE "$1")
 }
 
 # Sets $sources and $libraries for $GL. A compiler that sees no libtiff, such as musl-gcc or one for
@@ -332,7 +332,7 @@ build_tests() {
     warnings="$warnings -Werror"
     echo "building the tests"
     for source in $sources "$BUILD/builtin.c"; do
-        $CC $warnings -O2 $language $openmp -c "$source" -o "$BUILD/test/$(basename "$source").o"
+        $CC $warnings -O2 $language $openmp -c "$source" -o "$BUILD/test/$(echo "$source" | tr / _).o"
     done
     rm -f "$BUILD/test/spectral.c.o" "$BUILD/test/library.a"
     ar rcs "$BUILD/test/library.a" "$BUILD"/test/*.o
