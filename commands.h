@@ -8,6 +8,9 @@
 #ifndef COMMANDS_H
 #define COMMANDS_H
 
+#include <stdbool.h>
+#include <stdint.h>
+
 #include "data/options/options.h"
 #include "spectral.h"
 

@@ -322,7 +322,7 @@ static void print_options(void)
     }
 }
 
-/* Whether it could be written, main finds out. */
+/* Always succeeds: main reports a failed write to standard output. */
 static bool print_usage(void)
 {
     fputs("usage: spectral COMMAND [SCENE] [OPTIONS]\n"

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* spectral probe: the spectrum of a pixel, of a stack or of a scene. It lies above the room of
- * stacks' probes because a scene is drawn by the reference. */
+/* spectral probe: the spectrum of a pixel, of a stack or of a scene. It lies in raster/
+ * because the reference draws the scene. */
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

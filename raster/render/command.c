@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* spectral render: a scene's stack and what is said of it. again.c chooses scene and options where
- * a stack is made again. */
+/* spectral render: plans and renders a scene, and reports the result. again.c takes the scene and
+ * the options from a stack's record instead. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -8,7 +8,7 @@
 #include "commands.h"
 #include "raster/raster.h"
 
-/* ---- what is refused before anything is drawn ---- */
+/* ---- checks before anything is drawn ---- */
 
 static bool stores_raster(const struct options *options)
 {
@@ -85,8 +85,8 @@ static void print_report(const struct plan *plan, const struct render_result *re
                 result->difference.found ? "not the same" : "the same", output->again);
 }
 
-/* Fails where the pictures differ. made: how the stack was made that was made again; NULL: none
- * was. */
+/* Fails where the pictures differ. made: the record of the stack that is made again; NULL: it is a
+ * new stack. */
 static bool report(const struct options *options, const struct plan *plan,
                    const struct render_result *result, const struct render_output *output,
                    const struct record *made, struct error *err)
