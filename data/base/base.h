@@ -96,4 +96,34 @@ void digest_end(struct digest *digest, char out[65]);
 /* The digest of a file. */
 bool digest_file(const char *path, char out[65], struct error *err);
 
+/* ---- outputs.c: the names of files that a command writes ---- */
+
+/* Returns the file's name without its folder and its ending, with another ending: where the output
+ * of a command goes by default. Allocated; NULL: no memory. */
+char *output_name(const char *path, const char *ending);
+/* Returns whether there is a regular file of that name, or a link to one. */
+bool file_is_regular(const char *path);
+/* Refuses an output that would replace the input. Either may be NULL. */
+bool output_spares(const char *output, const char *input, struct error *err);
+/* Refuses an output that cannot be opened, so that the mistake is found before the work and not
+ * after it. Leaves no file. "-" is standard output; NULL: no output is wanted. */
+bool output_can_open(const char *path, struct error *err);
+
+/* ---- progress.c: the program watches itself ---- */
+
+/* Seconds of a clock that only goes forward. */
+double clock_seconds(void);
+
+/* A line of progress with the time left, on standard error. */
+struct progress_line {
+    double start, printed; /* in clock_seconds: the beginning, and the last time of printing */
+};
+/* Begins a line. Returns whether it is to be shown: standard error is a terminal, and not quiet. */
+bool progress_start(struct progress_line *out, bool quiet);
+/* Shows that `done` of `all` steps are done; removes the line after the last one. The context is a
+ * struct progress_line. */
+void progress_show(void *context, long done, long all);
+/* The largest memory that the process has used so far; 0: unknown. */
+uint64_t peak_bytes(void);
+
 #endif

@@ -3,6 +3,7 @@
 #ifndef COMPARE_H
 #define COMPARE_H
 
+#include "data/options/options.h"
 #include "spectral.h"
 
 enum colour_formula { CIE76, CIE94, CIEDE2000, COLOUR_FORMULAS };
@@ -58,5 +59,13 @@ bool compare(const char *a, const char *b, const struct compare_options *options
 bool comparison_is_within(const struct comparison *comparison, const struct tolerance *tolerance);
 void comparison_print(const struct comparison *comparison, FILE *to);
 void comparison_free(struct comparison *comparison);
+
+/* ---- command.c: spectral compare ---- */
+
+/* Prints the differences of two stacks. Fails with EXIT_DIFFERENT where they exceed the tolerance.
+ */
+bool command_compare(struct options *options, struct error *err);
+/* Refuses a value that --tolerance cannot use; `option` is blamed. */
+bool compare_accepts_tolerance(const char *option, const char *value, struct error *err);
 
 #endif

@@ -5,6 +5,7 @@
 
 #include "data/colour/colour.h"
 #include "data/method/method.h"
+#include "data/options/options.h"
 #include "spectral.h"
 
 enum develop_values { DEVELOP_RGB, DEVELOP_XYZ, DEVELOP_LAB };
@@ -42,5 +43,14 @@ bool develop(const char *stack, const char *output, const struct develop_options
              struct develop_result *out, struct error *err);
 void develop_print(const struct develop_options *options, const struct develop_result *result,
                    FILE *to);
+
+/* ---- command.c: spectral develop ---- */
+
+/* Writes the picture of a stack that a detector sees. */
+bool command_develop(struct options *options, struct error *err);
+/* Refuse a value that --adaptation, --display or --exposure cannot use; `option` is blamed. */
+bool develop_accepts_adaptation(const char *option, const char *value, struct error *err);
+bool develop_accepts_display(const char *option, const char *value, struct error *err);
+bool develop_accepts_exposure(const char *option, const char *value, struct error *err);
 
 #endif

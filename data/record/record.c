@@ -385,7 +385,7 @@ static bool keep_line(struct record *record, const char *key, char *value, struc
         return keep_map(record, value);
     if (strcmp(key, "option") != 0)
         return true;
-    if (record->n_options == MAX_RECORD_OPTIONS)
+    if (record->n_options == MAX_RECORDED)
         return false;
     record->options[record->n_options++] = value;
     return true;

@@ -3,6 +3,7 @@
 #ifndef RECORD_H
 #define RECORD_H
 
+#include "data/options/options.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
 #include "data/tiff/tiff.h"
@@ -10,13 +11,12 @@
 
 /* Everything that decides the bytes of a stack, except the files that its scene names, and OpenGL.
  */
-enum { MAX_RECORD_OPTIONS = 64 };
 struct record {
     const char *program; /* name and version */
     const char *scene;   /* as the command line named it */
     const char *scene_sha256;
     const char *renderer;              /* "raster", or OpenGL's GL_RENDERER */
-    char *options[MAX_RECORD_OPTIONS]; /* each one word: "--size=300x200"; not owned */
+    char *options[MAX_RECORDED]; /* each one word: "--size=300x200"; not owned */
     int n_options;
     /* The lights of the scene, each as SPECTRUM*INTENSITY; the arrays are owned. */
     const char **lights, **ambients;

@@ -3,6 +3,7 @@
 #ifndef STACK_H
 #define STACK_H
 
+#include "data/options/options.h"
 #include "data/pages/pages.h"
 #include "data/record/record.h"
 #include "data/spectra/spectra.h"
@@ -89,6 +90,14 @@ bool cube_white_response(const struct cube *cube, const char *spectrum, bool nee
  * background, -1 every pixel of a stack without an object map. */
 bool cube_objects(const struct cube *cube, int x, int y, int n, int *out, struct error *err);
 void cube_close(struct cube *cube);
+
+/* ---- command.c: spectral info ---- */
+
+/* Prints how a stack was made. */
+bool command_info(struct options *options, struct error *err);
+/* Opens a stack and reads its record. The caller closes the image and frees the record, also after
+ * a failure; the record needs the image no longer. */
+bool record_open(const char *path, struct image *image, struct record *out, struct error *err);
 
 /* ---- Inside this room ---- */
 

@@ -4,6 +4,7 @@
 #define COST_H
 
 #include "data/method/method.h"
+#include "data/options/options.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
 #include "raster/render/render.h"
@@ -64,6 +65,12 @@ const struct cost_entry *cost_within(const struct cost *cost, double tolerance, 
 /* The most accurate one within the time, likewise. */
 const struct cost_entry *cost_affordable(const struct cost *cost, double seconds, bool spectral);
 void cost_free(struct cost *cost);
+
+/* ---- command.c: spectral cost ---- */
+
+/* Measures configurations of render and names the best. Fails with EXIT_DIFFERENT where none is
+ * within the tolerance or the budget. */
+bool command_cost(struct options *options, struct error *err);
 
 /* ---- inside this room ---- */
 

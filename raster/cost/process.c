@@ -10,7 +10,6 @@
 
 #include "data/base/base.h"
 #include "raster/cost/cost.h"
-#include "raster/render/render.h"
 #include "spectral.h"
 
 /* What comes before the job's own bytes. */
@@ -85,7 +84,7 @@ bool process_run(bool (*job)(void *context, void *out, struct error *err), void 
     fflush(NULL);
     if (pipe(ends) != 0)
         return error_system(err, "cannot make a pipe");
-    const double start = render_clock();
+    const double start = clock_seconds();
     const pid_t child = fork();
     if (child == 0) {
         struct reply reply = {.done = false};
@@ -97,7 +96,7 @@ bool process_run(bool (*job)(void *context, void *out, struct error *err), void 
     const bool done = child > 0 ? await(child, ends[0], out, size, err)
                                 : error_system(err, "cannot start a process");
     if (seconds)
-        *seconds = render_clock() - start;
+        *seconds = clock_seconds() - start;
     close(ends[0]);
     return done;
 }

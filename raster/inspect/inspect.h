@@ -3,6 +3,7 @@
 #ifndef INSPECT_H
 #define INSPECT_H
 
+#include "data/options/options.h"
 #include "data/probe/probe.h"
 #include "raster/plan/plan.h"
 #include "spectral.h"
@@ -14,5 +15,10 @@
  * and glow. The plan's picture is what x and y refer to. */
 bool probe_scene(const struct plan *plan, const struct probe_options *options, struct probe *out,
                  struct error *err);
+
+/* ---- command.c: spectral probe ---- */
+
+/* Prints the spectrum of a region, of a stack or of a scene. */
+bool command_probe(struct options *options, struct error *err);
 
 #endif

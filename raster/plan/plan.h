@@ -6,6 +6,7 @@
 #include "data/material/material.h"
 #include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
+#include "data/options/options.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
 #include "data/terms/terms.h"
@@ -67,7 +68,7 @@ struct plan_options {
                           each by itself, also what is dark */
     int threads;       /* 0: as many as OpenMP offers; the plan holds the number */
     char *const *recorded; /* options for the stack's record, each one word; not owned */
-    int n_recorded;        /* at most MAX_RECORD_OPTIONS */
+    int n_recorded;        /* at most MAX_RECORDED */
 };
 struct plan {
     const struct scene *scene;
@@ -126,6 +127,11 @@ void plan_free(struct plan *plan);
 /* Fills the plan's effects, each with the reason why it is simulated or not. */
 void plan_effects(struct plan *plan);
 void plan_print(const struct plan *plan, FILE *to);
+
+/* ---- command.c: spectral plan ---- */
+
+/* Prints the plan of a scene. */
+bool command_plan(struct options *options, struct error *err);
 
 /* ---- inside this room ---- */
 

@@ -35,17 +35,10 @@ struct render_state {
     struct render_result *result;
 };
 
-double render_clock(void)
-{
-    struct timespec time;
-    clock_gettime(CLOCK_MONOTONIC, &time);
-    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-}
-
 /* Adds the seconds since *since to a part, and starts the next one. */
 static void clock_in(double *part, double *since)
 {
-    double time = render_clock();
+    double time = clock_seconds();
     *part += time - *since;
     *since = time;
 }
@@ -178,7 +171,7 @@ static bool render_pass(struct render_state *state, const struct rectangle *tile
 {
     struct render_seconds *seconds = &state->result->seconds;
     const float *pixels = NULL;
-    double since = render_clock();
+    double since = clock_seconds();
     if (!plan_load_textures(state->plan, pass * BANDS_PER_PASS, err))
         return false;
     clock_in(&seconds->read, &since);
@@ -238,7 +231,7 @@ static bool write_map(struct render_state *state, const struct rectangle *tile, 
 static bool render_tile(struct render_state *state, const struct rectangle *tile, struct error *err)
 {
     const struct plan *plan = state->plan;
-    double since = render_clock();
+    double since = clock_seconds();
     state->n_chunks = chunk_count(tile);
     bool done =
         !(plan->options.check || plan->options.store_raster) || rasterize_tile(state, tile, err);
@@ -379,7 +372,7 @@ static bool prepare(struct render_state *state, struct error *err)
 {
     struct render_result *result = state->result;
     const struct plan *plan = state->plan;
-    double since = render_clock();
+    double since = clock_seconds();
     if (plan->options.use_gl && !open_gl(state, err))
         return false;
     result->driver = driver_of(state->gl ? result->gl_renderer : NULL);
@@ -402,7 +395,7 @@ static bool commit(struct render_state *state, const struct render_output *outpu
 {
     struct render_result *result = state->result;
     char verdict[STACK_VERDICT];
-    double since = render_clock();
+    double since = clock_seconds();
     bool compared = output->again && result->odd.undefined == 0;
     if (!state->writing || !(output->keep || compared || render_agreed(result)))
         return true;
@@ -442,7 +435,7 @@ bool render(const struct plan *plan, const struct render_output *output,
             const struct render_progress *progress, struct render_result *out, struct error *err)
 {
     struct render_state state = {.plan = plan, .progress = progress, .result = out};
-    double since = render_clock();
+    double since = clock_seconds();
     *out = (struct render_result){.full_scale = 0};
     bool done = render_all(&state, output, err);
     if (state.writing)

@@ -3,6 +3,8 @@
 #ifndef RENDER_H
 #define RENDER_H
 
+#include "data/base/base.h"
+#include "data/options/options.h"
 #include "data/record/record.h"
 #include "data/stack/stack.h"
 #include "raster/bounds/bounds.h"
@@ -41,8 +43,6 @@ struct render_progress {
     void (*step)(void *context, long done, long all);
     void *context;
 };
-/* Seconds of a clock that only goes forward. */
-double render_clock(void);
 /* Renders into a stack. True also if the picture failed its check, or is not the same: the result
  * tells, and render_agreed. */
 bool render(const struct plan *plan, const struct render_output *output,
@@ -68,5 +68,28 @@ void report_print(const struct plan *plan, const struct render_result *result, F
 /* One JSON object, allocated; NULL: no memory. output and sha256 may be NULL. */
 char *report_json(const struct plan *plan, const struct render_result *result, const char *output,
                   const char *sha256, uint64_t peak_bytes);
+
+/* ---- command.c: spectral render ---- */
+
+/* Renders a scene, or makes a stack again. Fails with EXIT_DIFFERENT where the pictures differ. */
+bool command_render(struct options *options, struct error *err);
+/* Renders a scene to its stack and reports. */
+bool render_scene(struct options *options, struct error *err);
+
+/* ---- Inside this room ---- */
+
+/* Reads, plans and renders the scene of the options, and reports. made: the record that the stack
+ * is made again from; NULL: it is a new one. */
+bool render_with_options(const struct options *options, const struct render_output *output,
+                         const struct record *made, struct error *err);
+/* Takes --no-check and --strict out of the options that the stack records: the reference's stack is
+ * the same, however it was checked. */
+void options_forget_check(struct options *options);
+
+/* ---- again.c: spectral render --again ---- */
+
+/* Makes a stack again from the scene and the options that it records. Fails with EXIT_DIFFERENT
+ * where the new stack is not the same to the last byte. */
+bool render_again(struct options *options, struct error *err);
 
 #endif

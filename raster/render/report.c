@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/base/base.h"
 #include "data/method/method.h"
 #include "data/record/record.h"
 #include "data/sampling/sampling.h"

@@ -3,6 +3,7 @@
 #ifndef VIEW_H
 #define VIEW_H
 
+#include "data/options/options.h"
 #include "raster/plan/plan.h"
 #include "spectral.h"
 
@@ -15,6 +16,11 @@ struct viewer_result {
 /* Rasterizes once and writes the page; the plan must be of exchangeable lights. */
 bool viewer_write(const struct plan *plan, const char *path, struct viewer_result *out,
                   struct error *err);
+
+/* ---- command.c: spectral view ---- */
+
+/* Writes the page of a scene's viewer. */
+bool command_view(struct options *options, struct error *err);
 
 /* ---- inside this room ---- */
 

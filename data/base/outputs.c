@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: MIT */
+/* The names of files that a command writes: their defaults, and the mistakes that are found before
+ * work begins. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+#include "data/base/base.h"
+#include "spectral.h"
+
+char *output_name(const char *path, const char *ending)
+{
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    const char *dot = strrchr(name, '.');
+    size_t length = dot && dot > name ? (size_t)(dot - name) : strlen(name);
+    size_t capacity = length + strlen(ending) + 1;
+    char *out = malloc(capacity);
+    if (out)
+        snprintf(out, capacity, "%.*s%s", (int)length, name, ending);
+    return out;
+}
+
+bool file_is_regular(const char *path)
+{
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISREG(status.st_mode);
+}
+
+bool output_spares(const char *output, const char *input, struct error *err)
+{
+    struct stat written, read;
+    return !output || !input || stat(output, &written) != 0 || stat(input, &read) != 0 ||
+           !S_ISREG(read.st_mode) || written.st_dev != read.st_dev ||
+           written.st_ino != read.st_ino ||
+           error_usage(err, "%s would replace what is read; expected another file", output);
+}
+
+bool output_can_open(const char *path, struct error *err)
+{
+    struct output probe = {.path = NULL};
+    bool able = !path || strcmp(path, "-") == 0 || output_open(&probe, path, err);
+    output_discard(&probe);
+    return able;
+}

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT */
+/* The program watches itself: seconds, progress on a terminal, peak memory. */
+#include <stdio.h>
+#include <sys/resource.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "data/base/base.h"
+
+/* Between two lines of progress, so that the terminal is not flooded. */
+static const double pause_s = 0.1;
+
+double clock_seconds(void)
+{
+    struct timespec time;
+    clock_gettime(CLOCK_MONOTONIC, &time);
+    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
+}
+
+bool progress_start(struct progress_line *out, bool quiet)
+{
+    *out = (struct progress_line){.start = clock_seconds()};
+    return !quiet && isatty(STDERR_FILENO);
+}
+
+void progress_show(void *context, long done, long all)
+{
+    struct progress_line *line = context;
+    double time = clock_seconds(), elapsed = time - line->start;
+    if (done == all)
+        fprintf(stderr, "\r%40s\r", "");
+    else if (time - line->printed > pause_s) {
+        fprintf(stderr, "\r%3ld %%, %.0f s left ", 100 * done / all,
+                elapsed * (double)(all - done) / (double)done);
+        line->printed = time;
+    }
+}
+
+uint64_t peak_bytes(void)
+{
+    struct rusage used;
+    return getrusage(RUSAGE_SELF, &used) == 0 ? (uint64_t)used.ru_maxrss * 1024 : 0;
+}

@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: MIT */
+/* spectral develop: the colour picture of a stack. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/colour/colour.h"
+#include "data/develop/develop.h"
+#include "data/invocation/invocation.h"
+#include "data/method/method.h"
+#include "data/options/options.h"
+#include "spectral.h"
+
+/* ---- options ---- */
+
+bool develop_accepts_adaptation(const char *option, const char *value, struct error *err)
+{
+    struct adaptation adaptation;
+    return adaptation_read(option, value, &adaptation, err);
+}
+
+bool develop_accepts_display(const char *option, const char *value, struct error *err)
+{
+    enum display_kind display;
+    return display_read(option, value, &display, err);
+}
+
+/* Returns the exposure, or 0 for auto. */
+static bool exposure_read(const char *option, const char *value, double *out, struct error *err)
+{
+    *out = 0;
+    return strcmp(value, "auto") == 0 || option_number(option, value, 1e-12, 1e12, out, err);
+}
+
+bool develop_accepts_exposure(const char *option, const char *value, struct error *err)
+{
+    double exposure;
+    return exposure_read(option, value, &exposure, err);
+}
+
+/* The method is stored at `method`, where *out points to it. */
+static bool read_options(const struct options *options, struct sampling_method *method,
+                         struct develop_options *out, struct error *err)
+{
+    *out =
+        (struct develop_options){.detector = options_detector(options),
+                                 .white = options->white,
+                                 .exposure = 1,
+                                 .values = options->xyz   ? DEVELOP_XYZ
+                                           : options->lab ? DEVELOP_LAB
+                                                          : DEVELOP_RGB,
+                                 .bits = options->bits && strcmp(options->bits, "16") == 0 ? 16 : 8,
+                                 .threads = options->threads,
+                                 .sampling = options->sampling ? method : NULL};
+    if (options->xyz && options->lab)
+        return error_usage(err, "--xyz and --lab exclude each other");
+    return (!options->adaptation ||
+            adaptation_read("--adaptation", options->adaptation, &out->adaptation, err)) &&
+           (!options->display || display_read("--display", options->display, &out->display, err)) &&
+           (!options->exposure ||
+            exposure_read("--exposure", options->exposure, &out->exposure, err)) &&
+           (!options->sampling || sampling_read("--sampling", options->sampling, method, err));
+}
+
+/* ---- the command ---- */
+
+static bool develop_to(const struct options *options, const char *output, struct error *err)
+{
+    struct sampling_method method;
+    struct develop_options develop_options;
+    struct develop_result result;
+    if (!read_options(options, &method, &develop_options, err) ||
+        !scene_refuse(options->operand, err) || !output_spares(output, options->operand, err) ||
+        !develop(options->operand, output, &develop_options, &result, err))
+        return false;
+    if (!options->quiet) {
+        FILE *to = file_is_regular(output) ? stdout : stderr;
+        develop_print(&develop_options, &result, to);
+        fprintf(to, "picture           %s\n", output);
+    }
+    return true;
+}
+
+bool command_develop(struct options *options, struct error *err)
+{
+    if (!options->operand)
+        return error_usage(err, "develop takes a STACK; try spectral --help");
+    if (options->output)
+        return develop_to(options, options->output, err);
+    char *named = output_name(options->operand, "-developed.tif");
+    bool done = named ? develop_to(options, named, err) : error_memory(err);
+    free(named);
+    return done;
+}

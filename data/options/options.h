@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: MIT */
+/* The options of a command line, read by the rules of a table.
+ *
+ * This room knows texts, numbers and flags, not what they mean: the command that an option belongs
+ * to reads its text. A wrong value is refused when the option is read, so that the first mistake of
+ * a command line is the one that the user sees. For that the table names, beside the bounds of a
+ * number and the words of a choice, functions of the rooms that know the meaning. */
+#ifndef DATA_OPTIONS_OPTIONS_H
+#define DATA_OPTIONS_OPTIONS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+struct error;
+struct scene;
+struct options;
+
+/* The commands that take an option, and groups of them. An option that is RECORDED decides the
+ * picture: a stack records it, and --again reads it from there. */
+enum {
+    FOR_RENDER = 1,
+    FOR_PLAN = 2,
+    FOR_PROBE = 4,
+    FOR_COST = 8,
+    FOR_VIEW = 16,
+    FOR_DEVELOP = 32,
+    FOR_COMPARE = 64,
+    FOR_ALL = 128,
+    RECORDED = 256,
+    /* cost chooses the shading by itself */
+    FOR_SHADED = FOR_RENDER | FOR_PLAN | FOR_PROBE | FOR_VIEW,
+    FOR_SCENES = FOR_SHADED | FOR_COST,
+    FOR_STACKS = FOR_PROBE | FOR_DEVELOP | FOR_COMPARE
+};
+
+enum option_kind {
+    OPTION_TEXT,   /* const char *: kept as it is written */
+    OPTION_NUMBER, /* double, from lowest to highest */
+    OPTION_COUNT,  /* int: a whole number from lowest to 1024 */
+    OPTION_FLAG,   /* bool: takes no value */
+    OPTION_CHANGE  /* changes the scene, by the function `change` */
+};
+
+/* A row of the table. Two rows may share a name if no command takes both. */
+struct option {
+    const char *name, *alias; /* with their dashes; alias NULL: none */
+    int commands;
+    enum option_kind kind;
+    size_t offset;              /* of the value in struct options; unused by OPTION_CHANGE */
+    double lowest, highest;     /* of a number; of a count only lowest */
+    const char *const *choices; /* OPTION_TEXT: the words to choose from, then NULL; NULL: any */
+    /* OPTION_TEXT: refuses a value that its command could not use; NULL: any is good. */
+    bool (*accepts)(const char *option, const char *value, struct error *err);
+    bool (*change)(struct scene *scene, const char *value, struct error *err);
+    /* For --help: the heading of the group that begins here, how the option is written, and what it
+     * does. Each line of `help` goes on a line of its own. NULL: nothing to say. */
+    const char *heading, *usage, *help;
+};
+struct option_table {
+    const struct option *options;
+    int n;
+};
+
+/* A change of the scene, to be made after the scene is read. */
+struct option_change {
+    bool (*apply)(struct scene *scene, const char *value, struct error *err);
+    const char *value;
+};
+
+enum { MAX_OPERANDS = 5, MAX_RECORDED = 64, OPTION_COUNT_LIMIT = 1024 };
+
+/* A command line as it was read. Texts point into it; NULL, 0 or false stands for an option that
+ * was not given. */
+struct options {
+    const struct option_table *table; /* by which it was read */
+    const char *operand;              /* the first one: SCENE, STACK or KIND; NULL: none */
+    const char *operands[MAX_OPERANDS];
+    int n_operands;
+    struct option_change changes[MAX_RECORDED]; /* in the order given */
+    int n_changes;
+    char *recorded[MAX_RECORDED]; /* "NAME=VALUE" of each RECORDED option; owned */
+    int n_recorded;
+    const char *output, *json, *again, *map, *csv_file, *svg_file;
+    const char *renderer, *buffer, *depth, *bits; /* one of their choices */
+    const char *sampling, *detector, *white, *adaptation, *display, *exposure;
+    const char *tolerance, *budget;
+    double full_scale;
+    int threads, runs;
+    bool xyz, lab, csv, svg, no_check, strict, keep, quiet, help;
+};
+
+/* What a command allows. */
+struct option_rules {
+    const char *command; /* blamed for an unknown option */
+    const struct option_table *table;
+    int commands;   /* the options allowed: those with one of these bits, and those FOR_ALL */
+    int n_operands; /* the most operands; at most MAX_OPERANDS */
+};
+
+/* Reads the words behind the command's name: "--option value", "--option=value", flags and
+ * operands; behind "--" all words are operands. The words must outlive *out. Call options_free also
+ * after a failure. */
+bool options_read(const struct option_rules *rules, char *const *words, int n_words,
+                  struct options *out, struct error *err);
+void options_free(struct options *options);
+
+/* SCENE; the built-in colorchecker where none is given. */
+const char *options_scene(const struct options *options);
+/* The detector or observer; cie1931 where none is given. */
+const char *options_detector(const struct options *options);
+
+/* Reads the one number of an option or operand, from lowest to highest. `option` is blamed. */
+bool option_number(const char *option, const char *value, double lowest, double highest,
+                   double *out, struct error *err);
+
+/* Joins n words: "a", "a LAST b", "a, b LAST c"; cut off where out is full. */
+void words_join(const char *const *words, int n, const char *last, char *out, size_t capacity);
+
+#endif

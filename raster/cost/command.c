@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: MIT */
+/* spectral cost: what accuracy costs in time. Each configuration is a command line of render. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/invocation/invocation.h"
+#include "data/options/options.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
+#include "raster/cost/cost.h"
+#include "raster/render/render.h"
+#include "spectral.h"
+
+/* ---- configurations ---- */
+
+/* Reads a command line of render: the changes of the scene that cost was given, then the words of a
+ * configuration. */
+static bool read_words(const struct options *options, char *const *words, int n_words,
+                       struct options *out, struct error *err)
+{
+    const struct option_rules rules = {"render", options->table, FOR_RENDER, 0};
+    char *line[MAX_RECORDED + COST_WORDS];
+    int n = 0;
+    for (int i = 0; i < options->n_recorded; i++)
+        line[n++] = options->recorded[i];
+    for (int i = 0; i < n_words; i++)
+        line[n++] = words[i];
+    if (!options_read(&rules, line, n, out, err))
+        return false;
+    out->operand = options->operand;
+    out->threads = options->threads;
+    out->quiet = true;
+    return true;
+}
+
+static bool render_words(void *context, char *const *words, int n_words, const char *output,
+                         struct error *err)
+{
+    struct options options = {.operand = NULL};
+    bool done = read_words(context, words, n_words, &options, err);
+    options.output = output;
+    done = done && render_scene(&options, err);
+    options_free(&options);
+    return done;
+}
+
+static bool read_scene(void *context, char *const *words, int n_words, struct scene *scene,
+                       struct sampling *sampling, struct error *err)
+{
+    struct options options = {.operand = NULL};
+    bool done = read_words(context, words, n_words, &options, err) &&
+                scene_read_sampled(&options, scene, sampling, err);
+    options_free(&options);
+    return done;
+}
+
+/* ---- report ---- */
+
+/* Returns the table as CSV, allocated; NULL: no memory. */
+static char *csv_text(const struct cost *cost)
+{
+    char *table = NULL;
+    size_t length = 0;
+    FILE *stream = open_memstream(&table, &length);
+    if (!stream)
+        return NULL;
+    cost_print_csv(cost, stream);
+    if (fclose(stream) == 0 && length > 0)
+        return table;
+    free(table);
+    return NULL;
+}
+
+/* A file that is NULL is not wanted. Neither is written unless there is memory for both. */
+static bool write_files(const struct cost *cost, const char *csv, const char *svg,
+                        struct error *err)
+{
+    char *table = csv ? csv_text(cost) : NULL, *chart = svg ? cost_svg(cost) : NULL;
+    bool done = (!csv || table) && (!svg || chart) ? true : error_memory(err);
+    done = done && (!csv || file_write(csv, table, strlen(table), err)) &&
+           (!svg || file_write(svg, chart, strlen(chart), err));
+    free(table);
+    free(chart);
+    return done;
+}
+
+/* Prints a word as a user would type it in a shell. */
+static void print_word(const char *word, FILE *to)
+{
+    const bool plain = word[strspn(word, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
+                                         "0123456789%+,-./:=@_")] == '\0';
+    fputs(plain ? " " : " '", to);
+    for (; *word; word++)
+        if (*word == '\'')
+            fputs("'\\''", to);
+        else
+            fputc(*word, to);
+    fputs(plain ? "" : "'", to);
+}
+
+static void print_entry(const struct options *options, const char *what,
+                        const struct cost_entry *entry, FILE *to)
+{
+    fprintf(to, "%s: %s, %.3g s, dE00 %.3g\n  spectral render", what, entry->name, entry->seconds,
+            entry->quantile_95);
+    print_word(options_scene(options), to);
+    for (int i = 0; i < options->n_recorded; i++)
+        print_word(options->recorded[i], to);
+    for (int i = 0; i < entry->n_words; i++)
+        print_word(entry->words[i], to);
+    fputc('\n', to);
+}
+
+/* Names the entry that serves best. Where it is no stack of wavelengths, names the best that is
+ * one, too. Fails with EXIT_DIFFERENT where no entry is within the limit. */
+static bool recommend(const struct options *options, const char *what,
+                      const struct cost_entry *best, const struct cost_entry *spectral, FILE *to,
+                      struct error *err)
+{
+    if (!best) {
+        error_usage(err, "no setting is %s", what);
+        err->status = EXIT_DIFFERENT;
+        return false;
+    }
+    print_entry(options, what, best, to);
+    if (!spectral)
+        fputs("with spectra: none\n", to);
+    else if (spectral != best)
+        print_entry(options, "with spectra", spectral, to);
+    return true;
+}
+
+static bool is_standard_output(const char *path)
+{
+    return path && strcmp(path, "-") == 0;
+}
+
+static bool report(const struct options *options, const struct cost *cost, double tolerance,
+                   double budget, struct error *err)
+{
+    const char *csv = options->csv_file, *svg = options->svg_file;
+    FILE *to = is_standard_output(csv) || is_standard_output(svg) ? stderr : stdout;
+    char what[80];
+    if (!options->quiet)
+        cost_print(cost, to);
+    if (!write_files(cost, csv, svg, err))
+        return false;
+    snprintf(what, sizeof what, "within %.10g CIEDE2000", tolerance);
+    if (options->tolerance && !recommend(options, what, cost_within(cost, tolerance, false),
+                                         cost_within(cost, tolerance, true), to, err))
+        return false;
+    snprintf(what, sizeof what, "within %.10g s", budget);
+    return !options->budget || recommend(options, what, cost_affordable(cost, budget, false),
+                                         cost_affordable(cost, budget, true), to, err);
+}
+
+/* ---- the command ---- */
+
+/* Refuses a scene or an output that would make the measurement useless, before it begins. */
+static bool check_files(struct options *options, struct error *err)
+{
+    struct scene scene = {.path = NULL};
+    struct sampling sampling = {.n = 0};
+    const char *csv = options->csv_file, *svg = options->svg_file;
+    bool done = read_scene(options, NULL, 0, &scene, &sampling, err) && scene_spared(csv, &scene, err) &&
+                scene_spared(svg, &scene, err) && output_can_open(csv, err) &&
+                output_can_open(svg, err);
+    sampling_free(&sampling);
+    scene_free(&scene);
+    return done && (!csv || !svg || strcmp(csv, svg) != 0 ||
+                    error_usage(err, "--csv and --svg are written to different files"));
+}
+
+/* Reads a limit that may be absent. */
+static bool limit_read(const char *option, const char *value, double highest, double *out,
+                       struct error *err)
+{
+    *out = 0;
+    return !value || option_number(option, value, 0, highest, out, err);
+}
+
+bool command_cost(struct options *options, struct error *err)
+{
+    enum { DEFAULT_RUNS = 5 };
+    struct progress_line line;
+    const bool shown = progress_start(&line, options->quiet);
+    const struct cost_program program = {render_words, read_scene, options};
+    const struct cost_options cost_options = {.observer = options_detector(options),
+                                              .given = options->recorded,
+                                              .n_given = options->n_recorded,
+                                              .runs = options->runs ? options->runs : DEFAULT_RUNS,
+                                              .threads = options->threads,
+                                              .progress = shown ? progress_show : NULL,
+                                              .progress_context = &line};
+    struct cost cost = {.scene = NULL};
+    double tolerance, budget;
+    bool done = limit_read("--tolerance", options->tolerance, 1000, &tolerance, err) &&
+                limit_read("--budget", options->budget, 1e9, &budget, err) &&
+                check_files(options, err) && cost_measure(&program, &cost_options, &cost, err) &&
+                report(options, &cost, tolerance, budget, err);
+    cost_free(&cost);
+    return done;
+}

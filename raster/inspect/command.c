@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: MIT */
+/* spectral probe: the spectrum of a pixel, of a stack or of a scene. It lies in raster/
+ * because the reference draws the scene. */
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/invocation/invocation.h"
+#include "data/options/options.h"
+#include "data/probe/probe.h"
+#include "data/scene/scene.h"
+#include "raster/inspect/inspect.h"
+#include "raster/plan/plan.h"
+#include "spectral.h"
+
+/* ---- operands ---- */
+
+static bool pixels_read(const char *name, const char *value, double lowest, int *out,
+                        struct error *err)
+{
+    double number;
+    if (!option_number(name, value, lowest, INT32_MAX, &number, err))
+        return false;
+    *out = (int)number;
+    return number == *out || error_usage(err, "%s is a whole number, not '%s'", name, value);
+}
+
+static bool region_read(const struct options *options, struct probe_options *out, struct error *err)
+{
+    static const char *const names[] = {"X", "Y", "W", "H"};
+    int *numbers[] = {&out->x, &out->y, &out->width, &out->height};
+    *out = (struct probe_options){
+        .width = 1, .height = 1, .observer = options_detector(options), .white = options->white};
+    if (options->n_operands != 3 && options->n_operands != 5)
+        return error_usage(err, "probe takes a STACK or SCENE, X and Y, and perhaps W and H; try "
+                                "spectral --help");
+    for (int i = 0; i + 1 < options->n_operands; i++)
+        if (!pixels_read(names[i], options->operands[1 + i], i < 2 ? 0 : 1, numbers[i], err))
+            return false;
+    return true;
+}
+
+/* Returns whether the file begins as a TIFF or BigTIFF file does. */
+static bool is_tiff(const char *path)
+{
+    char start[4] = "";
+    FILE *file = file_is_regular(path) ? fopen(path, "rb") : NULL;
+    size_t length = file ? fread(start, 1, sizeof start, file) : 0;
+    if (file)
+        fclose(file);
+    return length == sizeof start && (memcmp(start, "II", 2) == 0 || memcmp(start, "MM", 2) == 0) &&
+           (start[2] + start[3] == 42 || start[2] + start[3] == 43);
+}
+
+/* ---- the command ---- */
+
+static bool probe_picture(const struct options *options, const struct probe_options *region,
+                          struct probe *out, struct error *err)
+{
+    const struct plan_options plan_options = {.store_raster = true};
+    struct scene scene = {.path = NULL};
+    struct plan plan = {.scene = NULL};
+    bool done =
+        scene_read_options(options, &scene, err) && scene_spared(options->output, &scene, err) &&
+        plan_make(&scene, NULL, &plan_options, &plan, err) && probe_scene(&plan, region, out, err);
+    plan_free(&plan);
+    scene_free(&scene);
+    return done;
+}
+
+static bool probe_operand(const struct options *options, const struct probe_options *region,
+                          struct probe *out, struct error *err)
+{
+    if (!is_tiff(options->operand))
+        return probe_picture(options, region, out, err);
+    if (options->n_recorded > 0)
+        return error_usage(err, "%s is a stack: it takes no %s", options->operand,
+                           options->recorded[0]);
+    return output_spares(options->output, options->operand, err) &&
+           probe_stack(options->operand, region, out, err);
+}
+
+/* Returns the text of a printed probe, allocated; NULL: no memory. */
+static char *probe_text(const struct probe *probe, bool csv)
+{
+    char *text = NULL;
+    size_t length = 0;
+    FILE *stream = open_memstream(&text, &length);
+    if (!stream)
+        return NULL;
+    (csv ? probe_print_csv : probe_print)(probe, stream);
+    if (fclose(stream) != 0) {
+        free(text);
+        text = NULL;
+    }
+    return text;
+}
+
+static bool probe_write(const struct options *options, const struct probe *probe, struct error *err)
+{
+    char *text = options->svg ? probe_svg(probe) : probe_text(probe, options->csv);
+    bool done = text ? file_write(options->output ? options->output : "-", text, strlen(text), err)
+                     : error_memory(err);
+    free(text);
+    return done;
+}
+
+bool command_probe(struct options *options, struct error *err)
+{
+    struct probe_options region;
+    struct probe probe = {.source = NULL};
+    if (!region_read(options, &region, err))
+        return false;
+    if (options->csv && options->svg)
+        return error_usage(err, "--csv and --svg exclude each other");
+    bool done = probe_operand(options, &region, &probe, err) && probe_write(options, &probe, err);
+    probe_free(&probe);
+    return done;
+}

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT */
+/* spectral plan: what would be simulated, and why. */
+#include <stdio.h>
+
+#include "data/invocation/invocation.h"
+#include "data/options/options.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
+#include "raster/plan/plan.h"
+#include "spectral.h"
+
+bool command_plan(struct options *options, struct error *err)
+{
+    const struct plan_options plan_options = {.check = false};
+    struct scene scene = {.path = NULL};
+    struct sampling sampling = {.n = 0};
+    struct plan plan = {.scene = NULL};
+    bool done = scene_read_sampled(options, &scene, &sampling, err) &&
+                plan_make(&scene, sampling_or_none(&sampling), &plan_options, &plan, err);
+    if (done)
+        plan_print(&plan, stdout);
+    plan_free(&plan);
+    sampling_free(&sampling);
+    scene_free(&scene);
+    return done;
+}

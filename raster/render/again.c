@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: MIT */
+/* spectral render --again: a stack is made from its own record, and must be the same. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/options/options.h"
+#include "data/record/record.h"
+#include "data/scene/scene.h"
+#include "data/stack/stack.h"
+#include "data/tiff/tiff.h"
+#include "raster/render/render.h"
+#include "spectral.h"
+
+/* Takes scene and picture from the record, and all else from the command line. */
+static bool recorded_options(const struct options *options, const struct record *record,
+                             struct options *out, struct error *err)
+{
+    const struct option_rules rules = {"render", options->table, RECORDED, 1};
+    if (!options_read(&rules, record->options, record->n_options, out, err))
+        return false;
+    if (out->operand)
+        return error_usage(err, "%s records '%s', which is no option", options->again,
+                           out->operand);
+    out->operand = record->scene;
+    out->json = options->json;
+    out->threads = options->threads;
+    out->quiet = options->quiet;
+    if (!out->renderer || strcmp(out->renderer, "raster") != 0)
+        return !(options->no_check || options->strict) ||
+               error_usage(err,
+                           "%s holds OpenGL's pixels: it tells itself whether they are "
+                           "checked, --again takes no %s",
+                           options->again, options->no_check ? "--no-check" : "--strict");
+    out->no_check = options->no_check;
+    out->strict = options->strict;
+    return true;
+}
+
+/* Refuses a stack that cannot be the same, before anything is drawn. */
+static bool can_be_same(const struct record *record, const struct render_output *output,
+                        struct error *err)
+{
+    if (strcmp(record->program, PROGRAM) != 0 && !output->keep) {
+        error_usage(err,
+                    "%s was made by %.80s, this is " PROGRAM ", which tells so in its stacks "
+                    "(--keep stores one all the same)",
+                    output->again, record->program);
+        err->status = EXIT_DIFFERENT;
+        return false;
+    }
+    return !scene_is_missing(record->scene) ||
+           error_usage(err,
+                       "%s: its scene '%.500s' is not there; names are relative to the folder "
+                       "where it was made",
+                       output->again, record->scene);
+}
+
+static bool render_recorded(const struct options *options, const struct render_output *output,
+                            struct error *err)
+{
+    struct image image = {.path = NULL};
+    struct record record = {.text = NULL};
+    struct options made = {.operand = NULL};
+    bool done = record_open(options->again, &image, &record, err) &&
+                recorded_options(options, &record, &made, err) &&
+                can_be_same(&record, output, err) &&
+                render_with_options(&made, output, &record, err);
+    options_free(&made);
+    record_free(&record);
+    image_close(&image);
+    return done;
+}
+
+bool render_again(struct options *options, struct error *err)
+{
+    options_forget_check(options);
+    if (options->operand || options->n_recorded > 0)
+        return error_usage(err, "--again takes no %s: the stack tells it",
+                           options->operand ? "SCENE" : options->recorded[0]);
+    char *named = output_name(options->again, "-again.tif");
+    if (!named)
+        return error_memory(err);
+    /* For -o /dev/null the stack is laid out under its default name, compared, and not kept. */
+    bool discard = options->output && strcmp(options->output, "/dev/null") == 0;
+    struct render_output output = {.path = options->output && !discard ? options->output : named,
+                                   .again = options->again,
+                                   .keep = options->keep,
+                                   .discard = discard};
+    bool done = render_recorded(options, &output, err);
+    free(named);
+    return done;
+}

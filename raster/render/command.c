@@ -1,0 +1,225 @@
+/* SPDX-License-Identifier: MIT */
+/* spectral render: plans and renders a scene, and reports the result. again.c takes the scene and
+ * the options from a stack's record instead. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/invocation/invocation.h"
+#include "data/options/options.h"
+#include "data/record/record.h"
+#include "data/sampling/sampling.h"
+#include "data/scene/scene.h"
+#include "raster/gl/gl.h"
+#include "raster/plan/plan.h"
+#include "raster/render/render.h"
+#include "spectral.h"
+
+/* ---- checks before anything is drawn ---- */
+
+static bool stores_raster(const struct options *options)
+{
+    return options->renderer && strcmp(options->renderer, "raster") == 0;
+}
+
+/* Refuses what a program without OpenGL lacks. Nothing has been read yet. */
+static bool check_gl(const struct options *options, const char *again, struct error *err)
+{
+    if (gl_is_built())
+        return true;
+    if (!stores_raster(options) && again)
+        return error_usage(err, "%s holds OpenGL's pixels, and this program was built without",
+                           again);
+    if (!stores_raster(options))
+        return error_usage(err, "this program was built without OpenGL; it renders with "
+                                "--renderer raster");
+    return !options->strict ||
+           error_usage(err, "--strict checks OpenGL, and this program was built without");
+}
+
+/* OpenGL lights vertices only. So it cannot draw phong shading, which lights each pixel, and cannot
+ * check it. */
+static bool check_shading(const struct options *options, const struct scene *scene,
+                          struct plan_options *plan, struct error *err)
+{
+    if (scene->shading != SHADING_PHONG)
+        return true;
+    if (!plan->store_raster)
+        return error_usage(err, "phong shading is the reference's, since OpenGL lights vertices; "
+                                "add --renderer raster");
+    if (options->strict)
+        return error_usage(err, "--strict checks OpenGL, which has no phong shading");
+    plan->check = plan->use_gl = false;
+    return true;
+}
+
+/* Refuses a scene whose text is not the text that the stack records. */
+static bool check_same_scene(const struct scene *scene, const char *stack,
+                             const struct record *made, struct error *err)
+{
+    return !made || strcmp(scene->sha256, made->scene_sha256) == 0 ||
+           error_usage(err,
+                       "%s: the scene's text is not that of %s: its SHA-256 is %s, recorded is "
+                       "%.64s",
+                       scene->path, stack, scene->sha256, made->scene_sha256);
+}
+
+/* ---- report ---- */
+
+/* stored: the stack's name; NULL: no stack was stored. A pipe has no digest: it cannot be read
+ * again. */
+static bool write_json(const struct options *options, const struct plan *plan,
+                       const struct render_result *result, const char *stored, struct error *err)
+{
+    char sha256[65];
+    bool digested = stored && file_is_regular(stored);
+    if (digested && !digest_file(stored, sha256, err))
+        return false;
+    char *json = report_json(plan, result, stored, digested ? sha256 : NULL, peak_bytes());
+    bool done = json ? file_write(options->json, json, strlen(json), err) : error_memory(err);
+    free(json);
+    return done;
+}
+
+static void print_report(const struct plan *plan, const struct render_result *result,
+                         const struct render_output *output, const char *stored, FILE *to)
+{
+    report_print(plan, result, to);
+    if (stored)
+        fprintf(to, "stack             %s\n", stored);
+    if (result->difference.compared)
+        fprintf(to, "again             %s bytes as %s\n",
+                result->difference.found ? "not the same" : "the same", output->again);
+}
+
+/* Fails where the pictures differ. made: the record of the stack that is made again; NULL: it is a
+ * new stack. */
+static bool report(const struct options *options, const struct plan *plan,
+                   const struct render_result *result, const struct render_output *output,
+                   const struct record *made, struct error *err)
+{
+    bool agreed = render_agreed(result);
+    const char *wanted = output->discard ? NULL : output->path;
+    const char *stored = agreed || output->keep ? wanted : NULL;
+    /* standard output may carry the JSON, or the stack itself (-o /dev/stdout) */
+    bool taken =
+        (options->json && strcmp(options->json, "-") == 0) || (stored && !file_is_regular(stored));
+    if (options->json && !write_json(options, plan, result, stored, err))
+        return false;
+    if (!options->quiet)
+        print_report(plan, result, output, stored, taken ? stderr : stdout);
+    if (agreed)
+        return true;
+    const char *then = !wanted        ? "nothing was to be written"
+                       : output->keep ? "the stack was kept"
+                                      : "no stack was written (--keep stores it all the same)";
+    return result->check.unexplained > 0
+               ? report_difference(plan, &result->check, then, err)
+               : report_not_again(plan, result, output->again, made, then, err);
+}
+
+/* ---- plan and render ---- */
+
+/* Returns the bits of a choice of 8, 16, or another word for 32; 0 where the option is not given.
+ */
+static int bits_of(const char *choice)
+{
+    if (!choice)
+        return 0;
+    return strcmp(choice, "8") == 0 ? 8 : strcmp(choice, "16") == 0 ? 16 : 32;
+}
+
+static struct plan_options plan_options_of(const struct options *options)
+{
+    const char *renderer = options->renderer;
+    struct plan_options plan = {.full_scale = options->full_scale,
+                                .buffer_bits = bits_of(options->buffer),
+                                .strict = options->strict,
+                                .store_raster = stores_raster(options),
+                                .bits = bits_of(options->depth),
+                                .threads = options->threads,
+                                .recorded = options->recorded,
+                                .n_recorded = options->n_recorded};
+    if (renderer && !plan.store_raster && strcmp(renderer, "gl") != 0)
+        plan.gl_driver = renderer;
+    plan.check = gl_is_built() && !options->no_check;
+    plan.use_gl = plan.check || !plan.store_raster;
+    return plan;
+}
+
+/* before: the seconds that reading and planning took. */
+static bool render_planned(const struct options *options, const struct plan *plan,
+                           const struct render_seconds *before, const struct render_output *output,
+                           const struct record *made, struct error *err)
+{
+    struct progress_line line;
+    struct render_progress progress = {NULL, &line};
+    struct render_result result;
+    if (progress_start(&line, options->quiet))
+        progress.step = progress_show;
+    if (!render(plan, output, &progress, &result, err))
+        return false;
+    result.seconds.read += before->read;
+    result.seconds.plan = before->plan;
+    result.seconds.total += before->read + before->plan;
+    return report(options, plan, &result, output, made, err);
+}
+
+bool render_with_options(const struct options *options, const struct render_output *output,
+                         const struct record *made, struct error *err)
+{
+    struct scene scene = {.path = NULL};
+    struct sampling sampling = {.n = 0};
+    struct plan plan = {.scene = NULL};
+    struct plan_options plan_options = plan_options_of(options);
+    struct render_seconds seconds = {.read = 0};
+    double start = clock_seconds();
+    bool done = check_gl(options, output->again, err) && scene_read_sampled(options, &scene, &sampling, err) &&
+                check_shading(options, &scene, &plan_options, err) &&
+                check_same_scene(&scene, output->again, made, err) &&
+                scene_spared(output->path, &scene, err) && scene_spared(options->json, &scene, err);
+    seconds.read = clock_seconds() - start;
+    done = done && plan_make(&scene, sampling_or_none(&sampling), &plan_options, &plan, err);
+    seconds.plan = clock_seconds() - start - seconds.read;
+    done = done && output_can_open(options->json, err) &&
+           render_planned(options, &plan, &seconds, output, made, err);
+    plan_free(&plan);
+    sampling_free(&sampling);
+    scene_free(&scene);
+    return done;
+}
+
+/* ---- the command ---- */
+
+void options_forget_check(struct options *options)
+{
+    int n = 0;
+    for (int i = 0; i < options->n_recorded; i++)
+        if (strcmp(options->recorded[i], "--no-check") == 0 ||
+            strcmp(options->recorded[i], "--strict") == 0)
+            free(options->recorded[i]);
+        else
+            options->recorded[n++] = options->recorded[i];
+    options->n_recorded = n;
+}
+
+bool render_scene(struct options *options, struct error *err)
+{
+    char *named = options->output ? NULL : output_name(options_scene(options), ".tif");
+    const char *output = options->output ? options->output : named;
+    if (!output)
+        return error_memory(err);
+    if (stores_raster(options))
+        options_forget_check(options);
+    struct render_output wanted = {.path = strcmp(output, "/dev/null") == 0 ? NULL : output,
+                                   .keep = options->keep};
+    bool done = render_with_options(options, &wanted, NULL, err);
+    free(named);
+    return done;
+}
+
+bool command_render(struct options *options, struct error *err)
+{
+    return options->again ? render_again(options, err) : render_scene(options, err);
+}
