@@ -5,7 +5,7 @@
 A room is a folder with one header, named like the folder: data/text/text.h. ROOMS lists the rooms
 from low to high. A file includes spectral.h, the header of its own room, and headers of rooms listed
 before it. The core, raster/reference, includes data/maths and the C library only, so that it can be
-read and compiled alone. BUDGETS limits the sizes; REASONS lists each figure above its budget.
+read and compiled alone. Sizes have budgets; REASONS lists each figure above its budget.
 
 The last part of the test shows that the test can fail: it copies the sources, plants one fault at a
 time, and expects one finding that names the place.
