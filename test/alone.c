@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Draws a small picture with the reference alone, for test/alone.sh. Three instances: a textured floor
- * that the near and the far plane cut, a tetrahedron with highlights, and its mirrored copy. The digest
- * covers every bit of three pictures, one a shading model. */
+/* Draws a small picture with the reference alone, for test/alone.sh. Three instances: a textured
+ * floor that the near and the far plane cut, a tetrahedron with highlights, and its mirrored copy.
+ * The digest covers every bit of three pictures, one a shading model. */
 #include <stdio.h>
 #include <string.h>
 
@@ -15,8 +15,15 @@ static const struct term terms[TERMS] = {
     {TERM_CONSTANT, -1}, {TERM_DIFFUSE, 0}, {TERM_DIFFUSE, 1}, {TERM_SPECULAR, 1}};
 static const struct eye_light lights[] = {
     {.directional = true, .position = {0.6, 0.64, 0.48}, .first = 0, .share = 1},
-    {.spot = true, .attenuated = true, .position = {-1, 2, -1}, .attenuation = {1, 0.1, 0.01},
-     .axis = {0.28, -0.576, -0.768}, .cutoff_cosine = 0.7, .spot_exponent = 2.5, .first = 1, .share = 1}};
+    {.spot = true,
+     .attenuated = true,
+     .position = {-1, 2, -1},
+     .attenuation = {1, 0.1, 0.01},
+     .axis = {0.28, -0.576, -0.768},
+     .cutoff_cosine = 0.7,
+     .spot_exponent = 2.5,
+     .first = 1,
+     .share = 1}};
 static const struct vertex floor_vertices[] = {{{-4, -1, 1}, {0, 1, 0}, 0, 0},
                                                {{4, -1, 1}, {0, 1, 0}, 3, 0},
                                                {{4, -1, -9}, {0, 1, 0}, 3, 4},
@@ -72,13 +79,21 @@ static uint64_t draw(const struct view *view, struct surface *surfaces, uint64_t
 
 uint64_t digest(void)
 {
-    struct instance instances[INSTANCES] = {
-        {.vertices = floor_vertices, .triangles = floor_triangles, .n_vertices = 4, .n_triangles = 2,
-         .textured = true, .texels = {texels, 3, 2, true}},
-        {.vertices = solid_vertices, .triangles = solid_triangles, .n_vertices = 4, .n_triangles = 4}};
+    struct instance instances[INSTANCES] = {{.vertices = floor_vertices,
+                                             .triangles = floor_triangles,
+                                             .n_vertices = 4,
+                                             .n_triangles = 2,
+                                             .textured = true,
+                                             .texels = {texels, 3, 2, true}},
+                                            {.vertices = solid_vertices,
+                                             .triangles = solid_triangles,
+                                             .n_vertices = 4,
+                                             .n_triangles = 4}};
     struct surface surfaces[INSTANCES] = {{.instance = NULL}};
-    struct view view = {WIDTH, HEIGHT, {{{1.2, 0, 0, 0}, {0, 1.8, 0, 0}, {0, 0, -1.25, -1.125}, {0, 0, -1, 0}}},
-                        true, GOURAUD, lights, 2};
+    struct view view = {
+        WIDTH, HEIGHT,  {{{1.2, 0, 0, 0}, {0, 1.8, 0, 0}, {0, 0, -1.25, -1.125}, {0, 0, -1, 0}}},
+        true,  GOURAUD, lights,
+        2};
     uint64_t hash = 0xcbf29ce484222325;
     bool opened = true;
     instances[2] = instances[1];

@@ -64,12 +64,13 @@ static void compile_lists(const struct plan *plan)
 static void draw_band(const struct plan *plan, int band)
 {
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-    for (int i = 0; i < plan->n_bodies; i++) {
-        const struct body *body = &plan->bodies[i];
-        GLfloat radiance[4] = {(GLfloat)plan->finishes[body->finish].spectra[band], 0, 0, 1};
+    for (int i = 0; i < plan->n_instances; i++) {
+        const struct placed_instance *placed = &plan->instances[i];
+        GLfloat radiance[4] = {(GLfloat)plan->materials[placed->shaded].made.spectra[band], 0, 0,
+                               1};
         glMaterialfv(GL_FRONT_AND_BACK, GL_DIFFUSE, radiance);
-        load(&body->model_view);
-        glCallList((GLuint)body->mesh + 1);
+        load(&placed->instance.model_view);
+        glCallList((GLuint)placed->mesh + 1);
     }
 }
 
@@ -90,7 +91,7 @@ static double thesis_loop(const struct plan *plan)
     glEnable(GL_CULL_FACE);
     glLightModeli(GL_LIGHT_MODEL_TWO_SIDE, GL_TRUE);
     glMatrixMode(GL_PROJECTION);
-    load(&plan->projection);
+    load(&plan->view.projection);
     glMatrixMode(GL_MODELVIEW);
     glLightfv(GL_LIGHT0, GL_POSITION, position);
     compile_lists(plan);

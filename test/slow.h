@@ -127,12 +127,13 @@ static long double slow_gate(long double gate, long double value, long double *d
     return gate > 0 ? value : 0;
 }
 
-/* What distance and spot leave of a light; `unit` is that of the path, in scene units. */
-static long double slow_falloff(const struct plan_light *from, struct triple path, double unit,
+/* What distance and spot leave of a light. */
+static long double slow_falloff(const struct plan *plan, int index, struct triple path,
                                 long double *doubt)
 {
-    const struct light *light = from->light;
-    long double distance = sqrtl(triple_dot(path, path)) * (long double)unit;
+    const struct light *light = plan->sources[index];
+    const struct eye_light *from = &plan->lights[index];
+    long double distance = sqrtl(triple_dot(path, path)) * (long double)plan->unit;
     if (light->directional)
         return 1;
     long double left =
@@ -140,76 +141,81 @@ static long double slow_falloff(const struct plan_light *from, struct triple pat
              (long double)light->attenuation[2] * distance * distance);
     if (!light->spot || light->spot_cutoff_deg > 90)
         return left;
-    long double cosine = -triple_dot(triple_unit(path), triple_of(from->eye_spot));
+    long double cosine = -triple_dot(triple_unit(path), triple_of(from->axis));
     long double in_cone = powl(fmaxl(cosine, 0), (long double)light->spot_exponent);
-    return slow_gate(cosine - (long double)from->spot_cosine, left * in_cone, doubt);
+    return slow_gate(cosine - (long double)from->cutoff_cosine, left * in_cone, doubt);
 }
 
 /* The weight of one light in a diffuse or specular term. *doubt is what rounding may turn on and
  * off. */
-static long double slow_weight(const struct plan *plan, const struct plan_light *light,
-                               enum term_kind kind, double gloss, struct triple normal,
-                               struct triple eye, long double *doubt)
+static long double slow_weight(const struct plan *plan, int index, enum reflection reflection,
+                               double gloss, struct triple normal, struct triple eye,
+                               long double *doubt)
 {
-    struct triple path = triple_of(light->eye_position), view = {0, 0, 1}, none = {0, 0, 0};
-    if (!light->light->directional)
+    const struct eye_light *light = &plan->lights[index];
+    struct triple path = triple_of(light->position), view = {0, 0, 1}, none = {0, 0, 0};
+    if (!plan->sources[index]->directional)
         path = triple_sum(path, eye, -1);
     struct triple towards = triple_unit(path);
     if (plan->scene->local_viewer)
         view = triple_unit(triple_sum(none, eye, -1));
     struct triple half = triple_unit(triple_sum(towards, view, 1));
     long double n_l = triple_dot(normal, towards), in_spot = 0;
-    long double left = (long double)light->share * slow_falloff(light, path, plan->unit, &in_spot);
+    long double left = (long double)light->share * slow_falloff(plan, index, path, &in_spot);
     long double factor = fmaxl(n_l, 0);
-    if (kind == TERM_SPECULAR)
+    if (reflection == SPECULAR)
         factor = powl(fmaxl(triple_dot(normal, half), 0), (long double)gloss);
     long double value = slow_gate(n_l, factor * left, doubt);
     *doubt = fmaxl(*doubt, factor * in_spot);
     return value;
 }
 
-static void slow_light(const struct plan *plan, const struct surface *surface, int index,
-                       struct triple eye, struct slow_vertex *out)
+static void slow_light(const struct lit_scene *lit, int s, int index, struct triple eye,
+                       struct slow_vertex *out)
 {
-    const struct vertex *vertex = &surface->mesh->vertices[index];
-    const struct finish *finish = surface->finish;
-    struct triple front = slow_normal(&surface->body->model_view, vertex->normal), none = {0, 0, 0};
+    const struct plan *plan = lit->plan;
+    const struct surface *surface = &lit->surfaces[s];
+    const struct vertex *vertex = &surface->instance->vertices[index];
+    const struct shaded_material *shaded = lit->bounds[s].shaded;
+    struct triple front = slow_normal(&surface->instance->model_view, vertex->normal),
+                  none = {0, 0, 0};
     for (int side = 0; side < surface->n_sides; side++) {
         size_t at = surface_attributes(surface, index, side);
         struct triple normal = triple_sum(none, front, side ? -1 : 1);
-        for (int t = 0; t < finish->n_terms; t++) {
-            const struct term *term = &finish->terms[t];
-            long double sum = term->kind == TERM_CONSTANT, doubts = 0;
+        for (int t = 0; t < shaded->n_terms; t++) {
+            const struct term *term = &shaded->terms[t];
+            long double sum = term->reflection == CONSTANT, doubts = 0;
             for (int i = 0; i < plan->n_lights; i++) {
                 long double doubt = 0;
                 if (plan->lights[i].first == term->light)
-                    sum += slow_weight(plan, &plan->lights[i], term->kind, finish->material->gloss,
-                                       normal, eye, &doubt);
+                    sum += slow_weight(plan, i, term->reflection, shaded->material->gloss, normal,
+                                       eye, &doubt);
                 doubts += doubt;
             }
             out->value[side][t] = sum;
-            out->error[side][t] = (long double)surface->errors[at + (size_t)t] * 0x1p-29L +
+            out->error[side][t] = (long double)lit->bounds[s].errors[at + (size_t)t] * 0x1p-29L +
                                   2 * u * plan->n_lights * sum + doubts;
         }
-        out->value[side][finish->n_terms] = (long double)vertex->s;
-        out->value[side][finish->n_terms + 1] = (long double)vertex->t;
+        out->value[side][shaded->n_terms] = (long double)vertex->s;
+        out->value[side][shaded->n_terms + 1] = (long double)vertex->t;
     }
 }
 
 /* All vertices of a surface; NULL: no memory. */
-static struct slow_vertex *slow_vertices(const struct plan *plan, const struct surface *surface)
+static struct slow_vertex *slow_vertices(const struct lit_scene *lit, int s)
 {
-    struct slow_vertex *out = calloc((size_t)surface->mesh->n_vertices, sizeof *out);
-    for (int v = 0; out && v < surface->mesh->n_vertices; v++) {
-        struct vector p = surface->mesh->vertices[v].position;
+    const struct instance *instance = lit->surfaces[s].instance;
+    struct slow_vertex *out = calloc((size_t)instance->n_vertices, sizeof *out);
+    for (int v = 0; out && v < instance->n_vertices; v++) {
+        struct vector p = instance->vertices[v].position;
         long double object[4] = {(long double)p.x, (long double)p.y, (long double)p.z, 1};
         long double reach[4] = {fabsl(object[0]), fabsl(object[1]), fabsl(object[2]), 1};
         long double eye[4], e_eye[4];
-        slow_transform(&surface->body->model_view, object, reach, eye, e_eye);
-        slow_transform(&plan->projection, eye, e_eye, out[v].clip, out[v].e_clip);
+        slow_transform(&instance->model_view, object, reach, eye, e_eye);
+        slow_transform(&lit->plan->view.projection, eye, e_eye, out[v].clip, out[v].e_clip);
         for (int i = 0; i < 4; i++)
             out[v].e_clip[i] *= 9 * u;
-        slow_light(plan, surface, v, (struct triple){eye[0], eye[1], eye[2]}, &out[v]);
+        slow_light(lit, s, v, (struct triple){eye[0], eye[1], eye[2]}, &out[v]);
     }
     return out;
 }
@@ -284,7 +290,7 @@ static struct slow_triangle slow_triangle(const struct scene *scene, const struc
                                           int index, bool exact)
 {
     struct slow_triangle out = {.surface = surface,
-                                .mirrored = slow_mirrored(&surfaces[surface].body->model_view),
+                                .mirrored = slow_mirrored(&surfaces[surface].instance->model_view),
                                 .n_corners = 3,
                                 .left = HUGE_VALL,
                                 .right = -HUGE_VALL,
@@ -292,7 +298,7 @@ static struct slow_triangle slow_triangle(const struct scene *scene, const struc
                                 .bottom = -HUGE_VALL};
     for (int i = 0; i < 3; i++) {
         struct slow_corner *corner = &out.corner[i];
-        out.vertex[i] = &vertices[surface][surfaces[surface].mesh->triangles[index][i]];
+        out.vertex[i] = &vertices[surface][surfaces[surface].instance->triangles[index][i]];
         memcpy(corner->clip, out.vertex[i]->clip, sizeof corner->clip);
         memcpy(corner->e_clip, out.vertex[i]->e_clip, sizeof corner->e_clip);
         corner->share[i] = 1;

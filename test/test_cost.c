@@ -70,22 +70,22 @@ static void equals(void)
           "of two that are the same both are on the frontier");
 }
 
-/* ---- settings ---- */
+/* ---- configurations ---- */
 
 static void words(void)
 {
     struct error err = {.status = EXIT_AGREED};
     struct cost_entry seen = {.n_words = 0};
-    const struct setting setting = {.sampling = "gauss:8,open",
-                                    .shading = SHADING_SMOOTH,
-                                    .tessellation = 2,
-                                    .renderer = BY_CHECKED_LLVMPIPE,
-                                    .buffer_bits = 16,
-                                    .bits = 32};
+    const struct configuration configuration = {.sampling = "gauss:8,open",
+                                                .shading = SHADING_SMOOTH,
+                                                .tessellation = 2,
+                                                .renderer = BY_CHECKED_LLVMPIPE,
+                                                .buffer_bits = 16,
+                                                .bits = 32};
     static const char *const expected[] = {
         "--sampling=gauss:8,open", "--detector=cie1964", "--shading=smooth", "--tessellation=2",
         "--renderer=llvmpipe",     "--buffer=16",        "--depth=32f"};
-    CHECK(setting_entry(&setting, "cie1964", &seen, &err) && seen.n_words == 7,
+    CHECK(configuration_entry(&configuration, "cie1964", &seen, &err) && seen.n_words == 7,
           "a setting of everything is seven words, without --no-check");
     for (int i = 0; i < seen.n_words && i < 7; i++)
         CHECK_TEXT(seen.words[i], expected[i], "word %d is %s", i + 1, expected[i]);
@@ -93,7 +93,8 @@ static void words(void)
                "its name tells them all");
     cost_entry_free(&seen);
     seen = (struct cost_entry){.n_words = 0};
-    CHECK(setting_entry(&reference_setting, "cie1931", &seen, &err) && seen.n_words == 5,
+    CHECK(configuration_entry(&reference_configuration, "cie1931", &seen, &err) &&
+              seen.n_words == 5,
           "the default observer is no word");
     cost_entry_free(&seen);
 }
@@ -104,11 +105,11 @@ static void csv(void)
     struct cost_entry entries[] = {entry(1, 2, 3, 0.1)};
     struct cost cost = {.entries = entries, .n = 1};
     struct error err = {.status = EXIT_AGREED};
-    const struct setting setting = {.sampling = "rgb", .tessellation = 1};
+    const struct configuration configuration = {.sampling = "rgb", .tessellation = 1};
     char *text = NULL;
     size_t length;
     FILE *stream = open_memstream(&text, &length);
-    setting_entry(&setting, "a \"film\".csv", &entries[0], &err);
+    configuration_entry(&configuration, "a \"film\".csv", &entries[0], &err);
     cost_print_csv(&cost, stream);
     fclose(stream);
     CHECK_TEXT(strchr(text, '\n') + 1,

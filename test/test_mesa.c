@@ -21,7 +21,7 @@ enum { SIZE = 256, SUBPIXELS = 256, DEPTH_MAX = 0xffffff };
 /* Rows run upwards, as in OpenGL's window coordinates. */
 struct canvas {
     float colour[SIZE][SIZE][4];        /* OSMesa's buffer */
-    uint32_t depth_stencil[SIZE][SIZE]; /* of the last finish(): 24 bits above 8 */
+    uint32_t depth_stencil[SIZE][SIZE]; /* of the last material(): 24 bits above 8 */
     uint64_t random;
 };
 
@@ -111,7 +111,7 @@ static void clear(void)
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
 }
 
-static void finish(struct canvas *canvas)
+static void shaded(struct canvas *canvas)
 {
     glFinish();
     glReadPixels(0, 0, SIZE, SIZE, GL_DEPTH_STENCIL, GL_UNSIGNED_INT_24_8, canvas->depth_stencil);
@@ -141,7 +141,7 @@ static void rectangle_rule(struct canvas *canvas, struct facts *facts)
 {
     clear();
     glRectf(2.5F, 2.5F, 6.5F, 6.5F);
-    finish(canvas);
+    shaded(canvas);
     facts->left = fragments_at(canvas, 2, 4);
     facts->right = fragments_at(canvas, 6, 4);
     facts->bottom = fragments_at(canvas, 4, 2);
@@ -224,7 +224,7 @@ static void fill_rule(struct canvas *canvas, struct facts *facts)
         for (int c = 0; c < 3; c++)
             glVertex2d((double)corner[c][0] / SUBPIXELS, (double)corner[c][1] / SUBPIXELS);
         glEnd();
-        finish(canvas);
+        shaded(canvas);
         compare_rules(canvas, corner, facts);
     }
 }
@@ -269,7 +269,7 @@ static void shared_edges(struct canvas *canvas, struct facts *facts)
             random_net(canvas, cell[kind], net);
             clear();
             draw_net(net);
-            finish(canvas);
+            shaded(canvas);
             for (int y = border[kind]; y < SIZE - border[kind]; y++)
                 for (int x = border[kind]; x < SIZE - border[kind]; x++) {
                     facts->mesh[kind].pixels++;
@@ -337,7 +337,7 @@ static void slivers(struct canvas *canvas, struct facts *facts)
             glEnd();
             if (i % 10 < 9)
                 continue;
-            finish(canvas);
+            shaded(canvas);
             add_sliver_pixels(canvas, kind, facts);
         }
     glDisable(GL_DEPTH_TEST);
@@ -358,7 +358,7 @@ static void facing(struct canvas *canvas, struct facts *facts)
             continue;
         clear();
         draw_triangle(c, 0);
-        finish(canvas);
+        shaded(canvas);
         long drawn = 0;
         for (int y = 0; y < SIZE; y++)
             for (int x = 0; x < SIZE; x++)
@@ -387,7 +387,7 @@ static void depth_rounding(struct canvas *canvas, struct facts *facts)
             glVertex3d(x, 1, z[x]);
             glEnd();
         }
-        finish(canvas);
+        shaded(canvas);
         for (int x = 0; x < SIZE; x++) {
             facts->depths++;
             facts->floored += depth_at(canvas, x, 0) == floor(z[x] * DEPTH_MAX);
@@ -461,7 +461,7 @@ static void far_plane(struct canvas *canvas, struct facts *facts)
         clear();
         glDepthFunc(i % 2 == 0 ? GL_ALWAYS : GL_LESS);
         draw_triangle(corner, 0);
-        finish(canvas);
+        shaded(canvas);
         for (int y = 0; y < SIZE; y++)
             for (int x = 0; x < SIZE; x++) {
                 bool carried = fragments_at(canvas, x, y) != 0;
@@ -712,13 +712,13 @@ static void check_counts(struct canvas *canvas, const struct soup *soup, struct 
     long(*sum)[SIZE] = calloc(SIZE, sizeof *sum);
     for (int i = 0; i < some && sum; i++) {
         draw_names(soup, 3 * i, 3);
-        finish(canvas);
+        shaded(canvas);
         for (int y = 0; y < SIZE; y++)
             for (int x = 0; x < SIZE; x++)
                 sum[y][x] += fragments_at(canvas, x, y);
     }
     draw_names(soup, 0, 3 * some);
-    finish(canvas);
+    shaded(canvas);
     for (int y = 0; y < SIZE; y++)
         for (int x = 0; x < SIZE; x++) {
             facts->fragments += sum ? sum[y][x] : 0;
@@ -755,11 +755,11 @@ static void identity(struct canvas *canvas, struct facts *facts)
         if (i == 0)
             check_counts(canvas, soup, facts);
         draw_names(soup, 0, CORNERS);
-        finish(canvas);
+        shaded(canvas);
         check_names(canvas, soup, facts);
         *names = *canvas;
         draw_lit(soup, i % 2);
-        finish(canvas);
+        shaded(canvas);
         compare_passes(names, canvas, facts);
     }
     free(soup);
@@ -824,13 +824,14 @@ static bool fetch_facts(int end, pid_t child, struct facts *out)
 /* ---- what is so ---- */
 
 /* A fact about the version that was measured. */
-static void known(const struct facts *facts, bool holds, const char *truth)
+static void known(const struct facts *facts, bool holds, const char *standard)
 {
     const char *driver = strncmp(facts->renderer, "llvmpipe", 8) == 0 ? "llvmpipe" : "softpipe";
     if (holds || strstr(facts->version, MEASURED_VERSION))
-        CHECK(holds, "%s %s", driver, truth);
+        CHECK(holds, "%s %s", driver, standard);
     else
-        printf("ok %d # SKIP not so in %s: %s %s\n", ++test_count, facts->version, driver, truth);
+        printf("ok %d # SKIP not so in %s: %s %s\n", ++test_count, facts->version, driver,
+               standard);
 }
 
 static void print_coverage(const struct facts *f)

@@ -26,6 +26,20 @@ static void random_triangle(uint64_t *state, struct corner out[3])
     }
 }
 
+/* What planes leave of a triangle, one after the other. */
+static int clip_triangle(const struct corner whole[3], const struct clip_plane *planes,
+                         int n_planes, struct corner out[CLIP_CORNERS])
+{
+    struct corner from[CLIP_CORNERS];
+    int n = 3;
+    memcpy(out, whole, 3 * sizeof *out);
+    for (int p = 0; p < n_planes && n > 0; p++) {
+        memcpy(from, out, (size_t)n * sizeof *out);
+        n = clip_polygon(&planes[p], from, n, out);
+    }
+    return n;
+}
+
 /* Area in barycentric coordinates, as a part of the whole triangle's. */
 static double part_of(const struct corner *corners, int n)
 {
@@ -130,7 +144,7 @@ static double single_precision(const float x[3], const float y[3], const float w
     return (double)(plane[0] / plane[1]);
 }
 
-static double inverse_w_at(const struct outline *o, double px, double py)
+static double inverse_w_at(const struct clipped_triangle *o, double px, double py)
 {
     double sum = 0, area = 0;
     for (int i = 0; i < 3; i++) {
@@ -143,7 +157,7 @@ static double inverse_w_at(const struct outline *o, double px, double py)
 }
 
 /* NaN outside the triangle, where nothing is drawn. */
-static double exact(const struct outline *o, const double values[3], double px, double py)
+static double exact(const struct clipped_triangle *o, const double values[3], double px, double py)
 {
     double sum = 0, weight = 0, turn = 0;
     for (int i = 0; i < 3; i++) {
@@ -167,34 +181,34 @@ static void check_bounds(double size, double depth_range, const char *name)
     double worst = 0;
     int bounded = 0;
     for (int i = 0; i < TRIANGLES; i++) {
-        struct outline outline = {.reach_x = 1025, .reach_y = 1025};
+        struct clipped_triangle clipped = {.reach_x = 1025, .reach_y = 1025};
         double values[3], cx = random_in(&state, 100, 900), cy = random_in(&state, 100, 900);
         float x[3], y[3], w[3], v[3];
         for (int c = 0; c < 3; c++) {
-            outline.x[c] = cx + random_in(&state, -size, size);
-            outline.y[c] = cy + random_in(&state, -size, size);
-            outline.inverse_w[c] = 1 / random_in(&state, 1, depth_range);
+            clipped.x[c] = cx + random_in(&state, -size, size);
+            clipped.y[c] = cy + random_in(&state, -size, size);
+            clipped.inverse_w[c] = 1 / random_in(&state, 1, depth_range);
             values[c] = random_in(&state, 0, 1);
-            x[c] = (float)outline.x[c];
-            y[c] = (float)outline.y[c];
-            w[c] = (float)outline.inverse_w[c];
+            x[c] = (float)clipped.x[c];
+            y[c] = (float)clipped.y[c];
+            w[c] = (float)clipped.inverse_w[c];
             v[c] = (float)values[c];
         }
         /* corners, w and values are rounded once: 2^-24 relative */
         for (int c = 0; c < 3; c++)
-            outline.slack_px[c] = 1024.0 / 16777216;
-        outline.slack_w = 2.0 / 16777216;
-        double magnification = bound_magnification(&outline);
+            clipped.slack_px[c] = 1024.0 / 16777216;
+        clipped.slack_w = 2.0 / 16777216;
+        double magnification = bound_magnification(&clipped);
         /* the pixel at the centre of gravity */
-        double px = floor((outline.x[0] + outline.x[1] + outline.x[2]) / 3) + 0.5;
-        double py = floor((outline.y[0] + outline.y[1] + outline.y[2]) / 3) + 0.5;
-        double expected = exact(&outline, values, px, py);
+        double px = floor((clipped.x[0] + clipped.x[1] + clipped.x[2]) / 3) + 0.5;
+        double py = floor((clipped.y[0] + clipped.y[1] + clipped.y[2]) / 3) + 0.5;
+        double expected = exact(&clipped, values, px, py);
         if (isnan(expected) || !(magnification < HUGE_VAL))
             continue;
         double error = fabs(single_precision(x, y, w, v, (float)px, (float)py) - expected);
-        struct colour_bound bound = bound_colour(&outline, values);
-        struct inverse_w_bound of_d = bound_inverse_w(&outline);
-        double d = inverse_w_at(&outline, px, py),
+        struct colour_bound bound = bound_colour(&clipped, values);
+        struct inverse_w_bound of_d = bound_inverse_w(&clipped);
+        double d = inverse_w_at(&clipped, px, py),
                least = d - magnification * (of_d.fixed + of_d.per_d * d);
         worst = fmax(worst, error / magnification /
                                 (bound.constant + (bound.fixed + bound.per_d * d) / least));
@@ -264,12 +278,12 @@ int main(void)
     check_bounds(200, 1, "large triangles");
     check_bounds(5, 1, "small triangles");
     check_bounds(100, 8, "triangles in perspective");
-    struct outline line = {.x = {0, 10, 20},
-                           .y = {0, 10, 20},
-                           .inverse_w = {1, 1, 1},
-                           .slack_px = {1e-4, 1e-4, 1e-4},
-                           .reach_x = 100,
-                           .reach_y = 100};
+    struct clipped_triangle line = {.x = {0, 10, 20},
+                                    .y = {0, 10, 20},
+                                    .inverse_w = {1, 1, 1},
+                                    .slack_px = {1e-4, 1e-4, 1e-4},
+                                    .reach_x = 100,
+                                    .reach_y = 100};
     CHECK(bound_magnification(&line) == HUGE_VAL, "a triangle without area has no bound");
     return test_end();
 }

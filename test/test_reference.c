@@ -61,61 +61,60 @@ static struct point random_point(uint64_t *state, double low, double high)
 
 /* ---- one picture by both ---- */
 
-struct picture {
+struct both {
     struct scene scene;
     struct plan plan;
-    struct surface *surfaces;
+    struct lit_scene lit;
     struct slow_vertex **vertices; /* of each surface */
     struct slow_triangle *triangles;
     struct slow_fragment *fragments; /* room for one of each triangle */
     int n_triangles;
 };
 
-static void open_picture(const char *path, bool exact, struct picture *out)
+static void open_picture(const char *path, bool exact, struct both *out)
 {
     const struct plan_options options = {.check = true, .threads = 1};
     struct error err = {.text = ""};
     struct light_work work;
-    *out = (struct picture){.surfaces = NULL};
+    *out = (struct both){.triangles = NULL};
     stop_unless(scene_read(path, &out->scene, &err) &&
                     plan_make(&out->scene, NULL, &options, &out->plan, &err) &&
-                    surfaces_light(&out->plan, driver_of(NULL), &out->surfaces, &work, &err),
+                    lit_make(&out->plan, driver_of(NULL), &out->lit, &work, &err),
                 err.text);
-    out->vertices = calloc((size_t)out->plan.n_bodies, sizeof(struct slow_vertex *));
+    out->vertices = calloc((size_t)out->plan.n_instances, sizeof(struct slow_vertex *));
     out->triangles = calloc((size_t)out->plan.n_triangles, sizeof *out->triangles);
     out->fragments = calloc((size_t)out->plan.n_triangles, sizeof *out->fragments);
     stop_unless(out->vertices && out->triangles && out->fragments, "no memory");
-    for (int s = 0; s < out->plan.n_bodies; s++) {
-        stop_unless(out->surfaces[s].n_attributes <= SLOW_ATTRIBUTES, "too many attributes");
-        out->vertices[s] = slow_vertices(&out->plan, &out->surfaces[s]);
+    for (int s = 0; s < out->plan.n_instances; s++) {
+        stop_unless(out->lit.surfaces[s].n_attributes <= SLOW_ATTRIBUTES, "too many attributes");
+        out->vertices[s] = slow_vertices(&out->lit, s);
         stop_unless(out->vertices[s] != NULL, "no memory");
-        for (int t = 0; t < out->surfaces[s].mesh->n_triangles; t++)
+        for (int t = 0; t < out->lit.surfaces[s].instance->n_triangles; t++)
             out->triangles[out->n_triangles++] =
-                slow_triangle(&out->scene, out->surfaces, out->vertices, s, t, exact);
+                slow_triangle(&out->scene, out->lit.surfaces, out->vertices, s, t, exact);
     }
 }
 
-static void close_picture(struct picture *picture)
+static void close_picture(struct both *picture)
 {
-    for (int s = 0; s < picture->plan.n_bodies; s++)
+    for (int s = 0; s < picture->plan.n_instances; s++)
         free(picture->vertices[s]);
     free(picture->vertices);
     free(picture->triangles);
     free(picture->fragments);
-    surfaces_free(&picture->plan, picture->surfaces);
+    lit_free(&picture->lit);
     plan_free(&picture->plan);
     scene_free(&picture->scene);
 }
 
-static void open_chunk(const struct picture *picture, int index, struct chunk *out)
+static void open_chunk(const struct both *picture, int index, struct chunk *out)
 {
-    struct tile tile = {0, 0, picture->scene.width, picture->scene.height};
+    struct rectangle tile = {0, 0, picture->scene.width, picture->scene.height};
     struct error err = {.text = ""};
-    stop_unless(chunk_rasterize(&picture->plan, picture->surfaces, &tile, index, out, &err),
-                err.text);
+    stop_unless(chunk_draw(&picture->lit, &tile, index, out, &err), err.text);
 }
 
-static int n_chunks(const struct picture *picture)
+static int n_chunks(const struct both *picture)
 {
     return (picture->scene.height + CHUNK_ROWS - 1) / CHUNK_ROWS;
 }
@@ -129,7 +128,7 @@ static long double place_ratio(const struct plan *plan, struct vector from, int 
     long double in[4] = {p.x, p.y, p.z, w}, reach[4], out[4], magnitude[4], worst = 0;
     for (int i = 0; i < 4; i++)
         reach[i] = fabsl(in[i]);
-    slow_transform(&plan->view, in, reach, out, magnitude);
+    slow_transform(&plan->world_to_eye, in, reach, out, magnitude);
     struct triple place = {out[0], out[1], out[2]}, seen = triple_of(to);
     if (!w)
         place = triple_unit(place);
@@ -143,15 +142,16 @@ static void judge_lights(const struct plan *plan, long double *worst)
 {
     const long double degree = 3.14159265358979323846L / 180;
     for (int i = 0; i < plan->n_lights; i++) {
-        const struct plan_light *light = &plan->lights[i];
-        *worst = fmaxl(*worst, place_ratio(plan, light->light->position, !light->light->directional,
-                                           light->eye_position));
+        const struct eye_light *light = &plan->lights[i];
+        const struct light *source = plan->sources[i];
+        *worst = fmaxl(*worst,
+                       place_ratio(plan, source->position, !source->directional, light->position));
         if (!light->spot)
             continue;
-        *worst = fmaxl(*worst, place_ratio(plan, light->light->spot_direction, 0, light->eye_spot));
+        *worst = fmaxl(*worst, place_ratio(plan, source->spot_direction, 0, light->axis));
         /* 2 units of the cosine, which is at most 1 */
-        long double cosine = cosl((long double)light->light->spot_cutoff_deg * degree);
-        *worst = fmaxl(*worst, fabsl(cosine - (long double)light->spot_cosine) / (2 * u));
+        long double cosine = cosl((long double)source->spot_cutoff_deg * degree);
+        *worst = fmaxl(*worst, fabsl(cosine - (long double)light->cutoff_cosine) / (2 * u));
     }
 }
 
@@ -172,23 +172,23 @@ struct expected {
     long double value, bound;
 };
 
-static struct expected expect_row(const struct picture *picture,
-                                  const struct slow_fragment *fragment, int side, int row)
+static struct expected expect_row(const struct both *picture, const struct slow_fragment *fragment,
+                                  int side, int row)
 {
-    const struct finish *finish = picture->surfaces[fragment->triangle->surface].finish;
+    const struct shaded_material *shaded = picture->lit.bounds[fragment->triangle->surface].shaded;
     const struct slow_vertex *last = fragment->triangle->vertex[2];
     struct expected out = {0, 0};
-    if (row < finish->n_terms && picture->scene.shading == SHADING_FLAT)
+    if (row < shaded->n_terms && picture->scene.shading == SHADING_FLAT)
         return (struct expected){last->value[side][row],
                                  last->error[side][row] + 2 * u * last->value[side][row]};
     for (int j = 0; j < 3; j++)
         out.value += fragment->share[j] * fragment->triangle->vertex[j]->value[side][row];
     out.bound = slow_bound(fragment, side, row, out.value);
-    if (row < finish->n_terms)
+    if (row < shaded->n_terms)
         return out;
     /* in texels: one rounding more */
     long double texels =
-        row == finish->n_terms ? finish->texture->image.width : finish->texture->image.height;
+        row == shaded->n_terms ? shaded->texture->image.width : shaded->texture->image.height;
     out.bound = texels * (out.bound + u * fabsl(out.value));
     out.value *= texels;
     return out;
@@ -197,13 +197,13 @@ static struct expected expect_row(const struct picture *picture,
 /* The worst difference / bound of a pixel's rows if this fragment is there; -1: no bound. Where
  * `errors` are given, the bounds are the program's own for single precision times 2^-29, and what
  * double rounds that is no part of them, 16 times the value. */
-static long double ratio_of(const struct picture *picture, const struct slow_fragment *fragment,
+static long double ratio_of(const struct both *picture, const struct slow_fragment *fragment,
                             int side, const double *weights, const float *errors, size_t stride)
 {
-    const struct finish *finish = picture->surfaces[fragment->triangle->surface].finish;
     const long double least = 1e-60L; /* far below what single precision can say */
     long double worst = 0;
-    for (int row = 0; row < finish_rows(finish); row++) {
+    for (int row = 0; row < pixel_rows(picture->lit.surfaces[fragment->triangle->surface].instance);
+         row++) {
         size_t at = (size_t)row * stride;
         struct expected expected = expect_row(picture, fragment, side, row);
         long double off = fabsl((long double)weights[at] - expected.value);
@@ -218,11 +218,10 @@ static long double ratio_of(const struct picture *picture, const struct slow_fra
     return worst;
 }
 
-static long double ratio_of_sides(const struct picture *picture,
-                                  const struct slow_fragment *fragment, const double *weights,
-                                  const float *errors, size_t stride)
+static long double ratio_of_sides(const struct both *picture, const struct slow_fragment *fragment,
+                                  const double *weights, const float *errors, size_t stride)
 {
-    if (picture->surfaces[fragment->triangle->surface].n_sides == 1)
+    if (picture->lit.surfaces[fragment->triangle->surface].n_sides == 1)
         return ratio_of(picture, fragment, 0, weights, errors, stride);
     if (fragment->side >= 0)
         return ratio_of(picture, fragment, fragment->side, weights, errors, stride);
@@ -232,7 +231,7 @@ static long double ratio_of_sides(const struct picture *picture,
 
 /* The fragments that double precision may show at a pixel; *definite tells that one of them must be
  * there. */
-static int legal_fragments(struct picture *picture, int x, int y, bool *definite)
+static int legal_fragments(struct both *picture, int x, int y, bool *definite)
 {
     struct slow_fragment *fragments = picture->fragments;
     long double limit = HUGE_VALL;
@@ -251,24 +250,45 @@ static int legal_fragments(struct picture *picture, int x, int y, bool *definite
     return n_legal;
 }
 
-/* Whether the program knows no bound for single precision at a pixel. */
-static bool is_loose(const struct chunk *chunk, int index)
+/* A pixel's rows with the program's bounds for single precision; errors NULL: it knows none. */
+struct bounded_rows {
+    const double *rows;
+    const float *errors;
+    size_t stride;
+};
+
+/* Those of the triangle that the reference shows at a pixel: an ambiguous one keeps them with its
+ * candidates. */
+static struct bounded_rows rows_of(const struct chunk *chunk, int index)
 {
-    for (size_t i = 0; i < chunk->n_contests; i++) {
-        const struct contest *contest = &chunk->contests[i];
-        for (int c = 0; contest->pixel == index && c < contest->count; c++)
-            if (chunk->candidates[contest->first + c].loose)
-                return true;
+    const struct picture *shown = &chunk->picture;
+    struct bounded_rows out = {shown->rows + index, chunk->errors + index,
+                               (size_t)shown->at.width * (size_t)shown->at.height};
+    if (!chunk->is_ambiguous[index])
+        return out;
+    out.errors = NULL;
+    out.stride = 1;
+    for (size_t i = 0; i < chunk->n_ambiguous; i++) {
+        const struct ambiguous_pixel *pixel = &chunk->ambiguous[i];
+        for (int c = pixel->first; pixel->pixel == index && c < pixel->first + pixel->count; c++) {
+            const struct candidate *candidate = &chunk->candidates[c];
+            if (candidate->loose || candidate->surface != shown->surface[index] ||
+                candidate->triangle != shown->triangle[index])
+                continue;
+            out.rows = chunk->candidate_rows + candidate->first;
+            out.errors = chunk->candidate_errors + candidate->first;
+        }
     }
-    return false;
+    return out;
 }
 
-static void judge_pixel(struct picture *picture, const struct chunk *chunk, int index,
+static void judge_pixel(struct both *picture, const struct chunk *chunk, int index,
                         struct tally *tally)
 {
-    int x = chunk->rows.x + index % chunk->rows.width,
-        y = chunk->rows.y + index / chunk->rows.width, surface = chunk->surface[index];
-    size_t stride = (size_t)chunk->rows.width * (size_t)chunk->rows.height;
+    int x = chunk->picture.at.x + index % chunk->picture.at.width,
+        y = chunk->picture.at.y + index / chunk->picture.at.width,
+        surface = chunk->picture.surface[index];
+    size_t stride = (size_t)chunk->picture.at.width * (size_t)chunk->picture.at.height;
     bool definite = false, found = false;
     int n = legal_fragments(picture, x, y, &definite);
     long double best = HUGE_VALL;
@@ -276,7 +296,7 @@ static void judge_pixel(struct picture *picture, const struct chunk *chunk, int 
         if (picture->fragments[i].triangle->surface == surface) {
             found = true;
             best = fminl(best, ratio_of_sides(picture, &picture->fragments[i],
-                                              chunk->weights + index, NULL, stride));
+                                              chunk->picture.rows + index, NULL, stride));
         }
     tally->pixels++;
     tally->covered += surface >= 0;
@@ -290,19 +310,19 @@ static void judge_pixel(struct picture *picture, const struct chunk *chunk, int 
     tally->wrong_weight += off;
     if (n == 1 && definite && found)
         tally->worst = fmaxl(tally->worst, best);
-    if (n == 1 && definite && found && !is_loose(chunk, index))
+    struct bounded_rows bounded = rows_of(chunk, index);
+    if (n == 1 && definite && found && bounded.errors)
         tally->worst_scaled =
-            fmaxl(tally->worst_scaled,
-                  ratio_of_sides(picture, &picture->fragments[0], chunk->weights + index,
-                                 chunk->errors + index, stride));
+            fmaxl(tally->worst_scaled, ratio_of_sides(picture, &picture->fragments[0], bounded.rows,
+                                                      bounded.errors, bounded.stride));
 }
 
-static void judge_picture(struct picture *picture, struct tally *tally)
+static void judge_picture(struct both *picture, struct tally *tally)
 {
     for (int i = 0; i < n_chunks(picture); i++) {
         struct chunk chunk;
         open_chunk(picture, i, &chunk);
-        for (int p = 0; p < chunk.rows.width * chunk.rows.height; p++)
+        for (int p = 0; p < chunk.picture.at.width * chunk.picture.at.height; p++)
             judge_pixel(picture, &chunk, p, tally);
         chunk_free(&chunk);
     }
@@ -310,7 +330,7 @@ static void judge_picture(struct picture *picture, struct tally *tally)
 
 static void judge_scene(const char *path, bool exact, struct tally *tally)
 {
-    struct picture picture;
+    struct both picture;
     open_picture(path, exact, &picture);
     judge_lights(&picture.plan, &tally->worst_light);
     judge_picture(&picture, tally);
@@ -460,7 +480,7 @@ static struct point random_centre(uint64_t *state)
     return (struct point){pixel % WIDTH + 0.5, pixel / WIDTH + 0.5, 0};
 }
 
-enum hard { SLIVERS, NEEDLES, EDGES_ON_CENTRES, CORNERS_ON_CENTRES, FAR_OFF, FARTHEST, ON_GRID };
+enum hard { SLIVERS, NEEDLES, EDGES_ON_CENTRES, CORNERS_ON_CENTRES, FAR_OFF, FAR_AWAY, ON_GRID };
 
 /* Corners in the window, z being the distance from the eye. */
 static void hard_triangle(enum hard kind, uint64_t *state, struct point out[3])
@@ -471,7 +491,7 @@ static void hard_triangle(enum hard kind, uint64_t *state, struct point out[3])
         thin = random_power(state, -18, -12);
     for (int i = 0; i < 3; i++) {
         struct point to = random_point(state, -1, 1);
-        double far = random_power(state, 2, kind == FARTHEST ? 7 : 4),
+        double far = random_power(state, 2, kind == FAR_AWAY ? 7 : 4),
                along = reach * (i - 1 + 0.3 * to.z);
         double beside = reach * (i == 1 ? thin : -thin);
         double x = WIDTH / 2 + 40 * to.x, y = HEIGHT / 2 + 24 * to.y;
@@ -490,7 +510,7 @@ static void hard_triangle(enum hard kind, uint64_t *state, struct point out[3])
             y = i == 1 ? p.y : y;
             break;
         case FAR_OFF:
-        case FARTHEST:
+        case FAR_AWAY:
             x = p.x + far * to.x;
             y = p.y + far * to.y;
             break;
@@ -504,7 +524,7 @@ static void hard_triangle(enum hard kind, uint64_t *state, struct point out[3])
     }
 }
 
-struct view {
+struct eye_view {
     bool perspective;
     double scale; /* of everything */
 };
@@ -516,14 +536,14 @@ static void put_vertex(FILE *file, uint64_t *state, struct point p)
 }
 
 /* From the window into the space of the eye: parallel, or at a right angle vertically. */
-static struct point unproject(struct view view, struct point p)
+static struct point unproject(struct eye_view view, struct point p)
 {
     double by = view.perspective ? 2 * p.z / HEIGHT : 1;
     return (struct point){by * (p.x - WIDTH / 2), by * (HEIGHT / 2 - p.y), -p.z};
 }
 
 /* A scene of one mesh, which is written next; closed by the caller. */
-static FILE *open_mesh(struct view view, char path[4096])
+static FILE *open_mesh(struct eye_view view, char path[4096])
 {
     char mesh[4096 + 8];
     FILE *file;
@@ -554,7 +574,7 @@ static void put_face(FILE *file, int a, int b, int c)
     fprintf(file, "f %d//%d %d//%d %d//%d\n", a, a, b, b, c, c);
 }
 
-static void check_hard_triangles(enum hard kind, struct view view, const char *name)
+static void check_hard_triangles(enum hard kind, struct eye_view view, const char *name)
 {
     enum { PICTURES = 20, TRIANGLES = 25 };
     uint64_t state = 5;
@@ -578,7 +598,7 @@ static void check_hard_triangles(enum hard kind, struct view view, const char *n
 /* Corners all round the eye: in front of it, beside it and behind. */
 static void check_around_eye(void)
 {
-    const struct view view = {true, 1};
+    const struct eye_view view = {true, 1};
     uint64_t state = 6;
     struct tally tally = {.pixels = 0};
     char path[4096];
@@ -601,27 +621,27 @@ static void check_around_eye(void)
 /* ---- triangles that share edges ---- */
 
 /* Draws a picture of one mesh with one triangle, which takes the place of the first one. */
-static void draw_alone(struct picture *picture, int triangle, bool covered[WIDTH * HEIGHT])
+static void draw_alone(struct both *picture, int triangle, bool covered[WIDTH * HEIGHT])
 {
     struct mesh *mesh = &picture->plan.meshes[0].mesh;
-    int n = mesh->n_triangles;
+    struct instance *instance = &picture->plan.instances[0].instance;
     memmove(mesh->triangles[0], mesh->triangles[triangle], sizeof mesh->triangles[0]);
-    mesh->n_triangles = 1;
+    instance->n_triangles = 1;
     for (int i = 0; i < n_chunks(picture); i++) {
         struct chunk chunk;
         open_chunk(picture, i, &chunk);
-        for (int p = 0; p < WIDTH * chunk.rows.height; p++)
-            covered[chunk.rows.y * WIDTH + p] = chunk.surface[p] >= 0;
+        for (int p = 0; p < WIDTH * chunk.picture.at.height; p++)
+            covered[chunk.picture.at.y * WIDTH + p] = chunk.picture.surface[p] >= 0;
         chunk_free(&chunk);
     }
-    mesh->n_triangles = n;
+    instance->n_triangles = mesh->n_triangles;
 }
 
 /* Every pixel of the rows from first to last must be covered by one triangle of the mesh, any other
  * by none. */
 static void check_once(const char *path, int first, int last, const char *name)
 {
-    struct picture picture;
+    struct both picture;
     bool covered[WIDTH * HEIGHT];
     int counts[WIDTH * HEIGHT] = {0}, wrong = 0;
     open_picture(path, false, &picture);
@@ -640,7 +660,7 @@ static void check_once(const char *path, int first, int last, const char *name)
 
 /* A grid of squares cut in halves, larger than the picture: corners and edges lie on pixel centres,
  * but for one corner in `moved`. */
-static void check_grid(struct view view, int moved, const char *name)
+static void check_grid(struct eye_view view, int moved, const char *name)
 {
     enum { STEP = 4, ACROSS = WIDTH / STEP + 4, DOWN = HEIGHT / STEP + 4 };
     uint64_t state = 8;
@@ -672,7 +692,7 @@ static void check_grid(struct view view, int moved, const char *name)
  * from 1, where the near plane is, in row 29 to 29 in row 16. */
 static void check_floor(void)
 {
-    const struct view view = {true, 1};
+    const struct eye_view view = {true, 1};
     enum { SIDE = 12 };
     uint64_t state = 9;
     char path[4096];
@@ -752,7 +772,6 @@ static void check_signs(void)
 {
     enum { POINTS = 300000 };
     uint64_t state = 10;
-    const double none[3] = {0, 0, 0};
     int wrong = 0, unequal = 0, near = 0;
     for (int i = 0; i < POINTS; i++) {
         struct point p = random_centre(&state);
@@ -763,14 +782,14 @@ static void check_signs(void)
             x[c] = nudged(&state, p.x + (i % 4 ? along * to.x : to.z));
             y[c] = nudged(&state, p.y + along * to.y);
         }
-        struct edge_values edges, back;
-        edges_at(x, y, p.x, p.y, none, &edges);
+        struct edge_functions edges, back;
+        edges_at(x, y, p.x, p.y, &edges);
         double ax = x[1] - p.x, ay = y[1] - p.y, bx = x[2] - p.x, by = y[2] - p.y;
         double bound = 0x1.01p-53 * (fabs(ax * by) + fabs(bx * ay)), e = edges.e[0];
         near += fabs(e) <= 8 * bound;
         wrong += fabs(e) > bound && (e < 0 ? -1 : 1) != exact_sign(ax, ay, bx, by);
         const double x_back[3] = {x[0], x[2], x[1]}, y_back[3] = {y[0], y[2], y[1]};
-        edges_at(x_back, y_back, p.x, p.y, none, &back);
+        edges_at(x_back, y_back, p.x, p.y, &back);
         unequal += back.e[0] < -e || back.e[0] > -e;
     }
     CHECK(near > POINTS / 4, "many corners are in line with the centre but for a few roundings");
@@ -784,14 +803,14 @@ static void check_signs(void)
 /* Triangles so thin that the rounded corners decide: a centre is covered if the corners as they lie
  * in the window, moved by the centre, turn round it, and not if they do not. On an edge either may
  * be, which grids decide. */
-static void check_needles(struct view view, const char *name)
+static void check_needles(struct eye_view view, const char *name)
 {
     enum { TRIANGLES = 1000 };
     uint64_t state = 11;
     int inside = 0, wrong = 0;
     bool covered[WIDTH * HEIGHT];
     char path[4096];
-    struct picture picture;
+    struct both picture;
     FILE *file = open_mesh(view, path);
     for (int t = 0; t < TRIANGLES; t++) {
         struct point corners[3];
@@ -802,11 +821,11 @@ static void check_needles(struct view view, const char *name)
     }
     fclose(file);
     open_picture(path, false, &picture);
-    const struct mesh *mesh = picture.surfaces[0].mesh;
-    for (int t = 0; t < mesh->n_triangles; t++) {
+    const struct instance *instance = picture.lit.surfaces[0].instance;
+    for (int t = 0; t < instance->n_triangles; t++) {
         draw_alone(&picture, t, covered);
         for (int p = 0; p < WIDTH * HEIGHT; p++) {
-            int turn = turn_round(&picture.surfaces[0], mesh->triangles[t], p);
+            int turn = turn_round(&picture.lit.surfaces[0], instance->triangles[t], p);
             inside += turn > 0;
             wrong += (turn > 0 && !covered[p]) || (turn < 0 && covered[p]);
         }
@@ -819,8 +838,8 @@ static void check_needles(struct view view, const char *name)
 
 int main(void)
 {
-    const struct view parallel = {false, 1}, perspective = {true, 1}, tiny = {false, 0x1p-20},
-                      huge = {true, 1e6};
+    const struct eye_view parallel = {false, 1}, perspective = {true, 1}, tiny = {false, 0x1p-20},
+                          huge = {true, 1e6};
     check_random_scenes();
     check_hard_triangles(SLIVERS, parallel, "slivers");
     check_hard_triangles(SLIVERS, perspective, "slivers in perspective");
@@ -830,7 +849,7 @@ int main(void)
     check_hard_triangles(CORNERS_ON_CENTRES, tiny, "such corners, far smaller");
     check_hard_triangles(FAR_OFF, parallel, "corners far off");
     check_hard_triangles(FAR_OFF, perspective, "corners far off in perspective");
-    check_hard_triangles(FARTHEST, parallel, "corners where single precision has no bound");
+    check_hard_triangles(FAR_AWAY, parallel, "corners where single precision has no bound");
     check_hard_triangles(ON_GRID, parallel, "corners on a grid, without error");
     check_around_eye();
     check_grid(parallel, 0, "a grid on pixel centres");

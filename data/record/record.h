@@ -15,7 +15,7 @@ struct record {
     const char *program; /* name and version */
     const char *scene;   /* as the command line named it */
     const char *scene_sha256;
-    const char *renderer;              /* "raster", or OpenGL's GL_RENDERER */
+    const char *renderer;        /* "raster", or OpenGL's GL_RENDERER */
     char *options[MAX_RECORDED]; /* each one word: "--size=300x200"; not owned */
     int n_options;
     /* The lights of the scene, each as SPECTRUM*INTENSITY; the arrays are owned. */

@@ -65,7 +65,7 @@ struct scene {
     struct camera camera;
     bool local_viewer;
     enum shading_kind shading;
-    double tessellation;       /* factor of all slices, stacks, ... of built-in shapes */
+    double tessellation; /* factor of all slices, stacks, ... of built-in shapes */
     struct place viewer_place, shading_place, wavelengths_place, size_place;
     struct ambient *ambients;
     struct light *lights;

@@ -84,7 +84,7 @@ struct material_terms {
     const struct material *material;
     int n;
     struct spectral_term *terms; /* owned */
-    double *spectra;    /* [term][page]; owned */
+    double *spectra;             /* [term][page]; owned */
     bool ambient, emits, fluoresces;
     long excitation_integrals; /* that were computed */
 };

@@ -2,8 +2,8 @@
 /* How far OpenGL's single precision may be off from the reference: at a vertex, inside a triangle,
  * in a texture. The reference's values come in; what comes out are bounds on absolute errors, which
  * hold for every order of operations, with or without fused multiply-add. u = 2^-24 is the unit
- * roundoff of single precision; "slack" bounds a position. VERIFYING: each bound is derived where it
- * is computed, and held against single-precision arithmetic by test/test_raster.c. */
+ * roundoff of single precision; "slack" bounds a position. VERIFYING: each bound is derived where
+ * it is computed, and held against single-precision arithmetic by test/test_raster.c. */
 #ifndef BOUNDS_H
 #define BOUNDS_H
 
@@ -48,10 +48,10 @@ struct vertex_bounds {
     bool exact;        /* x and y have no error, and lie on a grid of 1/256 pixel */
 };
 struct surface_bounds {
-    const struct finish *finish;
-    const struct body *body;
+    const struct shaded_material *shaded;
+    const struct placed_instance *placed;
     struct vertex_bounds *vertices;
-    float *errors; /* of surface.weights, in the same order */
+    float *errors;                   /* of surface.weights, in the same order */
     double left, top, right, bottom; /* in the window; everything where a vertex is not in front */
 };
 /* A scene with all of its vertices in the window and lit, by the reference and with bounds. */
@@ -90,8 +90,8 @@ struct inverse_w_bound {
 /* A triangle as OpenGL sets it up for interpolation, after clipping. */
 struct clipped_triangle {
     double x[3], y[3], z[3], inverse_w[3], share[3][3]; /* as of struct screen_triangle */
-    double slack_px[3];      /* of each corner in x and y */
-    double edge_px[3];       /* the same as OpenGL follows edges */
+    double slack_px[3];                                 /* of each corner in x and y */
+    double edge_px[3];                                  /* the same as OpenGL follows edges */
     double grid_px;          /* by how much that differs from where OpenGL interpolates between */
     double slack_w;          /* relative, of w */
     double slack_depth;      /* of a corner */
@@ -117,13 +117,13 @@ struct colour_bound bound_colour(const struct clipped_triangle *triangle, const 
 
 /* A part of a triangle in front of the eye, with the bounds that hold for all of it. */
 struct bounded_triangle {
-    struct screen_triangle screen; /* cut by planes that single precision may reach */
-    bool other_side;               /* the same place once more, for its other side */
-    bool edge_on;                  /* OpenGL may see it turned the other way */
-    bool cut;                      /* by the near or the far plane */
-    bool straddles;                /* OpenGL cuts it at the tile's border */
+    struct screen_triangle screen;    /* cut by planes that single precision may reach */
+    bool other_side;                  /* the same place once more, for its other side */
+    bool edge_on;                     /* OpenGL may see it turned the other way */
+    bool cut;                         /* by the near or the far plane */
+    bool straddles;                   /* OpenGL cuts it at the tile's border */
     int32_t first_clipped, n_clipped; /* triangles that OpenGL sets up, in the list of a chunk */
-    double slack_px;    /* of a corner, as OpenGL interpolates */
+    double slack_px;                  /* of a corner, as OpenGL interpolates */
     double edge_px[3];  /* of each corner as OpenGL follows edges; 0: without any error */
     double slack_w;     /* relative, of w */
     double slack_depth; /* of a corner */

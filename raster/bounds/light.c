@@ -3,8 +3,8 @@
  * with.
  *
  * Bounds count the roundings of a single-precision pipeline in any order of operations, with or
- * without fused multiply-add; u = 2^-24 is the unit roundoff of single precision. "e_" is a bound on
- * an absolute error. The values that errors are relative to are the reference's. */
+ * without fused multiply-add; u = 2^-24 is the unit roundoff of single precision. "e_" is a bound
+ * on an absolute error. The values that errors are relative to are the reference's. */
 #include <float.h>
 #include <math.h>
 
@@ -41,8 +41,9 @@ static void cofactor_magnitudes(const struct matrix *m, double out[3][3])
 }
 
 /* How far the upper 3x3 is from a rotation, scaled alike in all directions. Mesa takes it for one
- * where the squared lengths of its columns and their products differ by less than 1e-6 (m_matrix.c),
- * and then uses its transpose for its inverse, so that such a distance is an error. */
+ * where the squared lengths of its columns and their products differ by less than 1e-6
+ * (m_matrix.c), and then uses its transpose for its inverse, so that such a distance is an error.
+ */
 static double distance_from_rigid(const struct matrix *m)
 {
     double dots[3][3], distance = 0;
@@ -253,8 +254,9 @@ static void add_light(const struct eye_light *light, const struct vertex_view *v
             continue;
         struct weight weight = diffuse_weight(n_l);
         if (instance->terms[t].reflection == SPECULAR)
-            weight = gated_power(n_l, cosine_between(vertex->normal, half_way(vertex, path.towards)),
-                                 instance->gloss, vertex);
+            weight =
+                gated_power(n_l, cosine_between(vertex->normal, half_way(vertex, path.towards)),
+                            instance->gloss, vertex);
         add_error(weakened ? product(weight, left) : weight, light->share, &errors[t]);
     }
 }

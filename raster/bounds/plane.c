@@ -105,7 +105,8 @@ static double plane_rounding(const struct clipped_triangle *triangle, const stru
            4 * u * largest(q);
 }
 
-double bound_linear(const struct clipped_triangle *triangle, const double values[3], double e_values)
+double bound_linear(const struct clipped_triangle *triangle, const double values[3],
+                    double e_values)
 {
     struct edges edges = edges_of(triangle);
     return largest(triangle->slack_px) * edges.spread * norm(gradient_of(&edges, values)) +

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* How far OpenGL's single precision may be off in a texture. OpenGL turns a coordinate s into texels
- * by scale, offset and wrapping (4 roundings relative to s x width or to the width), finds weights
- * exactly, and mixes four texels. u = 2^-24. */
+/* How far OpenGL's single precision may be off in a texture. OpenGL turns a coordinate s into
+ * texels by scale, offset and wrapping (4 roundings relative to s x width or to the width), finds
+ * weights exactly, and mixes four texels. u = 2^-24. */
 #include <float.h>
 #include <math.h>
 
@@ -25,11 +25,10 @@ struct texel_point texel_point(const struct texels *texels, const double s_t[2],
     struct texel_point at;
     texel_place(texels, s_t, at.place);
     for (int i = 0; i < 2; i++)
-        at.e_place[i] =
-            fabs(s_t[0] * size[0]) < 0x1p40 && fabs(s_t[1] * size[1]) < 0x1p40
-                ? (float)fmin((double)FLT_MAX,
-                              size[i] * ((double)e_s_t[i] + 4 * u * (1 + fabs(s_t[i]))))
-                : FLT_MAX;
+        at.e_place[i] = fabs(s_t[0] * size[0]) < 0x1p40 && fabs(s_t[1] * size[1]) < 0x1p40
+                            ? (float)fmin((double)FLT_MAX,
+                                          size[i] * ((double)e_s_t[i] + 4 * u * (1 + fabs(s_t[i]))))
+                            : FLT_MAX;
     return at;
 }
 

@@ -91,8 +91,8 @@ static void planes_of(const struct lit_scene *lit, const struct screen_triangle 
     planes[5] = (struct clip_plane){{0, 0, -1, 1}, 2 * error};
 }
 
-/* What planes first .. CLIP_PLANES - 1 leave of the whole triangle. Its corners come in the order in
- * which OpenGL gets them, which decides how it fans the polygon. */
+/* What planes first .. CLIP_PLANES - 1 leave of the whole triangle. Its corners come in the order
+ * in which OpenGL gets them, which decides how it fans the polygon. */
 static struct polygon polygon_of(const struct lit_scene *lit, const struct screen_triangle *screen,
                                  bool turned, const struct rectangle *tile, int first)
 {
@@ -207,8 +207,8 @@ static struct clipped_triangle clipped(const struct lit_scene *lit,
     return out;
 }
 
-/* Those that clipping at the tile's border and in depth makes. Where hardly anything of the triangle
- * is in the tile, nothing is known of it. */
+/* Those that clipping at the tile's border and in depth makes. Where hardly anything of the
+ * triangle is in the tile, nothing is known of it. */
 static int clip_to_tile(const struct lit_scene *lit, const struct rectangle *tile,
                         const struct bounded_triangle *triangle,
                         struct clipped_triangle out[CLIP_CORNERS - 2])
@@ -300,8 +300,8 @@ static bool crosses_depth(const struct lit_scene *lit, const struct screen_trian
 {
     for (int i = 0; i < 3; i++) {
         double z = lit->surfaces[screen->surface].vertices[screen->vertex[i]].z,
-               slack = (double)vertex_bounds(lit, screen, i)->slack_depth +
-                       depth_rounding(lit->driver);
+               slack =
+                   (double)vertex_bounds(lit, screen, i)->slack_depth + depth_rounding(lit->driver);
         if (z < slack || z > 1 - slack)
             return true;
     }
@@ -312,8 +312,7 @@ static bool crosses_border(const struct lit_scene *lit, const struct screen_tria
                            const struct rectangle *tile)
 {
     for (int i = 0; i < 3; i++) {
-        const struct window_vertex *v =
-            &lit->surfaces[screen->surface].vertices[screen->vertex[i]];
+        const struct window_vertex *v = &lit->surfaces[screen->surface].vertices[screen->vertex[i]];
         double slack = (double)vertex_bounds(lit, screen, i)->slack_px;
         if (v->x - slack < tile->x || v->x + slack > tile->x + tile->width ||
             v->y - slack < tile->y || v->y + slack > tile->y + tile->height)

@@ -43,8 +43,7 @@ static void bound_place(const struct plan *plan, const double magnitude[4],
     bool perspective = plan->scene->camera.perspective;
     double w = vertex->clip[3], half_width = 0.5 * plan->scene->width,
            half_height = 0.5 * plan->scene->height, shift = plan->tiled,
-           unit = TRANSFORM_ROUNDINGS * u,
-           e_w = perspective ? EYE_ROUNDINGS * u * magnitude[3] : 0;
+           unit = TRANSFORM_ROUNDINGS * u, e_w = perspective ? EYE_ROUNDINGS * u * magnitude[3] : 0;
     double e_x = unit * (magnitude[0] + shift * magnitude[3]),
            e_y = unit * (magnitude[1] + shift * magnitude[3]), e_z = unit * magnitude[2];
     out->e_clip[CLIP_XY] = (float)fmax(e_x, e_y);
@@ -62,8 +61,8 @@ static void bound_place(const struct plan *plan, const double magnitude[4],
 
 /* ---- where no error is made ---- */
 
-/* Whether the clip coordinates of an instance's vertices may come out exact: an orthographic picture
- * in one tile, and matrices that multiply without rounding. Their product is stored. */
+/* Whether the clip coordinates of an instance's vertices may come out exact: an orthographic
+ * picture in one tile, and matrices that multiply without rounding. Their product is stored. */
 static bool may_be_exact(const struct plan *plan, const struct instance *instance,
                          struct matrix *product)
 {
@@ -111,13 +110,13 @@ static void make_vertex(const struct bounding *of, int index, struct light_work 
     magnitudes(&instance->model_view, object, eye_magnitude);
     magnitudes(&of->plan->view.projection, eye_magnitude, clip_magnitude);
     bound_place(of->plan, clip_magnitude, &of->surface->vertices[index], out);
-    out->exact = of->may_be_exact &&
-                 is_exact(of->plan, &of->product, object, &of->surface->vertices[index]);
+    out->exact =
+        of->may_be_exact && is_exact(of->plan, &of->product, object, &of->surface->vertices[index]);
     if (out->exact)
         out->slack_px = 0;
     double e_eye = EYE_ROUNDINGS * u * (eye_magnitude[0] + eye_magnitude[1] + eye_magnitude[2]);
-    light_bounds(&of->plan->view, of->surface, &of->normals, index, e_eye,
-                 of->plan->options.check, of->bounds->errors, work);
+    light_bounds(&of->plan->view, of->surface, &of->normals, index, e_eye, of->plan->options.check,
+                 of->bounds->errors, work);
 }
 
 /* ---- what is refused ---- */
@@ -130,7 +129,7 @@ static bool check_texture(const struct surface *surface, const struct surface_bo
     const double *s_t = surface->weights + at;
     struct texel_point place = texel_point(&surface->instance->texels, s_t, bounds->errors + at);
     return ((double)place.e_place[0] < 0.5 && (double)place.e_place[1] < 0.5) ||
-           error_at(err, bounds->body->object->place,
+           error_at(err, bounds->placed->object->place,
                     "the texture coordinates %.6g %.6g of vertex %d are too large for single "
                     "precision; the texture must repeat less often",
                     s_t[0], s_t[1], index + 1);
@@ -149,13 +148,13 @@ static bool check_vertex(const struct surface *surface, const struct surface_bou
     for (size_t i = first; i < last; i++)
         weights += surface->weights[i] + (double)bounds->errors[i];
     if (!isfinite(sum))
-        return error_at(err, bounds->body->object->place,
+        return error_at(err, bounds->placed->object->place,
                         "vertex %d of this object is not finite in the window; "
                         "coordinates and scales are too large",
                         index + 1);
     if (surface->instance->textured && !check_texture(surface, bounds, index, err))
         return false;
-    return isfinite(weights) || error_at(err, bounds->body->object->place,
+    return isfinite(weights) || error_at(err, bounds->placed->object->place,
                                          "vertex %d of this object reflects no finite radiance; "
                                          "a light that weakens with distance may be too near",
                                          index + 1);
@@ -195,7 +194,7 @@ static bool check_near(const struct plan *plan, const struct surface *surface,
         error = fmax(error, (double)bounds->vertices[vertex[i]].e_clip[CLIP_Z]);
     return error <= 0.125 * plan->near || least_w(surface, bounds, vertex) > 8 * error ||
            error_at(
-               err, bounds->body->object->place,
+               err, bounds->placed->object->place,
                "triangle %d of this object reaches the eye, and single precision does not know "
                "depths there better than %.3g; the camera's near plane, at %.6g, must lie "
                "farther away",
@@ -238,14 +237,14 @@ bool surface_reaches(const struct surface_bounds *surface, const struct rectangl
            surface->bottom >= at->y && surface->top <= at->y + at->height;
 }
 
-static bool allocate(const struct plan *plan, const struct body *body, struct surface *surface,
-                     struct surface_bounds *bounds)
+static bool allocate(const struct plan *plan, const struct placed_instance *placed,
+                     struct surface *surface, struct surface_bounds *bounds)
 {
-    bounds->body = body;
-    bounds->finish = &plan->finishes[body->finish];
-    bool opened = surface_open(&body->instance, surface);
-    size_t n_weights = surface_attributes(surface, body->instance.n_vertices, 0);
-    bounds->vertices = calloc((size_t)body->instance.n_vertices + 1, sizeof *bounds->vertices);
+    bounds->placed = placed;
+    bounds->shaded = &plan->materials[placed->shaded];
+    bool opened = surface_open(&placed->instance, surface);
+    size_t n_weights = surface_attributes(surface, placed->instance.n_vertices, 0);
+    bounds->vertices = calloc((size_t)placed->instance.n_vertices + 1, sizeof *bounds->vertices);
     bounds->errors = calloc(n_weights + 1, sizeof *bounds->errors);
     return opened && bounds->vertices && bounds->errors;
 }
@@ -253,16 +252,16 @@ static bool allocate(const struct plan *plan, const struct body *body, struct su
 static bool make_surface(const struct lit_scene *lit, int index, struct light_work *work,
                          struct error *err)
 {
-    const struct body *body = &lit->plan->bodies[index];
+    const struct placed_instance *placed = &lit->plan->instances[index];
     struct bounding of = {.plan = lit->plan,
                           .surface = &lit->surfaces[index],
                           .bounds = &lit->bounds[index],
-                          .normals = normal_bounds(&body->instance)};
-    if (!allocate(lit->plan, body, of.surface, of.bounds))
+                          .normals = normal_bounds(&placed->instance)};
+    if (!allocate(lit->plan, placed, of.surface, of.bounds))
         return error_memory(err);
-    of.may_be_exact = may_be_exact(lit->plan, &body->instance, &of.product);
+    of.may_be_exact = may_be_exact(lit->plan, &placed->instance, &of.product);
     long lit_vertices = 0, specular = 0, powers = 0;
-    int n_vertices = body->instance.n_vertices;
+    int n_vertices = placed->instance.n_vertices;
 #pragma omp parallel for reduction(+ : lit_vertices, specular, powers) \
     num_threads(lit->plan->options.threads)
     for (int i = 0; i < n_vertices; i++) {
@@ -284,7 +283,7 @@ static bool make_surface(const struct lit_scene *lit, int index, struct light_wo
 bool lit_make(const struct plan *plan, const struct driver *driver, struct lit_scene *out,
               struct light_work *work, struct error *err)
 {
-    size_t n = (size_t)plan->n_bodies + 1;
+    size_t n = (size_t)plan->n_instances + 1;
     *work = (struct light_work){0};
     *out = (struct lit_scene){.plan = plan,
                               .driver = driver,
@@ -292,7 +291,7 @@ bool lit_make(const struct plan *plan, const struct driver *driver, struct lit_s
                               .bounds = calloc(n, sizeof *out->bounds)};
     if (!out->surfaces || !out->bounds)
         return error_memory(err);
-    for (int i = 0; i < plan->n_bodies; i++)
+    for (int i = 0; i < plan->n_instances; i++)
         if (!make_surface(out, i, work, err))
             return false;
     return true;
@@ -300,7 +299,7 @@ bool lit_make(const struct plan *plan, const struct driver *driver, struct lit_s
 
 void lit_free(struct lit_scene *lit)
 {
-    for (int i = 0; lit->surfaces && lit->bounds && i < lit->plan->n_bodies; i++) {
+    for (int i = 0; lit->surfaces && lit->bounds && i < lit->plan->n_instances; i++) {
         surface_close(&lit->surfaces[i]);
         free(lit->bounds[i].vertices);
         free(lit->bounds[i].errors);

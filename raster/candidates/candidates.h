@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* What OpenGL may show at each pixel: the reference's picture, every other triangle that may be seen
- * there without being wrong, with weights and bounds, and how many fragments may be drawn. Triangles
- * are walked a second time for that, after the reference has drawn. */
+/* What OpenGL may show at each pixel: the reference's picture, every other triangle that may be
+ * seen there without being wrong, with weights and bounds, and how many fragments may be drawn.
+ * Triangles are walked a second time for that, after the reference has drawn. */
 #ifndef CANDIDATES_H
 #define CANDIDATES_H
 
@@ -25,11 +25,12 @@ struct fragment {
     bool loose; /* its colour has no bound */
     double depth, depth_error;
 };
-struct fragment_list { /* of a pixel */
+struct fragment_list {              /* of a pixel */
     int32_t head;                   /* first possible fragment; -1: none */
     int32_t n_candidates, n_pruned; /* in the list; when it was last rid of hidden ones */
     double limit; /* upper bound on the depth of the nearest definite fragment; HUGE_VAL: none */
-    /* fragments, hidden ones too: definite ones, possible ones, and the reference's of the latter */
+    /* fragments, hidden ones too: definite ones, possible ones, and the reference's of the latter
+     */
     uint32_t n_definite, n_possible, n_covered;
     /* Each edge that runs by within its slack, a random number for one direction and its negative
      * for the other, adds to one of these, by how its triangle turns. Both are 0 where all these
@@ -52,8 +53,8 @@ struct fragments {
 /* Finds the fragments of all pixels of out->rows; lit, tile and rows are set. False: no memory. */
 bool fragments_find(struct fragments *out);
 void fragments_free(struct fragments *fragments);
-/* Which clipped triangles OpenGL may have at a point: bit i stands for number i. Beyond the near and
- * the far plane there may be any: they end there, but single precision does not know where. */
+/* Which clipped triangles OpenGL may have at a point: bit i stands for number i. Beyond the near
+ * and the far plane there may be any: they end there, but single precision does not know where. */
 unsigned clipped_at(const struct fragments *fragments, const struct bounded_triangle *triangle,
                     double px, double py);
 /* Whether an edge near the centre always has a triangle on either side. */

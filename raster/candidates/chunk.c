@@ -17,7 +17,8 @@ struct attribute_bound {
     float constant, fixed, per_d, slope;
 };
 
-/* A pixel's attributes, with bounds on OpenGL's errors and on their change within a pixel's width. */
+/* A pixel's attributes, with bounds on OpenGL's errors and on their change within a pixel's width.
+ */
 struct bounded_pixel {
     const struct bounded_triangle *triangle;
     const struct surface *surface;
@@ -51,8 +52,9 @@ static bool is_flat(const struct bounding *bounding, const struct surface *surfa
 /* Of an attribute where six planes may cut: a difference, a product and a sum each. */
 enum { CUT_ROUNDINGS = 18 };
 
-/* The bound of one attribute in one clipped triangle: of its interpolation, and by how much position
- * errors magnify those of its vertices. Where the triangle has no bound, its values' range. */
+/* The bound of one attribute in one clipped triangle: of its interpolation, and by how much
+ * position errors magnify those of its vertices. Where the triangle has no bound, its values'
+ * range. */
 static struct colour_bound clipped_bound(const struct bounding *bounding,
                                          const struct bounded_triangle *triangle,
                                          const struct clipped_triangle *clipped, size_t attribute)
@@ -79,9 +81,8 @@ static struct colour_bound clipped_bound(const struct bounding *bounding,
 }
 
 /* Bounds of all attributes in clipped triangle `index` of a triangle. */
-static const struct attribute_bound *bounds_of(struct bounding *bounding,
-                                               const struct bounded_triangle *triangle,
-                                               int32_t index)
+static const struct attribute_bound *
+bounds_of(struct bounding *bounding, const struct bounded_triangle *triangle, int32_t index)
 {
     const struct surface *surface = bounding->pixel.surface;
     size_t at = (size_t)(triangle->first_clipped + index);
@@ -141,13 +142,12 @@ static void interpolate_errors(struct bounding *bounding, const double share[3])
         double error = 0;
         for (int j = 0; j < 3; j++)
             error += fabs(share[j]) * (double)corner[j][a];
-        bounding->pixel.errors[a] =
-            is_flat(bounding, surface, a) ? provoking[a] : (float)error;
+        bounding->pixel.errors[a] = is_flat(bounding, surface, a) ? provoking[a] : (float)error;
     }
 }
 
-/* The attributes of a triangle at a pixel, by the reference, and their bounds. The bounds of weights
- * do not need the weights themselves, unless there is a texture. */
+/* The attributes of a triangle at a pixel, by the reference, and their bounds. The bounds of
+ * weights do not need the weights themselves, unless there is a texture. */
 static void bound_pixel(struct bounding *bounding, const struct bounded_triangle *triangle, int x,
                         int y, bool weights_matter)
 {
@@ -176,26 +176,25 @@ static void take_place(struct bounded_pixel *pixel, const struct texel_point *pl
 {
     const struct instance *instance = pixel->surface->instance;
     pixel->place = *place;
-    pixel->value = instance->textured && !instance->varied
-                       ? texel_at(&instance->texels, place->place)
-                       : 1;
+    pixel->value =
+        instance->textured && !instance->varied ? texel_at(&instance->texels, place->place) : 1;
 }
 
 static const struct texture *texture_of(const struct bounding *bounding)
 {
     const struct lit_scene *lit = bounding->fragments.lit;
-    return lit->bounds[bounding->pixel.triangle->screen.surface].finish->texture;
+    return lit->bounds[bounding->pixel.triangle->screen.surface].shaded->texture;
 }
 
-/* Bound on how much the radiance of the pixel changes within a pixel's width, in any wavelength. The
- * texels of a spectral texture may differ by all there is. */
+/* Bound on how much the radiance of the pixel changes within a pixel's width, in any wavelength.
+ * The texels of a spectral texture may differ by all there is. */
 static double steepness(const struct bounding *bounding)
 {
     const struct bounded_pixel *pixel = &bounding->pixel;
     const struct instance *instance = pixel->surface->instance;
     const struct lit_scene *lit = bounding->fragments.lit;
     const struct spectral_term *terms =
-        lit->bounds[pixel->triangle->screen.surface].finish->made.terms;
+        lit->bounds[pixel->triangle->screen.surface].shaded->made.terms;
     double step = 0, whole = 0;
     for (int t = 0; t < instance->n_terms; t++)
         step += (double)pixel->slopes[t] * terms[t].peak;
@@ -209,8 +208,7 @@ static double steepness(const struct bounding *bounding)
     double largest = texture_of(bounding)->largest;
     if (instance->varied)
         return (step + whole * (double)(near.e_place[0] + near.e_place[1])) * largest;
-    return step * pixel->value +
-           whole * texel_error(&instance->texels, &near, largest);
+    return step * pixel->value + whole * texel_error(&instance->texels, &near, largest);
 }
 
 /* Bounds on the errors of the rows of a pixel: see put_rows. */
@@ -305,10 +303,10 @@ static bool add_ambiguous(struct bounding *bounding, size_t index, int x, int y)
                     sizeof *out->ambiguous))
         return false;
     struct ambiguous_pixel *ambiguous = &out->ambiguous[out->n_ambiguous++];
-    *ambiguous = (struct ambiguous_pixel){
-        .pixel = (int32_t)index,
-        .first = (int32_t)out->n_candidates,
-        .background = pixel->limit == HUGE_VAL && !is_surely_covered(bounding, pixel)};
+    *ambiguous = (struct ambiguous_pixel){.pixel = (int32_t)index,
+                                          .first = (int32_t)out->n_candidates,
+                                          .background = pixel->limit == HUGE_VAL &&
+                                                        !is_surely_covered(bounding, pixel)};
     for (int32_t f = pixel->head; f >= 0; f = bounding->fragments.fragments[f].next)
         if (!add_candidates(bounding, &bounding->fragments.fragments[f], x, y))
             return false;
@@ -327,8 +325,7 @@ static bool is_settled(const struct bounding *bounding, size_t index)
     if (pixel->head < 0)
         return picture->surface[index] < 0;
     const struct fragment *only = &bounding->fragments.fragments[pixel->head];
-    const struct screen_triangle *screen =
-        &bounding->fragments.triangles[only->triangle].screen;
+    const struct screen_triangle *screen = &bounding->fragments.triangles[only->triangle].screen;
     return only->next < 0 && pixel->limit < HUGE_VAL && !only->loose &&
            picture->surface[index] == screen->surface &&
            picture->triangle[index] == screen->triangle;
@@ -348,8 +345,7 @@ static bool settle(struct bounding *bounding, size_t index, int x, int y)
     bound_pixel(bounding, triangle, x, y, false);
     int n = choices_of(&bounding->pixel, choices);
     take_place(&bounding->pixel, n == 1 ? &choices[0] : &bounding->pixel.place);
-    out->depth_error[index] =
-        stored_depth_error(triangle->depth_error, out->picture.depth[index]);
+    out->depth_error[index] = stored_depth_error(triangle->depth_error, out->picture.depth[index]);
     out->steepness[index] = (float)steepness(bounding);
     put_errors(bounding, out->errors + index, n_pixels);
     return n > 1;
@@ -445,7 +441,8 @@ struct rectangle chunk_rows(const struct rectangle *tile, int index)
 }
 
 bool chunks_each(const struct rectangle *tile, int threads,
-                 bool (*work)(void *context, const struct rectangle *tile, int index, struct error *err),
+                 bool (*work)(void *context, const struct rectangle *tile, int index,
+                              struct error *err),
                  void *context, struct error *err)
 {
     const int n = chunk_count(tile);
@@ -472,7 +469,7 @@ bool chunk_draw(const struct lit_scene *lit, const struct rectangle *tile, int i
     const struct plan *plan = lit->plan;
     const struct rectangle rows = chunk_rows(tile, index);
     *out = (struct chunk){.errors = NULL};
-    return (picture_draw(&plan->view, lit->surfaces, plan->n_bodies, &rows, plan->max_rows,
+    return (picture_draw(&plan->view, lit->surfaces, plan->n_instances, &rows, plan->max_rows,
                          &out->picture) &&
             (!plan->options.check || find_candidates(lit, tile, out))) ||
            error_memory(err);

@@ -115,7 +115,7 @@ static void add_edges(const struct visit *visit)
     const struct lit_scene *lit = visit->of->lit;
     const struct screen_triangle *screen = &visited(visit)->screen;
     uint64_t object =
-        (uint64_t)(lit->bounds[screen->surface].body->object - lit->plan->scene->objects);
+        (uint64_t)(lit->bounds[screen->surface].placed->object - lit->plan->scene->objects);
     for (int i = 0; i < 3; i++) {
         if (visit->edges.e[i] > visit->slack[i])
             continue;
@@ -238,7 +238,7 @@ static bool judge_fragment(struct visit *visit, enum presence presence, unsigned
         visit->pixel->open = true;
     }
     count_fragment(visit, presence, covered);
-    return visit->of->lit->bounds[triangle->screen.surface].body->twin ||
+    return visit->of->lit->bounds[triangle->screen.surface].placed->twin ||
            add_fragment(visit->of, visit->pixel, &fragment, presence == DEFINITE);
 }
 
@@ -296,7 +296,7 @@ bool fragments_find(struct fragments *out)
         return false;
     for (size_t i = 0; i < n_pixels; i++)
         out->pixels[i] = (struct fragment_list){.head = -1, .limit = HUGE_VAL};
-    for (int s = 0; s < out->lit->plan->n_bodies; s++) {
+    for (int s = 0; s < out->lit->plan->n_instances; s++) {
         if (!surface_reaches(&out->lit->bounds[s], &out->rows))
             continue;
         int n_triangles = out->lit->surfaces[s].instance->n_triangles;

@@ -16,7 +16,7 @@
 #include "raster/reference/reference.h"
 #include "spectral.h"
 
-/* A candidate on trial: it lives as long as it has explained everything. */
+/* A candidate on measurement: it lives as long as it has explained everything. */
 struct hypothesis {
     bool alive;
     struct check_samples samples;
@@ -35,13 +35,13 @@ static size_t count_pixels(const struct chunk *chunk)
 static void note_failure(struct check *check, size_t pixel, const struct check_failure *failure)
 {
     const struct rectangle *rows = &check->chunk->picture.at;
-    if (check->tally.first.found)
+    if (check->verdict.first.found)
         return;
-    check->tally.first = *failure;
-    check->tally.first.found = true;
-    check->tally.first.x = rows->x + (int)pixel % rows->width;
-    check->tally.first.y = rows->y + (int)pixel / rows->width;
-    check->tally.first.surface = check->chunk->picture.surface[pixel];
+    check->verdict.first = *failure;
+    check->verdict.first.found = true;
+    check->verdict.first.x = rows->x + (int)pixel % rows->width;
+    check->verdict.first.y = rows->y + (int)pixel / rows->width;
+    check->verdict.first.surface = check->chunk->picture.surface[pixel];
 }
 
 /* ---- which triangle, how deep, how many ---- */
@@ -52,7 +52,7 @@ static bool fits_depth(struct check *check, const struct shown *shown, double de
 {
     double off = fabs(shown->depth / depth_steps - fmin(fmax(depth, 0), 1));
     if (off <= error && error > 0 && error < HUGE_VAL)
-        check->tally.worst_depth_ratio = fmax(check->tally.worst_depth_ratio, off / error);
+        check->verdict.worst_depth_ratio = fmax(check->verdict.worst_depth_ratio, off / error);
     return off <= error;
 }
 
@@ -87,7 +87,7 @@ static void identify_settled(struct check *check, size_t pixel, const struct sho
     note_failure(check, pixel, &failure);
 }
 
-/* Only what OpenGL shows stays on trial. */
+/* Only what OpenGL shows stays on measurement. */
 static void identify_ambiguous(struct check *check, size_t index, const struct shown *shown)
 {
     const struct chunk *chunk = check->chunk;
@@ -118,8 +118,8 @@ static void count_fragments(struct check *check, size_t pixel, const struct show
             off = (uint8_t)(shown->fragments - overdraw->meant);
     bool leaks = overdraw->closed && off != 0, possible = above <= overdraw->spread;
     if (leaks && possible) {
-        check->tally.edge_holes += off >= 128;
-        check->tally.edge_doubles += off < 128;
+        check->verdict.edge_holes += off >= 128;
+        check->verdict.edge_doubles += off < 128;
     }
     if (possible && !(leaks && check->tight_edges))
         return;
@@ -159,7 +159,7 @@ static void expect_run(const struct check *check, size_t first, size_t n, int ba
         memset(block->bound, 0, n * sizeof *block->bound);
         return;
     }
-    struct run run = {check->lit->bounds[chunk->picture.surface[first]].finish,
+    struct run run = {check->lit->bounds[chunk->picture.surface[first]].shaded,
                       chunk->picture.rows + first, chunk->errors + first, count_pixels(chunk), n};
     expect_counts(check->lit->plan, &run, band, check->full_scale, block->expected, block->bound);
 }
@@ -171,7 +171,7 @@ static void judge_run(struct check *check, size_t first, size_t n, int band, con
     for (size_t i = 0; i < n; i++)
         block.seen[i] = (double)channel[4 * i] * FULL_COUNT;
     expect_run(check, first, n, band, &block);
-    bool explained = samples_compare(&check->tally.samples, &block);
+    bool explained = samples_compare(&check->verdict.samples, &block);
     float *floor = check->floor + first;
     for (size_t i = 0; i < n; i++)
         floor[i] = floor[i] < block.bound[i] ? block.bound[i] : floor[i];
@@ -192,12 +192,13 @@ static void judge_run(struct check *check, size_t first, size_t n, int band, con
 static size_t settled_run(const struct chunk *chunk, size_t first, size_t row_end)
 {
     size_t last = row_end - first < BLOCK ? row_end : first + BLOCK, at = first;
-    while (at < last && !chunk->is_ambiguous[at] && chunk->picture.surface[at] == chunk->picture.surface[first])
+    while (at < last && !chunk->is_ambiguous[at] &&
+           chunk->picture.surface[at] == chunk->picture.surface[first])
         at++;
     return at - first;
 }
 
-/* ---- contested pixels ---- */
+/* ---- ambiguous pixels ---- */
 
 /* candidate NULL stands for the background. What has no bound explains every number. */
 static void try_candidate(struct check *check, const struct candidate *candidate,
@@ -212,7 +213,7 @@ static void try_candidate(struct check *check, const struct candidate *candidate
     single.bound[0] = 0;
     if (candidate) {
         const struct chunk *chunk = check->chunk;
-        struct run run = {check->lit->bounds[candidate->surface].finish,
+        struct run run = {check->lit->bounds[candidate->surface].shaded,
                           chunk->candidate_rows + candidate->first,
                           chunk->candidate_errors + candidate->first, 1, 1};
         expect_counts(check->lit->plan, &run, band, check->full_scale, single.expected,
@@ -229,12 +230,13 @@ static void try_candidate(struct check *check, const struct candidate *candidate
 }
 
 static void judge_ambiguous(struct check *check, int band, int channel, const float *pixels,
-                           size_t stride)
+                            size_t stride)
 {
     const struct chunk *chunk = check->chunk;
     for (size_t i = 0; i < chunk->n_ambiguous; i++) {
         const struct ambiguous_pixel *ambiguous = &chunk->ambiguous[i];
-        int x = ambiguous->pixel % chunk->picture.at.width, y = ambiguous->pixel / chunk->picture.at.width;
+        int x = ambiguous->pixel % chunk->picture.at.width,
+            y = ambiguous->pixel / chunk->picture.at.width;
         double seen =
             (double)pixels[((size_t)y * stride + (size_t)x) * 4 + (size_t)channel] * FULL_COUNT;
         for (int c = ambiguous->first; c < ambiguous->first + ambiguous->count; c++)
@@ -243,10 +245,10 @@ static void judge_ambiguous(struct check *check, int band, int channel, const fl
     }
 }
 
-/* The trial that explains best: the living one closest to its bound's middle; where all are dead,
- * the one that lived longest. */
+/* The measurement that explains best: the living one closest to its bound's middle; where all are
+ * dead, the one that lived longest. */
 static const struct hypothesis *best_hypothesis(const struct hypothesis *a,
-                                            const struct hypothesis *b)
+                                                const struct hypothesis *b)
 {
     if (a->alive != b->alive)
         return a->alive ? a : b;
@@ -268,8 +270,8 @@ static void settle(struct check *check, size_t index)
     struct check_samples samples = best->samples;
     if (loose) /* counted, but it says nothing of OpenGL's errors */
         samples.largest = samples.sum = samples.sum_of_squares = samples.worst_ratio = 0;
-    check->tally.ambiguous++;
-    samples_add(&check->tally.samples, &samples);
+    check->verdict.ambiguous++;
+    samples_add(&check->verdict.samples, &samples);
     if (!best->alive) {
         check->failed[ambiguous->pixel] = true;
         note_failure(check, (size_t)ambiguous->pixel,
@@ -279,13 +281,13 @@ static void settle(struct check *check, size_t index)
                                              .expected = best->expected,
                                              .bound = best->bound});
     } else if (loose) {
-        check->tally.unbounded++;
+        check->verdict.unbounded++;
         check->failed[ambiguous->pixel] = check->lit->plan->options.strict;
         if (check->lit->plan->options.strict)
             note_failure(check, (size_t)ambiguous->pixel,
                          &(struct check_failure){.kind = FAILURE_UNBOUNDED});
     } else if (!nothing) {
-        floor_note(&check->tally.floor, best->floor);
+        floor_note(&check->verdict.floor, best->floor);
     }
 }
 
@@ -295,7 +297,8 @@ static void settle(struct check *check, size_t index)
 static bool is_smooth(const struct check *check, size_t pixel)
 {
     const struct chunk *chunk = check->chunk;
-    size_t width = (size_t)chunk->picture.at.width, n_pixels = count_pixels(chunk), n = 0, neighbours[4];
+    size_t width = (size_t)chunk->picture.at.width, n_pixels = count_pixels(chunk), n = 0,
+           neighbours[4];
     if ((double)chunk->steepness[pixel] * FULL_COUNT > SMOOTH_COUNTS * check->full_scale)
         return false;
     if (pixel % width > 0)
@@ -319,9 +322,9 @@ static void note_floors(struct check *check)
     for (size_t i = 0; i < count_pixels(chunk); i++) {
         if (chunk->is_ambiguous[i] || chunk->picture.surface[i] < 0)
             continue;
-        floor_note(&check->tally.floor, (double)check->floor[i]);
+        floor_note(&check->verdict.floor, (double)check->floor[i]);
         if (is_smooth(check, i))
-            floor_note(&check->tally.smooth_floor, (double)check->floor[i]);
+            floor_note(&check->verdict.smooth_floor, (double)check->floor[i]);
     }
 }
 
@@ -349,7 +352,7 @@ bool check_open(const struct lit_scene *lit, const struct chunk *chunk, double f
     for (size_t i = 0; i < chunk->n_ambiguous; i++)
         out->hypotheses[chunk->n_candidates + i].alive = chunk->ambiguous[i].background;
     out->tight_edges =
-        lit->plan->options.strict || (lit->plan->n_bodies > 0 && lit->driver->watertight);
+        lit->plan->options.strict || (lit->plan->n_instances > 0 && lit->driver->watertight);
     return true;
 }
 
@@ -373,15 +376,15 @@ void check_pass(struct check *check, int first_band, const float *pixels, size_t
         judge_ambiguous(check, first_band + c, c, pixels, stride);
 }
 
-void check_close(struct check *check, struct check_tally *total)
+void check_close(struct check *check, struct check_verdict *total)
 {
     for (size_t i = 0; i < check->chunk->n_ambiguous; i++)
         settle(check, i);
     note_floors(check);
-    check->tally.pixels = count_pixels(check->chunk);
-    for (size_t i = 0; i < check->tally.pixels; i++)
-        check->tally.unexplained += check->failed[i];
-    tally_add(total, &check->tally);
+    check->verdict.pixels = count_pixels(check->chunk);
+    for (size_t i = 0; i < check->verdict.pixels; i++)
+        check->verdict.unexplained += check->failed[i];
+    verdict_add(total, &check->verdict);
     free(check->failed);
     free(check->floor);
     free(check->hypotheses);

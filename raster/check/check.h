@@ -10,7 +10,7 @@
 #include "raster/reference/reference.h"
 #include "spectral.h"
 
-/* ---- tally.c: how samples compare ---- */
+/* ---- verdict.c: how samples compare ---- */
 
 /* How samples compare with the candidate that explains them; in counts, before rounding. */
 struct check_samples {
@@ -49,7 +49,7 @@ struct check_failure {
 /* A pixel inside a surface is smooth if its radiance changes by no more than this within a pixel's
  * width, in any wavelength: one step of a picture of 8 bits. */
 enum { SMOOTH_COUNTS = 256 };
-struct check_tally {
+struct check_verdict {
     struct check_samples samples;
     uint64_t pixels, ambiguous, unexplained, unbounded;
     /* pixels where triangles meet, with too few or too many fragments */
@@ -67,10 +67,10 @@ struct check {
     const struct chunk *chunk;
     double full_scale;
     bool tight_edges; /* fragments lost or doubled where triangles meet are failures */
-    struct check_tally tally;
+    struct check_verdict verdict;
     struct hypothesis *hypotheses; /* one a candidate, then each ambiguous pixel's background */
-    bool *failed;               /* pixels that are not explained */
-    float *floor;               /* the largest bound of each pixel that is not ambiguous */
+    bool *failed;                  /* pixels that are not explained */
+    float *floor;                  /* the largest bound of each pixel that is not ambiguous */
 };
 /* Opens the check of a chunk, whose memory the check does not own. */
 bool check_open(const struct lit_scene *lit, const struct chunk *chunk, double full_scale,
@@ -80,8 +80,8 @@ void check_identity(struct check *check, const struct gl *gl, const struct recta
 /* Judges the bands of one GL pass. `pixels` is the chunk's first pixel, 4 floats each, rows
  * `stride` pixels apart, in units of full_scale. */
 void check_pass(struct check *check, int first_band, const float *pixels, size_t stride);
-/* Settles ambiguous pixels, adds the chunk's tally to *total and frees the check. */
-void check_close(struct check *check, struct check_tally *total);
+/* Settles ambiguous pixels, adds the chunk's verdict to *total and frees the check. */
+void check_close(struct check *check, struct check_verdict *total);
 
 /* ---- inside this room ---- */
 
@@ -96,6 +96,6 @@ struct block {
 bool samples_compare(struct check_samples *samples, struct block *block);
 void samples_add(struct check_samples *to, const struct check_samples *from);
 void floor_note(struct check_floor *to, double counts);
-void tally_add(struct check_tally *to, const struct check_tally *from);
+void verdict_add(struct check_verdict *to, const struct check_verdict *from);
 
 #endif

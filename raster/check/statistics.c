@@ -147,7 +147,7 @@ static void floor_add(struct check_floor *to, const struct check_floor *from)
 
 /* ---- all of it ---- */
 
-void tally_add(struct check_tally *to, const struct check_tally *from)
+void verdict_add(struct check_verdict *to, const struct check_verdict *from)
 {
     samples_add(&to->samples, &from->samples);
     floor_add(&to->floor, &from->floor);

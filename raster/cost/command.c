@@ -164,9 +164,9 @@ static bool check_files(struct options *options, struct error *err)
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.n = 0};
     const char *csv = options->csv_file, *svg = options->svg_file;
-    bool done = read_scene(options, NULL, 0, &scene, &sampling, err) && scene_spared(csv, &scene, err) &&
-                scene_spared(svg, &scene, err) && output_can_open(csv, err) &&
-                output_can_open(svg, err);
+    bool done = read_scene(options, NULL, 0, &scene, &sampling, err) &&
+                scene_spared(csv, &scene, err) && scene_spared(svg, &scene, err) &&
+                output_can_open(csv, err) && output_can_open(svg, err);
     sampling_free(&sampling);
     scene_free(&scene);
     return done && (!csv || !svg || strcmp(csv, svg) != 0 ||

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Which settings of render make sense for a scene. */
+/* Which configurations of render make sense for a scene. */
 #include <limits.h>
 #include <math.h>
 #include <stdarg.h>
@@ -62,11 +62,11 @@ static bool read_sampling(const struct surveyor *surveyor, const char *method, s
                           struct error *err)
 {
     const struct cost_program *program = surveyor->program;
-    struct setting setting = {.tessellation = 1, .renderer = BY_RASTER};
+    struct configuration configuration = {.tessellation = 1, .renderer = BY_RASTER};
     struct cost_entry entry = {.n_words = 0};
     struct scene scene = {.path = NULL};
-    snprintf(setting.sampling, sizeof setting.sampling, "%s", method);
-    const bool done = setting_entry(&setting, surveyor->observer, &entry, err) &&
+    snprintf(configuration.sampling, sizeof configuration.sampling, "%s", method);
+    const bool done = configuration_entry(&configuration, surveyor->observer, &entry, err) &&
                       program->read(program->context, entry.words, entry.n_words, &scene, out, err);
     cost_entry_free(&entry);
     scene_free(&scene);
@@ -121,7 +121,7 @@ bool survey_scene(const struct cost_program *program, const char *observer, stru
     return process_run(survey, &surveyor, out, sizeof *out, NULL, err);
 }
 
-/* ---- a setting in words ---- */
+/* ---- a configuration in words ---- */
 
 static const char *const shading_names[] = {
     [SHADING_SMOOTH] = "smooth", [SHADING_FLAT] = "flat", [SHADING_PHONG] = "phong"};
@@ -142,48 +142,53 @@ static bool add_word(struct cost_entry *entry, struct error *err, const char *op
     return true;
 }
 
-static bool add_words(const struct setting *setting, const char *observer, struct cost_entry *out,
-                      struct error *err)
+static bool add_words(const struct configuration *configuration, const char *observer,
+                      struct cost_entry *out, struct error *err)
 {
     char tessellation[16];
-    snprintf(tessellation, sizeof tessellation, "%d", setting->tessellation);
-    return (!setting->sampling[0] || add_word(out, err, "--sampling=", setting->sampling)) &&
-           (!setting->sampling[0] || strcmp(observer, "cie1931") == 0 ||
+    snprintf(tessellation, sizeof tessellation, "%d", configuration->tessellation);
+    return (!configuration->sampling[0] ||
+            add_word(out, err, "--sampling=", configuration->sampling)) &&
+           (!configuration->sampling[0] || strcmp(observer, "cie1931") == 0 ||
             add_word(out, err, "--detector=", observer)) &&
-           add_word(out, err, "--shading=", shading_names[setting->shading]) &&
-           (setting->tessellation == 1 || add_word(out, err, "--tessellation=", tessellation)) &&
-           add_word(out, err, "--renderer=", renderer_names[setting->renderer]) &&
-           (setting->renderer == BY_CHECKED_LLVMPIPE || add_word(out, err, "--no-check", "")) &&
-           (setting->buffer_bits == 0 ||
-            add_word(out, err, "--buffer=", setting->buffer_bits == 8 ? "8" : "16")) &&
-           (setting->bits == 0 || add_word(out, err, "--depth=", setting->bits == 8 ? "8" : "32f"));
+           add_word(out, err, "--shading=", shading_names[configuration->shading]) &&
+           (configuration->tessellation == 1 ||
+            add_word(out, err, "--tessellation=", tessellation)) &&
+           add_word(out, err, "--renderer=", renderer_names[configuration->renderer]) &&
+           (configuration->renderer == BY_CHECKED_LLVMPIPE ||
+            add_word(out, err, "--no-check", "")) &&
+           (configuration->buffer_bits == 0 ||
+            add_word(out, err, "--buffer=", configuration->buffer_bits == 8 ? "8" : "16")) &&
+           (configuration->bits == 0 ||
+            add_word(out, err, "--depth=", configuration->bits == 8 ? "8" : "32f"));
 }
 
-bool setting_entry(const struct setting *setting, const char *observer, struct cost_entry *out,
-                   struct error *err)
+bool configuration_entry(const struct configuration *configuration, const char *observer,
+                         struct cost_entry *out, struct error *err)
 {
     char finer[16] = "", buffer[24] = "";
-    if (setting->tessellation > 1)
-        snprintf(finer, sizeof finer, " x%d", setting->tessellation);
-    if (setting->buffer_bits > 0)
-        snprintf(buffer, sizeof buffer, " buffer %d", setting->buffer_bits);
+    if (configuration->tessellation > 1)
+        snprintf(finer, sizeof finer, " x%d", configuration->tessellation);
+    if (configuration->buffer_bits > 0)
+        snprintf(buffer, sizeof buffer, " buffer %d", configuration->buffer_bits);
     snprintf(out->name, sizeof out->name, "%s %s%s%s%s%s%s%s",
-             setting->sampling[0] ? setting->sampling : "own wavelengths",
-             shading_names[setting->shading], finer, setting->renderer == BY_RASTER ? "" : " ",
-             setting->renderer == BY_RASTER ? "" : renderer_names[setting->renderer],
-             setting->renderer == BY_CHECKED_LLVMPIPE ? " checked" : "", buffer,
-             setting->bits == 0   ? ""
-             : setting->bits == 8 ? " depth 8"
-                                  : " depth 32f");
-    return add_words(setting, observer, out, err);
+             configuration->sampling[0] ? configuration->sampling : "own wavelengths",
+             shading_names[configuration->shading], finer,
+             configuration->renderer == BY_RASTER ? "" : " ",
+             configuration->renderer == BY_RASTER ? "" : renderer_names[configuration->renderer],
+             configuration->renderer == BY_CHECKED_LLVMPIPE ? " checked" : "", buffer,
+             configuration->bits == 0   ? ""
+             : configuration->bits == 8 ? " depth 8"
+                                        : " depth 32f");
+    return add_words(configuration, observer, out, err);
 }
 
 /* ---- one axis after the other ---- */
 
-const struct setting reference_setting = {
+const struct configuration reference_configuration = {
     .sampling = "riemann:1", .shading = SHADING_PHONG, .tessellation = 4, .renderer = BY_RASTER};
 
-static bool same_setting(const struct setting *a, const struct setting *b)
+static bool same_configuration(const struct configuration *a, const struct configuration *b)
 {
     return strcmp(a->sampling, b->sampling) == 0 && a->shading == b->shading &&
            a->tessellation == b->tessellation && a->renderer == b->renderer &&
@@ -191,30 +196,30 @@ static bool same_setting(const struct setting *a, const struct setting *b)
 }
 
 /* One that is there already, or finds no room, is left out. */
-static bool add(struct trials *trials, struct setting setting, const char *sampling,
+static bool add(struct attempts *attempts, struct configuration configuration, const char *sampling,
                 const char *observer, struct error *err)
 {
-    snprintf(setting.sampling, sizeof setting.sampling, "%s", sampling);
-    for (int i = 0; i < trials->n; i++)
-        if (same_setting(&trials->trial[i].setting, &setting))
+    snprintf(configuration.sampling, sizeof configuration.sampling, "%s", sampling);
+    for (int i = 0; i < attempts->n; i++)
+        if (same_configuration(&attempts->attempt[i].configuration, &configuration))
             return true;
-    if (trials->n == MAX_SETTINGS)
+    if (attempts->n == MAX_CONFIGURATIONS)
         return true;
-    struct trial *trial = &trials->trial[trials->n++];
-    *trial = (struct trial){.setting = setting};
-    return setting_entry(&setting, observer, &trial->entry, err);
+    struct attempt *attempt = &attempts->attempt[attempts->n++];
+    *attempt = (struct attempt){.configuration = configuration};
+    return configuration_entry(&configuration, observer, &attempt->entry, err);
 }
 
 /* What samplings, and then shadings, are tried with. */
-static struct setting finest(const struct survey *survey)
+static struct configuration finest(const struct survey *survey)
 {
-    struct setting setting = reference_setting;
-    setting.tessellation = survey->tessellated ? setting.tessellation : 1;
-    return setting;
+    struct configuration configuration = reference_configuration;
+    configuration.tessellation = survey->tessellated ? configuration.tessellation : 1;
+    return configuration;
 }
 
 /* The first few components, and as many as there are. */
-static bool add_bases(const struct survey *survey, const char *observer, struct trials *out,
+static bool add_bases(const struct survey *survey, const char *observer, struct attempts *out,
                       struct error *err)
 {
     static const int counts[] = {1, 2, 4, 8, INT_MAX};
@@ -251,8 +256,8 @@ static const struct {
                  {"adaptive:0.01", ANY_LIGHT},
                  {"adaptive:0.001", LINES}};
 
-bool settings_samplings(const struct survey *survey, const char *observer, struct trials *out,
-                        struct error *err)
+bool configurations_samplings(const struct survey *survey, const char *observer,
+                              struct attempts *out, struct error *err)
 {
     const enum lights other = survey->n_peaks > 0 ? SMOOTH_LIGHT : LINES;
     for (size_t i = 0; i < sizeof samplings / sizeof samplings[0]; i++)
@@ -267,14 +272,15 @@ bool settings_samplings(const struct survey *survey, const char *observer, struc
 
 /* ---- shading, renderer and arithmetic, with a sampling that is good enough not to matter ---- */
 
-/* The trial of a sampling; NULL: there is none that could be rendered. */
-static const struct trial *find(const struct trials *trials, struct setting setting,
-                                const char *sampling)
+/* The attempt of a sampling; NULL: there is none that could be rendered. */
+static const struct attempt *find(const struct attempts *attempts,
+                                  struct configuration configuration, const char *sampling)
 {
-    snprintf(setting.sampling, sizeof setting.sampling, "%s", sampling);
-    for (int i = 0; i < trials->n; i++)
-        if (same_setting(&trials->trial[i].setting, &setting) && trials->trial[i].n_pages > 0)
-            return &trials->trial[i];
+    snprintf(configuration.sampling, sizeof configuration.sampling, "%s", sampling);
+    for (int i = 0; i < attempts->n; i++)
+        if (same_configuration(&attempts->attempt[i].configuration, &configuration) &&
+            attempts->attempt[i].n_pages > 0)
+            return &attempts->attempt[i];
     return NULL;
 }
 
@@ -287,30 +293,30 @@ static bool tells(const struct cost_entry *entry, enum content content)
 }
 
 /* The sampling of the fewest pages within a colour difference, or where none is the closest. */
-static const char *leanest(const struct survey *survey, const struct trials *trials,
+static const char *leanest(const struct survey *survey, const struct attempts *attempts,
                            double tolerance, enum content content)
 {
-    const struct trial *best = NULL;
-    for (int i = 0; i < trials->n; i++) {
-        const struct trial *trial = &trials->trial[i];
-        const double error = fmax(trial->entry.quantile_95, tolerance);
-        if (find(trials, finest(survey), trial->setting.sampling) != trial ||
-            !tells(&trial->entry, content))
+    const struct attempt *best = NULL;
+    for (int i = 0; i < attempts->n; i++) {
+        const struct attempt *attempt = &attempts->attempt[i];
+        const double error = fmax(attempt->entry.quantile_95, tolerance);
+        if (find(attempts, finest(survey), attempt->configuration.sampling) != attempt ||
+            !tells(&attempt->entry, content))
             continue;
         const double least = best ? fmax(best->entry.quantile_95, tolerance) : HUGE_VAL;
-        if (error < least || (error <= least && trial->n_pages < best->n_pages))
-            best = trial;
+        if (error < least || (error <= least && attempt->n_pages < best->n_pages))
+            best = attempt;
     }
-    return best ? best->setting.sampling : "";
+    return best ? best->configuration.sampling : "";
 }
 
-static const char *good_sampling(const struct survey *survey, const struct trials *trials)
+static const char *good_sampling(const struct survey *survey, const struct attempts *attempts)
 {
-    return leanest(survey, trials, 0.1, RADIANCES);
+    return leanest(survey, attempts, 0.1, RADIANCES);
 }
 
 /* About in the order of what they cost. */
-static const struct setting shadings[] = {
+static const struct configuration shadings[] = {
     {.shading = SHADING_FLAT, .tessellation = 1},   {.shading = SHADING_SMOOTH, .tessellation = 1},
     {.shading = SHADING_PHONG, .tessellation = 1},  {.shading = SHADING_FLAT, .tessellation = 2},
     {.shading = SHADING_SMOOTH, .tessellation = 2}, {.shading = SHADING_PHONG, .tessellation = 2},
@@ -318,13 +324,13 @@ static const struct setting shadings[] = {
     {.shading = SHADING_PHONG, .tessellation = 4}};
 enum { N_SHADINGS = sizeof shadings / sizeof shadings[0] };
 
-static bool is_on_axis(const struct survey *survey, const struct setting *shading)
+static bool is_on_axis(const struct survey *survey, const struct configuration *shading)
 {
     return (survey->tessellated || shading->tessellation == 1) &&
            (survey->shaded || shading->shading == SHADING_SMOOTH);
 }
 
-static bool add_shadings(const struct survey *survey, const char *observer, struct trials *out,
+static bool add_shadings(const struct survey *survey, const char *observer, struct attempts *out,
                          struct error *err)
 {
     for (int i = 0; i < N_SHADINGS; i++)
@@ -334,14 +340,14 @@ static bool add_shadings(const struct survey *survey, const char *observer, stru
     return true;
 }
 
-static const struct setting opengl = {.tessellation = 1, .renderer = BY_LLVMPIPE};
+static const struct configuration opengl = {.tessellation = 1, .renderer = BY_LLVMPIPE};
 
 /* OpenGL lights vertices only: smooth. */
-static bool add_renderers(const struct survey *survey, const char *observer, struct trials *out,
+static bool add_renderers(const struct survey *survey, const char *observer, struct attempts *out,
                           struct error *err)
 {
     const char *sampling = good_sampling(survey, out);
-    struct setting eight = opengl, sixteen = opengl, checked = opengl, softpipe = opengl;
+    struct configuration eight = opengl, sixteen = opengl, checked = opengl, softpipe = opengl;
     eight.buffer_bits = 8;
     sixteen.buffer_bits = 16;
     checked.renderer = BY_CHECKED_LLVMPIPE;
@@ -353,18 +359,18 @@ static bool add_renderers(const struct survey *survey, const char *observer, str
                               add(out, softpipe, sampling, observer, err));
 }
 
-static bool add_depths(const struct survey *survey, const char *observer, struct trials *out,
+static bool add_depths(const struct survey *survey, const char *observer, struct attempts *out,
                        struct error *err)
 {
-    struct setting bytes = finest(survey), floats = finest(survey);
+    struct configuration bytes = finest(survey), floats = finest(survey);
     bytes.bits = 8;
     floats.bits = 32;
     return add(out, bytes, good_sampling(survey, out), observer, err) &&
            add(out, floats, good_sampling(survey, out), observer, err);
 }
 
-bool settings_pictures(const struct survey *survey, const char *observer, struct trials *out,
-                       struct error *err)
+bool configurations_pictures(const struct survey *survey, const char *observer,
+                             struct attempts *out, struct error *err)
 {
     return add_shadings(survey, observer, out, err) && add_renderers(survey, observer, out, err) &&
            add_depths(survey, observer, out, err);
@@ -374,28 +380,29 @@ bool settings_pictures(const struct survey *survey, const char *observer, struct
 
 /* A sampling with the shadings that none listed before is closer than. */
 static bool combine(const struct survey *survey, const char *observer, const char *sampling,
-                    struct trials *trials, struct error *err)
+                    struct attempts *attempts, struct error *err)
 {
     double best = HUGE_VAL;
     for (int i = 0; i < N_SHADINGS; i++) {
-        const struct trial *trial = find(trials, shadings[i], good_sampling(survey, trials));
-        if (!trial || trial->entry.quantile_95 >= best)
+        const struct attempt *attempt =
+            find(attempts, shadings[i], good_sampling(survey, attempts));
+        if (!attempt || attempt->entry.quantile_95 >= best)
             continue;
-        best = trial->entry.quantile_95;
-        if (!add(trials, shadings[i], sampling, observer, err))
+        best = attempt->entry.quantile_95;
+        if (!add(attempts, shadings[i], sampling, observer, err))
             return false;
     }
-    return !gl_is_built() || add(trials, opengl, sampling, observer, err);
+    return !gl_is_built() || add(attempts, opengl, sampling, observer, err);
 }
 
-bool settings_combined(const struct survey *survey, const char *observer, struct trials *trials,
-                       struct error *err)
+bool configurations_combined(const struct survey *survey, const char *observer,
+                             struct attempts *attempts, struct error *err)
 {
     char colours[SAMPLING_NAME], spectra[SAMPLING_NAME];
-    snprintf(colours, sizeof colours, "%s", leanest(survey, trials, 0.5, ANY_PAGES));
-    snprintf(spectra, sizeof spectra, "%s", leanest(survey, trials, 0.5, WAVELENGTHS));
-    return combine(survey, observer, colours, trials, err) &&
-           combine(survey, observer, spectra, trials, err);
+    snprintf(colours, sizeof colours, "%s", leanest(survey, attempts, 0.5, ANY_PAGES));
+    snprintf(spectra, sizeof spectra, "%s", leanest(survey, attempts, 0.5, WAVELENGTHS));
+    return combine(survey, observer, colours, attempts, err) &&
+           combine(survey, observer, spectra, attempts, err);
 }
 
 /* ---- notes ---- */

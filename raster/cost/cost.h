@@ -83,9 +83,9 @@ bool command_cost(struct options *options, struct error *err);
 bool process_run(bool (*job)(void *context, void *out, struct error *err), void *context, void *out,
                  size_t size, double *seconds, struct error *err);
 
-/* ---- trials.c ---- */
+/* ---- attempts.c ---- */
 
-/* What a scene has that decides which settings make sense. */
+/* What a scene has that decides which configurations make sense. */
 enum { MAX_SURVEY_PEAKS = 16 };
 struct survey {
     char scene[256];
@@ -101,48 +101,48 @@ bool survey_scene(const struct cost_program *program, const char *observer, stru
                   struct error *err);
 
 enum cost_renderer { BY_RASTER, BY_LLVMPIPE, BY_CHECKED_LLVMPIPE, BY_SOFTPIPE };
-struct setting {
+struct configuration {
     char sampling[SAMPLING_NAME]; /* "": at the scene's own wavelengths */
     enum shading_kind shading;
     int tessellation;
     enum cost_renderer renderer;
     int buffer_bits, bits; /* 0: the default */
 };
-extern const struct setting reference_setting; /* on a scene with all axes */
+extern const struct configuration reference_configuration; /* on a scene with all axes */
 /* Fills in name and words, which are allocated. */
-bool setting_entry(const struct setting *setting, const char *observer, struct cost_entry *out,
-                   struct error *err);
-enum { MAX_SETTINGS = 80 };
-/* A setting and what was measured of it. */
-struct trial {
-    struct setting setting;
+bool configuration_entry(const struct configuration *configuration, const char *observer,
+                         struct cost_entry *out, struct error *err);
+enum { MAX_CONFIGURATIONS = 80 };
+/* A configuration and what was measured of it. */
+struct attempt {
+    struct configuration configuration;
     struct cost_entry entry;
     int n_pages;
     double *seconds; /* of each run; owned */
 };
-struct trials {
+struct attempts {
     int n;
-    struct trial trial[MAX_SETTINGS];
+    struct attempt attempt[MAX_CONFIGURATIONS];
 };
 /* Every sampling, with the finest shading. */
-bool settings_samplings(const struct survey *survey, const char *observer, struct trials *out,
-                        struct error *err);
+bool configurations_samplings(const struct survey *survey, const char *observer,
+                              struct attempts *out, struct error *err);
 /* Adds shadings, renderers and depths, with a good one of the samplings, whose errors are known. By
- * those it is chosen, not by seconds, so that the same scene always has the same settings. */
-bool settings_pictures(const struct survey *survey, const char *observer, struct trials *trials,
-                       struct error *err);
+ * those it is chosen, not by seconds, so that the same scene always has the same configurations. */
+bool configurations_pictures(const struct survey *survey, const char *observer,
+                             struct attempts *attempts, struct error *err);
 /* Adds the samplings that are worth it with the shadings that are, likewise. */
-bool settings_combined(const struct survey *survey, const char *observer, struct trials *trials,
-                       struct error *err);
+bool configurations_combined(const struct survey *survey, const char *observer,
+                             struct attempts *attempts, struct error *err);
 /* Adds what the scene suggests. */
 bool survey_notes(const struct survey *survey, struct cost *cost, struct error *err);
 bool cost_note(struct cost *cost, struct error *err, const char *format, ...) PRINTF_LIKE(3, 4);
 
-/* ---- truth.c ---- */
+/* ---- standard.c ---- */
 
 /* The reference picture, which lies in a file: CIELAB of every pixel, whether it shows an object,
  * and the spectra of a lattice of pixels. */
-struct truth {
+struct standard {
     int width, height;
     double white[3]; /* of the lights, or of a radiance of 1 where none shines */
     bool lit;        /* some light shines */
@@ -151,23 +151,24 @@ struct truth {
     int step, columns, rows; /* of the lattice */
 };
 /* Renders the scene, of which every nm is a wavelength, for an observer. */
-bool truth_render(const struct scene *scene, const char *observer, int threads, const char *path,
-                  struct truth *out, struct error *err);
-struct truth_errors {
+bool standard_render(const struct scene *scene, const char *observer, int threads, const char *path,
+                     struct standard *out, struct error *err);
+struct standard_errors {
     int n_pages;
     bool spectral;
     double mean, quantile_95, largest, radiance;
 };
 /* A stack of a scene, how it was sampled (NULL: not), and who sees it. */
-struct truth_stack {
+struct standard_stack {
     const char *path;
     const struct scene *scene;
     const struct sampling *sampling;
     const char *observer;
 };
 /* How far a stack is off the reference picture, which lies in the file `path`. */
-bool truth_compare(const struct truth *truth, const char *path, const struct truth_stack *stack,
-                   int threads, struct truth_errors *out, struct error *err);
+bool standard_compare(const struct standard *standard, const char *path,
+                      const struct standard_stack *stack, int threads, struct standard_errors *out,
+                      struct error *err);
 
 /* ---- cost.c ---- */
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Runs settings of render, each many times and in a process of its own, and compares what they make
- * with the reference. */
+/* Runs configurations of render, each many times and in a process of its own, and compares what
+ * they make with the reference. */
 #include <dirent.h>
 #include <errno.h>
 #include <stdlib.h>
@@ -19,8 +19,8 @@ struct measurement {
     const struct cost_options *options;
     char *folder, *stack, *reference; /* temporary, and files in it */
     struct survey survey;
-    struct truth truth;
-    struct trials trials;
+    struct standard standard;
+    struct attempts attempts;
     long steps, all_steps;
     struct cost *cost;
 };
@@ -113,9 +113,10 @@ static bool render_reference(void *context, void *out, struct error *err)
     const struct measurement *measurement = task->measurement;
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.n = 0};
-    const bool done = read_scene(task, &scene, &sampling, err) &&
-                      truth_render(&scene, measurement->options->observer,
-                                   measurement->options->threads, measurement->reference, out, err);
+    const bool done =
+        read_scene(task, &scene, &sampling, err) &&
+        standard_render(&scene, measurement->options->observer, measurement->options->threads,
+                        measurement->reference, out, err);
     sampling_free(&sampling);
     scene_free(&scene);
     return done;
@@ -128,35 +129,36 @@ static bool compare_stack(void *context, void *out, struct error *err)
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.n = 0};
     bool done = read_scene(task, &scene, &sampling, err);
-    const struct truth_stack stack = {measurement->stack, &scene, sampling_or_none(&sampling),
-                                      measurement->options->observer};
-    done = done && truth_compare(&measurement->truth, measurement->reference, &stack,
-                                 measurement->options->threads, out, err);
+    const struct standard_stack stack = {measurement->stack, &scene, sampling_or_none(&sampling),
+                                         measurement->options->observer};
+    done = done && standard_compare(&measurement->standard, measurement->reference, &stack,
+                                    measurement->options->threads, out, err);
     sampling_free(&sampling);
     scene_free(&scene);
     return done;
 }
 
-/* ---- settings ---- */
+/* ---- configurations ---- */
 
 static bool make_reference(struct measurement *measurement, struct error *err)
 {
     struct cost_entry entry = {.n_words = 0};
     struct task task = {measurement, &entry};
     const bool done =
-        setting_entry(&reference_setting, measurement->options->observer, &entry, err) &&
-        process_run(render_reference, &task, &measurement->truth, sizeof measurement->truth,
+        configuration_entry(&reference_configuration, measurement->options->observer, &entry,
+                            err) &&
+        process_run(render_reference, &task, &measurement->standard, sizeof measurement->standard,
                     &measurement->cost->reference_seconds, err);
     cost_entry_free(&entry);
     return done;
 }
 
-/* Its time is not counted; its stack is what the errors are of. A setting that fails becomes a
- * note. */
-static bool warm_up(struct measurement *measurement, struct trial *trial, struct error *err)
+/* Its time is not counted; its stack is what the errors are of. A configuration that fails becomes
+ * a note. */
+static bool warm_up(struct measurement *measurement, struct attempt *attempt, struct error *err)
 {
-    struct task task = {measurement, &trial->entry};
-    struct truth_errors errors = {.n_pages = 0};
+    struct task task = {measurement, &attempt->entry};
+    struct standard_errors errors = {.n_pages = 0};
     struct error own = {.status = EXIT_AGREED};
     const bool done = process_run(render_stack, &task, NULL, 0, NULL, &own) &&
                       process_run(compare_stack, &task, &errors, sizeof errors, NULL, &own);
@@ -168,42 +170,42 @@ static bool warm_up(struct measurement *measurement, struct trial *trial, struct
     }
     if (!done) {
         const char *reason = strncmp(own.text, "error: ", 7) == 0 ? own.text + 7 : own.text;
-        return cost_note(measurement->cost, err, "without %s: %s", trial->entry.name, reason);
+        return cost_note(measurement->cost, err, "without %s: %s", attempt->entry.name, reason);
     }
-    trial->n_pages = errors.n_pages;
-    trial->entry.spectral = errors.spectral;
-    trial->entry.mean = errors.mean;
-    trial->entry.quantile_95 = errors.quantile_95;
-    trial->entry.largest = errors.largest;
-    trial->entry.radiance_error = errors.radiance;
-    trial->seconds = calloc((size_t)measurement->options->runs, sizeof *trial->seconds);
-    return trial->seconds || error_memory(err);
+    attempt->n_pages = errors.n_pages;
+    attempt->entry.spectral = errors.spectral;
+    attempt->entry.mean = errors.mean;
+    attempt->entry.quantile_95 = errors.quantile_95;
+    attempt->entry.largest = errors.largest;
+    attempt->entry.radiance_error = errors.radiance;
+    attempt->seconds = calloc((size_t)measurement->options->runs, sizeof *attempt->seconds);
+    return attempt->seconds || error_memory(err);
 }
 
-/* `add` fills in settings whose choice may depend on the errors so far. */
+/* `add` fills in configurations whose choice may depend on the errors so far. */
 static bool warm_up_more(struct measurement *measurement,
                          bool (*add)(const struct survey *survey, const char *observer,
-                                     struct trials *trials, struct error *err),
+                                     struct attempts *attempts, struct error *err),
                          struct error *err)
 {
-    const int first = measurement->trials.n;
-    if (!add(&measurement->survey, measurement->options->observer, &measurement->trials, err))
+    const int first = measurement->attempts.n;
+    if (!add(&measurement->survey, measurement->options->observer, &measurement->attempts, err))
         return false;
-    for (int i = first; i < measurement->trials.n; i++)
-        if (!warm_up(measurement, &measurement->trials.trial[i], err))
+    for (int i = first; i < measurement->attempts.n; i++)
+        if (!warm_up(measurement, &measurement->attempts.attempt[i], err))
             return false;
     return true;
 }
 
-/* All settings in turn, so that a machine that slows down does so for all of them. */
+/* All configurations in turn, so that a machine that slows down does so for all of them. */
 static bool run_round(struct measurement *measurement, int round, struct error *err)
 {
-    for (int i = 0; i < measurement->trials.n; i++) {
-        struct trial *trial = &measurement->trials.trial[i];
-        struct task task = {measurement, &trial->entry};
-        if (trial->n_pages == 0)
+    for (int i = 0; i < measurement->attempts.n; i++) {
+        struct attempt *attempt = &measurement->attempts.attempt[i];
+        struct task task = {measurement, &attempt->entry};
+        if (attempt->n_pages == 0)
             continue;
-        if (!process_run(render_stack, &task, NULL, 0, &trial->seconds[round], err))
+        if (!process_run(render_stack, &task, NULL, 0, &attempt->seconds[round], err))
             return false;
         unlink(measurement->stack);
         step(measurement, 1);
@@ -211,22 +213,22 @@ static bool run_round(struct measurement *measurement, int round, struct error *
     return true;
 }
 
-/* About how many settings there are; only the progress asks. */
-enum { LIKELY_SETTINGS = 60 };
+/* About how many configurations there are; only the progress asks. */
+enum { LIKELY_CONFIGURATIONS = 60 };
 
-static long steps_of(const struct measurement *measurement, int n_trials)
+static long steps_of(const struct measurement *measurement, int n_attempts)
 {
-    return (long)n_trials * (2 + measurement->options->runs);
+    return (long)n_attempts * (2 + measurement->options->runs);
 }
 
-static bool measure_settings(struct measurement *measurement, struct error *err)
+static bool measure_configurations(struct measurement *measurement, struct error *err)
 {
-    measurement->all_steps = steps_of(measurement, LIKELY_SETTINGS);
-    if (!warm_up_more(measurement, settings_samplings, err) ||
-        !warm_up_more(measurement, settings_pictures, err) ||
-        !warm_up_more(measurement, settings_combined, err))
+    measurement->all_steps = steps_of(measurement, LIKELY_CONFIGURATIONS);
+    if (!warm_up_more(measurement, configurations_samplings, err) ||
+        !warm_up_more(measurement, configurations_pictures, err) ||
+        !warm_up_more(measurement, configurations_combined, err))
         return false;
-    measurement->all_steps = steps_of(measurement, measurement->trials.n);
+    measurement->all_steps = steps_of(measurement, measurement->attempts.n);
     for (int round = 0; round < measurement->options->runs; round++)
         if (!run_round(measurement, round, err))
             return false;
@@ -247,30 +249,30 @@ static int entries_by_seconds(const void *a, const void *b)
     return by_seconds(&one->seconds, &two->seconds);
 }
 
-static void take_seconds(struct trial *trial, int runs)
+static void take_seconds(struct attempt *attempt, int runs)
 {
     const size_t n = (size_t)runs;
-    qsort(trial->seconds, n, sizeof *trial->seconds, by_seconds);
-    trial->entry.seconds = (trial->seconds[(n - 1) / 2] + trial->seconds[n / 2]) / 2;
-    trial->entry.fastest = trial->seconds[0];
-    trial->entry.slowest = trial->seconds[n - 1];
+    qsort(attempt->seconds, n, sizeof *attempt->seconds, by_seconds);
+    attempt->entry.seconds = (attempt->seconds[(n - 1) / 2] + attempt->seconds[n / 2]) / 2;
+    attempt->entry.fastest = attempt->seconds[0];
+    attempt->entry.slowest = attempt->seconds[n - 1];
 }
 
 /* Entries move to the result. */
 static bool conclude(struct measurement *measurement, struct error *err)
 {
     struct cost *cost = measurement->cost;
-    struct trials *trials = &measurement->trials;
-    cost->entries = calloc((size_t)trials->n + 1, sizeof *cost->entries);
+    struct attempts *attempts = &measurement->attempts;
+    cost->entries = calloc((size_t)attempts->n + 1, sizeof *cost->entries);
     if (!cost->entries)
         return error_memory(err);
-    for (int i = 0; i < trials->n; i++) {
-        struct trial *trial = &trials->trial[i];
-        if (trial->n_pages == 0)
+    for (int i = 0; i < attempts->n; i++) {
+        struct attempt *attempt = &attempts->attempt[i];
+        if (attempt->n_pages == 0)
             continue;
-        take_seconds(trial, cost->runs);
-        cost->entries[cost->n++] = trial->entry;
-        trial->entry = (struct cost_entry){.n_words = 0};
+        take_seconds(attempt, cost->runs);
+        cost->entries[cost->n++] = attempt->entry;
+        attempt->entry = (struct cost_entry){.n_words = 0};
     }
     qsort(cost->entries, (size_t)cost->n, sizeof *cost->entries, entries_by_seconds);
     cost_mark(cost);
@@ -306,7 +308,7 @@ static bool describe(struct measurement *measurement, struct error *err)
     cost->runs = measurement->options->runs;
     return ((cost->scene && cost->observer) || error_memory(err)) &&
            survey_notes(&measurement->survey, cost, err) &&
-           (measurement->truth.lit ||
+           (measurement->standard.lit ||
             cost_note(cost, err,
                       "no light that the observer sees shines: colours are beside a "
                       "radiance of 1"));
@@ -318,7 +320,7 @@ static bool measure(struct measurement *measurement, struct error *err)
            survey_scene(measurement->program, measurement->options->observer, &measurement->survey,
                         err) &&
            make_reference(measurement, err) && describe(measurement, err) &&
-           measure_settings(measurement, err) && conclude(measurement, err);
+           measure_configurations(measurement, err) && conclude(measurement, err);
 }
 
 bool cost_measure(const struct cost_program *program, const struct cost_options *options,
@@ -328,9 +330,9 @@ bool cost_measure(const struct cost_program *program, const struct cost_options 
     void *held = signals_hold();
     *out = (struct cost){.scene = NULL};
     const bool done = held ? measure(&measurement, err) : error_memory(err);
-    for (int i = 0; i < measurement.trials.n; i++) {
-        cost_entry_free(&measurement.trials.trial[i].entry);
-        free(measurement.trials.trial[i].seconds);
+    for (int i = 0; i < measurement.attempts.n; i++) {
+        cost_entry_free(&measurement.attempts.attempt[i].entry);
+        free(measurement.attempts.attempt[i].seconds);
     }
     close_folder(&measurement);
     signals_release(held);

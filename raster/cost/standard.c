@@ -28,32 +28,32 @@
 /* About as many pixels' spectra are compared. */
 static const double lattice_pixels = 2500;
 
-static uint64_t n_pixels_of(const struct truth *truth)
+static uint64_t n_pixels_of(const struct standard *standard)
 {
-    return (uint64_t)truth->width * (uint64_t)truth->height;
+    return (uint64_t)standard->width * (uint64_t)standard->height;
 }
 
-static uint64_t offset_of_shown(const struct truth *truth)
+static uint64_t offset_of_shown(const struct standard *standard)
 {
-    return n_pixels_of(truth) * 3 * sizeof(double);
+    return n_pixels_of(standard) * 3 * sizeof(double);
 }
 
-static uint64_t offset_of_lattice(const struct truth *truth)
+static uint64_t offset_of_lattice(const struct standard *standard)
 {
-    return offset_of_shown(truth) + n_pixels_of(truth);
+    return offset_of_shown(standard) + n_pixels_of(standard);
 }
 
-static size_t lattice_points(const struct truth *truth)
+static size_t lattice_points(const struct standard *standard)
 {
-    return (size_t)truth->columns * (size_t)truth->rows;
+    return (size_t)standard->columns * (size_t)standard->rows;
 }
 
 /* The number of a pixel on the lattice; -1: it is not. */
-static ptrdiff_t lattice_index(const struct truth *truth, int x, int y)
+static ptrdiff_t lattice_index(const struct standard *standard, int x, int y)
 {
-    return x % truth->step != 0 || y % truth->step != 0
+    return x % standard->step != 0 || y % standard->step != 0
                ? -1
-               : (ptrdiff_t)(y / truth->step) * truth->columns + x / truth->step;
+               : (ptrdiff_t)(y / standard->step) * standard->columns + x / standard->step;
 }
 
 static bool write_at(int file, uint64_t offset, const void *bytes, size_t length)
@@ -87,7 +87,7 @@ static bool read_at(int file, uint64_t offset, void *bytes, size_t length)
 struct renderer {
     struct plan plan;
     struct lit_scene lit;
-    struct truth *truth;
+    struct standard *standard;
     double *weights; /* the observer's, at each nm */
     int file;
     double *spectra;      /* of the lattice */
@@ -96,7 +96,8 @@ struct renderer {
     int n_chunks;
 };
 
-static bool rasterize_chunk(void *context, const struct rectangle *tile, int index, struct error *err)
+static bool rasterize_chunk(void *context, const struct rectangle *tile, int index,
+                            struct error *err)
 {
     struct renderer *renderer = context;
     struct chunk *chunk = &renderer->chunks[index];
@@ -107,7 +108,8 @@ static bool rasterize_chunk(void *context, const struct rectangle *tile, int ind
     return renderer->xyz[index] || error_memory(err);
 }
 
-static bool rasterize_tile(struct renderer *renderer, const struct rectangle *tile, struct error *err)
+static bool rasterize_tile(struct renderer *renderer, const struct rectangle *tile,
+                           struct error *err)
 {
     renderer->n_chunks = chunk_count(tile);
     renderer->chunks = calloc((size_t)renderer->n_chunks, sizeof *renderer->chunks);
@@ -121,19 +123,19 @@ static bool rasterize_tile(struct renderer *renderer, const struct rectangle *ti
 static void add_radiances(struct renderer *renderer, int index, size_t at, size_t n, int band,
                           const double *radiance)
 {
-    const struct truth *truth = renderer->truth;
+    const struct standard *standard = renderer->standard;
     const struct rectangle *rows = &renderer->chunks[index].picture.at;
     const double *weight = renderer->weights + band;
     double(*xyz)[3] = renderer->xyz[index] + at;
     for (size_t i = 0; i < n; i++)
         for (int c = 0; c < 3; c++)
-            xyz[i][c] += weight[c * truth->n_nm] * radiance[i];
+            xyz[i][c] += weight[c * standard->n_nm] * radiance[i];
     for (size_t i = 0; i < n; i++) {
         const int x = rows->x + (int)((at + i) % (size_t)rows->width);
         const int y = rows->y + (int)((at + i) / (size_t)rows->width);
-        const ptrdiff_t point = lattice_index(truth, x, y);
+        const ptrdiff_t point = lattice_index(standard, x, y);
         if (point >= 0)
-            renderer->spectra[point * truth->n_nm + band] = radiance[i];
+            renderer->spectra[point * standard->n_nm + band] = radiance[i];
     }
 }
 
@@ -148,7 +150,7 @@ static void add_band(struct renderer *renderer, int index, int band)
         n = run_length(chunk->picture.surface, at, n_pixels);
         if (surface < 0)
             continue;
-        const struct run run = {renderer->lit.bounds[surface].finish, chunk->picture.rows + at,
+        const struct run run = {renderer->lit.bounds[surface].shaded, chunk->picture.rows + at,
                                 NULL, n_pixels, n};
         expect_counts(&renderer->plan, &run, band, FULL_COUNT, radiance, NULL);
         add_radiances(renderer, index, at, n, band, radiance);
@@ -172,23 +174,23 @@ static bool add_bands(struct renderer *renderer, struct error *err)
 /* XYZ of a chunk becomes CIELAB in the file. */
 static bool store_chunk(struct renderer *renderer, int index)
 {
-    const struct truth *truth = renderer->truth;
+    const struct standard *standard = renderer->standard;
     const struct chunk *chunk = &renderer->chunks[index];
     const size_t width = (size_t)chunk->picture.at.width;
     unsigned char *shown = calloc(width, 1);
     bool done = shown != NULL;
     for (int y = 0; done && y < chunk->picture.at.height; y++) {
-        const uint64_t pixel =
-            (uint64_t)(chunk->picture.at.y + y) * (uint64_t)truth->width + (uint64_t)chunk->picture.at.x;
+        const uint64_t pixel = (uint64_t)(chunk->picture.at.y + y) * (uint64_t)standard->width +
+                               (uint64_t)chunk->picture.at.x;
         double(*colour)[3] = renderer->xyz[index] + (size_t)y * width;
         for (size_t x = 0; x < width; x++) {
             double xyz[3];
             memcpy(xyz, colour[x], sizeof xyz);
-            cielab(xyz, truth->white, colour[x]);
+            cielab(xyz, standard->white, colour[x]);
             shown[x] = chunk->picture.surface[(size_t)y * width + x] >= 0;
         }
         done = write_at(renderer->file, pixel * sizeof *colour, colour, width * sizeof *colour) &&
-               write_at(renderer->file, offset_of_shown(truth) + pixel, shown, width);
+               write_at(renderer->file, offset_of_shown(standard) + pixel, shown, width);
     }
     free(shown);
     return done;
@@ -236,38 +238,40 @@ static bool render_tiles(struct renderer *renderer, struct error *err)
 static bool find_white(const struct scene *scene, struct renderer *renderer, struct error *err)
 {
     const struct spectral_pages pages = scene_pages(scene);
-    struct truth *truth = renderer->truth;
-    double *white = calloc((size_t)truth->n_nm, sizeof *white);
+    struct standard *standard = renderer->standard;
+    double *white = calloc((size_t)standard->n_nm, sizeof *white);
     if (!white)
         return error_memory(err);
-    truth->lit = scene_white(scene, &pages, white) > 0;
-    detector_response(renderer->weights, truth->lit ? white : NULL, truth->n_nm, truth->white);
-    if (truth->lit && !(truth->white[0] > 0 || truth->white[1] > 0 || truth->white[2] > 0)) {
-        truth->lit = false;
-        detector_response(renderer->weights, NULL, truth->n_nm, truth->white);
+    standard->lit = scene_white(scene, &pages, white) > 0;
+    detector_response(renderer->weights, standard->lit ? white : NULL, standard->n_nm,
+                      standard->white);
+    if (standard->lit &&
+        !(standard->white[0] > 0 || standard->white[1] > 0 || standard->white[2] > 0)) {
+        standard->lit = false;
+        detector_response(renderer->weights, NULL, standard->n_nm, standard->white);
     }
     free(white);
     return true;
 }
 
-static struct truth truth_of(const struct scene *scene)
+static struct standard standard_of(const struct scene *scene)
 {
     const double pixels = (double)scene->width * (double)scene->height;
     const int step = (int)ceil(sqrt(pixels / lattice_pixels));
-    return (struct truth){.width = scene->width,
-                          .height = scene->height,
-                          .first_nm = scene->wavelengths_nm[0],
-                          .n_nm = scene->n_wavelengths,
-                          .step = step,
-                          .columns = (scene->width + step - 1) / step,
-                          .rows = (scene->height + step - 1) / step};
+    return (struct standard){.width = scene->width,
+                             .height = scene->height,
+                             .first_nm = scene->wavelengths_nm[0],
+                             .n_nm = scene->n_wavelengths,
+                             .step = step,
+                             .columns = (scene->width + step - 1) / step,
+                             .rows = (scene->height + step - 1) / step};
 }
 
 static bool weigh_nm(const struct scene *scene, const char *observer, struct renderer *renderer,
                      struct error *err)
 {
     struct detector detector = {.name = NULL};
-    const int n = renderer->truth->n_nm;
+    const int n = renderer->standard->n_nm;
     renderer->weights = calloc(3 * (size_t)n, sizeof *renderer->weights);
     const bool done =
         renderer->weights ? observer_read(observer, &detector, err) : error_memory(err);
@@ -280,27 +284,29 @@ static bool weigh_nm(const struct scene *scene, const char *observer, struct ren
 static bool render_truth(const struct scene *scene, const char *observer, struct renderer *renderer,
                          struct error *err)
 {
-    struct truth *truth = renderer->truth;
+    struct standard *standard = renderer->standard;
     struct light_work work;
     renderer->spectra =
-        calloc(lattice_points(truth) * (size_t)truth->n_nm, sizeof *renderer->spectra);
+        calloc(lattice_points(standard) * (size_t)standard->n_nm, sizeof *renderer->spectra);
     if (!renderer->spectra)
         return error_memory(err);
     errno = 0;
     return weigh_nm(scene, observer, renderer, err) && find_white(scene, renderer, err) &&
            lit_make(&renderer->plan, driver_of(NULL), &renderer->lit, &work, err) &&
            render_tiles(renderer, err) &&
-           (write_at(renderer->file, offset_of_lattice(truth), renderer->spectra,
-                     lattice_points(truth) * (size_t)truth->n_nm * sizeof *renderer->spectra) ||
+           (write_at(renderer->file, offset_of_lattice(standard), renderer->spectra,
+                     lattice_points(standard) * (size_t)standard->n_nm *
+                         sizeof *renderer->spectra) ||
             error_system(err, "cannot store the reference picture"));
 }
 
-bool truth_render(const struct scene *scene, const char *observer, int threads, const char *path,
-                  struct truth *out, struct error *err)
+bool standard_render(const struct scene *scene, const char *observer, int threads, const char *path,
+                     struct standard *out, struct error *err)
 {
     const struct plan_options options = {.store_raster = true, .bits = 32, .threads = threads};
-    struct renderer renderer = {.truth = out, .file = open(path, O_RDWR | O_CREAT | O_EXCL, 0600)};
-    *out = truth_of(scene);
+    struct renderer renderer = {.standard = out,
+                                .file = open(path, O_RDWR | O_CREAT | O_EXCL, 0600)};
+    *out = standard_of(scene);
     if (renderer.file < 0)
         return error_system(err, "cannot write %s", path);
     const bool done = plan_make(scene, NULL, &options, &renderer.plan, err) &&
@@ -316,7 +322,7 @@ bool truth_render(const struct scene *scene, const char *observer, int threads, 
 /* ---- colours of a stack ---- */
 
 struct comparer {
-    const struct truth *truth;
+    const struct standard *standard;
     int file, threads;
     struct cube cube;
     double *weights;
@@ -336,12 +342,12 @@ static size_t n_pages_of(const struct comparer *comparer)
 
 static bool read_rows(struct comparer *comparer, int y, int rows, struct error *err)
 {
-    const struct truth *truth = comparer->truth;
-    const uint64_t pixel = (uint64_t)y * (uint64_t)truth->width;
-    const size_t n = (size_t)rows * (size_t)truth->width;
+    const struct standard *standard = comparer->standard;
+    const uint64_t pixel = (uint64_t)y * (uint64_t)standard->width;
+    const size_t n = (size_t)rows * (size_t)standard->width;
     if (!read_at(comparer->file, pixel * sizeof *comparer->lab, comparer->lab,
                  n * sizeof *comparer->lab) ||
-        !read_at(comparer->file, offset_of_shown(truth) + pixel, comparer->shown, n))
+        !read_at(comparer->file, offset_of_shown(standard) + pixel, comparer->shown, n))
         return error_system(err, "cannot read the reference picture");
     for (int page = 0; page < comparer->cube.image.n_pages; page++)
         if (!image_read(&comparer->cube.image, page, y, rows, comparer->samples + (size_t)page * n,
@@ -361,27 +367,28 @@ static float difference_of(const struct comparer *comparer, size_t pixel, size_t
                 comparer->weights[c * n_pages + page] * (double)comparer->samples[page * n + pixel];
     if (!comparer->shown[pixel] && !(fabs(xyz[0]) > 0 || fabs(xyz[1]) > 0 || fabs(xyz[2]) > 0))
         return -1;
-    cielab(xyz, comparer->truth->white, lab);
+    cielab(xyz, comparer->standard->white, lab);
     return (float)ciede2000_difference(comparer->lab[pixel], lab);
 }
 
 static void keep_lattice(struct comparer *comparer, int y, int rows)
 {
-    const struct truth *truth = comparer->truth;
-    const size_t n = (size_t)rows * (size_t)truth->width, n_pages = n_pages_of(comparer);
+    const struct standard *standard = comparer->standard;
+    const size_t n = (size_t)rows * (size_t)standard->width, n_pages = n_pages_of(comparer);
     for (int row = 0; row < rows; row++)
-        for (int x = 0; (y + row) % truth->step == 0 && x < truth->width; x += truth->step) {
-            float *at = comparer->lattice + (size_t)lattice_index(truth, x, y + row) * n_pages;
+        for (int x = 0; (y + row) % standard->step == 0 && x < standard->width;
+             x += standard->step) {
+            float *at = comparer->lattice + (size_t)lattice_index(standard, x, y + row) * n_pages;
             for (size_t page = 0; page < n_pages; page++)
                 at[page] =
-                    comparer->samples[page * n + (size_t)row * (size_t)truth->width + (size_t)x];
+                    comparer->samples[page * n + (size_t)row * (size_t)standard->width + (size_t)x];
         }
 }
 
 /* Differences that count move to the front. */
 static bool compare_rows(struct comparer *comparer, int y, int rows, struct error *err)
 {
-    const int n_pixels = rows * comparer->truth->width;
+    const int n_pixels = rows * comparer->standard->width;
     float *differences = comparer->differences + comparer->n_differences;
     size_t n = 0;
     if (!read_rows(comparer, y, rows, err))
@@ -403,7 +410,7 @@ static int by_size(const void *a, const void *b)
     return (one > two) - (one < two);
 }
 
-static void conclude(struct comparer *comparer, struct truth_errors *out)
+static void conclude(struct comparer *comparer, struct standard_errors *out)
 {
     const size_t n = comparer->n_differences;
     double sum = 0;
@@ -421,12 +428,12 @@ static void conclude(struct comparer *comparer, struct truth_errors *out)
 
 /* What a stack of a scene without sampling tells of the radiance at each nm: linear between its
  * wavelengths, and held at the ends. [nm][page], allocated; NULL: no memory. */
-static double *interpolation(const struct scene *scene, const struct truth *truth)
+static double *interpolation(const struct scene *scene, const struct standard *standard)
 {
     const int n = scene->n_wavelengths;
-    double *out = calloc((size_t)truth->n_nm * (size_t)n, sizeof *out);
-    for (int j = 0, page = 0; out && j < truth->n_nm; j++) {
-        const double nm = truth->first_nm + j, *at = scene->wavelengths_nm;
+    double *out = calloc((size_t)standard->n_nm * (size_t)n, sizeof *out);
+    for (int j = 0, page = 0; out && j < standard->n_nm; j++) {
+        const double nm = standard->first_nm + j, *at = scene->wavelengths_nm;
         double *row = out + (size_t)j * (size_t)n;
         while (page + 1 < n && at[page + 1] <= nm)
             page++;
@@ -457,7 +464,7 @@ static void add_squares(const double *synthesis, int n_pages, const float *pages
 static void square_points(const struct comparer *comparer, const double *synthesis,
                           const double *spectra, double (*squares)[2])
 {
-    const int n_points = (int)lattice_points(comparer->truth), n_nm = comparer->truth->n_nm;
+    const int n_points = (int)lattice_points(comparer->standard), n_nm = comparer->standard->n_nm;
 #pragma omp parallel for num_threads(comparer->threads)
     for (int i = 0; i < n_points; i++)
         add_squares(synthesis, comparer->cube.image.n_pages,
@@ -479,13 +486,13 @@ static double relative_error(double (*squares)[2], size_t n)
 static bool compare_radiances(struct comparer *comparer, const double *synthesis, double *out,
                               struct error *err)
 {
-    const struct truth *truth = comparer->truth;
-    const size_t n = lattice_points(truth), n_numbers = n * (size_t)truth->n_nm;
+    const struct standard *standard = comparer->standard;
+    const size_t n = lattice_points(standard), n_numbers = n * (size_t)standard->n_nm;
     double *spectra = calloc(n_numbers, sizeof *spectra),
            (*squares)[2] = calloc(n, sizeof *squares);
     bool done = spectra && squares ? true : error_memory(err);
     if (done &&
-        !read_at(comparer->file, offset_of_lattice(truth), spectra, n_numbers * sizeof *spectra))
+        !read_at(comparer->file, offset_of_lattice(standard), spectra, n_numbers * sizeof *spectra))
         done = error_system(err, "cannot read the reference picture");
     if (done) {
         square_points(comparer, synthesis, spectra, squares);
@@ -497,14 +504,14 @@ static bool compare_radiances(struct comparer *comparer, const double *synthesis
 }
 
 /* Pages that tell no radiances are NaN off. */
-static bool compare_spectra(struct comparer *comparer, const struct truth_stack *stack, double *out,
-                            struct error *err)
+static bool compare_spectra(struct comparer *comparer, const struct standard_stack *stack,
+                            double *out, struct error *err)
 {
     *out = (double)NAN;
     if (stack->sampling)
         return !stack->sampling->synthesis ||
                compare_radiances(comparer, stack->sampling->synthesis, out, err);
-    double *synthesis = interpolation(stack->scene, comparer->truth);
+    double *synthesis = interpolation(stack->scene, comparer->standard);
     const bool done =
         synthesis ? compare_radiances(comparer, synthesis, out, err) : error_memory(err);
     free(synthesis);
@@ -528,25 +535,25 @@ static bool weigh(struct comparer *comparer, const char *observer, struct error 
 /* Rows of about two million samples: 8 MiB. */
 static bool allocate(struct comparer *comparer, struct error *err)
 {
-    const struct truth *truth = comparer->truth;
-    const size_t rows = ((size_t)1 << 21) / ((size_t)truth->width * n_pages_of(comparer));
-    comparer->rows = rows < 1 ? 1 : rows < (size_t)truth->height ? (int)rows : truth->height;
-    const size_t n = (size_t)comparer->rows * (size_t)truth->width;
+    const struct standard *standard = comparer->standard;
+    const size_t rows = ((size_t)1 << 21) / ((size_t)standard->width * n_pages_of(comparer));
+    comparer->rows = rows < 1 ? 1 : rows < (size_t)standard->height ? (int)rows : standard->height;
+    const size_t n = (size_t)comparer->rows * (size_t)standard->width;
     comparer->samples = calloc(n * n_pages_of(comparer), sizeof *comparer->samples);
     comparer->lab = calloc(n, sizeof *comparer->lab);
     comparer->shown = calloc(n, 1);
-    comparer->differences = calloc((size_t)n_pixels_of(truth), sizeof *comparer->differences);
+    comparer->differences = calloc((size_t)n_pixels_of(standard), sizeof *comparer->differences);
     comparer->lattice =
-        calloc(lattice_points(truth) * n_pages_of(comparer), sizeof *comparer->lattice);
+        calloc(lattice_points(standard) * n_pages_of(comparer), sizeof *comparer->lattice);
     return (comparer->samples && comparer->lab && comparer->shown && comparer->differences &&
             comparer->lattice) ||
            error_memory(err);
 }
 
-static bool compare_stack(struct comparer *comparer, const struct truth_stack *stack,
-                          struct truth_errors *out, struct error *err)
+static bool compare_stack(struct comparer *comparer, const struct standard_stack *stack,
+                          struct standard_errors *out, struct error *err)
 {
-    const int height = comparer->truth->height;
+    const int height = comparer->standard->height;
     if (!weigh(comparer, stack->observer, err) || !allocate(comparer, err))
         return false;
     for (int y = 0; y < height; y += comparer->rows) {
@@ -560,12 +567,13 @@ static bool compare_stack(struct comparer *comparer, const struct truth_stack *s
     return compare_spectra(comparer, stack, &out->radiance, err);
 }
 
-bool truth_compare(const struct truth *truth, const char *path, const struct truth_stack *stack,
-                   int threads, struct truth_errors *out, struct error *err)
+bool standard_compare(const struct standard *standard, const char *path,
+                      const struct standard_stack *stack, int threads, struct standard_errors *out,
+                      struct error *err)
 {
     struct comparer comparer = {
-        .truth = truth, .file = open(path, O_RDONLY), .threads = threads_start(threads)};
-    *out = (struct truth_errors){.mean = 0};
+        .standard = standard, .file = open(path, O_RDONLY), .threads = threads_start(threads)};
+    *out = (struct standard_errors){.mean = 0};
     const bool done = comparer.file < 0 ? error_system(err, "cannot read %s", path)
                                         : cube_open(stack->path, &comparer.cube, err) &&
                                               compare_stack(&comparer, stack, out, err);

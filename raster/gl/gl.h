@@ -52,16 +52,16 @@ struct gl {
     const struct plan *plan;
     const struct lit_scene *lit;
     struct osmesa_context *context;
-    struct osmesa_context *numbers; /* that draws into floats where `context` draws into steps; NULL: the
-                              same */
-    float *pixels;         /* tile_height rows of tile_width pixels of 4 floats, from the top */
-    void *steps; /* the same of 4 uint8_t or uint16_t, which colours are drawn into; NULL: pixels
-                    are */
+    struct osmesa_context *numbers; /* that draws into floats where `context` draws into steps;
+                              NULL: the same */
+    float *pixels; /* tile_height rows of tile_width pixels of 4 floats, from the top */
+    void *steps;   /* the same of 4 uint8_t or uint16_t, which colours are drawn into; NULL: pixels
+                      are */
     const void *current; /* which of the two is drawn into */
     float *sum;          /* the same, of all passes; NULL where there is one */
     uint32_t
-        *depths;     /* the same from the bottom: 24 bits of depth, 8 of stencil; NULL: unchecked */
-    unsigned *buffers; /* BUFFERS of each mesh */
+        *depths; /* the same from the bottom: 24 bits of depth, 8 of stencil; NULL: unchecked */
+    unsigned *buffers;  /* BUFFERS of each mesh */
     unsigned *textures; /* of each texture */
     struct rectangle tile;
     struct gl_work work;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Which triangle OpenGL shows at each pixel, how deep it lies, and how many it has drawn there: all
- * bodies once more, with their numbers as flat colours, and with the stencil counting fragments
+ * instances once more, with their numbers as flat colours, and with the stencil counting fragments
  * whether they are seen or not. Same corners, same order, same matrices: OpenGL must show what it
  * shows in colour (section 2.22 of the OpenGL 2.1 specification, invariance). */
 #include <stdlib.h>
@@ -21,30 +21,30 @@
 /* Triangles given to OpenGL at once: few enough to stay in the second-level cache. */
 enum { BATCH = 4096 };
 
-/* Numbers that single precision holds: body + 1, and the triangle in two parts. */
+/* Numbers that single precision holds: instance + 1, and the triangle in two parts. */
 struct numbered_vertex {
     GLfloat position[3], number[3];
 };
 
-static void number_triangle(const struct mesh *mesh, int triangle, int body,
+static void number_triangle(const struct mesh *mesh, int triangle, int placed,
                             struct numbered_vertex out[3])
 {
     for (int i = 0; i < 3; i++) {
         struct vector p = mesh->vertices[mesh->triangles[triangle][i]].position;
         out[i] = (struct numbered_vertex){
             {(GLfloat)p.x, (GLfloat)p.y, (GLfloat)p.z},
-            {(GLfloat)(triangle & 0xffff), (GLfloat)(triangle >> 16), (GLfloat)(body + 1)}};
+            {(GLfloat)(triangle & 0xffff), (GLfloat)(triangle >> 16), (GLfloat)(placed + 1)}};
     }
 }
 
-static void draw_numbers(const struct plan *plan, int body, struct numbered_vertex *batch)
+static void draw_numbers(const struct plan *plan, int placed, struct numbered_vertex *batch)
 {
-    const struct mesh *mesh = &plan->meshes[plan->bodies[body].mesh].mesh;
-    gl_load_matrix(&plan->bodies[body].instance.model_view);
+    const struct mesh *mesh = &plan->meshes[plan->instances[placed].mesh].mesh;
+    gl_load_matrix(&plan->instances[placed].instance.model_view);
     for (int first = 0; first < mesh->n_triangles; first += BATCH) {
         int n = mesh->n_triangles - first < BATCH ? mesh->n_triangles - first : BATCH;
         for (int i = 0; i < n; i++)
-            number_triangle(mesh, first + i, body, batch + 3 * (size_t)i);
+            number_triangle(mesh, first + i, placed, batch + 3 * (size_t)i);
         glVertexPointer(3, GL_FLOAT, sizeof *batch, batch->position);
         glColorPointer(3, GL_FLOAT, sizeof *batch, batch->number);
         glDrawArrays(GL_TRIANGLES, 0, 3 * n);
@@ -64,7 +64,7 @@ static void draw_bodies(const struct gl *gl, struct numbered_vertex *batch)
     glDisableClientState(GL_NORMAL_ARRAY);
     glDisableClientState(GL_TEXTURE_COORD_ARRAY);
     glEnableClientState(GL_COLOR_ARRAY);
-    for (int i = 0; i < gl->plan->n_bodies; i++)
+    for (int i = 0; i < gl->plan->n_instances; i++)
         if (surface_reaches(&gl->lit->bounds[i], &gl->tile))
             draw_numbers(gl->plan, i, batch);
     glDisableClientState(GL_COLOR_ARRAY);
@@ -102,11 +102,11 @@ struct shown gl_shown(const struct gl *gl, int x, int y)
     const float *number = gl->pixels + 4 * ((size_t)y * width + (size_t)x);
     uint32_t depth = gl->depths[below * width + (size_t)x];
     struct shown shown = {-1, -1, depth >> 8, (uint8_t)(depth & 0xff)};
-    int32_t low = whole(number[0]), high = whole(number[1]), body = whole(number[2]);
-    if (low < 0 || low > 0xffff || high < 0 || high > INT16_MAX || body < 0) {
-        shown.surface = gl->plan->n_bodies; /* none that there is */
-    } else if (body > 0) {
-        shown.surface = body - 1;
+    int32_t low = whole(number[0]), high = whole(number[1]), placed = whole(number[2]);
+    if (low < 0 || low > 0xffff || high < 0 || high > INT16_MAX || placed < 0) {
+        shown.surface = gl->plan->n_instances; /* none that there is */
+    } else if (placed > 0) {
+        shown.surface = placed - 1;
         shown.triangle = high * 65536 + low;
     }
     return shown;

@@ -170,7 +170,7 @@ static bool open_context(struct gl *gl, struct error *err)
     if (!allocate(gl, err))
         return false;
     snprintf(threads, sizeof threads, "%d", plan->options.threads);
-    setenv("LP_NUM_THREADS", threads, 0); /* for llvmpipe; a user's own setting stands */
+    setenv("LP_NUM_THREADS", threads, 0); /* for llvmpipe; a user's own configuration stands */
     if (driver)
         setenv("GALLIUM_DRIVER", driver, 1);
     gl->context = OSMesaCreateContextAttribs(attributes, NULL);
@@ -295,14 +295,14 @@ static bool upload_planes(const struct texture *texture, GLuint name, struct err
     return true;
 }
 
-static void use_texture(const struct gl *gl, const struct finish *finish)
+static void use_texture(const struct gl *gl, const struct shaded_material *shaded)
 {
-    if (!finish->texture) {
+    if (!shaded->texture) {
         glDisable(GL_TEXTURE_2D);
         glDisableClientState(GL_TEXTURE_COORD_ARRAY);
         return;
     }
-    glBindTexture(GL_TEXTURE_2D, gl->textures[finish->texture - gl->plan->textures]);
+    glBindTexture(GL_TEXTURE_2D, gl->textures[shaded->texture - gl->plan->textures]);
     glEnable(GL_TEXTURE_2D);
     glEnableClientState(GL_TEXTURE_COORD_ARRAY);
 }
@@ -358,8 +358,7 @@ static void place_lights(const struct gl *gl, int group)
     for (int i = 0; i < LIGHTS_PER_PASS; i++) {
         int light = group * LIGHTS_PER_PASS + i;
         if (light < gl->plan->n_lights)
-            place_light(GL_LIGHT0 + (GLenum)i, &gl->plan->lights[light],
-                        gl->plan->sources[light]);
+            place_light(GL_LIGHT0 + (GLenum)i, &gl->plan->lights[light], gl->plan->sources[light]);
         else
             glDisable(GL_LIGHT0 + (GLenum)i);
     }
@@ -438,12 +437,12 @@ static void band_colour(const struct plan *plan, const double *row, int first_ba
     out[3] = 1;
 }
 
-static const double *term_row(const struct plan *plan, const struct finish *finish,
+static const double *term_row(const struct plan *plan, const struct shaded_material *shaded,
                               enum reflection reflection, int light)
 {
-    for (int t = 0; t < finish->n_terms; t++)
-        if (finish->terms[t].reflection == reflection && finish->terms[t].light == light)
-            return finish->made.spectra + (size_t)t * (size_t)plan->n_bands;
+    for (int t = 0; t < shaded->n_terms; t++)
+        if (shaded->terms[t].reflection == reflection && shaded->terms[t].light == light)
+            return shaded->made.spectra + (size_t)t * (size_t)plan->n_bands;
     return NULL;
 }
 
@@ -453,10 +452,11 @@ struct pass {
     double full_scale;
 };
 
-static void set_finish(const struct gl *gl, const struct finish *finish, const struct pass *pass)
+static void set_material(const struct gl *gl, const struct shaded_material *shaded,
+                         const struct pass *pass)
 {
     const struct plan *plan = gl->plan;
-    const double *constant = pass->group == 0 ? term_row(plan, finish, CONSTANT, -1) : NULL;
+    const double *constant = pass->group == 0 ? term_row(plan, shaded, CONSTANT, -1) : NULL;
     GLfloat colour[4];
     bool shiny = false;
     for (int i = 0; i < LIGHTS_PER_PASS; i++) {
@@ -466,8 +466,8 @@ static void set_finish(const struct gl *gl, const struct finish *finish, const s
             break;
         int first = plan->lights[light].first;
         double full_scale = pass->full_scale / plan->lights[light].share;
-        const double *specular = term_row(plan, finish, SPECULAR, first);
-        band_colour(plan, term_row(plan, finish, DIFFUSE, first), pass->first_band, full_scale,
+        const double *specular = term_row(plan, shaded, SPECULAR, first);
+        band_colour(plan, term_row(plan, shaded, DIFFUSE, first), pass->first_band, full_scale,
                     colour);
         glLightfv(name, GL_DIFFUSE, colour);
         band_colour(plan, specular, pass->first_band, full_scale, colour);
@@ -477,27 +477,27 @@ static void set_finish(const struct gl *gl, const struct finish *finish, const s
     band_colour(plan, constant, pass->first_band, pass->full_scale, colour);
     glMaterialfv(GL_FRONT_AND_BACK, GL_AMBIENT, colour);
     glMaterialfv(GL_FRONT_AND_BACK, GL_SPECULAR, shiny ? white : black);
-    glMaterialf(GL_FRONT_AND_BACK, GL_SHININESS, shiny ? (GLfloat)finish->material->gloss : 0.0F);
-    use_texture(gl, finish);
+    glMaterialf(GL_FRONT_AND_BACK, GL_SHININESS, shiny ? (GLfloat)shaded->material->gloss : 0.0F);
+    use_texture(gl, shaded);
 }
 
-static void draw_body(const struct gl *gl, const struct body *body)
+static void draw_instance(const struct gl *gl, const struct placed_instance *placed)
 {
     const struct gl_vertex *first = NULL; /* offsets into the bound buffer */
-    const GLuint *buffers = gl->buffers + BUFFERS * body->mesh;
+    const GLuint *buffers = gl->buffers + BUFFERS * placed->mesh;
     glBindBuffer(GL_ARRAY_BUFFER, buffers[VERTICES]);
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffers[INDICES]);
     glVertexPointer(3, GL_FLOAT, sizeof *first, (const void *)offsetof(struct gl_vertex, position));
     glNormalPointer(GL_FLOAT, sizeof *first, (const void *)offsetof(struct gl_vertex, normal));
-    if (gl->plan->finishes[body->finish].texture) {
+    if (gl->plan->materials[placed->shaded].texture) {
         glBindBuffer(GL_ARRAY_BUFFER, buffers[PLACES]);
         glTexCoordPointer(2, GL_FLOAT, 0, NULL);
     }
-    glLightModeli(GL_LIGHT_MODEL_TWO_SIDE, body->object->two_sided);
-    glFrontFace(body->instance.mirrored ? GL_CW : GL_CCW);
-    gl_load_matrix(&body->instance.model_view);
-    glDrawElements(GL_TRIANGLES, 3 * gl->plan->meshes[body->mesh].mesh.n_triangles, GL_UNSIGNED_INT,
-                   NULL);
+    glLightModeli(GL_LIGHT_MODEL_TWO_SIDE, placed->object->two_sided);
+    glFrontFace(placed->instance.mirrored ? GL_CW : GL_CCW);
+    gl_load_matrix(&placed->instance.model_view);
+    glDrawElements(GL_TRIANGLES, 3 * gl->plan->meshes[placed->mesh].mesh.n_triangles,
+                   GL_UNSIGNED_INT, NULL);
 }
 
 /* Clears the colour by drawing over it: Mesa fills 16-byte pixels one by one, at ten times the
@@ -522,20 +522,20 @@ void gl_blacken(void)
 static void draw_pass(struct gl *gl, const struct pass *pass)
 {
     const struct plan *plan = gl->plan;
-    int finish = -1;
+    int shaded = -1;
     glClear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
     gl_blacken();
     glEnable(GL_DEPTH_TEST);
     glEnable(GL_LIGHTING);
     place_lights(gl, pass->group);
-    for (int i = 0; i < plan->n_bodies; i++) {
-        const struct body *body = &plan->bodies[i];
+    for (int i = 0; i < plan->n_instances; i++) {
+        const struct placed_instance *placed = &plan->instances[i];
         if (!surface_reaches(&gl->lit->bounds[i], &gl->tile))
             continue;
-        if (body->finish != finish)
-            set_finish(gl, &plan->finishes[body->finish], pass);
-        finish = body->finish;
-        draw_body(gl, body);
+        if (placed->shaded != shaded)
+            set_material(gl, &plan->materials[placed->shaded], pass);
+        shaded = placed->shaded;
+        draw_instance(gl, placed);
         gl->work.draw_calls++;
     }
     glFinish(); /* only now does OSMesa fill the buffer */

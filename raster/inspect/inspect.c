@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* How a pixel's spectrum comes about: the reference draws a region as it draws the whole picture,
- * and the spectra that its finish is made of are given beside it. */
+ * and the spectra that its material is made of are given beside it. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -171,7 +171,7 @@ static bool add_curves(const struct region *region, struct error *err)
         if (!probe->object)
             return error_memory(err);
         if (region->surface >= 0 &&
-            !add_material(probe, region->lit.bounds[region->surface].finish->material, err))
+            !add_material(probe, region->lit.bounds[region->surface].shaded->material, err))
             return false;
     }
     return add_lights(probe, region->plan.scene, err);

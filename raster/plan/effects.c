@@ -15,69 +15,69 @@
 
 /* ---- counting what the plan uses ---- */
 
-static bool has_term(const struct finish *finish, enum term_kind kind)
+static bool has_term(const struct shaded_material *shaded, enum term_kind kind)
 {
-    for (int i = 0; i < finish->n_terms; i++)
-        if (finish->made.terms[i].kind == kind)
+    for (int i = 0; i < shaded->n_terms; i++)
+        if (shaded->made.terms[i].kind == kind)
             return true;
     return false;
 }
 
-static bool is_ambient(const struct finish *finish)
+static bool is_ambient(const struct shaded_material *shaded)
 {
-    return finish->made.ambient;
+    return shaded->made.ambient;
 }
 
-static bool is_diffuse(const struct finish *finish)
+static bool is_diffuse(const struct shaded_material *shaded)
 {
-    return has_term(finish, TERM_DIFFUSE);
+    return has_term(shaded, TERM_DIFFUSE);
 }
 
-static bool is_specular(const struct finish *finish)
+static bool is_specular(const struct shaded_material *shaded)
 {
-    return has_term(finish, TERM_SPECULAR);
+    return has_term(shaded, TERM_SPECULAR);
 }
 
-static bool has_excitation(const struct finish *finish)
+static bool has_excitation(const struct shaded_material *shaded)
 {
-    return finish->material->excitation.kind != SPECTRUM_NONE;
+    return shaded->material->excitation.kind != SPECTRUM_NONE;
 }
 
-static bool has_matrix(const struct finish *finish)
+static bool has_matrix(const struct shaded_material *shaded)
 {
-    return finish->material->donaldson != NULL;
+    return shaded->material->donaldson != NULL;
 }
 
-static bool is_fluorescent(const struct finish *finish)
+static bool is_fluorescent(const struct shaded_material *shaded)
 {
-    return finish->made.fluoresces && has_excitation(finish);
+    return shaded->made.fluoresces && has_excitation(shaded);
 }
 
-static bool is_bispectral(const struct finish *finish)
+static bool is_bispectral(const struct shaded_material *shaded)
 {
-    return finish->made.fluoresces && has_matrix(finish);
+    return shaded->made.fluoresces && has_matrix(shaded);
 }
 
-static bool is_textured(const struct finish *finish)
+static bool is_textured(const struct shaded_material *shaded)
 {
-    return finish->texture && !finish->texture->spectral;
+    return shaded->texture && !shaded->texture->spectral;
 }
 
-static bool is_spectrally_textured(const struct finish *finish)
+static bool is_spectrally_textured(const struct shaded_material *shaded)
 {
-    return finish->texture && finish->texture->spectral;
+    return shaded->texture && shaded->texture->spectral;
 }
 
-static bool is_emitting(const struct finish *finish)
+static bool is_emitting(const struct shaded_material *shaded)
 {
-    return finish->made.emits;
+    return shaded->made.emits;
 }
 
-static int count_finishes(const struct plan *plan, bool (*is)(const struct finish *))
+static int count_materials(const struct plan *plan, bool (*is)(const struct shaded_material *))
 {
     int n = 0;
-    for (int i = 0; i < plan->n_finishes; i++)
-        n += is(&plan->finishes[i]);
+    for (int i = 0; i < plan->n_materials; i++)
+        n += is(&plan->materials[i]);
     return n;
 }
 
@@ -113,18 +113,18 @@ static void add_effect(struct plan *plan, const char *name, int used, int all, c
         snprintf(effect->reason, sizeof effect->reason, "%s", otherwise);
 }
 
-static void add_finish_effect(struct plan *plan, const char *name,
-                              bool (*is)(const struct finish *), const char *otherwise)
+static void add_material_effect(struct plan *plan, const char *name,
+                                bool (*is)(const struct shaded_material *), const char *otherwise)
 {
-    add_effect(plan, name, count_finishes(plan, is), plan->n_finishes, "materials", otherwise);
+    add_effect(plan, name, count_materials(plan, is), plan->n_materials, "materials", otherwise);
 }
 
 /* A material with a partner and the partner count as one. */
 static int count_halves(const struct plan *plan)
 {
     int n = 0;
-    for (int i = 0; i < plan->n_finishes; i++)
-        n += plan->finishes[i].material->partner || plan->finishes[i].material->partner_name;
+    for (int i = 0; i < plan->n_materials; i++)
+        n += plan->materials[i].material->partner || plan->materials[i].material->partner_name;
     return n;
 }
 
@@ -166,30 +166,30 @@ static int count_tessellated(const struct scene *scene)
 void plan_effects(struct plan *plan)
 {
     const struct scene *scene = plan->scene;
-    int attenuated = 0, spots = 0, n_specular = count_finishes(plan, is_specular);
+    int attenuated = 0, spots = 0, n_specular = count_materials(plan, is_specular);
     for (int i = 0; i < plan->n_lights; i++) {
         attenuated += plan->lights[i].attenuated;
         spots += plan->lights[i].spot;
     }
-    add_finish_effect(plan, "ambient", is_ambient, "no ambient light reflected");
+    add_material_effect(plan, "ambient", is_ambient, "no ambient light reflected");
     add_effect(plan, "lights", plan->n_lights, scene->n_lights, "shine", "no light shines");
-    add_finish_effect(plan, "diffuse", is_diffuse, "no material reflects a light");
-    add_finish_effect(plan, "specular", is_specular, "no lit material has gloss");
+    add_material_effect(plan, "diffuse", is_diffuse, "no material reflects a light");
+    add_material_effect(plan, "specular", is_specular, "no lit material has gloss");
     add_switch(plan, "local_viewer", scene->local_viewer, n_specular > 0, "the viewer is infinite",
                "no highlight depends on it");
     add_effect(plan, "attenuation", attenuated, plan->n_lights, "lights", "no light weakens");
     add_effect(plan, "spot", spots, plan->n_lights, "lights", "no light is a spot");
-    add_finish_effect(plan, "fluorescence", is_fluorescent,
-                      why_no_luminescence(plan, count_finishes(plan, has_excitation),
-                                          "no material has excitation"));
-    add_finish_effect(plan, "bispectral", is_bispectral,
-                      why_no_luminescence(plan, count_finishes(plan, has_matrix),
-                                          "no material has a Donaldson matrix"));
-    add_finish_effect(plan, "texture", is_textured, "no lit material has a texture");
-    add_finish_effect(plan, "spectral_texture", is_spectrally_textured,
-                      "no lit material has a spectral texture");
-    add_finish_effect(plan, "emission", is_emitting, "no material emits");
-    add_effect(plan, "metamer", count_halves(plan), plan->n_finishes, "materials",
+    add_material_effect(plan, "fluorescence", is_fluorescent,
+                        why_no_luminescence(plan, count_materials(plan, has_excitation),
+                                            "no material has excitation"));
+    add_material_effect(plan, "bispectral", is_bispectral,
+                        why_no_luminescence(plan, count_materials(plan, has_matrix),
+                                            "no material has a Donaldson matrix"));
+    add_material_effect(plan, "texture", is_textured, "no lit material has a texture");
+    add_material_effect(plan, "spectral_texture", is_spectrally_textured,
+                        "no lit material has a spectral texture");
+    add_material_effect(plan, "emission", is_emitting, "no material emits");
+    add_effect(plan, "metamer", count_halves(plan), plan->n_materials, "materials",
                "no material has a partner");
     add_effect(plan, "two_sided", count_objects(plan, is_two_sided), scene->n_objects, "objects",
                "no object is two-sided");
@@ -240,16 +240,16 @@ static void print_extrapolation(const struct plan *plan, const char *what, const
                 spectrum->wavelength_nm[spectrum->count - 1], ends);
 }
 
-static void print_finish(const struct plan *plan, const struct finish *finish, FILE *to)
+static void print_material(const struct plan *plan, const struct shaded_material *shaded, FILE *to)
 {
     static const char held[] = "the end value holds", dark[] = "0";
-    const struct material *material = finish->material;
+    const struct material *material = shaded->material;
     print_extrapolation(plan, "diffuse", held, &material->diffuse, material->name, to);
-    if (is_specular(finish))
+    if (is_specular(shaded))
         print_extrapolation(plan, "specular", held, &material->specular, material->name, to);
-    if (is_fluorescent(finish))
+    if (is_fluorescent(shaded))
         print_extrapolation(plan, "emission", dark, &material->emission, material->name, to);
-    if (is_emitting(finish))
+    if (is_emitting(shaded))
         print_extrapolation(plan, "emission", dark, &material->glow, material->name, to);
     if (material->from_rgb)
         fprintf(to, "not measured      %s: RGB of %s, spread over three bands\n", material->name,
@@ -277,8 +277,8 @@ static void print_guesses(const struct plan *plan, FILE *to)
     for (int i = 0; i < scene->n_ambients; i++)
         print_extrapolation(plan, "ambient", "0", &scene->ambients[i].spectrum,
                             scene->ambients[i].spectrum.name, to);
-    for (int i = 0; i < plan->n_finishes; i++)
-        print_finish(plan, &plan->finishes[i], to);
+    for (int i = 0; i < plan->n_materials; i++)
+        print_material(plan, &plan->materials[i], to);
 }
 
 static void print_work(const struct plan *plan, FILE *to)
@@ -286,11 +286,11 @@ static void print_work(const struct plan *plan, FILE *to)
     const struct scene *scene = plan->scene;
     const struct rectangle picture = plan_picture(plan);
     int passes = plan->n_passes * plan->n_light_groups, most = 0;
-    for (int i = 0; i < plan->n_finishes; i++)
-        most = plan->finishes[i].n_terms > most ? plan->finishes[i].n_terms : most;
+    for (int i = 0; i < plan->n_materials; i++)
+        most = plan->materials[i].n_terms > most ? plan->materials[i].n_terms : most;
     fprintf(to, "objects           %d (%d bodies, %ld vertices, %ld triangles)\n", scene->n_objects,
-            plan->n_bodies, plan->n_vertices, plan->n_triangles);
-    fprintf(to, "materials         %d (%ld terms, at most %d in one)\n", plan->n_finishes,
+            plan->n_instances, plan->n_vertices, plan->n_triangles);
+    fprintf(to, "materials         %d (%ld terms, at most %d in one)\n", plan->n_materials,
             plan->work.terms, most);
     fprintf(to, "excitation        %ld integrals\n", plan->work.excitation_integrals);
     fprintf(to, "tiles             %d of %d x %d pixels\n", plan_tiles(plan, &picture),

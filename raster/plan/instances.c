@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Objects become bodies: each mesh is built once, parted by material and cut in half where a
+/* Objects become instances: each mesh is built once, parted by material and cut in half where a
  * material has a metameric partner, moved to its centre and placed. Objects that show the same mesh
  * share it. */
 #include <math.h>
@@ -27,7 +27,7 @@ struct whole {
 struct cutting {
     int whole, part, side;
 };
-struct body_maker {
+struct instance_maker {
     struct plan *plan;
     struct whole *wholes;
     struct cutting *cuttings; /* of each mesh of the plan */
@@ -89,7 +89,8 @@ static bool build_whole(struct whole *whole, struct error *err)
 }
 
 /* The index of a shape's mesh, which is built when it is first asked for; -1 after an error. */
-static int find_whole(struct body_maker *maker, const struct shape *described, struct error *err)
+static int find_whole(struct instance_maker *maker, const struct shape *described,
+                      struct error *err)
 {
     const struct shape shape = shape_tessellated(described, maker->plan->scene->tessellation);
     for (int i = 0; i < maker->n_wholes; i++)
@@ -107,7 +108,7 @@ static int find_whole(struct body_maker *maker, const struct shape *described, s
 
 /* Adds a mesh to the plan, which takes it over even if this fails; moved by the centre of the
  * whole: halves and parts that meet have the same numbers where they do. */
-static bool add_mesh(struct body_maker *maker, struct cutting cutting, struct mesh *mesh,
+static bool add_mesh(struct instance_maker *maker, struct cutting cutting, struct mesh *mesh,
                      struct error *err)
 {
     struct plan *plan = maker->plan;
@@ -131,7 +132,7 @@ static bool add_mesh(struct body_maker *maker, struct cutting cutting, struct me
     return true;
 }
 
-static bool add_sides(struct body_maker *maker, struct cutting cutting, const struct mesh *part,
+static bool add_sides(struct instance_maker *maker, struct cutting cutting, const struct mesh *part,
                       struct error *err)
 {
     struct mesh halves = {.n_vertices = 0}, half = {.n_vertices = 0};
@@ -147,7 +148,7 @@ static bool add_sides(struct body_maker *maker, struct cutting cutting, const st
 }
 
 /* Takes out what a cutting shows; both of its sides, where it asks for one. */
-static bool cut_out(struct body_maker *maker, struct cutting cutting, struct error *err)
+static bool cut_out(struct instance_maker *maker, struct cutting cutting, struct error *err)
 {
     struct mesh from = maker->wholes[cutting.whole].mesh, part = {.n_vertices = 0};
     if (cutting.part < 0)
@@ -160,7 +161,7 @@ static bool cut_out(struct body_maker *maker, struct cutting cutting, struct err
     return done;
 }
 
-static int known_mesh(const struct body_maker *maker, const struct cutting *wanted)
+static int known_mesh(const struct instance_maker *maker, const struct cutting *wanted)
 {
     for (int i = 0; i < maker->plan->n_meshes; i++)
         if (memcmp(&maker->cuttings[i], wanted, sizeof *wanted) == 0)
@@ -170,7 +171,7 @@ static int known_mesh(const struct body_maker *maker, const struct cutting *want
 
 /* The index of the mesh in the plan, which is made when it is first asked for; -1 after an error.
  */
-static int find_mesh(struct body_maker *maker, struct cutting wanted, struct error *err)
+static int find_mesh(struct instance_maker *maker, struct cutting wanted, struct error *err)
 {
     int known = known_mesh(maker, &wanted);
     if (known < 0 && cut_out(maker, wanted, err))
@@ -178,7 +179,7 @@ static int find_mesh(struct body_maker *maker, struct cutting wanted, struct err
     return known;
 }
 
-/* ---- bodies ---- */
+/* ---- instances ---- */
 
 /* Whether the upper 3x3 turns left into right. Rows are brought to unit length, so that small and
  * large scales neither underflow nor overflow. */
@@ -220,50 +221,52 @@ static bool has_inverse(const struct matrix *m)
            largest < 1e18 * determinant;
 }
 
-static bool add_body(struct body_maker *maker, const struct object *object, struct cutting cutting,
-                     const struct material *material, struct error *err)
+static bool add_instance(struct instance_maker *maker, const struct object *object,
+                         struct cutting cutting, const struct material *material, struct error *err)
 {
     struct plan *plan = maker->plan;
-    struct body body = {.object = object, .mesh = find_mesh(maker, cutting, err)};
-    if (body.mesh < 0)
+    struct placed_instance placed = {.object = object, .mesh = find_mesh(maker, cutting, err)};
+    if (placed.mesh < 0)
         return false;
-    struct plan_mesh *mesh = &plan->meshes[body.mesh];
+    struct plan_mesh *mesh = &plan->meshes[placed.mesh];
     if (mesh->mesh.n_triangles == 0) /* all of it lies on the other side */
         return true;
-    struct body *more = array_more(plan->bodies, plan->n_bodies, sizeof *more, err);
+    struct placed_instance *more =
+        array_more(plan->instances, plan->n_instances, sizeof *more, err);
     if (!more)
         return false;
-    plan->bodies = more;
-    if (!shaded_material_find(plan, material, &body.finish, err))
+    plan->instances = more;
+    if (!shaded_material_find(plan, material, &placed.shaded, err))
         return false;
-    mesh->textured = mesh->textured || plan->finishes[body.finish].texture;
-    body.instance.model_view =
+    mesh->textured = mesh->textured || plan->materials[placed.shaded].texture;
+    placed.instance.model_view =
         matrix_product(plan->world_to_eye, matrix_product(object->transform, placement(mesh)));
-    body.instance.mirrored = is_mirrored(&body.instance.model_view);
-    if (!matrix_normal(&body.instance.model_view, &body.instance.normal_matrix) || !has_inverse(&body.instance.model_view))
+    placed.instance.mirrored = is_mirrored(&placed.instance.model_view);
+    if (!matrix_normal(&placed.instance.model_view, &placed.instance.normal_matrix) ||
+        !has_inverse(&placed.instance.model_view))
         return error_at(err, object->place,
                         "the object's transform is singular or not finite, or the object is too "
                         "small, too large or too flat beside the picture for single precision");
-    more[plan->n_bodies++] = body;
+    more[plan->n_instances++] = placed;
     plan->n_vertices += mesh->mesh.n_vertices;
     plan->n_triangles += mesh->mesh.n_triangles;
     return true;
 }
 
 /* A mesh, or a part of it, of one material: in two halves if that has a partner. */
-static bool add_halves(struct body_maker *maker, const struct object *object,
+static bool add_halves(struct instance_maker *maker, const struct object *object,
                        struct cutting cutting, const struct material *material, struct error *err)
 {
     const struct material *partner = material->partner;
     if (material->partner_name)
         partner = &maker->plan->scene->materials[material->partner_index];
     if (!partner)
-        return add_body(maker, object, cutting, material, err);
+        return add_instance(maker, object, cutting, material, err);
     cutting.side = 0;
-    if (!add_body(maker, object, cutting, material, err))
+    if (!add_instance(maker, object, cutting, material, err))
         return false;
     cutting.side = 1;
-    return add_body(maker, object, cutting, partner, err);
+    return add_instance(maker, object, cutting, partner, err);
 }
 
 /* ---- several materials on one mesh ---- */
@@ -303,7 +306,7 @@ static bool check_uses(const struct object *object, const struct mesh *mesh, str
     return true;
 }
 
-static bool add_parts(struct body_maker *maker, const struct object *object, int whole,
+static bool add_parts(struct instance_maker *maker, const struct object *object, int whole,
                       struct error *err)
 {
     const struct material *materials = maker->plan->scene->materials;
@@ -326,7 +329,7 @@ static bool add_parts(struct body_maker *maker, const struct object *object, int
     return true;
 }
 
-static bool add_object(struct body_maker *maker, const struct object *object, struct error *err)
+static bool add_object(struct instance_maker *maker, const struct object *object, struct error *err)
 {
     int whole = find_whole(maker, &object->shape, err);
     if (whole < 0)
@@ -338,60 +341,62 @@ static bool add_object(struct body_maker *maker, const struct object *object, st
 }
 
 /* By mesh, place and order of drawing. */
-static int compare_bodies(const void *a, const void *b)
+static int compare_instances(const void *a, const void *b)
 {
-    const struct body *first = *(const struct body *const *)a,
-                      *second = *(const struct body *const *)b;
+    const struct placed_instance *first = *(const struct placed_instance *const *)a,
+                                 *second = *(const struct placed_instance *const *)b;
     if (first->mesh != second->mesh)
         return first->mesh < second->mesh ? -1 : 1;
-    int place = memcmp(&first->instance.model_view, &second->instance.model_view, sizeof first->instance.model_view);
+    int place = memcmp(&first->instance.model_view, &second->instance.model_view,
+                       sizeof first->instance.model_view);
     if (place != 0)
         return place;
     return first < second ? -1 : first > second;
 }
 
-/* Of two bodies that agree to the last bit OpenGL shows the first: what is as deep is not nearer.
+/* Of two instances that agree to the last bit OpenGL shows the first: what is as deep is not
+ * nearer.
  */
 static bool find_twins(struct plan *plan, struct error *err)
 {
-    size_t n = (size_t)plan->n_bodies;
-    struct body **sorted = malloc((n + 1) * sizeof *sorted);
+    size_t n = (size_t)plan->n_instances;
+    struct placed_instance **sorted = malloc((n + 1) * sizeof *sorted);
     if (!sorted)
         return error_memory(err);
     for (size_t i = 0; i < n; i++)
-        sorted[i] = &plan->bodies[i];
-    qsort(sorted, n, sizeof *sorted, compare_bodies);
+        sorted[i] = &plan->instances[i];
+    qsort(sorted, n, sizeof *sorted, compare_instances);
     for (size_t i = 1; i < n; i++)
-        sorted[i]->twin =
-            sorted[i]->mesh == sorted[i - 1]->mesh &&
-            memcmp(&sorted[i]->instance.model_view, &sorted[i - 1]->instance.model_view, sizeof(struct matrix)) == 0;
+        sorted[i]->twin = sorted[i]->mesh == sorted[i - 1]->mesh &&
+                          memcmp(&sorted[i]->instance.model_view,
+                                 &sorted[i - 1]->instance.model_view, sizeof(struct matrix)) == 0;
     free(sorted);
     return true;
 }
 
-/* Gives the reference its view of a body, when no array moves any more. */
-static void fill_instance(const struct plan *plan, struct body *body)
+/* Gives the reference its view of a instance, when no array moves any more. */
+static void fill_instance(const struct plan *plan, struct placed_instance *placed)
 {
-    const struct mesh *mesh = &plan->meshes[body->mesh].mesh;
-    const struct finish *finish = &plan->finishes[body->finish];
-    struct instance *out = &body->instance;
+    const struct mesh *mesh = &plan->meshes[placed->mesh].mesh;
+    const struct shaded_material *shaded = &plan->materials[placed->shaded];
+    struct instance *out = &placed->instance;
     out->vertices = mesh->vertices;
     out->triangles = (const int32_t(*)[3])mesh->triangles;
     out->n_vertices = mesh->n_vertices;
     out->n_triangles = mesh->n_triangles;
-    out->two_sided = body->object->two_sided;
-    out->terms = finish->terms;
-    out->n_terms = finish->n_terms;
-    out->gloss = finish->material->gloss;
-    out->textured = finish->texture != NULL;
-    out->varied = finish->texture && finish->texture->spectral;
-    if (finish->texture)
-        out->texels = plan_texels(finish->texture, 0);
+    out->two_sided = placed->object->two_sided;
+    out->terms = shaded->terms;
+    out->n_terms = shaded->n_terms;
+    out->gloss = shaded->material->gloss;
+    out->textured = shaded->texture != NULL;
+    out->varied = shaded->texture && shaded->texture->spectral;
+    if (shaded->texture)
+        out->texels = plan_texels(shaded->texture, 0);
 }
 
-bool bodies_make(struct plan *plan, struct error *err)
+bool instances_make(struct plan *plan, struct error *err)
 {
-    struct body_maker maker = {.plan = plan};
+    struct instance_maker maker = {.plan = plan};
     bool done = true;
     for (int i = 0; i < plan->scene->n_objects && done; i++)
         done = add_object(&maker, &plan->scene->objects[i], err);
@@ -399,7 +404,7 @@ bool bodies_make(struct plan *plan, struct error *err)
         mesh_free(&maker.wholes[i].mesh);
     free(maker.wholes);
     free(maker.cuttings);
-    for (int i = 0; done && i < plan->n_bodies; i++)
-        fill_instance(plan, &plan->bodies[i]);
+    for (int i = 0; done && i < plan->n_instances; i++)
+        fill_instance(plan, &plan->instances[i]);
     return done && find_twins(plan, err);
 }

@@ -76,9 +76,9 @@ bool lights_list(struct plan *plan, struct error *err)
 static bool renumber_terms(struct plan *plan, int from, int to)
 {
     bool any = false;
-    for (int f = 0; f < plan->n_finishes; f++)
-        for (int t = 0; t < plan->finishes[f].n_terms; t++) {
-            struct term *term = &plan->finishes[f].terms[t];
+    for (int f = 0; f < plan->n_materials; f++)
+        for (int t = 0; t < plan->materials[f].n_terms; t++) {
+            struct term *term = &plan->materials[f].terms[t];
             if (term->light != from)
                 continue;
             term->light = to;

@@ -18,7 +18,7 @@
 
 /* Bytes that a pixel of a tile takes apart from its rows: Mesa's own colour and depth (20), our
  * copies of them (20), samples of three bands (12), surface, triangle, depth and its bound (16),
- * fragments, steepness and floor (12), flags (2), and room for contested pixels (14). A row has a
+ * fragments, steepness and floor (12), flags (2), and room for ambiguous pixels (14). A row has a
  * weight (8) and an error (4); a sum of passes is a colour (16). Checked steps of 16 bits have a
  * colour and depth of Mesa's own (12) and our copy (8) beside what floats have. */
 enum { PIXEL_BYTES = 96, ROW_BYTES = 12, SUM_BYTES = 16, STEPS_BYTES = 20 };
@@ -87,7 +87,7 @@ static int map_bytes(const struct plan *plan)
 {
     const bool unknown =
         plan->options.use_gl && !plan->options.check && !plan->options.store_raster;
-    const int n = plan->n_bodies;
+    const int n = plan->n_instances;
     return unknown || n == 0 || n > UINT16_MAX ? 0 : n > UINT8_MAX ? 2 : 1;
 }
 
@@ -139,7 +139,8 @@ void band_name(const struct plan *plan, int band, char out[BAND_NAME])
 
 const char *object_name(const struct plan *plan, int surface)
 {
-    return surface < 0 ? "background" : plan->finishes[plan->bodies[surface].finish].material->name;
+    return surface < 0 ? "background"
+                       : plan->materials[plan->instances[surface].shaded].material->name;
 }
 
 struct rectangle plan_picture(const struct plan *plan)
@@ -164,18 +165,18 @@ struct rectangle plan_tile(const struct plan *plan, const struct rectangle *regi
     const int x = index % columns * plan->tile_width, y = index / columns * plan->tile_height;
     const int width = region->width - x, height = region->height - y;
     return (struct rectangle){region->x + x, region->y + y,
-                         width < plan->tile_width ? width : plan->tile_width,
-                         height < plan->tile_height ? height : plan->tile_height};
+                              width < plan->tile_width ? width : plan->tile_width,
+                              height < plan->tile_height ? height : plan->tile_height};
 }
 
 /* Arrays that pointers lead into have their final size from the start: every material, and its
- * partner from the same file, has at most one finish and one texture. */
+ * partner from the same file, has at most one material and one texture. */
 static bool plan_allocate(struct plan *plan, struct error *err)
 {
     size_t most = 2 * (size_t)plan->scene->n_materials + 1;
-    plan->finishes = calloc(most, sizeof *plan->finishes);
+    plan->materials = calloc(most, sizeof *plan->materials);
     plan->textures = calloc(most, sizeof *plan->textures);
-    return (plan->finishes && plan->textures) || error_memory(err);
+    return (plan->materials && plan->textures) || error_memory(err);
 }
 
 bool plan_make(const struct scene *scene, const struct sampling *sampling,
@@ -198,7 +199,7 @@ bool plan_make(const struct scene *scene, const struct sampling *sampling,
                        matrix_look_at(camera.eye, camera.look, camera.up));
     if (!plan_allocate(out, err) ||
         !illumination_make(scene, &pages, options->exchangeable, &out->illumination, err) ||
-        !lights_list(out, err) || !bodies_make(out, err) || !lights_drop_idle(out, err))
+        !lights_list(out, err) || !instances_make(out, err) || !lights_drop_idle(out, err))
         return false;
     out->view = view_of(out, &camera);
     out->n_light_groups = (out->n_lights + LIGHTS_PER_PASS - 1) / LIGHTS_PER_PASS;
@@ -213,16 +214,16 @@ void plan_free(struct plan *plan)
 {
     for (int i = 0; i < plan->n_meshes; i++)
         mesh_free(&plan->meshes[i].mesh);
-    for (int i = 0; i < plan->n_finishes; i++) {
-        free(plan->finishes[i].terms);
-        material_terms_free(&plan->finishes[i].made);
+    for (int i = 0; i < plan->n_materials; i++) {
+        free(plan->materials[i].terms);
+        material_terms_free(&plan->materials[i].made);
     }
     for (int i = 0; i < plan->n_textures; i++)
         texture_free(&plan->textures[i]);
     free(plan->meshes);
-    free(plan->finishes);
+    free(plan->materials);
     free(plan->textures);
-    free(plan->bodies);
+    free(plan->instances);
     free(plan->lights);
     free(plan->sources);
     illumination_free(&plan->illumination);

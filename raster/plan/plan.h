@@ -22,11 +22,11 @@ enum { LIGHTS_PER_PASS = 8, BANDS_PER_PASS = TEXTURE_PLANES };
 
 /* A material under the lights of the scene. Lights of one spectrum share their terms, and terms
  * whose spectrum is 0 in all bands are left out. */
-struct finish {
+struct shaded_material {
     const struct material *material;
     struct texture *texture; /* NULL: none */
     int n_terms, n_colours;  /* colours: those that OpenGL adds up, a term's one for each light */
-    struct term *terms;         /* for the reference; owned */
+    struct term *terms;      /* for the reference; owned */
     struct material_terms made; /* their spectra, on each page */
 };
 
@@ -36,13 +36,13 @@ struct plan_mesh {
     struct mesh mesh;
     struct vector centre; /* of the whole mesh */
     double unit;          /* what its lengths are measured in: a power of two, about its size */
-    bool textured;        /* some body of it is */
+    bool textured;        /* some instance of it is */
 };
 /* An object, or a part of one, as it will be drawn: transform and camera composed in double. */
-struct body {
+struct placed_instance {
     const struct object *object;
-    int mesh, finish; /* indices into the plan */
-    bool twin;        /* an earlier body is the same in the same place, and hides it */
+    int mesh, shaded; /* indices into the plan */
+    bool twin;        /* an earlier instance is the same in the same place, and hides it */
     struct instance instance;
 };
 struct plan_effect {
@@ -81,13 +81,13 @@ struct plan {
     struct matrix world_to_eye;
     struct view view; /* of the picture, for the reference */
     struct plan_mesh *meshes;
-    struct finish *finishes;
+    struct shaded_material *materials;
     struct texture *textures;
-    struct body *bodies;
+    struct placed_instance *instances;
     struct illumination illumination; /* the lights of the scene, before idle ones are dropped */
-    struct eye_light *lights; /* those that shine; and each as the scene has it: */
+    struct eye_light *lights;         /* those that shine; and each as the scene has it: */
     const struct light **sources;
-    int n_meshes, n_finishes, n_textures, n_bodies, n_lights;
+    int n_meshes, n_materials, n_textures, n_instances, n_lights;
     int n_light_groups; /* passes that a group of bands takes: 1, or more beyond LIGHTS_PER_PASS */
     int max_rows;       /* numbers that a pixel keeps, at most: see pixel_rows */
     int tile_width, tile_height; /* the last column and row of tiles may be smaller */
@@ -96,7 +96,7 @@ struct plan {
     struct plan_effect effects[MAX_EFFECTS];
     int n_effects;
     struct plan_work work;
-    long n_vertices, n_triangles; /* as drawn: a mesh counts once for every body */
+    long n_vertices, n_triangles; /* as drawn: a mesh counts once for every instance */
 };
 /* Reads meshes and textures, composes matrices, multiplies spectra; draws nothing. Refuses, at its
  * place, what cannot be drawn. Scene and sampling (NULL: none) must outlive the plan. */
@@ -153,6 +153,6 @@ bool shaded_material_find(struct plan *plan, const struct material *material, in
 
 /* ---- instances.c: objects become meshes in their places ---- */
 
-bool bodies_make(struct plan *plan, struct error *err);
+bool instances_make(struct plan *plan, struct error *err);
 
 #endif

@@ -79,8 +79,8 @@ static bool copy_terms(const struct material_terms *made, struct term **out, str
     return true;
 }
 
-static bool make_terms(struct plan *plan, const struct material *material, struct finish *out,
-                       struct error *err)
+static bool make_terms(struct plan *plan, const struct material *material,
+                       struct shaded_material *out, struct error *err)
 {
     struct material_terms *made = &out->made;
     plan->work.materials_loaded++;
@@ -97,11 +97,11 @@ static bool make_terms(struct plan *plan, const struct material *material, struc
 static bool find_terms(struct plan *plan, const struct material *material, int *out,
                        struct error *err)
 {
-    for (*out = 0; *out < plan->n_finishes; ++*out)
-        if (plan->finishes[*out].material == material)
+    for (*out = 0; *out < plan->n_materials; ++*out)
+        if (plan->materials[*out].material == material)
             return true;
-    plan->n_finishes++; /* counted first, so that plan_free reaches it after a failure */
-    return make_terms(plan, material, &plan->finishes[*out], err);
+    plan->n_materials++; /* counted first, so that plan_free reaches it after a failure */
+    return make_terms(plan, material, &plan->materials[*out], err);
 }
 
 bool shaded_material_find(struct plan *plan, const struct material *material, int *out,
@@ -110,13 +110,13 @@ bool shaded_material_find(struct plan *plan, const struct material *material, in
     const bool textured = material->texture || material->spectral_texture;
     if (!find_terms(plan, material, out, err))
         return false;
-    struct finish *finish = &plan->finishes[*out];
-    if (textured && finish->n_terms > 0 && !finish->texture) {
-        finish->texture = find_texture(plan, material, err);
-        if (!finish->texture)
+    struct shaded_material *shaded = &plan->materials[*out];
+    if (textured && shaded->n_terms > 0 && !shaded->texture) {
+        shaded->texture = find_texture(plan, material, err);
+        if (!shaded->texture)
             return false;
     }
-    int n_rows = finish->n_terms + (finish->texture && finish->texture->spectral ? 2 : 0);
+    int n_rows = shaded->n_terms + (shaded->texture && shaded->texture->spectral ? 2 : 0);
     plan->max_rows = n_rows > plan->max_rows ? n_rows : plan->max_rows;
     return true;
 }

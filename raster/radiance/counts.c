@@ -2,7 +2,8 @@
 /* What a sample should be, and radiance as counts: a sum over terms of weight x spectrum.
  *
  * Bound of a sample, in counts: sum over terms of (error of the weight) x (spectrum), which
- * raster/bounds/light.c and raster/bounds/plane.c derive, plus the roundings of the colour sum. u = 2^-24. */
+ * raster/bounds/light.c and raster/bounds/plane.c derive, plus the roundings of the colour sum. u =
+ * 2^-24. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -42,9 +43,9 @@ double buffer_rounding(const struct plan *plan)
 /* Multiplies a run by the value of a varied texture there in this band. bound may be NULL. */
 static void apply_texture(const struct run *run, int band, double *expected, float *bound)
 {
-    const struct texture *texture = run->finish->texture;
+    const struct texture *texture = run->shaded->texture;
     const struct texels texels = plan_texels(texture, band % BANDS_PER_PASS);
-    size_t across = (size_t)run->finish->n_terms * run->stride, up = across + run->stride;
+    size_t across = (size_t)run->shaded->n_terms * run->stride, up = across + run->stride;
     for (size_t i = 0; i < run->n; i++) {
         struct texel_point at = {{run->rows[across + i], run->rows[up + i]}, {0, 0}};
         double value = texel_at(&texels, at.place);
@@ -76,7 +77,7 @@ static void expect_steps(const struct plan *plan, size_t n, double *expected, fl
 static void add_roundings(const struct plan *plan, const struct run *run, const double *expected,
                           float *bound)
 {
-    double rounding = (COLOUR_ROUNDINGS + run->finish->n_colours + plan->n_light_groups) * u;
+    double rounding = (COLOUR_ROUNDINGS + run->shaded->n_colours + plan->n_light_groups) * u;
     for (size_t i = 0; i < run->n; i++) {
         float whole = bound[i] + (float)(flushed + rounding * fabs(expected[i]));
         bound[i] = whole <= FLT_MAX ? whole : -1;
@@ -86,19 +87,19 @@ static void add_roundings(const struct plan *plan, const struct run *run, const 
 void expect_counts(const struct plan *plan, const struct run *run, int band, double full_scale,
                    double *expected, float *bound)
 {
-    const struct finish *finish = run->finish;
+    const struct shaded_material *shaded = run->shaded;
     memset(expected, 0, run->n * sizeof *expected);
     if (run->errors)
         memset(bound, 0, run->n * sizeof *bound);
-    for (int t = 0; t < finish->n_terms; t++) {
-        double spectrum = finish->made.spectra[(size_t)t * (size_t)plan->n_bands + (size_t)band] /
+    for (int t = 0; t < shaded->n_terms; t++) {
+        double spectrum = shaded->made.spectra[(size_t)t * (size_t)plan->n_bands + (size_t)band] /
                           full_scale * FULL_COUNT;
         const float *error = run->errors + (run->errors ? (size_t)t * run->stride : 0);
         add_term(run->rows + (size_t)t * run->stride, spectrum, run->n, expected);
         for (size_t i = 0; i < run->n && run->errors; i++)
             bound[i] += error[i] * (float)spectrum;
     }
-    if (finish->texture && finish->texture->spectral)
+    if (shaded->texture && shaded->texture->spectral)
         apply_texture(run, band, expected, run->errors ? bound : NULL);
     if (!run->errors)
         return;
@@ -166,7 +167,7 @@ struct odd_samples store_reference(const struct stored_band *band, const struct 
         n = run_length(picture->surface, at, n_pixels);
         memset(counts, 0, n * sizeof *counts);
         if (picture->surface[at] >= 0) {
-            struct run run = {lit->bounds[picture->surface[at]].finish, picture->rows + at, NULL,
+            struct run run = {lit->bounds[picture->surface[at]].shaded, picture->rows + at, NULL,
                               n_pixels, n};
             expect_counts(band->plan, &run, band->band, band->full_scale, counts, NULL);
         }
@@ -175,11 +176,10 @@ struct odd_samples store_reference(const struct stored_band *band, const struct 
     return odd;
 }
 
-struct odd_samples store_gl(const struct stored_band *band, const struct rectangle *rows, bool clips,
-                            const float *pixels, size_t stride)
+struct odd_samples store_gl(const struct stored_band *band, const struct rectangle *rows,
+                            bool clips, const float *pixels, size_t stride)
 {
-    double limit =
-        clips && buffer_steps(band->plan) > 0 ? FULL_COUNT : clipping_limit(band->plan);
+    double limit = clips && buffer_steps(band->plan) > 0 ? FULL_COUNT : clipping_limit(band->plan);
     size_t width = (size_t)rows->width, n;
     struct odd_samples odd = {0, 0};
     double counts[BLOCK];

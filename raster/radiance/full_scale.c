@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The radiance that the largest count stands for: the largest of all vertices at all wavelengths. */
+/* The radiance that the largest count stands for: the largest of all vertices at all wavelengths.
+ */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -55,8 +56,8 @@ static double least_distance(const struct surface *surface, const struct eye_lig
     return fmax(0, least - 1e-12 * largest);
 }
 
-/* An upper bound on each term's weight at any point that Phong shading lights. It is infinite where a
- * light that weakens with distance may be too near; its index is left in *light. */
+/* An upper bound on each term's weight at any point that Phong shading lights. It is infinite where
+ * a light that weakens with distance may be too near; its index is left in *light. */
 static void phong_limits(const struct view *view, const struct surface *surface, double *limits,
                          int *light)
 {
@@ -90,16 +91,16 @@ struct brightest {
 };
 
 /* The largest radiance in one band, and which of the brightest has it. */
-static double largest_radiance(const struct plan *plan, const struct finish *finish,
+static double largest_radiance(const struct plan *plan, const struct shaded_material *shaded,
                                const struct brightest *of, int band, size_t *at)
 {
-    size_t n_terms = (size_t)finish->n_terms, n_bands = (size_t)plan->n_bands;
+    size_t n_terms = (size_t)shaded->n_terms, n_bands = (size_t)plan->n_bands;
     double largest = -1;
     for (size_t i = 0; i < of->n; i++) {
         const double *weights = of->weights + i * of->stride;
         double radiance = 0;
         for (size_t t = 0; t < n_terms; t++)
-            radiance += weights[t] * finish->made.spectra[t * n_bands + (size_t)band];
+            radiance += weights[t] * shaded->made.spectra[t * n_bands + (size_t)band];
         if (!(radiance <= largest)) { /* NaN counts as larger, so that it is found */
             largest = radiance;
             *at = i;
@@ -107,7 +108,7 @@ static double largest_radiance(const struct plan *plan, const struct finish *fin
         if (!isfinite(largest))
             break;
     }
-    return finish->texture ? largest * finish->texture->largest : largest;
+    return shaded->texture ? largest * shaded->texture->largest : largest;
 }
 
 static bool check_radiance(const struct lit_scene *lit, int surface, int band, size_t at,
@@ -115,7 +116,7 @@ static bool check_radiance(const struct lit_scene *lit, int surface, int band, s
 {
     char page[BAND_NAME], vertex[32] = "this object";
     const struct plan *plan = lit->plan;
-    struct place place = lit->bounds[surface].body->object->place;
+    struct place place = lit->bounds[surface].placed->object->place;
     if (isfinite(radiance) && !(plan->options.bits == 32 && radiance > (double)FLT_MAX))
         return true;
     if (plan->scene->shading != SHADING_PHONG)
@@ -153,7 +154,7 @@ static bool raise_largest(const struct lit_scene *lit, int surface, double *limi
                           struct error *err)
 {
     const struct plan *plan = lit->plan;
-    const struct finish *finish = lit->bounds[surface].finish;
+    const struct shaded_material *shaded = lit->bounds[surface].shaded;
     struct brightest brightest;
     int light;
     if (!find_brightest(plan, &lit->surfaces[surface], limits, &brightest, &light))
@@ -161,10 +162,10 @@ static bool raise_largest(const struct lit_scene *lit, int surface, double *limi
                error_at(err, plan->sources[light]->attenuation_place,
                         "this light has no limit where it touches %s, so that phong shading has no "
                         "largest radiance; --full-scale can set one, or a constant attenuation",
-                        finish->material->name);
+                        shaded->material->name);
     for (int band = 0; band < plan->n_bands; band++) {
         size_t at = 0;
-        double radiance = largest_radiance(plan, finish, &brightest, band, &at);
+        double radiance = largest_radiance(plan, shaded, &brightest, band, &at);
         if (!check_radiance(lit, surface, band, at, radiance, err))
             return false;
         *largest = fmax(*largest, radiance);
@@ -178,7 +179,7 @@ static bool find_largest(const struct lit_scene *lit, double *largest, struct er
     double *limits = malloc(((size_t)plan->max_rows + 1) * sizeof *limits);
     bool done = limits || error_memory(err);
     *largest = 0;
-    for (int s = 0; s < plan->n_bodies && done; s++)
+    for (int s = 0; s < plan->n_instances && done; s++)
         done = raise_largest(lit, s, limits, largest, err);
     free(limits);
     return done;
@@ -191,9 +192,9 @@ static double least_full_scale(const struct plan *plan)
     double largest = 0, share = 1;
     for (int i = 0; i < plan->n_lights; i++)
         share = fmax(share, plan->lights[i].share);
-    for (int f = 0; f < plan->n_finishes; f++)
-        for (int t = 0; t < plan->finishes[f].n_terms; t++)
-            largest = fmax(largest, plan->finishes[f].made.terms[t].peak);
+    for (int f = 0; f < plan->n_materials; f++)
+        for (int t = 0; t < plan->materials[f].n_terms; t++)
+            largest = fmax(largest, plan->materials[f].made.terms[t].peak);
     return ldexp(largest * share, -100);
 }
 
@@ -205,7 +206,7 @@ bool find_full_scale(const struct lit_scene *lit, double *out, bool *clips, stru
         return false;
     if (plan->options.bits == 32 && largest > 0 && largest < (double)FLT_MIN * 16777216)
         return error_at(
-            err, plan->bodies[0].object->place,
+            err, plan->instances[0].object->place,
             "the largest radiance is %.3g, so small that a float page would lose digits; "
             "lights and factors are too small",
             largest);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Weights become radiance: a sum over terms of weight x spectrum, times the texture; radiance becomes
- * counts, of which 65535 stand for the full scale. */
+/* Weights become radiance: a sum over terms of weight x spectrum, times the texture; radiance
+ * becomes counts, of which 65535 stand for the full scale. */
 #ifndef RADIANCE_H
 #define RADIANCE_H
 
@@ -35,15 +35,15 @@ double buffer_rounding(const struct plan *plan);
 
 /* A run of n <= BLOCK pixels of one surface, whose rows and errors are `stride` apart. */
 struct run {
-    const struct finish *finish;
+    const struct shaded_material *shaded;
     const double *rows;
     const float *errors; /* NULL: no bounds are wanted */
     size_t stride, n;
 };
 /* How many pixels from `first` on, at most BLOCK and none from `last` on, show the same surface. */
 size_t run_length(const int32_t *surface, size_t first, size_t last);
-/* Counts of a run in one band, before rounding, and bounds on OpenGL's error where errors are given.
- * A pixel without a finite bound gets -1, which explains nothing. */
+/* Counts of a run in one band, before rounding, and bounds on OpenGL's error where errors are
+ * given. A pixel without a finite bound gets -1, which explains nothing. */
 void expect_counts(const struct plan *plan, const struct run *run, int band, double full_scale,
                    double *expected, float *bound);
 /* As stored: clamped and rounded; NaN becomes 0. Here, so that loops over samples take it in. */
@@ -75,7 +75,7 @@ struct odd_samples store_reference(const struct stored_band *band, const struct 
 /* `pixels` is the band's channel of the first pixel, 4 floats a pixel, rows `stride` pixels apart.
  * Where a vertex `clips`, a colour buffer of counts may have been cut off where it is full: such
  * samples count as clipped. */
-struct odd_samples store_gl(const struct stored_band *band, const struct rectangle *rows, bool clips,
-                            const float *pixels, size_t stride);
+struct odd_samples store_gl(const struct stored_band *band, const struct rectangle *rows,
+                            bool clips, const float *pixels, size_t stride);
 
 #endif

@@ -3,8 +3,8 @@
  *
  * With p the centre and a, b two corners minus p, the edge function a x b is twice the area of the
  * triangle (p, a, b). Swapping a and b changes exactly its sign in floating point too. Each edge is
- * decided from its two corners alone, and exactly: of two triangles that share an edge, one covers a
- * centre on it. */
+ * decided from its two corners alone, and exactly: of two triangles that share an edge, one covers
+ * a centre on it. */
 #include <math.h>
 #include <string.h>
 
@@ -59,8 +59,7 @@ void screen_turn(const struct surface *surface, struct screen_triangle *triangle
     double area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
     triangle->twice_area = fabs(area);
     triangle->clockwise = area >= 0;
-    triangle->side =
-        surface->n_sides == 2 && triangle->clockwise != surface->instance->mirrored;
+    triangle->side = surface->n_sides == 2 && triangle->clockwise != surface->instance->mirrored;
     if (!triangle->clockwise)
         swap_corners(triangle);
 }
@@ -130,9 +129,9 @@ static double exact_turn(double ax, double ay, double bx, double by)
     return difference + (fma(ax, by, -p) - fma(bx, ay, -q));
 }
 
-/* A centre exactly on an edge belongs to the triangle whose edge runs this way, not to the one whose
- * edge runs back: to its left or lower one in the picture. sense: 1, or -1 if the corners turn the
- * other way. */
+/* A centre exactly on an edge belongs to the triangle whose edge runs this way, not to the one
+ * whose edge runs back: to its left or lower one in the picture. sense: 1, or -1 if the corners
+ * turn the other way. */
 bool owns_edge(const struct screen_triangle *triangle, int edge, int sense)
 {
     int j = (edge + 1) % 3, k = (edge + 2) % 3;

@@ -26,8 +26,8 @@ static bool cover_pixel(void *context, int x, int y)
     struct drawing *drawing = context;
     struct picture *picture = drawing->picture;
     const struct screen_triangle *triangle = &drawing->triangles[drawing->n_triangles];
-    size_t pixel = (size_t)(y - picture->at.y) * (size_t)picture->at.width +
-                   (size_t)(x - picture->at.x);
+    size_t pixel =
+        (size_t)(y - picture->at.y) * (size_t)picture->at.width + (size_t)(x - picture->at.x);
     double depth = covered_depth(triangle, x + 0.5, y + 0.5);
     if (depth >= 0 && depth < picture->depth[pixel]) {
         picture->depth[pixel] = depth;

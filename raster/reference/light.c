@@ -100,9 +100,9 @@ static void add_light(const struct view *view, const struct instance *instance,
 void light_point(const struct view *view, const struct instance *instance,
                  const struct vertex *point, int side, double *attributes, struct light_work *work)
 {
-    struct lit_point lit = {matrix_point(&instance->model_view, point->position),
-                            vector_normalise(
-                                matrix_direction(&instance->normal_matrix, point->normal))};
+    struct lit_point lit = {
+        matrix_point(&instance->model_view, point->position),
+        vector_normalise(matrix_direction(&instance->normal_matrix, point->normal))};
     if (side == 1)
         lit.normal = vector_scale(lit.normal, -1);
     for (int t = 0; t < instance->n_terms; t++)

@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: MIT */
 /* The reference: what a picture must show, in double precision. A user has to believe this room. It
- * knows vectors and elementary functions, and nothing else of the program. draw.c draws: transform.c
- * places vertices in the window, light.c lights them, clip.c cuts triangles at the near and the far
- * plane, cover.c finds the pixels they cover, shade.c interpolates, texel.c looks textures up.
+ * knows vectors and elementary functions, and nothing else of the program. draw.c draws:
+ * transform.c places vertices in the window, light.c lights them, clip.c cuts triangles at the near
+ * and the far plane, cover.c finds the pixels they cover, shade.c interpolates, texel.c looks
+ * textures up.
  *
- * Illumination is linear: the radiance of a pixel is the sum over the terms of its material of weight
- * x spectrum, times its texture. Weights depend on geometry only: one drawing serves every wavelength.
+ * Illumination is linear: the radiance of a pixel is the sum over the terms of its material of
+ * weight x spectrum, times its texture. Weights depend on geometry only: one drawing serves every
+ * wavelength.
  *
- * Eye space has the eye at the origin, looks along -z and has y upwards. The window counts pixels, x
- * to the right and y downwards; pixel centres lie at half-integers; depth goes from 0 (near) to 1. */
+ * Eye space has the eye at the origin, looks along -z and has y upwards. The window counts pixels,
+ * x to the right and y downwards; pixel centres lie at half-integers; depth goes from 0 (near)
+ * to 1. */
 #ifndef REFERENCE_H
 #define REFERENCE_H
 
@@ -96,12 +99,13 @@ bool reflects(const struct instance *instance, const struct eye_light *light); /
 void light_point(const struct view *view, const struct instance *instance,
                  const struct vertex *point, int side, double *attributes, struct light_work *work);
 
-/* clip.c: cuts a convex polygon of n corners at a plane. Returns the corners left, n + 1 at most. */
+/* clip.c: cuts a convex polygon of n corners at a plane. Returns the corners left, n + 1 at most.
+ */
 enum { CLIP_PLANES = 6, CLIP_CORNERS = 3 + CLIP_PLANES };
 struct corner {
     double clip[4], share[3]; /* shares: barycentric coordinates in the whole triangle */
     int whole;                /* 0..2: this corner of the whole triangle; -1: made by a cut */
-    int inner, outer;         /* ends of the edge that was cut last; of a kept corner, itself twice */
+    int inner, outer; /* ends of the edge that was cut last; of a kept corner, itself twice */
 };
 struct clip_plane {
     double normal[4], offset; /* inside: normal . clip + offset >= 0 */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* What a pixel looks like: attributes interpolated between the vertices, perspective-correct, as
- * Gouraud interpolates colours; or positions and normals, and the point lit (Bui Tuong Phong 1975). */
+ * Gouraud interpolates colours; or positions and normals, and the point lit (Bui Tuong Phong 1975).
+ */
 #include <math.h>
 
 #include "data/maths/maths.h"
@@ -28,8 +29,8 @@ void shade(const struct view *view, const struct surface *surface,
            struct light_work *work)
 {
     const double *corner[3],
-        *provoking = surface->weights +
-                     surface_attributes(surface, triangle->provoking, triangle->side);
+        *provoking =
+            surface->weights + surface_attributes(surface, triangle->provoking, triangle->side);
     int first = view->shading == FLAT ? surface->instance->n_terms : 0;
     if (view->shading == PHONG) {
         shade_phong(view, surface, triangle, share, attributes, work);

@@ -32,8 +32,7 @@ void surface_close(struct surface *surface)
 static void project(const struct matrix *m, struct vector eye, double clip[4])
 {
     for (int i = 0; i < 4; i++)
-        clip[i] =
-            m->row[i][0] * eye.x + m->row[i][1] * eye.y + m->row[i][2] * eye.z + m->row[i][3];
+        clip[i] = m->row[i][0] * eye.x + m->row[i][1] * eye.y + m->row[i][2] * eye.z + m->row[i][3];
 }
 
 void window_place(const struct view *view, struct window_vertex *vertex)

@@ -175,7 +175,8 @@ bool render_with_options(const struct options *options, const struct render_outp
     struct plan_options plan_options = plan_options_of(options);
     struct render_seconds seconds = {.read = 0};
     double start = clock_seconds();
-    bool done = check_gl(options, output->again, err) && scene_read_sampled(options, &scene, &sampling, err) &&
+    bool done = check_gl(options, output->again, err) &&
+                scene_read_sampled(options, &scene, &sampling, err) &&
                 check_shading(options, &scene, &plan_options, err) &&
                 check_same_scene(&scene, output->again, made, err) &&
                 scene_spared(output->path, &scene, err) && scene_spared(options->json, &scene, err);

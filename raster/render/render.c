@@ -45,17 +45,18 @@ static void clock_in(double *part, double *since)
 
 /* ---- a tile by the reference ---- */
 
-static bool rasterize_chunk(void *context, const struct rectangle *tile, int index, struct error *err)
+static bool rasterize_chunk(void *context, const struct rectangle *tile, int index,
+                            struct error *err)
 {
     const struct render_state *state = context;
     struct chunk *chunk = &state->chunks[index];
     return chunk_draw(&state->lit, tile, index, chunk, err) &&
            (!state->plan->options.check ||
-            check_open(&state->lit, chunk, state->result->full_scale, &state->checks[index],
-                       err));
+            check_open(&state->lit, chunk, state->result->full_scale, &state->checks[index], err));
 }
 
-static bool rasterize_tile(struct render_state *state, const struct rectangle *tile, struct error *err)
+static bool rasterize_tile(struct render_state *state, const struct rectangle *tile,
+                           struct error *err)
 {
     state->chunks = calloc((size_t)state->n_chunks, sizeof *state->chunks);
     state->checks = calloc((size_t)state->n_chunks, sizeof *state->checks);
@@ -102,7 +103,8 @@ static int bands_of_pass(const struct plan *plan, int pass)
 }
 
 /* Whether OpenGL shows the triangles that it should, where it should. */
-static bool identify_tile(struct render_state *state, const struct rectangle *tile, struct error *err)
+static bool identify_tile(struct render_state *state, const struct rectangle *tile,
+                          struct error *err)
 {
     if (!gl_identify(state->gl, err))
         return false;
@@ -206,7 +208,7 @@ static int object_at(const struct render_state *state, const struct rectangle *t
     const size_t pixel = (size_t)(y % CHUNK_ROWS) * (size_t)tile->width + (size_t)x;
     const int surface = state->plan->options.store_raster ? chunk->picture.surface[pixel]
                                                           : gl_shown(state->gl, x, y).surface;
-    return surface < state->plan->n_bodies ? surface + 1 : 0;
+    return surface < state->plan->n_instances ? surface + 1 : 0;
 }
 
 /* Its numbers go through the room of a band. */
@@ -281,10 +283,10 @@ const char *render_stored(const struct plan *plan, const struct render_result *r
 /* The names of what the object map tells; allocated, none where there is no map. */
 static bool list_objects(const struct plan *plan, struct record *record, struct error *err)
 {
-    record->objects = calloc((size_t)plan->n_bodies + 1, sizeof *record->objects);
+    record->objects = calloc((size_t)plan->n_instances + 1, sizeof *record->objects);
     if (!record->objects)
         return error_memory(err);
-    record->n_objects = plan->map_bytes > 0 ? plan->n_bodies : 0;
+    record->n_objects = plan->map_bytes > 0 ? plan->n_instances : 0;
     for (int i = 0; i < record->n_objects; i++)
         record->objects[i] = object_name(plan, i);
     return true;

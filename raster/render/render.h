@@ -27,7 +27,7 @@ struct render_result {
     const struct driver *driver;
     struct gl_work gl;
     struct light_work light;
-    struct check_tally check;
+    struct check_verdict check;
     struct odd_samples odd;
     struct stack_difference difference; /* from the stack that was to be made again */
     struct render_seconds seconds;
@@ -54,12 +54,12 @@ const char *render_stored(const struct plan *plan, const struct render_result *r
 /* ---- report.c: results in words and as JSON ---- */
 
 /* The verdict in one line of ASCII, for the stack. */
-void report_verdict(const struct plan *plan, const struct check_tally *tally, char *out,
+void report_verdict(const struct plan *plan, const struct check_verdict *verdict, char *out,
                     size_t capacity);
 /* Returns false with EXIT_DIFFERENT: where the pictures first differ, and `then` what follows from
  * it. */
-bool report_difference(const struct plan *plan, const struct check_tally *tally, const char *then,
-                       struct error *err);
+bool report_difference(const struct plan *plan, const struct check_verdict *verdict,
+                       const char *then, struct error *err);
 /* The same for a stack made again that is not the same; `made` is how the one at `path` was made.
  */
 bool report_not_again(const struct plan *plan, const struct render_result *result, const char *path,

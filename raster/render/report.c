@@ -33,11 +33,11 @@ static double mean_residual(const struct check_samples *samples)
  * Four times that is no accident, if it also stands out from the scatter (samples of a pixel count
  * as one, since they share their errors). A colour buffer of few steps may round a plain surface by
  * as much as it ever does. */
-static bool is_biased(const struct plan *plan, const struct check_tally *tally)
+static bool is_biased(const struct plan *plan, const struct check_verdict *verdict)
 {
-    double mean = fabs(mean_residual(&tally->samples));
+    double mean = fabs(mean_residual(&verdict->samples));
     return mean > 4 * 65535.0 / 33554432 + buffer_rounding(plan) &&
-           mean * sqrt((double)tally->pixels) > 5 * rms(&tally->samples);
+           mean * sqrt((double)verdict->pixels) > 5 * rms(&verdict->samples);
 }
 
 static double percent(uint64_t part, uint64_t whole)
@@ -50,14 +50,14 @@ static bool is_phong(const struct plan *plan)
     return plan->scene->shading == SHADING_PHONG;
 }
 
-void report_verdict(const struct plan *plan, const struct check_tally *tally, char *out,
+void report_verdict(const struct plan *plan, const struct check_verdict *verdict, char *out,
                     size_t capacity)
 {
-    const struct check_samples *samples = &tally->samples;
+    const struct check_samples *samples = &verdict->samples;
     if (is_phong(plan))
         snprintf(out, capacity,
                  "pixels of the reference, not cross-checked: OpenGL has no phong shading");
-    else if (plan->options.store_raster && tally->unexplained == 0)
+    else if (plan->options.store_raster && verdict->unexplained == 0)
         snprintf(out, capacity,
                  "pixels of the reference"); /* whatever OpenGL drew: the same bytes */
     else if (!plan->options.check)
@@ -66,10 +66,10 @@ void report_verdict(const struct plan *plan, const struct check_tally *tally, ch
         snprintf(out, capacity,
                  "cross-check: %s; %llu samples, %llu exact, %llu within 1 count, largest "
                  "difference %.3g counts, %llu of %llu pixels unexplained, %llu unbounded",
-                 tally->unexplained ? "DIFFERENT" : "agreed", (unsigned long long)samples->n,
+                 verdict->unexplained ? "DIFFERENT" : "agreed", (unsigned long long)samples->n,
                  (unsigned long long)samples->exact, (unsigned long long)samples->within_1,
-                 samples->largest, (unsigned long long)tally->unexplained,
-                 (unsigned long long)tally->pixels, (unsigned long long)tally->unbounded);
+                 samples->largest, (unsigned long long)verdict->unexplained,
+                 (unsigned long long)verdict->pixels, (unsigned long long)verdict->unbounded);
 }
 
 /* ---- in words ---- */
@@ -81,9 +81,9 @@ static void print_floor(const char *name, const struct check_floor *floor, FILE 
             (unsigned long long)floor->n);
 }
 
-static void print_check(const struct plan *plan, const struct check_tally *tally, FILE *to)
+static void print_check(const struct plan *plan, const struct check_verdict *verdict, FILE *to)
 {
-    const struct check_samples *samples = &tally->samples;
+    const struct check_samples *samples = &verdict->samples;
     fprintf(to, "samples           %llu\n", (unsigned long long)samples->n);
     fprintf(to, "exact             %llu (%.3f %%)\n", (unsigned long long)samples->exact,
             percent(samples->exact, samples->n));
@@ -92,21 +92,21 @@ static void print_check(const struct plan *plan, const struct check_tally *tally
     fprintf(to, "largest           %.4f counts (root mean square %.5f)\n", samples->largest,
             rms(samples));
     fprintf(to, "mean residual     %+.6f counts%s\n", mean_residual(samples),
-            is_biased(plan, tally) ? ": OpenGL is biased" : "");
-    print_floor("floor            ", &tally->floor, to);
-    print_floor("  smooth interior", &tally->smooth_floor, to);
+            is_biased(plan, verdict) ? ": OpenGL is biased" : "");
+    print_floor("floor            ", &verdict->floor, to);
+    print_floor("  smooth interior", &verdict->smooth_floor, to);
     fprintf(to, "worst error/bound %.3f (depth %.3f)\n", samples->worst_ratio,
-            tally->worst_depth_ratio);
+            verdict->worst_depth_ratio);
     fprintf(to, "pixels            %llu, %llu ambiguous, %llu unbounded\n",
-            (unsigned long long)tally->pixels, (unsigned long long)tally->ambiguous,
-            (unsigned long long)tally->unbounded);
-    if (tally->unbounded > tally->pixels / 100)
+            (unsigned long long)verdict->pixels, (unsigned long long)verdict->ambiguous,
+            (unsigned long long)verdict->unbounded);
+    if (verdict->unbounded > verdict->pixels / 100)
         fprintf(to, "                  %.0f %% of the pixels have no bound: they are not checked\n",
-                percent(tally->unbounded, tally->pixels));
-    if (tally->edge_holes + tally->edge_doubles > 0)
-        fprintf(to, "edge holes        %llu, doubled %llu\n", (unsigned long long)tally->edge_holes,
-                (unsigned long long)tally->edge_doubles);
-    fprintf(to, "unexplained       %llu\n", (unsigned long long)tally->unexplained);
+                percent(verdict->unbounded, verdict->pixels));
+    if (verdict->edge_holes + verdict->edge_doubles > 0)
+        fprintf(to, "edge holes        %llu, doubled %llu\n",
+                (unsigned long long)verdict->edge_holes, (unsigned long long)verdict->edge_doubles);
+    fprintf(to, "unexplained       %llu\n", (unsigned long long)verdict->unexplained);
 }
 
 /* What full scale is stored as. */
@@ -160,7 +160,7 @@ static void failure_text(const struct plan *plan, const struct check_failure *fa
                  failure->seen, failure->expected, failure->bound);
         break;
     case FAILURE_TRIANGLE:
-        if (failure->shown.surface >= plan->n_bodies)
+        if (failure->shown.surface >= plan->n_instances)
             snprintf(out, capacity, "OpenGL shows what is no triangle");
         else if (failure->shown.surface < 0)
             snprintf(out, capacity, "OpenGL shows the background");
@@ -182,20 +182,20 @@ static void failure_text(const struct plan *plan, const struct check_failure *fa
     }
 }
 
-bool report_difference(const struct plan *plan, const struct check_tally *tally, const char *then,
-                       struct error *err)
+bool report_difference(const struct plan *plan, const struct check_verdict *verdict,
+                       const char *then, struct error *err)
 {
-    const struct check_failure *first = &tally->first;
+    const struct check_failure *first = &verdict->first;
     struct place place = {NULL, 0, 0};
     char where[256] = "", what[256];
     if (first->surface >= 0)
-        place = plan->bodies[first->surface].object->place;
+        place = plan->instances[first->surface].object->place;
     if (place.path)
         snprintf(where, sizeof where, " (%s:%d)", place.path, place.line);
     failure_text(plan, first, what, sizeof what);
     error_usage(err, "the pictures differ at %llu of %llu pixels, first at %d,%d on %s%s: %s; %s",
-                (unsigned long long)tally->unexplained, (unsigned long long)tally->pixels, first->x,
-                first->y, object_name(plan, first->surface), where, what, then);
+                (unsigned long long)verdict->unexplained, (unsigned long long)verdict->pixels,
+                first->x, first->y, object_name(plan, first->surface), where, what, then);
     err->status = EXIT_DIFFERENT;
     return false;
 }
@@ -316,9 +316,10 @@ static void json_failure(struct json *json, const struct plan *plan,
     json_close(json, '}');
 }
 
-static void json_check(struct json *json, const struct plan *plan, const struct check_tally *tally)
+static void json_check(struct json *json, const struct plan *plan,
+                       const struct check_verdict *verdict)
 {
-    const struct check_samples *samples = &tally->samples;
+    const struct check_samples *samples = &verdict->samples;
     json_open(json, "check", '{');
     json_count(json, "samples", samples->n);
     json_count(json, "exact", samples->exact);
@@ -326,22 +327,22 @@ static void json_check(struct json *json, const struct plan *plan, const struct 
     json_number(json, "max_counts", samples->largest);
     json_number(json, "rms_counts", rms(samples));
     json_number(json, "mean_residual_counts", mean_residual(samples));
-    json_truth(json, "biased", is_biased(plan, tally));
-    json_count(json, "pixels", tally->pixels);
-    json_count(json, "ambiguous_pixels", tally->ambiguous);
-    json_count(json, "unexplained_pixels", tally->unexplained);
-    json_count(json, "unbounded_pixels", tally->unbounded);
-    json_count(json, "edge_holes", tally->edge_holes);
-    json_count(json, "edge_doubles", tally->edge_doubles);
+    json_truth(json, "biased", is_biased(plan, verdict));
+    json_count(json, "pixels", verdict->pixels);
+    json_count(json, "ambiguous_pixels", verdict->ambiguous);
+    json_count(json, "unexplained_pixels", verdict->unexplained);
+    json_count(json, "unbounded_pixels", verdict->unbounded);
+    json_count(json, "edge_holes", verdict->edge_holes);
+    json_count(json, "edge_doubles", verdict->edge_doubles);
     json_number(json, "worst_error_over_bound", samples->worst_ratio);
-    json_number(json, "worst_depth_error_over_bound", tally->worst_depth_ratio);
-    json_number(json, "floor_median_counts", floor_quantile(&tally->floor, 0.5));
-    json_number(json, "floor_worst_counts", tally->floor.worst);
-    json_count(json, "smooth_pixels", tally->smooth_floor.n);
-    json_number(json, "smooth_floor_median_counts", floor_quantile(&tally->smooth_floor, 0.5));
-    json_number(json, "smooth_floor_999_counts", floor_quantile(&tally->smooth_floor, 0.999));
-    json_number(json, "smooth_floor_worst_counts", tally->smooth_floor.worst);
-    json_failure(json, plan, &tally->first);
+    json_number(json, "worst_depth_error_over_bound", verdict->worst_depth_ratio);
+    json_number(json, "floor_median_counts", floor_quantile(&verdict->floor, 0.5));
+    json_number(json, "floor_worst_counts", verdict->floor.worst);
+    json_count(json, "smooth_pixels", verdict->smooth_floor.n);
+    json_number(json, "smooth_floor_median_counts", floor_quantile(&verdict->smooth_floor, 0.5));
+    json_number(json, "smooth_floor_999_counts", floor_quantile(&verdict->smooth_floor, 0.999));
+    json_number(json, "smooth_floor_worst_counts", verdict->smooth_floor.worst);
+    json_failure(json, plan, &verdict->first);
     json_close(json, '}');
 }
 

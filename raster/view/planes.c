@@ -53,13 +53,13 @@ static void put_pixel(const struct lit_scene *lit, const struct picture *picture
     size_t stride = (size_t)picture->at.width * (size_t)picture->at.height;
     if (picture->surface[from] < 0)
         return;
-    const struct finish *finish = lit->bounds[picture->surface[from]].finish;
+    const struct shaded_material *shaded = lit->bounds[picture->surface[from]].shaded;
     const double *weight = picture->rows + from;
     planes->surface[to] = (uint16_t)(picture->surface[from] + 1);
-    for (int t = 0; t < finish->n_terms; t++, weight += stride)
-        planes->values[(size_t)plane_of(&finish->terms[t]) * planes->n_pixels + to] =
+    for (int t = 0; t < shaded->n_terms; t++, weight += stride)
+        planes->values[(size_t)plane_of(&shaded->terms[t]) * planes->n_pixels + to] =
             (float)*weight;
-    for (int i = 0; i < 2 && finish->texture && finish->texture->spectral; i++, weight += stride)
+    for (int i = 0; i < 2 && shaded->texture && shaded->texture->spectral; i++, weight += stride)
         planes->place[i][to] = *weight;
 }
 
@@ -76,9 +76,9 @@ static bool put_chunk(void *context, const struct rectangle *tile, int index, st
     const struct rectangle *at = &chunk.picture.at;
     for (int y = 0; done && y < at->height; y++)
         for (int x = 0; x < at->width; x++)
-            put_pixel(of->lit, &chunk.picture, (size_t)y * (size_t)at->width + (size_t)x, of->planes,
-                      (size_t)(at->y + y) * (size_t)of->lit->plan->scene->width +
-                          (size_t)(at->x + x));
+            put_pixel(
+                of->lit, &chunk.picture, (size_t)y * (size_t)at->width + (size_t)x, of->planes,
+                (size_t)(at->y + y) * (size_t)of->lit->plan->scene->width + (size_t)(at->x + x));
     chunk_free(&chunk);
     return done;
 }
@@ -95,7 +95,7 @@ static bool put_texture(const struct plan *plan, struct texture *texture, struct
         for (size_t i = 0; i < planes->n_pixels; i++) {
             int surface = planes->surface[i] - 1;
             const double place[2] = {planes->place[0][i], planes->place[1][i]};
-            if (surface >= 0 && plan->finishes[plan->bodies[surface].finish].texture == texture)
+            if (surface >= 0 && plan->materials[plan->instances[surface].shaded].texture == texture)
                 plane[i] = (float)texel_at(&texels, place);
         }
     }
@@ -122,9 +122,9 @@ bool planes_rasterize(const struct plan *plan, struct planes *out, struct error 
 {
     struct lit_scene lit = {.plan = plan};
     struct light_work work;
-    if (plan->n_bodies > LARGEST_SAMPLE)
+    if (plan->n_instances > LARGEST_SAMPLE)
         return error_usage(err, "a page shows at most %d objects and parts; this scene has %d",
-                           LARGEST_SAMPLE, plan->n_bodies);
+                           LARGEST_SAMPLE, plan->n_instances);
     if ((int64_t)plan->scene->width * plan->scene->height > LARGEST_PAGE)
         return error_usage(err, "a page shows at most %d pixels; --size WxH makes %d x %d fewer",
                            LARGEST_PAGE, plan->scene->width, plan->scene->height);

@@ -28,7 +28,8 @@ bool command_view(struct options *options, struct error *err);
 enum { LARGEST_SAMPLE = 65535, LARGEST_PAGE = 1 << 24 };
 
 /* Planes of a value a pixel: constant term, then diffuse and specular of each light, then what
- * spectral textures show at their own wavelengths. Finishes share them: a pixel has one finish. */
+ * spectral textures show at their own wavelengths. Finishes share them: a pixel has one material.
+ */
 struct planes {
     size_t n_pixels;
     int n_weights, n_pages; /* planes of weights, and of textures */
@@ -38,7 +39,7 @@ struct planes {
 };
 
 /* By the reference, without a check. Refuses more than LARGEST_PAGE pixels and scenes of more than
- * LARGEST_SAMPLE bodies. */
+ * LARGEST_SAMPLE instances. */
 bool planes_rasterize(const struct plan *plan, struct planes *out, struct error *err);
 /* What sample 1 of a plane stands for: its largest value is LARGEST_SAMPLE. */
 double plane_scale(const struct planes *planes, int plane);

@@ -187,10 +187,11 @@ static bool put_lights(struct page *page, struct error *err)
 
 /* ---- surfaces ---- */
 
-/* What each illuminant makes a finish give out. */
-static bool put_luminescence(struct page *page, const struct finish *finish, struct error *err)
+/* What each illuminant makes a material give out. */
+static bool put_luminescence(struct page *page, const struct shaded_material *shaded,
+                             struct error *err)
 {
-    const struct material *material = finish->material;
+    const struct material *material = shaded->material;
     bool fluoresces = material->excitation.kind != SPECTRUM_NONE || material->donaldson;
     if (!fluoresces) {
         json_string(&page->json, "luminescence", NULL);
@@ -207,12 +208,12 @@ static bool put_luminescence(struct page *page, const struct finish *finish, str
     return true;
 }
 
-static bool put_finish(struct page *page, const struct finish *finish, struct error *err)
+static bool put_material(struct page *page, const struct shaded_material *shaded, struct error *err)
 {
     static const struct spectrum plastic = {
         .kind = SPECTRUM_CONSTANT, .parameter = {1, 0}, .factor = 1};
     static const struct spectrum none = {.kind = SPECTRUM_NONE};
-    const struct material *material = finish->material;
+    const struct material *material = shaded->material;
     const struct spectrum *specular =
         material->specular.kind != SPECTRUM_NONE ? &material->specular : &plastic;
     struct json *json = &page->json;
@@ -222,12 +223,12 @@ static bool put_finish(struct page *page, const struct finish *finish, struct er
     put_spectrum(page, "glow", &material->glow, SPECTRUM_ZERO);
     put_spectrum(page, "excitation", &material->excitation, SPECTRUM_ZERO);
     put_spectrum(page, "emission", &material->emission, SPECTRUM_ZERO);
-    if (finish->texture && finish->texture->spectral)
-        json_numbers(json, "texture", finish->texture->image.wavelengths_nm,
-                     finish->texture->image.n_pages);
+    if (shaded->texture && shaded->texture->spectral)
+        json_numbers(json, "texture", shaded->texture->image.wavelengths_nm,
+                     shaded->texture->image.n_pages);
     else
         json_string(json, "texture", NULL);
-    bool done = put_luminescence(page, finish, err);
+    bool done = put_luminescence(page, shaded, err);
     json_close(json, '}');
     return done;
 }
@@ -237,16 +238,16 @@ static bool put_surfaces(struct page *page, struct error *err)
     const struct plan *plan = page->plan;
     struct json *json = &page->json;
     json_open(json, "finishes", '[');
-    for (int i = 0; i < plan->n_finishes; i++)
-        if (!put_finish(page, &plan->finishes[i], err))
+    for (int i = 0; i < plan->n_materials; i++)
+        if (!put_material(page, &plan->materials[i], err))
             return false;
     json_close(json, ']');
     json_open(json, "objects", '[');
-    for (int i = 0; i < plan->n_bodies; i++) {
+    for (int i = 0; i < plan->n_instances; i++) {
         json_open(json, NULL, '{');
         json_string(json, "name", object_name(plan, i));
-        json_string(json, "shape", shape_name(plan->bodies[i].object->shape.kind));
-        json_count(json, "finish", (uint64_t)plan->bodies[i].finish);
+        json_string(json, "shape", shape_name(plan->instances[i].object->shape.kind));
+        json_count(json, "finish", (uint64_t)plan->instances[i].shaded);
         json_close(json, '}');
     }
     json_close(json, ']');
@@ -455,7 +456,7 @@ bool viewer_write(const struct plan *plan, const char *path, struct viewer_resul
 {
     struct page page = {.plan = plan, .result = out};
     struct planes planes = {.n_pixels = 0};
-    *out = (struct viewer_result){.n_objects = plan->n_bodies, .n_lights = plan->n_lights};
+    *out = (struct viewer_result){.n_objects = plan->n_instances, .n_lights = plan->n_lights};
     page.row = calloc((size_t)plan->n_bands, sizeof *page.row);
     bool done = (page.row || error_memory(err)) && planes_rasterize(plan, &planes, err) &&
                 make_page(&page, &planes, path, err);
