@@ -26,10 +26,10 @@ import tempfile
 
 ROOMS = """
     data/base data/maths data/text data/options data/spectra data/colour data/mesh data/tiff
-    data/pages data/material data/scene data/terms data/sampling data/record data/stack data/chart
-    data/develop data/compare data/probe data/catalogue
-    raster/reference raster/plan raster/bounds raster/gl raster/check raster/render raster/inspect
-    raster/cost raster/view
+    data/pages data/material data/scene data/terms data/method data/sampling data/invocation
+    data/record data/stack data/chart data/develop data/compare data/probe data/catalogue
+    raster/reference raster/plan raster/bounds raster/candidates raster/radiance raster/gl
+    raster/check raster/render raster/inspect raster/cost raster/view
     """.split()
 CORE = "raster/reference"
 CORE_MAY_INCLUDE = {CORE, "data/maths"}
