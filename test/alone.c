@@ -1,124 +1,117 @@
 /* SPDX-License-Identifier: MIT */
-/* Draws a small picture with the reference alone, for test/alone.sh. Three instances: a textured
- * floor that the near and the far plane cut, a tetrahedron with highlights, and its mirrored copy.
- * The digest covers every bit of three pictures, one a shading model. */
+/* A picture by the reference alone, for test/alone.sh: a torus in the light of a spot, over a
+ * textured square that the near and the far plane cut. With a word it is written as a PGM file. */
 #include <stdio.h>
-#include <string.h>
 
 #include "raster/reference/reference.h"
 
-enum { WIDTH = 96, HEIGHT = 64, INSTANCES = 3, TERMS = 4 };
+enum { WIDTH = 120, HEIGHT = 80, SIDES = 24, RINGS = 48, TERMS = 3 };
 
-uint64_t digest(void); /* what WebAssembly exports; 0: something was not drawn */
+uint64_t digest(void); /* of every bit of the picture; WebAssembly exports it; 0: no memory */
 
-static const struct term terms[TERMS] = {
-    {TERM_CONSTANT, -1}, {TERM_DIFFUSE, 0}, {TERM_DIFFUSE, 1}, {TERM_SPECULAR, 1}};
-static const struct eye_light lights[] = {
-    {.directional = true, .position = {0.6, 0.64, 0.48}, .first = 0, .share = 1},
-    {.spot = true,
-     .attenuated = true,
-     .position = {-1, 2, -1},
-     .attenuation = {1, 0.1, 0.01},
-     .axis = {0.28, -0.576, -0.768},
-     .cutoff_cosine = 0.7,
-     .spot_exponent = 2.5,
-     .first = 1,
-     .share = 1}};
-static const struct vertex floor_vertices[] = {{{-4, -1, 1}, {0, 1, 0}, 0, 0},
-                                               {{4, -1, 1}, {0, 1, 0}, 3, 0},
-                                               {{4, -1, -9}, {0, 1, 0}, 3, 4},
-                                               {{-4, -1, -9}, {0, 1, 0}, 0, 4}};
-static const struct vertex solid_vertices[] = {{{1, 1, 1}, {0.6, 0.64, 0.48}, 0, 0},
-                                               {{-1, -1, 1}, {-0.6, -0.64, 0.48}, 0, 0},
-                                               {{-1, 1, -1}, {-0.6, 0.64, -0.48}, 0, 0},
-                                               {{1, -1, -1}, {0.6, -0.64, -0.48}, 0, 0}};
-static const int32_t floor_triangles[][3] = {{0, 1, 2}, {0, 2, 3}};
-static const int32_t solid_triangles[][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
-static const float texels[] = {0.25F, 0.5F, 1, 0.125F, 0.75F, 0.375F};
+static const struct term terms[TERMS] = {{CONSTANT, -1}, {DIFFUSE, 0}, {SPECULAR, 0}};
+static const double spectrum[TERMS] = {0.1, 0.7, 0.8};
+static const struct eye_light spot = {
+    false, true, true, {-1, 2, -1}, {0.28, -0.576, -0.768}, {1, 0.02, 0.01}, 0.7, 2.5, 0, 1};
+static const struct vertex corners[] = {{{-4, -1, 1}, {0, 1, 0}, 0, 0},
+                                        {{4, -1, 1}, {0, 1, 0}, 4, 0},
+                                        {{4, -1, -12}, {0, 1, 0}, 4, 6},
+                                        {{-4, -1, -12}, {0, 1, 0}, 0, 6}};
+static const int32_t halves[][3] = {{0, 1, 2}, {0, 2, 3}};
+static const float texels[] = {0.2F, 1, 1, 0.2F};
+static struct vertex vertices[SIDES * RINGS];
+static int32_t triangles[2 * SIDES * RINGS][3];
+static double radiance[WIDTH * HEIGHT];
 
-static void place(struct instance *instance, const struct vector by, double turn_deg, double mirror)
+static void make_torus(void)
 {
-    const struct matrix turn = matrix_rotation(turn_deg, (struct vector){1, 2, 3});
-    const struct matrix size = matrix_scaling((struct vector){0.7 * mirror, 0.7, 0.7});
-    instance->mirrored = mirror < 0;
-    instance->model_view = matrix_product(matrix_translation(by), matrix_product(turn, size));
-    matrix_normal(&instance->model_view, &instance->normal_matrix);
+    for (int i = 0; i < SIDES * RINGS; i++) {
+        int ring = i / SIDES, side = i % SIDES, after = ring * SIDES + (side + 1) % SIDES,
+            next = (i + SIDES) % (SIDES * RINGS), last = (after + SIDES) % (SIDES * RINGS);
+        double x, y, in, up;
+        sine_cosine_of_turn(ring, RINGS, &y, &x);
+        sine_cosine_of_turn(side, SIDES, &up, &in);
+        vertices[i] = (struct vertex){.normal = {in * x, in * y, up}};
+        vertices[i].position =
+            (struct vector){(0.8 + 0.3 * in) * x, (0.8 + 0.3 * in) * y, 0.3 * up};
+        for (int k = 0; k < 6; k++)
+            triangles[2 * i + k / 3][k % 3] = (const int[]){i, next, after, after, next, last}[k];
+    }
 }
 
-/* FNV-1a (G. Fowler, L. Noll, P. Vo, public domain) */
-static uint64_t add(uint64_t hash, const void *bytes, size_t length)
-{
-    for (size_t i = 0; i < length; i++)
-        hash = (hash ^ ((const unsigned char *)bytes)[i]) * 0x100000001b3;
-    return hash;
-}
-
-static uint64_t draw(const struct view *view, struct surface *surfaces, uint64_t hash)
+static bool draw(const struct view *view, const struct instance instances[2])
 {
     const struct rectangle all = {0, 0, WIDTH, HEIGHT};
-    const size_t n = WIDTH * HEIGHT;
-    struct picture picture;
+    struct surface surfaces[2];
     struct light_work work = {0};
-    bool seen[INSTANCES + 1] = {false};
-    for (int s = 0; s < INSTANCES; s++)
-        for (int vertex = 0; vertex < surfaces[s].instance->n_vertices; vertex++)
-            surface_light(view, &surfaces[s], vertex, &work);
-    if (picture_draw(view, surfaces, INSTANCES, &all, TERMS, &picture)) {
-        for (size_t i = 0; i < n; i++) {
-            seen[picture.surface[i] + 1] = true;
-            for (size_t row = 0; row < TERMS && picture.surface[i] >= 0; row++)
-                hash = add(hash, &picture.rows[row * n + i], sizeof *picture.rows);
-        }
-        hash = add(hash, picture.surface, n * sizeof *picture.surface);
-        hash = add(hash, picture.triangle, n * sizeof *picture.triangle);
-        hash = add(hash, picture.depth, n * sizeof *picture.depth);
-    }
+    struct picture picture = {.surface = NULL};
+    bool done = surface_open(&instances[0], &surfaces[0]);
+    done = surface_open(&instances[1], &surfaces[1]) && done;
+    for (int s = 0; s < 2 && done; s++)
+        for (int i = 0; i < instances[s].n_vertices; i++)
+            surface_light(view, &surfaces[s], i, &work);
+    done = done && picture_draw(view, surfaces, 2, &all, TERMS, &picture);
+    for (int i = 0; i < WIDTH * HEIGHT && done; i++)
+        for (int t = 0; t < TERMS && picture.surface[i] >= 0; t++)
+            add_term(picture.rows + t * WIDTH * HEIGHT + i, spectrum[t], 1, &radiance[i]);
     picture_free(&picture);
-    return memchr(seen, false, sizeof seen) ? 0 : hash;
+    surface_close(&surfaces[0]);
+    surface_close(&surfaces[1]);
+    return done;
 }
 
 uint64_t digest(void)
 {
-    struct instance instances[INSTANCES] = {{.vertices = floor_vertices,
-                                             .triangles = floor_triangles,
-                                             .n_vertices = 4,
-                                             .n_triangles = 2,
-                                             .textured = true,
-                                             .texels = {texels, 3, 2, true}},
-                                            {.vertices = solid_vertices,
-                                             .triangles = solid_triangles,
-                                             .n_vertices = 4,
-                                             .n_triangles = 4}};
-    struct surface surfaces[INSTANCES] = {{.instance = NULL}};
-    struct view view = {
-        WIDTH, HEIGHT,  {{{1.2, 0, 0, 0}, {0, 1.8, 0, 0}, {0, 0, -1.25, -1.125}, {0, 0, -1, 0}}},
-        true,  GOURAUD, lights,
-        2};
-    uint64_t hash = 0xcbf29ce484222325;
-    bool opened = true;
-    instances[2] = instances[1];
-    place(&instances[0], (struct vector){0, 0, 0}, 0, 1);
-    place(&instances[1], (struct vector){-0.7, 0.1, -3}, 40, 1);
-    place(&instances[2], (struct vector){0.8, 0.2, -4}, 75, -1);
-    for (int i = 0; i < INSTANCES; i++) {
-        instances[i].terms = terms;
-        instances[i].n_terms = TERMS;
-        instances[i].gloss = 20;
-        opened = surface_open(&instances[i], &surfaces[i]) && opened;
-    }
-    for (int shading = GOURAUD; shading <= PHONG && opened && hash; shading++) {
-        view.shading = (enum shading_model)shading;
-        hash = draw(&view, surfaces, hash);
-    }
-    for (int i = 0; i < INSTANCES; i++)
-        surface_close(&surfaces[i]);
-    return opened ? hash : 0;
+    const struct matrix turn = matrix_rotation(35, (struct vector){1, 1, 0}),
+                        place = matrix_translation((struct vector){0, 0, -3});
+    struct instance instances[2] = {{vertices,
+                                     (const int32_t(*)[3])triangles,
+                                     SIDES * RINGS,
+                                     2 * SIDES * RINGS,
+                                     TERMS,
+                                     matrix_product(place, turn),
+                                     turn,
+                                     false,
+                                     false,
+                                     terms,
+                                     20,
+                                     false,
+                                     false,
+                                     {0}},
+                                    {corners,
+                                     halves,
+                                     4,
+                                     2,
+                                     TERMS,
+                                     matrix_identity(),
+                                     matrix_identity(),
+                                     false,
+                                     false,
+                                     terms,
+                                     20,
+                                     true,
+                                     false,
+                                     {texels, 2, 2, true}}};
+    struct view view = {WIDTH, HEIGHT,  {{{1.2}, {0, 1.8}, {0, 0, -1.25, -1.125}, {0, 0, -1}}},
+                        true,  GOURAUD, &spot,
+                        1};
+    uint64_t hash = 0xcbf29ce484222325; /* FNV-1a: G. Fowler, L. Noll, P. Vo, public domain */
+    make_torus();
+    for (; view.shading <= PHONG && draw(&view, instances); view.shading++)
+        for (size_t i = 0; i < sizeof radiance; i++)
+            hash = (hash ^ ((const unsigned char *)radiance)[i]) * 0x100000001b3;
+    return view.shading > PHONG ? hash : 0;
 }
 
 #ifndef __wasm__ /* where stdio would ask for a system */
-int main(void)
+int main(int argc, char **argv)
 {
-    printf("%llu\n", (unsigned long long)digest());
+    const uint64_t hash = digest();
+    if (argc == 1 || !argv)
+        return printf("%llu\n", (unsigned long long)hash) < 0;
+    printf("P5 %d %d 255\n", WIDTH, HEIGHT);
+    for (int i = 0; i < WIDTH * HEIGHT; i++)
+        putchar((int)(radiance[i] / 3 < 1 ? 85 * radiance[i] : 255)); /* of three shadings */
     return 0;
 }
 #endif

@@ -38,7 +38,7 @@ draws() {
     run "$@"
     digest=$(sed 's/.*i64://' "$tmp/out")
     [ "$status" = 0 ] && [ "${digest:-0}" != 0 ]
-    ok $? "$name: draws each instance and the background"
+    ok $? "$name: draws"
     [ -n "$digest" ] && [ "$digest" = "${first:=$digest}" ]
     ok $? "$name: the same bits as the first (digest ${digest:-none})"
     echo "# $name: $(wc -c <"$name") bytes"

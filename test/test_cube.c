@@ -45,7 +45,7 @@ static bool render_sampled(const char *name, const char *size, enum kept kept, c
     return done;
 }
 
-static bool render_scene(const char *name, const char *size, enum kept kept, struct error *err)
+static bool render_stack(const char *name, const char *size, enum kept kept, struct error *err)
 {
     return render_sampled(name, size, kept, NULL, err);
 }
@@ -55,7 +55,7 @@ static bool open_scene(const char *text, enum kept kept, struct cube *cube)
 {
     struct error err = {0};
     test_write("cube.scene", text);
-    return CHECK(render_scene("cube.scene", NULL, kept, &err) && cube_open(path, cube, &err),
+    return CHECK(render_stack("cube.scene", NULL, kept, &err) && cube_open(path, cube, &err),
                  "a scene is rendered, its stack opened %s", err.text);
 }
 
@@ -237,7 +237,7 @@ static void test_patches(void)
     struct error err = {0};
     struct cube cube;
     int wrong = 0;
-    if (!CHECK(render_scene("patches", "300x200", REFERENCE, &err) && cube_open(path, &cube, &err),
+    if (!CHECK(render_stack("patches", "300x200", REFERENCE, &err) && cube_open(path, &cube, &err),
                "patches are rendered %s", err.text))
         return;
     for (int i = 0; i < 24; i++)
@@ -254,7 +254,7 @@ static int *read_map(const char *scene, enum kept kept)
     static int maps[2][WIDTH * HEIGHT];
     struct error err = {0};
     struct cube cube;
-    if (!CHECK(render_scene(scene, "120x80", kept, &err) && cube_open(path, &cube, &err),
+    if (!CHECK(render_stack(scene, "120x80", kept, &err) && cube_open(path, &cube, &err),
                "%s are rendered %s", scene, err.text))
         return NULL;
     for (int i = 0; i < WIDTH * HEIGHT; i++)
@@ -446,7 +446,7 @@ static void test_cuts(void)
 {
     struct error err = {0};
     struct cube cube;
-    CHECK(render_scene("cube.scene", NULL, REFERENCE, &err) && cube_open(path, &cube, &err),
+    CHECK(render_stack("cube.scene", NULL, REFERENCE, &err) && cube_open(path, &cube, &err),
           "a stack is made %s", err.text);
     const off_t pixels = (off_t)cube.record.map_offset;
     cube_close(&cube);

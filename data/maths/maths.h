@@ -74,4 +74,8 @@ struct vertex {
     double s, t;                    /* texture coordinates */
 };
 
+/* Of three numbers. */
+double least_of(const double v[3]);
+double most_of(const double v[3]);
+
 #endif

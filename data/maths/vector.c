@@ -159,3 +159,13 @@ bool matrix_normal(const struct matrix *m, struct matrix *out)
         out->row[i / 3][i % 3] *= -1;
     return isfinite(determinant) && determinant != 0;
 }
+
+double least_of(const double v[3])
+{
+    return fmin(v[0], fmin(v[1], v[2]));
+}
+
+double most_of(const double v[3])
+{
+    return fmax(v[0], fmax(v[1], v[2]));
+}

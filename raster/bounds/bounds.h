@@ -69,6 +69,8 @@ void lit_free(struct lit_scene *lit);
 /* False where nothing of a surface can be in the rectangle. */
 bool surface_reaches(const struct surface_bounds *surface, const struct rectangle *at);
 
+/* Whether any term of the instance belongs to this light. */
+bool reflects(const struct instance *instance, const struct eye_light *light);
 /* What the normals of one instance have in common. */
 struct normal_bounds {
     double cofactor[3][3]; /* what their rounding errors are relative to */
@@ -114,6 +116,9 @@ struct colour_bound {
 struct colour_bound bound_colour(const struct clipped_triangle *triangle, const double values[3]);
 
 /* ---- triangle.c: a triangle as it lies in a tile ---- */
+
+const struct surface_bounds *bounds_of(const struct lit_scene *lit,
+                                       const struct screen_triangle *screen);
 
 /* A part of a triangle in front of the eye, with the bounds that hold for all of it. */
 struct bounded_triangle {

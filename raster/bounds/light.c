@@ -261,6 +261,15 @@ static void add_light(const struct eye_light *light, const struct vertex_view *v
     }
 }
 
+/* Whether any term belongs to this light's spectrum. */
+bool reflects(const struct instance *instance, const struct eye_light *light)
+{
+    for (int t = 0; t < instance->n_terms; t++)
+        if (instance->terms[t].light == light->first)
+            return true;
+    return false;
+}
+
 /* OpenGL rounds texture coordinates once. */
 void light_bounds(const struct view *view, const struct surface *surface,
                   const struct normal_bounds *bounds, int index, double e_eye, bool bounded,

@@ -71,9 +71,10 @@ static struct spread spread_of(const struct texels *texels, const struct span *a
     size_t column[MOST_TEXELS];
     const float *below = NULL;
     for (int i = 0; i < across->n; i++)
-        column[i] = texel_column(texels, across->first + i);
+        column[i] = texel_wrapped(across->first + i, texels->width);
     for (int j = 0; j < up->n; j++) {
-        const float *row = texel_row(texels, up->first + j);
+        const float *row =
+            texels->values + (size_t)texels->width * texel_wrapped(up->first + j, texels->height);
         for (int i = 0; i < across->n; i++) {
             double here = (double)row[column[i]];
             out.largest = fmax(out.largest, here);

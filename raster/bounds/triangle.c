@@ -4,6 +4,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "data/maths/maths.h"
 #include "raster/bounds/bounds.h"
 #include "raster/plan/plan.h"
 #include "raster/reference/reference.h"
@@ -13,18 +14,16 @@ static const double u = 1.0 / 16777216;
 /* Cutting an edge in single precision: weight and sum round three times, relative to both ends. */
 static const double cut_roundings = 3.0 / 16777216;
 
+const struct surface_bounds *bounds_of(const struct lit_scene *lit,
+                                       const struct screen_triangle *screen)
+{
+    return &lit->bounds[screen->surface - lit->surfaces];
+}
+
 static const struct vertex_bounds *vertex_bounds(const struct lit_scene *lit,
                                                  const struct screen_triangle *screen, int corner)
 {
-    return &lit->bounds[screen->surface].vertices[screen->vertex[corner]];
-}
-
-static bool in_front(const struct surface *surface, const int32_t vertex[3])
-{
-    for (int i = 0; i < 3; i++)
-        if (!(surface->vertices[vertex[i]].clip[3] > 0))
-            return false;
-    return true;
+    return &bounds_of(lit, screen)->vertices[screen->vertex[corner]];
 }
 
 /* True where nothing of a triangle in front of the eye reaches a pixel centre of the rows. Centres
@@ -32,16 +31,11 @@ static bool in_front(const struct surface *surface, const int32_t vertex[3])
 static bool is_beside(const struct surface *surface, const struct surface_bounds *bounds,
                       const int32_t vertex[3], const struct rectangle *rows)
 {
-    bool left = true, right = true, above = true, below = true;
-    for (int i = 0; i < 3; i++) {
-        const struct window_vertex *corner = &surface->vertices[vertex[i]];
-        double slack = (double)bounds->vertices[vertex[i]].slack_px;
-        left = left && corner->x + slack < rows->x;
-        right = right && corner->x - slack > rows->x + rows->width;
-        above = above && corner->y + slack < rows->y;
-        below = below && corner->y - slack > rows->y + rows->height;
-    }
-    return left || right || above || below;
+    int beside = ~0;
+    for (int i = 0; i < 3; i++)
+        beside &= outcode(&surface->vertices[vertex[i]], rows,
+                          (double)bounds->vertices[vertex[i]].slack_px);
+    return beside != 0;
 }
 
 /* ---- clipping, with the errors that it makes ---- */
@@ -91,19 +85,19 @@ static void planes_of(const struct lit_scene *lit, const struct screen_triangle 
     planes[5] = (struct clip_plane){{0, 0, -1, 1}, 2 * error};
 }
 
-/* What planes first .. CLIP_PLANES - 1 leave of the whole triangle. Its corners come in the order
- * in which OpenGL gets them, which decides how it fans the polygon. */
+/* What all planes leave of the whole triangle. Its corners come in the order in which OpenGL gets
+ * them, which decides how it fans the polygon. */
 static struct polygon polygon_of(const struct lit_scene *lit, const struct screen_triangle *screen,
-                                 bool turned, const struct rectangle *tile, int first)
+                                 const struct rectangle *tile)
 {
     struct clip_plane planes[CLIP_PLANES];
     struct corner whole[3];
     struct polygon out = {.n = 3};
-    whole_corners(&lit->surfaces[screen->surface], screen->vertex, whole);
+    whole_corners(screen->surface, screen->vertex, whole);
     for (int i = 0; i < 3; i++)
-        out.corner[i] = whole[turned ? (3 - i) % 3 : i];
+        out.corner[i] = whole[screen->clockwise ? i : (3 - i) % 3];
     planes_of(lit, screen, tile, planes);
-    for (int p = first; p < CLIP_PLANES && out.n > 0; p++)
+    for (int p = 0; p < CLIP_PLANES && out.n > 0; p++)
         clip(&out, &planes[p]);
     return out;
 }
@@ -214,8 +208,7 @@ static int clip_to_tile(const struct lit_scene *lit, const struct rectangle *til
                         struct clipped_triangle out[CLIP_CORNERS - 2])
 {
     const struct screen_triangle *screen = &triangle->screen;
-    const struct surface *surface = &lit->surfaces[screen->surface];
-    struct polygon polygon = polygon_of(lit, screen, !screen->clockwise, tile, 0);
+    struct polygon polygon = polygon_of(lit, screen, tile);
     struct bounded_triangle part = *triangle;
     double slacks[CLIP_CORNERS];
     part.slack_px = part.slack_w = part.slack_depth = 0;
@@ -228,7 +221,7 @@ static int clip_to_tile(const struct lit_scene *lit, const struct rectangle *til
         const int corners[3] = {0, i - 1, i};
         double slack_px[3];
         for (int c = 0; c < 3; c++) {
-            screen_corner(&lit->plan->view, surface, &polygon.corner[corners[c]], c, &part.screen);
+            screen_corner(&lit->plan->view, &polygon.corner[corners[c]], c, &part.screen);
             slack_px[c] = slacks[corners[c]];
         }
         out[i - 2] = clipped(lit, &part, tile, slack_px);
@@ -280,7 +273,6 @@ static void complete(const struct lit_scene *lit, const struct rectangle *tile,
 {
     struct clipped_triangle parts[CLIP_CORNERS - 2];
     double error = -1;
-    screen_turn(&lit->surfaces[triangle->screen.surface], &triangle->screen);
     int n = clipped_triangles(lit, tile, triangle, parts);
     triangle->slack_px = 0; /* only the corners that OpenGL has in the tile count */
     for (int i = 0; i < n; i++) {
@@ -299,10 +291,10 @@ static void complete(const struct lit_scene *lit, const struct rectangle *tile,
 static bool crosses_depth(const struct lit_scene *lit, const struct screen_triangle *screen)
 {
     for (int i = 0; i < 3; i++) {
-        double z = lit->surfaces[screen->surface].vertices[screen->vertex[i]].z,
-               slack =
-                   (double)vertex_bounds(lit, screen, i)->slack_depth + depth_rounding(lit->driver);
-        if (z < slack || z > 1 - slack)
+        const struct window_vertex *vertex = &screen->surface->vertices[screen->vertex[i]];
+        double slack =
+            (double)vertex_bounds(lit, screen, i)->slack_depth + depth_rounding(lit->driver);
+        if (!(vertex->clip[3] > 0) || vertex->z < slack || vertex->z > 1 - slack)
             return true;
     }
     return false;
@@ -312,7 +304,7 @@ static bool crosses_border(const struct lit_scene *lit, const struct screen_tria
                            const struct rectangle *tile)
 {
     for (int i = 0; i < 3; i++) {
-        const struct window_vertex *v = &lit->surfaces[screen->surface].vertices[screen->vertex[i]];
+        const struct window_vertex *v = &screen->surface->vertices[screen->vertex[i]];
         double slack = (double)vertex_bounds(lit, screen, i)->slack_px;
         if (v->x - slack < tile->x || v->x + slack > tile->x + tile->width ||
             v->y - slack < tile->y || v->y + slack > tile->y + tile->height)
@@ -321,38 +313,27 @@ static bool crosses_border(const struct lit_scene *lit, const struct screen_tria
     return false;
 }
 
-/* The polygon that the widened near and far planes leave, fanned from its first corner. */
-static int cut_in_depth(const struct lit_scene *lit, const struct rectangle *tile,
-                        const struct bounded_triangle *whole,
-                        struct bounded_triangle out[BOUNDED_TRIANGLES])
+/* The whole triangle, or where it may be cut in depth the parts that the near and the far plane
+ * leave, widened by what single precision may be off. */
+static int place_parts(const struct lit_scene *lit, const struct rectangle *tile,
+                       const struct screen_triangle *whole, bool cut,
+                       struct bounded_triangle out[BOUNDED_TRIANGLES])
 {
-    const struct surface *surface = &lit->surfaces[whole->screen.surface];
-    struct polygon polygon = polygon_of(lit, &whole->screen, false, tile, 4);
-    for (int i = 2; i < polygon.n; i++) {
-        struct bounded_triangle *part = &out[i - 2];
-        *part = *whole;
-        part->straddles = part->cut = true;
-        screen_corner(&lit->plan->view, surface, &polygon.corner[0], 0, &part->screen);
-        screen_corner(&lit->plan->view, surface, &polygon.corner[i - 1], 1, &part->screen);
-        screen_corner(&lit->plan->view, surface, &polygon.corner[i], 2, &part->screen);
-        complete(lit, tile, part);
+    struct screen_triangle parts[SCREEN_TRIANGLES];
+    struct clip_plane planes[CLIP_PLANES];
+    planes_of(lit, whole, tile, planes);
+    int n = screen_triangles(&lit->plan->view, whole->surface, whole->triangle, planes + 4,
+                             cut ? 2 : 0, parts);
+    for (int i = 0; i < n; i++) {
+        out[i] = (struct bounded_triangle){.screen = parts[i], .cut = cut};
+        out[i].straddles = cut || crosses_border(lit, whole, tile);
+        for (int v = 0; v < 3 && !cut; v++) {
+            struct slack slack = slack_of_whole(vertex_bounds(lit, whole, v));
+            widen(&out[i], &slack);
+        }
+        complete(lit, tile, &out[i]);
     }
-    return polygon.n < 3 ? 0 : polygon.n - 2;
-}
-
-static void place_whole(const struct lit_scene *lit, const struct rectangle *tile,
-                        struct bounded_triangle *triangle)
-{
-    const struct surface *surface = &lit->surfaces[triangle->screen.surface];
-    struct corner corners[3];
-    whole_corners(surface, triangle->screen.vertex, corners);
-    for (int i = 0; i < 3; i++) {
-        struct slack slack = slack_of_whole(vertex_bounds(lit, &triangle->screen, i));
-        screen_corner(&lit->plan->view, surface, &corners[i], i, &triangle->screen);
-        widen(triangle, &slack);
-    }
-    triangle->straddles = crosses_border(lit, &triangle->screen, tile);
-    complete(lit, tile, triangle);
+    return n;
 }
 
 /* Triangles seen edge-on may show their other side as well. */
@@ -374,16 +355,10 @@ int bounded_triangles(const struct lit_scene *lit, int surface, int triangle,
                       struct bounded_triangle out[BOUNDED_TRIANGLES])
 {
     const struct surface *of = &lit->surfaces[surface];
-    const int32_t *vertex = of->instance->triangles[triangle];
-    bool front = in_front(of, vertex);
-    if (front && is_beside(of, &lit->bounds[surface], vertex, rows))
+    struct screen_triangle whole = {.surface = of, .triangle = triangle};
+    memcpy(whole.vertex, of->instance->triangles[triangle], sizeof whole.vertex);
+    if (is_beside(of, &lit->bounds[surface], whole.vertex, rows))
         return 0;
-    struct bounded_triangle whole = {
-        .screen = {.surface = surface, .triangle = triangle, .provoking = vertex[2]}};
-    memcpy(whole.screen.vertex, vertex, sizeof whole.screen.vertex);
-    if (!front || crosses_depth(lit, &whole.screen))
-        return add_other_sides(of, cut_in_depth(lit, tile, &whole, out), out);
-    out[0] = whole;
-    place_whole(lit, tile, &out[0]);
-    return add_other_sides(of, 1, out);
+    int n = place_parts(lit, tile, &whole, crosses_depth(lit, &whole), out);
+    return add_other_sides(of, n, out);
 }

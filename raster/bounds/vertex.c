@@ -260,18 +260,18 @@ static bool make_surface(const struct lit_scene *lit, int index, struct light_wo
     if (!allocate(lit->plan, placed, of.surface, of.bounds))
         return error_memory(err);
     of.may_be_exact = may_be_exact(lit->plan, &placed->instance, &of.product);
-    long lit_vertices = 0, specular = 0, powers = 0;
+    long vertices = 0, specular = 0, powers = 0;
     int n_vertices = placed->instance.n_vertices;
-#pragma omp parallel for reduction(+ : lit_vertices, specular, powers) \
+#pragma omp parallel for reduction(+ : vertices, specular, powers) \
     num_threads(lit->plan->options.threads)
     for (int i = 0; i < n_vertices; i++) {
         struct light_work own = {0};
         make_vertex(&of, i, &own);
-        lit_vertices += own.vertices_lit;
+        vertices += own.vertices_lit;
         specular += own.specular_vertices;
         powers += own.power_functions;
     }
-    work->vertices_lit += lit_vertices;
+    work->vertices_lit += vertices;
     work->specular_vertices += specular;
     work->power_functions += powers;
     if (!check_surface(&of, err))

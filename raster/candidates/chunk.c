@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
+#include "data/maths/maths.h"
 #include "data/terms/terms.h"
 #include "data/tiff/tiff.h"
 #include "raster/bounds/bounds.h"
@@ -60,8 +61,8 @@ static struct colour_bound clipped_bound(const struct bounding *bounding,
                                          const struct clipped_triangle *clipped, size_t attribute)
 {
     const struct screen_triangle *screen = &triangle->screen;
-    const struct surface *surface = &bounding->fragments.lit->surfaces[screen->surface];
-    const float *errors = bounding->fragments.lit->bounds[screen->surface].errors;
+    const struct surface *surface = screen->surface;
+    const float *errors = bounds_of(bounding->fragments.lit, screen)->errors;
     double values[3] = {0, 0, 0}, e_vertex = 0, largest = 0, magnification = clipped->magnification;
     for (int j = 0; j < 3; j++) {
         size_t at = surface_attributes(surface, screen->vertex[j], screen->side) + attribute;
@@ -82,7 +83,7 @@ static struct colour_bound clipped_bound(const struct bounding *bounding,
 
 /* Bounds of all attributes in clipped triangle `index` of a triangle. */
 static const struct attribute_bound *
-bounds_of(struct bounding *bounding, const struct bounded_triangle *triangle, int32_t index)
+attribute_bounds(struct bounding *bounding, const struct bounded_triangle *triangle, int32_t index)
 {
     const struct surface *surface = bounding->pixel.surface;
     size_t at = (size_t)(triangle->first_clipped + index);
@@ -115,7 +116,7 @@ static void add_bounds(struct bounding *bounding, double inverse_w, double px, d
             &bounding->fragments.clipped[pixel->triangle->first_clipped + i].inverse_w_bound;
         if (!(clipped >> i & 1))
             continue;
-        const struct attribute_bound *bounds = bounds_of(bounding, pixel->triangle, i);
+        const struct attribute_bound *bounds = attribute_bounds(bounding, pixel->triangle, i);
         /* where 1 / w is not known to be positive the fragment is loose */
         double least = inverse_w * (1 - of_d->per_d) - of_d->fixed;
         float over = least > 0 ? (float)(1 / least) : 0;
@@ -134,7 +135,7 @@ static void interpolate_errors(struct bounding *bounding, const double share[3])
 {
     const struct screen_triangle *screen = &bounding->pixel.triangle->screen;
     const struct surface *surface = bounding->pixel.surface;
-    const float *errors = bounding->fragments.lit->bounds[screen->surface].errors, *corner[3],
+    const float *errors = bounds_of(bounding->fragments.lit, screen)->errors, *corner[3],
                 *provoking = errors + surface_attributes(surface, screen->provoking, screen->side);
     for (int j = 0; j < 3; j++)
         corner[j] = errors + surface_attributes(surface, screen->vertex[j], screen->side);
@@ -153,14 +154,14 @@ static void bound_pixel(struct bounding *bounding, const struct bounded_triangle
 {
     const struct lit_scene *lit = bounding->fragments.lit;
     const struct screen_triangle *screen = &triangle->screen;
-    const struct surface *surface = &lit->surfaces[screen->surface];
+    const struct surface *surface = screen->surface;
     struct bounded_pixel *pixel = &bounding->pixel;
     struct light_work none = {0};
     double share[3], inverse_w = shares_at(screen, x + 0.5, y + 0.5, share);
     pixel->triangle = triangle;
     pixel->surface = surface;
     if (weights_matter || surface->instance->textured)
-        shade(&lit->plan->view, surface, screen, share, pixel->attributes, &none);
+        shade(&lit->plan->view, screen, share, pixel->attributes, &none);
     interpolate_errors(bounding, share);
     add_bounds(bounding, inverse_w, x + 0.5, y + 0.5);
     size_t n_terms = (size_t)surface->instance->n_terms;
@@ -183,7 +184,7 @@ static void take_place(struct bounded_pixel *pixel, const struct texel_point *pl
 static const struct texture *texture_of(const struct bounding *bounding)
 {
     const struct lit_scene *lit = bounding->fragments.lit;
-    return lit->bounds[bounding->pixel.triangle->screen.surface].shaded->texture;
+    return bounds_of(lit, &bounding->pixel.triangle->screen)->shaded->texture;
 }
 
 /* Bound on how much the radiance of the pixel changes within a pixel's width, in any wavelength.
@@ -194,7 +195,7 @@ static double steepness(const struct bounding *bounding)
     const struct instance *instance = pixel->surface->instance;
     const struct lit_scene *lit = bounding->fragments.lit;
     const struct spectral_term *terms =
-        lit->bounds[pixel->triangle->screen.surface].shaded->made.terms;
+        bounds_of(lit, &pixel->triangle->screen)->shaded->made.terms;
     double step = 0, whole = 0;
     for (int t = 0; t < instance->n_terms; t++)
         step += (double)pixel->slopes[t] * terms[t].peak;
@@ -278,7 +279,7 @@ static bool add_candidates(struct bounding *bounding, const struct fragment *fra
                  out->candidate_rows + first, 1);
         put_errors(bounding, out->candidate_errors + first, 1);
         out->candidates[out->n_candidates++] = (struct candidate){
-            .surface = triangle->screen.surface,
+            .surface = (int32_t)(triangle->screen.surface - bounding->fragments.lit->surfaces),
             .triangle = triangle->screen.triangle,
             .depth = (float)fragment->depth,
             .depth_error = stored_depth_error(fragment->depth_error, fragment->depth),
@@ -327,7 +328,7 @@ static bool is_settled(const struct bounding *bounding, size_t index)
     const struct fragment *only = &bounding->fragments.fragments[pixel->head];
     const struct screen_triangle *screen = &bounding->fragments.triangles[only->triangle].screen;
     return only->next < 0 && pixel->limit < HUGE_VAL && !only->loose &&
-           picture->surface[index] == screen->surface &&
+           picture->surface[index] == screen->surface - bounding->fragments.lit->surfaces &&
            picture->triangle[index] == screen->triangle;
 }
 

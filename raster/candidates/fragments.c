@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/maths/maths.h"
 #include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
 #include "raster/reference/reference.h"
@@ -115,7 +116,7 @@ static void add_edges(const struct visit *visit)
     const struct lit_scene *lit = visit->of->lit;
     const struct screen_triangle *screen = &visited(visit)->screen;
     uint64_t object =
-        (uint64_t)(lit->bounds[screen->surface].placed->object - lit->plan->scene->objects);
+        (uint64_t)(bounds_of(lit, screen)->placed->object - lit->plan->scene->objects);
     for (int i = 0; i < 3; i++) {
         if (visit->edges.e[i] > visit->slack[i])
             continue;
@@ -238,7 +239,7 @@ static bool judge_fragment(struct visit *visit, enum presence presence, unsigned
         visit->pixel->open = true;
     }
     count_fragment(visit, presence, covered);
-    return visit->of->lit->bounds[triangle->screen.surface].placed->twin ||
+    return bounds_of(visit->of->lit, &triangle->screen)->placed->twin ||
            add_fragment(visit->of, visit->pixel, &fragment, presence == DEFINITE);
 }
 

@@ -4,6 +4,7 @@
  * e |b|_1 + f |a|_1 + 2 e f: the slack. */
 #include <math.h>
 
+#include "data/maths/maths.h"
 #include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
 #include "raster/reference/reference.h"

@@ -43,13 +43,12 @@ static void keep_longest_run(double distances[CLIP_CORNERS], int n)
         distances[(first + i) % n] = fmin(distances[(first + i) % n], -DBL_MIN);
 }
 
-int clip_polygon(const struct clip_plane *plane, const struct corner *in, int n,
-                 struct corner out[CLIP_CORNERS])
+int clip_polygon(const struct clip_plane *by, const struct corner *in, int n, struct corner *out)
 {
     double distances[CLIP_CORNERS];
     int n_out = 0;
     for (int i = 0; i < n; i++)
-        distances[i] = distance(plane, &in[i]);
+        distances[i] = distance(by, &in[i]);
     keep_longest_run(distances, n);
     for (int i = 0; i < n; i++) {
         int next = (i + 1) % n;

@@ -8,6 +8,7 @@
 #include <math.h>
 #include <string.h>
 
+#include "data/maths/maths.h"
 #include "raster/reference/reference.h"
 
 /* ---- triangles in the window ---- */
@@ -21,17 +22,13 @@ void whole_corners(const struct surface *surface, const int32_t vertex[3], struc
     }
 }
 
-void screen_corner(const struct view *view, const struct surface *surface,
-                   const struct corner *corner, int i, struct screen_triangle *out)
+void screen_corner(const struct view *view, const struct corner *from, int i,
+                   struct screen_triangle *out)
 {
     struct window_vertex vertex;
-    if (corner->whole >= 0) {
-        vertex = surface->vertices[out->vertex[corner->whole]];
-    } else {
-        memcpy(vertex.clip, corner->clip, sizeof vertex.clip);
-        window_place(view, &vertex);
-    }
-    memcpy(out->share[i], corner->share, sizeof corner->share);
+    memcpy(vertex.clip, from->clip, sizeof vertex.clip);
+    window_place(view, &vertex);
+    memcpy(out->share[i], from->share, sizeof from->share);
     out->x[i] = vertex.x;
     out->y[i] = vertex.y;
     out->z[i] = vertex.z;
@@ -53,68 +50,65 @@ static void swap_corners(struct screen_triangle *triangle)
     }
 }
 
-void screen_turn(const struct surface *surface, struct screen_triangle *triangle)
+/* Turns the corners so that edge functions are positive inside. */
+static void turn(struct screen_triangle *triangle)
 {
     const double *x = triangle->x, *y = triangle->y;
     double area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
     triangle->twice_area = fabs(area);
     triangle->clockwise = area >= 0;
-    triangle->side = surface->n_sides == 2 && triangle->clockwise != surface->instance->mirrored;
+    triangle->side = triangle->surface->n_sides == 2 &&
+                     triangle->clockwise != triangle->surface->instance->mirrored;
     if (!triangle->clockwise)
         swap_corners(triangle);
 }
 
-/* True where the near or the far plane cuts the triangle, or the eye is not in front of it. */
-static bool is_cut(const struct surface *surface, const int32_t vertex[3])
+/* The polygon that the planes leave is fanned from its first corner. */
+int screen_triangles(const struct view *view, const struct surface *of, int triangle,
+                     const struct clip_plane *planes, int n, struct screen_triangle out[])
 {
-    for (int i = 0; i < 3; i++) {
-        const struct window_vertex *v = &surface->vertices[vertex[i]];
-        if (!(v->clip[3] > 0) || v->z < 0 || v->z > 1)
-            return true;
+    const int32_t *vertex = of->instance->triangles[triangle];
+    struct corner corners[CLIP_CORNERS], from[CLIP_CORNERS];
+    int left = 3;
+    whole_corners(of, vertex, corners);
+    for (int p = 0; p < n && left > 0; p++) {
+        memcpy(from, corners, sizeof from);
+        left = clip_polygon(&planes[p], from, left, corners);
     }
-    return false;
+    for (int i = 2; i < left; i++) {
+        struct screen_triangle *part = &out[i - 2];
+        *part =
+            (struct screen_triangle){.surface = of, .triangle = triangle, .provoking = vertex[2]};
+        memcpy(part->vertex, vertex, sizeof part->vertex);
+        screen_corner(view, &corners[0], 0, part);
+        screen_corner(view, &corners[i - 1], 1, part);
+        screen_corner(view, &corners[i], 2, part);
+        turn(part);
+    }
+    return left < 3 ? 0 : left - 2;
 }
 
-/* The polygon that the planes leave is fanned from its first corner. */
-int screen_triangles(const struct view *view, const struct surface *surfaces, int surface,
-                     int triangle, struct screen_triangle out[SCREEN_TRIANGLES])
+/* On which sides of a rectangle, widened by a margin, a vertex lies (Cohen and Sutherland 1968); 0
+ * for one that is not in front of the eye. */
+int outcode(const struct window_vertex *vertex, const struct rectangle *at, double margin)
 {
-    static const struct clip_plane near_plane = {{0, 0, 1, 1}, 0}, far_plane = {{0, 0, -1, 1}, 0};
-    const struct surface *of = &surfaces[surface];
-    const int32_t *vertex = of->instance->triangles[triangle];
-    struct screen_triangle whole = {
-        .surface = surface, .triangle = triangle, .provoking = vertex[2]};
-    struct corner corners[CLIP_CORNERS], cut[CLIP_CORNERS];
-    int n = 3;
-    memcpy(whole.vertex, vertex, sizeof whole.vertex);
-    whole_corners(of, vertex, corners);
-    if (is_cut(of, vertex)) {
-        n = clip_polygon(&near_plane, corners, n, cut);
-        n = n > 0 ? clip_polygon(&far_plane, cut, n, corners) : 0;
-    }
-    for (int i = 2; i < n; i++) {
-        struct screen_triangle *part = &out[i - 2];
-        *part = whole;
-        screen_corner(view, of, &corners[0], 0, part);
-        screen_corner(view, of, &corners[i - 1], 1, part);
-        screen_corner(view, of, &corners[i], 2, part);
-        screen_turn(of, part);
-    }
-    return n < 3 ? 0 : n - 2;
+    if (!(vertex->clip[3] > 0))
+        return 0;
+    return (vertex->x + margin < at->x) | (vertex->x - margin > at->x + at->width) << 1 |
+           (vertex->y + margin < at->y) << 2 | (vertex->y - margin > at->y + at->height) << 3;
 }
 
 /* ---- edge functions ---- */
 
-void edges_at(const double x[3], const double y[3], double px, double py,
-              struct edge_functions *out)
+void edges_at(const double x[3], const double y[3], double px, double py, struct edge_functions *e)
 {
     const double dx[3] = {x[0] - px, x[1] - px, x[2] - px},
                  dy[3] = {y[0] - py, y[1] - py, y[2] - py};
     for (int i = 0; i < 3; i++) {
         int j = (i + 1) % 3, k = (i + 2) % 3;
-        out->dx[i] = dx[i];
-        out->dy[i] = dy[i];
-        out->e[i] = dx[j] * dy[k] - dx[k] * dy[j];
+        e->dx[i] = dx[i];
+        e->dy[i] = dy[i];
+        e->e[i] = dx[j] * dy[k] - dx[k] * dy[j];
     }
 }
 
@@ -174,16 +168,6 @@ double covered_depth(const struct screen_triangle *triangle, double px, double p
     return edges_cover(triangle, &edges) ? depth_at(triangle, &edges) : -1;
 }
 
-double least_of(const double v[3])
-{
-    return fmin(v[0], fmin(v[1], v[2]));
-}
-
-double most_of(const double v[3])
-{
-    return fmax(v[0], fmax(v[1], v[2]));
-}
-
 /* Barycentric coordinates of a point in the whole triangle; returns 1 / w there. Outside the part
  * that clipping left they extrapolate; where it has no area they are those of its middle. */
 double shares_at(const struct screen_triangle *triangle, double px, double py, double out[3])
@@ -235,13 +219,11 @@ bool scan_triangle(const struct screen_triangle *triangle, const struct rectangl
                    double margin, bool (*visit)(void *context, int x, int y), void *context)
 {
     const double *x = triangle->x, *y = triangle->y;
-    int left = clamp_to(floor(least_of(x) - margin - 0.5), at->x, at->x + at->width);
-    int right = clamp_to(ceil(most_of(x) + margin + 0.5), at->x, at->x + at->width);
     int top = clamp_to(floor(least_of(y) - margin - 0.5), at->y, at->y + at->height);
     int bottom = clamp_to(ceil(most_of(y) + margin + 0.5), at->y, at->y + at->height);
     double reach = most_of(x) - least_of(x) + most_of(y) - least_of(y) + 2;
     for (int row = top; row < bottom; row++) {
-        int first = left, last = right;
+        int first = at->x, last = at->x + at->width;
         narrow_row(triangle, row, -2 * margin * (reach + 3 * margin), &first, &last);
         for (int column = first; column < last; column++)
             if (!visit(context, column, row))

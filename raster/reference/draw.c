@@ -37,23 +37,6 @@ static bool cover_pixel(void *context, int x, int y)
     return true;
 }
 
-/* True where nothing of a triangle in front of the eye is in the rectangle. */
-static bool is_beside(const struct surface *surface, const int32_t vertex[3],
-                      const struct rectangle *at)
-{
-    bool left = true, right = true, above = true, below = true;
-    for (int i = 0; i < 3; i++) {
-        const struct window_vertex *corner = &surface->vertices[vertex[i]];
-        if (!(corner->clip[3] > 0))
-            return false;
-        left = left && corner->x < at->x;
-        right = right && corner->x > at->x + at->width;
-        above = above && corner->y < at->y;
-        below = below && corner->y > at->y + at->height;
-    }
-    return left || right || above || below;
-}
-
 static bool has_room(struct drawing *drawing)
 {
     if (drawing->n_triangles < drawing->capacity)
@@ -69,13 +52,18 @@ static bool has_room(struct drawing *drawing)
     return true;
 }
 
-static bool draw_triangle(struct drawing *drawing, int surface, int triangle)
+static bool draw_triangle(struct drawing *drawing, const struct surface *surface, int triangle)
 {
+    /* near, then far */
+    static const struct clip_plane depth_planes[2] = {{{0, 0, 1, 1}, 0}, {{0, 0, -1, 1}, 0}};
     struct screen_triangle parts[SCREEN_TRIANGLES];
-    const struct surface *of = &drawing->surfaces[surface];
-    if (is_beside(of, of->instance->triangles[triangle], &drawing->picture->at))
+    const int32_t *vertex = surface->instance->triangles[triangle];
+    int beside = ~0;
+    for (int i = 0; i < 3; i++)
+        beside &= outcode(&surface->vertices[vertex[i]], &drawing->picture->at, 0);
+    if (beside)
         return true;
-    int n = screen_triangles(drawing->view, drawing->surfaces, surface, triangle, parts);
+    int n = screen_triangles(drawing->view, surface, triangle, depth_planes, 2, parts);
     for (int i = 0; i < n; i++) {
         if (!has_room(drawing))
             return false;
@@ -93,35 +81,35 @@ static void shade_pixel(struct drawing *drawing, size_t pixel)
 {
     struct picture *picture = drawing->picture;
     const struct screen_triangle *triangle = &drawing->triangles[drawing->nearest[pixel]];
-    const struct surface *surface = &drawing->surfaces[triangle->surface];
+    const struct instance *instance = triangle->surface->instance;
     size_t width = (size_t)picture->at.width, n_pixels = width * (size_t)picture->at.height;
     double share[3], place[2] = {0, 0};
     shares_at(triangle, picture->at.x + (int)(pixel % width) + 0.5,
               picture->at.y + (int)(pixel / width) + 0.5, share);
-    shade(drawing->view, surface, triangle, share, drawing->attributes, &picture->work);
-    if (surface->instance->textured)
-        texel_place(&surface->instance->texels, drawing->attributes + surface->instance->n_terms,
-                    place);
-    put_rows(surface->instance, drawing->attributes, place, picture->rows + pixel, n_pixels);
-    picture->surface[pixel] = triangle->surface;
+    shade(drawing->view, triangle, share, drawing->attributes, &picture->work);
+    if (instance->textured)
+        texel_place(&instance->texels, drawing->attributes + instance->n_terms, place);
+    put_rows(instance, drawing->attributes, place, picture->rows + pixel, n_pixels);
+    picture->surface[pixel] = (int32_t)(triangle->surface - drawing->surfaces);
     picture->triangle[pixel] = triangle->triangle;
 }
 
 /* ---- the rectangle ---- */
 
-static bool allocate(struct drawing *drawing, const struct rectangle *at, int n_rows)
+static bool allocate(struct drawing *drawing, const struct rectangle *at, size_t n_rows)
 {
     struct picture *out = drawing->picture;
     size_t n_pixels = (size_t)at->width * (size_t)at->height;
-    *out = (struct picture){.at = *at};
-    out->surface = malloc(n_pixels * sizeof *out->surface + 1);
-    out->triangle = malloc(n_pixels * sizeof *out->triangle + 1);
-    out->depth = malloc(n_pixels * sizeof *out->depth + 1);
-    out->rows = malloc(n_pixels * (size_t)n_rows * sizeof *out->rows + 1);
+    out->at = *at;
+    out->surface = malloc(n_pixels * 2 * sizeof *out->surface + 1);
+    out->depth = malloc(n_pixels * (1 + n_rows) * sizeof *out->depth + 1);
     drawing->nearest = malloc(n_pixels * sizeof *drawing->nearest + 1);
-    drawing->attributes = malloc(((size_t)n_rows + 2) * sizeof *drawing->attributes);
-    return out->surface && out->triangle && out->depth && out->rows && drawing->nearest &&
-           drawing->attributes;
+    drawing->attributes = malloc((n_rows + 2) * sizeof *drawing->attributes);
+    if (!out->surface || !out->depth || !drawing->nearest || !drawing->attributes)
+        return false;
+    out->triangle = out->surface + n_pixels;
+    out->rows = out->depth + n_pixels;
+    return true;
 }
 
 static bool draw(struct drawing *drawing, int n_surfaces)
@@ -134,7 +122,7 @@ static bool draw(struct drawing *drawing, int n_surfaces)
     }
     for (int s = 0; s < n_surfaces; s++)
         for (int t = 0; t < drawing->surfaces[s].instance->n_triangles; t++)
-            if (!draw_triangle(drawing, s, t))
+            if (!draw_triangle(drawing, &drawing->surfaces[s], t))
                 return false;
     for (size_t i = 0; i < n_pixels; i++)
         if (drawing->nearest[i] >= 0)
@@ -146,7 +134,8 @@ bool picture_draw(const struct view *view, const struct surface *surfaces, int n
                   const struct rectangle *at, int n_rows, struct picture *out)
 {
     struct drawing drawing = {.view = view, .surfaces = surfaces, .picture = out};
-    bool done = allocate(&drawing, at, n_rows) && draw(&drawing, n_surfaces);
+    *out = (struct picture){.surface = NULL};
+    bool done = allocate(&drawing, at, (size_t)n_rows) && draw(&drawing, n_surfaces);
     free(drawing.nearest);
     free(drawing.triangles);
     free(drawing.attributes);
@@ -156,8 +145,6 @@ bool picture_draw(const struct view *view, const struct surface *surfaces, int n
 void picture_free(struct picture *picture)
 {
     free(picture->surface);
-    free(picture->triangle);
     free(picture->depth);
-    free(picture->rows);
     *picture = (struct picture){.surface = NULL};
 }

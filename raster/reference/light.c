@@ -6,35 +6,21 @@
 #include "data/maths/maths.h"
 #include "raster/reference/reference.h"
 
-static struct vector towards_light(const struct eye_light *light, struct vector eye,
-                                   double *distance)
-{
-    struct vector path = vector_subtract(light->position, eye);
-    *distance = 0;
-    if (light->directional)
-        return light->position;
-    *distance = vector_length(path);
-    return vector_normalise(path);
-}
-
-static struct vector towards_viewer(const struct view *view, struct vector eye)
-{
-    const struct vector far_away = {0, 0, 1};
-    return view->local_viewer ? vector_normalise(vector_scale(eye, -1)) : far_away;
-}
-
 struct incidence incidence_at(const struct eye_light *light, struct vector eye)
 {
-    struct incidence out;
-    const double *k = light->attenuation;
-    out.towards = towards_light(light, eye, &out.distance);
-    out.divisor = k[0] + k[1] * out.distance + k[2] * out.distance * out.distance;
-    return out;
+    const struct vector path = vector_subtract(light->position, eye);
+    const double *k = light->attenuation, d = light->directional ? 0 : vector_length(path);
+    return (struct incidence){.towards =
+                                  light->directional ? light->position : vector_normalise(path),
+                              .distance = d,
+                              .divisor = k[0] + k[1] * d + k[2] * d * d};
 }
 
 struct vector half_vector(const struct view *view, struct vector towards, struct vector eye)
 {
-    return vector_add(towards, towards_viewer(view, eye));
+    const struct vector far_away = {0, 0, 1};
+    return vector_add(towards,
+                      view->local_viewer ? vector_normalise(vector_scale(eye, -1)) : far_away);
 }
 
 /* max(0, base)^exponent; 0 where the gate is not above 0. */
@@ -57,61 +43,37 @@ static double falloff(const struct eye_light *light, const struct incidence *inc
     return left * gated_power(cosine - light->cutoff_cosine, cosine, light->spot_exponent, work);
 }
 
-bool reflects(const struct instance *instance, const struct eye_light *light)
+/* The weight of one light at a point in eye space. gloss 0: diffuse reflection. */
+static double light_weight(const struct view *view, const struct eye_light *light,
+                           const struct vector at[2], double gloss, struct light_work *work)
 {
-    for (int t = 0; t < instance->n_terms; t++)
-        if (instance->terms[t].light == light->first)
-            return true;
-    return false;
-}
-
-/* A point that is about to be lit, in eye space. */
-struct lit_point {
-    struct vector eye, normal;
-};
-
-static double specular_weight(const struct view *view, const struct instance *instance,
-                              const struct lit_point *point, struct vector towards,
-                              struct light_work *work)
-{
-    struct vector half = vector_normalise(half_vector(view, towards, point->eye));
-    double cosine = vector_dot(point->normal, half);
-    work->specular_vertices++;
-    return gated_power(vector_dot(point->normal, towards), cosine, instance->gloss, work);
-}
-
-/* Adds a light to the weights of the terms of its spectrum. */
-static void add_light(const struct view *view, const struct instance *instance,
-                      const struct eye_light *light, const struct lit_point *point, double *weights,
-                      struct light_work *work)
-{
-    struct incidence incidence = incidence_at(light, point->eye);
-    double left = falloff(light, &incidence, work);
-    for (int t = 0; t < instance->n_terms; t++) {
-        if (instance->terms[t].light != light->first)
-            continue;
-        double weight = instance->terms[t].reflection == DIFFUSE
-                            ? fmax(0, vector_dot(point->normal, incidence.towards))
-                            : specular_weight(view, instance, point, incidence.towards, work);
-        weights[t] += light->share * (weight * left);
+    const struct vector eye = at[0], normal = at[1];
+    const struct incidence incidence = incidence_at(light, eye);
+    double cosine = vector_dot(normal, incidence.towards), weight = fmax(0, cosine);
+    if (gloss > 0) {
+        struct vector half = vector_normalise(half_vector(view, incidence.towards, eye));
+        work->specular_vertices++;
+        weight = gated_power(cosine, vector_dot(normal, half), gloss, work);
     }
+    return light->share * (weight * falloff(light, &incidence, work));
 }
 
-void light_point(const struct view *view, const struct instance *instance,
-                 const struct vertex *point, int side, double *attributes, struct light_work *work)
+void light_point(const struct view *view, const struct instance *of, const struct vertex *point,
+                 int side, double *attributes, struct light_work *work)
 {
-    struct lit_point lit = {
-        matrix_point(&instance->model_view, point->position),
-        vector_normalise(matrix_direction(&instance->normal_matrix, point->normal))};
-    if (side == 1)
-        lit.normal = vector_scale(lit.normal, -1);
-    for (int t = 0; t < instance->n_terms; t++)
-        attributes[t] = instance->terms[t].reflection == CONSTANT;
-    for (int i = 0; i < view->n_lights; i++)
-        if (reflects(instance, &view->lights[i]))
-            add_light(view, instance, &view->lights[i], &lit, attributes, work);
-    if (instance->textured) {
-        attributes[instance->n_terms] = point->s;
-        attributes[instance->n_terms + 1] = point->t;
+    struct vector normal = matrix_direction(&of->normal_matrix, point->normal);
+    const struct vector at[2] = {matrix_point(&of->model_view, point->position),
+                                 vector_scale(vector_normalise(normal), side == 1 ? -1 : 1)};
+    for (int t = 0; t < of->n_terms; t++) {
+        const struct term *term = &of->terms[t];
+        attributes[t] = term->reflection == CONSTANT;
+        for (int i = 0; i < view->n_lights; i++)
+            if (view->lights[i].first == term->light)
+                attributes[t] += light_weight(view, &view->lights[i], at,
+                                              term->reflection == SPECULAR ? of->gloss : 0, work);
+    }
+    if (of->textured) {
+        attributes[of->n_terms] = point->s;
+        attributes[of->n_terms + 1] = point->t;
     }
 }

@@ -7,46 +7,41 @@
 #include "data/maths/maths.h"
 #include "raster/reference/reference.h"
 
-static void shade_phong(const struct view *view, const struct surface *surface,
-                        const struct screen_triangle *triangle, const double share[3],
-                        double *attributes, struct light_work *work)
+static void shade_phong(const struct view *view, const struct screen_triangle *triangle,
+                        const double share[3], double *attributes, struct light_work *work)
 {
+    const struct instance *instance = triangle->surface->instance;
     struct vertex point = {.s = 0};
     for (int j = 0; j < 3; j++) {
-        const struct vertex *vertex = &surface->instance->vertices[triangle->vertex[j]];
+        const struct vertex *vertex = &instance->vertices[triangle->vertex[j]];
         point.position = vector_add(point.position, vector_scale(vertex->position, share[j]));
         point.normal = vector_add(point.normal, vector_scale(vertex->normal, share[j]));
         point.s += share[j] * vertex->s;
         point.t += share[j] * vertex->t;
     }
-    light_point(view, surface->instance, &point, triangle->side, attributes, work);
+    light_point(view, instance, &point, triangle->side, attributes, work);
     work->points_lit++;
 }
 
 /* In flat shading one vertex colours the whole triangle; its texture is smooth all the same. */
-void shade(const struct view *view, const struct surface *surface,
-           const struct screen_triangle *triangle, const double share[3], double *attributes,
-           struct light_work *work)
+void shade(const struct view *view, const struct screen_triangle *triangle, const double share[3],
+           double *attributes, struct light_work *work)
 {
-    const double *corner[3],
-        *provoking =
-            surface->weights + surface_attributes(surface, triangle->provoking, triangle->side);
-    int first = view->shading == FLAT ? surface->instance->n_terms : 0;
+    const struct surface *of = triangle->surface;
+    const double *provoking =
+                     of->weights + surface_attributes(of, triangle->provoking, triangle->side),
+                 *corner[3];
     if (view->shading == PHONG) {
-        shade_phong(view, surface, triangle, share, attributes, work);
+        shade_phong(view, triangle, share, attributes, work);
         return;
     }
     for (int j = 0; j < 3; j++)
-        corner[j] =
-            surface->weights + surface_attributes(surface, triangle->vertex[j], triangle->side);
-    for (int a = 0; a < first; a++)
-        attributes[a] = provoking[a];
-    for (int a = first; a < surface->n_attributes; a++) {
-        double sum = 0;
-        for (int j = 0; j < 3; j++)
-            sum += share[j] * corner[j][a];
-        attributes[a] = sum;
-    }
+        corner[j] = of->weights + surface_attributes(of, triangle->vertex[j], triangle->side);
+    for (int a = 0; a < of->n_attributes; a++)
+        attributes[a] =
+            view->shading == FLAT && a < of->instance->n_terms
+                ? provoking[a]
+                : share[0] * corner[0][a] + share[1] * corner[1][a] + share[2] * corner[2][a];
 }
 
 int pixel_rows(const struct instance *instance)

@@ -15,21 +15,11 @@ void texel_place(const struct texels *texels, const double s_t[2], double place[
 }
 
 /* A whole number of texels, in [0, n). */
-static size_t wrapped(double whole, int n)
+size_t texel_wrapped(double whole, int n)
 {
     if (whole >= 0 && whole < n)
         return (size_t)whole;
     return (size_t)(whole - n * floor(whole / n));
-}
-
-const float *texel_row(const struct texels *texels, double row)
-{
-    return texels->values + (size_t)texels->width * wrapped(row, texels->height);
-}
-
-size_t texel_column(const struct texels *texels, double column)
-{
-    return wrapped(column, texels->width);
 }
 
 static double mix(double a, double b, double share)
@@ -40,13 +30,12 @@ static double mix(double a, double b, double share)
 double texel_at(const struct texels *texels, const double place[2])
 {
     double offset = texels->linear ? 0.5 : 0, x = place[0] - offset, y = place[1] - offset;
-    double i = floor(x), j = floor(y);
-    const float *low = texel_row(texels, j);
-    size_t left = texel_column(texels, i);
+    const size_t width = (size_t)texels->width, left = texel_wrapped(floor(x), texels->width),
+                 right = texel_wrapped(floor(x) + 1, texels->width);
+    const float *low = texels->values + width * texel_wrapped(floor(y), texels->height),
+                *high = texels->values + width * texel_wrapped(floor(y) + 1, texels->height);
     if (!texels->linear)
         return (double)low[left];
-    const float *high = texel_row(texels, j + 1);
-    size_t right = texel_column(texels, i + 1);
-    return mix(mix((double)low[left], (double)low[right], x - i),
-               mix((double)high[left], (double)high[right], x - i), y - j);
+    return mix(mix((double)low[left], (double)low[right], x - floor(x)),
+               mix((double)high[left], (double)high[right], x - floor(x)), y - floor(y));
 }

@@ -29,12 +29,6 @@ void surface_close(struct surface *surface)
     *surface = (struct surface){.instance = NULL};
 }
 
-static void project(const struct matrix *m, struct vector eye, double clip[4])
-{
-    for (int i = 0; i < 4; i++)
-        clip[i] = m->row[i][0] * eye.x + m->row[i][1] * eye.y + m->row[i][2] * eye.z + m->row[i][3];
-}
-
 void window_place(const struct view *view, struct window_vertex *vertex)
 {
     const double *clip = vertex->clip, w = clip[3];
@@ -44,17 +38,20 @@ void window_place(const struct view *view, struct window_vertex *vertex)
     vertex->inverse_w = 1 / w;
 }
 
-void surface_light(const struct view *view, struct surface *surface, int vertex,
-                   struct light_work *work)
+void surface_light(const struct view *view, struct surface *of, int i, struct light_work *work)
 {
-    const struct instance *instance = surface->instance;
-    const struct vertex *point = &instance->vertices[vertex];
-    struct window_vertex *out = &surface->vertices[vertex];
-    project(&view->projection, matrix_point(&instance->model_view, point->position), out->clip);
+    const struct instance *instance = of->instance;
+    const struct vertex *point = &instance->vertices[i];
+    struct window_vertex *out = &of->vertices[i];
+    const struct vector eye = matrix_point(&instance->model_view, point->position);
+    for (int r = 0; r < 4; r++) {
+        const double *row = view->projection.row[r];
+        out->clip[r] = row[0] * eye.x + row[1] * eye.y + row[2] * eye.z + row[3];
+    }
     if (out->clip[3] > 0)
         window_place(view, out);
-    for (int side = 0; side < surface->n_sides; side++)
-        light_point(view, instance, point, side,
-                    surface->weights + surface_attributes(surface, vertex, side), work);
+    for (int side = 0; side < of->n_sides; side++)
+        light_point(view, instance, point, side, of->weights + surface_attributes(of, i, side),
+                    work);
     work->vertices_lit += view->shading != PHONG;
 }
