@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# A stack tells how it was made, and can be made again from that, to the last byte, or it is said why
-# not.
+# A stack records how it was made. From that it can be made again, to the last byte, or a message says
+# why not.
 . test/tap.sh
 SPECTRAL=$(realpath "$SPECTRAL")
 version=$("$SPECTRAL" --version | sed -n 's/^spectral //p')

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""What compare tells of two stacks is computed once more with numpy, pixel by pixel, from published
+"""What compare prints of two stacks is computed once more with numpy, pixel by pixel, from published
 formulas; some differences are known in closed form. Prints TAP."""
 import os
 import re

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The manual page is well formed, and tells of the program as it is.
+# The manual page is well formed, and describes the program as it is: each option, command and list.
 . test/tap.sh
 
 exits 0 "the manual page has no fault" mandoc -Tlint spectral.1

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""What probe tells of a stack is computed once more with numpy from its samples; what it tells of a
+"""What probe prints of a stack is computed once more with numpy from its samples; what it prints of a
 scene must be what render stores of it, and the curves beside it what the tables hold. Plots are
 read back as XML. Prints TAP."""
 import csv

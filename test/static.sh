@@ -31,7 +31,7 @@ lacks '/(root|home|tmp|work|build)/' "it names no folder of whoever built it"
 ! grep -Fq -e "$PWD/" -e "${XDG_CACHE_HOME:-$HOME/.cache}/" "$tmp/out"
 ok $? "nor this folder, nor the cache"
 
-# The program before it was stripped tells which function is which: ours, and Mesa's.
+# The program before it was stripped has the names of its functions: ours, and Mesa's.
 if [ -f "$STATIC.symbols" ]; then
     strip -o "$tmp/stripped" "$STATIC.symbols" && cmp -s "$STATIC" "$tmp/stripped"
     ok $? "it is $STATIC.symbols without the symbols"

@@ -210,7 +210,7 @@ def figures(words):
 
 
 def per_cent(words):
-    """The numbers before signs of per cent, which the page tells to a tenth."""
+    """The numbers before signs of per cent, which the page shows to a tenth."""
     return np.array(re.findall(r"([\d.]+)\s%", words), float)
 
 
@@ -354,7 +354,7 @@ def causes():
 
 
 def difference(one, other):
-    """ΔE*ab of two pixels, as the page tells it when one is kept and the other picked."""
+    """ΔE*ab of two pixels, as the page shows it when one is kept and the other picked."""
     click_pixel(*one)
     browser.evaluate("document.getElementById('keep').click()")
     kept = numbers()["L*a*b*"]
@@ -389,7 +389,7 @@ def metamers():
 
 
 def command_line(scene, name, lights):
-    """The page tells the commands that make its picture, from whatever folder."""
+    """The page shows the commands that make its picture, from whatever folder."""
     browser.open(view(scene, name))
     set_lights(lights)
     set_eye(["--detector=cie1964", "--adaptation=fairchild:40", "--exposure=1.25", "--display=monitor"])
@@ -444,7 +444,7 @@ def keyboard():
 
 
 def names():
-    """Every control has an accessible name, as Chromium's accessibility tree tells it."""
+    """Every control has an accessible name, as Chromium's accessibility tree gives it."""
     nodes = browser.send("Accessibility.getFullAXTree")["nodes"]
     roles = {"combobox", "slider", "spinbutton", "button", "checkbox", "application"}
     controls = [node for node in nodes if node.get("role", {}).get("value") in roles]
@@ -544,7 +544,7 @@ def file():
         setTimeout(() => then("nothing"), 5000);
     })""")
     check(blocked == "connect-src", "and its policy lets nothing be loaded", blocked)
-    browser.complaints.clear()  # Chromium tells of that on the console
+    browser.complaints.clear()  # Chromium reports that on the console
     again = os.path.join(TMP, "again.html")
     os.replace(path, again)
     check(open(view("colorchecker", "large", "--size", "600x400"), "rb").read() == open(again, "rb").read(),
@@ -655,7 +655,7 @@ def troubles():
     browser.wait("document.getElementById('message')?.hidden === false")
     check(told_trouble("This browser cannot"), "an old browser's user is told", text("message"))
     browser.send("Page.removeScriptToEvaluateOnNewDocument", **script)
-    browser.complaints.clear()  # Chromium tells of that on the console
+    browser.complaints.clear()  # Chromium reports that on the console
 
 
 def main():
