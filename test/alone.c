@@ -3,6 +3,7 @@
  * textured square that the near and the far plane cut. With a word it is written as a PGM file. */
 #include <stdio.h>
 
+#include "data/maths/maths.h"
 #include "raster/reference/reference.h"
 
 enum { WIDTH = 120, HEIGHT = 80, SIDES = 24, RINGS = 48, TERMS = 3 };

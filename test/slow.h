@@ -35,7 +35,7 @@
 
 #include "data/maths/maths.h"
 #include "data/scene/scene.h"
-#include "data/terms/terms.h"
+#include "raster/bounds/bounds.h"
 #include "raster/plan/plan.h"
 #include "raster/reference/reference.h"
 

@@ -11,6 +11,7 @@
 #include "data/scene/scene.h"
 #include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
+#include "raster/driver/driver.h"
 #include "raster/plan/plan.h"
 #include "raster/reference/reference.h"
 #include "spectral.h"

@@ -1,31 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 /* How far OpenGL's single precision may be off from the reference: at a vertex, inside a triangle,
- * in a texture. The reference's values come in; what comes out are bounds on absolute errors, which
- * hold for every order of operations, with or without fused multiply-add. u = 2^-24 is the unit
- * roundoff of single precision; "slack" bounds a position. VERIFYING: each bound is derived where
- * it is computed, and held against single-precision arithmetic by test/test_raster.c. */
+ * in a texture. The reference's values come in; bounds on absolute errors come out. They hold for
+ * every order of operations, with or without fused multiply-add; "slack" bounds a position. */
 #ifndef BOUNDS_H
 #define BOUNDS_H
 
 #include "data/maths/maths.h"
+#include "raster/driver/driver.h"
 #include "raster/plan/plan.h"
 #include "raster/reference/reference.h"
 #include "spectral.h"
-
-/* ---- driver.c: what is known of OpenGL's implementations ---- */
-
-/* Which triangle has the pixels whose centres lie exactly on an edge. */
-enum fill_rule { FILL_ANY, FILL_LEFT_BOTTOM };
-struct driver {
-    const char *name; /* what GL_RENDERER begins with; "unknown": the worst of all others */
-    double grid_px;   /* corners are moved to a grid before edges are followed: by up to this */
-    double edge_roundings;  /* of the largest window coordinate, while an edge is followed */
-    double depth_roundings; /* of a depth of 1, while it is stored: half is a step of 24 bits */
-    bool watertight;        /* a pixel where triangles meet belongs to exactly one of them */
-    enum fill_rule fill_rule;
-};
-/* NULL stands for an unknown one. */
-const struct driver *driver_of(const char *gl_renderer);
 
 /* ---- exact.c: where single precision makes no error ---- */
 
@@ -77,11 +61,10 @@ struct normal_bounds {
     double e_rigid;        /* distance of model_view from a rigid one that OpenGL takes it for */
 };
 struct normal_bounds normal_bounds(const struct instance *instance);
-/* Adds to `errors` the bounds on all attributes of vertex `index`, where e_eye bounds its place in
- * eye space. They are infinite where a weight has no bound. */
-void light_bounds(const struct view *view, const struct surface *surface,
-                  const struct normal_bounds *bounds, int index, double e_eye, bool bounded,
-                  float *errors, struct light_work *work);
+/* Adds to the surface's errors the bounds on all attributes of a vertex, where e_eye bounds its
+ * place in eye space. They are infinite where a weight has no bound. */
+void light_bounds(const struct lit_scene *lit, int surface, int index,
+                  const struct normal_bounds *normals, double e_eye, struct light_work *work);
 
 /* ---- plane.c: inside a triangle that OpenGL sets up ---- */
 
@@ -117,9 +100,6 @@ struct colour_bound bound_colour(const struct clipped_triangle *triangle, const 
 
 /* ---- triangle.c: a triangle as it lies in a tile ---- */
 
-const struct surface_bounds *bounds_of(const struct lit_scene *lit,
-                                       const struct screen_triangle *screen);
-
 /* A part of a triangle in front of the eye, with the bounds that hold for all of it. */
 struct bounded_triangle {
     struct screen_triangle screen;    /* cut by planes that single precision may reach */
@@ -134,6 +114,8 @@ struct bounded_triangle {
     double slack_depth; /* of a corner */
     double depth_error; /* of the depth at a pixel, off thin triangles; HUGE_VAL: none */
 };
+const struct surface_bounds *bounds_of(const struct lit_scene *lit,
+                                       const struct screen_triangle *screen);
 /* Two planes cut at most two corners off; a triangle seen edge-on shows either side. */
 enum { BOUNDED_TRIANGLES = 2 * SCREEN_TRIANGLES };
 /* The parts of one triangle of a surface; returns how many (0: nothing of it is in `rows`, the part

@@ -271,28 +271,28 @@ bool reflects(const struct instance *instance, const struct eye_light *light)
 }
 
 /* OpenGL rounds texture coordinates once. */
-void light_bounds(const struct view *view, const struct surface *surface,
-                  const struct normal_bounds *bounds, int index, double e_eye, bool bounded,
-                  float *errors, struct light_work *work)
+void light_bounds(const struct lit_scene *lit, int surface, int index,
+                  const struct normal_bounds *normals, double e_eye, struct light_work *work)
 {
-    const struct instance *instance = surface->instance;
-    const struct vertex *point = &instance->vertices[index];
+    const struct view *view = &lit->plan->view;
+    const struct surface *of = &lit->surfaces[surface];
+    const struct vertex *point = &of->instance->vertices[index];
     struct vertex_view vertex = {.view = view,
-                                 .instance = instance,
-                                 .normal = eye_normal(instance, bounds, point->normal),
-                                 .eye = matrix_point(&instance->model_view, point->position),
+                                 .instance = of->instance,
+                                 .normal = eye_normal(of->instance, normals, point->normal),
+                                 .eye = matrix_point(&of->instance->model_view, point->position),
                                  .e_eye = e_eye,
-                                 .e_rigid = bounds->e_rigid,
-                                 .bounded = bounded,
+                                 .e_rigid = normals->e_rigid,
+                                 .bounded = lit->plan->options.check,
                                  .work = work};
-    for (int side = 0; side < surface->n_sides; side++) {
-        float *of_side = errors + surface_attributes(surface, index, side);
+    for (int side = 0; side < of->n_sides; side++) {
+        float *errors = lit->bounds[surface].errors + surface_attributes(of, index, side);
         for (int i = 0; i < view->n_lights && view->shading != PHONG; i++)
-            if (reflects(instance, &view->lights[i]))
-                add_light(&view->lights[i], &vertex, of_side);
-        if (instance->textured) {
-            of_side[instance->n_terms] = (float)(u * fabs(point->s));
-            of_side[instance->n_terms + 1] = (float)(u * fabs(point->t));
+            if (reflects(of->instance, &view->lights[i]))
+                add_light(&view->lights[i], &vertex, errors);
+        if (of->instance->textured) {
+            errors[of->instance->n_terms] = (float)(u * fabs(point->s));
+            errors[of->instance->n_terms + 1] = (float)(u * fabs(point->t));
         }
         vertex.normal.unit = vector_scale(vertex.normal.unit, -1);
     }

@@ -6,6 +6,7 @@
 
 #include "data/maths/maths.h"
 #include "raster/bounds/bounds.h"
+#include "raster/driver/driver.h"
 #include "raster/plan/plan.h"
 #include "raster/reference/reference.h"
 

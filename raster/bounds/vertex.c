@@ -8,6 +8,7 @@
 
 #include "data/maths/maths.h"
 #include "raster/bounds/bounds.h"
+#include "raster/driver/driver.h"
 #include "raster/plan/plan.h"
 #include "raster/reference/reference.h"
 #include "spectral.h"
@@ -91,7 +92,8 @@ static bool is_exact(const struct plan *plan, const struct matrix *product, cons
 
 /* What bounding the vertices of one surface takes. */
 struct bounding {
-    const struct plan *plan;
+    const struct lit_scene *lit;
+    int index; /* of the surface */
     struct surface *surface;
     struct surface_bounds *bounds;
     struct normal_bounds normals;
@@ -106,17 +108,17 @@ static void make_vertex(const struct bounding *of, int index, struct light_work 
     struct vertex_bounds *out = &of->bounds->vertices[index];
     const double object[4] = {position.x, position.y, position.z, 1};
     double eye_magnitude[4], clip_magnitude[4];
-    surface_light(&of->plan->view, of->surface, index, work);
+    const struct plan *plan = of->lit->plan;
+    surface_light(&plan->view, of->surface, index, work);
     magnitudes(&instance->model_view, object, eye_magnitude);
-    magnitudes(&of->plan->view.projection, eye_magnitude, clip_magnitude);
-    bound_place(of->plan, clip_magnitude, &of->surface->vertices[index], out);
+    magnitudes(&plan->view.projection, eye_magnitude, clip_magnitude);
+    bound_place(plan, clip_magnitude, &of->surface->vertices[index], out);
     out->exact =
-        of->may_be_exact && is_exact(of->plan, &of->product, object, &of->surface->vertices[index]);
+        of->may_be_exact && is_exact(plan, &of->product, object, &of->surface->vertices[index]);
     if (out->exact)
         out->slack_px = 0;
     double e_eye = EYE_ROUNDINGS * u * (eye_magnitude[0] + eye_magnitude[1] + eye_magnitude[2]);
-    light_bounds(&of->plan->view, of->surface, &of->normals, index, e_eye, of->plan->options.check,
-                 of->bounds->errors, work);
+    light_bounds(of->lit, of->index, index, &of->normals, e_eye, work);
 }
 
 /* ---- what is refused ---- */
@@ -207,8 +209,8 @@ static bool check_surface(const struct bounding *of, struct error *err)
     for (int i = 0; i < instance->n_vertices; i++)
         if (!check_vertex(of->surface, of->bounds, i, err))
             return false;
-    for (int i = 0; i < instance->n_triangles && of->plan->scene->camera.perspective; i++)
-        if (!check_near(of->plan, of->surface, of->bounds, i, err))
+    for (int i = 0; i < instance->n_triangles && of->lit->plan->scene->camera.perspective; i++)
+        if (!check_near(of->lit->plan, of->surface, of->bounds, i, err))
             return false;
     return true;
 }
@@ -253,7 +255,8 @@ static bool make_surface(const struct lit_scene *lit, int index, struct light_wo
                          struct error *err)
 {
     const struct placed_instance *placed = &lit->plan->instances[index];
-    struct bounding of = {.plan = lit->plan,
+    struct bounding of = {.lit = lit,
+                          .index = index,
                           .surface = &lit->surfaces[index],
                           .bounds = &lit->bounds[index],
                           .normals = normal_bounds(&placed->instance)};

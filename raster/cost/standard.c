@@ -20,6 +20,7 @@
 #include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
 #include "raster/cost/cost.h"
+#include "raster/driver/driver.h"
 #include "raster/plan/plan.h"
 #include "raster/radiance/radiance.h"
 #include "raster/reference/reference.h"

@@ -12,6 +12,7 @@
 #include "data/terms/terms.h"
 #include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
+#include "raster/driver/driver.h"
 #include "raster/inspect/inspect.h"
 #include "raster/plan/plan.h"
 #include "raster/radiance/radiance.h"

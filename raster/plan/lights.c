@@ -9,6 +9,9 @@
 #include "raster/reference/reference.h"
 #include "spectral.h"
 
+/* Distances in eye space are below this: their squares are numbers in single precision. */
+static const double farthest = 1e18;
+
 static struct eye_light place_light(const struct plan *plan, const struct shining_light *shining)
 {
     const struct light *light = shining->light;
@@ -42,7 +45,7 @@ static bool check_light(const struct eye_light *placed, const struct light *ligh
     const double *k = placed->attenuation;
     if (light->directional)
         return true;
-    if (!(vector_length(placed->position) < FARTHEST))
+    if (!(vector_length(placed->position) < farthest))
         return error_at(err, light->place,
                         "this light is too far away for single precision; give it a direction");
     for (int i = 0; i < 3; i++)

@@ -133,26 +133,16 @@ void plan_print(const struct plan *plan, FILE *to);
 /* Prints the plan of a scene. */
 bool command_plan(struct options *options, struct error *err);
 
-/* ---- inside this room ---- */
+/* ---- Inside this room ---- */
 
-/* Distances in eye space are below this: their squares are numbers in single precision. */
-#define FARTHEST 1e18
-
-/* ---- lights.c: lights in eye space ---- */
-
-/* Lists all lights that shine; shaded materials then use those that matter to them. */
+/* lights.c. Lists all lights that shine; shaded materials then use those that matter to them. */
 bool lights_list(struct plan *plan, struct error *err);
-/* Forgets the lights that light nothing; to be called when all shaded materials are made. */
+/* Forgets the lights that light nothing, when all shaded materials are made. */
 bool lights_drop_idle(struct plan *plan, struct error *err);
-
-/* ---- shaded_materials.c: materials under lights ---- */
-
-/* The shaded material of a material, made when it is first asked for; its index into the plan. */
+/* Makes the shaded material of a material when it is first asked for; *out is its index. */
 bool shaded_material_find(struct plan *plan, const struct material *material, int *out,
                           struct error *err);
-
-/* ---- instances.c: objects become meshes in their places ---- */
-
+/* Builds, parts and places the meshes of all objects. */
 bool instances_make(struct plan *plan, struct error *err);
 
 #endif

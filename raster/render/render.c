@@ -13,6 +13,7 @@
 #include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
 #include "raster/check/check.h"
+#include "raster/driver/driver.h"
 #include "raster/gl/gl.h"
 #include "raster/plan/plan.h"
 #include "raster/radiance/radiance.h"

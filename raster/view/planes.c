@@ -8,6 +8,7 @@
 #include "data/tiff/tiff.h"
 #include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
+#include "raster/driver/driver.h"
 #include "raster/plan/plan.h"
 #include "raster/reference/reference.h"
 #include "raster/view/view.h"

@@ -3,7 +3,7 @@
  * it is better than it must be. Measured on Mesa 22.3.6; test/README.md says how. */
 #include <string.h>
 
-#include "raster/bounds/bounds.h"
+#include "raster/driver/driver.h"
 
 /* llvmpipe moves corners to a grid of 1/256 pixel, to the nearest point (half a step), and follows
  * edges in integers. softpipe follows them line by line in single precision, from unmoved corners:
