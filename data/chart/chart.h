@@ -78,9 +78,14 @@ void chart_y_label(FILE *to, const char *label, double x, int height);
 int chart_fitting(double width, int size);
 double chart_text_width(int n, int size);
 int chart_text_length(const char *text);
-/* Returns the columns of a legend, 1 to 3: as many as let texts of `longest` characters stand
+/* Cells of a legend, filled column by column. */
+struct chart_grid {
+    int rows;
+    double column; /* width */
+};
+/* Makes a grid of n cells, in 1 to 3 columns: as many as let texts of `longest` characters stand
  * beside each other, each behind a sample of this width. */
-int chart_columns(int longest, double sample);
+struct chart_grid chart_grid(int n, int longest, double sample);
 
 /* ---- Inside this room: places of labels, in labels.c ---- */
 

@@ -133,8 +133,8 @@ static void put_tick(FILE *to, int tick)
         fprintf(to, "%d%.*s", digit, decade, "0000");
 }
 
-/* Whether a tick is labelled on an axis so long: 2 and 5 where there is room, and not too many
- * powers of ten. */
+/* Returns whether a tick is labelled on an axis of this length: 2 and 5 where there is room, and
+ * not too many powers of ten. */
 static bool is_labelled(const struct scale *scale, int tick, double length)
 {
     const double decade = length / (scale->high - scale->low);
@@ -231,7 +231,7 @@ static void sort_points(struct plot *plot)
     }
 }
 
-/* Along the cost, then down to the next point's error. */
+/* Lines along the cost, then down to the next point's error. */
 static void find_steps(struct plot *plot)
 {
     for (int i = 0; i + 1 < plot->n_best; i++) {
@@ -345,20 +345,14 @@ static void draw_label(const struct plot *plot, int index)
 
 /* ---- the key ---- */
 
-static int key_columns(const struct plot *plot)
+static struct chart_grid key_grid(const struct plot *plot)
 {
     int longest = 1;
     for (int i = 0; i < plot->frontier->n; i++) {
         const int length = shown_length(plot->frontier->points[i].name, KEY_LENGTH);
         longest = plot->number[i] > 0 && length > longest ? length : longest;
     }
-    return chart_columns(longest, SAMPLE);
-}
-
-static int key_rows(const struct plot *plot)
-{
-    const int columns = key_columns(plot);
-    return (plot->n_numbers + columns - 1) / columns;
+    return chart_grid(plot->n_numbers, longest, SAMPLE);
 }
 
 /* What the markers mean, in one row. */
@@ -376,19 +370,18 @@ static void draw_markers(const struct plot *plot, int y)
 
 static void draw_key(const struct plot *plot, int top)
 {
-    const int rows = key_rows(plot);
-    const double column = (CHART_WIDTH - CHART_LEFT) / (double)key_columns(plot);
+    const struct chart_grid grid = key_grid(plot);
+    const int fitting = chart_fitting(grid.column - SAMPLE - 8, CHART_TEXT_SIZE);
     for (int i = 0; i < plot->frontier->n; i++) {
         const int place = plot->number[i] - 1;
         if (place < 0)
             continue;
-        const double x = CHART_LEFT + column * (place / rows);
-        const double y = top + CHART_LEGEND_ROW * (place % rows) + 0.35 * CHART_TEXT_SIZE;
+        const double x = CHART_LEFT + grid.column * (place / grid.rows);
+        const double y = top + CHART_LEGEND_ROW * (place % grid.rows) + 0.35 * CHART_TEXT_SIZE;
         fprintf(plot->to,
                 "<text text-anchor=\"end\" x=\"%.2f\" y=\"%.2f\" fill=\"#555\">%d</text>"
                 "<text x=\"%.2f\" y=\"%.2f\">",
                 x + SAMPLE - 8, y, plot->number[i], x + SAMPLE, y);
-        const int fitting = chart_fitting(column - SAMPLE - 8, CHART_TEXT_SIZE);
         chart_text(plot->to, plot->frontier->points[i].name,
                    fitting < KEY_LENGTH ? fitting : KEY_LENGTH);
         fputs("</text>\n", plot->to);
@@ -403,7 +396,7 @@ static void draw(void *of, FILE *to)
     const int markers = CHART_TOP + HEIGHT + CHART_TICK + CHART_TEXT_SIZE + CHART_LABEL_SIZE + 36;
     const int key = markers + CHART_LEGEND_ROW + 6;
     plot->to = to;
-    chart_head(to, plot->frontier->title, key + CHART_LEGEND_ROW * key_rows(plot));
+    chart_head(to, plot->frontier->title, key + CHART_LEGEND_ROW * key_grid(plot).rows);
     draw_cost_axis(plot);
     draw_error_axis(plot);
     chart_frame(to, width, HEIGHT);

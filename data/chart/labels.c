@@ -19,7 +19,7 @@ static bool boxes_meet(const struct chart_box *a, const struct chart_box *b)
     return a->left < b->right && b->left < a->right && a->top < b->bottom && b->top < a->bottom;
 }
 
-/* Cuts from first to last, the part of a segment that is left, what lies outside of two limits. */
+/* Cuts the rest of a segment, from *first to *last, at two limits. */
 static void cut(double from, double to, double low, double high, double *first, double *last)
 {
     if (from == to) {
@@ -59,11 +59,12 @@ static struct chart_box box_around(double x, double y, double width, double heig
 
 /* ---- places ---- */
 
-/* What a label may do where nothing else is left; it never covers points or labels. */
+/* The rules that a label may break where no other place is left. It never covers points or labels.
+ */
 enum freedom {
-    OFF_LINES, /* nothing */
-    ON_LINES,  /* cover steps and error bars */
-    ACROSS     /* its own line may cross all, and those of others the label */
+    OFF_LINES, /* none */
+    ON_LINES,  /* it may cover the chart's lines */
+    ACROSS     /* its own line may cross all, and the lines of others may cross it */
 };
 
 /* Returns whether a box lies upon a point, a label or the frame. */
@@ -151,7 +152,8 @@ static bool place_within(struct chart_labels *labels, struct chart_label *label,
 bool chart_place_label(struct chart_labels *labels, int index, double width, double height)
 {
     struct chart_label *label = &labels->label[index];
-    return place_within(labels, label, width, height, OFF_LINES) ||
-           place_within(labels, label, width, height, ON_LINES) ||
-           place_within(labels, label, width, height, ACROSS);
+    for (enum freedom freedom = OFF_LINES; freedom <= ACROSS; freedom++)
+        if (place_within(labels, label, width, height, freedom))
+            return true;
+    return false;
 }
