@@ -509,7 +509,9 @@ static void check_response(const struct cube *cube, const char *spectrum, double
     white_at_1nm(expected);
     CHECK(detector_read("cie1931", &detector, &err) && detector_read("cie1964", &other, &err) &&
               cube_weights(cube, &detector, weights, &err) &&
-              cube_white_response(cube, spectrum, true, weights, &found, white, &err) && found,
+              cube_white_response(cube, &(struct white_request){spectrum, true}, weights, &found,
+                                  white, &err) &&
+              found,
           "%s: there are weights and a white %s", name, err.text);
     for (int channel = 0; channel < 3; channel++)
         CHECK_NEAR(white[channel], expected[channel], tolerance * expected[channel],
@@ -587,7 +589,8 @@ static void test_equal(void)
             continue;
         CHECK(cube_weights(&cube, &detector, weights, &err) &&
                   cube_equal_response(&cube, &detector, weights, equal, &err) &&
-                  cube_white_response(&cube, "1", true, weights, &found, white, &err),
+                  cube_white_response(&cube, &(struct white_request){"1", true}, weights, &found,
+                                      white, &err),
               "%s: there are both %s", samplings[i], err.text);
         for (int channel = 0; channel < 3; channel++)
             CHECK_NEAR(equal[channel], white[channel], 1e-12, "%s: in channel %d", samplings[i],
@@ -609,7 +612,8 @@ static void test_huge(void)
         !CHECK(detector_read("cie1931", &detector, &err), "there is an observer"))
         return;
     cube.record.white_response[1] = 1e300;
-    CHECK(!cube_white_response(&cube, NULL, true, weights, &found, white, &err) &&
+    CHECK(!cube_white_response(&cube, &(struct white_request){NULL, true}, weights, &found, white,
+                               &err) &&
               strstr(err.text, "the white has 1e+300 in channel 2") != NULL,
           "a white of 1e300 is refused %s", err.text);
     err = (struct error){0};
@@ -643,13 +647,17 @@ static void test_unseen(void)
                    "%s: rendered and opened %s", samplings[i], err.text))
             continue;
         CHECK(cube_weights(&cube, &detector, weights, &err) &&
-                  cube_white_response(&cube, NULL, false, weights, &found, white, &err) && !found,
+                  cube_white_response(&cube, &(struct white_request){NULL, false}, weights, &found,
+                                      white, &err) &&
+                  !found,
               "%s: ultraviolet light makes no white %s", samplings[i], err.text);
-        CHECK(!cube_white_response(&cube, NULL, true, weights, &found, white, &err) &&
+        CHECK(!cube_white_response(&cube, &(struct white_request){NULL, true}, weights, &found,
+                                   white, &err) &&
                   strstr(err.text, "tells no white") != NULL,
               "%s: and none where it is needed %s", samplings[i], err.text);
         err = (struct error){0};
-        CHECK(!cube_white_response(&cube, "lamp.csv", true, weights, &found, white, &err) &&
+        CHECK(!cube_white_response(&cube, &(struct white_request){"lamp.csv", true}, weights,
+                                   &found, white, &err) &&
                   strstr(err.text, "0 at all of its wavelengths") != NULL,
               "%s: nor as an option %s", samplings[i], err.text);
         cube_close(&cube);

@@ -419,7 +419,8 @@ static void test_stack(void)
     for (int page = 0; good && page < MANY; page++) {
         for (int i = 0; i < PIXELS; i++)
             counts[i] = (uint16_t)count_at(page % 8, i % WIDTH, i / WIDTH, 0, 16);
-        good = stack_write(&writer, page, 0, 0, WIDTH, HEIGHT, counts, &err);
+        good = stack_write(&writer, &(struct stack_rectangle){page, 0, 0, WIDTH, HEIGHT}, counts,
+                           &err);
     }
     CHECK(good && stack_finish(&writer, "check: agreed", &err) && stack_commit(&writer, &err),
           "a stack is written %s", err.text);
@@ -768,7 +769,8 @@ static void test_cuts(void)
     struct error err = {0};
     bool good = stack_open(&writer, path, &options, &err);
     for (int page = 0; good && page < PAGES; page++)
-        good = stack_write(&writer, page, 0, 0, WIDTH, HEIGHT, radiance, &err);
+        good = stack_write(&writer, &(struct stack_rectangle){page, 0, 0, WIDTH, HEIGHT}, radiance,
+                           &err);
     CHECK(good && stack_finish(&writer, "", &err) && stack_commit(&writer, &err),
           "a stack of floats is written %s", err.text);
     check_cuts("a stack of floats");

@@ -41,7 +41,7 @@ static bool write_rectangle(struct stack_writer *writer, int page, int x, int y,
     uint16_t counts[WIDTH * HEIGHT];
     for (int i = 0; i < width * height; i++)
         counts[i] = count_at(page, x + i % width, y + i / width);
-    return stack_write(writer, page, x, y, width, height, counts, err);
+    return stack_write(writer, &(struct stack_rectangle){page, x, y, width, height}, counts, err);
 }
 
 /* Every page in rectangles of at most tile x tile pixels, the last page and row first. */
@@ -263,7 +263,7 @@ static bool write_map(struct stack_writer *writer, int x, int y, int width, int 
         if (writer->options.map_bytes == 2)
             *at++ = (unsigned char)(object / 256);
     }
-    return stack_write(writer, PAGES, x, y, width, height, bytes, err);
+    return stack_write(writer, &(struct stack_rectangle){PAGES, x, y, width, height}, bytes, err);
 }
 
 /* Behind the pages, where the description says: little-endian, row by row. */
@@ -305,14 +305,15 @@ static void test_map(int map_bytes)
     CHECK(stack_open(&writer, "stack_other.tif", &options, &err), "another opens %s", err.text);
     for (int page = 0; page < PAGES; page++)
         CHECK(write_rectangle(&writer, page, 0, 0, WIDTH, HEIGHT, &err), "and has page %d", page);
-    CHECK(write_map(&writer, 0, 0, WIDTH, HEIGHT, &err) &&
-              stack_write(&writer, PAGES, 4, 3, 1, 1, "\xff\xff", &err) &&
-              stack_finish(&writer, "", &err) && stack_compare(&writer, path, &difference, &err),
-          "they are compared %s", err.text);
+    CHECK(
+        write_map(&writer, 0, 0, WIDTH, HEIGHT, &err) &&
+            stack_write(&writer, &(struct stack_rectangle){PAGES, 4, 3, 1, 1}, "\xff\xff", &err) &&
+            stack_finish(&writer, "", &err) && stack_compare(&writer, path, &difference, &err),
+        "they are compared %s", err.text);
     CHECK(difference.found && difference.in_map && difference.page == -1 && difference.x == 4 &&
               difference.y == 3,
           "a difference of the map is found at its place");
-    CHECK(stack_write(&writer, 1, 0, 0, 1, 1, "\xff\xff", &err) &&
+    CHECK(stack_write(&writer, &(struct stack_rectangle){1, 0, 0, 1, 1}, "\xff\xff", &err) &&
               stack_compare(&writer, path, &difference, &err),
           "they are compared once more %s", err.text);
     CHECK(difference.found && !difference.in_map && difference.page == 1 && difference.x == 0 &&
@@ -341,8 +342,8 @@ static void test_float(void)
     const char *text = "";
     const char *path = "stack_float.tif";
     CHECK(stack_open(&writer, path, &options, &err), "a stack of 2x2x1 floats");
-    CHECK(stack_write(&writer, 0, 0, 0, 2, 2, radiance, &err) && stack_finish(&writer, "", &err) &&
-              stack_commit(&writer, &err),
+    CHECK(stack_write(&writer, &(struct stack_rectangle){0, 0, 0, 2, 2}, radiance, &err) &&
+              stack_finish(&writer, "", &err) && stack_commit(&writer, &err),
           "is written");
     TIFF *tiff = TIFFOpen(path, "r");
     if (!CHECK(tiff != NULL, "and opens"))
@@ -383,7 +384,7 @@ static void check_large(int width, int map_bytes, bool big)
     CHECK(big ? whole > UINT32_MAX : whole <= UINT32_MAX, "%d pixels: as 4 GiB ask for", width);
     CHECK(map_bytes == 0 || pages_offset(&writer.pages, 1) == end, "%d pixels: then the map",
           width);
-    CHECK(stack_write(&writer, 0, width - 1, 0, 1, 1, &last, &err) &&
+    CHECK(stack_write(&writer, &(struct stack_rectangle){0, width - 1, 0, 1, 1}, &last, &err) &&
               stack_finish(&writer, "", &err) && stack_commit(&writer, &err),
           "%d pixels: commits %s", width, err.text);
     int file = open(path, O_RDONLY);
@@ -572,7 +573,7 @@ static void check_narrow(int bits, const char *const *labels)
     for (int page = 0; good && page < PAGES; page++) {
         for (int i = 0; i < WIDTH * HEIGHT; i++)
             wide[i] = narrow[i] = (uint8_t)(7 * i + 60 * page);
-        good = stack_write(&writer, page, 0, 0, WIDTH, HEIGHT,
+        good = stack_write(&writer, &(struct stack_rectangle){page, 0, 0, WIDTH, HEIGHT},
                            bits == 8 ? (const void *)narrow : wide, &err);
     }
     good = good && stack_finish(&writer, "good", &err) && stack_commit(&writer, &err) &&

@@ -92,82 +92,90 @@ static bool refuse_read(struct error *err, struct place from, const char *path, 
     return error_at(err, from, "cannot read %s: %s", path, why);
 }
 
+/* A file being read: its name, the place that names it, and its bytes so far. */
+struct reading {
+    const char *path;
+    struct place from;
+    char *bytes; /* owned */
+    size_t length;
+};
+
+static bool refuse_reading(struct error *err, const struct reading *of, const char *why)
+{
+    return refuse_read(err, of->from, of->path, why);
+}
+
 /* Looks for NUL bytes while it reads, so that /dev/zero ends at once. Room is kept for a NUL. */
-static bool read_open(int descriptor, size_t capacity, const char *path, struct place from,
-                      char **bytes, size_t *length, struct error *err)
+static bool read_open(struct reading *of, int descriptor, size_t capacity, struct error *err)
 {
     for (ssize_t got = 1; got != 0;) {
-        char *zero, *more = realloc(*bytes, capacity);
+        char *zero, *more = realloc(of->bytes, capacity);
         if (more == NULL)
             return error_memory(err);
-        *bytes = more;
-        got = read(descriptor, more + *length, capacity - 1 - *length);
+        of->bytes = more;
+        got = read(descriptor, more + of->length, capacity - 1 - of->length);
         if (got < 0)
-            return refuse_read(err, from, path, strerror(errno));
-        zero = memchr(more + *length, '\0', (size_t)got);
+            return refuse_reading(err, of, strerror(errno));
+        zero = memchr(more + of->length, '\0', (size_t)got);
         if (zero != NULL)
-            return error_at(err, (struct place){path, 0, 0},
+            return error_at(err, (struct place){of->path, 0, 0},
                             "byte %zu is NUL, so this is no text file", (size_t)(zero - more) + 1);
-        *length += (size_t)got;
-        if (*length > longest_read)
-            return refuse_read(err, from, path, "it is too long for a text file");
-        if (*length + 1 == capacity)
+        of->length += (size_t)got;
+        if (of->length > longest_read)
+            return refuse_reading(err, of, "it is too long for a text file");
+        if (of->length + 1 == capacity)
             capacity += capacity / 2;
     }
-    (*bytes)[*length] = '\0';
+    of->bytes[of->length] = '\0';
     return true;
 }
 
-static bool read_path(const char *path, struct place from, char **bytes, size_t *length,
-                      struct error *err)
+static bool read_path(struct reading *of, struct error *err)
 {
     size_t capacity = 1 << 16;
     struct stat status;
     bool done = false;
-    const int descriptor = open(path, O_RDONLY | O_CLOEXEC);
+    const int descriptor = open(of->path, O_RDONLY | O_CLOEXEC);
     if (descriptor < 0)
-        return refuse_read(err, from, path, strerror(errno));
+        return refuse_reading(err, of, strerror(errno));
     if (fstat(descriptor, &status) != 0)
-        refuse_read(err, from, path, strerror(errno));
+        refuse_reading(err, of, strerror(errno));
     else if (S_ISDIR(status.st_mode))
-        refuse_read(err, from, path, "it is a folder");
+        refuse_reading(err, of, "it is a folder");
     else if (S_ISREG(status.st_mode) && status.st_size > (off_t)longest_read)
-        refuse_read(err, from, path, "it is too long for a text file");
+        refuse_reading(err, of, "it is too long for a text file");
     else {
         /* One byte for the NUL, and one so that the read that meets the end has room. */
         if (S_ISREG(status.st_mode) && status.st_size > 0)
             capacity = (size_t)status.st_size + 2;
-        done = read_open(descriptor, capacity, path, from, bytes, length, err);
+        done = read_open(of, descriptor, capacity, err);
     }
     close(descriptor);
     return done;
 }
 
-static bool read_builtin(const char *path, struct place from, char **bytes, size_t *length,
-                         struct error *err)
+static bool read_builtin(struct reading *of, struct error *err)
 {
-    const struct builtin_file *file = builtin_find(path);
+    const struct builtin_file *file = builtin_find(of->path);
     if (file == NULL)
-        return refuse_read(err, from, path, "there is no such built-in file");
-    *bytes = calloc(file->length + 1, 1);
-    if (*bytes == NULL)
+        return refuse_reading(err, of, "there is no such built-in file");
+    of->bytes = calloc(file->length + 1, 1);
+    if (of->bytes == NULL)
         return error_memory(err);
-    memcpy(*bytes, file->bytes, file->length);
-    *length = file->length;
+    memcpy(of->bytes, file->bytes, file->length);
+    of->length = file->length;
     return true;
 }
 
 bool file_read(const char *path, struct place from, char **bytes, size_t *length, struct error *err)
 {
-    *bytes = NULL;
-    *length = 0;
-    if (is_builtin(path) ? read_builtin(path, from, bytes, length, err)
-                         : read_path(path, from, bytes, length, err))
-        return true;
-    free(*bytes);
-    *bytes = NULL;
-    *length = 0;
-    return false;
+    struct reading of = {.path = path, .from = from};
+    const bool done = is_builtin(path) ? read_builtin(&of, err) : read_path(&of, err);
+    if (!done)
+        free(of.bytes);
+    *bytes = done ? of.bytes : NULL;
+    *length = done ? of.length : 0;
+    return done;
 }
 
 bool file_open(const char *path, struct place from, int *descriptor,

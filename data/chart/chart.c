@@ -222,11 +222,13 @@ void chart_y_label(FILE *to, const char *label, double x, int height)
     fputs("</text>\n", to);
 }
 
-int chart_columns(int longest, double sample)
+struct chart_grid chart_grid(int n, int longest, double sample)
 {
     const int room = chart_fitting(CHART_WIDTH - CHART_LEFT, CHART_TEXT_SIZE);
-    const int columns = room / (longest + chart_fitting(sample + 24, CHART_TEXT_SIZE));
-    return columns < 1 ? 1 : columns > 3 ? 3 : columns;
+    const int fitting = room / (longest + chart_fitting(sample + 24, CHART_TEXT_SIZE));
+    const int columns = fitting < 1 ? 1 : fitting > 3 ? 3 : fitting;
+    return (struct chart_grid){(n + columns - 1) / columns,
+                               (CHART_WIDTH - CHART_LEFT) / (double)columns};
 }
 
 char *chart_file(void (*draw)(void *plot, FILE *to), void *plot)
@@ -469,7 +471,7 @@ static const char *legend_note(const struct plot *plot, int line)
     return axis_of(plot, &plot->chart->lines[line]) == &plot->right ? " (right axis)" : "";
 }
 
-static int legend_columns(const struct plot *plot)
+static struct chart_grid legend_grid(const struct plot *plot)
 {
     int longest = 1;
     for (int l = 0; l < plot->chart->n_lines; l++) {
@@ -477,28 +479,23 @@ static int legend_columns(const struct plot *plot)
             chart_text_length(plot->chart->lines[l].name) + chart_text_length(legend_note(plot, l));
         longest = length > longest ? length : longest;
     }
-    return chart_columns(longest, SAMPLE);
-}
-
-static int legend_rows(const struct plot *plot)
-{
-    const int columns = legend_columns(plot);
-    return (plot->chart->n_lines + columns - 1) / columns;
+    return chart_grid(plot->chart->n_lines, longest, SAMPLE);
 }
 
 static void draw_legend(const struct plot *plot, int top)
 {
-    const int rows = legend_rows(plot);
-    const double column = (CHART_WIDTH - CHART_LEFT) / (double)legend_columns(plot);
+    const struct chart_grid grid = legend_grid(plot);
     for (int l = 0; l < plot->chart->n_lines; l++) {
         const char *note = legend_note(plot, l);
-        const double x = CHART_LEFT + column * (l / rows), y = top + CHART_LEGEND_ROW * (l % rows);
+        const double x = CHART_LEFT + grid.column * (l / grid.rows);
+        const double y = top + CHART_LEGEND_ROW * (l % grid.rows);
         fprintf(plot->to, "<path ");
         put_stroke(plot->to, l);
         fprintf(plot->to, " d=\"M%.2f,%.2fh%d\"/><text x=\"%.2f\" y=\"%.2f\">", x, y, SAMPLE,
                 x + SAMPLE + 8, y + 0.35 * CHART_TEXT_SIZE);
         chart_text(plot->to, plot->chart->lines[l].name,
-                   chart_fitting(column - SAMPLE - 16, CHART_TEXT_SIZE) - chart_text_length(note));
+                   chart_fitting(grid.column - SAMPLE - 16, CHART_TEXT_SIZE) -
+                       chart_text_length(note));
         fprintf(plot->to, "%s</text>\n", note);
     }
 }
@@ -511,7 +508,7 @@ static void draw(void *of, FILE *to)
     const struct chart *chart = plot->chart;
     const int legend =
         CHART_TOP + PLOT_HEIGHT + STRIP + CHART_TICK + CHART_TEXT_SIZE + CHART_LABEL_SIZE + 44;
-    const int height = legend + CHART_LEGEND_ROW * legend_rows(plot);
+    const int height = legend + CHART_LEGEND_ROW * legend_grid(plot).rows;
     plot->to = to;
     chart_head(to, chart->title, height);
     if (chart->wavelengths)

@@ -78,8 +78,39 @@ void chart_y_label(FILE *to, const char *label, double x, int height);
 int chart_fitting(double width, int size);
 double chart_text_width(int n, int size);
 int chart_text_length(const char *text);
-/* Returns the columns of a legend, 1 to 3: as many as let texts of `longest` characters stand
+/* Cells of a legend, filled column by column. */
+struct chart_grid {
+    int rows;
+    double column; /* width */
+};
+/* Makes a grid of n cells, in 1 to 3 columns: as many as let texts of `longest` characters stand
  * beside each other, each behind a sample of this width. */
-int chart_columns(int longest, double sample);
+struct chart_grid chart_grid(int n, int longest, double sample);
+
+/* ---- Inside this room: places of labels, in labels.c ---- */
+
+struct chart_box {
+    double left, top, right, bottom;
+};
+struct chart_segment {
+    double x[2], y[2];
+};
+struct chart_label {
+    double x, y, radius;  /* of the marker of its point */
+    struct chart_box box; /* its place, if it has one */
+    bool placed, led;     /* led: by a line from the point */
+};
+/* The labels of a chart. They never cover the frame, a marker, or each other. */
+struct chart_labels {
+    struct chart_box frame;
+    struct chart_label *label; /* of each point */
+    int n;
+    struct chart_segment *lines; /* covered by labels only where no other place is left */
+    int n_lines;
+};
+/* Finds the place of a label of this size. Returns false where there is none. */
+bool chart_place_label(struct chart_labels *labels, int index, double width, double height);
+/* The line from a point to the nearest place of its label. */
+struct chart_segment chart_leader(const struct chart_label *label);
 
 #endif

@@ -13,42 +13,26 @@ enum {
     NAME_LENGTH = 40, /* characters of a name in the plot */
     KEY_LENGTH = 60,  /* and in the key */
     SAMPLE = 26,      /* a number in the key */
-    PAST_DECADES = 3, /* smaller errors, in parts of the largest, lie on the edge */
-    RING_STEP = 7,    /* between the rings of places around a point */
-    NEAR_DIRECTIONS = 8,
-    DIRECTIONS = 32 /* of places farther off */
+    PAST_DECADES = 3  /* smaller errors, in parts of the largest, lie on the edge */
 };
 static const double width = CHART_WIDTH - CHART_LEFT - CHART_MARGIN;
 static const char strong[] = "#0072b2", pale[] = "#8a8a8a";
 
-struct box {
-    double left, top, right, bottom;
-};
-struct segment {
-    double x[2], y[2];
-};
 struct scale {
     double low, high; /* decimal logarithms */
     bool clipped;     /* some values lie below */
     double edge;      /* the value that `low` stands for where it is clipped */
 };
-struct label {
-    double x, y; /* of its point */
-    double radius;
-    struct box box;
-    bool placed, led; /* by a line */
-};
 struct plot {
     const struct frontier *frontier;
     FILE *to;
     struct scale cost, error;
-    struct label *labels; /* of each point */
-    int *order;           /* points of the frontier, by cost */
+    struct chart_labels labels; /* of each point; lines: the steps, then the error bars */
+    int n_steps;
+    int *order; /* points of the frontier, by cost */
     int n_best;
     int *number; /* in the key; 0: named in the plot */
     int n_numbers;
-    struct segment *lines; /* the steps, then the error bars: labels rather do not lie upon these */
-    int n_steps, n_lines;
 };
 
 /* ---- logarithmic axes ---- */
@@ -149,8 +133,8 @@ static void put_tick(FILE *to, int tick)
         fprintf(to, "%d%.*s", digit, decade, "0000");
 }
 
-/* Whether a tick is labelled on an axis so long: 2 and 5 where there is room, and not too many
- * powers of ten. */
+/* Returns whether a tick is labelled on an axis of this length: 2 and 5 where there is room, and
+ * not too many powers of ten. */
 static bool is_labelled(const struct scale *scale, int tick, double length)
 {
     const double decade = length / (scale->high - scale->low);
@@ -247,25 +231,27 @@ static void sort_points(struct plot *plot)
     }
 }
 
-/* Along the cost, then down to the next point's error. */
+/* Lines along the cost, then down to the next point's error. */
 static void find_steps(struct plot *plot)
 {
     for (int i = 0; i + 1 < plot->n_best; i++) {
-        const struct label *here = &plot->labels[plot->order[i]];
-        const struct label *next = &plot->labels[plot->order[i + 1]];
-        plot->lines[plot->n_steps++] = (struct segment){{here->x, next->x}, {here->y, here->y}};
-        plot->lines[plot->n_steps++] = (struct segment){{next->x, next->x}, {here->y, next->y}};
+        const struct chart_label *here = &plot->labels.label[plot->order[i]];
+        const struct chart_label *next = &plot->labels.label[plot->order[i + 1]];
+        plot->labels.lines[plot->n_steps++] =
+            (struct chart_segment){{here->x, next->x}, {here->y, here->y}};
+        plot->labels.lines[plot->n_steps++] =
+            (struct chart_segment){{next->x, next->x}, {here->y, next->y}};
     }
 }
 
 static void find_bars(struct plot *plot)
 {
-    plot->n_lines = plot->n_steps;
+    plot->labels.n_lines = plot->n_steps;
     for (int i = 0; i < plot->frontier->n; i++) {
         const struct frontier_point *point = &plot->frontier->points[i];
-        plot->lines[plot->n_lines++] =
-            (struct segment){{plot_x(plot, point->cost_low), plot_x(plot, point->cost_high)},
-                             {plot->labels[i].y, plot->labels[i].y}};
+        plot->labels.lines[plot->labels.n_lines++] =
+            (struct chart_segment){{plot_x(plot, point->cost_low), plot_x(plot, point->cost_high)},
+                                   {plot->labels.label[i].y, plot->labels.label[i].y}};
     }
 }
 
@@ -274,9 +260,9 @@ static void draw_steps(const struct plot *plot)
     if (plot->n_steps == 0)
         return;
     fprintf(plot->to, "<path fill=\"none\" stroke=\"%s\" stroke-width=\"2\" d=\"M%.2f,%.2f", strong,
-            plot->lines[0].x[0], plot->lines[0].y[0]);
+            plot->labels.lines[0].x[0], plot->labels.lines[0].y[0]);
     for (int i = 0; i < plot->n_steps; i++)
-        fprintf(plot->to, "L%.2f,%.2f", plot->lines[i].x[1], plot->lines[i].y[1]);
+        fprintf(plot->to, "L%.2f,%.2f", plot->labels.lines[i].x[1], plot->labels.lines[i].y[1]);
     fputs("\"/>\n", plot->to);
 }
 
@@ -296,7 +282,7 @@ static void draw_marker(FILE *to, double x, double y, bool best, bool uncertain)
 static void draw_point(const struct plot *plot, int index)
 {
     const struct frontier_point *point = &plot->frontier->points[index];
-    const struct label *label = &plot->labels[index];
+    const struct chart_label *label = &plot->labels.label[index];
     fputs("<g><title>", plot->to);
     chart_text(plot->to, point->name, 200);
     fprintf(plot->to, "</title><path stroke=\"%s\" stroke-width=\"0.8\" d=\"M%.2f,%.2fH%.2f\"/>",
@@ -306,147 +292,7 @@ static void draw_point(const struct plot *plot, int index)
     fputs("</g>\n", plot->to);
 }
 
-/* ---- places of labels ---- */
-
-static bool boxes_meet(const struct box *a, const struct box *b)
-{
-    return a->left < b->right && b->left < a->right && a->top < b->bottom && b->top < a->bottom;
-}
-
-/* Cuts the part, first to last, of a segment that lies between two limits. */
-static void cut(double from, double to, double low, double high, double *first, double *last)
-{
-    if (from == to) {
-        *last = from > low && from < high ? *last : -1;
-        return;
-    }
-    const double a = (low - from) / (to - from), b = (high - from) / (to - from);
-    *first = fmax(*first, fmin(a, b));
-    *last = fmin(*last, fmax(a, b));
-}
-
-static bool segment_meets(const struct segment *segment, const struct box *box)
-{
-    double first = 0, last = 1;
-    cut(segment->x[0], segment->x[1], box->left, box->right, &first, &last);
-    cut(segment->y[0], segment->y[1], box->top, box->bottom, &first, &last);
-    return first < last;
-}
-
-static struct box marker_box(const struct label *label)
-{
-    return (struct box){label->x - label->radius, label->y - label->radius,
-                        label->x + label->radius, label->y + label->radius};
-}
-
-/* From the point to the nearest place of its label. */
-static struct segment leader(const struct label *label)
-{
-    return (struct segment){{label->x, fmax(label->box.left, fmin(label->x, label->box.right))},
-                            {label->y, fmax(label->box.top, fmin(label->y, label->box.bottom))}};
-}
-
-static struct box box_around(double x, double y, double box_width, double box_height)
-{
-    return (struct box){x - box_width / 2, y - box_height / 2, x + box_width / 2,
-                        y + box_height / 2};
-}
-
-/* What a label may do where nothing else is left; it never covers points or labels. */
-enum freedom {
-    OFF_LINES, /* nothing */
-    ON_LINES,  /* cover steps and error bars */
-    ACROSS     /* its own line may cross all, and those of others the label */
-};
-
-/* Points, labels and the frame. */
-static bool covers(const struct plot *plot, const struct box *box)
-{
-    bool meets = box->left < CHART_LEFT + 2 || box->right > CHART_LEFT + width - 2 ||
-                 box->top < CHART_TOP + 2 || box->bottom > CHART_TOP + HEIGHT - 2;
-    for (int i = 0; !meets && i < plot->frontier->n; i++) {
-        const struct label *other = &plot->labels[i];
-        const struct box marker = marker_box(other);
-        meets = boxes_meet(box, &marker) || (other->placed && boxes_meet(box, &other->box));
-    }
-    return meets;
-}
-
-/* Whether the label's line crosses a point or another label, or another's line this one. */
-static bool crosses(const struct plot *plot, const struct label *label)
-{
-    const struct segment line = leader(label);
-    bool meets = false;
-    for (int i = 0; !meets && i < plot->frontier->n; i++) {
-        const struct label *other = &plot->labels[i];
-        const struct box marker = marker_box(other);
-        const struct segment others = leader(other);
-        meets = (label->led && other != label && segment_meets(&line, &marker)) ||
-                (label->led && other->placed && segment_meets(&line, &other->box)) ||
-                (other->led && other->placed && segment_meets(&others, &label->box));
-    }
-    return meets;
-}
-
-static bool is_free(const struct plot *plot, const struct label *label, enum freedom freedom)
-{
-    if (covers(plot, &label->box) || (freedom < ACROSS && crosses(plot, label)))
-        return false;
-    for (int i = 0; freedom == OFF_LINES && i < plot->n_lines; i++)
-        if (segment_meets(&plot->lines[i], &label->box))
-            return false;
-    return true;
-}
-
-/* Beside, above or below the point, or at a corner: so far from it, of a label so large. */
-static struct box box_beside(const struct label *label, int direction, double distance,
-                             double label_width, double label_height)
-{
-    static const double to_x[NEAR_DIRECTIONS] = {1, 1, 1, -1, -1, -1, 0, 0};
-    static const double to_y[NEAR_DIRECTIONS] = {-1, 0, 1, -1, 0, 1, -1, 1};
-    const bool corner = to_x[direction] != 0 && to_y[direction] != 0;
-    const double away = distance * (corner ? 0.7 : 1);
-    return box_around(label->x + to_x[direction] * (away + label_width / 2),
-                      label->y + to_y[direction] * (away + label_height / 2), label_width,
-                      label_height);
-}
-
-/* The same farther off, in any direction. */
-static struct box box_off(const struct label *label, int direction, double distance,
-                          double label_width, double label_height)
-{
-    double sine, cosine;
-    sine_cosine_of_turn(direction, DIRECTIONS, &sine, &cosine);
-    return box_around(label->x + cosine * (distance + label_width / 2),
-                      label->y + sine * (distance + label_height / 2), label_width, label_height);
-}
-
-/* The nearest place that is free so far. */
-static bool place_within(struct plot *plot, struct label *label, double label_width,
-                         double label_height, enum freedom freedom)
-{
-    static const int rings[] = {[OFF_LINES] = 12, [ON_LINES] = 20, [ACROSS] = 100};
-    label->placed = false;
-    for (int ring = 0; ring < rings[freedom]; ring++) {
-        const double distance = label->radius + 2 + ring * RING_STEP;
-        label->led = ring > 0;
-        for (int i = 0; i < (label->led ? DIRECTIONS : NEAR_DIRECTIONS); i++) {
-            label->box = label->led ? box_off(label, i, distance, label_width, label_height)
-                                    : box_beside(label, i, distance, label_width, label_height);
-            if (is_free(plot, label, freedom))
-                return label->placed = true;
-        }
-    }
-    return false;
-}
-
-static bool place_label(struct plot *plot, int index, double label_width, double label_height)
-{
-    struct label *label = &plot->labels[index];
-    return place_within(plot, label, label_width, label_height, OFF_LINES) ||
-           place_within(plot, label, label_width, label_height, ON_LINES) ||
-           place_within(plot, label, label_width, label_height, ACROSS);
-}
+/* ---- labels ---- */
 
 static int shown_length(const char *name, int most)
 {
@@ -465,20 +311,21 @@ static void place_labels(struct plot *plot)
     for (int i = 0; i < plot->n_best; i++) {
         const int index = plot->order[i];
         const int length = shown_length(plot->frontier->points[index].name, NAME_LENGTH);
-        if (!place_label(plot, index, chart_text_width(length, CHART_TEXT_SIZE),
-                         CHART_TEXT_SIZE + 2))
+        if (!chart_place_label(&plot->labels, index, chart_text_width(length, CHART_TEXT_SIZE),
+                               CHART_TEXT_SIZE + 2))
             plot->number[index] = ++plot->n_numbers;
     }
     for (int i = 0; i < plot->frontier->n; i++)
         if (plot->number[i] > 0)
-            place_label(plot, i, chart_text_width(digits_of(plot->number[i]), NUMBER_SIZE) + 2,
-                        NUMBER_SIZE);
+            chart_place_label(&plot->labels, i,
+                              chart_text_width(digits_of(plot->number[i]), NUMBER_SIZE) + 2,
+                              NUMBER_SIZE);
 }
 
 static void draw_label(const struct plot *plot, int index)
 {
-    const struct label *label = &plot->labels[index];
-    const struct segment line = leader(label);
+    const struct chart_label *label = &plot->labels.label[index];
+    const struct chart_segment line = chart_leader(label);
     const int size = plot->number[index] > 0 ? NUMBER_SIZE : CHART_TEXT_SIZE;
     if (!label->placed)
         return;
@@ -498,20 +345,14 @@ static void draw_label(const struct plot *plot, int index)
 
 /* ---- the key ---- */
 
-static int key_columns(const struct plot *plot)
+static struct chart_grid key_grid(const struct plot *plot)
 {
     int longest = 1;
     for (int i = 0; i < plot->frontier->n; i++) {
         const int length = shown_length(plot->frontier->points[i].name, KEY_LENGTH);
         longest = plot->number[i] > 0 && length > longest ? length : longest;
     }
-    return chart_columns(longest, SAMPLE);
-}
-
-static int key_rows(const struct plot *plot)
-{
-    const int columns = key_columns(plot);
-    return (plot->n_numbers + columns - 1) / columns;
+    return chart_grid(plot->n_numbers, longest, SAMPLE);
 }
 
 /* What the markers mean, in one row. */
@@ -529,19 +370,18 @@ static void draw_markers(const struct plot *plot, int y)
 
 static void draw_key(const struct plot *plot, int top)
 {
-    const int rows = key_rows(plot);
-    const double column = (CHART_WIDTH - CHART_LEFT) / (double)key_columns(plot);
+    const struct chart_grid grid = key_grid(plot);
+    const int fitting = chart_fitting(grid.column - SAMPLE - 8, CHART_TEXT_SIZE);
     for (int i = 0; i < plot->frontier->n; i++) {
         const int place = plot->number[i] - 1;
         if (place < 0)
             continue;
-        const double x = CHART_LEFT + column * (place / rows);
-        const double y = top + CHART_LEGEND_ROW * (place % rows) + 0.35 * CHART_TEXT_SIZE;
+        const double x = CHART_LEFT + grid.column * (place / grid.rows);
+        const double y = top + CHART_LEGEND_ROW * (place % grid.rows) + 0.35 * CHART_TEXT_SIZE;
         fprintf(plot->to,
                 "<text text-anchor=\"end\" x=\"%.2f\" y=\"%.2f\" fill=\"#555\">%d</text>"
                 "<text x=\"%.2f\" y=\"%.2f\">",
                 x + SAMPLE - 8, y, plot->number[i], x + SAMPLE, y);
-        const int fitting = chart_fitting(column - SAMPLE - 8, CHART_TEXT_SIZE);
         chart_text(plot->to, plot->frontier->points[i].name,
                    fitting < KEY_LENGTH ? fitting : KEY_LENGTH);
         fputs("</text>\n", plot->to);
@@ -556,7 +396,7 @@ static void draw(void *of, FILE *to)
     const int markers = CHART_TOP + HEIGHT + CHART_TICK + CHART_TEXT_SIZE + CHART_LABEL_SIZE + 36;
     const int key = markers + CHART_LEGEND_ROW + 6;
     plot->to = to;
-    chart_head(to, plot->frontier->title, key + CHART_LEGEND_ROW * key_rows(plot));
+    chart_head(to, plot->frontier->title, key + CHART_LEGEND_ROW * key_grid(plot).rows);
     draw_cost_axis(plot);
     draw_error_axis(plot);
     chart_frame(to, width, HEIGHT);
@@ -579,11 +419,11 @@ static void find_places(struct plot *plot)
     plot->error = error_scale(plot->frontier);
     for (int i = 0; i < plot->frontier->n; i++) {
         const struct frontier_point *point = &plot->frontier->points[i];
-        plot->labels[i] = (struct label){.x = plot_x(plot, point->cost),
-                                         .y = plot_y(plot, point->error),
-                                         .radius = point->uncertain ? 7
-                                                   : point->best    ? 5
-                                                                    : 3.3};
+        plot->labels.label[i] = (struct chart_label){.x = plot_x(plot, point->cost),
+                                                     .y = plot_y(plot, point->error),
+                                                     .radius = point->uncertain ? 7
+                                                               : point->best    ? 5
+                                                                                : 3.3};
     }
     sort_points(plot);
     find_steps(plot);
@@ -594,19 +434,23 @@ static void find_places(struct plot *plot)
 char *frontier_svg(const struct frontier *frontier)
 {
     const size_t n = (size_t)frontier->n + 1;
-    struct plot plot = {.frontier = frontier};
+    struct plot plot = {
+        .frontier = frontier,
+        .labels = {.n = frontier->n,
+                   .frame = {CHART_LEFT, CHART_TOP, CHART_LEFT + width, CHART_TOP + HEIGHT}}};
     char *text = NULL;
-    plot.labels = calloc(n, sizeof *plot.labels);
+    plot.labels.label = calloc(n, sizeof *plot.labels.label);
     plot.order = calloc(n, sizeof *plot.order);
     plot.number = calloc(n, sizeof *plot.number);
-    plot.lines = calloc(3 * n, sizeof *plot.lines);
-    if (plot.labels != NULL && plot.order != NULL && plot.number != NULL && plot.lines != NULL) {
+    plot.labels.lines = calloc(3 * n, sizeof *plot.labels.lines);
+    if (plot.labels.label != NULL && plot.order != NULL && plot.number != NULL &&
+        plot.labels.lines != NULL) {
         find_places(&plot);
         text = chart_file(draw, &plot);
     }
-    free(plot.labels);
+    free(plot.labels.label);
     free(plot.order);
     free(plot.number);
-    free(plot.lines);
+    free(plot.labels.lines);
     return text;
 }

@@ -321,15 +321,16 @@ static bool prepare_colour(struct comparer *comparer, struct error *err)
 {
     struct detector detector = {.name = NULL};
     struct comparison *out = comparer->out;
+    const struct white_request request = {comparer->options->white,
+                                          comparer->options->tolerance.unit >= TOLERANCE_CIE76};
     out->observer = strdup(comparer->options->observer);
     comparer->weights = calloc(3 * (size_t)out->n, sizeof *comparer->weights);
     if (out->observer == NULL || comparer->weights == NULL)
         return error_memory(err);
     const bool done = observer_read(out->observer, &detector, err) &&
                       cube_weights(&comparer->a, &detector, comparer->weights, err) &&
-                      cube_white_response(&comparer->a, comparer->options->white,
-                                          comparer->options->tolerance.unit >= TOLERANCE_CIE76,
-                                          comparer->weights, &out->has_white, comparer->white, err);
+                      cube_white_response(&comparer->a, &request, comparer->weights,
+                                          &out->has_white, comparer->white, err);
     detector_free(&detector);
     return done;
 }

@@ -53,4 +53,15 @@ bool develop_accepts_adaptation(const char *option, const char *value, struct er
 bool develop_accepts_display(const char *option, const char *value, struct error *err);
 bool develop_accepts_exposure(const char *option, const char *value, struct error *err);
 
+/* ---- Inside this room ---- */
+
+struct cube; /* data/stack/stack.h */
+/* Finds the weights that take the pages of a stack to linear display channels, or to XYZ (also for
+ * CIELAB), at exposure 1: out[channel * n_pages + page]. Fills in the result but for what the
+ * pixels decide. `adapted` becomes the white that an observer has adapted to. Refuses a detector
+ * that sees none of the wavelengths. In weights.c. */
+bool develop_weights(const struct cube *cube, const struct develop_options *options,
+                     struct develop_result *result, double *out, double adapted[3],
+                     struct error *err);
+
 #endif

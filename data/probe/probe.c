@@ -26,8 +26,8 @@ bool probe_colour(struct probe *probe, const struct cube *cube, const struct pro
            cube_weights(cube, &detector, weights, err);
     if (done)
         detector_response(weights, probe->mean, probe->n, probe->xyz);
-    done = done && cube_white_response(cube, options->white, false, weights, &probe->has_white,
-                                       probe->white, err);
+    done = done && cube_white_response(cube, &(struct white_request){options->white, false},
+                                       weights, &probe->has_white, probe->white, err);
     detector_free(&detector);
     free(weights);
     return done;

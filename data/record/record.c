@@ -282,7 +282,7 @@ static void decode(char *text)
     *to = '\0';
 }
 
-/* Finite numbers from `lowest` on, with one blank between them. */
+/* Adds finite numbers from `lowest` on, with one blank between them. */
 static bool keep_numbers(double **numbers, int *n, double lowest, const char *value,
                          struct error *err)
 {
@@ -338,19 +338,27 @@ static bool keep_value(const char ***list, int *n, const char *value, struct err
     return true;
 }
 
-/* False where it is malformed, or one too many. Keys that are not known belong to others. */
-static bool keep_line(struct record *record, const char *key, char *value, struct error *err)
+/* Texts of which there is one. */
+static void keep_text(struct record *record, const char *key, const char *value)
 {
     const struct {
         const char *key, **place;
-    } places[] = {
+    } texts[] = {
         {"program", &record->program},           {"scene", &record->scene},
         {"scene_sha256", &record->scene_sha256}, {"renderer", &record->renderer},
         {"full_scale", &record->full_scale},     {"scale", &record->scale},
         {"sampling", &record->sampling},         {"sampling_detector", &record->sampling_detector}};
+    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++)
+        if (strcmp(key, texts[i].key) == 0)
+            *texts[i].place = value;
+}
+
+/* Texts and numbers of which there are any number. Returns false where they are malformed. */
+static bool keep_list(struct record *record, const char *key, const char *value, struct error *err)
+{
     const struct {
         const char *key;
-        const char ***list;
+        const char ***texts;
         int *n;
     } lists[] = {{"light", &record->lights, &record->n_lights},
                  {"ambient", &record->ambients, &record->n_ambients},
@@ -363,15 +371,20 @@ static bool keep_line(struct record *record, const char *key, char *value, struc
     } arrays[] = {{"white", &record->white, &record->n_white, 0},
                   {"segments", &record->segments, &record->n_segments, -HUGE_VAL},
                   {"response", &record->response, &record->n_response, -HUGE_VAL}};
-    for (size_t i = 0; i < sizeof places / sizeof places[0]; i++)
-        if (strcmp(key, places[i].key) == 0)
-            *places[i].place = value;
     for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++)
         if (strcmp(key, lists[i].key) == 0)
-            return keep_value(lists[i].list, lists[i].n, value, err);
+            return keep_value(lists[i].texts, lists[i].n, value, err);
     for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
         if (strcmp(key, arrays[i].key) == 0)
             return keep_numbers(arrays[i].numbers, arrays[i].n, arrays[i].lowest, value, err);
+    return true;
+}
+
+/* Returns false where the value is malformed, or one too many. Other programs may add lines: a key
+ * that is unknown is no fault. */
+static bool keep_line(struct record *record, const char *key, char *value, struct error *err)
+{
+    keep_text(record, key, value);
     if (strcmp(key, "illumination") == 0)
         return keep_few(&record->illumination, 1, 0, value, err);
     if (strcmp(key, "response_range") == 0)
@@ -384,7 +397,7 @@ static bool keep_line(struct record *record, const char *key, char *value, struc
     if (strcmp(key, "object_map") == 0)
         return keep_map(record, value);
     if (strcmp(key, "option") != 0)
-        return true;
+        return keep_list(record, key, value, err);
     if (record->n_options == MAX_RECORDED)
         return false;
     record->options[record->n_options++] = value;

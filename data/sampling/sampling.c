@@ -87,14 +87,16 @@ static bool sees(const struct detector *detector, double nm)
     return seen;
 }
 
-/* The pages of one segment, from `page` on. Cells are weighed one by one: that needs no memory. A
- * file may claim any segment; no detector sees as far as this. */
+/* A file may claim any segment; no detector sees as far as this. */
 enum { MOST_CELLS = 1000000 };
+
+/* Weights of the pages of one segment, at nm[0] to nm[pages - 1]; out[channel * n + i]. Cells are
+ * weighed one by one: that needs no memory. */
 static void weigh_segment(const struct detector *detector, const double *nm,
-                          const double segment[2], int page, int pages, int n, double *out)
+                          const double segment[2], int pages, int n, double *out)
 {
     const int cells = (int)fmax(0, fmin(floor(segment[1] - segment[0] + 0.5), MOST_CELLS));
-    for (int i = page; i < page + pages; i++)
+    for (int i = 0; i < pages; i++)
         for (int channel = 0; channel < 3; channel++)
             out[channel * n + i] = 0;
     for (int j = 0; j < cells; j++) {
@@ -104,9 +106,9 @@ static void weigh_segment(const struct detector *detector, const double *nm,
             continue;
         detector_weights(detector, &x, 1, cell);
         for (int i = 0; i < pages; i++) {
-            const double part = quadrature_lagrange(nm + page, pages, i, x);
+            const double part = quadrature_lagrange(nm, pages, i, x);
             for (int channel = 0; channel < 3; channel++)
-                out[channel * n + page + i] += cell[channel] * part;
+                out[channel * n + i] += cell[channel] * part;
         }
     }
 }
@@ -119,7 +121,7 @@ void sampling_weights(const struct detector *detector, const double *wavelength_
         while (page + pages < n && segment_nm[page + pages][0] == segment_nm[page][0] &&
                segment_nm[page + pages][1] == segment_nm[page][1])
             pages++;
-        weigh_segment(detector, wavelength_nm, segment_nm[page], page, pages, n, out);
+        weigh_segment(detector, wavelength_nm + page, segment_nm[page], pages, n, out + page);
     }
 }
 

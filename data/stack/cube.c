@@ -248,41 +248,41 @@ static bool option_respond(const struct cube *cube, const char *value, double ou
     return good;
 }
 
-static bool white_of_fixed(const struct cube *cube, const char *spectrum, bool needed, bool *found,
-                           double out[3], struct error *err)
+static bool white_of_fixed(const struct cube *cube, const struct white_request *request,
+                           bool *found, double out[3], struct error *err)
 {
     const struct record *record = &cube->record;
-    *found = spectrum != NULL || record->has_white_response;
+    *found = request->spectrum != NULL || record->has_white_response;
     if (!*found)
-        return !needed || refuse_no_white(cube, err);
-    if (spectrum == NULL)
+        return !request->needed || refuse_no_white(cube, err);
+    if (request->spectrum == NULL)
         memcpy(out, record->white_response, sizeof record->white_response);
-    else if (!option_respond(cube, spectrum, out, err))
+    else if (!option_respond(cube, request->spectrum, out, err))
         return false;
     return white_shines(cube, out, 3, err);
 }
 
-static bool white_of_pages(const struct cube *cube, const char *spectrum, bool needed,
+static bool white_of_pages(const struct cube *cube, const struct white_request *request,
                            const double *weights, bool *found, double out[3], struct error *err)
 {
     struct error ignored = {.status = EXIT_AGREED};
     double *radiance = calloc((size_t)cube->image.n_pages, sizeof *radiance);
     if (radiance == NULL)
         return error_memory(err);
-    needed = needed || spectrum != NULL;
-    *found = cube_white(cube, spectrum, radiance, needed ? err : &ignored);
+    const bool needed = request->needed || request->spectrum != NULL;
+    *found = cube_white(cube, request->spectrum, radiance, needed ? err : &ignored);
     if (*found)
         detector_response(weights, radiance, cube->image.n_pages, out);
     free(radiance);
     return *found || !needed;
 }
 
-bool cube_white_response(const struct cube *cube, const char *spectrum, bool needed,
+bool cube_white_response(const struct cube *cube, const struct white_request *request,
                          const double *weights, bool *found, double out[3], struct error *err)
 {
     const bool done = cube->record.n_response > 0
-                          ? white_of_fixed(cube, spectrum, needed, found, out, err)
-                          : white_of_pages(cube, spectrum, needed, weights, found, out, err);
+                          ? white_of_fixed(cube, request, found, out, err)
+                          : white_of_pages(cube, request, weights, found, out, err);
     for (int channel = 0; done && *found && channel < 3; channel++)
         if (!(fabs(out[channel]) <= largest_number))
             return error_usage(err, "%s: the white has %g in channel %d, which is of no use",

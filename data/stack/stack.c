@@ -67,20 +67,20 @@ static size_t sample_bytes(const struct stack_options *options, int page)
     return (size_t)options->bits / 8;
 }
 
-bool stack_write(struct stack_writer *writer, int page, int x, int y, int width, int height,
-                 const void *samples, struct error *err)
+bool stack_write(struct stack_writer *writer, const struct stack_rectangle *to, const void *samples,
+                 struct error *err)
 {
     const struct stack_options *options = &writer->options;
-    assert(page >= 0 && page < options->n_wavelengths + (options->map_bytes > 0) && x >= 0 &&
-           y >= 0 && width >= 0 && height >= 0 && x <= options->width - width &&
-           y <= options->height - height);
-    size_t sample = sample_bytes(options, page);
-    bool together = width == options->width; /* whole rows lie together in the file too */
-    size_t run = (size_t)width * sample * (together ? (size_t)height : 1);
+    assert(to->page >= 0 && to->page < options->n_wavelengths + (options->map_bytes > 0) &&
+           to->x >= 0 && to->y >= 0 && to->width >= 0 && to->height >= 0 &&
+           to->x <= options->width - to->width && to->y <= options->height - to->height);
+    size_t sample = sample_bytes(options, to->page);
+    bool together = to->width == options->width; /* whole rows lie together in the file too */
+    size_t run = (size_t)to->width * sample * (together ? (size_t)to->height : 1);
     uint64_t pitch = (uint64_t)options->width * sample;
-    uint64_t at = (uint64_t)y * pitch + (uint64_t)x * sample;
-    for (int row = 0; row < (together ? 1 : height); row++)
-        if (!pages_write(&writer->pages, page, at + (uint64_t)row * pitch,
+    uint64_t at = (uint64_t)to->y * pitch + (uint64_t)to->x * sample;
+    for (int row = 0; row < (together ? 1 : to->height); row++)
+        if (!pages_write(&writer->pages, to->page, at + (uint64_t)row * pitch,
                          (const char *)samples + (size_t)row * run, run, err))
             return false;
     return true;

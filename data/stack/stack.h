@@ -31,10 +31,14 @@ struct stack_writer {
  * copied: they must outlive the writer. */
 bool stack_open(struct stack_writer *out, const char *path, const struct stack_options *options,
                 struct error *err);
-/* Writes samples of a rectangle, row by row without gaps: uint8_t or uint16_t counts, or floats.
- * Page n_wavelengths is the object map, behind the last page: of uint8_t or uint16_t. */
-bool stack_write(struct stack_writer *writer, int page, int x, int y, int width, int height,
-                 const void *samples, struct error *err);
+/* Page n_wavelengths is the object map, behind the last page. */
+struct stack_rectangle {
+    int page, x, y, width, height;
+};
+/* Writes the samples of a rectangle, row by row without gaps: uint8_t or uint16_t counts, or
+ * floats; of the object map uint8_t or uint16_t. */
+bool stack_write(struct stack_writer *writer, const struct stack_rectangle *to, const void *samples,
+                 struct error *err);
 /* Stores `verdict` (the check in one line, ASCII, at most STACK_VERDICT - 1 bytes) in the room that
  * stack_open left for it, and reads all directories again to see that they are whole. */
 enum { STACK_VERDICT = 512 };
@@ -81,10 +85,14 @@ void cube_lost(const struct cube *cube, const struct detector *detector, double 
  * the SPECTRUM that the word of a command line names, or, where that is NULL, the one that the
  * stack records. Refuses a stack that records none, and a white that is 0 everywhere. */
 bool cube_white(const struct cube *cube, const char *spectrum, double *out, struct error *err);
-/* The response of weights (cube_weights) to that white; in a fixed stack its detector's response to
+struct white_request {
+    const char *spectrum; /* as cube_white takes it */
+    bool needed;          /* if not, and it has no name, there may be none */
+};
+/* The response of weights (cube_weights) to a white; in a fixed stack its detector's response to
  * the white at every nm. *found: there is a white. Refuses its absence if it is needed or was
  * named, and always a white that is too large to compute with. */
-bool cube_white_response(const struct cube *cube, const char *spectrum, bool needed,
+bool cube_white_response(const struct cube *cube, const struct white_request *request,
                          const double *weights, bool *found, double out[3], struct error *err);
 /* The numbers of the objects at n pixels of a row, from 1, with names in record.objects; 0 is the
  * background, -1 every pixel of a stack without an object map. */

@@ -12,6 +12,7 @@
 #include "spectral.h"
 
 struct luminescence {
+    const struct spectral_pages *pages;
     const struct material *material;
     bool glows;              /* the pages show what an excitation and an emission make */
     struct donaldson matrix; /* the pages show what it makes; n_emission 0: none */
@@ -61,7 +62,7 @@ static bool open_luminescence(const struct spectral_pages *pages, const struct m
                               struct luminescence *out, struct error *err)
 {
     struct donaldson *matrix = &out->matrix;
-    *out = (struct luminescence){.material = material};
+    *out = (struct luminescence){.pages = pages, .material = material};
     if (pages->no_luminescence)
         return true;
     out->glows =
@@ -78,20 +79,19 @@ static bool open_luminescence(const struct spectral_pages *pages, const struct m
 }
 
 /* Adds the luminescence under a light to the row; *any becomes whether that is above 0. */
-static bool luminesce(const struct spectral_pages *pages, const struct luminescence *of,
-                      const struct spectrum *light, double intensity, double *row, bool *any,
-                      struct error *err)
+static bool luminesce(const struct luminescence *of, const struct spectrum *light, double intensity,
+                      double *row, bool *any, struct error *err)
 {
     *any = false;
     if (of->glows) {
         double mean = excitation_mean(light, &of->material->excitation);
-        *any = add_product(pages, intensity * mean, &of->material->emission, NULL, row);
+        *any = add_product(of->pages, intensity * mean, &of->material->emission, NULL, row);
     }
     if (of->matrix.n_emission > 0) {
         struct spectrum emission = {.kind = SPECTRUM_NONE};
         if (!donaldson_emission(&of->matrix, light, &emission, err))
             return false;
-        *any = add_product(pages, intensity, &emission, NULL, row);
+        *any = add_product(of->pages, intensity, &emission, NULL, row);
         spectrum_free(&emission);
     }
     return true;
@@ -103,7 +103,7 @@ static bool add_luminescence(struct terms_maker *maker, const struct spectrum *l
 {
     const struct luminescence *luminescence = &maker->luminescence;
     bool any;
-    if (!luminesce(&maker->illumination->pages, luminescence, light, intensity, row, &any, err))
+    if (!luminesce(luminescence, light, intensity, row, &any, err))
         return false;
     maker->out->excitation_integrals += luminescence->glows + luminescence->matrix.n_emission;
     maker->out->fluoresces = maker->out->fluoresces || any;
@@ -119,7 +119,7 @@ bool material_luminescence(const struct spectral_pages *pages, const struct mate
     for (int i = 0; i < pages->n; i++)
         out[i] = 0;
     bool done = open_luminescence(pages, material, &luminescence, err) &&
-                luminesce(pages, &luminescence, light, 1, out, &any, err);
+                luminesce(&luminescence, light, 1, out, &any, err);
     donaldson_free(&luminescence.matrix);
     return done;
 }

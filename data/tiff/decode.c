@@ -9,10 +9,20 @@
 #include "data/tiff/tiff.h"
 #include "spectral.h"
 
-/* Those of a page that are asked for. */
-struct rows {
-    uint32_t first, end;
-    float *out; /* NULL: their samples are kept as they are, of several bands */
+/* Rows of a page that are being read, block by block. */
+struct page_rows {
+    const struct image *image;
+    int page;
+    struct sample_layout layout;
+    uint32_t first, end; /* the rows */
+    float *out;          /* NULL: samples of several bands are kept as they are */
+    char *blocks;        /* the block that was read last, of each plane that is needed */
+};
+/* Pixels of a row that lie in one block. */
+struct run {
+    uint32_t x, y, n;
+    size_t in_block; /* the index of the first of them there */
+    size_t in_rows;  /* and among the pixels of all rows that are read */
 };
 
 /* A sample as stored. */
@@ -54,17 +64,20 @@ bool image_read_bytes(const struct image *image, uint64_t offset, size_t length,
            image_refuse(image, -1, err, "its byte %" PRIu64 " cannot be read", offset);
 }
 
-/* Reads rows top .. end - 1 as they lie in the file, of each plane that is needed. */
-static bool rows_copy(const struct image *image, int page, const struct sample_layout *layout,
-                      uint32_t top, uint32_t end, char *blocks, struct error *err)
+/* Reads the block that begins with row `top` as it lies in the file. */
+static bool block_copy(const struct page_rows *of, uint32_t top, struct error *err)
 {
-    const bool swapped = TIFFIsByteSwapped(image->file->tiff);
-    const size_t length = (end - top) * layout->row_bytes;
+    const struct sample_layout *layout = &of->layout;
+    const bool swapped = TIFFIsByteSwapped(of->image->file->tiff);
+    const uint32_t left = of->end - top;
+    const size_t rows = left < layout->block_height ? left : layout->block_height;
+    const size_t length = rows * layout->row_bytes;
     for (uint16_t plane = 0; plane < layout->n_planes; plane++) {
-        void *block = blocks + plane * layout->block_bytes;
+        void *block = of->blocks + plane * layout->block_bytes;
         const uint64_t row = (uint64_t)(layout->plane + plane) * layout->height + top;
-        if (!bytes_read(image, layout->rows_offset + row * layout->row_bytes, length, block))
-            return image_refuse(image, page, err, "its row %" PRIu32 " cannot be read", top);
+        if (!bytes_read(of->image, layout->rows_offset + row * layout->row_bytes, length, block))
+            return image_refuse(of->image, of->page, err, "its row %" PRIu32 " cannot be read",
+                                top);
         if (swapped && layout->bits == 16)
             TIFFSwabArrayOfShort(block, (tmsize_t)(length / 2));
         if (swapped && layout->bits == 32)
@@ -73,19 +86,19 @@ static bool rows_copy(const struct image *image, int page, const struct sample_l
     return true;
 }
 
-/* Decodes the block at column x and row y, of each plane that is needed. */
-static bool block_decode(const struct image *image, int page, const struct sample_layout *layout,
-                         uint32_t x, uint32_t y, char *blocks, struct error *err)
+/* Decodes the block at column x and row y. */
+static bool block_decode(const struct page_rows *of, uint32_t x, uint32_t y, struct error *err)
 {
-    TIFF *tiff = image->file->tiff;
-    for (uint16_t i = 0; i < layout->n_planes; i++) {
-        char *block = blocks + i * layout->block_bytes;
-        const uint16_t plane = (uint16_t)(layout->plane + i);
+    TIFF *tiff = of->image->file->tiff;
+    for (uint16_t i = 0; i < of->layout.n_planes; i++) {
+        char *block = of->blocks + i * of->layout.block_bytes;
+        const uint16_t plane = (uint16_t)(of->layout.plane + i);
         const tmsize_t got =
-            layout->tiled ? TIFFReadTile(tiff, block, x, y, 0, plane)
-                          : TIFFReadEncodedStrip(tiff, TIFFComputeStrip(tiff, y, plane), block, -1);
-        if (got < 0 || image->file->message[0] != '\0')
-            return image_refuse_broken(image, page, err);
+            of->layout.tiled
+                ? TIFFReadTile(tiff, block, x, y, 0, plane)
+                : TIFFReadEncodedStrip(tiff, TIFFComputeStrip(tiff, y, plane), block, -1);
+        if (got < 0 || of->image->file->message[0] != '\0')
+            return image_refuse_broken(of->image, of->page, err);
     }
     return true;
 }
@@ -97,17 +110,17 @@ static void counts_place(const uint16_t *counts, uint32_t n, double scale, float
         out[i] = (float)(counts[i] / 65535.0 * scale);
 }
 
-static bool row_place(const struct image *image, int page, const struct sample_layout *layout,
-                      const char *blocks, size_t first, uint32_t x, uint32_t y, uint32_t n,
-                      float *out, struct error *err)
+static bool run_place(const struct page_rows *of, const struct run *run, struct error *err)
 {
-    for (uint32_t i = 0; i < n; i++) {
-        const double value = pixel_value(layout, blocks, first + i) * image->scale;
+    float *out = of->out + run->in_rows;
+    for (uint32_t i = 0; i < run->n; i++) {
+        const double value =
+            pixel_value(&of->layout, of->blocks, run->in_block + i) * of->image->scale;
         if (!(value >= 0 && value <= (double)FLT_MAX))
-            return image_refuse(image, page, err,
+            return image_refuse(of->image, of->page, err,
                                 "the radiance at column %" PRIu32 ", row %" PRIu32
                                 " is %g; it is finite and not negative",
-                                x + i, y, value);
+                                run->x + i, run->y, value);
         out[i] = (float)value;
     }
     return true;
@@ -119,43 +132,44 @@ static void pick(char *out, const char *in, uint32_t n, size_t step, size_t byte
         memcpy(out + i * bytes, in + i * step * bytes, bytes);
 }
 
-/* n pixels of each band that is kept, from `first` on in the block; they are `at` in the rows. */
-static void row_keep(const struct kept_bands *kept, const struct sample_layout *layout,
-                     const char *blocks, size_t first, size_t at, uint32_t n)
+/* Copies the samples of each band that is kept. */
+static void run_keep(const struct page_rows *of, const struct run *run)
 {
-    const size_t plane = (size_t)(kept->end_row - kept->first_row) * layout->width;
-    const size_t step = layout->pixel_step, bytes = layout->bits / 8u;
+    const struct kept_bands *kept = &of->image->file->kept;
+    const size_t plane = (size_t)(kept->end_row - kept->first_row) * of->layout.width;
+    const size_t step = of->layout.pixel_step, bytes = of->layout.bits / 8u;
     for (int page = kept->first_page; page < kept->end_page; page++) {
-        const char *in = blocks + (first * step + (size_t)page) * bytes;
-        char *out = kept->samples + ((size_t)(page - kept->first_page) * plane + at) * bytes;
+        const char *in = of->blocks + (run->in_block * step + (size_t)page) * bytes;
+        char *out =
+            kept->samples + ((size_t)(page - kept->first_page) * plane + run->in_rows) * bytes;
         if (bytes == 1) /* known sizes are copied without a call */
-            pick(out, in, n, step, 1);
+            pick(out, in, run->n, step, 1);
         else if (bytes == 2)
-            pick(out, in, n, step, 2);
+            pick(out, in, run->n, step, 2);
         else
-            pick(out, in, n, step, 4);
+            pick(out, in, run->n, step, 4);
     }
 }
 
 /* Writes the pixels of the block at column x and row `top`, as far as they are asked for. */
-static bool block_place(const struct image *image, int page, const struct sample_layout *layout,
-                        uint32_t x, uint32_t top, const char *blocks, const struct rows *wanted,
-                        struct error *err)
+static bool block_place(const struct page_rows *of, uint32_t x, uint32_t top, struct error *err)
 {
+    const struct sample_layout *layout = &of->layout;
+    const double scale = of->image->scale;
     const bool counts = layout->bits == 16 && layout->n_colours == 1 && layout->pixel_step == 1 &&
-                        !layout->inverted && image->scale <= (double)FLT_MAX;
-    const uint32_t left = layout->width - x, below = wanted->end - top;
-    const uint32_t n = left < layout->block_width ? left : layout->block_width;
+                        !layout->inverted && scale <= (double)FLT_MAX;
+    const uint32_t left = layout->width - x, below = of->end - top;
     const uint32_t end = top + (below < layout->block_height ? below : layout->block_height);
-    for (uint32_t y = top > wanted->first ? top : wanted->first; y < end; y++) {
-        const size_t first = (size_t)(y - top) * layout->block_width;
-        const size_t at = (size_t)(y - wanted->first) * layout->width + x;
-        if (wanted->out == NULL)
-            row_keep(&image->file->kept, layout, blocks, first, at, n);
+    struct run run = {.x = x, .n = left < layout->block_width ? left : layout->block_width};
+    for (run.y = top > of->first ? top : of->first; run.y < end; run.y++) {
+        run.in_block = (size_t)(run.y - top) * layout->block_width;
+        run.in_rows = (size_t)(run.y - of->first) * layout->width + x;
+        if (of->out == NULL)
+            run_keep(of, &run);
         else if (counts)
-            counts_place((const uint16_t *)(const void *)blocks + first, n, image->scale,
-                         wanted->out + at);
-        else if (!row_place(image, page, layout, blocks, first, x, y, n, wanted->out + at, err))
+            counts_place((const uint16_t *)(const void *)of->blocks + run.in_block, run.n, scale,
+                         of->out + run.in_rows);
+        else if (!run_place(of, &run, err))
             return false;
     }
     return true;
@@ -183,70 +197,68 @@ static bool page_turn(const struct image *image, int page, struct error *err)
 }
 
 /* Rows that are read as they lie in the file come in blocks that stay in the processor's cache. */
-static struct sample_layout rows_layout(const struct sample_layout *page, uint32_t rows)
+static void fit_blocks(struct sample_layout *layout, uint32_t rows)
 {
-    const size_t most = (size_t)1 << 18, fitting = most / page->row_bytes;
-    struct sample_layout layout = *page;
-    layout.block_height = fitting < 1 ? 1 : fitting < rows ? (uint32_t)fitting : rows;
-    layout.block_bytes = layout.block_height * layout.row_bytes;
-    if (layout.n_planes > 1)
-        layout.colour_step = layout.block_bytes / (layout.bits / 8u);
-    return layout;
+    const size_t most = (size_t)1 << 18, fitting = most / layout->row_bytes;
+    layout->block_height = fitting < 1 ? 1 : fitting < rows ? (uint32_t)fitting : rows;
+    layout->block_bytes = layout->block_height * layout->row_bytes;
+    if (layout->n_planes > 1)
+        layout->colour_step = layout->block_bytes / (layout->bits / 8u);
 }
 
-/* Reads the block at column x and row y in whichever way it lies. */
-static bool block_read(const struct image *image, int page, const struct sample_layout *layout,
-                       uint32_t x, uint32_t y, const struct rows *wanted, char *blocks,
-                       struct error *err)
+/* Reads from the block at row `top` on, block by block. */
+static bool blocks_read(const struct page_rows *of, uint32_t top, struct error *err)
 {
-    const uint32_t left = wanted->end - y;
-    const uint32_t rows = left < layout->block_height ? left : layout->block_height;
-    return layout->rows_offset > 0 ? rows_copy(image, page, layout, y, y + rows, blocks, err)
-                                   : block_decode(image, page, layout, x, y, blocks, err);
-}
-
-static bool rows_read(struct image *image, int page, const struct rows *wanted, struct error *err)
-{
-    struct image_file *file = image->file;
+    const struct sample_layout *layout = &of->layout;
     bool good = true;
-    if (!page_turn(image, page, err))
+    for (; good && top < of->end; top += layout->block_height)
+        for (uint32_t x = 0; good && x < layout->width; x += layout->block_width)
+            good = (layout->rows_offset > 0 ? block_copy(of, top, err)
+                                            : block_decode(of, x, top, err)) &&
+                   block_place(of, x, top, err);
+    return good;
+}
+
+static bool rows_read(struct page_rows *of, struct error *err)
+{
+    struct image_file *file = of->image->file;
+    if (!page_turn(of->image, of->page, err))
         return false;
-    struct sample_layout layout = file->pages[page].layout;
-    uint32_t top = wanted->first / layout.block_height * layout.block_height;
-    if (layout.rows_offset > 0) {
-        layout = rows_layout(&layout, wanted->end - wanted->first);
-        top = wanted->first;
+    uint32_t top = of->first / of->layout.block_height * of->layout.block_height;
+    if (of->layout.rows_offset > 0) {
+        fit_blocks(&of->layout, of->end - of->first);
+        top = of->first;
     }
-    char *blocks = calloc(layout.n_planes, layout.block_bytes);
-    if (blocks == NULL)
+    of->blocks = calloc(of->layout.n_planes, of->layout.block_bytes);
+    if (of->blocks == NULL)
         return error_memory(err);
     file->message[0] = '\0';
     file->decoding = true;
-    for (; good && top < wanted->end; top += layout.block_height)
-        for (uint32_t x = 0; good && x < layout.width; x += layout.block_width)
-            good = block_read(image, page, &layout, x, top, wanted, blocks, err) &&
-                   block_place(image, page, &layout, x, top, blocks, wanted, err);
+    const bool good = blocks_read(of, top, err);
     file->decoding = false;
-    free(blocks);
+    free(of->blocks);
     return good;
 }
 
 /* Keeps the wanted rows of the page, a band, and of as many that follow as there is room for. */
-static bool bands_keep(struct image *image, int page, const struct rows *wanted, struct error *err)
+static bool bands_keep(const struct page_rows *wanted, struct error *err)
 {
     const size_t room = (size_t)1 << 28; /* but for one band of them */
-    const struct sample_layout *layout = &image->file->pages[page].layout;
-    struct kept_bands *kept = &image->file->kept;
+    const struct sample_layout *layout = &wanted->layout;
+    struct kept_bands *kept = &wanted->image->file->kept;
+    const int page = wanted->page;
     const size_t bytes = (size_t)(wanted->end - wanted->first) * layout->width * (layout->bits / 8);
-    const size_t fitting = bytes < room ? room / bytes : 1, left = (size_t)(image->n_pages - page);
+    const size_t fitting = bytes < room ? room / bytes : 1;
+    const size_t left = (size_t)(wanted->image->n_pages - page);
     const size_t n = fitting < left ? fitting : left;
-    const struct rows all = {wanted->first, wanted->end, NULL};
+    struct page_rows all = *wanted;
     if (page >= kept->first_page && page < kept->end_page && wanted->first >= kept->first_row &&
         wanted->end <= kept->end_row)
         return true;
     free(kept->samples);
     *kept = (struct kept_bands){wanted->first, wanted->end, page, page + (int)n, malloc(n * bytes)};
-    if ((kept->samples != NULL || error_memory(err)) && rows_read(image, page, &all, err))
+    all.out = NULL;
+    if ((kept->samples != NULL || error_memory(err)) && rows_read(&all, err))
         return true;
     free(kept->samples);
     *kept = (struct kept_bands){.samples = NULL};
@@ -254,25 +266,28 @@ static bool bands_keep(struct image *image, int page, const struct rows *wanted,
 }
 
 /* Kept samples are a block of one band. */
-static bool kept_place(const struct image *image, int page, const struct rows *wanted,
-                       struct error *err)
+static bool kept_place(struct page_rows *of, struct error *err)
 {
-    const struct kept_bands *kept = &image->file->kept;
-    struct sample_layout layout = image->file->pages[page].layout;
-    const size_t rows = (size_t)(page - kept->first_page) * (kept->end_row - kept->first_row) +
-                        wanted->first - kept->first_row;
-    layout.block_width = layout.width;
-    layout.block_height = wanted->end - wanted->first;
-    layout.pixel_step = 1;
-    return block_place(image, page, &layout, 0, wanted->first,
-                       kept->samples + rows * layout.width * (layout.bits / 8), wanted, err);
+    const struct kept_bands *kept = &of->image->file->kept;
+    struct sample_layout *layout = &of->layout;
+    const size_t rows = (size_t)(of->page - kept->first_page) * (kept->end_row - kept->first_row) +
+                        of->first - kept->first_row;
+    layout->block_width = layout->width;
+    layout->block_height = of->end - of->first;
+    layout->pixel_step = 1;
+    of->blocks = kept->samples + rows * layout->width * (layout->bits / 8);
+    return block_place(of, 0, of->first, err);
 }
 
 bool image_read(struct image *image, int page, int y, int rows, float *out, struct error *err)
 {
-    const struct sample_layout *layout = &image->file->pages[page].layout;
-    const struct rows wanted = {(uint32_t)y, (uint32_t)(y + rows), out};
-    if (layout->n_bands == 1 || layout->pixel_step == 1)
-        return rows_read(image, page, &wanted, err);
-    return bands_keep(image, page, &wanted, err) && kept_place(image, page, &wanted, err);
+    struct page_rows of = {.image = image,
+                           .page = page,
+                           .layout = image->file->pages[page].layout,
+                           .first = (uint32_t)y,
+                           .end = (uint32_t)(y + rows),
+                           .out = out};
+    if (of.layout.n_bands == 1 || of.layout.pixel_step == 1)
+        return rows_read(&of, err);
+    return bands_keep(&of, err) && kept_place(&of, err);
 }

@@ -162,9 +162,10 @@ static void count_tile(struct render_state *state, const struct rectangle *tile,
 static bool write_tile(struct render_state *state, const struct rectangle *tile, int pass,
                        struct error *err)
 {
-    for (int c = 0; c < bands_of_pass(state->plan, pass); c++)
-        if (!stack_write(&state->writer, pass * BANDS_PER_PASS + c, tile->x, tile->y, tile->width,
-                         tile->height, state->samples[c], err))
+    struct stack_rectangle to = {pass * BANDS_PER_PASS, tile->x, tile->y, tile->width,
+                                 tile->height};
+    for (int c = 0; c < bands_of_pass(state->plan, pass); c++, to.page++)
+        if (!stack_write(&state->writer, &to, state->samples[c], err))
             return false;
     return true;
 }
@@ -215,6 +216,8 @@ static int object_at(const struct render_state *state, const struct rectangle *t
 /* Its numbers go through the room of a band. */
 static bool write_map(struct render_state *state, const struct rectangle *tile, struct error *err)
 {
+    const struct stack_rectangle to = {state->plan->n_bands, tile->x, tile->y, tile->width,
+                                       tile->height};
     unsigned char *at = state->samples[0];
     if (!state->writing || state->plan->map_bytes == 0)
         return true;
@@ -225,8 +228,7 @@ static bool write_map(struct render_state *state, const struct rectangle *tile, 
             if (state->plan->map_bytes > 1)
                 *at++ = (unsigned char)(object / 256);
         }
-    return stack_write(&state->writer, state->plan->n_bands, tile->x, tile->y, tile->width,
-                       tile->height, state->samples[0], err);
+    return stack_write(&state->writer, &to, state->samples[0], err);
 }
 
 /* ---- the whole picture ---- */

@@ -1,0 +1,326 @@
+/* SPDX-License-Identifier: MIT */
+/* The weights that develop a stack: the detector, adaptation and display are linear, and so become
+ * three numbers a page. */
+#include <ctype.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/colour/colour.h"
+#include "data/develop/develop.h"
+#include "data/method/method.h"
+#include "data/record/record.h"
+#include "data/sampling/sampling.h"
+#include "data/spectra/spectra.h"
+#include "data/stack/stack.h"
+#include "data/tiff/tiff.h"
+#include "spectral.h"
+
+struct weights_maker {
+    const struct cube *cube;
+    const struct develop_options *options;
+    const struct detector *detector;
+    struct develop_result *result;
+    double *weights;  /* of the pages: [channel * n_pages + page] */
+    double *of_white; /* of the white's pages, if they differ from those; owned */
+    double equal[3];  /* the detector's response to radiance 1 everywhere */
+};
+
+/* ---- as if it were sampled ---- */
+
+/* Returns the page before a wavelength. *part: how far it lies towards the next page, 0 to 1.
+ * Beyond the ends the end page stands for it. */
+static int page_before(const struct image *image, double nm, double *part)
+{
+    const double *page_nm = image->wavelengths_nm;
+    int before = 0, behind = image->n_pages - 1;
+    *part = 0;
+    if (behind == 0)
+        return 0;
+    while (behind - before > 1) {
+        const int middle = before + (behind - before) / 2;
+        *(nm < page_nm[middle] ? &behind : &before) = middle;
+    }
+    *part = fmax(0, fmin((nm - page_nm[before]) / (page_nm[behind] - page_nm[before]), 1));
+    return before;
+}
+
+/* Adds the weights of the radiance at nm, channels `stride` apart, to those of the pages. */
+static void add_weight(const struct image *image, double nm, const double *weights, int stride,
+                       double factor, double *out)
+{
+    double part;
+    const int n = image->n_pages, page = page_before(image, nm, &part);
+    for (int channel = 0; channel < 3; channel++) {
+        const double weight = factor * weights[channel * stride];
+        out[channel * n + page] += (1 - part) * weight;
+        if (part > 0)
+            out[channel * n + page + 1] += part * weight;
+    }
+}
+
+static void fold_sampling(const struct image *image, const struct sampling *sampling, double *out)
+{
+    for (int i = 0; i < sampling->n; i++) {
+        const double *means = sampling->light_mean != NULL
+                                  ? sampling->light_mean + (size_t)i * (size_t)sampling->n_nm
+                                  : NULL;
+        if (means == NULL)
+            add_weight(image, sampling->wavelength_nm[i], sampling->weights + i, sampling->n, 1,
+                       out);
+        for (int j = 0; means != NULL && j < sampling->n_nm; j++)
+            if (means[j] != 0)
+                add_weight(image, sampling->first_nm + j, sampling->weights + i, sampling->n,
+                           means[j], out);
+    }
+}
+
+/* Folds the weights of the detector itself, at every nm, into those of the white. */
+static bool fold_detector(struct weights_maker *maker, const struct sampling *sampling,
+                          struct error *err)
+{
+    const struct image *image = &maker->cube->image;
+    maker->of_white = calloc(3 * (size_t)image->n_pages, sizeof *maker->of_white);
+    if (maker->of_white == NULL)
+        return error_memory(err);
+    for (int j = 0; j < sampling->n_nm; j++)
+        add_weight(image, sampling->first_nm + j, sampling->detector_weights + j, sampling->n_nm, 1,
+                   maker->of_white);
+    return true;
+}
+
+/* Refuses to sample a stack's spectra where that cannot be done. */
+static bool check_sampling(const struct cube *cube, const struct sampling_method *method,
+                           struct error *err)
+{
+    const struct image *image = &cube->image;
+    const double longest_nm = 1e6;
+    if (cube->record.sampling != NULL)
+        return error_usage(
+            err,
+            "%s: was sampled itself, by %s; --sampling needs a stack that was rendered"
+            " without",
+            image->path, cube->record.sampling);
+    if (method->kind >= SAMPLING_BASIS)
+        return error_usage(
+            err, "--sampling basis, rgb and xyz need lights and reflectances apart, which a"
+                 " stack has multiplied already; expected one of the others, or render"
+                 " --sampling");
+    return image->wavelengths_nm[image->n_pages - 1] <= longest_nm ||
+           error_usage(err, "%s: its wavelengths reach %.10g nm; --sampling goes up to %.10g nm",
+                       image->path, image->wavelengths_nm[image->n_pages - 1], longest_nm);
+}
+
+/* The white at every nm is all that is known of the light; adaptive sampling needs it. */
+static bool white_finely(const struct weights_maker *maker, struct fine_spectra *out,
+                         struct error *err)
+{
+    const struct image *image = &maker->cube->image;
+    struct error ignored = {0};
+    double *white = calloc((size_t)image->n_pages, sizeof *white);
+    out->lights = calloc((size_t)out->n_nm, sizeof *out->lights);
+    out->products = calloc((size_t)out->n_nm, sizeof *out->products);
+    const bool needed = maker->options->sampling->kind == SAMPLING_ADAPTIVE;
+    const bool done =
+        (white != NULL && out->lights != NULL && out->products != NULL) || error_memory(err);
+    const bool found =
+        done && cube_white(maker->cube, maker->options->white, white, needed ? err : &ignored);
+    if (found) {
+        out->n_lights = out->n_products = 1;
+        for (int j = 0; j < out->n_nm; j++) {
+            double part;
+            const int page = page_before(image, out->first_nm + j, &part);
+            out->lights[j] =
+                part > 0 ? (1 - part) * white[page] + part * white[page + 1] : white[page];
+        }
+        memcpy(out->products, out->lights, (size_t)out->n_nm * sizeof *out->products);
+    }
+    free(white);
+    return done && (found || !needed);
+}
+
+/* Describes the sampling in one line. */
+static void tell_sampling(const struct sampling *sampling, struct develop_result *result)
+{
+    FILE *to = fmemopen(result->sampling, sizeof result->sampling - 1, "w");
+    if (to == NULL)
+        return;
+    sampling_print(sampling, to);
+    fclose(to);
+    result->sampling[strcspn(result->sampling, "\n")] = '\0';
+}
+
+/* Finds both weights as if the spectra of the pages were sampled. A fixed sampling takes the white
+ * as it is. */
+static bool sampled_weights(struct weights_maker *maker, struct error *err)
+{
+    const struct image *image = &maker->cube->image;
+    const struct develop_options *options = maker->options;
+    double *lost = maker->result->lost;
+    const double first = image->wavelengths_nm[0], last = image->wavelengths_nm[image->n_pages - 1];
+    struct fine_spectra spectra = {.first_nm = first};
+    struct sampling sampling = {.n = 0};
+    if (!check_sampling(maker->cube, options->sampling, err))
+        return false;
+    spectra.n_nm = (int)floor(last - first + 1e-9) + 1;
+    const bool done =
+        white_finely(maker, &spectra, err) &&
+        sampling_make(options->sampling, options->detector, &spectra, &sampling, err) &&
+        (!sampling.fixed || fold_detector(maker, &sampling, err));
+    if (done) {
+        fold_sampling(image, &sampling, maker->weights);
+        if (sampling.segment_nm == NULL && !sampling.fixed)
+            detector_lost(maker->detector, sampling.wavelength_nm, sampling.n, lost);
+        else
+            detector_lost_outside(maker->detector, first - 0.5, first + spectra.n_nm - 0.5, lost);
+        tell_sampling(&sampling, maker->result);
+    }
+    sampling_free(&sampling);
+    fine_spectra_free(&spectra);
+    return done;
+}
+
+/* ---- weights ---- */
+
+static bool check_detector(const struct weights_maker *maker, struct error *err)
+{
+    const struct image *image = &maker->cube->image;
+    const struct detector *detector = maker->detector;
+    const struct develop_options *options = maker->options;
+    /* A recorded response was checked; components of a black scene have 0. */
+    bool sees = maker->cube->record.n_response > 0;
+    for (int i = 0; i < 3 * image->n_pages; i++)
+        sees = sees || maker->weights[i] != 0;
+    if (!sees)
+        return error_usage(err, "%s: %s sees nothing from %.10g to %.10g nm", image->path,
+                           detector->name, maker->result->first_nm, maker->result->last_nm);
+    if (!detector->observer && options->adaptation.kind != ADAPTATION_NONE)
+        return error_usage(err,
+                           "%s is a camera or film, which does not adapt but is balanced to the"
+                           " white; %s is for observers",
+                           detector->name, adaptation_name(options->adaptation.kind));
+    if (!detector->observer && options->values != DEVELOP_RGB)
+        return error_usage(err, "%s is a camera or film, which has no %s; expected an observer",
+                           detector->name,
+                           options->values == DEVELOP_XYZ ? "tristimulus values" : "CIELAB");
+    return true;
+}
+
+/* Divides each channel by the white's. */
+static bool balance(const struct weights_maker *maker, struct error *err)
+{
+    const double *white = maker->result->white;
+    const int n = maker->cube->image.n_pages;
+    for (int channel = 0; channel < 3; channel++) {
+        if (!(white[channel] > 0))
+            return error_usage(err,
+                               "channel %d of %s has %.6g of the white, by which it is to be"
+                               " divided; expected one that all three channels see",
+                               channel + 1, maker->detector->name, white[channel]);
+        for (int i = 0; i < n; i++)
+            maker->weights[channel * n + i] /= white[channel];
+    }
+    return true;
+}
+
+/* Multiplies the weights of each page by a matrix. */
+static void fold(double m[3][3], int n, double *weights)
+{
+    for (int i = 0; i < n; i++) {
+        double out[3];
+        colour_apply(m, (double[]){weights[i], weights[n + i], weights[2 * n + i]}, out);
+        for (int channel = 0; channel < 3; channel++)
+            weights[channel * n + i] = out[channel];
+    }
+}
+
+/* Adapts the weights. `adapted` becomes the white after that. The thesis takes the luminance that a
+ * light adapts to for ten times its intensity. */
+static bool adapt(const struct weights_maker *maker, double adapted[3], struct error *err)
+{
+    const struct develop_options *options = maker->options;
+    const double recorded = maker->cube->record.illumination;
+    const int n = maker->cube->image.n_pages;
+    struct adaptation *adaptation = &maker->result->adaptation;
+    double m[3][3];
+    if (adaptation->kind == ADAPTATION_FAIRCHILD && !(adaptation->luminance > 0))
+        adaptation->luminance = 10 * (recorded > 0 ? recorded : 1);
+    if (!adaptation_matrix(adaptation, maker->result->white, maker->equal, m, err))
+        return false;
+    fold(m, n, maker->weights);
+    colour_apply(m, maker->result->white, adapted);
+    if (options->values == DEVELOP_RGB) {
+        display_matrix(options->display, m);
+        fold(m, n, maker->weights);
+    }
+    return true;
+}
+
+/* Where no white is needed the result still reports the recorded one. */
+static bool needs_white(const struct weights_maker *maker)
+{
+    return !maker->detector->observer || maker->options->adaptation.kind != ADAPTATION_NONE ||
+           maker->options->values == DEVELOP_LAB;
+}
+
+/* Describes the stack, and the sampling that it records. */
+static void begin_result(const struct weights_maker *maker)
+{
+    const struct cube *cube = maker->cube;
+    const struct image *image = &cube->image;
+    struct develop_result *out = maker->result;
+    const struct record *record = &cube->record;
+    const double half_cell = 0.5, *range = record->range_nm;
+    *out = (struct develop_result){.width = image->width,
+                                   .height = image->height,
+                                   .n_pages = image->n_pages,
+                                   .first_nm = image->wavelengths_nm[0],
+                                   .last_nm = image->wavelengths_nm[image->n_pages - 1],
+                                   .components = cube->components,
+                                   .observer = maker->detector->observer,
+                                   .adaptation = maker->options->adaptation,
+                                   .exposure = maker->options->exposure};
+    if (cube->components) {
+        out->first_nm = range[0] + half_cell;
+        out->last_nm = range[1] - half_cell;
+    }
+    if (record->sampling != NULL)
+        snprintf(out->sampling, sizeof out->sampling, "%s for %s (recorded)", record->sampling,
+                 record->sampling_detector);
+    for (char *at = out->sampling; *at != '\0'; at++) /* words of a file: they drive no terminal */
+        *at = iscntrl((unsigned char)*at) ? '?' : *at;
+    cube_lost(cube, maker->detector, out->lost);
+}
+
+/* Finds the weights that take pages to the detector's channels, and the response to the white and
+ * to radiance 1 everywhere. */
+static bool channel_weights(struct weights_maker *maker, struct error *err)
+{
+    const struct cube *cube = maker->cube;
+    const struct white_request request = {maker->options->white, needs_white(maker)};
+    struct develop_result *result = maker->result;
+    if (!(maker->options->sampling != NULL
+              ? sampled_weights(maker, err)
+              : cube_weights(cube, maker->detector, maker->weights, err)) ||
+        !check_detector(maker, err))
+        return false;
+    const double *of_white = maker->of_white != NULL ? maker->of_white : maker->weights;
+    return cube_white_response(cube, &request, of_white, &result->has_white, result->white, err) &&
+           cube_equal_response(cube, maker->detector, of_white, maker->equal, err);
+}
+
+bool develop_weights(const struct cube *cube, const struct develop_options *options,
+                     struct develop_result *result, double *out, double adapted[3],
+                     struct error *err)
+{
+    struct detector detector;
+    struct weights_maker maker = {cube, options, &detector, result, .weights = out};
+    if (!detector_read(options->detector, &detector, err))
+        return false;
+    begin_result(&maker);
+    const bool done = channel_weights(&maker, err) &&
+                      (detector.observer ? adapt(&maker, adapted, err) : balance(&maker, err));
+    free(maker.of_white);
+    detector_free(&detector);
+    return done;
+}
