@@ -3,10 +3,9 @@
  *
  * The program is divided into rooms. A room is a folder with one header, which is its contract:
  * data/text/text.h for data/text/. A file includes this header, the header of its own room and
- * headers of earlier rooms only. The order in data/ is: base, maths, text, spectra, colour, mesh,
- * tiff, pages, material, scene, sampling, record, stack, chart, develop, compare, probe. raster/
- * comes after data/. Only raster/mesa.c and raster/identify.c include OpenGL. A function that only
- * the files of one room call is declared in the last section of the header, "Inside this room".
+ * headers of earlier rooms only; data/README.md and raster/README.md list the rooms in order.
+ * Functions that only the files of one room call stand in the last section of its header, "Inside
+ * this room".
  *
  * Data flows one way: scene -> plan -> pixels -> verdict -> stack.
  *

@@ -2,7 +2,7 @@
 # shellcheck shell=sh disable=SC1091,SC2013,SC2016,SC2030,SC2031,SC2046,SC2086,SC2154
 # Builds and runs the tests and the benches; build.sh reads this for `test` and `bench`. A test is a file
 # test_NAME.c or an executable script, anywhere below this folder, and prints TAP.
-test_packages='gcc clang libomp-dev perl liblcms2-utils python3-pil python3-tifffile python3-numpy python3-scipy python3-gdal
+test_packages='gcc clang libomp-dev lld wasi-libc libclang-rt-dev-wasm32 wabt perl liblcms2-utils python3-pil python3-tifffile python3-numpy python3-scipy python3-gdal
   imagej default-jdk-headless glmark2-data psychtoolbox-3-common mandoc bsdextrautils busybox-static
   chromium file binutils musl-tools gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user'
 at_once=1 # tests that run at the same time; some measure seconds

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A second reference, slow and simple, that shares nothing with raster/ but the plan: a pixel is
- * inside a triangle if the three homogeneous edge functions say so (Olano and Greer, Triangle Scan
+/* A second reference, slow and simple, that shares nothing with
+ * raster/reference but the plan and its structs: a pixel is inside a triangle if the three homogeneous edge functions say so (Olano and Greer, Triangle Scan
  * Conversion using 2D Homogeneous Coordinates, 1997), so that nothing is clipped, no corner is
  * divided by its w, and triangles through the eye need no care. Vertices are lit as in the OpenGL
  * 2.1 specification, section 2.14.1.
@@ -9,7 +9,7 @@
  * it looks for. Where long double is double, both references are equally far from the truth: the
  * comparison still sees every mistake, but differences may reach twice the bounds.
  *
- * Bounds are on the error of raster/ in double, u = 2^-53 being its unit roundoff:
+ * Bounds are on the error of raster/reference in double, u = 2^-53 being its unit roundoff:
  *
  * - A vertex goes through two products with a matrix, each four multiplications and three
  *   additions: 4 roundings of each term, 8 of each homogeneous coordinate, 9 with those of second

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The reference's own tools: clipping loses and doubles nothing, and the bounds on interpolation
+/* Clipping and bounds: clipping loses and doubles nothing, and the bounds on interpolation
  * hold for single precision arithmetic as Mesa does it, without being far too wide. */
 #include <stdlib.h>
 

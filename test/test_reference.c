@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The reference is checked too: raster/ in double against test/slow.h in long double, over random
+/* The reference is checked too: raster/reference in double against test/slow.h in long double, over random
  * scenes and hard triangles. Each pixel must show a surface that double precision may show there,
  * with weights within double precision's own bound; and within the program's bounds for OpenGL's
  * single precision, times 2^-29, which count more roundings of the same formulas. Then edges: signs

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The spectrum of a pixel or of a region of a stack, its colour, and what is printed of both, of a
- * stack or of a scene (raster/inspect.c). */
+ * stack or of a scene (raster/inspect/inspect.c). */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

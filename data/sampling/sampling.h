@@ -11,7 +11,7 @@
 #include "data/terms/terms.h"
 #include "spectral.h"
 
-/* ---- sampling.c: samplings of a scene ---- */
+/* ---- sampling.c, fine_spectra.c: samplings of a scene ---- */
 
 /* The spectra of a scene at first_nm, first_nm + 1, ... nm: as finely as they are ever looked at.
  * The cells of 1 nm around these cover the range that a sampling samples. */

@@ -10,7 +10,7 @@
 #include "raster/reference/reference.h"
 #include "spectral.h"
 
-/* ---- verdict.c: how samples compare ---- */
+/* ---- statistics.c: how samples compare ---- */
 
 /* How samples compare with the candidate that explains them; in counts, before rounding. */
 struct check_samples {

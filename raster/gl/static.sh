@@ -9,7 +9,7 @@ hardening='-fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2'
 
 # Sets $sources, $CFLAGS and $libraries. Mesa calls the pthread functions only if another object brings
 # them, and crashes without. OpenMP would load drivers of accelerators by dlopen, but never does. libjbig
-# would put the program under the GPL: its functions are left out and never called, since data/image.c
+# would put the program under the GPL: its functions are left out and never called, since data/tiff/image.c
 # refuses its pictures.
 find_static_libraries() {
     [ "$GL" = osmesa ] || refuse "build.sh: the static program has an OSMesa of its own; GL=$GL is for the plain build"

@@ -28,7 +28,7 @@ bool command_view(struct options *options, struct error *err);
 enum { LARGEST_SAMPLE = 65535, LARGEST_PAGE = 1 << 24 };
 
 /* Planes of a value a pixel: constant term, then diffuse and specular of each light, then what
- * spectral textures show at their own wavelengths. Finishes share them: a pixel has one material.
+ * spectral textures show at their own wavelengths. Materials share them: a pixel has one material.
  */
 struct planes {
     size_t n_pixels;
