@@ -56,8 +56,8 @@ static void check_round_trip(const char *path)
     made.n_white = 1;
     made.objects = (const char *[]){"", strange, "object_map: 1 1"};
     made.n_objects = 3;
-    made.n_options = MAX_RECORD_OPTIONS;
-    for (int i = 0; i < MAX_RECORD_OPTIONS; i++)
+    made.n_options = MAX_RECORDED;
+    for (int i = 0; i < MAX_RECORDED; i++)
         made.options[i] = strange;
     if (!CHECK(written(path, &made, &image, &err) && record_read(&image, &read, &err),
                "a record is written and read %s", err.text))
@@ -67,8 +67,8 @@ static void check_round_trip(const char *path)
     CHECK_TEXT(read.scene_sha256, made.scene_sha256, "its SHA-256");
     CHECK_TEXT(read.renderer, made.renderer, "the renderer");
     CHECK_TEXT(read.full_scale, "2.5", "the full scale");
-    CHECK(read.n_options == MAX_RECORD_OPTIONS, "all options: %d", read.n_options);
-    CHECK_TEXT(read.options[MAX_RECORD_OPTIONS - 1], strange, "the last as the first");
+    CHECK(read.n_options == MAX_RECORDED, "all options: %d", read.n_options);
+    CHECK_TEXT(read.options[MAX_RECORDED - 1], strange, "the last as the first");
     CHECK(read.n_lights == 2 && read.n_ambients == 1 && read.n_objects == 3,
           "lights, ambient lights and objects");
     CHECK_TEXT(read.lights[0], "d65*1", "the first light");
@@ -214,7 +214,7 @@ static void check_refusals(void)
         check_refused(text, "a malformed line");
     }
     snprintf(text, sizeof text, "%s", whole);
-    for (int i = 0; i <= MAX_RECORD_OPTIONS; i++)
+    for (int i = 0; i <= MAX_RECORDED; i++)
         strcat(text, "option: --a\n");
     strcat(text, "</Description>");
     check_refused(text, "one option too many");

@@ -51,7 +51,7 @@ static void swap_corners(struct screen_triangle *triangle)
 }
 
 /* Turns the corners so that edge functions are positive inside. */
-static void turn(struct screen_triangle *triangle)
+static void turn_corners(struct screen_triangle *triangle)
 {
     const double *x = triangle->x, *y = triangle->y;
     double area = (x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]);
@@ -83,7 +83,7 @@ int screen_triangles(const struct view *view, const struct surface *of, int tria
         screen_corner(view, &corners[0], 0, part);
         screen_corner(view, &corners[i - 1], 1, part);
         screen_corner(view, &corners[i], 2, part);
-        turn(part);
+        turn_corners(part);
     }
     return left < 3 ? 0 : left - 2;
 }
