@@ -29,7 +29,7 @@ ROOMS = """
     data/pages data/material data/scene data/terms data/method data/sampling data/invocation
     data/record data/stack data/chart data/develop data/compare data/probe data/catalogue
     raster/reference raster/plan raster/bounds raster/candidates raster/radiance raster/gl
-    raster/check raster/render raster/inspect raster/cost raster/view
+    raster/check raster/render raster/inspect raster/accuracy raster/cost raster/view
     """.split()
 CORE = "raster/reference"
 CORE_MAY_INCLUDE = {CORE, "data/maths"}
