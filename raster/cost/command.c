@@ -73,7 +73,7 @@ static char *csv_text(const struct cost *cost)
     return NULL;
 }
 
-/* A file that is NULL is not wanted. Neither is written unless there is memory for both. */
+/* Writes the files that are not NULL; none unless there is memory for all. */
 static bool write_files(const struct cost *cost, const char *csv, const char *svg,
                         struct error *err)
 {
@@ -113,8 +113,8 @@ static void print_entry(const struct options *options, const char *what,
     fputc('\n', to);
 }
 
-/* Names the entry that serves best. Where it is no stack of wavelengths, names the best that is
- * one, too. Fails with EXIT_DIFFERENT where no entry is within the limit. */
+/* Names the best entry and, if its pages are no radiances, the best entry with radiances, too.
+ * Fails with EXIT_DIFFERENT where no entry is within the limit. */
 static bool recommend(const struct options *options, const char *what,
                       const struct cost_entry *best, const struct cost_entry *spectral, FILE *to,
                       struct error *err)

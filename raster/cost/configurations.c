@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Which configurations of render make sense for a scene: one axis after the other, then the best of
- * each together. */
+/* Chooses the configurations of render that make sense for a scene: one axis after the other, then
+ * the best of each together. */
 #include <limits.h>
 #include <math.h>
 #include <stdarg.h>

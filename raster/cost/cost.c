@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What was measured, concluded: the frontier, recommendations, tables and the chart. */
+/* Conclusions from what was measured: the frontier, recommendations, tables and the chart. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -29,15 +29,15 @@ void cost_free(struct cost *cost)
 
 /* ---- the frontier ---- */
 
-/* Whether one of that time and error leaves nothing to be said for another. */
+/* Returns whether one configuration is better than another in seconds or error, and in neither
+ * worse. */
 static bool dominates(double seconds, double error, double other_seconds, double other_error)
 {
     return seconds <= other_seconds && error <= other_error &&
            (seconds < other_seconds || error < other_error);
 }
 
-/* Whether the entry is dominated: by medians, or with its own time and those of others at their
- * extremes. */
+/* The time that an entry is taken to have: its median, or an extreme. */
 enum luck { NO_LUCK, GOOD_LUCK, BAD_LUCK };
 
 static double seconds_with(const struct cost_entry *entry, enum luck luck)
@@ -134,7 +134,7 @@ void cost_print(const struct cost *cost, FILE *to)
         fprintf(to, "%s- %s\n", i == 0 ? "\n" : "", cost->notes[i]);
 }
 
-/* RFC 4180; neither names nor options have a quotation mark, unless a file's name does. */
+/* Quotes as RFC 4180 does. Only an option that names a file can have a quotation mark. */
 static void print_quoted(const char *text, FILE *to)
 {
     for (; *text; text++) {

@@ -43,7 +43,7 @@ struct cost {
 };
 void cost_entry_free(struct cost_entry *entry);
 void cost_free(struct cost *cost);
-/* Adds a note. */
+/* Adds a note, in printf's format. */
 bool cost_note(struct cost *cost, struct error *err, const char *format, ...) PRINTF_LIKE(3, 4);
 /* Finds out which entries are on the frontier, and which are within noise of that. */
 void cost_mark(struct cost *cost);
@@ -52,9 +52,10 @@ void cost_mark(struct cost *cost);
 const struct cost_entry *cost_within(const struct cost *cost, double tolerance, bool spectral);
 /* Returns the most accurate entry of at most so many seconds, likewise. */
 const struct cost_entry *cost_affordable(const struct cost *cost, double seconds, bool spectral);
+/* Print the table, as text and as CSV; cost_svg returns the chart, allocated; NULL: no memory. */
 void cost_print(const struct cost *cost, FILE *to);
 void cost_print_csv(const struct cost *cost, FILE *to);
-char *cost_svg(const struct cost *cost); /* allocated; NULL: no memory */
+char *cost_svg(const struct cost *cost);
 
 /* ---- command.c: configurations as command lines ---- */
 
@@ -96,8 +97,9 @@ struct survey {
     double peak_nm[MAX_SURVEY_PEAKS];
     int rank; /* of lights x reflectances; 0: a basis was refused */
 };
+/* Surveys the scene of the options, in a process of its own. */
 bool survey_scene(const struct options *options, struct survey *out, struct error *err);
-/* Adds what the scene suggests. */
+/* Adds notes on what the scene suggests. */
 bool survey_notes(const struct survey *survey, struct cost *cost, struct error *err);
 
 enum cost_renderer { BY_RASTER, BY_LLVMPIPE, BY_CHECKED_LLVMPIPE, BY_SOFTPIPE };
@@ -109,7 +111,7 @@ struct configuration {
     int buffer_bits, bits; /* 0: the default */
 };
 extern const struct configuration reference_configuration; /* on a scene with all axes */
-/* Fills in name and words, which are allocated. */
+/* Fills in the name and the words of an entry; cost_entry_free frees the words. */
 bool configuration_entry(const struct configuration *configuration, const char *observer,
                          struct cost_entry *out, struct error *err);
 /* A configuration and what was measured of it. */
@@ -126,11 +128,11 @@ struct attempts {
 /* Adds every sampling, with the finest shading. */
 bool configurations_samplings(const struct survey *survey, struct attempts *attempts,
                               struct error *err);
-/* Adds shadings, renderers and depths, with a good one of the samplings, whose errors are known. By
- * those it is chosen, not by seconds, so that the same scene always has the same configurations. */
+/* Adds shadings, renderers and depths, with a good one of the samplings. The choice depends on the
+ * errors measured so far, not on seconds: the same scene always has the same configurations. */
 bool configurations_pictures(const struct survey *survey, struct attempts *attempts,
                              struct error *err);
-/* Adds the samplings that are worth it with the shadings that are, likewise. */
+/* Adds the best samplings with the best shadings, chosen likewise. */
 bool configurations_combined(const struct survey *survey, struct attempts *attempts,
                              struct error *err);
 

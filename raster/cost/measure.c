@@ -38,7 +38,7 @@ static void step(struct measurement *measurement, long steps)
 
 /* ---- the temporary folder ---- */
 
-/* folder/name, allocated; NULL: no memory. */
+/* Returns folder/name, allocated; NULL: no memory. */
 static char *path_in(const char *folder, const char *name)
 {
     const size_t length = strlen(folder) + strlen(name) + 2;
@@ -67,7 +67,7 @@ static bool open_folder(struct measurement *measurement, struct error *err)
     return (measurement->stack && measurement->reference) || error_memory(err);
 }
 
-/* With whatever an interrupted run left there. */
+/* Deletes the folder with all that an interrupted run left there. */
 static void close_folder(struct measurement *measurement)
 {
     DIR *folder = measurement->folder ? opendir(measurement->folder) : NULL;
@@ -86,7 +86,7 @@ static void close_folder(struct measurement *measurement)
     free(measurement->reference);
 }
 
-/* ---- what processes of their own do ---- */
+/* ---- jobs for processes of their own ---- */
 
 struct task {
     const struct measurement *measurement;
@@ -200,7 +200,7 @@ static bool run_round(struct measurement *measurement, int round, struct error *
     return true;
 }
 
-/* About how many configurations there are; only the progress asks. */
+/* For the progress until all configurations are known. */
 enum { LIKELY_CONFIGURATIONS = 60 };
 
 static long steps_of(const struct measurement *measurement, int n_attempts)
@@ -245,7 +245,7 @@ static void take_seconds(struct attempt *attempt, int runs)
     attempt->entry.slowest = attempt->seconds[n - 1];
 }
 
-/* Entries move to the result. */
+/* Moves entries to the result. */
 static bool conclude(struct measurement *measurement, struct error *err)
 {
     struct cost *cost = measurement->cost;
@@ -268,7 +268,7 @@ static bool conclude(struct measurement *measurement, struct error *err)
                                        cost->n_notes > 0 ? cost->notes[cost->n_notes - 1] : "");
 }
 
-/* The scene with what the command line changes of it; allocated, NULL: no memory. */
+/* Returns the scene's name with the changes of the command line, allocated; NULL: no memory. */
 static char *name_scene(const struct measurement *measurement)
 {
     char *text = NULL;
