@@ -18,10 +18,10 @@ static struct cost_entry entry(double fastest, double seconds, double slowest, d
     return (struct cost_entry){.fastest = fastest,
                                .seconds = seconds,
                                .slowest = slowest,
-                               .mean = error / 2,
-                               .quantile_95 = error,
-                               .largest = 2 * error,
-                               .radiance_error = (double)NAN};
+                               .accuracy = {.mean = error / 2,
+                                            .quantile_95 = error,
+                                            .largest = 2 * error,
+                                            .radiance = (double)NAN}};
 }
 
 static void frontier(void)
@@ -53,11 +53,11 @@ static void frontier(void)
     CHECK(!cost_affordable(&cost, 0.99, false), "in 0.99 s there is none");
     CHECK(!cost_within(&cost, 100, true) && !cost_affordable(&cost, 100, true),
           "none of them has spectra");
-    entries[4].spectral = true;
+    entries[4].accuracy.spectral = true;
     CHECK(cost_within(&cost, 2.5, true) == &entries[4] &&
               cost_affordable(&cost, 100, true) == &entries[4],
           "where spectra are wanted the only one that has them is named");
-    entries[5].quantile_95 = 0.5;
+    entries[5].accuracy.quantile_95 = 0.5;
     CHECK(!cost_within(&cost, 0.4, false), "within 0.4 there is none");
 }
 

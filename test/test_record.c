@@ -5,6 +5,7 @@
 #include <string.h>
 #include <unistd.h>
 
+#include "data/options/options.h"
 #include "data/record/record.h"
 #include "data/spectra/spectra.h"
 #include "data/stack/stack.h"

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The verdict on each pixel. OpenGL names the triangle that it shows there: that must be one which
- * may be seen at all, it must lie as deep as it should, there must be as many fragments as there
- * may be, and what OpenGL drew must be what this one triangle looks like, at all wavelengths, each
- * within its own bound. */
+/* The verdict on each pixel. OpenGL names the triangle that it shows there: this triangle must be a
+ * candidate. Its depth must be within the candidate's bound, the number of fragments must be
+ * possible, and OpenGL's radiance must be that of this one triangle in all bands, each within its
+ * own bound. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -16,13 +16,13 @@
 #include "raster/reference/reference.h"
 #include "spectral.h"
 
-/* A candidate on measurement: it lives as long as it has explained everything. */
+/* The hypothesis that OpenGL shows a candidate: it is alive until it fails to explain a sample. */
 struct hypothesis {
     bool alive;
     struct check_samples samples;
     double floor;                 /* its largest bound */
     double seen, expected, bound; /* of the sample at which it died */
-    int band;                     /* of the same; -1: it is not what OpenGL shows */
+    int band;                     /* of the same; -1: OpenGL shows another candidate */
 };
 
 static const double depth_steps = 16777215;
@@ -44,10 +44,11 @@ static void note_failure(struct check *check, size_t pixel, const struct check_f
     check->verdict.first.surface = check->chunk->picture.surface[pixel];
 }
 
-/* ---- which triangle, how deep, how many ---- */
+/* ---- triangle, depth and number of fragments ---- */
 
-/* Whether a depth fits; the background's is 1. Beyond the near or the far plane, where a cut edge
- * may still cover a centre, OpenGL stores what is nearest to it. */
+/* Returns whether OpenGL's depth is within the error; the background's is 1. Beyond the near or the
+ * far plane, where a cut edge may still cover a centre, OpenGL stores the nearest depth that it
+ * can. */
 static bool fits_depth(struct check *check, const struct shown *shown, double depth, double error)
 {
     double off = fabs(shown->depth / depth_steps - fmin(fmax(depth, 0), 1));
@@ -64,7 +65,7 @@ static struct check_failure depth_failure(const struct shown *shown, double dept
                                   .bound = error};
 }
 
-/* In single precision, as the candidates' depths: depth_error covers the rounding. */
+/* The depth is rounded to single precision, as those of candidates: depth_error covers that. */
 static double settled_depth(const struct chunk *chunk, size_t pixel)
 {
     return (double)(float)chunk->picture.depth[pixel];
@@ -87,7 +88,7 @@ static void identify_settled(struct check *check, size_t pixel, const struct sho
     note_failure(check, pixel, &failure);
 }
 
-/* Only what OpenGL shows stays on measurement. */
+/* Only the hypothesis that OpenGL shows stays alive. */
 static void identify_ambiguous(struct check *check, size_t index, const struct shown *shown)
 {
     const struct chunk *chunk = check->chunk;
@@ -109,8 +110,8 @@ static void identify_ambiguous(struct check *check, size_t index, const struct s
         note_failure(check, (size_t)ambiguous->pixel, &failure);
 }
 
-/* Fragments are counted modulo 256. Where triangles meet, a driver whose edges leak may have one
- * too few or too many: that is counted. */
+/* Fragments are counted modulo 256. Where triangles meet, a driver with leaking edges may have one
+ * too few or too many: such pixels are counted. */
 static void count_fragments(struct check *check, size_t pixel, const struct shown *shown)
 {
     const struct overdraw *overdraw = &check->chunk->overdraw[pixel];
@@ -149,7 +150,7 @@ void check_identity(struct check *check, const struct gl *gl, const struct recta
 
 /* ---- pixels with a single candidate ---- */
 
-/* The surface of a run, or -1, evaluated into expected and bound. */
+/* Evaluates the surface of a run, or the background, into expected and bound. */
 static void expect_run(const struct check *check, size_t first, size_t n, int band,
                        struct block *block)
 {
@@ -188,7 +189,8 @@ static void judge_run(struct check *check, size_t first, size_t n, int band, con
     }
 }
 
-/* How many pixels from `first` on, within the row and a block, share its surface settled. */
+/* Returns how many pixels from `first` on, within the row and a block, show its surface without
+ * ambiguity. */
 static size_t settled_run(const struct chunk *chunk, size_t first, size_t row_end)
 {
     size_t last = row_end - first < BLOCK ? row_end : first + BLOCK, at = first;
@@ -200,7 +202,7 @@ static size_t settled_run(const struct chunk *chunk, size_t first, size_t row_en
 
 /* ---- ambiguous pixels ---- */
 
-/* candidate NULL stands for the background. What has no bound explains every number. */
+/* candidate NULL stands for the background. A candidate without a bound explains every number. */
 static void try_candidate(struct check *check, const struct candidate *candidate,
                           struct hypothesis *hypothesis, int band, double seen)
 {
@@ -245,8 +247,8 @@ static void judge_ambiguous(struct check *check, int band, int channel, const fl
     }
 }
 
-/* The measurement that explains best: the living one closest to its bound's middle; where all are
- * dead, the one that lived longest. */
+/* Returns the hypothesis that explains best: the living one with the smallest ratio of error to
+ * bound; of dead ones the one that lived longest. */
 static const struct hypothesis *best_hypothesis(const struct hypothesis *a,
                                                 const struct hypothesis *b)
 {
@@ -268,7 +270,7 @@ static void settle(struct check *check, size_t index)
     bool nothing = candidate >= (ptrdiff_t)chunk->n_candidates,
          loose = !nothing && chunk->candidates[candidate].loose;
     struct check_samples samples = best->samples;
-    if (loose) /* counted, but it says nothing of OpenGL's errors */
+    if (loose) /* counted, but no measure of OpenGL's errors */
         samples.largest = samples.sum = samples.sum_of_squares = samples.worst_ratio = 0;
     check->verdict.ambiguous++;
     samples_add(&check->verdict.samples, &samples);
@@ -293,7 +295,8 @@ static void settle(struct check *check, size_t index)
 
 /* ---- floors ---- */
 
-/* Whether a pixel lies inside a surface, together with its neighbours, and changes little. */
+/* Returns whether a pixel and its neighbours lie inside one surface, and the pixel's radiance
+ * changes little. */
 static bool is_smooth(const struct check *check, size_t pixel)
 {
     const struct chunk *chunk = check->chunk;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* How samples compare with what is expected of them, and the sums over many of them. */
+/* Samples beside their expected values and bounds, and sums over many samples. */
 #include <float.h>
 #include <math.h>
 
@@ -51,7 +51,7 @@ static void count_equal(struct check_samples *samples, const struct block *block
     samples->within_1 += (uint64_t)within_1;
 }
 
-/* Whether all differences are at most `factor` times their bounds; NaN is not. */
+/* Returns whether all differences are at most `factor` times their bounds; NaN is not. */
 static bool are_within(const struct block *block, float factor, size_t all)
 {
     int above[LANES] = {0};
@@ -64,7 +64,7 @@ static bool are_within(const struct block *block, float factor, size_t all)
     return sum == 0;
 }
 
-/* NaN is not larger than anything. (gcc 12 for ARM cannot compile this with fmax.) */
+/* NaN never counts as larger. (gcc 12 for ARM cannot compile this with fmax.) */
 static void raise_largest(double *largest, const struct block *block, size_t all)
 {
     float most[LANES] = {0};

@@ -15,9 +15,9 @@
 
 /* ---- configurations ---- */
 
-/* Reads a command line of render: the changes of the scene that cost was given, then the words of a
- * configuration. */
-static bool read_words(const struct options *options, char *const *words, int n_words,
+/* Reads a command line of render: the changes of the scene that cost was given, then the words of
+ * the entry (NULL: none). */
+static bool read_words(const struct options *options, const struct cost_entry *entry,
                        struct options *out, struct error *err)
 {
     const struct option_rules rules = {"render", options->table, FOR_RENDER, 0};
@@ -25,8 +25,8 @@ static bool read_words(const struct options *options, char *const *words, int n_
     int n = 0;
     for (int i = 0; i < options->n_recorded; i++)
         line[n++] = options->recorded[i];
-    for (int i = 0; i < n_words; i++)
-        line[n++] = words[i];
+    for (int i = 0; entry && i < entry->n_words; i++)
+        line[n++] = entry->words[i];
     if (!options_read(&rules, line, n, out, err))
         return false;
     out->operand = options->operand;
@@ -35,24 +35,24 @@ static bool read_words(const struct options *options, char *const *words, int n_
     return true;
 }
 
-static bool render_words(void *context, char *const *words, int n_words, const char *output,
-                         struct error *err)
+bool cost_render(const struct options *options, const struct cost_entry *entry, const char *output,
+                 struct error *err)
 {
-    struct options options = {.operand = NULL};
-    bool done = read_words(context, words, n_words, &options, err);
-    options.output = output;
-    done = done && render_scene(&options, err);
-    options_free(&options);
+    struct options own = {.operand = NULL};
+    bool done = read_words(options, entry, &own, err);
+    own.output = output;
+    done = done && render_scene(&own, err);
+    options_free(&own);
     return done;
 }
 
-static bool read_scene(void *context, char *const *words, int n_words, struct scene *scene,
-                       struct sampling *sampling, struct error *err)
+bool cost_read(const struct options *options, const struct cost_entry *entry, struct scene *scene,
+               struct sampling *sampling, struct error *err)
 {
-    struct options options = {.operand = NULL};
-    bool done = read_words(context, words, n_words, &options, err) &&
-                scene_read_sampled(&options, scene, sampling, err);
-    options_free(&options);
+    struct options own = {.operand = NULL};
+    bool done =
+        read_words(options, entry, &own, err) && scene_read_sampled(&own, scene, sampling, err);
+    options_free(&own);
     return done;
 }
 
@@ -73,7 +73,7 @@ static char *csv_text(const struct cost *cost)
     return NULL;
 }
 
-/* A file that is NULL is not wanted. Neither is written unless there is memory for both. */
+/* Writes the files that are not NULL; none unless there is memory for all. */
 static bool write_files(const struct cost *cost, const char *csv, const char *svg,
                         struct error *err)
 {
@@ -104,7 +104,7 @@ static void print_entry(const struct options *options, const char *what,
                         const struct cost_entry *entry, FILE *to)
 {
     fprintf(to, "%s: %s, %.3g s, dE00 %.3g\n  spectral render", what, entry->name, entry->seconds,
-            entry->quantile_95);
+            entry->accuracy.quantile_95);
     print_word(options_scene(options), to);
     for (int i = 0; i < options->n_recorded; i++)
         print_word(options->recorded[i], to);
@@ -113,8 +113,8 @@ static void print_entry(const struct options *options, const char *what,
     fputc('\n', to);
 }
 
-/* Names the entry that serves best. Where it is no stack of wavelengths, names the best that is
- * one, too. Fails with EXIT_DIFFERENT where no entry is within the limit. */
+/* Names the best entry and, if its pages are no radiances, the best entry with radiances, too.
+ * Fails with EXIT_DIFFERENT where no entry is within the limit. */
 static bool recommend(const struct options *options, const char *what,
                       const struct cost_entry *best, const struct cost_entry *spectral, FILE *to,
                       struct error *err)
@@ -164,7 +164,7 @@ static bool check_files(struct options *options, struct error *err)
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.n = 0};
     const char *csv = options->csv_file, *svg = options->svg_file;
-    bool done = read_scene(options, NULL, 0, &scene, &sampling, err) &&
+    bool done = cost_read(options, NULL, &scene, &sampling, err) &&
                 scene_spared(csv, &scene, err) && scene_spared(svg, &scene, err) &&
                 output_can_open(csv, err) && output_can_open(svg, err);
     sampling_free(&sampling);
@@ -183,22 +183,11 @@ static bool limit_read(const char *option, const char *value, double highest, do
 
 bool command_cost(struct options *options, struct error *err)
 {
-    enum { DEFAULT_RUNS = 5 };
-    struct progress_line line;
-    const bool shown = progress_start(&line, options->quiet);
-    const struct cost_program program = {render_words, read_scene, options};
-    const struct cost_options cost_options = {.observer = options_detector(options),
-                                              .given = options->recorded,
-                                              .n_given = options->n_recorded,
-                                              .runs = options->runs ? options->runs : DEFAULT_RUNS,
-                                              .threads = options->threads,
-                                              .progress = shown ? progress_show : NULL,
-                                              .progress_context = &line};
     struct cost cost = {.scene = NULL};
     double tolerance, budget;
     bool done = limit_read("--tolerance", options->tolerance, 1000, &tolerance, err) &&
                 limit_read("--budget", options->budget, 1e9, &budget, err) &&
-                check_files(options, err) && cost_measure(&program, &cost_options, &cost, err) &&
+                check_files(options, err) && cost_measure(options, &cost, err) &&
                 report(options, &cost, tolerance, budget, err);
     cost_free(&cost);
     return done;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Which configurations of render make sense for a scene. */
+/* Chooses the configurations of render that make sense for a scene: one axis after the other, then
+ * the best of each together. */
 #include <limits.h>
 #include <math.h>
 #include <stdarg.h>
@@ -10,6 +11,7 @@
 #include "data/material/material.h"
 #include "data/mesh/mesh.h"
 #include "data/method/method.h"
+#include "data/options/options.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
@@ -52,73 +54,64 @@ static void survey_shapes(const struct scene *scene, bool glossy, struct survey 
     out->shaded = varied && scene->n_lights > 0;
 }
 
-struct surveyor {
-    const struct cost_program *program;
-    const char *observer;
-};
-
-/* The sampling of the scene by a method. */
-static bool read_sampling(const struct surveyor *surveyor, const char *method, struct sampling *out,
+/* Reads the sampling of the scene by a method. */
+static bool read_sampling(const struct options *options, const char *method, struct sampling *out,
                           struct error *err)
 {
-    const struct cost_program *program = surveyor->program;
     struct configuration configuration = {.tessellation = 1, .renderer = BY_RASTER};
     struct cost_entry entry = {.n_words = 0};
     struct scene scene = {.path = NULL};
     snprintf(configuration.sampling, sizeof configuration.sampling, "%s", method);
-    const bool done = configuration_entry(&configuration, surveyor->observer, &entry, err) &&
-                      program->read(program->context, entry.words, entry.n_words, &scene, out, err);
+    const bool done = configuration_entry(&configuration, options_detector(options), &entry, err) &&
+                      cost_read(options, &entry, &scene, out, err);
     cost_entry_free(&entry);
     scene_free(&scene);
     return done;
 }
 
-/* What the samplings themselves find out; one that refuses the scene finds nothing. */
-static void survey_spectra(const struct surveyor *surveyor, struct survey *out)
+/* Peaks and rank are found by samplings; one that refuses the scene finds nothing. */
+static void survey_spectra(const struct options *options, struct survey *out)
 {
     struct error ignored = {.status = EXIT_AGREED};
     struct sampling sampling = {.n = 0};
     out->n_peaks = -1;
-    if (read_sampling(surveyor, "adaptive:0.01", &sampling, &ignored)) {
+    if (read_sampling(options, "adaptive:0.01", &sampling, &ignored)) {
         out->n_peaks = sampling.n_peaks < MAX_SURVEY_PEAKS ? sampling.n_peaks : MAX_SURVEY_PEAKS;
         for (int i = 0; i < out->n_peaks; i++)
             out->peak_nm[i] = sampling.peak_nm[i];
     }
     sampling_free(&sampling);
     ignored = (struct error){.status = EXIT_AGREED};
-    if (!out->spectral_texture && read_sampling(surveyor, "basis:1", &sampling, &ignored))
+    if (!out->spectral_texture && read_sampling(options, "basis:1", &sampling, &ignored))
         out->rank = sampling.rank;
     sampling_free(&sampling);
 }
 
 static bool survey(void *context, void *result, struct error *err)
 {
-    const struct surveyor *surveyor = context;
+    const struct options *options = *(const struct options **)context;
     struct survey *out = result;
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.n = 0};
     bool glossy = false;
-    const bool done =
-        surveyor->program->read(surveyor->program->context, NULL, 0, &scene, &sampling, err);
+    const bool done = cost_read(options, NULL, &scene, &sampling, err);
     if (done) {
         snprintf(out->scene, sizeof out->scene, "%s", scene.path);
         out->width = scene.width;
         out->height = scene.height;
         survey_materials(&scene, out, &glossy);
         survey_shapes(&scene, glossy, out);
-        survey_spectra(surveyor, out);
+        survey_spectra(options, out);
     }
     sampling_free(&sampling);
     scene_free(&scene);
     return done;
 }
 
-bool survey_scene(const struct cost_program *program, const char *observer, struct survey *out,
-                  struct error *err)
+bool survey_scene(const struct options *options, struct survey *out, struct error *err)
 {
-    struct surveyor surveyor = {program, observer};
-    *out = (struct survey){.width = 0};
-    return process_run(survey, &surveyor, out, sizeof *out, NULL, err);
+    *out = (struct survey){.observer = options_detector(options)};
+    return process_run(survey, &options, out, sizeof *out, NULL, err);
 }
 
 /* ---- a configuration in words ---- */
@@ -195,9 +188,9 @@ static bool same_configuration(const struct configuration *a, const struct confi
            a->buffer_bits == b->buffer_bits && a->bits == b->bits;
 }
 
-/* One that is there already, or finds no room, is left out. */
-static bool add(struct attempts *attempts, struct configuration configuration, const char *sampling,
-                const char *observer, struct error *err)
+/* Leaves out a configuration that is there already, or finds no room. */
+static bool add(const struct survey *survey, struct attempts *attempts,
+                struct configuration configuration, const char *sampling, struct error *err)
 {
     snprintf(configuration.sampling, sizeof configuration.sampling, "%s", sampling);
     for (int i = 0; i < attempts->n; i++)
@@ -207,10 +200,10 @@ static bool add(struct attempts *attempts, struct configuration configuration, c
         return true;
     struct attempt *attempt = &attempts->attempt[attempts->n++];
     *attempt = (struct attempt){.configuration = configuration};
-    return configuration_entry(&configuration, observer, &attempt->entry, err);
+    return configuration_entry(&configuration, survey->observer, &attempt->entry, err);
 }
 
-/* What samplings, and then shadings, are tried with. */
+/* The configuration that samplings, and then shadings, are tried with. */
 static struct configuration finest(const struct survey *survey)
 {
     struct configuration configuration = reference_configuration;
@@ -218,22 +211,21 @@ static struct configuration finest(const struct survey *survey)
     return configuration;
 }
 
-/* The first few components, and as many as there are. */
-static bool add_bases(const struct survey *survey, const char *observer, struct attempts *out,
-                      struct error *err)
+/* Adds bases of the first few components, and of all. */
+static bool add_bases(const struct survey *survey, struct attempts *out, struct error *err)
 {
     static const int counts[] = {1, 2, 4, 8, INT_MAX};
     char name[SAMPLING_NAME];
     for (int i = 0; i < 5 && (i == 0 || counts[i - 1] < survey->rank); i++) {
         snprintf(name, sizeof name, "basis:%d",
                  counts[i] < survey->rank ? counts[i] : survey->rank);
-        if (!add(out, finest(survey), name, observer, err))
+        if (!add(survey, out, finest(survey), name, err))
             return false;
     }
     return true;
 }
 
-/* More of gauss under smooth light, and more of adaptive under emission lines. */
+/* Smooth light calls for more of gauss, emission lines for more of adaptive. */
 enum lights { ANY_LIGHT, SMOOTH_LIGHT, LINES };
 static const struct {
     const char *name;
@@ -256,55 +248,55 @@ static const struct {
                  {"adaptive:0.01", ANY_LIGHT},
                  {"adaptive:0.001", LINES}};
 
-bool configurations_samplings(const struct survey *survey, const char *observer,
-                              struct attempts *out, struct error *err)
+bool configurations_samplings(const struct survey *survey, struct attempts *out, struct error *err)
 {
     const enum lights other = survey->n_peaks > 0 ? SMOOTH_LIGHT : LINES;
     for (size_t i = 0; i < sizeof samplings / sizeof samplings[0]; i++)
         if (samplings[i].under != other &&
-            !add(out, finest(survey), samplings[i].name, observer, err))
+            !add(survey, out, finest(survey), samplings[i].name, err))
             return false;
-    return survey->spectral_texture ||
-           (add(out, finest(survey), "rgb", observer, err) &&
-            add(out, finest(survey), "xyz", observer, err) &&
-            (survey->rank == 0 || add_bases(survey, observer, out, err)));
+    return survey->spectral_texture || (add(survey, out, finest(survey), "rgb", err) &&
+                                        add(survey, out, finest(survey), "xyz", err) &&
+                                        (survey->rank == 0 || add_bases(survey, out, err)));
 }
 
 /* ---- shading, renderer and arithmetic, with a sampling that is good enough not to matter ---- */
 
-/* The attempt of a sampling; NULL: there is none that could be rendered. */
+/* Returns the attempt of a configuration with a sampling; NULL: none that could be rendered. */
 static const struct attempt *find(const struct attempts *attempts,
                                   struct configuration configuration, const char *sampling)
 {
     snprintf(configuration.sampling, sizeof configuration.sampling, "%s", sampling);
     for (int i = 0; i < attempts->n; i++)
         if (same_configuration(&attempts->attempt[i].configuration, &configuration) &&
-            attempts->attempt[i].n_pages > 0)
+            attempts->attempt[i].entry.accuracy.n_pages > 0)
             return &attempts->attempt[i];
     return NULL;
 }
 
-enum content { ANY_PAGES, RADIANCES, WAVELENGTHS }; /* what pages tell, at least */
+enum content { ANY_PAGES, RADIANCES, WAVELENGTHS }; /* of pages, at least */
 
-static bool tells(const struct cost_entry *entry, enum content content)
+static bool has_content(const struct cost_entry *entry, enum content content)
 {
-    return content == WAVELENGTHS ? entry->spectral
-                                  : content == ANY_PAGES || !isnan(entry->radiance_error);
+    return content == WAVELENGTHS ? entry->accuracy.spectral
+                                  : content == ANY_PAGES || !isnan(entry->accuracy.radiance);
 }
 
-/* The sampling of the fewest pages within a colour difference, or where none is the closest. */
+/* Returns the sampling of the fewest pages within a colour difference; where none is within it, the
+ * closest. */
 static const char *leanest(const struct survey *survey, const struct attempts *attempts,
                            double tolerance, enum content content)
 {
     const struct attempt *best = NULL;
     for (int i = 0; i < attempts->n; i++) {
         const struct attempt *attempt = &attempts->attempt[i];
-        const double error = fmax(attempt->entry.quantile_95, tolerance);
+        const double error = fmax(attempt->entry.accuracy.quantile_95, tolerance);
         if (find(attempts, finest(survey), attempt->configuration.sampling) != attempt ||
-            !tells(&attempt->entry, content))
+            !has_content(&attempt->entry, content))
             continue;
-        const double least = best ? fmax(best->entry.quantile_95, tolerance) : HUGE_VAL;
-        if (error < least || (error <= least && attempt->n_pages < best->n_pages))
+        const double least = best ? fmax(best->entry.accuracy.quantile_95, tolerance) : HUGE_VAL;
+        if (error < least ||
+            (error <= least && attempt->entry.accuracy.n_pages < best->entry.accuracy.n_pages))
             best = attempt;
     }
     return best ? best->configuration.sampling : "";
@@ -330,12 +322,11 @@ static bool is_on_axis(const struct survey *survey, const struct configuration *
            (survey->shaded || shading->shading == SHADING_SMOOTH);
 }
 
-static bool add_shadings(const struct survey *survey, const char *observer, struct attempts *out,
-                         struct error *err)
+static bool add_shadings(const struct survey *survey, struct attempts *out, struct error *err)
 {
     for (int i = 0; i < N_SHADINGS; i++)
         if (is_on_axis(survey, &shadings[i]) &&
-            !add(out, shadings[i], good_sampling(survey, out), observer, err))
+            !add(survey, out, shadings[i], good_sampling(survey, out), err))
             return false;
     return true;
 }
@@ -343,8 +334,7 @@ static bool add_shadings(const struct survey *survey, const char *observer, stru
 static const struct configuration opengl = {.tessellation = 1, .renderer = BY_LLVMPIPE};
 
 /* OpenGL lights vertices only: smooth. */
-static bool add_renderers(const struct survey *survey, const char *observer, struct attempts *out,
-                          struct error *err)
+static bool add_renderers(const struct survey *survey, struct attempts *out, struct error *err)
 {
     const char *sampling = good_sampling(survey, out);
     struct configuration eight = opengl, sixteen = opengl, checked = opengl, softpipe = opengl;
@@ -352,57 +342,53 @@ static bool add_renderers(const struct survey *survey, const char *observer, str
     sixteen.buffer_bits = 16;
     checked.renderer = BY_CHECKED_LLVMPIPE;
     softpipe.renderer = BY_SOFTPIPE;
-    return !gl_is_built() || (add(out, opengl, sampling, observer, err) &&
-                              add(out, sixteen, sampling, observer, err) &&
-                              add(out, eight, sampling, observer, err) &&
-                              add(out, checked, sampling, observer, err) &&
-                              add(out, softpipe, sampling, observer, err));
+    return !gl_is_built() ||
+           (add(survey, out, opengl, sampling, err) && add(survey, out, sixteen, sampling, err) &&
+            add(survey, out, eight, sampling, err) && add(survey, out, checked, sampling, err) &&
+            add(survey, out, softpipe, sampling, err));
 }
 
-static bool add_depths(const struct survey *survey, const char *observer, struct attempts *out,
-                       struct error *err)
+static bool add_depths(const struct survey *survey, struct attempts *out, struct error *err)
 {
     struct configuration bytes = finest(survey), floats = finest(survey);
     bytes.bits = 8;
     floats.bits = 32;
-    return add(out, bytes, good_sampling(survey, out), observer, err) &&
-           add(out, floats, good_sampling(survey, out), observer, err);
+    return add(survey, out, bytes, good_sampling(survey, out), err) &&
+           add(survey, out, floats, good_sampling(survey, out), err);
 }
 
-bool configurations_pictures(const struct survey *survey, const char *observer,
-                             struct attempts *out, struct error *err)
+bool configurations_pictures(const struct survey *survey, struct attempts *out, struct error *err)
 {
-    return add_shadings(survey, observer, out, err) && add_renderers(survey, observer, out, err) &&
-           add_depths(survey, observer, out, err);
+    return add_shadings(survey, out, err) && add_renderers(survey, out, err) &&
+           add_depths(survey, out, err);
 }
 
 /* ---- combinations ---- */
 
-/* A sampling with the shadings that none listed before is closer than. */
-static bool combine(const struct survey *survey, const char *observer, const char *sampling,
-                    struct attempts *attempts, struct error *err)
+/* Adds a sampling with each shading that is closer than all listed before it. */
+static bool combine(const struct survey *survey, const char *sampling, struct attempts *attempts,
+                    struct error *err)
 {
     double best = HUGE_VAL;
     for (int i = 0; i < N_SHADINGS; i++) {
         const struct attempt *attempt =
             find(attempts, shadings[i], good_sampling(survey, attempts));
-        if (!attempt || attempt->entry.quantile_95 >= best)
+        if (!attempt || attempt->entry.accuracy.quantile_95 >= best)
             continue;
-        best = attempt->entry.quantile_95;
-        if (!add(attempts, shadings[i], sampling, observer, err))
+        best = attempt->entry.accuracy.quantile_95;
+        if (!add(survey, attempts, shadings[i], sampling, err))
             return false;
     }
-    return !gl_is_built() || add(attempts, opengl, sampling, observer, err);
+    return !gl_is_built() || add(survey, attempts, opengl, sampling, err);
 }
 
-bool configurations_combined(const struct survey *survey, const char *observer,
-                             struct attempts *attempts, struct error *err)
+bool configurations_combined(const struct survey *survey, struct attempts *attempts,
+                             struct error *err)
 {
     char colours[SAMPLING_NAME], spectra[SAMPLING_NAME];
     snprintf(colours, sizeof colours, "%s", leanest(survey, attempts, 0.5, ANY_PAGES));
     snprintf(spectra, sizeof spectra, "%s", leanest(survey, attempts, 0.5, WAVELENGTHS));
-    return combine(survey, observer, colours, attempts, err) &&
-           combine(survey, observer, spectra, attempts, err);
+    return combine(survey, colours, attempts, err) && combine(survey, spectra, attempts, err);
 }
 
 /* ---- notes ---- */

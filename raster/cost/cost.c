@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What was measured, concluded: the frontier, recommendations, tables and the chart. */
+/* Conclusions from what was measured: the frontier, recommendations, tables and the chart. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -29,15 +29,15 @@ void cost_free(struct cost *cost)
 
 /* ---- the frontier ---- */
 
-/* Whether one of that time and error leaves nothing to be said for another. */
+/* Returns whether one configuration is better than another in seconds or error, and in neither
+ * worse. */
 static bool dominates(double seconds, double error, double other_seconds, double other_error)
 {
     return seconds <= other_seconds && error <= other_error &&
            (seconds < other_seconds || error < other_error);
 }
 
-/* Whether the entry is dominated: by medians, or with its own time and those of others at their
- * extremes. */
+/* The time that an entry is taken to have: its median, or an extreme. */
 enum luck { NO_LUCK, GOOD_LUCK, BAD_LUCK };
 
 static double seconds_with(const struct cost_entry *entry, enum luck luck)
@@ -49,9 +49,9 @@ static bool is_dominated(const struct cost *cost, int index, enum luck own, enum
 {
     const struct cost_entry *entry = &cost->entries[index];
     for (int i = 0; i < cost->n; i++)
-        if (i != index &&
-            dominates(seconds_with(&cost->entries[i], others), cost->entries[i].quantile_95,
-                      seconds_with(entry, own), entry->quantile_95))
+        if (i != index && dominates(seconds_with(&cost->entries[i], others),
+                                    cost->entries[i].accuracy.quantile_95, seconds_with(entry, own),
+                                    entry->accuracy.quantile_95))
             return true;
     return false;
 }
@@ -73,7 +73,8 @@ void cost_mark(struct cost *cost)
 const struct cost_entry *cost_within(const struct cost *cost, double tolerance, bool spectral)
 {
     for (int i = 0; i < cost->n; i++)
-        if (cost->entries[i].quantile_95 <= tolerance && (cost->entries[i].spectral || !spectral))
+        if (cost->entries[i].accuracy.quantile_95 <= tolerance &&
+            (cost->entries[i].accuracy.spectral || !spectral))
             return &cost->entries[i];
     return NULL;
 }
@@ -82,8 +83,8 @@ const struct cost_entry *cost_affordable(const struct cost *cost, double seconds
 {
     const struct cost_entry *best = NULL;
     for (int i = 0; i < cost->n && cost->entries[i].seconds <= seconds; i++)
-        if ((cost->entries[i].spectral || !spectral) &&
-            (!best || cost->entries[i].quantile_95 < best->quantile_95))
+        if ((cost->entries[i].accuracy.spectral || !spectral) &&
+            (!best || cost->entries[i].accuracy.quantile_95 < best->accuracy.quantile_95))
             best = &cost->entries[i];
     return best;
 }
@@ -94,11 +95,12 @@ static void print_entry(const struct cost_entry *entry, FILE *to)
 {
     fprintf(to, "%s%s %-40s %8.3f  %7.3f..%-7.3f %8.3g %8.3g %8.3g ", entry->best ? "*" : " ",
             entry->uncertain ? "~" : " ", entry->name, entry->seconds, entry->fastest,
-            entry->slowest, entry->mean, entry->quantile_95, entry->largest);
-    if (isnan(entry->radiance_error))
+            entry->slowest, entry->accuracy.mean, entry->accuracy.quantile_95,
+            entry->accuracy.largest);
+    if (isnan(entry->accuracy.radiance))
         fprintf(to, "%9s\n", "-");
     else
-        fprintf(to, "%9.3g\n", entry->radiance_error);
+        fprintf(to, "%9.3g\n", entry->accuracy.radiance);
 }
 
 void cost_print(const struct cost *cost, FILE *to)
@@ -132,7 +134,7 @@ void cost_print(const struct cost *cost, FILE *to)
         fprintf(to, "%s- %s\n", i == 0 ? "\n" : "", cost->notes[i]);
 }
 
-/* RFC 4180; neither names nor options have a quotation mark, unless a file's name does. */
+/* Quotes as RFC 4180 does. Only an option that names a file can have a quotation mark. */
 static void print_quoted(const char *text, FILE *to)
 {
     for (; *text; text++) {
@@ -150,9 +152,9 @@ static void print_csv_entry(const struct cost_entry *entry, FILE *to)
         print_quoted(entry->words[i], to);
     }
     fprintf(to, "\",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,", entry->seconds, entry->fastest, entry->slowest,
-            entry->mean, entry->quantile_95, entry->largest);
-    if (!isnan(entry->radiance_error))
-        fprintf(to, "%.9g", entry->radiance_error);
+            entry->accuracy.mean, entry->accuracy.quantile_95, entry->accuracy.largest);
+    if (!isnan(entry->accuracy.radiance))
+        fprintf(to, "%.9g", entry->accuracy.radiance);
     fprintf(to, ",%d,%d\n", entry->best, entry->uncertain);
 }
 
@@ -177,7 +179,7 @@ char *cost_svg(const struct cost *cost)
                                             .cost = entry->seconds,
                                             .cost_low = entry->fastest,
                                             .cost_high = entry->slowest,
-                                            .error = entry->quantile_95,
+                                            .error = entry->accuracy.quantile_95,
                                             .best = entry->best,
                                             .uncertain = entry->uncertain};
     }

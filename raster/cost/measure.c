@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Runs configurations of render, each many times and in a process of its own, and compares what
- * they make with the reference. */
+/* Runs configurations of render, each many times and in a process of its own, and measures the
+ * accuracy of their stacks. */
 #include <dirent.h>
 #include <errno.h>
 #include <stdlib.h>
@@ -8,15 +8,19 @@
 #include <unistd.h>
 
 #include "data/base/base.h"
+#include "data/options/options.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
+#include "raster/accuracy/accuracy.h"
 #include "raster/cost/cost.h"
-#include "raster/render/render.h"
 #include "spectral.h"
 
+enum { DEFAULT_RUNS = 5 };
+
 struct measurement {
-    const struct cost_program *program;
-    const struct cost_options *options;
+    const struct options *options;
+    struct progress_line line;
+    bool shown;                       /* the line of progress */
     char *folder, *stack, *reference; /* temporary, and files in it */
     struct survey survey;
     struct standard standard;
@@ -27,15 +31,14 @@ struct measurement {
 
 static void step(struct measurement *measurement, long steps)
 {
-    const struct cost_options *options = measurement->options;
     measurement->steps += steps;
-    if (options->progress && measurement->steps > 0)
-        options->progress(options->progress_context, measurement->steps, measurement->all_steps);
+    if (measurement->shown && measurement->steps > 0)
+        progress_show(&measurement->line, measurement->steps, measurement->all_steps);
 }
 
 /* ---- the temporary folder ---- */
 
-/* folder/name, allocated; NULL: no memory. */
+/* Returns folder/name, allocated; NULL: no memory. */
 static char *path_in(const char *folder, const char *name)
 {
     const size_t length = strlen(folder) + strlen(name) + 2;
@@ -64,7 +67,7 @@ static bool open_folder(struct measurement *measurement, struct error *err)
     return (measurement->stack && measurement->reference) || error_memory(err);
 }
 
-/* With whatever an interrupted run left there. */
+/* Deletes the folder with all that an interrupted run left there. */
 static void close_folder(struct measurement *measurement)
 {
     DIR *folder = measurement->folder ? opendir(measurement->folder) : NULL;
@@ -83,7 +86,7 @@ static void close_folder(struct measurement *measurement)
     free(measurement->reference);
 }
 
-/* ---- what processes of their own do ---- */
+/* ---- jobs for processes of their own ---- */
 
 struct task {
     const struct measurement *measurement;
@@ -93,18 +96,8 @@ struct task {
 static bool render_stack(void *context, void *out, struct error *err)
 {
     const struct task *task = context;
-    const struct measurement *measurement = task->measurement;
     (void)out;
-    return measurement->program->render(measurement->program->context, task->entry->words,
-                                        task->entry->n_words, measurement->stack, err);
-}
-
-static bool read_scene(const struct task *task, struct scene *out, struct sampling *sampling,
-                       struct error *err)
-{
-    const struct cost_program *program = task->measurement->program;
-    return program->read(program->context, task->entry->words, task->entry->n_words, out, sampling,
-                         err);
+    return cost_render(task->measurement->options, task->entry, task->measurement->stack, err);
 }
 
 static bool render_reference(void *context, void *out, struct error *err)
@@ -114,24 +107,24 @@ static bool render_reference(void *context, void *out, struct error *err)
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.n = 0};
     const bool done =
-        read_scene(task, &scene, &sampling, err) &&
-        standard_render(&scene, measurement->options->observer, measurement->options->threads,
+        cost_read(measurement->options, task->entry, &scene, &sampling, err) &&
+        standard_render(&scene, measurement->survey.observer, measurement->options->threads,
                         measurement->reference, out, err);
     sampling_free(&sampling);
     scene_free(&scene);
     return done;
 }
 
-static bool compare_stack(void *context, void *out, struct error *err)
+static bool measure_stack(void *context, void *out, struct error *err)
 {
     const struct task *task = context;
     const struct measurement *measurement = task->measurement;
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.n = 0};
-    bool done = read_scene(task, &scene, &sampling, err);
-    const struct standard_stack stack = {measurement->stack, &scene, sampling_or_none(&sampling),
-                                         measurement->options->observer};
-    done = done && standard_compare(&measurement->standard, measurement->reference, &stack,
+    bool done = cost_read(measurement->options, task->entry, &scene, &sampling, err);
+    const struct accuracy_stack stack = {measurement->stack, &scene, sampling_or_none(&sampling),
+                                         measurement->survey.observer};
+    done = done && accuracy_measure(&measurement->standard, measurement->reference, &stack,
                                     measurement->options->threads, out, err);
     sampling_free(&sampling);
     scene_free(&scene);
@@ -145,25 +138,24 @@ static bool make_reference(struct measurement *measurement, struct error *err)
     struct cost_entry entry = {.n_words = 0};
     struct task task = {measurement, &entry};
     const bool done =
-        configuration_entry(&reference_configuration, measurement->options->observer, &entry,
-                            err) &&
+        configuration_entry(&reference_configuration, measurement->survey.observer, &entry, err) &&
         process_run(render_reference, &task, &measurement->standard, sizeof measurement->standard,
                     &measurement->cost->reference_seconds, err);
     cost_entry_free(&entry);
     return done;
 }
 
-/* Its time is not counted; its stack is what the errors are of. A configuration that fails becomes
- * a note. */
+/* Runs a configuration once without counting its time, and measures its stack. A configuration that
+ * fails becomes a note. */
 static bool warm_up(struct measurement *measurement, struct attempt *attempt, struct error *err)
 {
     struct task task = {measurement, &attempt->entry};
-    struct standard_errors errors = {.n_pages = 0};
+    struct accuracy accuracy = {.n_pages = 0};
     struct error own = {.status = EXIT_AGREED};
     const bool done = process_run(render_stack, &task, NULL, 0, NULL, &own) &&
-                      process_run(compare_stack, &task, &errors, sizeof errors, NULL, &own);
+                      process_run(measure_stack, &task, &accuracy, sizeof accuracy, NULL, &own);
     unlink(measurement->stack);
-    step(measurement, done ? 2 : 2 + measurement->options->runs);
+    step(measurement, done ? 2 : 2 + measurement->cost->runs);
     if (!done && output_interrupted()) {
         *err = own;
         return false;
@@ -172,24 +164,19 @@ static bool warm_up(struct measurement *measurement, struct attempt *attempt, st
         const char *reason = strncmp(own.text, "error: ", 7) == 0 ? own.text + 7 : own.text;
         return cost_note(measurement->cost, err, "without %s: %s", attempt->entry.name, reason);
     }
-    attempt->n_pages = errors.n_pages;
-    attempt->entry.spectral = errors.spectral;
-    attempt->entry.mean = errors.mean;
-    attempt->entry.quantile_95 = errors.quantile_95;
-    attempt->entry.largest = errors.largest;
-    attempt->entry.radiance_error = errors.radiance;
-    attempt->seconds = calloc((size_t)measurement->options->runs, sizeof *attempt->seconds);
+    attempt->entry.accuracy = accuracy;
+    attempt->seconds = calloc((size_t)measurement->cost->runs, sizeof *attempt->seconds);
     return attempt->seconds || error_memory(err);
 }
 
-/* `add` fills in configurations whose choice may depend on the errors so far. */
+/* `add` adds configurations, whose choice may depend on the errors so far. */
 static bool warm_up_more(struct measurement *measurement,
-                         bool (*add)(const struct survey *survey, const char *observer,
-                                     struct attempts *attempts, struct error *err),
+                         bool (*add)(const struct survey *survey, struct attempts *attempts,
+                                     struct error *err),
                          struct error *err)
 {
     const int first = measurement->attempts.n;
-    if (!add(&measurement->survey, measurement->options->observer, &measurement->attempts, err))
+    if (!add(&measurement->survey, &measurement->attempts, err))
         return false;
     for (int i = first; i < measurement->attempts.n; i++)
         if (!warm_up(measurement, &measurement->attempts.attempt[i], err))
@@ -203,7 +190,7 @@ static bool run_round(struct measurement *measurement, int round, struct error *
     for (int i = 0; i < measurement->attempts.n; i++) {
         struct attempt *attempt = &measurement->attempts.attempt[i];
         struct task task = {measurement, &attempt->entry};
-        if (attempt->n_pages == 0)
+        if (attempt->entry.accuracy.n_pages == 0)
             continue;
         if (!process_run(render_stack, &task, NULL, 0, &attempt->seconds[round], err))
             return false;
@@ -213,12 +200,12 @@ static bool run_round(struct measurement *measurement, int round, struct error *
     return true;
 }
 
-/* About how many configurations there are; only the progress asks. */
+/* For the progress until all configurations are known. */
 enum { LIKELY_CONFIGURATIONS = 60 };
 
 static long steps_of(const struct measurement *measurement, int n_attempts)
 {
-    return (long)n_attempts * (2 + measurement->options->runs);
+    return (long)n_attempts * (2 + measurement->cost->runs);
 }
 
 static bool measure_configurations(struct measurement *measurement, struct error *err)
@@ -229,7 +216,7 @@ static bool measure_configurations(struct measurement *measurement, struct error
         !warm_up_more(measurement, configurations_combined, err))
         return false;
     measurement->all_steps = steps_of(measurement, measurement->attempts.n);
-    for (int round = 0; round < measurement->options->runs; round++)
+    for (int round = 0; round < measurement->cost->runs; round++)
         if (!run_round(measurement, round, err))
             return false;
     return true;
@@ -258,7 +245,7 @@ static void take_seconds(struct attempt *attempt, int runs)
     attempt->entry.slowest = attempt->seconds[n - 1];
 }
 
-/* Entries move to the result. */
+/* Moves entries to the result. */
 static bool conclude(struct measurement *measurement, struct error *err)
 {
     struct cost *cost = measurement->cost;
@@ -268,7 +255,7 @@ static bool conclude(struct measurement *measurement, struct error *err)
         return error_memory(err);
     for (int i = 0; i < attempts->n; i++) {
         struct attempt *attempt = &attempts->attempt[i];
-        if (attempt->n_pages == 0)
+        if (attempt->entry.accuracy.n_pages == 0)
             continue;
         take_seconds(attempt, cost->runs);
         cost->entries[cost->n++] = attempt->entry;
@@ -281,7 +268,7 @@ static bool conclude(struct measurement *measurement, struct error *err)
                                        cost->n_notes > 0 ? cost->notes[cost->n_notes - 1] : "");
 }
 
-/* The scene with what the command line changes of it; allocated, NULL: no memory. */
+/* Returns the scene's name with the changes of the command line, allocated; NULL: no memory. */
 static char *name_scene(const struct measurement *measurement)
 {
     char *text = NULL;
@@ -290,8 +277,8 @@ static char *name_scene(const struct measurement *measurement)
     if (!stream)
         return NULL;
     fputs(measurement->survey.scene, stream);
-    for (int i = 0; i < measurement->options->n_given; i++)
-        fprintf(stream, " %s", measurement->options->given[i]);
+    for (int i = 0; i < measurement->options->n_recorded; i++)
+        fprintf(stream, " %s", measurement->options->recorded[i]);
     if (fclose(stream) == 0)
         return text;
     free(text);
@@ -302,10 +289,10 @@ static bool describe(struct measurement *measurement, struct error *err)
 {
     struct cost *cost = measurement->cost;
     cost->scene = name_scene(measurement);
-    cost->observer = strdup(measurement->options->observer);
+    cost->observer = strdup(measurement->survey.observer);
     cost->width = measurement->survey.width;
     cost->height = measurement->survey.height;
-    cost->runs = measurement->options->runs;
+    cost->runs = measurement->options->runs ? measurement->options->runs : DEFAULT_RUNS;
     return ((cost->scene && cost->observer) || error_memory(err)) &&
            survey_notes(&measurement->survey, cost, err) &&
            (measurement->standard.lit ||
@@ -317,17 +304,16 @@ static bool describe(struct measurement *measurement, struct error *err)
 static bool measure(struct measurement *measurement, struct error *err)
 {
     return open_folder(measurement, err) &&
-           survey_scene(measurement->program, measurement->options->observer, &measurement->survey,
-                        err) &&
+           survey_scene(measurement->options, &measurement->survey, err) &&
            make_reference(measurement, err) && describe(measurement, err) &&
            measure_configurations(measurement, err) && conclude(measurement, err);
 }
 
-bool cost_measure(const struct cost_program *program, const struct cost_options *options,
-                  struct cost *out, struct error *err)
+bool cost_measure(const struct options *options, struct cost *out, struct error *err)
 {
-    struct measurement measurement = {.program = program, .options = options, .cost = out};
+    struct measurement measurement = {.options = options, .cost = out};
     void *held = signals_hold();
+    measurement.shown = progress_start(&measurement.line, options->quiet);
     *out = (struct cost){.scene = NULL};
     const bool done = held ? measure(&measurement, err) : error_memory(err);
     for (int i = 0; i < measurement.attempts.n; i++) {

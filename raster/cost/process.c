@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A job in a process of its own, whose result comes back through a pipe. */
+/* Runs a job in a process of its own. Its result comes back through a pipe. */
 #include <errno.h>
 #include <poll.h>
 #include <signal.h>
@@ -12,13 +12,13 @@
 #include "raster/cost/cost.h"
 #include "spectral.h"
 
-/* What comes before the job's own bytes. */
+/* The first bytes in the pipe; the job's own follow. */
 struct reply {
     bool done;
     struct error err;
 };
 
-/* How often an interruption is looked for while a job runs: signals are held back. */
+/* Signals are held back, so an interruption is looked for this often while a job runs. */
 enum { LOOK_MS = 50 };
 
 /* Reads until the job's end closes the pipe; returns how many bytes came, -1 if interrupted. */
@@ -41,7 +41,7 @@ static ssize_t read_reply(int from, char *bytes, size_t length)
     }
 }
 
-/* What a finished job said; status is of waitpid. */
+/* Takes the reply of a finished job; status is of waitpid. */
 static bool take_reply(const char *bytes, ssize_t got, int status, void *out, size_t size,
                        struct error *err)
 {

@@ -1,49 +1,64 @@
 /* SPDX-License-Identifier: MIT */
-/* The same picture through OpenGL. No other room includes a GL header. */
+/* Draws the plan's picture through OpenGL, a tile and a pass at a time, and says which triangle
+ * OpenGL shows at each pixel. Only this room includes a GL header. It may not know what the
+ * reference shows: of lit scenes it reads only where each surface lies in the window, so that it
+ * draws no surface that a tile cannot show. */
 #ifndef GL_H
 #define GL_H
 
 #include "data/maths/maths.h"
+#include "data/tiff/tiff.h"
 #include "raster/bounds/bounds.h"
 #include "raster/plan/plan.h"
 #include "raster/reference/reference.h"
 #include "spectral.h"
 
-/* ---- mesa.c: the same picture through OSMesa ---- */
+/* ---- context.c: OSMesa's contexts and their buffers ---- */
 
 struct gl;
+/* Returns false in a program without OpenGL, where gl_open always fails. */
+bool gl_is_built(void);
+/* Writes name, version and driver of the OSMesa in use. */
+void gl_library(char *out, size_t capacity);
+/* Opens OpenGL for a plan, which must outlive *out, and uploads its meshes and textures. Fails with
+ * EXIT_SYSTEM where there is no usable OpenGL, or not the driver that the plan asks for. Afterwards
+ * gl_close frees *out, also after a failure. One struct gl can be open at a time. */
+bool gl_open(const struct plan *plan, struct gl **out, struct error *err);
+void gl_close(struct gl *gl); /* NULL is fine */
+/* Return GL_RENDERER and GL_VERSION, until gl_close. */
+const char *gl_renderer(const struct gl *gl);
+const char *gl_version(const struct gl *gl);
+
+/* ---- pass.c: lights, materials and passes ---- */
+
+/* Aims at a tile of the picture, of at most the plan's tile size in pixels. `lit` is of the same
+ * plan, and must live until the next gl_aim. */
+void gl_aim(struct gl *gl, const struct lit_scene *lit, const struct rectangle *tile);
+/* Draws bands first_band .. first_band + BANDS_PER_PASS - 1 (those that exist) of the aimed tile;
+ * spectral textures have these bands loaded. *pixels becomes radiances divided by full_scale,
+ * rounded to the nearest step where the colour buffer has steps: 4 floats a pixel, rows of the
+ * plan's tile_width from the top; owned by gl, until the next gl_draw or gl_identify. */
+bool gl_draw(struct gl *gl, int first_band, double full_scale, const float **pixels,
+             struct error *err);
 struct gl_work {
     long passes, draw_calls;
 };
-/* Uploads the geometry once. EXIT_SYSTEM when there is no usable OpenGL. */
-bool gl_open(const struct plan *plan, struct gl **out, struct error *err);
-const char *gl_renderer(const struct gl *gl);
-const char *gl_version(const struct gl *gl);
-/* Aims at a tile of the picture; surfaces that do not reach it will not be drawn. */
-void gl_aim(struct gl *gl, const struct lit_scene *lit, const struct rectangle *tile);
-/* Draws bands first .. first + BANDS_PER_PASS - 1 (those that exist) of the aimed tile, radiances
- * divided by full_scale, and brought by a colour buffer of counts to the nearest one. Returns 4
- * floats a pixel, row by row from the top, rows of tile_width. */
-bool gl_draw(struct gl *gl, int first_band, double full_scale, const float **pixels,
-             struct error *err);
-/* False in a program without OpenGL, of which no picture can be asked. */
-bool gl_is_built(void);
-/* Name, version and driver of the OSMesa in use. */
-void gl_library(char *out, size_t capacity);
+/* Returns the work of all gl_draw so far. */
 struct gl_work gl_work(const struct gl *gl);
-void gl_close(struct gl *gl);
 
 /* ---- identify.c: which triangle OpenGL shows ---- */
 
-/* What OpenGL shows at a pixel. */
+/* The nearest fragment of a pixel, as OpenGL draws it. */
 struct shown {
     int32_t surface, triangle; /* -1: background */
     uint32_t depth;            /* in steps of 1 / (2^24 - 1) */
     uint8_t fragments;         /* drawn there, hidden ones too, modulo 256 */
 };
-/* Draws the numbers of surfaces and triangles of the aimed tile instead of their colours. */
+/* Draws the numbers of surfaces and triangles of the aimed tile instead of their colours. The plan
+ * asks for a check. */
 bool gl_identify(struct gl *gl, struct error *err);
-/* Of the last gl_identify, before the next gl_draw; x and y within the tile. */
+/* Returns what the last gl_identify drew; no gl_draw has come since. x and y count from the tile's
+ * top left pixel. A number that no instance has becomes surface n_instances. */
 struct shown gl_shown(const struct gl *gl, int x, int y);
 
 /* ---- inside this room ---- */
@@ -51,31 +66,47 @@ struct shown gl_shown(const struct gl *gl, int x, int y);
 struct gl {
     const struct plan *plan;
     const struct lit_scene *lit;
-    struct osmesa_context *context;
-    struct osmesa_context *numbers; /* that draws into floats where `context` draws into steps;
-                              NULL: the same */
-    float *pixels; /* tile_height rows of tile_width pixels of 4 floats, from the top */
-    void *steps;   /* the same of 4 uint8_t or uint16_t, which colours are drawn into; NULL: pixels
-                      are */
-    const void *current; /* which of the two is drawn into */
-    float *sum;          /* the same, of all passes; NULL where there is one */
-    uint32_t
-        *depths; /* the same from the bottom: 24 bits of depth, 8 of stencil; NULL: unchecked */
-    unsigned *buffers;  /* BUFFERS of each mesh */
-    unsigned *textures; /* of each texture */
+    struct osmesa_context *context; /* draws colours; numbers too where `numbers` is NULL */
+    struct osmesa_context *numbers; /* draws into floats where `context` draws into steps */
+    float *pixels;       /* tile_height rows of tile_width pixels of 4 floats, from the top */
+    void *steps;         /* the same of uint8_t or uint16_t, where `context` draws into steps */
+    const void *current; /* the one of the two that OpenGL draws into */
+    float *sum;          /* pixels of all passes; NULL where one pass has all lights */
+    uint32_t *depths;    /* rows from the bottom: 24 bits of depth, 8 of stencil; NULL: no check */
+    unsigned *buffers;   /* names of the buffer objects: some for each mesh */
+    unsigned *textures;  /* names of the texture objects: one for each texture */
     struct rectangle tile;
     struct gl_work work;
 };
 
-/* ---- mesa.c ---- */
+/* ---- context.c ---- */
 
-/* Draws into floats from now on, or into what colours are drawn into. */
+/* Makes OpenGL draw into floats from now on, or into the buffer of colours, which may be of steps.
+ */
 bool gl_draw_into(struct gl *gl, bool floats, struct error *err);
-
-/* Empties the aimed tile, and leaves lighting and textures switched off. */
-void gl_blacken(void);
-void gl_load_matrix(const struct matrix *m);
-/* False after any error since the last call. */
+/* Returns false after any error of OpenGL since the last call. */
 bool gl_succeeded(struct error *err);
+
+/* ---- upload.c: meshes and textures ---- */
+
+/* Uploads all meshes and all textures but the texels of spectral ones. */
+bool gl_upload(struct gl *gl, struct error *err);
+/* Uploads the bands of all spectral textures that are loaded. */
+bool gl_upload_bands(const struct gl *gl, struct error *err);
+/* The next draw call takes its vertices from a mesh of the plan. */
+void gl_bind_mesh(const struct gl *gl, int mesh, bool textured);
+/* The next draw calls show a texture of the plan; NULL: none. */
+void gl_bind_texture(const struct gl *gl, const struct texture *texture);
+
+/* ---- pass.c ---- */
+
+/* Sets the state of a new context that no pass changes. */
+void gl_set_state(const struct gl *gl);
+/* Loads projection and viewport of the aimed tile. */
+void gl_load_view(const struct gl *gl);
+/* Replaces the current matrix of OpenGL. */
+void gl_load_matrix(const struct matrix *m);
+/* Empties the aimed tile, and leaves lighting, textures and the depth test switched off. */
+void gl_blacken(void);
 
 #endif

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Which triangle OpenGL shows at each pixel, how deep it lies, and how many it has drawn there: all
- * instances once more, with their numbers as flat colours, and with the stencil counting fragments
- * whether they are seen or not. Same corners, same order, same matrices: OpenGL must show what it
- * shows in colour (section 2.22 of the OpenGL 2.1 specification, invariance). */
+/* Finds which triangle OpenGL shows at each pixel, its depth, and how many fragments OpenGL has
+ * drawn there: draws all instances once more, with their numbers as flat colours, while the stencil
+ * counts fragments, hidden ones too. Corners, order and matrices are the same, so OpenGL must show
+ * the same triangles as in colour (section 2.22 of the OpenGL 2.1 specification, invariance). */
 #include <stdlib.h>
 
 #define GL_GLEXT_PROTOTYPES
@@ -21,7 +21,8 @@
 /* Triangles given to OpenGL at once: few enough to stay in the second-level cache. */
 enum { BATCH = 4096 };
 
-/* Numbers that single precision holds: instance + 1, and the triangle in two parts. */
+/* The number is three that single precision holds exactly: the low 16 bits of the triangle, its
+ * high bits, and the instance + 1. */
 struct numbered_vertex {
     GLfloat position[3], number[3];
 };
@@ -51,7 +52,7 @@ static void draw_numbers(const struct plan *plan, int placed, struct numbered_ve
     }
 }
 
-static void draw_bodies(const struct gl *gl, struct numbered_vertex *batch)
+static void draw_instances(const struct gl *gl, struct numbered_vertex *batch)
 {
     glClear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
     gl_blacken();
@@ -82,7 +83,7 @@ bool gl_identify(struct gl *gl, struct error *err)
         free(batch);
         return false;
     }
-    draw_bodies(gl, batch);
+    draw_instances(gl, batch);
     glFinish(); /* only now does OSMesa fill the buffer */
     glReadPixels(0, 0, gl->plan->tile_width, gl->plan->tile_height, GL_DEPTH_STENCIL,
                  GL_UNSIGNED_INT_24_8, gl->depths);
@@ -90,7 +91,7 @@ bool gl_identify(struct gl *gl, struct error *err)
     return gl_succeeded(err);
 }
 
-/* A number that OpenGL shows, or -1 where it is none. */
+/* Returns the number that a channel holds; -1: it holds no whole number below 2^24. */
 static int32_t whole(float value)
 {
     return value >= 0 && value < 16777216 && value == (float)(int32_t)value ? (int32_t)value : -1;
@@ -104,7 +105,7 @@ struct shown gl_shown(const struct gl *gl, int x, int y)
     struct shown shown = {-1, -1, depth >> 8, (uint8_t)(depth & 0xff)};
     int32_t low = whole(number[0]), high = whole(number[1]), placed = whole(number[2]);
     if (low < 0 || low > 0xffff || high < 0 || high > INT16_MAX || placed < 0) {
-        shown.surface = gl->plan->n_instances; /* none that there is */
+        shown.surface = gl->plan->n_instances; /* a number that no instance has */
     } else if (placed > 0) {
         shown.surface = placed - 1;
         shown.triangle = high * 65536 + low;

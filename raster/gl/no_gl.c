@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* In the place of mesa.c and identify.c in a program without OpenGL. None is ever opened, so that
- * the functions that need an open one are here only to be linked. */
+/* Takes the place of all other files of this room in a program without OpenGL. gl_open always
+ * fails, so the functions that need an open struct gl are here only to be linked. */
 #include <errno.h>
 
 #include "raster/bounds/bounds.h"
@@ -32,7 +32,7 @@ void gl_close(struct gl *gl)
     (void)gl;
 }
 
-/* ---- with an open one ---- */
+/* ---- for an open struct gl ---- */
 
 const char *gl_renderer(const struct gl *gl)
 {

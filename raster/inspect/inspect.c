@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* How a pixel's spectrum comes about: the reference draws a region as it draws the whole picture,
- * and the spectra that its material is made of are given beside it. */
+ * and the spectra of lights and material are listed beside the region's radiance. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,7 +20,7 @@
 #include "spectral.h"
 
 struct region {
-    struct plan plan; /* a view of the caller's, whose samples are radiances */
+    struct plan plan; /* the caller's, but with samples that are radiances */
     struct lit_scene lit;
     double full_scale;
     struct chunk *chunks; /* of the current tile */
@@ -91,7 +91,7 @@ static bool inspect_tile(struct region *region, const struct rectangle *tile, st
     return done;
 }
 
-/* In tiles no larger than the plan's, which bound the memory. */
+/* Tiles are no larger than the plan's, which bound the memory. */
 static bool inspect_tiles(struct region *region, struct error *err)
 {
     const struct probe *probe = region->probe;
@@ -108,21 +108,31 @@ static bool inspect_tiles(struct region *region, struct error *err)
 
 /* ---- curves ---- */
 
-/* factor x spectrum under a name; of NULL 1. What finds no room is left out. */
-static bool add_curve(struct probe *probe, const char *name, bool relative, double factor,
-                      const struct spectrum *spectrum, enum spectrum_ends ends, struct error *err)
+/* factor x spectrum under a name; spectrum NULL stands for 1 at every wavelength. */
+struct curve {
+    const char *name;
+    bool relative; /* a reflectance, excitation or emission; otherwise a radiance */
+    double factor;
+    const struct spectrum *spectrum;
+    enum spectrum_ends ends;
+};
+
+/* Leaves out a curve that finds no room. */
+static bool add_curve(struct probe *probe, const struct curve *curve, struct error *err)
 {
-    struct probe_curve *curve = &probe->curves[probe->n_curves];
+    struct probe_curve *out = &probe->curves[probe->n_curves];
     if (probe->n_curves == MAX_PROBE_CURVES)
         return true;
-    curve->values = calloc((size_t)probe->n, sizeof *curve->values);
-    if (!curve->values)
+    out->values = calloc((size_t)probe->n, sizeof *out->values);
+    if (!out->values)
         return error_memory(err);
-    snprintf(curve->name, sizeof curve->name, "%s", name);
-    curve->relative = relative;
+    snprintf(out->name, sizeof out->name, "%s", curve->name);
+    out->relative = curve->relative;
     for (int i = 0; i < probe->n; i++)
-        curve->values[i] =
-            factor * (spectrum ? spectrum_at(spectrum, probe->wavelengths_nm[i], ends) : 1);
+        out->values[i] =
+            curve->factor *
+            (curve->spectrum ? spectrum_at(curve->spectrum, probe->wavelengths_nm[i], curve->ends)
+                             : 1);
     probe->n_curves++;
     return true;
 }
@@ -132,7 +142,8 @@ static bool add_light(struct probe *probe, const char *kind, int index, double i
 {
     char name[sizeof probe->curves[0].name];
     snprintf(name, sizeof name, "%s %d (%s)", kind, index + 1, spectrum->name);
-    return add_curve(probe, name, false, intensity, spectrum, SPECTRUM_ZERO, err);
+    const struct curve curve = {name, false, intensity, spectrum, SPECTRUM_ZERO};
+    return add_curve(probe, &curve, err);
 }
 
 static bool add_lights(struct probe *probe, const struct scene *scene, struct error *err)
@@ -148,22 +159,26 @@ static bool add_lights(struct probe *probe, const struct scene *scene, struct er
     return true;
 }
 
-/* Each as data/terms takes it. */
+/* Beyond their ends spectra go on as data/terms continues them. */
 static bool add_material(struct probe *probe, const struct material *material, struct error *err)
 {
     const struct spectrum *specular =
         material->specular.kind != SPECTRUM_NONE ? &material->specular : NULL;
-    return add_curve(probe, "reflectance", true, 1, &material->diffuse, SPECTRUM_HOLD, err) &&
-           (material->gloss == 0 ||
-            add_curve(probe, "specular reflectance", true, 1, specular, SPECTRUM_HOLD, err)) &&
-           (material->excitation.kind == SPECTRUM_NONE ||
-            (add_curve(probe, "excitation", true, 1, &material->excitation, SPECTRUM_ZERO, err) &&
-             add_curve(probe, "emission", true, 1, &material->emission, SPECTRUM_ZERO, err))) &&
-           (material->glow.kind == SPECTRUM_NONE ||
-            add_curve(probe, "own light", false, 1, &material->glow, SPECTRUM_ZERO, err));
+    const struct curve curves[] = {{"reflectance", true, 1, &material->diffuse, SPECTRUM_HOLD},
+                                   {"specular reflectance", true, 1, specular, SPECTRUM_HOLD},
+                                   {"excitation", true, 1, &material->excitation, SPECTRUM_ZERO},
+                                   {"emission", true, 1, &material->emission, SPECTRUM_ZERO},
+                                   {"own light", false, 1, &material->glow, SPECTRUM_ZERO}};
+    const bool fluoresces = material->excitation.kind != SPECTRUM_NONE;
+    const bool has[] = {true, material->gloss > 0, fluoresces, fluoresces,
+                        material->glow.kind != SPECTRUM_NONE};
+    for (size_t i = 0; i < sizeof curves / sizeof curves[0]; i++)
+        if (has[i] && !add_curve(probe, &curves[i], err))
+            return false;
+    return true;
 }
 
-/* The object's come first: there may be too many lights. */
+/* Adds the curves of the object first: there may be too many lights for all to find room. */
 static bool add_curves(const struct region *region, struct error *err)
 {
     struct probe *probe = region->probe;
@@ -180,7 +195,7 @@ static bool add_curves(const struct region *region, struct error *err)
 
 /* ---- the whole ---- */
 
-/* The white is that of a stack of this scene. */
+/* Colours have the white of a stack of this scene. */
 static bool add_colour(struct probe *probe, const struct scene *scene,
                        const struct probe_options *options, struct error *err)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* spectral render --again: a stack is made from its own record, and must be the same. */
+/* spectral render --again: makes a stack from its own record. The new stack must be the same. */
 #include <stdlib.h>
 #include <string.h>
 

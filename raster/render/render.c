@@ -103,7 +103,7 @@ static int bands_of_pass(const struct plan *plan, int pass)
     return left < BANDS_PER_PASS ? left : BANDS_PER_PASS;
 }
 
-/* Whether OpenGL shows the triangles that it should, where it should. */
+/* Checks that OpenGL shows the right triangles in the right places. */
 static bool identify_tile(struct render_state *state, const struct rectangle *tile,
                           struct error *err)
 {
@@ -201,8 +201,8 @@ static bool render_pass(struct render_state *state, const struct rectangle *tile
 
 /* ---- the object map ---- */
 
-/* The number of what the stored pixels show at a pixel of the tile, from 1: OpenGL's by the last
- * identification, or the reference's of a chunk. What is nothing that there is counts as
+/* Returns the number, from 1, of the object that the stored pixels show at a pixel of the tile: by
+ * OpenGL's last identification, or by the reference's chunk. An unknown surface number counts as
  * background. */
 static int object_at(const struct render_state *state, const struct rectangle *tile, int x, int y)
 {
@@ -213,7 +213,7 @@ static int object_at(const struct render_state *state, const struct rectangle *t
     return surface < state->plan->n_instances ? surface + 1 : 0;
 }
 
-/* Its numbers go through the room of a band. */
+/* Writes the object map by way of the memory of a band's samples. */
 static bool write_map(struct render_state *state, const struct rectangle *tile, struct error *err)
 {
     const struct stack_rectangle to = {state->plan->n_bands, tile->x, tile->y, tile->width,
@@ -283,7 +283,7 @@ const char *render_stored(const struct plan *plan, const struct render_result *r
     return plan->options.store_raster ? "raster" : result->gl_renderer;
 }
 
-/* The names of what the object map tells; allocated, none where there is no map. */
+/* Lists the names behind the numbers of the object map; none where there is no map. */
 static bool list_objects(const struct plan *plan, struct record *record, struct error *err)
 {
     record->objects = calloc((size_t)plan->n_instances + 1, sizeof *record->objects);
@@ -295,7 +295,7 @@ static bool list_objects(const struct plan *plan, struct record *record, struct 
     return true;
 }
 
-/* Allocated; NULL on failure. */
+/* Returns the record of the stack as text, allocated; NULL on failure. */
 static char *provenance_text(const struct plan *plan, const struct render_result *result,
                              struct error *err)
 {
@@ -330,7 +330,8 @@ static bool allocate_samples(struct render_state *state, struct error *err)
     return true;
 }
 
-/* The labels of pages that are no radiances at wavelengths, followed by their text; allocated. */
+/* Returns the labels of pages that are components, with their text in the same allocation; NULL: no
+ * memory. */
 static const char **make_labels(const struct sampling *sampling, struct error *err)
 {
     typedef char label_text[24];
@@ -372,7 +373,7 @@ static bool open_stack(struct render_state *state, const char *path, struct erro
     return state->writing;
 }
 
-/* Everything up to the first pixel. */
+/* Does everything up to the first pixel. */
 static bool prepare(struct render_state *state, struct error *err)
 {
     struct render_result *result = state->result;
@@ -444,7 +445,7 @@ bool render(const struct plan *plan, const struct render_output *output,
     *out = (struct render_result){.full_scale = 0};
     bool done = render_all(&state, output, err);
     if (state.writing)
-        stack_discard(&state.writer); /* what was committed stays */
+        stack_discard(&state.writer); /* a committed stack stays */
     for (int c = 0; c < BANDS_PER_PASS; c++)
         free(state.samples[c]);
     gl_close(state.gl);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The loop over tiles and passes, and the report of it. */
+/* Renders a plan into a stack, tile by tile and pass by pass, and reports what it did and found. It
+ * brings reference, OpenGL, check and stack together, and may not know how any of them works. */
 #ifndef RENDER_H
 #define RENDER_H
 
@@ -22,9 +23,9 @@ struct render_seconds {
 };
 struct render_result {
     double full_scale;
-    bool clips; /* a vertex is brighter than that */
+    bool clips; /* a vertex is brighter than full_scale */
     char gl_renderer[128], gl_version[128];
-    const struct driver *driver;
+    const struct driver *driver; /* its bounds hold */
     struct gl_work gl;
     struct light_work light;
     struct check_verdict check;
@@ -34,38 +35,39 @@ struct render_result {
 };
 struct render_output {
     const char *path;  /* of the stack; NULL: none is written */
-    const char *again; /* the stack that it shall be the same as, to the last byte; NULL: none */
-    bool keep;         /* also what failed its check, or is not the same, is stored */
-    bool discard;      /* nothing is stored: the stack is only compared with the other */
+    const char *again; /* a stack with which the new one is compared, byte by byte; NULL: none */
+    bool keep;         /* store the stack even if it failed its check, or differs from `again` */
+    bool discard;      /* only compare the stack with `again`: store none */
 };
-/* Called between passes with done of all steps. */
+/* step is called after each pass: `done` of `all` steps are done. */
 struct render_progress {
     void (*step)(void *context, long done, long all);
     void *context;
 };
-/* Renders into a stack. True also if the picture failed its check, or is not the same: the result
- * tells, and render_agreed. */
+/* Renders into a stack. Returns true also if the picture failed its check, or differs from the
+ * stack that it was compared with: ask render_agreed. progress NULL: none. After a failure, an
+ * interruption or a difference (without `keep`) no file has been created or changed. */
 bool render(const struct plan *plan, const struct render_output *output,
             const struct render_progress *progress, struct render_result *out, struct error *err);
 bool render_agreed(const struct render_result *result);
-/* Whose pixels are stored: "raster", or OpenGL's GL_RENDERER. */
+/* Returns the renderer of the stored pixels: "raster", or OpenGL's GL_RENDERER. */
 const char *render_stored(const struct plan *plan, const struct render_result *result);
 
 /* ---- report.c: results in words and as JSON ---- */
 
-/* The verdict in one line of ASCII, for the stack. */
+/* Writes the verdict in one line of ASCII, for the stack. */
 void report_verdict(const struct plan *plan, const struct check_verdict *verdict, char *out,
                     size_t capacity);
-/* Returns false with EXIT_DIFFERENT: where the pictures first differ, and `then` what follows from
- * it. */
+/* Returns false with EXIT_DIFFERENT and a message: where the pictures first differ, then `then`,
+ * the consequence. */
 bool report_difference(const struct plan *plan, const struct check_verdict *verdict,
                        const char *then, struct error *err);
-/* The same for a stack made again that is not the same; `made` is how the one at `path` was made.
- */
+/* Likewise reports how a stack made again differs from the one at `path`, which has the record
+ * `made`. */
 bool report_not_again(const struct plan *plan, const struct render_result *result, const char *path,
                       const struct record *made, const char *then, struct error *err);
 void report_print(const struct plan *plan, const struct render_result *result, FILE *to);
-/* One JSON object, allocated; NULL: no memory. output and sha256 may be NULL. */
+/* Returns one JSON object, allocated; NULL: no memory. output and sha256 may be NULL. */
 char *report_json(const struct plan *plan, const struct render_result *result, const char *output,
                   const char *sha256, uint64_t peak_bytes);
 
@@ -76,7 +78,7 @@ bool command_render(struct options *options, struct error *err);
 /* Renders a scene to its stack and reports. */
 bool render_scene(struct options *options, struct error *err);
 
-/* ---- Inside this room ---- */
+/* ---- inside this room ---- */
 
 /* Reads, plans and renders the scene of the options, and reports. made: the record that the stack
  * is made again from; NULL: it is a new one. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a render did and found: in words, in one line for the stack, and as one JSON object. */
+/* The report of a render: in words, in one line for the stack, and as one JSON object. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -59,7 +59,7 @@ void report_verdict(const struct plan *plan, const struct check_verdict *verdict
                  "pixels of the reference, not cross-checked: OpenGL has no phong shading");
     else if (plan->options.store_raster && verdict->unexplained == 0)
         snprintf(out, capacity,
-                 "pixels of the reference"); /* whatever OpenGL drew: the same bytes */
+                 "pixels of the reference"); /* the same bytes with and without a check */
     else if (!plan->options.check)
         snprintf(out, capacity, "not cross-checked");
     else
@@ -109,7 +109,7 @@ static void print_check(const struct plan *plan, const struct check_verdict *ver
     fprintf(to, "unexplained       %llu\n", (unsigned long long)verdict->unexplained);
 }
 
-/* What full scale is stored as. */
+/* Returns the sample that stands for full scale, in words. */
 static const char *largest_sample(const struct plan *plan)
 {
     return plan->options.bits == 8 ? "255" : plan->options.bits == 32 ? "full scale" : "65535";
@@ -148,7 +148,7 @@ void report_print(const struct plan *plan, const struct render_result *result, F
             seconds->check, seconds->write);
 }
 
-/* What differs, in words. */
+/* Describes a difference in words. */
 static void failure_text(const struct plan *plan, const struct check_failure *failure, char *out,
                          size_t capacity)
 {
@@ -200,7 +200,7 @@ bool report_difference(const struct plan *plan, const struct check_verdict *verd
     return false;
 }
 
-/* The surest reason first. */
+/* Names the most certain reason. */
 bool report_not_again(const struct plan *plan, const struct render_result *result, const char *path,
                       const struct record *made, const char *then, struct error *err)
 {

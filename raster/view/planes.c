@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The picture as planes of weights, which depend on geometry only, and those as text. */
+/* Planes of weights, which depend on geometry only: their making from the picture, and their text.
+ */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -47,7 +48,7 @@ static int plane_of(const struct term *term)
     return term->reflection == CONSTANT ? 0 : 1 + 2 * term->light + (term->reflection == SPECULAR);
 }
 
-/* Pixel `from` of a part is the picture's pixel `to`. */
+/* Pixel `from` of a chunk becomes the picture's pixel `to`. */
 static void put_pixel(const struct lit_scene *lit, const struct picture *picture, size_t from,
                       struct planes *planes, size_t to)
 {
@@ -84,7 +85,7 @@ static bool put_chunk(void *context, const struct rectangle *tile, int index, st
     return done;
 }
 
-/* The values of one texture at its own wavelengths, where it is seen. */
+/* Puts the values of one texture at its own wavelengths into the pixels that show it. */
 static bool put_texture(const struct plan *plan, struct texture *texture, struct planes *planes,
                         struct error *err)
 {
@@ -147,7 +148,7 @@ double plane_scale(const struct planes *planes, int plane)
     return largest / LARGEST_SAMPLE;
 }
 
-/* Differences between neighbours, which are small and alike, as bytes, all lower ones first. */
+/* Writes differences between neighbours, which are small and alike, all lower bytes first. */
 static void put_differences(const uint16_t *samples, size_t n, unsigned char *out)
 {
     for (size_t i = 0; i < n; i++) {
@@ -157,7 +158,7 @@ static void put_differences(const uint16_t *samples, size_t n, unsigned char *ou
     }
 }
 
-/* All planes, that of the surfaces first; allocated, NULL: no memory. */
+/* Returns all planes, that of the surfaces first, allocated; NULL: no memory. */
 static unsigned char *planes_bytes(const struct planes *planes, const double *scale, size_t *length)
 {
     size_t n = planes->n_pixels, n_values = (size_t)(planes->n_weights + planes->n_pages);

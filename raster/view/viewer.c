@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* An interactive viewer in one HTML file: the page of data/builtin/viewer.html with its data.
  *
- * Local illumination is linear: whatever the lights are, a pixel's radiance is its weights, which
- * depend on geometry only, times spectra of light and material. The weights go into the page as
- * planes of 16 bits, the spectra as JSON; products are made there. What fluoresces depends on
- * wavelengths outside the picture: that is computed here for every illuminant on offer. */
+ * Local illumination is linear: under any lights, a pixel's radiance is its weights, which depend
+ * on geometry only, times spectra of light and material. The page holds the weights as planes of 16
+ * bits and the spectra as JSON, and multiplies them itself. Luminescence depends on wavelengths
+ * outside the picture, so it is computed here, for every illuminant on offer. */
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
@@ -22,7 +22,7 @@
 #include "raster/view/view.h"
 #include "spectral.h"
 
-/* ---- what the page computes with, as JSON ---- */
+/* ---- spectra and matrices as JSON ---- */
 
 struct page {
     const struct plan *plan;
@@ -41,7 +41,7 @@ static void json_matrix(struct json *json, const char *key, double matrix[3][3])
     json_close(json, ']');
 }
 
-/* At the picture's wavelengths; null for a spectrum that is absent. */
+/* Puts a spectrum at the picture's wavelengths; null for a spectrum that is absent. */
 static void put_spectrum(struct page *page, const char *key, const struct spectrum *spectrum,
                          enum spectrum_ends ends)
 {
@@ -56,7 +56,7 @@ static void put_spectrum(struct page *page, const char *key, const struct spectr
 
 /* ---- illuminants ---- */
 
-/* The name of a built-in table as the command line has it; false for another file. */
+/* Writes the name of a built-in table as a command line has it. Returns false for another file. */
 static bool table_name(const struct builtin_file *file, char *out, size_t capacity)
 {
     static const char folder[] = "tables/";
@@ -75,7 +75,7 @@ static bool same_illuminant(const struct spectrum *a, const struct spectrum *b)
                           memcmp(a->wavelength_nm, b->wavelength_nm, size) == 0));
 }
 
-/* The number of an illuminant, which is added if it is new; -1 after an error. */
+/* Returns the number of an illuminant, which is added if it is new; -1 after an error. */
 static int find_illuminant(struct page *page, const struct spectrum *spectrum, struct error *err)
 {
     for (int i = 0; i < page->n_illuminants; i++)
@@ -103,7 +103,7 @@ static bool add_builtin(struct page *page, const char *name, struct error *err)
     return true;
 }
 
-/* Equal energy, the built-in ones, and what the scene has. */
+/* Finds equal energy, the built-in illuminants, and those of the scene. */
 static bool find_illuminants(struct page *page, struct error *err)
 {
     const struct scene *scene = page->plan->scene;
@@ -123,7 +123,8 @@ static bool find_illuminants(struct page *page, struct error *err)
     return true;
 }
 
-/* As the command line takes it: a file of the scene is found from the working folder. */
+/* Puts the word by which a command line names the spectrum. The path of a scene's file is relative
+ * to the working folder. */
 static bool put_word(struct page *page, const struct spectrum *spectrum, struct error *err)
 {
     char table[256], path[256];
@@ -153,7 +154,7 @@ static bool put_illuminants(struct page *page, struct error *err)
     return done;
 }
 
-/* As the scene has it. */
+/* Puts a light as the scene has it. */
 static bool put_light(struct page *page, const struct spectrum *spectrum, double intensity,
                       struct error *err)
 {
@@ -187,7 +188,7 @@ static bool put_lights(struct page *page, struct error *err)
 
 /* ---- surfaces ---- */
 
-/* What each illuminant makes a material give out. */
+/* Puts the luminescence of a material under each illuminant. */
 static bool put_luminescence(struct page *page, const struct shaded_material *shaded,
                              struct error *err)
 {
@@ -295,7 +296,8 @@ static bool put_detectors(struct page *page, struct error *err)
     return true;
 }
 
-/* The cone responses in which each kind adapts, and the white to which a complete one leads. */
+/* Puts the cone responses in which each kind adapts, and the white to which a complete one leads.
+ */
 static void put_adaptations(struct json *json)
 {
     json_numbers(json, "display_white", display_white, 3);
@@ -317,7 +319,7 @@ static void put_adaptations(struct json *json)
     json_close(json, ']');
 }
 
-/* The least linear value that is shown as this 8-bit code. */
+/* Returns the least linear value that is shown as this 8-bit code. */
 static double code_step(enum display_kind kind, int channel, int code)
 {
     double below = 0, at = display_largest(kind, channel);
@@ -329,7 +331,7 @@ static double code_step(enum display_kind kind, int channel, int code)
     return at;
 }
 
-/* A tone curve is what its 255 steps are. */
+/* A tone curve is put as its 255 steps. */
 static void put_displays(struct json *json)
 {
     json_open(json, "displays", '[');
@@ -379,7 +381,7 @@ static bool put_json(struct page *page, const struct planes *planes, const doubl
     return true;
 }
 
-/* JSON inside of HTML: a "<", which only strings have, might end the script that holds it. */
+/* Writes JSON into HTML: a "<", which only strings have, might end the script that holds it. */
 static void write_json(const char *text, FILE *to)
 {
     for (; *text; text++)
@@ -389,7 +391,7 @@ static void write_json(const char *text, FILE *to)
             putc(*text, to);
 }
 
-/* The page's source with the data in the place of its mark. */
+/* Writes the page's source, with the data in the place of its mark. */
 static bool write_page(const char *json, const char *planes, size_t planes_length, const char *path,
                        size_t *bytes, struct error *err)
 {

@@ -1,0 +1,269 @@
+/* SPDX-License-Identifier: MIT */
+/* Passes: OpenGL 1.x lighting of the aimed tile. Three wavelengths ride in the red, green and blue
+ * of a pass; each channel is lit by itself, so that a pass is three exact single-wavelength
+ * renderings.
+ *
+ * Products of light and material spectra are made in double and given to OpenGL as the colours of
+ * the lights, with white materials: a fluorescent material, too, is then one pass under eight
+ * lights. More lights take more passes, whose colours are added here; each pass draws everything
+ * anew, so that all agree on what is seen. A pass changes colours only. */
+#define GL_GLEXT_PROTOTYPES
+#include <GL/gl.h>
+#include <GL/glext.h>
+
+#include "data/maths/maths.h"
+#include "data/scene/scene.h"
+#include "raster/bounds/bounds.h"
+#include "raster/gl/gl.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "spectral.h"
+
+static const GLfloat white[4] = {1, 1, 1, 1}, black[4] = {0, 0, 0, 1};
+
+/* ---- the view ---- */
+
+/* OpenGL keeps matrices by column. */
+void gl_load_matrix(const struct matrix *m)
+{
+    GLdouble columns[16];
+    for (int i = 0; i < 4; i++)
+        for (int j = 0; j < 4; j++)
+            columns[4 * j + i] = m->row[i][j];
+    glLoadMatrixd(columns);
+}
+
+/* Makes a row of a projection map [low, high] of the picture's clip space to [-1, 1]. */
+static void aim_row(struct matrix *m, int row, double low, double high)
+{
+    for (int j = 0; j < 4; j++)
+        m->row[row][j] = (2 * m->row[row][j] - (low + high) * m->row[3][j]) / (high - low);
+}
+
+void gl_load_view(const struct gl *gl)
+{
+    const struct rectangle *tile = &gl->tile;
+    double width = gl->plan->scene->width, height = gl->plan->scene->height;
+    struct matrix projection = gl->plan->view.projection;
+    aim_row(&projection, 0, 2 * tile->x / width - 1, 2 * (tile->x + tile->width) / width - 1);
+    aim_row(&projection, 1, 1 - 2 * (tile->y + tile->height) / height, 1 - 2 * tile->y / height);
+    glMatrixMode(GL_PROJECTION);
+    gl_load_matrix(&projection);
+    glMatrixMode(GL_MODELVIEW);
+    /* a smaller tile lies in the first rows of the buffer */
+    glViewport(0, gl->plan->tile_height - tile->height, tile->width, tile->height);
+}
+
+void gl_aim(struct gl *gl, const struct lit_scene *lit, const struct rectangle *tile)
+{
+    gl->lit = lit;
+    gl->tile = *tile;
+    gl_load_view(gl);
+}
+
+/* ---- state ---- */
+
+/* Clamps are off: colours may exceed 1 on their way through a triangle (Mesa clamps vertex colours
+ * by default, even for float buffers). */
+void gl_set_state(const struct gl *gl)
+{
+    glClampColorARB(GL_CLAMP_VERTEX_COLOR_ARB, GL_FALSE);
+    glClampColorARB(GL_CLAMP_FRAGMENT_COLOR_ARB, GL_FALSE);
+    glClampColorARB(GL_CLAMP_READ_COLOR_ARB, GL_FALSE);
+    glDisable(GL_DITHER);
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LESS);
+    glShadeModel(gl->plan->scene->shading == SHADING_FLAT ? GL_FLAT : GL_SMOOTH);
+    glEnable(GL_NORMALIZE);
+    glEnable(GL_LIGHTING);
+    glLightModelfv(GL_LIGHT_MODEL_AMBIENT, white);
+    glLightModeli(GL_LIGHT_MODEL_LOCAL_VIEWER, gl->plan->scene->local_viewer);
+    glMaterialfv(GL_FRONT_AND_BACK, GL_DIFFUSE, white);
+    glMaterialfv(GL_FRONT_AND_BACK, GL_EMISSION, black);
+    glClearColor(0, 0, 0, 0);
+    glMatrixMode(GL_MODELVIEW);
+    glEnableClientState(GL_VERTEX_ARRAY);
+    glEnableClientState(GL_NORMAL_ARRAY);
+}
+
+static void place_light(GLenum name, const struct eye_light *light, const struct light *source)
+{
+    struct vector at = light->position, axis = light->axis;
+    GLfloat position[4] = {(GLfloat)at.x, (GLfloat)at.y, (GLfloat)at.z,
+                           source->directional ? 0.0F : 1.0F};
+    GLfloat direction[3] = {(GLfloat)axis.x, (GLfloat)axis.y, (GLfloat)axis.z};
+    static const GLenum attenuations[] = {GL_CONSTANT_ATTENUATION, GL_LINEAR_ATTENUATION,
+                                          GL_QUADRATIC_ATTENUATION};
+    glEnable(name);
+    glLightfv(name, GL_AMBIENT, black);
+    glLightfv(name, GL_POSITION, position);
+    for (int i = 0; i < 3; i++)
+        glLightf(name, attenuations[i], (GLfloat)light->attenuation[i]);
+    glLightf(name, GL_SPOT_CUTOFF, light->spot ? (GLfloat)source->spot_cutoff_deg : 180.0F);
+    glLightf(name, GL_SPOT_EXPONENT, light->spot ? (GLfloat)source->spot_exponent : 0.0F);
+    if (light->spot)
+        glLightfv(name, GL_SPOT_DIRECTION, direction);
+}
+
+/* Places the lights of a group, in eye coordinates. */
+static void place_lights(const struct gl *gl, int group)
+{
+    glLoadIdentity();
+    for (int i = 0; i < LIGHTS_PER_PASS; i++) {
+        int light = group * LIGHTS_PER_PASS + i;
+        if (light < gl->plan->n_lights)
+            place_light(GL_LIGHT0 + (GLenum)i, &gl->plan->lights[light], gl->plan->sources[light]);
+        else
+            glDisable(GL_LIGHT0 + (GLenum)i);
+    }
+}
+
+/* ---- drawing ---- */
+
+/* Fills in the colour of a term in the bands of a pass; row NULL stands for no term: black. */
+static void band_colour(const struct plan *plan, const double *row, int first_band,
+                        double full_scale, GLfloat out[4])
+{
+    for (int c = 0; c < BANDS_PER_PASS; c++)
+        out[c] = row && first_band + c < plan->n_bands ? (GLfloat)(row[first_band + c] / full_scale)
+                                                       : 0.0F;
+    out[3] = 1;
+}
+
+static const double *term_row(const struct plan *plan, const struct shaded_material *shaded,
+                              enum reflection reflection, int light)
+{
+    for (int t = 0; t < shaded->n_terms; t++)
+        if (shaded->terms[t].reflection == reflection && shaded->terms[t].light == light)
+            return shaded->made.spectra + (size_t)t * (size_t)plan->n_bands;
+    return NULL;
+}
+
+/* One pass draws up to BANDS_PER_PASS bands, lit by one group of lights. */
+struct pass {
+    int first_band, group;
+    double full_scale;
+};
+
+static void set_material(const struct gl *gl, const struct shaded_material *shaded,
+                         const struct pass *pass)
+{
+    const struct plan *plan = gl->plan;
+    const double *constant = pass->group == 0 ? term_row(plan, shaded, CONSTANT, -1) : NULL;
+    GLfloat colour[4];
+    bool shiny = false;
+    for (int i = 0; i < LIGHTS_PER_PASS; i++) {
+        GLenum name = GL_LIGHT0 + (GLenum)i;
+        int light = pass->group * LIGHTS_PER_PASS + i;
+        if (light >= plan->n_lights)
+            break;
+        int first = plan->lights[light].first;
+        double full_scale = pass->full_scale / plan->lights[light].share;
+        const double *specular = term_row(plan, shaded, SPECULAR, first);
+        band_colour(plan, term_row(plan, shaded, DIFFUSE, first), pass->first_band, full_scale,
+                    colour);
+        glLightfv(name, GL_DIFFUSE, colour);
+        band_colour(plan, specular, pass->first_band, full_scale, colour);
+        glLightfv(name, GL_SPECULAR, colour);
+        shiny = shiny || specular;
+    }
+    band_colour(plan, constant, pass->first_band, pass->full_scale, colour);
+    glMaterialfv(GL_FRONT_AND_BACK, GL_AMBIENT, colour);
+    glMaterialfv(GL_FRONT_AND_BACK, GL_SPECULAR, shiny ? white : black);
+    glMaterialf(GL_FRONT_AND_BACK, GL_SHININESS, shiny ? (GLfloat)shaded->material->gloss : 0.0F);
+    gl_bind_texture(gl, shaded->texture);
+}
+
+static void draw_instance(const struct gl *gl, const struct placed_instance *placed)
+{
+    gl_bind_mesh(gl, placed->mesh, gl->plan->materials[placed->shaded].texture);
+    glLightModeli(GL_LIGHT_MODEL_TWO_SIDE, placed->object->two_sided);
+    glFrontFace(placed->instance.mirrored ? GL_CW : GL_CCW);
+    gl_load_matrix(&placed->instance.model_view);
+    glDrawElements(GL_TRIANGLES, 3 * gl->plan->meshes[placed->mesh].mesh.n_triangles,
+                   GL_UNSIGNED_INT, NULL);
+}
+
+/* Clears the colour by drawing over it: Mesa fills 16-byte pixels one by one, at ten times the
+ * price of a rectangle. */
+void gl_blacken(void)
+{
+    glDisable(GL_LIGHTING);
+    glDisable(GL_TEXTURE_2D);
+    glDisable(GL_DEPTH_TEST); /* which also leaves the cleared depth alone */
+    glMatrixMode(GL_PROJECTION);
+    glPushMatrix();
+    glLoadIdentity();
+    glMatrixMode(GL_MODELVIEW);
+    glLoadIdentity();
+    glColor4f(0, 0, 0, 0);
+    glRectf(-1, -1, 1, 1);
+    glMatrixMode(GL_PROJECTION);
+    glPopMatrix();
+    glMatrixMode(GL_MODELVIEW);
+}
+
+static void draw_pass(struct gl *gl, const struct pass *pass)
+{
+    const struct plan *plan = gl->plan;
+    int shaded = -1;
+    glClear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+    gl_blacken();
+    glEnable(GL_DEPTH_TEST);
+    glEnable(GL_LIGHTING);
+    place_lights(gl, pass->group);
+    for (int i = 0; i < plan->n_instances; i++) {
+        const struct placed_instance *placed = &plan->instances[i];
+        if (!surface_reaches(&gl->lit->bounds[i], &gl->tile))
+            continue;
+        if (placed->shaded != shaded)
+            set_material(gl, &plan->materials[placed->shaded], pass);
+        shaded = placed->shaded;
+        draw_instance(gl, placed);
+        gl->work.draw_calls++;
+    }
+    glFinish(); /* only now does OSMesa fill the buffer */
+    gl->work.passes++;
+}
+
+/* Converts steps to parts of full scale. */
+static void convert_steps(struct gl *gl)
+{
+    size_t n = 4 * (size_t)gl->plan->tile_width * (size_t)gl->plan->tile_height;
+    const uint16_t *words = gl->steps;
+    const uint8_t *bytes = gl->steps;
+    float whole = (float)buffer_steps(gl->plan);
+    bool wide = gl->plan->options.buffer_bits == 16;
+    for (size_t i = 0; i < n && wide; i++)
+        gl->pixels[i] = (float)words[i] / whole;
+    for (size_t i = 0; i < n && !wide; i++)
+        gl->pixels[i] = (float)bytes[i] / whole;
+}
+
+static void add_pass(struct gl *gl, bool first)
+{
+    size_t n = 4 * (size_t)gl->plan->tile_width * (size_t)gl->plan->tile_height;
+    for (size_t i = 0; i < n; i++)
+        gl->sum[i] = first ? gl->pixels[i] : gl->sum[i] + gl->pixels[i];
+}
+
+bool gl_draw(struct gl *gl, int first_band, double full_scale, const float **pixels,
+             struct error *err)
+{
+    if (!gl_draw_into(gl, false, err) || !gl_upload_bands(gl, err))
+        return false;
+    for (int group = 0; group < gl->plan->n_light_groups; group++) {
+        draw_pass(gl, &(struct pass){first_band, group, full_scale});
+        if (gl->steps)
+            convert_steps(gl);
+        if (gl->sum)
+            add_pass(gl, group == 0);
+    }
+    *pixels = gl->sum ? gl->sum : gl->pixels;
+    return gl_succeeded(err);
+}
+
+struct gl_work gl_work(const struct gl *gl)
+{
+    return gl->work;
+}
