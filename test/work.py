@@ -61,9 +61,10 @@ def prepare():
 
 
 # What is added to the plain scene, the effects that it turns on, and the counters that it raises,
-# each by how much. A power function at each of 4 vertices, and for both ends of its bound; a cut
+# each by how much. A power function at each of 4 vertices, by the reference, and by its bound again
+# with both ends; a cut
 # through a square meets 3 edges, which each half has.
-POWERS = {"power_functions": 12}
+POWERS = {"power_functions": 16}
 HIGHLIGHT = {"terms": 1, "specular_vertices": 4, **POWERS}
 ADDED = (
     ("ambient light", {"more": "ambient a 0.1"}, "ambient", {"terms": 1}),
