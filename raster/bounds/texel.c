@@ -64,6 +64,12 @@ struct spread {
     double across, up, largest;
 };
 
+/* Of numbers: fmax also knows NaN, at the price of a call. */
+static double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
 static struct spread spread_of(const struct texels *texels, const struct span *across,
                                const struct span *up)
 {
@@ -77,11 +83,11 @@ static struct spread spread_of(const struct texels *texels, const struct span *a
             texels->values + (size_t)texels->width * texel_wrapped(up->first + j, texels->height);
         for (int i = 0; i < across->n; i++) {
             double here = (double)row[column[i]];
-            out.largest = fmax(out.largest, here);
+            out.largest = larger(out.largest, here);
             if (i > 0)
-                out.across = fmax(out.across, fabs(here - (double)row[column[i - 1]]));
+                out.across = larger(out.across, fabs(here - (double)row[column[i - 1]]));
             if (j > 0)
-                out.up = fmax(out.up, fabs(here - (double)below[column[i]]));
+                out.up = larger(out.up, fabs(here - (double)below[column[i]]));
         }
         below = row;
     }

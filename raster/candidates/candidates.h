@@ -12,9 +12,12 @@
 /* ---- presence.c: how sure it is that OpenGL has a fragment at a point ---- */
 
 enum presence { IMPOSSIBLE, POSSIBLE, DEFINITE };
-/* Also finds the edge functions there, and bounds on OpenGL's errors in them. */
-enum presence triangle_presence(const struct bounded_triangle *triangle, double px, double py,
-                                struct edge_functions *edges, double slack[3]);
+/* Bounds OpenGL's errors in the edge functions at a point, where corners are off by `errors`. */
+void edge_slack(const struct edge_functions *edges, const double errors[3], double slack[3]);
+/* The largest of these at any pixel that scan_triangle visits. */
+double most_slack(const struct bounded_triangle *triangle);
+enum presence triangle_presence(const struct bounded_triangle *triangle,
+                                const struct edge_functions *edges, double most);
 enum presence clipped_presence(const struct clipped_triangle *triangle, double px, double py);
 
 /* ---- fragments.c: the fragments that OpenGL may have ---- */
@@ -25,24 +28,26 @@ struct fragment {
     bool loose; /* its colour has no bound */
     double depth, depth_error;
 };
-struct fragment_list {              /* of a pixel */
-    int32_t head;                   /* first possible fragment; -1: none */
-    int32_t n_candidates, n_pruned; /* in the list; when it was last rid of hidden ones */
+struct fragment_list {               /* of a pixel; 32 bytes, since every fragment touches it */
+    int32_t head;                    /* first possible fragment; -1: none */
+    int32_t n_candidates, n_pruned;  /* in the list; when it was last rid of hidden ones */
+    uint32_t n_definite, n_possible; /* fragments, hidden ones too */
     double limit; /* upper bound on the depth of the nearest definite fragment; HUGE_VAL: none */
-    /* fragments, hidden ones too: definite ones, possible ones, and the reference's of the latter
-     */
-    uint32_t n_definite, n_possible, n_covered;
-    /* Each edge that runs by within its slack, a random number for one direction and its negative
-     * for the other, adds to one of these, by how its triangle turns. Both are 0 where all these
-     * edges have a triangle on either side. */
+};
+/* Edges that run by within their slack. */
+struct seam {
+    /* Each such edge, a random number for one direction and its negative for the other, adds to one
+     * of these, by how its triangle turns. Both are 0 where all have a triangle on either side. */
     uint64_t edge_sum[2];
-    bool open; /* some possible fragment is not counted there */
+    uint32_t n_covered; /* fragments that the reference has of those not definite */
+    bool open;          /* some possible fragment is not counted in the sums */
 };
 struct fragments {
     const struct lit_scene *lit;
     const struct rectangle *tile; /* as OpenGL draws it */
     struct rectangle rows;        /* this chunk's part */
     struct fragment_list *pixels;
+    struct seam *seams; /* of each pixel */
     struct bounded_triangle *triangles;
     struct fragment *fragments;
     struct clipped_triangle *clipped;
@@ -58,7 +63,7 @@ void fragments_free(struct fragments *fragments);
 unsigned clipped_at(const struct fragments *fragments, const struct bounded_triangle *triangle,
                     double px, double py);
 /* Whether an edge near the centre always has a triangle on either side. */
-bool is_closed(const struct fragment_list *pixel);
+bool is_closed(const struct seam *seam);
 /* Makes room for `needed` elements of an array. False: no memory, or more than int32_t counts. */
 bool array_grow(void *array, size_t *capacity, size_t needed, size_t size);
 

@@ -23,7 +23,8 @@ struct attribute_bound {
 struct bounded_pixel {
     const struct bounded_triangle *triangle;
     const struct surface *surface;
-    double *attributes; /* these four have room for those of any surface */
+    const float *corner[3], *provoking; /* errors of its vertices */
+    double *attributes;                 /* these four have room for those of any surface */
     float *errors, *interpolation, *slopes;
     struct texel_point place; /* in its texture, and the value there where that is not varied */
     double value;
@@ -130,20 +131,31 @@ static void add_bounds(struct bounding *bounding, double inverse_w, double px, d
         pixel->errors[a] += pixel->interpolation[a];
 }
 
+/* Neighbouring pixels mostly show the same triangle. */
+static void take_triangle(struct bounding *bounding, const struct bounded_triangle *triangle)
+{
+    const struct screen_triangle *screen = &triangle->screen;
+    const struct surface *surface = screen->surface;
+    const float *errors = bounds_of(bounding->fragments.lit, screen)->errors;
+    struct bounded_pixel *pixel = &bounding->pixel;
+    pixel->triangle = triangle;
+    pixel->surface = surface;
+    for (int j = 0; j < 3; j++)
+        pixel->corner[j] = errors + surface_attributes(surface, screen->vertex[j], screen->side);
+    pixel->provoking = errors + surface_attributes(surface, screen->provoking, screen->side);
+}
+
 /* The errors of the vertices, interpolated as the attributes are. */
 static void interpolate_errors(struct bounding *bounding, const double share[3])
 {
-    const struct screen_triangle *screen = &bounding->pixel.triangle->screen;
-    const struct surface *surface = bounding->pixel.surface;
-    const float *errors = bounds_of(bounding->fragments.lit, screen)->errors, *corner[3],
-                *provoking = errors + surface_attributes(surface, screen->provoking, screen->side);
-    for (int j = 0; j < 3; j++)
-        corner[j] = errors + surface_attributes(surface, screen->vertex[j], screen->side);
-    for (size_t a = 0; a < (size_t)surface->n_attributes; a++) {
+    struct bounded_pixel *pixel = &bounding->pixel;
+    const float *const *corner = pixel->corner;
+    for (size_t a = 0; a < (size_t)pixel->surface->n_attributes; a++) {
         double error = 0;
         for (int j = 0; j < 3; j++)
             error += fabs(share[j]) * (double)corner[j][a];
-        bounding->pixel.errors[a] = is_flat(bounding, surface, a) ? provoking[a] : (float)error;
+        pixel->errors[a] =
+            is_flat(bounding, pixel->surface, a) ? pixel->provoking[a] : (float)error;
     }
 }
 
@@ -158,8 +170,8 @@ static void bound_pixel(struct bounding *bounding, const struct bounded_triangle
     struct bounded_pixel *pixel = &bounding->pixel;
     struct light_work none = {0};
     double share[3], inverse_w = shares_at(screen, x + 0.5, y + 0.5, share);
-    pixel->triangle = triangle;
-    pixel->surface = surface;
+    if (pixel->triangle != triangle)
+        take_triangle(bounding, triangle);
     if (weights_matter || surface->instance->textured)
         shade(&lit->plan->view, screen, share, pixel->attributes, &none);
     interpolate_errors(bounding, share);
@@ -291,9 +303,9 @@ static bool add_candidates(struct bounding *bounding, const struct fragment *fra
 }
 
 /* Where triangles meet without a gap one of them must be there, if the driver is watertight. */
-static bool is_surely_covered(const struct bounding *bounding, const struct fragment_list *pixel)
+static bool is_surely_covered(const struct bounding *bounding, const struct seam *seam)
 {
-    return is_closed(pixel) && pixel->n_covered > 0 && bounding->fragments.lit->driver->watertight;
+    return is_closed(seam) && seam->n_covered > 0 && bounding->fragments.lit->driver->watertight;
 }
 
 static bool add_ambiguous(struct bounding *bounding, size_t index, int x, int y)
@@ -304,10 +316,11 @@ static bool add_ambiguous(struct bounding *bounding, size_t index, int x, int y)
                     sizeof *out->ambiguous))
         return false;
     struct ambiguous_pixel *ambiguous = &out->ambiguous[out->n_ambiguous++];
-    *ambiguous = (struct ambiguous_pixel){.pixel = (int32_t)index,
-                                          .first = (int32_t)out->n_candidates,
-                                          .background = pixel->limit == HUGE_VAL &&
-                                                        !is_surely_covered(bounding, pixel)};
+    *ambiguous = (struct ambiguous_pixel){
+        .pixel = (int32_t)index,
+        .first = (int32_t)out->n_candidates,
+        .background = pixel->limit == HUGE_VAL &&
+                      !is_surely_covered(bounding, &bounding->fragments.seams[index])};
     for (int32_t f = pixel->head; f >= 0; f = bounding->fragments.fragments[f].next)
         if (!add_candidates(bounding, &bounding->fragments.fragments[f], x, y))
             return false;
@@ -353,13 +366,13 @@ static bool settle(struct bounding *bounding, size_t index, int x, int y)
 }
 
 /* How many fragments a pixel may have. */
-static struct overdraw overdraw_of(const struct fragment_list *pixel)
+static struct overdraw overdraw_of(const struct fragment_list *pixel, const struct seam *seam)
 {
     uint32_t spread = pixel->n_possible - pixel->n_definite;
     return (struct overdraw){.least = (uint8_t)pixel->n_definite,
                              .spread = spread < UINT8_MAX ? (uint8_t)spread : UINT8_MAX,
-                             .meant = (uint8_t)(pixel->n_definite + pixel->n_covered),
-                             .closed = is_closed(pixel)};
+                             .meant = (uint8_t)(pixel->n_definite + seam->n_covered),
+                             .closed = is_closed(seam)};
 }
 
 static bool resolve_pixel(struct bounding *bounding, size_t index)
@@ -368,7 +381,8 @@ static bool resolve_pixel(struct bounding *bounding, size_t index)
     const struct rectangle *at = &out->picture.at;
     int x = at->x + (int)index % at->width, y = at->y + (int)index / at->width;
     bool settled = is_settled(bounding, index);
-    out->overdraw[index] = overdraw_of(&bounding->fragments.pixels[index]);
+    out->overdraw[index] =
+        overdraw_of(&bounding->fragments.pixels[index], &bounding->fragments.seams[index]);
     if (settled)
         settled = !settle(bounding, index, x, y);
     out->is_ambiguous[index] = !settled;

@@ -99,9 +99,10 @@ struct visit {
     int32_t triangle;
     bool any; /* there may be a fragment of it somewhere */
     struct fragment_list *pixel;
+    struct seam *seam;
     double x, y;
     struct edge_functions edges;
-    double slack[3];
+    double most; /* most_slack */
 };
 
 static const struct bounded_triangle *visited(const struct visit *visit)
@@ -117,13 +118,14 @@ static void add_edges(const struct visit *visit)
     const struct screen_triangle *screen = &visited(visit)->screen;
     uint64_t object =
         (uint64_t)(bounds_of(lit, screen)->placed->object - lit->plan->scene->objects);
+    double slack[3];
+    edge_slack(&visit->edges, visited(visit)->edge_px, slack);
     for (int i = 0; i < 3; i++) {
-        if (visit->edges.e[i] > visit->slack[i])
+        if (visit->edges.e[i] > slack[i])
             continue;
         uint64_t from = corner_number(screen, (i + 1) % 3, object),
                  to = corner_number(screen, (i + 2) % 3, object);
-        visit->pixel->edge_sum[screen->clockwise] +=
-            scatter(from + 2 * to) - scatter(to + 2 * from);
+        visit->seam->edge_sum[screen->clockwise] += scatter(from + 2 * to) - scatter(to + 2 * from);
     }
 }
 
@@ -138,14 +140,14 @@ static void count_fragment(const struct visit *visit, enum presence presence, bo
         pixel->n_definite++;
         return;
     }
-    pixel->n_covered += covered;
-    pixel->open = pixel->open || triangle->edge_on || triangle->cut;
+    visit->seam->n_covered += covered;
+    visit->seam->open = visit->seam->open || triangle->edge_on || triangle->cut;
     add_edges(visit);
 }
 
-bool is_closed(const struct fragment_list *pixel)
+bool is_closed(const struct seam *seam)
 {
-    return !pixel->open && pixel->edge_sum[0] == 0 && pixel->edge_sum[1] == 0;
+    return !seam->open && seam->edge_sum[0] == 0 && seam->edge_sum[1] == 0;
 }
 
 /* ---- clipped triangles ---- */
@@ -236,7 +238,7 @@ static bool judge_fragment(struct visit *visit, enum presence presence, unsigned
     /* the near or the far plane may cut it off */
     if (!(fragment.depth > fragment.depth_error && fragment.depth < 1 - fragment.depth_error)) {
         presence = POSSIBLE;
-        visit->pixel->open = true;
+        visit->seam->open = true;
     }
     count_fragment(visit, presence, covered);
     return bounds_of(visit->of->lit, &triangle->screen)->placed->twin ||
@@ -250,8 +252,8 @@ static bool visit_pixel(void *context, int x, int y)
     const struct rectangle *rows = &visit->of->rows;
     visit->x = x + 0.5;
     visit->y = y + 0.5;
-    enum presence presence =
-        triangle_presence(triangle, visit->x, visit->y, &visit->edges, visit->slack);
+    edges_at(triangle->screen.x, triangle->screen.y, visit->x, visit->y, &visit->edges);
+    enum presence presence = triangle_presence(triangle, &visit->edges, visit->most);
     if (presence == IMPOSSIBLE)
         return true;
     visit->any = true;
@@ -259,8 +261,9 @@ static bool visit_pixel(void *context, int x, int y)
         triangle->n_clipped == 1 ? 1 : clipped_at(visit->of, triangle, visit->x, visit->y);
     if (clipped == 0)
         return true;
-    visit->pixel =
-        &visit->of->pixels[(size_t)(y - rows->y) * (size_t)rows->width + (size_t)(x - rows->x)];
+    size_t pixel = (size_t)(y - rows->y) * (size_t)rows->width + (size_t)(x - rows->x);
+    visit->pixel = &visit->of->pixels[pixel];
+    visit->seam = &visit->of->seams[pixel];
     return judge_fragment(visit, presence, clipped);
 }
 
@@ -270,7 +273,8 @@ static bool visit_triangle(struct fragments *of, int surface, int triangle)
     struct bounded_triangle parts[BOUNDED_TRIANGLES];
     int n = bounded_triangles(of->lit, surface, triangle, of->tile, &of->rows, parts);
     for (int i = 0; i < n; i++) {
-        struct visit visit = {.of = of, .triangle = (int32_t)of->n_triangles};
+        struct visit visit = {
+            .of = of, .triangle = (int32_t)of->n_triangles, .most = most_slack(&parts[i])};
         size_t n_clipped = of->n_clipped;
         if (!array_grow(&of->triangles, &of->triangle_capacity, of->n_triangles + 1,
                         sizeof *of->triangles) ||
@@ -293,7 +297,8 @@ bool fragments_find(struct fragments *out)
     size_t n_pixels = (size_t)out->rows.width * (size_t)out->rows.height;
     out->unused = -1;
     out->pixels = malloc(n_pixels * sizeof *out->pixels);
-    if (!out->pixels)
+    out->seams = calloc(n_pixels, sizeof *out->seams);
+    if (!out->pixels || !out->seams)
         return false;
     for (size_t i = 0; i < n_pixels; i++)
         out->pixels[i] = (struct fragment_list){.head = -1, .limit = HUGE_VAL};
@@ -313,6 +318,7 @@ bool fragments_find(struct fragments *out)
 void fragments_free(struct fragments *fragments)
 {
     free(fragments->pixels);
+    free(fragments->seams);
     free(fragments->triangles);
     free(fragments->fragments);
     free(fragments->clipped);

@@ -9,7 +9,7 @@
 #include "raster/candidates/candidates.h"
 #include "raster/reference/reference.h"
 
-static void edge_slack(const struct edge_functions *edges, const double errors[3], double slack[3])
+void edge_slack(const struct edge_functions *edges, const double errors[3], double slack[3])
 {
     double reach[3];
     for (int i = 0; i < 3; i++)
@@ -20,12 +20,21 @@ static void edge_slack(const struct edge_functions *edges, const double errors[3
     }
 }
 
-enum presence triangle_presence(const struct bounded_triangle *triangle, double px, double py,
-                                struct edge_functions *edges, double slack[3])
+/* scan_triangle visits centres up to the error and 1.5 pixels outside of the bounding box. */
+double most_slack(const struct bounded_triangle *triangle)
+{
+    const double *x = triangle->screen.x, *y = triangle->screen.y,
+                 error = most_of(triangle->edge_px),
+                 size = most_of(x) - least_of(x) + most_of(y) - least_of(y);
+    return 2 * error * (size + 3 + 3 * error);
+}
+
+static enum presence near_edges(const struct bounded_triangle *triangle,
+                                const struct edge_functions *edges)
 {
     const double *errors = triangle->edge_px;
     enum presence presence = DEFINITE;
-    edges_at(triangle->screen.x, triangle->screen.y, px, py, edges);
+    double slack[3];
     edge_slack(edges, errors, slack);
     for (int i = 0; i < 3; i++) {
         bool exact = errors[(i + 1) % 3] <= 0 && errors[(i + 2) % 3] <= 0,
@@ -35,7 +44,19 @@ enum presence triangle_presence(const struct bounded_triangle *triangle, double 
         if (!(edges->e[i] > slack[i]) && !on_edge)
             presence = POSSIBLE;
     }
-    return triangle->screen.twice_area > 0 ? presence : POSSIBLE;
+    return presence;
+}
+
+enum presence triangle_presence(const struct bounded_triangle *triangle,
+                                const struct edge_functions *edges, double most)
+{
+    const double *e = edges->e;
+    enum presence presence = DEFINITE;
+    if (e[0] < -most || e[1] < -most || e[2] < -most)
+        return IMPOSSIBLE;
+    if (!(e[0] > most && e[1] > most && e[2] > most))
+        presence = near_edges(triangle, edges);
+    return presence == DEFINITE && !(triangle->screen.twice_area > 0) ? POSSIBLE : presence;
 }
 
 /* A triangle without area touches its longest edge only. */

@@ -38,15 +38,15 @@ void screen_corner(const struct view *view, const struct corner *from, int i,
 static void swap_corners(struct screen_triangle *triangle)
 {
     const struct screen_triangle old = *triangle;
-    static const int order[3] = {0, 2, 1};
     for (int i = 0; i < 3; i++) {
-        triangle->x[i] = old.x[order[i]];
-        triangle->y[i] = old.y[order[i]];
-        triangle->z[i] = old.z[order[i]];
-        triangle->inverse_w[i] = old.inverse_w[order[i]];
-        triangle->vertex[i] = old.vertex[order[i]];
+        const int from = (3 - i) % 3; /* 0, 2, 1 */
+        triangle->x[i] = old.x[from];
+        triangle->y[i] = old.y[from];
+        triangle->z[i] = old.z[from];
+        triangle->inverse_w[i] = old.inverse_w[from];
+        triangle->vertex[i] = old.vertex[from];
         for (int j = 0; j < 3; j++)
-            triangle->share[i][j] = old.share[order[i]][order[j]];
+            triangle->share[i][j] = old.share[from][(3 - j) % 3];
     }
 }
 
@@ -86,16 +86,6 @@ int screen_triangles(const struct view *view, const struct surface *of, int tria
         turn_corners(part);
     }
     return left < 3 ? 0 : left - 2;
-}
-
-/* On which sides of a rectangle, widened by a margin, a vertex lies (Cohen and Sutherland 1968); 0
- * for one that is not in front of the eye. */
-int outcode(const struct window_vertex *vertex, const struct rectangle *at, double margin)
-{
-    if (!(vertex->clip[3] > 0))
-        return 0;
-    return (vertex->x + margin < at->x) | (vertex->x - margin > at->x + at->width) << 1 |
-           (vertex->y + margin < at->y) << 2 | (vertex->y - margin > at->y + at->height) << 3;
 }
 
 /* ---- edge functions ---- */
@@ -219,11 +209,13 @@ bool scan_triangle(const struct screen_triangle *triangle, const struct rectangl
                    double margin, bool (*visit)(void *context, int x, int y), void *context)
 {
     const double *x = triangle->x, *y = triangle->y;
+    int left = clamp_to(floor(least_of(x) - margin - 0.5), at->x, at->x + at->width);
+    int right = clamp_to(ceil(most_of(x) + margin + 0.5), at->x, at->x + at->width);
     int top = clamp_to(floor(least_of(y) - margin - 0.5), at->y, at->y + at->height);
     int bottom = clamp_to(ceil(most_of(y) + margin + 0.5), at->y, at->y + at->height);
     double reach = most_of(x) - least_of(x) + most_of(y) - least_of(y) + 2;
     for (int row = top; row < bottom; row++) {
-        int first = at->x, last = at->x + at->width;
+        int first = left, last = right;
         narrow_row(triangle, row, -2 * margin * (reach + 3 * margin), &first, &last);
         for (int column = first; column < last; column++)
             if (!visit(context, column, row))

@@ -37,6 +37,16 @@ static bool cover_pixel(void *context, int x, int y)
     return true;
 }
 
+/* On which sides of a rectangle, widened by a margin, a vertex lies (Cohen and Sutherland 1968); 0
+ * for one that is not in front of the eye. */
+int outcode(const struct window_vertex *vertex, const struct rectangle *at, double margin)
+{
+    if (!(vertex->clip[3] > 0))
+        return 0;
+    return (vertex->x + margin < at->x) | (vertex->x - margin > at->x + at->width) << 1 |
+           (vertex->y + margin < at->y) << 2 | (vertex->y - margin > at->y + at->height) << 3;
+}
+
 static bool has_room(struct drawing *drawing)
 {
     if (drawing->n_triangles < drawing->capacity)
@@ -59,7 +69,7 @@ static bool draw_triangle(struct drawing *drawing, const struct surface *surface
     struct screen_triangle parts[SCREEN_TRIANGLES];
     const int32_t *vertex = surface->instance->triangles[triangle];
     int beside = ~0;
-    for (int i = 0; i < 3; i++)
+    for (int i = 0; i < 3 && beside; i++)
         beside &= outcode(&surface->vertices[vertex[i]], &drawing->picture->at, 0);
     if (beside)
         return true;
@@ -72,6 +82,18 @@ static bool draw_triangle(struct drawing *drawing, const struct surface *surface
         scan_triangle(&parts[i], &drawing->picture->at, 0, cover_pixel, drawing);
         drawing->n_triangles += drawing->shown;
     }
+    return true;
+}
+
+/* Nothing of a surface is drawn whose vertices all lie beside the rectangle, on one side of it. */
+static bool draw_surface(struct drawing *drawing, const struct surface *surface)
+{
+    int beside = ~0;
+    for (int i = 0; i < surface->instance->n_vertices && beside; i++)
+        beside &= outcode(&surface->vertices[i], &drawing->picture->at, 0);
+    for (int i = 0; i < surface->instance->n_triangles && !beside; i++)
+        if (!draw_triangle(drawing, surface, i))
+            return false;
     return true;
 }
 
@@ -121,9 +143,8 @@ static bool draw(struct drawing *drawing, int n_surfaces)
         picture->depth[i] = 1;
     }
     for (int s = 0; s < n_surfaces; s++)
-        for (int t = 0; t < drawing->surfaces[s].instance->n_triangles; t++)
-            if (!draw_triangle(drawing, &drawing->surfaces[s], t))
-                return false;
+        if (!draw_surface(drawing, &drawing->surfaces[s]))
+            return false;
     for (size_t i = 0; i < n_pixels; i++)
         if (drawing->nearest[i] >= 0)
             shade_pixel(drawing, i);

@@ -28,19 +28,18 @@ void shade(const struct view *view, const struct screen_triangle *triangle, cons
            double *attributes, struct light_work *work)
 {
     const struct surface *of = triangle->surface;
-    const double *provoking =
-                     of->weights + surface_attributes(of, triangle->provoking, triangle->side),
-                 *corner[3];
+    const int32_t *v = triangle->vertex, vertex[4] = {v[0], v[1], v[2], triangle->provoking};
+    const double *corner[4];
     if (view->shading == PHONG) {
         shade_phong(view, triangle, share, attributes, work);
         return;
     }
-    for (int j = 0; j < 3; j++)
-        corner[j] = of->weights + surface_attributes(of, triangle->vertex[j], triangle->side);
+    for (int j = 0; j < 4; j++)
+        corner[j] = of->weights + surface_attributes(of, vertex[j], triangle->side);
     for (int a = 0; a < of->n_attributes; a++)
         attributes[a] =
             view->shading == FLAT && a < of->instance->n_terms
-                ? provoking[a]
+                ? corner[3][a]
                 : share[0] * corner[0][a] + share[1] * corner[1][a] + share[2] * corner[2][a];
 }
 
