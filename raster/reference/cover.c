@@ -8,7 +8,6 @@
 #include <math.h>
 #include <string.h>
 
-#include "data/maths/maths.h"
 #include "raster/reference/reference.h"
 
 /* ---- triangles in the window ---- */
@@ -170,11 +169,9 @@ double shares_at(const struct screen_triangle *triangle, double px, double py, d
         share[i] = has_area ? edges.e[i] * triangle->inverse_w[i] : 1;
         sum += share[i];
     }
-    for (int j = 0; j < 3; j++) {
-        out[j] = 0;
-        for (int i = 0; i < 3; i++)
-            out[j] += share[i] / sum * triangle->share[i][j];
-    }
+    for (int j = 0; j < 3; j++)
+        out[j] = share[0] / sum * triangle->share[0][j] + share[1] / sum * triangle->share[1][j] +
+                 share[2] / sum * triangle->share[2][j];
     return sum / (has_area ? triangle->twice_area : 3);
 }
 

@@ -3,7 +3,6 @@
  * point is a vertex, or in Phong shading a point between vertices. */
 #include <math.h>
 
-#include "data/maths/maths.h"
 #include "raster/reference/reference.h"
 
 struct incidence incidence_at(const struct eye_light *light, struct vector eye)

@@ -17,9 +17,7 @@ void texel_place(const struct texels *texels, const double s_t[2], double place[
 /* A whole number of texels, in [0, n). */
 size_t texel_wrapped(double whole, int n)
 {
-    if (whole >= 0 && whole < n)
-        return (size_t)whole;
-    return (size_t)(whole - n * floor(whole / n));
+    return (size_t)(whole >= 0 && whole < n ? whole : whole - n * floor(whole / n));
 }
 
 static double mix(double a, double b, double share)

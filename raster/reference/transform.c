@@ -2,7 +2,6 @@
 /* Vertices go from the mesh through eye space and clip space to the window. */
 #include <stdlib.h>
 
-#include "data/maths/maths.h"
 #include "raster/reference/reference.h"
 
 size_t surface_attributes(const struct surface *surface, int vertex, int side)
