@@ -74,7 +74,7 @@ struct vertex {
     double s, t;                    /* texture coordinates */
 };
 
-/* Of three numbers. */
+/* The least and the greatest of three numbers. */
 double least_of(const double v[3]);
 double most_of(const double v[3]);
 

@@ -89,7 +89,7 @@ struct options {
     bool xyz, lab, csv, svg, no_check, strict, keep, quiet, help;
 };
 
-/* What a command allows. */
+/* The options and operands that a command allows. */
 struct option_rules {
     const char *command; /* blamed for an unknown option */
     const struct option_table *table;
