@@ -96,7 +96,7 @@ static void add_batch(struct development *of, int first, size_t n)
                   of->sums + i);
 }
 
-/* Of the chunk that begins with row y. */
+/* Develops the chunk that begins with row y. */
 static int rows_at(const struct development *of, int y)
 {
     const int left = of->cube.image.height - y;
@@ -131,8 +131,8 @@ static double largest_sum(const struct development *of, int channel, size_t n)
     return largest;
 }
 
-/* What brings the brightest channel of all pixels (or Y) to the largest that is displayed (or 100);
- * 1 of a black picture. */
+/* Finds the exposure that brings the brightest channel of all pixels (or Y) to the largest that is
+ * displayed (or 100). A black picture has exposure 1. */
 static bool find_exposure(struct development *of, struct error *err)
 {
     const struct image *image = &of->cube.image;

@@ -13,11 +13,11 @@
  * inexact function of the C library. */
 #define PI 3.14159265358979323846
 
-/* Of an angle in degrees. Multiples of 45 degrees are rounded correctly, others within 2 units in
- * the last place. */
+/* Sine and cosine of an angle in degrees. Multiples of 45 degrees are rounded correctly, others
+ * within 2 units in the last place. */
 void sine_cosine(double angle_deg, double *sine, double *cosine);
-/* The same of part/whole of a full turn, both from 0 to 2^32, within 1.5 units. Equal fractions
- * give equal bits; mirrored fractions differ in sign or order only. */
+/* Sine and cosine of part/whole of a full turn, both from 0 to 2^32, within 1.5 units. Equal
+ * fractions give equal bits; mirrored fractions differ in sign or order only. */
 void sine_cosine_of_turn(int64_t part, int64_t whole, double *sine, double *cosine);
 /* The angle from 0 to pi that has this cosine and this sine. The sine must not be negative. Within
  * 11 units where both are rounded correctly. */

@@ -230,7 +230,7 @@ char *record_text(const struct record *record)
 
 /* ---- reading ---- */
 
-/* Of the five entities that XML predefines, those that data/stack/tags.c writes. In place. */
+/* Replaces, in place, those of XML's five predefined entities that data/stack/tags.c writes. */
 static void unescape(char *text)
 {
     static const struct {

@@ -83,7 +83,7 @@ void sampling_label(const struct sampling *sampling, int page, char out[24]);
 void sampling_print(const struct sampling *sampling, FILE *to);
 void sampling_free(struct sampling *sampling);
 
-/* What a stack records of its sampling, so that any reader can weigh its pages. */
+/* A stack records this of its sampling, so that any reader can weigh its pages. */
 struct sampling_description {
     char method[SAMPLING_NAME]; /* as sampling_name */
     const char *detector;       /* the sampling's, as are the arrays */

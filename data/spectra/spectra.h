@@ -89,7 +89,7 @@ struct quadrature {
 /* Gauss-Legendre from first to last, 1 <= n <= LARGEST_QUADRATURE: exact for polynomials of degree
  * 2n - 1. Nodes and weights are right to 1e-14 of the interval. */
 void quadrature_legendre(double first, double last, int n, struct quadrature *out);
-/* The same of a sum over `count` increasing points x of weight w, with the polynomials that
+/* Quadrature of a sum over `count` increasing points x of weight w, with the polynomials that
  * Stieltjes's procedure makes (Gautschi, Orthogonal Polynomials, 2004, 2.2). Weights w may change
  * sign; then weights of the result may be negative, and for some n there is no quadrature. Returns
  * false where there is none: fewer points of weight than n, or nodes that are not real, distinct

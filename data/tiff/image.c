@@ -194,7 +194,8 @@ bool image_layout(const struct image *image, int page, struct sample_layout *out
         return image_refuse(image, page, err, "its orientation is %d, not 1 (the top row first)",
                             orientation);
     TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
-    /* JBIG is for 1 bit a pixel; raster/gl/static.sh leaves its library out of the static program. */
+    /* JBIG is for 1 bit a pixel; raster/gl/static.sh leaves its library out of the static program.
+     */
     if (compression == COMPRESSION_JBIG || !TIFFIsCODECConfigured(compression))
         return image_refuse(image, page, err, "its compression (%d) is none that can be read here",
                             compression);

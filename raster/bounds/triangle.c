@@ -45,6 +45,7 @@ static bool is_beside(const struct surface *surface, const struct surface_bounds
 struct polygon {
     int n;
     struct corner corner[CLIP_CORNERS];
+    int whole[CLIP_CORNERS];       /* 0..2: this corner of the triangle; -1: made by a cut */
     double e_cut[CLIP_CORNERS][3]; /* CLIP_XY, CLIP_Z, CLIP_W */
 };
 
@@ -56,6 +57,7 @@ static void clip(struct polygon *polygon, const struct clip_plane *plane)
     for (int i = 0; i < polygon->n; i++) {
         int inner = polygon->corner[i].inner, outer = polygon->corner[i].outer;
         const double *a = from.corner[inner].clip, *b = from.corner[outer].clip;
+        polygon->whole[i] = inner == outer ? from.whole[inner] : -1;
         const double sums[3] = {[CLIP_XY] = fmax(fabs(a[0]) + fabs(b[0]), fabs(a[1]) + fabs(b[1])),
                                 [CLIP_Z] = fabs(a[2]) + fabs(b[2]),
                                 [CLIP_W] = fabs(a[3]) + fabs(b[3])};
@@ -95,8 +97,10 @@ static struct polygon polygon_of(const struct lit_scene *lit, const struct scree
     struct corner whole[3];
     struct polygon out = {.n = 3};
     whole_corners(screen->surface, screen->vertex, whole);
-    for (int i = 0; i < 3; i++)
-        out.corner[i] = whole[screen->clockwise ? i : (3 - i) % 3];
+    for (int i = 0; i < 3; i++) {
+        out.whole[i] = screen->clockwise ? i : (3 - i) % 3;
+        out.corner[i] = whole[out.whole[i]];
+    }
     planes_of(lit, screen, tile, planes);
     for (int p = 0; p < CLIP_PLANES && out.n > 0; p++)
         clip(&out, &planes[p]);
@@ -121,8 +125,8 @@ static struct slack slack_of(const struct lit_scene *lit, const struct screen_tr
                              const struct polygon *polygon, int i)
 {
     const struct corner *corner = &polygon->corner[i];
-    if (corner->whole >= 0)
-        return slack_of_whole(vertex_bounds(lit, screen, corner->whole));
+    if (polygon->whole[i] >= 0)
+        return slack_of_whole(vertex_bounds(lit, screen, polygon->whole[i]));
     double half = 0.5 * fmax(lit->plan->scene->width, lit->plan->scene->height),
            w = corner->clip[3];
     double n = fmax(fabs(corner->clip[0]), fabs(corner->clip[1])) / w, e[3];

@@ -90,10 +90,10 @@ static bool is_exact(const struct plan *plan, const struct matrix *product, cons
 
 /* ---- one vertex ---- */
 
-/* What bounding the vertices of one surface takes. */
+/* A surface whose vertices are being lit and bounded. */
 struct bounding {
     const struct lit_scene *lit;
-    int index; /* of the surface */
+    int surface_index;
     struct surface *surface;
     struct surface_bounds *bounds;
     struct normal_bounds normals;
@@ -118,7 +118,7 @@ static void make_vertex(const struct bounding *of, int index, struct light_work 
     if (out->exact)
         out->slack_px = 0;
     double e_eye = EYE_ROUNDINGS * u * (eye_magnitude[0] + eye_magnitude[1] + eye_magnitude[2]);
-    light_bounds(of->lit, of->index, index, &of->normals, e_eye, work);
+    light_bounds(of->lit, of->surface_index, index, &of->normals, e_eye, work);
 }
 
 /* ---- what is refused ---- */
@@ -256,7 +256,7 @@ static bool make_surface(const struct lit_scene *lit, int index, struct light_wo
 {
     const struct placed_instance *placed = &lit->plan->instances[index];
     struct bounding of = {.lit = lit,
-                          .index = index,
+                          .surface_index = index,
                           .surface = &lit->surfaces[index],
                           .bounds = &lit->bounds[index],
                           .normals = normal_bounds(&placed->instance)};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What is known of OpenGL's implementations. Only bounds, candidates, check and gl ask. */
+/* Lists what is known of each implementation of OpenGL. Bounds, candidates and check read it. */
 #ifndef DRIVER_H
 #define DRIVER_H
 

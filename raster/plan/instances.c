@@ -354,9 +354,8 @@ static int compare_instances(const void *a, const void *b)
     return first < second ? -1 : first > second;
 }
 
-/* Of two instances that agree to the last bit OpenGL shows the first: what is as deep is not
- * nearer.
- */
+/* Of two instances that agree to the last bit OpenGL shows the first: the second is as deep, and
+ * not nearer. */
 static bool find_twins(struct plan *plan, struct error *err)
 {
     size_t n = (size_t)plan->n_instances;
@@ -374,7 +373,7 @@ static bool find_twins(struct plan *plan, struct error *err)
     return true;
 }
 
-/* Gives the reference its view of a instance, when no array moves any more. */
+/* Fills in the reference's view of an instance; to be called when no array moves any more. */
 static void fill_instance(const struct plan *plan, struct placed_instance *placed)
 {
     const struct mesh *mesh = &plan->meshes[placed->mesh].mesh;

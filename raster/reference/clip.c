@@ -16,7 +16,7 @@ static double distance(const struct clip_plane *plane, const struct corner *corn
 static struct corner cut(const struct corner *in, const double *distances, int inner, int outer)
 {
     const struct corner *from = &in[inner], *to = &in[outer];
-    struct corner out = {.whole = -1, .inner = inner, .outer = outer};
+    struct corner out = {.inner = inner, .outer = outer};
     double t = distances[inner] / (distances[inner] - distances[outer]);
     for (int i = 0; i < 4; i++)
         out.clip[i] = from->clip[i] + t * (to->clip[i] - from->clip[i]);
@@ -43,6 +43,8 @@ static void keep_longest_run(double distances[CLIP_CORNERS], int n)
         distances[(first + i) % n] = fmin(distances[(first + i) % n], -DBL_MIN);
 }
 
+/* Keeps the part of a polygon of n corners that lies inside the plane; `out` has room for one more.
+ * Returns how many corners are left, in the same sense of rotation; 0: nothing. */
 int clip_polygon(const struct clip_plane *by, const struct corner *in, int n, struct corner *out)
 {
     double distances[CLIP_CORNERS];

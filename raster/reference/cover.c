@@ -12,15 +12,17 @@
 
 /* ---- triangles in the window ---- */
 
+/* The corners of a triangle of the mesh, none of them cut. */
 void whole_corners(const struct surface *surface, const int32_t vertex[3], struct corner out[3])
 {
     for (int i = 0; i < 3; i++) {
-        out[i] = (struct corner){.whole = i};
+        out[i] = (struct corner){.inner = i, .outer = i};
         memcpy(out[i].clip, surface->vertices[vertex[i]].clip, sizeof out[i].clip);
         out[i].share[i] = 1;
     }
 }
 
+/* Makes a corner in front of the eye corner i of a screen triangle. */
 void screen_corner(const struct view *view, const struct corner *from, int i,
                    struct screen_triangle *out)
 {
@@ -62,7 +64,8 @@ static void turn_corners(struct screen_triangle *triangle)
         swap_corners(triangle);
 }
 
-/* The polygon that the planes leave is fanned from its first corner. */
+/* Places a triangle in the window, cut by n planes, two at most. The polygon that they leave is
+ * fanned from its first corner. Returns how many screen triangles that makes. */
 int screen_triangles(const struct view *view, const struct surface *of, int triangle,
                      const struct clip_plane *planes, int n, struct screen_triangle out[])
 {
@@ -89,6 +92,7 @@ int screen_triangles(const struct view *view, const struct surface *of, int tria
 
 /* ---- edge functions ---- */
 
+/* Finds the edge functions of a triangle at a point of the window. */
 void edges_at(const double x[3], const double y[3], double px, double py, struct edge_functions *e)
 {
     const double dx[3] = {x[0] - px, x[1] - px, x[2] - px},
@@ -150,6 +154,7 @@ double depth_at(const struct screen_triangle *triangle, const struct edge_functi
     return sum > 0 ? (e[0] * z[0] + e[1] * z[1] + e[2] * z[2]) / sum : z[0];
 }
 
+/* The depth where the triangle covers the point; otherwise -1. */
 double covered_depth(const struct screen_triangle *triangle, double px, double py)
 {
     struct edge_functions edges;
@@ -200,7 +205,10 @@ static void narrow_row(const struct screen_triangle *triangle, int y, double lea
     }
 }
 
-/* A corner that moves by up to `margin` in x and y changes an edge function by `margin` times the
+/* Visits every pixel of `at` whose centre the triangle may cover if its corners move by up to
+ * `margin` pixels, and a few more. Stops where visit returns false, and returns false then.
+ *
+ * A corner that moves by up to `margin` in x and y changes an edge function by `margin` times the
  * distance from the centre to the edge's other end, and a second-order term. */
 bool scan_triangle(const struct screen_triangle *triangle, const struct rectangle *at,
                    double margin, bool (*visit)(void *context, int x, int y), void *context)

@@ -5,6 +5,7 @@
 
 #include "raster/reference/reference.h"
 
+/* A light as it is seen from a point in eye space. */
 struct incidence incidence_at(const struct eye_light *light, struct vector eye)
 {
     const struct vector path = vector_subtract(light->position, eye);
@@ -15,6 +16,7 @@ struct incidence incidence_at(const struct eye_light *light, struct vector eye)
                               .divisor = k[0] + k[1] * d + k[2] * d * d};
 }
 
+/* The direction half-way between light and viewer; not of unit length. */
 struct vector half_vector(const struct view *view, struct vector towards, struct vector eye)
 {
     const struct vector far_away = {0, 0, 1};
@@ -57,6 +59,7 @@ static double light_weight(const struct view *view, const struct eye_light *ligh
     return light->share * (weight * falloff(light, &incidence, work));
 }
 
+/* Finds the attributes of one side of a point in the mesh, whose normal may have any length. */
 void light_point(const struct view *view, const struct instance *of, const struct vertex *point,
                  int side, double *attributes, struct light_work *work)
 {

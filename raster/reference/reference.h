@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The reference: what a picture must show, in double precision. A user has to believe this room. It
- * knows vectors and elementary functions, and nothing else of the program.
+ * knows vectors and elementary functions, and nothing else of the program. Contracts of functions
+ * that a picture is made of stand above their definitions.
  * Illumination is linear: a pixel's radiance is the sum over the terms of its material of weight x
  * spectrum, times its texture. Weights depend on geometry only: one drawing serves all wavelengths.
  * Eye space has the eye at the origin, looks along -z, and has y upwards. The window counts pixels,
@@ -90,7 +91,6 @@ enum { CLIP_PLANES = 6, CLIP_CORNERS = 3 + CLIP_PLANES };
 struct corner {
     double clip[4], share[3]; /* share: barycentric coordinates in the whole triangle */
     int inner, outer;         /* ends of the edge that was cut last; a kept corner itself, twice */
-    int whole;                /* 0..2: this corner of the whole triangle; -1: made by a cut */
 };
 struct clip_plane {
     double normal[4], offset; /* inside: normal . clip + offset >= 0 */

@@ -22,7 +22,8 @@ static void shade_phong(const struct view *view, const struct screen_triangle *t
     work->points_lit++;
 }
 
-/* In flat shading one vertex colours the whole triangle; its texture is smooth all the same. */
+/* Finds the attributes at barycentric coordinates `share` of the whole triangle.
+ * In flat shading one vertex colours the whole triangle; its texture is smooth all the same. */
 void shade(const struct view *view, const struct screen_triangle *triangle, const double share[3],
            double *attributes, struct light_work *work)
 {
@@ -42,11 +43,14 @@ void shade(const struct view *view, const struct screen_triangle *triangle, cons
                 : share[0] * corner[0][a] + share[1] * corner[1][a] + share[2] * corner[2][a];
 }
 
+/* Returns how many numbers a pixel of the instance keeps. */
 int pixel_rows(const struct instance *instance)
 {
     return instance->n_terms + (instance->varied ? 2 : 0);
 }
 
+/* Writes these numbers: weights times the texture at a place in texels, or weights and the place.
+ */
 void put_rows(const struct instance *instance, const double *attributes, const double place[2],
               double *rows, size_t stride)
 {
@@ -59,6 +63,7 @@ void put_rows(const struct instance *instance, const double *attributes, const d
         rows[(n_terms + i) * stride] = place[i];
 }
 
+/* Adds weight x spectrum to the radiance of n pixels. */
 void add_term(const double *weights, double spectrum, size_t n, double *radiance)
 {
     for (size_t i = 0; i < n; i++)

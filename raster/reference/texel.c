@@ -5,7 +5,7 @@
 
 #include "raster/reference/reference.h"
 
-/* Beyond 2^40 texels a double no longer knows which texel it is. */
+/* Texture coordinates to texels. Beyond 2^40 texels a double no longer knows which texel it is. */
 void texel_place(const struct texels *texels, const double s_t[2], double place[2])
 {
     place[0] = s_t[0] * texels->width;
@@ -25,6 +25,7 @@ static double mix(double a, double b, double share)
     return a + (b - a) * share;
 }
 
+/* The value of the texture at a place: the nearest texel, or a mix of four. */
 double texel_at(const struct texels *texels, const double place[2])
 {
     double offset = texels->linear ? 0.5 : 0, x = place[0] - offset, y = place[1] - offset;

@@ -4,12 +4,15 @@
 
 #include "raster/reference/reference.h"
 
+/* Returns where the attributes of one side of a vertex begin in weights. */
 size_t surface_attributes(const struct surface *surface, int vertex, int side)
 {
     return ((size_t)vertex * (size_t)surface->n_sides + (size_t)side) *
            (size_t)surface->n_attributes;
 }
 
+/* Allocates *out for an instance, which must outlive it. False: no memory; close it all the same.
+ */
 bool surface_open(const struct instance *instance, struct surface *out)
 {
     *out = (struct surface){.instance = instance,
@@ -28,6 +31,7 @@ void surface_close(struct surface *surface)
     *surface = (struct surface){.instance = NULL};
 }
 
+/* Divides clip coordinates by w, which is above 0, and fills in x, y, z and 1 / w. */
 void window_place(const struct view *view, struct window_vertex *vertex)
 {
     const double *clip = vertex->clip, w = clip[3];
@@ -37,6 +41,7 @@ void window_place(const struct view *view, struct window_vertex *vertex)
     vertex->inverse_w = 1 / w;
 }
 
+/* Places vertex i in the window and lights both of its sides, or its one. */
 void surface_light(const struct view *view, struct surface *of, int i, struct light_work *work)
 {
     const struct instance *instance = of->instance;
