@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What every file of spectral shares: version, exit status, errors, places in input files.
+/* Shared by every file of spectral: version, exit status, errors, places in input files.
  *
  * The program is divided into rooms. A room is a folder with one header, which is its contract:
  * data/text/text.h for data/text/. A file includes this header, the header of its own room and

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a render costs by part, against the loop of the 1998 thesis on the same OpenGL: one
+/* The cost of a render by part, against the loop of the 1998 thesis on the same OpenGL: one
  * wavelength a pass, only the red channel used, read back row by row, no check and no file. Both
  * draw the built-in colorchecker at 2000 x 2000 pixels and 93 wavelengths, in turn, in one run. */
 #include <stdio.h>

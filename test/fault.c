@@ -512,7 +512,7 @@ static void turn_back(unsigned char *picture, size_t pixel_bytes)
     }
 }
 
-/* What is read after the pass of numbers: depth and stencil, from the bottom up, beside the numbers
+/* Spoils what is read after the pass of numbers: depth and stencil, bottom up, beside the numbers
  * in the buffer, from the top down. The pixel in the middle. */
 static void spoil_identity(GLuint *depths)
 {

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* A second reference, slow and simple, that shares nothing with
- * raster/reference but the plan and its structs: a pixel is inside a triangle if the three homogeneous edge functions say so (Olano and Greer, Triangle Scan
- * Conversion using 2D Homogeneous Coordinates, 1997), so that nothing is clipped, no corner is
- * divided by its w, and triangles through the eye need no care. Vertices are lit as in the OpenGL
- * 2.1 specification, section 2.14.1.
+ * raster/reference but the plan and its structs: a pixel is inside a triangle if the three
+ * homogeneous edge functions say so (Olano and Greer, Triangle Scan Conversion using 2D Homogeneous
+ * Coordinates, 1997), so that nothing is clipped, no corner is divided by its w, and triangles
+ * through the eye need no care. Vertices are lit as in the OpenGL 2.1 specification,
+ * section 2.14.1.
  *
  * It computes in long double, whose 64 bits on x86 (113 elsewhere) make its own error 2^-11 of what
  * it looks for. Where long double is double, both references are equally far from the truth: the
@@ -118,7 +119,7 @@ static struct triple slow_normal(const struct matrix *m, struct vector normal)
     return triple_unit((struct triple){out[0], out[1], out[2]});
 }
 
-/* What passes a gate, open above 0. So near to 0 that rounding may decide, all of it is in doubt;
+/* The value if its gate is open, above 0. So near to 0 that rounding may decide, all is in doubt;
  * no error of the gate reaches 2^-40 unless a triangle is flattened a thousandfold. */
 static long double slow_gate(long double gate, long double value, long double *doubt)
 {
@@ -127,7 +128,7 @@ static long double slow_gate(long double gate, long double value, long double *d
     return gate > 0 ? value : 0;
 }
 
-/* What distance and spot leave of a light. */
+/* The part of a light that distance and spot leave. */
 static long double slow_falloff(const struct plan *plan, int index, struct triple path,
                                 long double *doubt)
 {
@@ -378,7 +379,7 @@ static bool slow_piece(const struct slow_triangle *triangle, int index, long dou
 
 /* ---- pixels ---- */
 
-/* What a triangle shows at a pixel centre. */
+/* A triangle's fragment at a pixel centre. */
 struct slow_fragment {
     const struct slow_triangle *triangle;
     long double share[3]; /* perspective-correct barycentric coordinates */

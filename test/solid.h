@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What must hold for a mesh, measured without trusting how it was built: vertices at the same place
+/* Measures a mesh without trusting how it was built: vertices at the same place
  * are merged by their bits, then volume and edges are counted. */
 #ifndef SOLID_H
 #define SOLID_H

@@ -22,7 +22,7 @@ static int count_of(const char *text, const char *part)
     return count;
 }
 
-/* Whether elements close in order, and nothing is a bare < or &. Attributes have no '>'. */
+/* True if elements close in order, and nothing is a bare < or &. Attributes have no '>'. */
 static bool is_well_formed(const char *text)
 {
     enum { DEEPEST = 16 };

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What is concluded from times and errors, and processes whose result comes back. Times are made up
+/* Conclusions from times and errors, and processes whose result comes back. Times are made up
  * here, so that what follows from them is known. */
 #include "test.h"
 

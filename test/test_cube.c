@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a stack tells of its scene: its lights, the white they make, and which object each pixel
+/* A stack's record of its scene: its lights, the white they make, and which object each pixel
  * shows, all against what was written into the scene by hand. A stack whose record is forged,
  * damaged or missing is read as one of others; what is no spectral stack is refused. */
 #include "data/method/method.h"
@@ -441,7 +441,7 @@ static void test_foreign(void)
     check_refusal("12 bits", "its samples are 1 of 12 bits, unsigned");
 }
 
-/* Of a stack of our own, shorter by anything but its object map. */
+/* A stack of our own is cut short, at any place but in its object map. */
 static void test_cuts(void)
 {
     struct error err = {0};
@@ -466,7 +466,7 @@ static void test_cuts(void)
 
 /* ---- sampled stacks ---- */
 
-/* Of a lamp that rises by 3 in 350 nm from 1. */
+/* A scene with a lamp that rises from 1 by 3 in 350 nm. */
 #define LAMP_SCENE                                                                                 \
     "wavelengths 380 730 1\n" PLANE "material paint { diffuse 0.5 }\n"                             \
     "light lamp.csv 1 direction 0 0 1\n"
@@ -558,7 +558,7 @@ static void test_sampled(void)
     }
 }
 
-/* What --white makes of each box is what a scene lit so records. */
+/* --white gives each box the white that a scene with such a light records. */
 static void test_boxes(void)
 {
     double white[64], again[64];
@@ -600,7 +600,7 @@ static void test_equal(void)
     detector_free(&detector);
 }
 
-/* What a file claims may be finite, and its sums not. */
+/* A file's numbers may be finite, and their sums not. */
 static void test_huge(void)
 {
     double weights[3 * 64], white[3];

@@ -60,7 +60,7 @@ static int grid(double first, double last, double step, double out[MOST])
     return n;
 }
 
-/* What a detector makes of a light, or of a radiance of 1 where light is NULL. */
+/* A detector's channels for a light, or for a radiance of 1 where light is NULL. */
 static void channels(const struct detector *detector, const struct spectrum *light,
                      const double *nm, int n, double out[3])
 {
@@ -269,7 +269,7 @@ static void check_odd_names(void)
     }
 }
 
-/* What a file holds, and the message that refuses it, from the line on. */
+/* The content of a file, and the message that refuses it, from the line on. */
 static const char *const bad_files[][2] = {
     {"nm,x,y\n400,1,2\n", ":2:1: error: 2 value columns; a detector has 3, as 'wavelength,x,y,z'"},
     {"400 1 2 3 4\n", ":1:1: error: 4 value columns; a detector has 3, as 'wavelength,x,y,z'"},

@@ -210,7 +210,7 @@ static void check_angle(void)
     CHECK(angle_of(0, 1) == 0 && angle_of(0, -1) == PI, "its ends are 0 and pi");
 }
 
-/* Whether these are the sine and cosine of so many times 45 degrees; no zero is negative. */
+/* True if these are the sine and cosine of so many times 45 degrees; no zero is negative. */
 static bool of_eighths(int eighths, double sine, double cosine)
 {
     const double root = 0x1.6a09e667f3bcdp-1; /* of 1/2 */
@@ -296,7 +296,7 @@ static double worse_turn(double worst, int64_t part, int64_t whole)
     return worse(worst, cosine, exact_sine((int)(quarters & 3) + 1, off));
 }
 
-/* Of few parts and of many, of more than a turn, and near eighths of one. */
+/* Turns in few parts and in many, more than a turn, and near eighths of one. */
 static void check_turns(void)
 {
     uint64_t state = 7;

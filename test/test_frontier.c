@@ -119,7 +119,7 @@ static void test_places(void)
     free(svg);
 }
 
-/* Whether what is drawn for a point has this in it. */
+/* True if the drawing of a point contains this. */
 static bool is_marked(const char *svg, const char *name, const char *part)
 {
     char title[256];

@@ -140,7 +140,7 @@ static bool write_pages(const struct variant *variants, int n)
     return good;
 }
 
-/* What a pixel is, with ITU-R BT.709's luma. */
+/* The expected value of a pixel, with ITU-R BT.709's luma. */
 static double radiance_at(const struct variant *v, int page, int x, int y, double scale)
 {
     const double largest = v->bits == 8 ? 255 : v->bits == 16 ? 65535 : 64;

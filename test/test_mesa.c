@@ -31,7 +31,7 @@ enum { ONE_SIDE_ZERO, BOTH_ZERO, POWERS };
 enum { BYTE_TEXELS, FLOAT_TEXELS, TEXELS };
 enum { SMALLEST, SMALL, LARGE, LARGEST, LENGTHS };
 
-/* What a driver does. Counts are of pixels where nothing else is said. */
+/* Measured facts of a driver. Counts are of pixels where nothing else is said. */
 struct facts {
     char renderer[64], version[64];
     bool left, right, top, bottom; /* is the edge of a rectangle drawn that meets pixel centres? */
@@ -628,7 +628,7 @@ struct soup {
     unsigned index[CORNERS];
 };
 
-/* Of several sizes, some through the near plane. */
+/* Triangles of several sizes, some through the near plane. */
 static void random_soup(struct canvas *canvas, struct soup *soup)
 {
     for (int t = 0; t < TRIANGLES; t++) {

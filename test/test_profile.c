@@ -95,7 +95,7 @@ static void check_white(const struct profile *profile)
     }
 }
 
-/* What a value of a channel becomes; ICC.1:2010, 10.15. */
+/* A channel's value behind its curve; ICC.1:2010, 10.15. */
 static double curve(const struct profile *profile, const char *name, double value)
 {
     size_t size;

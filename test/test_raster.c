@@ -27,7 +27,7 @@ static void random_triangle(uint64_t *state, struct corner out[3])
     }
 }
 
-/* What planes leave of a triangle, one after the other. */
+/* Clips a triangle by planes, one after the other. */
 static int clip_triangle(const struct corner whole[3], const struct clip_plane *planes,
                          int n_planes, struct corner out[CLIP_CORNERS])
 {

@@ -221,7 +221,7 @@ static void check_refusals(void)
     check_refused(text, "one option too many");
 }
 
-/* Of pages at 1, 2, ... nm. */
+/* True if a record of these segments is taken for pages at 1, 2, ... nm. */
 static bool is_taken(int n, const char *segments, int repeated)
 {
     static double nm[100];

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The reference is checked too: raster/reference in double against test/slow.h in long double, over random
- * scenes and hard triangles. Each pixel must show a surface that double precision may show there,
- * with weights within double precision's own bound; and within the program's bounds for OpenGL's
- * single precision, times 2^-29, which count more roundings of the same formulas. Then edges: signs
- * are right wherever rounding cannot turn them, and of triangles that share edges one covers each
- * pixel centre. */
+/* The reference is checked too: raster/reference in double against test/slow.h in long double, over
+ * random scenes and hard triangles. Each pixel must show a surface that double precision may show
+ * there, with weights within double precision's own bound; and within the program's bounds for
+ * OpenGL's single precision, times 2^-29, which count more roundings of the same formulas. Then
+ * edges: signs are right wherever rounding cannot turn them, and of triangles that share edges one
+ * covers each pixel centre. */
 #include <stdlib.h>
 
 #include "data/maths/maths.h"
@@ -338,7 +338,7 @@ static void judge_scene(const char *path, bool exact, struct tally *tally)
     close_picture(&picture);
 }
 
-/* Of the pixels covered, at least the given part must have had to show what they show. */
+/* At least the given part of the covered pixels must have had a single right surface. */
 static void check_tally(const struct tally *tally, double part_settled, const char *name)
 {
     CHECK(tally->wrong_surface == 0, "%s: each pixel shows what double precision may show", name);

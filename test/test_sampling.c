@@ -409,7 +409,7 @@ static void test_coordinates(const char *light)
     clear(&stage);
 }
 
-/* What is rounded off a page reaches radiances by no more than this, in parts of the brightest. */
+/* Rounding of pages reaches radiances by at most this, in parts of the brightest. */
 static void check_magnified(const struct stage *stage, const char *name, double most)
 {
     struct sampling s = made(stage, name);
@@ -743,7 +743,7 @@ static void test_unsolvable(void)
 
 /* ---- what others do with samplings ---- */
 
-/* What a stack records gives the weights again, to the last bit, and of any detector: a radiance of
+/* A stack's record gives the weights again, to the last bit, and for any detector: a radiance of
  * 1 everywhere is seen as it is. */
 static void test_recorded(void)
 {

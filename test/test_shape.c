@@ -11,7 +11,7 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* What all solids have to fulfil; `holes` is the number of handles through it. */
+/* Conditions that all solids fulfil; `holes` is the number of handles through it. */
 struct closed_shape {
     const char *name;
     enum shape_kind kind;

@@ -237,7 +237,7 @@ static void check_formats(void)
     }
 }
 
-/* What a file holds, and the message with which a reflectance of it is refused, from the line on.
+/* The content of a file, and the message that refuses it as a reflectance, from the line on.
  */
 static const char *const bad_files[][2] = {
     {"400 0.1\n400 0.2\n",

@@ -364,7 +364,7 @@ static void check_cases(void)
         }
 }
 
-/* What is between the ends, by hand. */
+/* Vertices between the ends, by hand. */
 static void check_between(void)
 {
     const struct vertex v[3] = {{{-1, 0.1, 4}, {0, 1, 0}, 0, 1},

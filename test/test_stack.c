@@ -87,7 +87,7 @@ static uint64_t number_at(const unsigned char *bytes, int size)
     return number;
 }
 
-/* What the walker of a classic TIFF has seen. */
+/* The parts of a classic TIFF that the walker found. */
 struct layout {
     int n_pages;
     uint64_t directories_end; /* behind the last byte of a directory or of a tag's value */

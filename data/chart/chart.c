@@ -15,7 +15,7 @@ enum {
     STRIP = 9,        /* height of the spectral colours */
     SAMPLE = 36       /* a legend's piece of line */
 };
-/* What a character takes of a font's size at most, but for the widest ones. */
+/* The width of a character over the font's size: an upper bound for all but the widest. */
 static const double character = 0.6;
 
 /* ---- axes ---- */
@@ -92,7 +92,7 @@ static struct axis axis_make(double low, double high, int steps)
     return axis;
 }
 
-/* The same from 0, to whole steps. */
+/* An axis that begins at 0 and ends at a whole step. */
 static struct axis axis_from_zero(double low, double high, int steps)
 {
     if (low <= high) {
@@ -282,7 +282,7 @@ static double spread_at(const struct chart_line *line, int i)
     return isfinite(line->y[i] - spread) && isfinite(line->y[i] + spread) ? spread : 0;
 }
 
-/* Of values that are not negative, such as radiances, the band ends at 0. */
+/* The band of values that are not negative, such as radiances, ends at 0. */
 static double band_low(const struct chart_line *line, int i)
 {
     return fmax(line->y[i] - spread_at(line, i), fmin(line->y[i], 0));

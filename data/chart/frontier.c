@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What accuracy costs: every setting a point between two logarithmic axes, those that nothing
+/* Cost over accuracy: every setting a point between two logarithmic axes, those that nothing
  * cheaper beats joined by steps. Labels find places where they cover nothing. */
 #include <math.h>
 #include <stdlib.h>
@@ -175,7 +175,7 @@ static void draw_cost_axis(const struct plot *plot)
     fputs("</text>\n</g>\n", plot->to);
 }
 
-/* What lies upon the edge is no more than this. */
+/* Labels the edge: markers on it stand for values at most this large. */
 static void draw_edge(const struct plot *plot)
 {
     if (plot->error.clipped)
@@ -355,7 +355,7 @@ static struct chart_grid key_grid(const struct plot *plot)
     return chart_grid(plot->n_numbers, longest, SAMPLE);
 }
 
-/* What the markers mean, in one row. */
+/* The legend of the markers, in one row. */
 static void draw_markers(const struct plot *plot, int y)
 {
     static const char *const meaning[] = {"on the frontier", "not on it: see the number",

@@ -133,7 +133,7 @@ static double sine_of(double degrees)
     return sine;
 }
 
-/* Of CIELAB with a stretched, as CIEDE2000 has it; hues in degrees, 0 to 360, of greys 0. */
+/* CIELAB with a stretched, as in CIEDE2000. Hues are in degrees, 0 to 360; a grey has hue 0. */
 struct hued {
     double a, b, chroma, hue;
 };

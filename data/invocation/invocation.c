@@ -40,8 +40,8 @@ bool scene_read_sampled(const struct options *options, struct scene *out, struct
 {
     struct sampling_method method;
     if (!options->sampling)
-        return options->detector ? error_usage(err, "--detector is for whom --sampling samples; "
-                                                    "develop shows a stack to any detector")
+        return options->detector ? error_usage(err, "--detector needs --sampling, which samples "
+                                                    "for it; develop takes any detector")
                                  : scene_read_options(options, out, err);
     return sampling_read("--sampling", options->sampling, &method, err) &&
            scene_read_options(options, out, err) &&

@@ -284,7 +284,7 @@ static bool exclude(struct place first, struct place second, const char *what, s
            error_at(err, second, "a material has either %s, not both", what);
 }
 
-/* What shines or mirrors by itself needs no diffuse reflectance: it is 0 then. */
+/* A material that shines or mirrors needs no diffuse reflectance: it is 0 then. */
 static bool complete_diffuse(struct material *out, struct error *err)
 {
     if (out->diffuse.kind != SPECTRUM_NONE)

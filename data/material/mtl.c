@@ -90,7 +90,7 @@ static bool spread(const struct entry *entry, enum statement statement, const ch
     return string_copy(name, &out->name, err);
 }
 
-/* What shines or mirrors needs no Kd: it is 0 then. Without one of Ks and Ns there is no highlight.
+/* An entry that shines or mirrors needs no Kd: it is 0 then. A highlight needs both Ks and Ns.
  * Shininess above 128, which is OpenGL's largest, becomes that. */
 static bool make_material(struct entry *entry, struct material *out, struct error *err)
 {

@@ -208,7 +208,7 @@ double one_minus_decay(double x)
 
 /* ---- sine, cosine and angle ---- */
 
-/* Of head + tail of 45 degrees, 0 <= head <= 1 with 31 bits and tail below its last one. Series of
+/* Takes head + tail of 45 degrees, 0 <= head <= 1 with 31 bits, tail below its last one. Series of
  * the angle x + rest: the first term left out is below x^18/18! < 2^-58, and x + rest carries the
  * angle to 2^-74, so that what remains is the rounding of the last additions: below 1.5 units in
  * the last place, and 2 where head is 0 and all lies in a rounded tail. */

@@ -72,7 +72,7 @@ static int cut_edges(struct mesh *mesh, const struct mesh *from, int64_t *edges)
     return n_cut;
 }
 
-/* What a triangle has on one side: 3 or 4 corners, fewer are at most an edge. A quadrilateral is
+/* Adds a triangle's part on one side: 3 or 4 corners, fewer are at most an edge. A quadrilateral is
  * divided from its lowest vertex, so that a mirrored mesh is cut alike. */
 static void add_side(struct mesh *mesh, int part, const int32_t *corner, int n)
 {

@@ -118,7 +118,7 @@ static bool read_bands(struct cube *cube, struct probe *probe, struct error *err
     return done;
 }
 
-/* Whether all pixels of the region show the object; `row` is room for one row of it. */
+/* Finds whether all pixels of the region show the object; `row` is room for one row of it. */
 static bool same_object(const struct cube *cube, const struct probe *probe, int *row, bool *same,
                         struct error *err)
 {
@@ -197,7 +197,7 @@ static void region_text(const struct probe *probe, char *out, size_t capacity)
                  probe->y);
 }
 
-/* What a row of numbers begins with; curves follow. */
+/* The first columns of a row of numbers; curves follow. */
 enum { WAVELENGTH, MEAN, SPREAD, CURVES };
 
 static double column_value(const struct probe *probe, int column, int i)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a stack says of how it was made, so that it can be made again: lines in the description of
+/* A stack's record of how it was made, so that it can be made again: lines in the description of
  * its first page, behind those of its scale. */
 #include <ctype.h>
 #include <float.h>

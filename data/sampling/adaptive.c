@@ -261,7 +261,7 @@ static int pages_of(const struct adaptive *a)
     return n;
 }
 
-/* Whether all segments together keep the tolerance. */
+/* True if all segments together keep the tolerance. */
 static bool is_within(struct adaptive *a, double tolerance)
 {
     for (int i = 0; i < 3 * a->n_spectra; i++)

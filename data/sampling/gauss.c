@@ -81,7 +81,7 @@ struct functions {
     struct quadrature rule[3];
 };
 
-/* Of orthogonal rows: by how much of each they add up to the channels. */
+/* Finds by how much of each orthogonal row the rows add up to the channels. */
 static void project(const double *channels, const double *rows, int n, double out[3][3])
 {
     for (int channel = 0; channel < 3; channel++)

@@ -19,7 +19,7 @@ static bool same_name(const char *name, const struct word *word)
     return strncmp(name, word->start, word->length) == 0 && name[word->length] == '\0';
 }
 
-/* Whether the scene defines the material: files in a list and entries of MTL files have no name
+/* True if the scene defines the material: files in a list and entries of MTL files have no name
  * there. */
 static bool is_defined(const struct material *material)
 {
@@ -57,7 +57,7 @@ static bool check_name(const struct scene *scene, const struct word *word, struc
                     scene->materials[first].place.path);
 }
 
-/* What follows the name: the words in braces, or a file that is only noted. */
+/* Reads the words in braces behind the name, or notes the name of a file. */
 static bool read_content(struct text *text, struct material *out, struct error *err)
 {
     struct word word;

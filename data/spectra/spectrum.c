@@ -257,7 +257,7 @@ static bool read_columns(struct table *table, struct error *err)
     return true;
 }
 
-/* What the head of a CGATS file says of its data. */
+/* Keywords in the head of a CGATS file that describe its data. */
 enum { BANDS, START_NM, END_NM, NORM, CGATS_KEYWORDS };
 static const char *const cgats_keywords[] = {"SPECTRAL_BANDS", "SPECTRAL_START_NM",
                                              "SPECTRAL_END_NM", "SPECTRAL_NORM"};

@@ -83,7 +83,7 @@ static bool is_for(const struct cube *cube, const struct detector *detector, str
                        record->sampling_detector, detector->name);
 }
 
-/* Of weights and whites, so that no sum of them is infinite. */
+/* The limit of weights and whites, so that no sum of them is infinite. */
 static const double largest_number = (double)FLT_MAX;
 
 static bool weights_are_finite(const struct cube *cube, const double *weights, struct error *err)
@@ -124,7 +124,7 @@ void cube_lost(const struct cube *cube, const struct detector *detector, double 
         detector_lost(detector, cube->image.wavelengths_nm, cube->image.n_pages, out);
 }
 
-/* What the detector of a fixed stack makes of a spectrum at every nm of its range; of NULL, of 1
+/* The channels of a fixed stack's detector for a spectrum, sampled at every nm; NULL stands for 1
  * everywhere. */
 static bool respond_finely(const struct record *record, const struct detector *detector,
                            const struct spectrum *spectrum, double out[3], struct error *err)
@@ -169,7 +169,7 @@ static bool spectrum_of_option(const char *value, struct text *text, struct spec
     return spectrum_read(&word, 0, HUGE_VAL, out, err);
 }
 
-/* Of a box, by the cells of 1 nm that begin at `origin`. */
+/* The mean over a box, by cells of 1 nm that begin at `origin`. */
 static double mean_within(const struct spectrum *spectrum, const double limits[2], double origin)
 {
     double sum = 0;

@@ -59,7 +59,7 @@ bool stack_open(struct stack_writer *out, const char *path, const struct stack_o
     return pages_open(&out->pages, path, tags_set, out, err);
 }
 
-/* Of a page, or behind the last one of the object map. */
+/* Bytes of a sample of a page, or of the object map, whose number follows the last page's. */
 static size_t sample_bytes(const struct stack_options *options, int page)
 {
     if (page == options->n_wavelengths)

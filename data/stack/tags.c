@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What each page of a stack says of itself, for readers that look in different places: OME-XML
+/* The tags that describe each page, for readers that look in different places: OME-XML
  * 2016-06 for tifffile and Bio-Formats, GDAL_METADATA as in the GTiff driver, IJMetadata as in
  * ImageJ's TiffEncoder, 65000 and 65111 as in the ODSI-DB of retinal images, the rest TIFF 6.0. */
 #include <inttypes.h>
@@ -61,7 +61,7 @@ static void page_label(const struct stack_options *options, int page, char out[T
         snprintf(out, TEXT_SIZE, PAGE_LABEL, options->wavelengths_nm[page]);
 }
 
-/* What XML cannot hold (control characters, bytes that are no UTF-8) becomes '?'. No text: none. */
+/* Writes '?' for bytes that XML excludes (control characters, no UTF-8), and nothing for NULL. */
 static void put_escaped(FILE *stream, const char *text)
 {
     static const char *const entities['>' + 1] = {

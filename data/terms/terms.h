@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What the lights and materials of a scene make of each other: products of spectra, multiplied once
+/* Products of the spectra of lights and materials, found and multiplied once
  * for all vertices. This room knows nothing of geometry, of drawing, or of methods of sampling. */
 #ifndef TERMS_H
 #define TERMS_H
@@ -49,7 +49,7 @@ struct shining_light {
     int first;    /* index of the first light of the same spectrum; perhaps this one */
     double share; /* of this light's radiation in that one's */
 };
-/* What shines in a scene, and the pages that show it. */
+/* The light of a scene, and the pages that show it. */
 struct illumination {
     const struct scene *scene;
     struct spectral_pages pages;

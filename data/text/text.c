@@ -277,7 +277,7 @@ static double decimal_value(const struct word *word, const struct decimal *decim
     return strtod(copy, NULL);
 }
 
-/* What the range asks for, in words; readers say "above 0" by a lowest value that is the smallest
+/* Says in words which range was expected; callers ask for "above 0" by a lowest value, the smallest
  * positive number. */
 static bool refuse_range(const struct word *word, const char *what, bool above, double lowest,
                          double highest, struct error *err)

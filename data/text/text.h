@@ -29,7 +29,7 @@ struct word {
 
 /* Opens the file that the place `from` names. No line is current yet. */
 bool text_open(struct text *out, const char *path, struct place from, struct error *err);
-/* The same for a string. `name` takes the place of the path in messages. Both are copied. */
+/* Opens a string as a text. `name` takes the place of the path in messages. Both are copied. */
 bool text_open_string(struct text *out, const char *name, const char *string, struct error *err);
 void text_free(struct text *text);
 
@@ -78,7 +78,7 @@ void list_add(char list[LIST_SIZE], const char *name, size_t length);
  * with an error that lists the known ones. `what` names the word in the message. */
 int word_choose(const struct word *word, const char *const *known, const char *what,
                 struct error *err);
-/* The same of the next word. Its absence is the error "expected EXPECTED". */
+/* Finds the next word among the known. Its absence is the error "expected EXPECTED". */
 int text_choose(struct text *text, const char *expected, const char *const *known, const char *what,
                 struct error *err);
 /* Sets *first to `again` where it has no line yet; otherwise refuses: "WHAT is given twice". */

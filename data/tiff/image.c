@@ -78,7 +78,7 @@ static bool blocks_read(const struct image *image, int page, struct sample_layou
     return out->block_bytes > 0 || image_refuse_broken(image, page, err);
 }
 
-/* Whether the rows of all planes lie one after the other, uncompressed, so that they can be read as
+/* True if the rows of all planes lie one after the other, uncompressed, so that they can be read as
  * they are: the usual way of stacks. Refuses a file that ends before they do. */
 static bool rows_find(const struct image *image, int page, struct sample_layout *out,
                       struct error *err)
@@ -126,7 +126,7 @@ static uint16_t count_bands(const struct image *image)
     return n_samples;
 }
 
-/* Whether the samples are the colours and at most an alpha behind them. */
+/* True if the samples are the colours and at most an alpha behind them. */
 static bool colours_alone(TIFF *tiff, const struct sample_layout *layout)
 {
     uint16_t n_extra = 0, *extra = NULL;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* What the pages of a TIFF file say of themselves: their wavelengths and scale, where
- * data/stack/tags.c lets a stack tell them, and where GDAL and OME-XML do. */
+/* The wavelengths and scale that the pages of a TIFF file record, where
+ * data/stack/tags.c writes them, and where GDAL and OME-XML do. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>

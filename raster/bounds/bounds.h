@@ -13,12 +13,12 @@
 
 /* ---- exact.c: where single precision makes no error ---- */
 
-/* Whether a sum of terms is exact in single precision in whatever order it is made: all are
+/* True if a sum of terms is exact in single precision in whatever order it is made: all are
  * multiples of a power of two, and the sum of their magnitudes is at most 2^24 times that. */
 bool exact_sum(const double *terms, int n);
-/* Whether single precision holds both matrices, and their product without any rounding. */
+/* True if single precision holds both matrices, and their product without any rounding. */
 bool exact_product(const struct matrix *a, const struct matrix *b);
-/* Whether a row of a matrix times a vector is exact in single precision. */
+/* True if a row of a matrix times a vector is exact in single precision. */
 bool exact_row(const double row[4], const double v[4]);
 
 /* ---- vertex.c, light.c: vertices ---- */
@@ -53,9 +53,9 @@ void lit_free(struct lit_scene *lit);
 /* False where nothing of a surface can be in the rectangle. */
 bool surface_reaches(const struct surface_bounds *surface, const struct rectangle *at);
 
-/* Whether any term of the instance belongs to this light. */
+/* True if any term of the instance belongs to this light. */
 bool reflects(const struct instance *instance, const struct eye_light *light);
-/* What the normals of one instance have in common. */
+/* Errors that all normals of one instance share. */
 struct normal_bounds {
     double cofactor[3][3]; /* what their rounding errors are relative to */
     double e_rigid;        /* distance of model_view from a rigid one that OpenGL takes it for */
@@ -86,12 +86,12 @@ struct clipped_triangle {
 };
 /* Above 1: the factor by which thinness magnifies all bounds; HUGE_VAL where it leaves none. */
 double bound_magnification(const struct clipped_triangle *triangle);
-/* Of a value interpolated linearly in the window (depth), whose corners are off by e_values. */
+/* Bounds a value interpolated linearly in the window (depth), with corners off by e_values. */
 double bound_linear(const struct clipped_triangle *triangle, const double values[3],
                     double e_values);
 struct inverse_w_bound bound_inverse_w(const struct clipped_triangle *triangle);
-/* Of a value interpolated with perspective (weights): constant + (fixed + per_d D) / (D - e), where
- * e is the bound of D, and less than it. */
+/* The bound of a value interpolated with perspective (weights): constant + (fixed + per_d D) /
+ * (D - e), where e is the bound of D, and less than it. */
 struct colour_bound {
     double constant, fixed, per_d;
     double slope; /* over D a bound on the value's own change from pixel to pixel */
@@ -136,7 +136,7 @@ struct texel_point {
     double place[2];
     float e_place[2];
 };
-/* Of texture coordinates and their bounds. */
+/* The point in texels for texture coordinates and their bounds. */
 struct texel_point texel_point(const struct texels *texels, const double s_t[2],
                                const float e_s_t[2]);
 /* The places that OpenGL may take for this one: the nearest texels, if several lie within the

@@ -22,7 +22,7 @@ struct direction {
     double e_turn;
 };
 
-/* What the rounding errors of a transformed normal are relative to: each cofactor is a difference
+/* Magnitudes that the errors of a transformed normal are relative to: a cofactor is a difference
  * of two products. Entries are scaled as matrix_normal scales them. */
 static void cofactor_magnitudes(const struct matrix *m, double out[3][3])
 {
@@ -146,7 +146,7 @@ static struct cosine cosine_between(struct direction a, struct direction b)
 
 /* ---- weights ---- */
 
-/* Of two vectors whose lengths are right to 4 roundings each, and 4 of the product. */
+/* For two vectors whose lengths are right to 4 roundings each, and 4 of the product. */
 #define LARGEST_COSINE (1 + 12 * u)
 
 struct weight {
@@ -261,7 +261,7 @@ static void add_light(const struct eye_light *light, const struct vertex_view *v
     }
 }
 
-/* Whether any term belongs to this light's spectrum. */
+/* True if any term belongs to this light's spectrum. */
 bool reflects(const struct instance *instance, const struct eye_light *light)
 {
     for (int t = 0; t < instance->n_terms; t++)

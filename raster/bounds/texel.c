@@ -64,7 +64,7 @@ struct spread {
     double across, up, largest;
 };
 
-/* Of numbers: fmax also knows NaN, at the price of a call. */
+/* Takes numbers only: fmax also handles NaN, at the price of a call. */
 static double larger(double a, double b)
 {
     return a > b ? a : b;

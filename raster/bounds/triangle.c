@@ -88,7 +88,7 @@ static void planes_of(const struct lit_scene *lit, const struct screen_triangle 
     planes[5] = (struct clip_plane){{0, 0, -1, 1}, 2 * error};
 }
 
-/* What all planes leave of the whole triangle. Its corners come in the order in which OpenGL gets
+/* Clips the whole triangle by all planes. Its corners come in the order in which OpenGL gets
  * them, which decides how it fans the polygon. */
 static struct polygon polygon_of(const struct lit_scene *lit, const struct screen_triangle *screen,
                                  const struct rectangle *tile)
@@ -152,7 +152,7 @@ static void widen(struct bounded_triangle *triangle, const struct slack *slack)
     triangle->slack_depth = fmax(triangle->slack_depth, slack->depth);
 }
 
-/* Whether OpenGL may take the front for the back: moving a corner by e in x and y changes twice the
+/* True if OpenGL may take the front for the back: moving a corner by e in x and y changes twice the
  * area by at most e times the 1-norm of the edge opposite, all together by 8 e^2 more. */
 static bool is_edge_on(const struct bounded_triangle *triangle)
 {

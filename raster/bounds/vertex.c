@@ -62,7 +62,7 @@ static void bound_place(const struct plan *plan, const double magnitude[4],
 
 /* ---- where no error is made ---- */
 
-/* Whether the clip coordinates of an instance's vertices may come out exact: an orthographic
+/* True if the clip coordinates of an instance's vertices may come out exact: an orthographic
  * picture in one tile, and matrices that multiply without rounding. Their product is stored. */
 static bool may_be_exact(const struct plan *plan, const struct instance *instance,
                          struct matrix *product)
@@ -72,7 +72,7 @@ static bool may_be_exact(const struct plan *plan, const struct instance *instanc
            exact_product(&plan->view.projection, &instance->model_view);
 }
 
-/* Whether the viewport keeps a coordinate exact, and puts it on the grid of 1/256 pixel. */
+/* True if the viewport keeps a coordinate exact, and puts it on the grid of 1/256 pixel. */
 static bool is_on_grid(double normalised, double window, int size)
 {
     double terms[2] = {normalised * 0.5 * size, 0.5 * size}, steps = window * 256;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What OpenGL may show at each pixel: the reference's picture, every other triangle that may be
+/* The candidates of each pixel: the reference's picture, every other triangle that may be
  * seen there without being wrong, with weights and bounds, and how many fragments may be drawn.
  * Triangles are walked a second time for that, after the reference has drawn. */
 #ifndef CANDIDATES_H
@@ -62,7 +62,7 @@ void fragments_free(struct fragments *fragments);
  * and the far plane there may be any: they end there, but single precision does not know where. */
 unsigned clipped_at(const struct fragments *fragments, const struct bounded_triangle *triangle,
                     double px, double py);
-/* Whether an edge near the centre always has a triangle on either side. */
+/* True if an edge near the centre always has a triangle on either side. */
 bool is_closed(const struct seam *seam);
 /* Makes room for `needed` elements of an array. False: no memory, or more than int32_t counts. */
 bool array_grow(void *array, size_t *capacity, size_t needed, size_t size);

@@ -51,7 +51,7 @@ static bool is_flat(const struct bounding *bounding, const struct surface *surfa
            attribute < (size_t)surface->instance->n_terms;
 }
 
-/* Of an attribute where six planes may cut: a difference, a product and a sum each. */
+/* An attribute's roundings where six planes may cut: a difference, a product and a sum each. */
 enum { CUT_ROUNDINGS = 18 };
 
 /* The bound of one attribute in one clipped triangle: of its interpolation, and by how much

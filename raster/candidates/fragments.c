@@ -164,7 +164,7 @@ static bool note_clipped(struct fragments *of, struct bounded_triangle *triangle
     return true;
 }
 
-/* Whether the point lies where OpenGL sets two clipped triangles side by side. */
+/* True if the point lies where OpenGL sets two clipped triangles side by side. */
 static bool is_on_seam(const struct visit *visit)
 {
     const struct bounded_triangle *triangle = visited(visit);
@@ -194,7 +194,7 @@ unsigned clipped_at(const struct fragments *fragments, const struct bounded_tria
     return some == 0 && triangle->cut ? all : some;
 }
 
-/* Whether OpenGL's error has no bound at a point: on a clipped triangle that is too thin for one,
+/* True if OpenGL's error has no bound at a point: on a clipped triangle that is too thin for one,
  * where depth has none either, or so far away that roundings of 1 / w, made where it is larger, may
  * be nearly all of it. */
 static bool is_loose(const struct visit *visit, unsigned clipped, bool *thin)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What is known of OpenGL's implementations: where each stays within the specification, and where
+/* Facts of OpenGL's implementations: where each stays within the specification, and where
  * it is better than it must be. Measured on Mesa 22.3.6; test/README.md says how. */
 #include <string.h>
 

@@ -5,7 +5,7 @@
 
 #include <stdbool.h>
 
-/* Which triangle has the pixels whose centres lie exactly on an edge. */
+/* The rule that gives a pixel to a triangle when its centre lies exactly on an edge. */
 enum fill_rule { FILL_ANY, FILL_LEFT_BOTTOM };
 struct driver {
     const char *name; /* what GL_RENDERER begins with; "unknown": the worst of all others */

@@ -22,7 +22,7 @@ struct whole {
     struct vector centre;
     double unit; /* as in plan_mesh */
 };
-/* What a mesh of the plan shows of a whole: one part, or all (-1), and of that one side of x = 0,
+/* The piece of a whole that a mesh shows: one part, or all (-1), and of that one side of x = 0,
  * or both (-1). */
 struct cutting {
     int whole, part, side;
@@ -181,7 +181,7 @@ static int find_mesh(struct instance_maker *maker, struct cutting wanted, struct
 
 /* ---- instances ---- */
 
-/* Whether the upper 3x3 turns left into right. Rows are brought to unit length, so that small and
+/* True if the upper 3x3 turns left into right. Rows are brought to unit length, so that small and
  * large scales neither underflow nor overflow. */
 static bool is_mirrored(const struct matrix *m)
 {
@@ -200,7 +200,7 @@ static struct matrix placement(const struct plan_mesh *mesh)
     return place;
 }
 
-/* Whether Mesa can invert the upper 3x3 and use it on normals: in single precision its determinant
+/* True if Mesa can invert the upper 3x3 and use it on normals: in single precision its determinant
  * must be a number above 1e-25 (m_matrix.c), and above its own rounding error, 16 of its terms; and
  * so must be the square of what its inverse, cofactors over the determinant, makes of a normal. */
 static bool has_inverse(const struct matrix *m)
@@ -354,7 +354,7 @@ static int compare_instances(const void *a, const void *b)
     return first < second ? -1 : first > second;
 }
 
-/* Of two instances that agree to the last bit OpenGL shows the first: the second is as deep, and
+/* OpenGL shows the first of two instances that agree to the last bit: the second is as deep, and
  * not nearer. */
 static bool find_twins(struct plan *plan, struct error *err)
 {

@@ -38,7 +38,7 @@ static struct eye_light place_light(const struct plan *plan, const struct shinin
     return out;
 }
 
-/* Whether OpenGL can take a light's distances and their squares in single precision. */
+/* Refuses a light unless OpenGL can take its distances and their squares in single precision. */
 static bool check_light(const struct eye_light *placed, const struct light *light,
                         struct error *err)
 {

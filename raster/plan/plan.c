@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a scene calls for, decided once and before anything is drawn: which lights shine, which
+/* Decides, once and before anything is drawn, what a scene calls for: which lights shine, which
  * terms each material needs, which meshes, passes and tiles follow. What is not planned here is not
  * computed. */
 #include <math.h>
@@ -22,7 +22,7 @@
  * weight (8) and an error (4); a sum of passes is a colour (16). Checked steps of 16 bits have a
  * colour and depth of Mesa's own (12) and our copy (8) beside what floats have. */
 enum { PIXEL_BYTES = 96, ROW_BYTES = 12, SUM_BYTES = 16, STEPS_BYTES = 20 };
-/* What a tile may take, so that a render stays well below 300 MiB with Mesa's own memory. */
+/* The memory of a tile, so that a render stays well below 300 MiB with Mesa's own memory. */
 static const size_t tile_budget = (size_t)128 << 20;
 /* Tiles no larger than Mesa's largest viewport (16384), with room for older drivers. */
 enum { LARGEST_TILE = 8192 };
@@ -66,7 +66,7 @@ static struct matrix projection_of(const struct camera *camera, int width, int h
     return m;
 }
 
-/* What the reference needs to know of the camera and the lights. */
+/* The camera and the lights as the reference takes them. */
 static struct view view_of(const struct plan *plan, const struct camera *camera)
 {
     static const enum shading_model shadings[] = {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a scene calls for, decided once: instances, terms, effects, passes, bytes. */
+/* The plan of a render, decided once: instances, terms, effects, passes, bytes. */
 #ifndef PLAN_H
 #define PLAN_H
 
@@ -106,9 +106,9 @@ bool plan_make(const struct scene *scene, const struct sampling *sampling,
 struct rectangle plan_picture(const struct plan *plan); /* the whole picture */
 int plan_tiles(const struct plan *plan, const struct rectangle *region);
 struct rectangle plan_tile(const struct plan *plan, const struct rectangle *region, int index);
-/* Whether bands are components, not radiances at wavelengths. */
+/* True if bands are components, not radiances at wavelengths. */
 bool has_components(const struct plan *plan);
-/* Of a band: "450 nm", or the label of a component. */
+/* The name of a band: "450 nm", or the label of a component. */
 enum { BAND_NAME = 32 };
 void band_name(const struct plan *plan, int band, char out[BAND_NAME]);
 /* The name of a surface: that of its material; or "background" for -1. */

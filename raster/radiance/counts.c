@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a sample should be, and radiance as counts: a sum over terms of weight x spectrum.
+/* The expected sample of a pixel, and radiance as counts: a sum over terms of weight x spectrum.
  *
  * Bound of a sample, in counts: sum over terms of (error of the weight) x (spectrum), which
  * raster/bounds/light.c and raster/bounds/plane.c derive, plus the roundings of the colour sum. u =
@@ -59,8 +59,8 @@ static void apply_texture(const struct run *run, int band, double *expected, flo
     }
 }
 
-/* What a buffer of steps makes of a colour. Each pass is cut off at full scale: of what passes add
- * up to that leaves a full scale at least, where there is as much, and all of it at most. */
+/* Expects what a buffer of steps holds of a colour. Each pass is cut off at full scale. Passes
+ * whose sum is a full scale or more give at least a full scale, and at most their sum. */
 static void expect_steps(const struct plan *plan, size_t n, double *expected, float *bound)
 {
     double most = (double)plan->n_light_groups * FULL_COUNT, rounding = buffer_rounding(plan);
@@ -118,7 +118,7 @@ size_t run_length(const int32_t *surface, size_t first, size_t last)
 
 /* ---- counts ---- */
 
-/* Whether a page can hold a value; NaN no page can. */
+/* True if a page can hold a value; NaN no page can. */
 static bool is_storable(double value)
 {
     return fabs(value) <= (double)FLT_MAX;

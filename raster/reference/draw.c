@@ -20,7 +20,7 @@ struct drawing {
 
 /* ---- coverage ---- */
 
-/* Of fragments that are equally deep the first is kept. */
+/* Keeps the first of fragments that are equally deep. */
 static bool cover_pixel(void *context, int x, int y)
 {
     struct drawing *drawing = context;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What a pixel looks like: attributes interpolated between the vertices, perspective-correct, as
+/* Shades a pixel: attributes interpolated between the vertices, perspective-correct, as
  * Gouraud interpolates colours; or positions and normals, and the point lit (Bui Tuong Phong 1975).
  */
 #include <math.h>
