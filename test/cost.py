@@ -288,7 +288,8 @@ def interrupt(number, whole_group, wait):
     os.mkdir(folder)
     process = subprocess.Popen([SPECTRAL, "cost", "colorchecker", "--size", "300x200"], start_new_session=True,
                                env={**os.environ, "TMPDIR": folder}, stdout=subprocess.PIPE,
-                               stderr=subprocess.PIPE)
+                               stderr=subprocess.PIPE,  # shells ignore SIGINT in background jobs
+                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
     while not glob.glob(folder + "/*/reference") and process.poll() is None:
         time.sleep(0.01)
     time.sleep(wait)

@@ -281,6 +281,7 @@ static void check_signals(void)
     signal(SIGTERM, SIG_DFL);
     child = fork();
     if (child == 0) {
+        signal(SIGINT, SIG_DFL); /* shells ignore it in background jobs */
         output_open(&output, path, &err);
         raise(SIGINT);
         output_discard(&output);

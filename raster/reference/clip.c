@@ -12,7 +12,7 @@ static double distance(const struct clip_plane *plane, const struct corner *corn
            plane->normal[2] * corner->clip[2] + plane->normal[3] * corner->clip[3] + plane->offset;
 }
 
-/* Where the edge crosses the plane, always computed from the inner end towards the outer one. */
+/* Cuts an edge at the plane, always computed from its inner end towards its outer one. */
 static struct corner cut(const struct corner *in, const double *distances, int inner, int outer)
 {
     const struct corner *from = &in[inner], *to = &in[outer];

@@ -185,8 +185,8 @@ static int clamp_to(double value, int low, int high)
     return value < low ? low : value > high ? high : (int)value;
 }
 
-/* Leaves of a row's pixels, *left to *right - 1, those whose edge functions may all be at
- * `least` or above, and a few more. Edge functions are linear along a row. */
+/* Narrows a row's pixels, *left to *right - 1, to those whose edge functions may all be at `least`
+ * or above, and a few more. Edge functions are linear along a row. */
 static void narrow_row(const struct screen_triangle *triangle, int y, double least, int *left,
                        int *right)
 {

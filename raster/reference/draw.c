@@ -37,8 +37,8 @@ static bool cover_pixel(void *context, int x, int y)
     return true;
 }
 
-/* On which sides of a rectangle, widened by a margin, a vertex lies (Cohen and Sutherland 1968); 0
- * for one that is not in front of the eye. */
+/* The sides of a rectangle, widened by a margin, beside which a vertex lies (Cohen and Sutherland
+ * 1968); 0 for a vertex that is not in front of the eye. */
 int outcode(const struct window_vertex *vertex, const struct rectangle *at, double margin)
 {
     if (!(vertex->clip[3] > 0))
@@ -85,7 +85,7 @@ static bool draw_triangle(struct drawing *drawing, const struct surface *surface
     return true;
 }
 
-/* Nothing of a surface is drawn whose vertices all lie beside the rectangle, on one side of it. */
+/* Skips a surface whose vertices all lie beside the rectangle, on one side of it. */
 static bool draw_surface(struct drawing *drawing, const struct surface *surface)
 {
     int beside = ~0;
