@@ -5,7 +5,8 @@
 test_packages='gcc clang libomp-dev lld wasi-libc libclang-rt-dev-wasm32 wabt perl liblcms2-utils python3-pil python3-tifffile python3-numpy python3-scipy python3-gdal
   imagej default-jdk-headless glmark2-data psychtoolbox-3-common mandoc bsdextrautils busybox-static
   chromium file binutils musl-tools gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user'
-at_once=1 # tests that run at the same time; some measure seconds
+at_once=2                                               # tests that run at the same time
+longest='portable cost scenes random_scenes hard static' # these begin first, so that no processor waits at the end
 # The mutant is the program with a fault of its own in this file: its bounds on colours are a thousand times
 # too wide.
 mutated=raster/radiance/counts.c
@@ -22,11 +23,19 @@ test_name() {
     name=${name%.*}
 }
 
+# Prints the scripts, the longest first.
+list_scripts() {
+    for name in $longest; do
+        find test/*/ -type f -perm -u+x -name "$name.*"
+    done
+    find test/*/ -type f -perm -u+x | sort | grep -Ev "/($(echo $longest | tr ' ' '|'))[.]"
+}
+
 # choose [NAME...] sets $units and $scripts to the named tests, or to all, and $bench if all is to be compiled.
 choose() {
     units=$(find test -name 'test_*.c' | sort)
-    scripts=$(find test -type f -perm -u+x | sort)
-    bench=test/bench.c
+    scripts=$(list_scripts)
+    bench=test/bench/bench.c
     [ $# != 0 ] || return 0
     all="$units $scripts"
     units='' scripts='' bench=''
@@ -56,11 +65,9 @@ programs() {
 # chosen_need PATTERN succeeds if a chosen script has it.
 chosen_need() { grep -Eq "$1" $scripts /dev/null; }
 
-# Warnings are errors. Each test is linked with a library of everything but spectral.c.
+# Warnings are errors. Each test is linked with a library of all objects of the program but spectral.c's.
 build_tests() (
-    CFLAGS=
     mkdir -p "$BUILD/test"
-    compile test/library '-O2 -Werror' $sources "$BUILD/builtin.c"
     set -- $objects
     main=$1 # of spectral.c
     shift
@@ -70,7 +77,7 @@ build_tests() (
         ar rcs "$LIBRARY.new" "$@"
         mv "$LIBRARY.new" "$LIBRARY"
     fi
-    compile test/units '-O1 -Werror -Itest' $(programs | sort -u)
+    compile test/units '-O1 -Werror -Itest/unit' $(programs | sort -u)
     for object in $objects; do
         test_name "$object"
         link "test/$name" "$object" "$LIBRARY"
@@ -79,7 +86,7 @@ build_tests() (
 )
 
 build_faults() {
-    $CC $warnings -Werror $CPPFLAGS -O1 $language -shared -fPIC $LDFLAGS test/fault.c -o "$FAULTS" -ldl
+    $CC $warnings -Werror $CPPFLAGS -O1 $language -shared -fPIC $LDFLAGS test/oracle/fault.c -o "$FAULTS" -ldl
     sed "$mutation" "$mutated" >"$BUILD/test/mutant.new"
     ! cmp -s "$mutated" "$BUILD/test/mutant.new" || refuse "test/run.sh: the mutation finds nothing in $mutated"
     cmp -s "$BUILD/test/mutant.new" "$BUILD/test/mutant.c" || mv "$BUILD/test/mutant.new" "$BUILD/test/mutant.c"
@@ -106,15 +113,15 @@ run_tests() {
     if [ -n "$(programs)" ] || chosen_need 'LIBRARY|FAULTS|MUTANT'; then
         build_tests
     fi
-    prove --timer --jobs $at_once --exec '' \
-        $(for file in $units; do test_name "$file"; echo "$BUILD/test/$name"; done) $scripts
+    prove --timer --jobs $at_once --exec '' $scripts \
+        $(for file in $units; do test_name "$file"; echo "$BUILD/test/$name"; done)
     case "$full $scripts" in full*random_scenes*) run_random_tests ;; esac
 }
 
 # 5,000 random scenes on llvmpipe and 500 on softpipe.
 run_random_tests() {
     for random in 'llvmpipe --count 5000' 'softpipe --count 500'; do
-        prove --timer --exec '' test/random_scenes.py :: --first 1000 --driver $random
+        prove --timer --exec '' test/run/random_scenes.py :: --first 1000 --driver $random
     done
 }
 
@@ -124,11 +131,11 @@ run_bench() {
     build
     if [ "${1:-}" = effects ]; then
         need python3-tifffile python3-numpy
-        /usr/bin/python3 test/bench_effects.py "$BUILD/spectral" "$BUILD/tmp/bench"
+        /usr/bin/python3 test/bench/bench_effects.py "$BUILD/spectral" "$BUILD/tmp/bench"
         return
     fi
     others=${objects#*.o } # all but that of spectral.c
-    compile obj-bench "$CFLAGS -Itest" test/bench.c
+    compile obj-bench "$CFLAGS -Itest/unit" test/bench/bench.c
     link bench $objects $others
     "$BUILD/bench"
 }

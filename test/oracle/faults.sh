@@ -1,0 +1,176 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Each fault planted in OpenGL must end with exit 1 and one line that names a pixel, an object and
+# what differs; the scene drawn without it must pass. $FAULTS is the library made of test/oracle/fault.c,
+# $MUTANT the program with all bounds a thousand times too wide. Scenes lie in test/cases/faults/.
+. test/run/tap.sh
+FAULTS=${FAULTS:-build/test/fault.so}
+MUTANT=${MUTANT:-build/test/spectral-mutant}
+FAULT_PASSES=$tmp/passes
+export FAULT_PASSES
+
+# Number, fault and scene, as in test/README.md. 1 to 46 are what any implementation may do wrong.
+cat >"$tmp/table" <<'TABLE'
+| 1 | one triangle of each mesh is missing | patches |
+| 2 | a triangle of one pixel is missing | crumb |
+| 3 | two bands of each pass are swapped | patches |
+| 4 | two passes are swapped | patches |
+| 5 | the picture is shifted by 1/2 pixel | patches |
+| 6 | the picture is shifted by 1/64 pixel | patches |
+| 7 | the picture is mirrored from top to bottom | patches |
+| 8 | the picture is mirrored from left to right | patches |
+| 9 | the fill rule takes right and top edges for left and bottom ones | grid |
+| 10 | pixels on a shared edge are drawn by neither triangle | mirrored-seam |
+| 10 | pixels on a shared edge are drawn by both triangles | seam |
+| 11 | flat shading for smooth | patches |
+| 12 | the first vertex colours a flat triangle, not the last | flat |
+| 13 | affine interpolation for perspective | floor |
+| 14 | depth test LEQUAL for LESS | twins |
+| 15 | depth test GREATER for LESS | patches |
+| 16 | no depth test | before |
+| 17 | depth is not written | before |
+| 18 | front faces are culled | patches |
+| 19 | clockwise faces are taken for front faces | leaves |
+| 20 | back faces are lit by the normals of the front | leaves |
+| 21 | normals are not normalised under a scale of 2 | enlarged |
+| 22 | normals are rescaled, not normalised, under an anisotropic scale | stretched |
+| 23 | normals are transformed as points are, under a shear | sheared |
+| 24 | the specular colour is dropped | glossy |
+| 25 | shininess times 1.01 | glossy |
+| 26 | shininess 0 is treated as 1 | matt |
+| 27 | the reflected ray in place of the half vector | grazing |
+| 28 | the viewer is taken to be infinitely far | glossy |
+| 29 | highlights on faces that are turned away from the light | grazing |
+| 30 | linear and quadratic attenuation are exchanged | lights |
+| 31 | a light at infinity is treated as one at a point | glossy |
+| 32 | lights are placed under the modelview of an object | lights |
+| 33 | the ambient colour of a material is lost in one band | lights |
+| 34 | every sample is 1/65535 too large | patches |
+| 35 | samples are cut off, not rounded, to 16 bits | patches |
+| 36 | colours of vertices are clamped | bright |
+| 37 | samples went through 8 bits | patches |
+| 38 | one pass is never finished: the buffer keeps the pass before | patches |
+| 39 | nothing is clipped at the near plane | near |
+| 40 | a clip plane cuts the wrong half of a halved mesh | halves |
+| 41 | new vertices at the near plane have the colour of an old one | near |
+| 42 | the viewport is off by 1 pixel | patches |
+| 43 | one sample of one pixel is wrong by 1/1000 | patches |
+| 44 | a pixel at an edge is midway between both sides | edge |
+| 45 | a pixel at an edge has the other side's value in one band | edge |
+| 46 | every bound is 1000 times too wide (in the program itself) | soft |
+| 47 | every sample is 1/1000 too large | patches |
+| 48 | one sample is no number | patches |
+| 49 | diffuse light is 1/1000 too weak in one band | lights |
+| 50 | specular light is 1/100 too weak in one band | lights |
+| 51 | ambient light is 1/100 too weak in one band | lights |
+| 52 | lights are 1/100 too far to the right | lights |
+| 53 | the axes of spots are turned by up to 1/100 | lights |
+| 54 | the exponents of spots times 1.01 | lights |
+| 55 | spots have no cutoff | lights |
+| 56 | one-sided faces are lit from behind | lights |
+| 57 | smooth shading for flat | flat |
+| 58 | the second group of lights is missing | groups |
+| 59 | textures are moved by one texel | textures |
+| 60 | two bands of a spectral texture are swapped | textures |
+| 61 | one texel is wrong by 1/100 | textures |
+| 62 | the nearest texel for a linear filter | textures |
+| 63 | textures do not repeat from left to right | textures |
+| 64 | every other repetition of a texture is mirrored | textures |
+| 65 | no fluorescence in one band of each pass | glow |
+| 66 | every sample is half as large | seam |
+| 67 | the picture is black | seam |
+| 68 | no sample is a number | seam |
+| 69 | the depth of one pixel is wrong by 1/10000 | patches |
+| 69 | the depth of one pixel at an edge is wrong by 1/10000 | edge |
+| 70 | a pixel at an edge shows another triangle that looks the same | edge |
+| 71 | five fragments too many at an edge | edge |
+TABLE
+
+render() { # FAULT SCENE [OPTION...]
+    fault=$1
+    scene=$2
+    shift 2
+    [ "$scene" != bright ] || set -- --full-scale 0.5 "$@"
+    env FAULT="$fault" LD_PRELOAD="$FAULTS" "$SPECTRAL" render "test/cases/faults/$scene.scene" \
+        -o "$tmp/out.tif" "$@"
+}
+
+# The smallest error, in counts, that the check sees for certain everywhere inside surfaces.
+smooth_floor() { # PROGRAM SCENE
+    "$1" render "test/cases/faults/$2.scene" -o /dev/null --quiet --json - |
+        sed -n 's/.*"smooth_floor_worst_counts": *\([^,}]*\).*/\1/p'
+}
+
+is_above() { # LIMIT VALUE
+    awk -v limit="$1" -v value="$2" 'BEGIN { exit !(value != "" && value + 0 > limit) }'
+}
+
+# The program sees what is 2 counts or more; the mutant must say that it does not.
+finds_mutant() { # SCENE
+    floor=$(smooth_floor "$SPECTRAL" "$1")
+    is_above 0.01 "$floor" && ! is_above 2 "$floor" && is_above 2 "$(smooth_floor "$MUTANT" "$1")"
+}
+
+finds() { # FAULT SCENE
+    run render "$1" "$2"
+    [ "$status" = 1 ] && [ "$(wc -l <"$tmp/err")" = 1 ] && [ ! -e "$tmp/out.tif" ] &&
+        grep -Eq \
+            'first at [0-9]+,[0-9]+ on [0-9a-z-]+ \(test/cases/faults/[a-z-]+\.scene:[0-9]+\): (at [0-9]+ nm )?OpenGL' \
+            "$tmp/err"
+}
+
+for scene in test/cases/faults/*.scene; do
+    scene=$(basename "$scene" .scene)
+    for GALLIUM_DRIVER in softpipe llvmpipe; do
+        export GALLIUM_DRIVER
+        exits 0 "without a fault the pictures agree: $scene on $GALLIUM_DRIVER" render 0 "$scene"
+        prints '^unexplained +0$' "and no pixel is unexplained"
+        rm -f "$tmp/out.tif"
+    done
+done
+for scene in sheared grazing near; do
+    exits 0 "the shader that faults are planted in has none itself: $scene" render -1 "$scene"
+    rm -f "$tmp/out.tif"
+done
+
+while IFS='|' read -r _ number name scene _; do
+    number=$((number))
+    scene=${scene# }
+    scene=${scene% }
+    [ $number != 4 ] || run render 0 "$scene" # whose passes are swapped
+    rm -f "$tmp/out.tif"
+    if [ $number = 46 ]; then finds_mutant "$scene"; else finds "$number" "$scene"; fi
+    missed=$?
+    ok $missed "planted fault $number is found:$name"
+    echo "$number $missed" >>"$tmp/verdicts"
+    echo "| $number |$name| $scene | $([ $missed = 0 ] && echo found || echo MISSED) |" >&2
+done <"$tmp/table"
+count=$(awk '{ missed[$1] += $2 }
+    END { for (i = 1; i <= 46; i++) n += i in missed && !missed[i]; print n + 0 }' "$tmp/verdicts")
+echo "$count of 46 planted faults found" >&2
+[ "$count" = 46 ]
+ok $? "46 of 46 planted faults are found, each by its number"
+sed -n '/^| number | fault | scene |$/,/^$/p' test/README.md | grep '^| [0-9]' | cmp -s - "$tmp/table"
+ok $? "test/README.md has the same table"
+
+GALLIUM_DRIVER=softpipe
+for number in 1 6 14 23 37 41 44 45; do
+    finds "$number" "$(sed -n "s/^| $number |.*| \(.*\) |$/\1/p" "$tmp/table")"
+    ok $? "planted fault $number is found on softpipe, too"
+done
+GALLIUM_DRIVER=llvmpipe
+
+exits 1 "one wrong sample fails the whole picture" render 43 patches
+prints '^unexplained +1$' "and its pixel is the only one that is unexplained"
+exits 1 "--keep stores a stack that failed" render 43 patches --keep
+grep -aq 'cross-check: DIFFERENT' "$tmp/out.tif"
+ok $? "with the verdict in it"
+rm -f "$tmp/out.tif"
+for depth in 16 32f; do
+    for fault in 48 68; do
+        exits 3 "unchecked, what is no number is refused all the same at depth $depth: $fault" \
+            render "$fault" patches --no-check --depth "$depth"
+        absent "$tmp/out.tif" "depth $depth"
+    done
+done
+done_testing

@@ -1,0 +1,332 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""spectral cost: what it measures is true of errors, never of times; what it recommends holds when it
+is rendered, developed and compared here with a reference made separately; and nothing stays behind
+when it is interrupted. What it recommends is verified for three built-in scenes, and with FULL for
+all of them. Prints TAP."""
+import csv
+import glob
+import io
+import os
+import re
+import shlex
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import tifffile
+
+sys.dont_write_bytecode = True
+from colours import cielab, ciede2000
+from rendered import SPECTRAL, TMP, check, done, write
+from tap import bail_out
+
+CHECKER = os.path.abspath("data/builtin/materials/colorchecker")
+SCENE = f"""wavelengths 400 700 10
+size 48 32
+camera ortho 12
+light a 1 position 0 0 8
+light a 0.5 direction 1 1 1
+material red {{ diffuse {CHECKER}/15-red.txt }}
+material green {{ diffuse {CHECKER}/14-green.txt gloss 20 }}
+material blue {{ diffuse {CHECKER}/13-blue.txt }}
+material grey {{ diffuse 0.4 }}
+object plane 14 10 material grey translate 0 0 -4
+object sphere 2.4 10 8 material green
+object plane 3 3 material red translate -4 0 0
+object plane 3 3 material blue translate 4 0 0
+"""
+# Flat, and under a light far away: shadings are all alike, and there is nothing to tessellate.
+FLAT = f"""wavelengths 400 700 10
+size 24 16
+camera ortho 12
+light d65 1 direction 0 0 1
+material red {{ diffuse {CHECKER}/15-red.txt }}
+"""
+FLUORESCENT = FLAT + """material dye { diffuse 0.3 fluorescence uv gaussian:550,60*0.8 }
+object plane 5 7 material red translate -3 0 0
+object plane 5 7 material dye translate 3 0 0
+"""
+METAMERS = os.path.abspath("data/builtin/materials/metamers/illuminant-2-light-skin.txt")
+FEW = ["--runs", "5", "--threads", "1"]
+
+
+def run(*arguments, **options):
+    return subprocess.run([SPECTRAL, *arguments], check=False, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          universal_newlines=True, **options)
+
+
+def cost(scene, *options):
+    """The table by names; the last word is its text."""
+    result = run("cost", scene, "--quiet", "--csv", "-", *FEW, *options)
+    if result.returncode != 0:
+        bail_out("cost of", scene, result.stderr)
+    rows = list(csv.DictReader(io.StringIO(result.stdout)))
+    return {row["name"]: row for row in rows}
+
+
+def error(table, name, column="dE00_mean"):
+    return float(table[name][column])
+
+
+# ---- the table ----
+
+NUMBERS = ("seconds", "fastest", "slowest", "dE00_mean", "dE00_95", "dE00_largest")
+
+
+def is_in_order(row):
+    numbers = [float(row[name]) for name in NUMBERS]
+    return (all(np.isfinite(numbers)) and 0 < numbers[1] <= numbers[0] <= numbers[2]
+            and 0 <= numbers[3] <= numbers[5] and 0 <= numbers[4] <= numbers[5])
+
+
+def dominated(rows, index, own, others):
+    """Whether another is as fast and as close, and better in one; with what luck of whom."""
+    time_, error_ = float(rows[index][own]), float(rows[index]["dE00_95"])
+    for i, other in enumerate(rows):
+        t, e = float(other[others]), float(other["dE00_95"])
+        if i != index and t <= time_ and e <= error_ and (t < time_ or e < error_):
+            return True
+    return False
+
+
+def marks(table):
+    rows, expected = list(table.values()), {}
+    for i, row in enumerate(rows):
+        best = not dominated(rows, i, "seconds", "seconds")
+        uncertain = (dominated(rows, i, "slowest", "fastest") if best
+                     else not dominated(rows, i, "fastest", "slowest"))
+        expected[row["name"]] = (str(int(best)), str(int(uncertain)))
+    return expected
+
+
+def tables(scene):
+    first, second = cost(scene), cost(scene)
+    expected = {f"{name} phong x4" for name in (
+        "own wavelengths", "riemann:40", "riemann:20", "riemann:10", "riemann:5", "riemann:1", "gauss:4",
+        "gauss:8", "gauss:12", "gauss:16", "gauss:24", "gauss:8,open", "box:8", "box:16", "adaptive:0.01",
+        "rgb", "xyz", "basis:1", "basis:2")}
+    check(expected <= set(first), "every sampling is measured", expected - set(first))
+    ends = ("flat", "smooth", "phong", "flat x2", "smooth x2", "phong x2", "flat x4", "smooth x4", "phong x4",
+            "smooth llvmpipe", "smooth llvmpipe buffer 8", "smooth llvmpipe buffer 16",
+            "smooth llvmpipe checked", "smooth softpipe", "phong x4 depth 8", "phong x4 depth 32f")
+    for end in ends:
+        check(any(name.split(" ", 1)[1] == end for name in first), f"so is {end}", *first)
+    check(all(map(is_in_order, first.values())),
+          "fastest, median and slowest are in this order, and so are errors", *first.values())
+    check([float(row["seconds"]) for row in first.values()]
+          == sorted(float(row["seconds"]) for row in first.values()), "entries are in the order of seconds")
+    seen = {name: (row["frontier"], row["within_noise"]) for name, row in first.items()}
+    check(seen == marks(first), "the frontier, and what is within noise of it, follow from the table",
+          {name: (seen[name], mark) for name, mark in marks(first).items() if seen[name] != mark})
+    errors = [{name: [row[key] for key in row if key.startswith(("dE", "radiance"))]
+               for name, row in table.items()} for table in (first, second)]
+    check(errors[0] == errors[1], "errors do not depend on the run",
+          *[name for name in errors[0] if errors[0][name] != errors[1].get(name)])
+    certain = [name for name in first if first[name]["within_noise"] == second[name]["within_noise"] == "0"]
+    order = [[name for name in table if name in certain and table[name]["frontier"] == "1"]
+             for table in (first, second)]
+    check(order[0] == order[1], "the frontier of both runs is the same, but for what is within noise", *order)
+    return first
+
+
+# ---- known truths, of errors ----
+
+def falls(table, names, what):
+    errors = [error(table, name) for name in names]
+    check(all(a > b for a, b in zip(errors, errors[1:])), what, *zip(names, errors))
+
+
+def smooth_light(table):
+    falls(table, [f"riemann:{n} phong x4" for n in (40, 20, 10, 5, 1)], "riemann's error falls with the step")
+    own, same = (table[f"{name} phong x4"] for name in ("own wavelengths", "riemann:10"))
+    check(all(own[key] == same[key] for key in own if key.startswith(("dE", "radiance"))),
+          "own wavelengths, every 10 nm, are as close as riemann:10, in colours and radiances", own, same)
+    check(error(table, "gauss:8 phong x4") < error(table, "riemann:40 phong x4"),
+          "under smooth light 8 nodes of gauss are better than 8 samples of riemann",
+          error(table, "gauss:8 phong x4"), error(table, "riemann:40 phong x4"))
+    bases = sorted((name for name in table if name.startswith("basis:") and name.endswith(" phong x4")),
+                   key=lambda name: int(name[6:].split()[0]))
+    falls(table, bases, "a basis's error falls with its components")
+    check(error(table, bases[-1], "radiance_error") < 1e-4,
+          "and is that of 16-bit samples where they are as many as there are", table[bases[-1]])
+    good = bases[-1].split()[0]
+    falls(table, [f"{good} {name}" for name in ("smooth", "smooth x2", "smooth x4")],
+          "smooth shading comes closer to phong the finer the tessellation")
+    falls(table, [f"{good} {name}" for name in ("phong x4 depth 8", "phong x4", "phong x4 depth 32f")],
+          "deeper pages are closer")
+    check(error(table, f"{good} phong x4 depth 32f") < 1e-4, "float pages of all components are exact",
+          table[f"{good} phong x4 depth 32f"])
+    check(all(table[f"{name} phong x4"]["radiance_error"] == "" for name in ("rgb", "xyz")),
+          "rgb and xyz tell no radiances")
+
+
+def emission_lines(scene):
+    table = cost(scene, "--light", "1=fluorescent", "--light", "2=fluorescent")
+    poor = error(table, "gauss:8 phong x4", "dE00_95")
+    good = error(table, "adaptive:0.001 phong x4", "dE00_95")
+    check(poor > 1 and good < 0.5, "under a fluorescent tube gauss:8 is poor, and adaptive recovers", poor, good)
+    text = run("cost", scene, "--light", "1=fluorescent", "--size", "6x4", *FEW).stdout
+    check("emission peaks at" in text, "and the table says why", text)
+
+
+def three_numbers():
+    table = cost(write("fluorescent.scene", FLUORESCENT))
+    check(error(table, "rgb phong", "dE00_largest") > 5 and error(table, "xyz phong", "dE00_largest") > 5
+          and error(table, "riemann:5 phong") < 0.2, "rgb and xyz cannot show fluorescence",
+          table["rgb phong"], table["xyz phong"], table["riemann:5 phong"])
+    pair = f"material pair {METAMERS}\nobject plane 10 7 material pair\n"
+    table = cost(write("metamers.scene", FLAT + pair), "--light", "1=a")
+    check(error(table, "rgb phong", "dE00_largest") > 2 and error(table, "riemann:5 phong") < 0.2,
+          "rgb fails metamers under another light", table["rgb phong"], table["riemann:5 phong"])
+
+
+# ---- recommendations ----
+
+def tristimulus(stack, observer):
+    """XYZ of each pixel [channel, y, x], the white, and the pixels that show something."""
+    picture = os.path.join(TMP, "xyz.tif")
+    result = run("develop", stack, "--xyz", "--observer", observer, "-o", picture)
+    white = next(line for line in result.stdout.splitlines() if line.startswith("white"))
+    with tifffile.TiffFile(picture) as tiff:
+        return np.array([page.asarray() for page in tiff.pages], float), np.array(
+            [float(word) for word in white.split("XYZ")[1].split(",")[0].split()])
+
+
+def render(stack, scene, options):
+    result = run("render", scene, "--quiet", "-o", stack, *options)
+    check(result.returncode == 0, f"render {os.path.basename(scene)} {' '.join(options)}", result.stderr)
+
+
+def shows_object(stack):
+    """Of each pixel, a black object's too: by the map behind the last page."""
+    with tifffile.TiffFile(stack) as tiff:
+        offset, size = re.search(r"object_map: (\d+) (\d)\n", tiff.pages[0].description).groups()
+        shape = tiff.pages[0].shape
+    return np.fromfile(stack, f"<u{size}", np.prod(shape), offset=int(offset)).reshape(shape) > 0
+
+
+def quantile(scene, options, given, observer):
+    mine, reference = os.path.join(TMP, "mine.tif"), os.path.join(TMP, "reference.tif")
+    render(mine, scene, options)
+    render(reference, scene, [*given, "--sampling=riemann:1", "--detector", observer, "--shading=phong",
+                              "--tessellation=4", "--renderer=raster", "--depth=32f"])
+    (one, white), (two, _) = tristimulus(reference, observer), tristimulus(mine, observer)
+    shown = shows_object(reference) | (two != 0).any(0)
+    difference = np.sort(ciede2000(cielab(one[:, shown], white[:, None]), cielab(two[:, shown], white[:, None])))
+    return difference[len(difference) - len(difference) // 20 - 1]
+
+
+def radiances(stack):
+    """Wavelengths, and the radiance of each pixel there; of float pages."""
+    with tifffile.TiffFile(stack) as tiff:
+        return (np.array([float(page.tags["PageName"].value.split()[0]) for page in tiff.pages]),
+                np.array([page.asarray().ravel() for page in tiff.pages], float))
+
+
+def radiance_errors(scene, table):
+    """Of small pictures every pixel counts; between its pages a stack is linear."""
+    stack, fine = os.path.join(TMP, "stack.tif"), ["--shading=phong", "--tessellation=4", "--renderer=raster",
+                                                   "--depth=32f"]
+    render(stack, scene, ["--sampling=riemann:1", *fine])
+    every_nm, truth = radiances(stack)
+    for sampling in ("riemann:40", "gauss:8"):
+        render(stack, scene, [f"--sampling={sampling}", *fine])
+        nm, seen = radiances(stack)
+        between = np.array([np.interp(every_nm, nm, pixel) for pixel in seen.T]).T
+        relative = np.sqrt(((between - truth) ** 2).sum() / (truth ** 2).sum())
+        said = error(table, f"{sampling} phong x4", "radiance_error")
+        check(abs(said - relative) <= 1e-3 * relative, f"the radiance's error of {sampling} is that of its stack",
+              said, relative)
+
+
+def holds(scene, given, observer, named, command):
+    """A line that names a setting, and the one that renders it."""
+    name = " ".join([os.path.basename(scene), *given, observer, *named.split(":")[:1]])
+    words = shlex.split(command)
+    check(words[:3] == ["spectral", "render", scene], f"{name}: as one would type it", command)
+    said, seen = float(named.rsplit(" ", 1)[1]), quantile(scene, words[3:], given, observer)
+    check(seen <= 0.5 and abs(seen - said) <= 0.01 * said + 1e-4,
+          f"{name}: rendered and compared separately, 95 % of the pixels are within 0.5", seen, said)
+    with tifffile.TiffFile(os.path.join(TMP, "mine.tif")) as tiff:
+        return tiff.pages[0].tags["PageName"].value.endswith(" nm")
+
+
+def recommends(scene, *given, observer="cie1931"):
+    """What is named first may have no spectra; then another has."""
+    result = run("cost", scene, "--tolerance", "0.5", "--quiet", "--observer", observer, *FEW, *given)
+    lines = result.stdout.splitlines()
+    check(result.returncode == 0 and lines and lines[0].startswith("within 0.5 CIEDE2000: "),
+          f"{scene}: a setting within 0.5 is named", result.stdout, result.stderr)
+    spectral = [holds(scene, given, observer, *lines[i:i + 2]) for i in range(0, len(lines) - 1, 2)]
+    check(spectral == [True] or (spectral == [False, True] and lines[2].startswith("with spectra: ")),
+          f"{scene}: it, or a second one, renders a stack of wavelengths", *lines)
+
+
+def refusals(scene):
+    lines = run("cost", scene, "--budget", "1e6", "--quiet", *FEW).stdout.splitlines()
+    check(len(lines) == 4 and "basis:" in lines[0] and lines[2].startswith("with spectra: riemann:1 phong x4"),
+          "of all settings a basis is closest, and of those with wavelengths every nm", *lines)
+    result = run("cost", scene, "--budget", "1e-9", "--quiet", *FEW)
+    check(result.returncode == 1 and len(result.stderr.splitlines()) == 1, "no setting is within 1e-9 s",
+          result.stderr)
+    for options, status in ((["--runs", "4"], 2), (["--observer", "dcs200-camera"], 2), (["--tolerance", "x"], 2),
+                            (["--csv", "/missing/a.csv"], 2), (["--svg", TMP], 2)):
+        result = run("cost", scene, *options)
+        check(result.returncode == status and len(result.stderr.splitlines()) == 1,
+              f"{' '.join(options)} is refused", result.returncode, result.stderr)
+
+
+# ---- nothing stays behind ----
+
+def interrupt(number, whole_group, wait):
+    folder = os.path.join(TMP, "temporary")
+    shutil.rmtree(folder, ignore_errors=True)
+    os.mkdir(folder)
+    process = subprocess.Popen([SPECTRAL, "cost", "colorchecker", "--size", "300x200"], start_new_session=True,
+                               env={**os.environ, "TMPDIR": folder}, stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE,  # shells ignore SIGINT in background jobs
+                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+    while not glob.glob(folder + "/*/reference") and process.poll() is None:
+        time.sleep(0.01)
+    time.sleep(wait)
+    (os.killpg if whole_group else os.kill)(process.pid, number)
+    output = process.communicate(timeout=30)[0]
+    try:
+        os.killpg(process.pid, 0)
+        left = True
+    except ProcessLookupError:
+        left = False
+    name = f"{signal.Signals(number).name} to {'the group' if whole_group else 'it alone'} after {wait} s"
+    check(process.returncode == -number and not output, f"{name}: it ends by the signal, and prints nothing",
+          process.returncode, output)
+    check(not os.listdir(folder) and not left, f"{name}: no file and no process is left", os.listdir(folder))
+
+
+def interruptions(scene):
+    for wait in (0, 0.4):
+        interrupt(signal.SIGINT, True, wait)
+        interrupt(signal.SIGTERM, True, wait)
+        interrupt(signal.SIGTERM, False, wait)
+    result = run("cost", scene, env={**os.environ, "TMPDIR": os.path.join(TMP, "missing")})
+    check(result.returncode == 3 and len(result.stderr.splitlines()) == 1 and not result.stdout,
+          "a TMPDIR that is not there: one line, exit 3", result.returncode, result.stderr)
+
+
+small = write("small scene's.scene", SCENE)
+measured = tables(small)
+smooth_light(measured)
+radiance_errors(small, measured)
+emission_lines(small)
+three_numbers()
+recommends(small)
+recommends(small, "--light=1=fluorescent", observer="cie1964")
+refusals(small)
+interruptions(small)
+every = sorted(os.path.basename(path)[:-6] for path in glob.glob("data/builtin/scenes/*.scene"))
+for built_in in every if os.environ.get("FULL") else ("fluorescence", "patches", "spheres"):
+    recommends(built_in, "--size=24x16")
+done()

@@ -1,0 +1,66 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# A release archive is the same bytes wherever and by whomever it is made; what it holds is whole, runs
+# and carries its licences. Installing puts the program and its manual where PREFIX says.
+# FULL=1 builds OSMesa twice, too.
+. test/run/tap.sh
+
+# made_in FOLDER BUILD MASK: another path, another umask, another time zone
+tmp=$(realpath "$tmp")
+made_in() (
+    mkdir -p "$tmp/$1"
+    cp -R build.sh spectral.c spectral.h spectral.1 README.md LICENSE data raster "$tmp/$1"
+    umask "$3"
+    [ "${FULL:-0}" = 0 ] || export XDG_CACHE_HOME="$tmp/$1/cache"
+    BUILD=$2 TZ=Asia/Kathmandu "$tmp/$1/build.sh" dist >"$tmp/$1/log" 2>&1 || cat "$tmp/$1/log" >&2
+)
+made_in one build 022 &
+made_in another/folder/of/a/longer/name elsewhere 077
+wait $!
+archive=$(cd "$tmp/one/build" && echo spectral-*.tar.gz)
+cmp "$tmp/one/build/$archive" "$tmp/another/folder/of/a/longer/name/elsewhere/$archive"
+ok $? "$archive is the same bytes twice"
+[ "$(find "$tmp/one" -name 'spectral-*' -maxdepth 1 | wc -l)" = 0 ]
+ok $? "and lies in the folder for all that is made"
+
+tar -C "$tmp" -xzf "$tmp/one/build/$archive"
+release=$tmp/${archive%.tar.gz}
+(cd "$release" && sha256sum --quiet --check SHA256SUMS && [ "$(find . -type f | wc -l)" = $(($(wc -l <SHA256SUMS) + 1)) ])
+ok $? "its files have the SHA-256 that SHA256SUMS tells, and no file is without"
+for file in spectral spectral.1 README.md LICENSE data/builtin/scenes/room.scene data/gallery/room.png; do
+    [ -s "$release/$file" ]
+    ok $? "it holds $file"
+done
+# Each library that the program is linked with, Mesa, and what the compiler adds: GNU's.
+for library in mesa libtiff libwebp libzstd liblzma liblerc libjpeg libdeflate zlib libc6 libgcc 'libstdc[+][+]'; do
+    grep -q "^$library.*[[:space:]][0-9]" "$release/licences/VERSIONS" &&
+        find "$release/licences" -type f -size +0 | grep -Eq "/${library}[^/]*$"
+    ok $? "the licence and the version of $library"
+done
+! grep -rlE 'GPL-?[0-9]' "$release/licences" | grep -vE '/(libgcc.*|libstdc.*|libc6-dev|liblzma-dev|libzstd-dev)$'
+ok $? "nothing in it is under the GPL alone: the GNU libraries allow it, two others offer a choice"
+tar -tvzf "$tmp/one/build/$archive" >"$tmp/listing"
+! grep -vE '^[-d]rwxr-xr-x 0/0 |^-rw-r--r-- 0/0 ' "$tmp/listing"
+ok $? "all can read it, and its owner is nobody of this machine"
+tar -tzf "$tmp/one/build/$archive" | sed 's:/$::; s:/: :g' | LC_ALL=C sort -c
+ok $? "its files are sorted, not as they lie on the disk"
+sed 's/^[^ ]*  //' "$release/SHA256SUMS" | LC_ALL=C sort -c
+ok $? "in SHA256SUMS, too"
+! grep -v " $(date -u -d "$(sed -n 's/^[.]Dd //p' spectral.1)" +%Y-%m-%d) " "$tmp/listing"
+ok $? "its date is that of the manual page"
+exits 0 "its program renders its scene" "$release/spectral" render "$release/data/builtin/scenes/room.scene" \
+    --size 60x40 -o "$tmp/room.tif"
+"$SPECTRAL" render "$release/data/builtin/scenes/room.scene" --size 60x40 --renderer raster --quiet -o "$tmp/a.tif" &&
+    "$release/spectral" render --again "$tmp/a.tif" --quiet -o "$tmp/b.tif"
+ok $? "and makes a stack of $SPECTRAL again"
+
+exits 0 "install" ./build.sh install "$tmp/prefix"
+cmp -s "$SPECTRAL" "$tmp/prefix/bin/spectral" && cmp -s spectral.1 "$tmp/prefix/share/man/man1/spectral.1"
+ok $? "puts program and manual below PREFIX"
+(cd "$tmp" && "$OLDPWD/build.sh" install here) && [ -x "$tmp/here/bin/spectral" ]
+ok $? "which may be one of the folder that it is called from"
+exits 0 "install with DESTDIR" env DESTDIR="$tmp/staged" ./build.sh install usr
+[ -x "$tmp/staged/usr/bin/spectral" ] && [ -s "$tmp/staged/usr/share/man/man1/spectral.1" ]
+ok $? "puts them below that"
+exits 2 "install without PREFIX is refused" ./build.sh install
+done_testing

@@ -1,0 +1,208 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""Hard cases in test/cases/hard: each scene says in lines `# holds: ...` what must hold, in the reference
+and in OpenGL, with either of Mesa's software drivers. Prints TAP.
+
+    agreed                   exit 0, no pixel unexplained, every sample finite
+    refused WORDS            exit 2 and one line: a place in a scene, mesh or table, then these
+                             words (a regular expression); the same line on every path
+    agreed or refused WORDS  one of both, the same on every path
+    full                     no pixel shows the background
+    convex                   what is seen is one piece in every row and column: no crack, no speck
+    even                     all pixels are equal to within a count
+    black                    every sample is 0; without this word some sample is not
+    same-as SCENE            the same samples
+    same-as SCENE within N   the same but for N counts
+    mirror-of SCENE          sample x is sample W - 1 - x of the other
+    times F SCENE within N   the other's samples times a factor, but for N counts
+                             (the last three: in OpenGL besides up to both bounds, and at ambiguous
+                             pixels anything)
+    floor COUNTS             an error of so many counts would have been seen at half of the pixels
+    seconds MOST             wall-clock time of each run
+
+A line `# with: ...` holds options for the program."""
+import concurrent.futures
+import glob
+import json
+import math
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+
+import numpy as np
+import tifffile
+
+sys.dont_write_bytecode = True
+from rendered import SPECTRAL, TMP, check, done, write
+
+FOLDER = "test/cases/hard"
+PATHS = {"reference": ("raster", "llvmpipe"), "llvmpipe": ("gl", "llvmpipe"),
+         "softpipe": ("gl", "softpipe")}
+LONGEST = 60  # seconds until a run is given up
+MANY = 100_000
+
+
+class Scene:
+    def __init__(self, path):
+        lines = open(path).read().splitlines()
+        self.name = os.path.basename(path)[:-len(".scene")]
+        self.holds = [line.split(":", 1)[1].split() for line in lines if line.startswith("# holds:")]
+        self.options = [word for line in lines if line.startswith("# with:")
+                        for word in line.split(":", 1)[1].split()]
+
+
+class Run:
+    """A scene taken one path: exit status, messages, report, and samples [band, y, x] in counts."""
+
+    def __init__(self, scene, path):
+        renderer, driver = PATHS[path]
+        stack = os.path.join(TMP, f"{scene.name}-{path}.tif")
+        options = ["--renderer", renderer, "--depth", "32f", "--threads", "1", "--json", "-",
+                   "--quiet"]
+        if path == "reference":
+            options.append("--no-check")  # which the other paths do
+        start = time.monotonic()
+        try:
+            result = subprocess.run(
+                [SPECTRAL, "render", os.path.join(TMP, scene.name + ".scene"), "-o", stack,
+                 *options, *scene.options], capture_output=True, text=True, check=False,
+                timeout=LONGEST, env={**os.environ, "GALLIUM_DRIVER": driver})
+            self.status, self.says = result.returncode, result.stderr
+        except subprocess.TimeoutExpired:
+            self.status, self.says = None, f"no end after {LONGEST} seconds"
+        self.seconds = time.monotonic() - start
+        self.exact = path == "reference"
+        self.counts = self.report = None
+        if self.status == 0:
+            self.report = json.loads(result.stdout)
+            with tifffile.TiffFile(stack) as tiff:
+                stored = np.array([page.asarray() for page in tiff.pages])
+            scale = 65535 / self.report["full_scale"] if stored.dtype.kind == "f" else 1
+            self.counts = stored.astype(float) * scale
+            os.remove(stack)
+
+
+# ---- truths: each returns what is wrong, or nothing ----
+
+def agreed(run):
+    if run.status != 0:
+        return run.says
+    if not np.isfinite(run.counts).all():
+        return "samples that are not finite"
+    unexplained = 0 if run.exact else run.report["check"]["unexplained_pixels"]
+    return f"{unexplained} pixels unexplained" if unexplained else None
+
+
+def refused(run, *words):
+    place = r"[^ :]+\.(scene|obj|csv):\d+:\d+: error: "
+    if run.status != 2 or not re.match(place + ".*" + " ".join(words) + ".*\n$", run.says):
+        return f"exit {run.status}: {run.says}"
+    return None
+
+
+def full(run):
+    holes = int((run.counts.sum(axis=0) == 0).sum())
+    return f"{holes} pixels show the background" if holes else None
+
+
+def convex(run):
+    seen = run.counts.sum(axis=0) > 0
+    for axis in (0, 1):
+        starts = np.diff(seen.astype(int), axis=axis, prepend=0) == 1
+        if starts.sum(axis=axis).max() > 1:
+            return "cracks or specks"
+    return None
+
+
+def even(run):
+    spread = np.ptp(run.counts, axis=(1, 2)).max()
+    return f"samples of a band differ by {spread} counts" if spread > 1 else None
+
+
+def black(run):
+    return f"{(run.counts != 0).sum()} samples are not 0" if run.counts.any() else None
+
+
+def apart(run, other, counts, within, factor, exactly):
+    """How far the samples of two runs are apart, if more than they may be."""
+    if other.counts is None:
+        return f"the other scene: {other.says}"
+    ratio = run.report["full_scale"] / other.report["full_scale"] / factor
+    difference = np.sort(abs(counts * ratio - other.counts).max(axis=0).ravel())
+    if not (exactly or run.exact):
+        reports = run.report["check"], other.report["check"]
+        within += sum(report["floor_worst_counts"] for report in reports)
+        ambiguous = sum(report["ambiguous_pixels"] for report in reports)
+        difference = difference[:max(len(difference) - ambiguous, 1)]
+    return f"{difference[-1]} counts apart, not {within}" if difference[-1] > within else None
+
+
+TRUTHS = {"agreed": agreed, "full": full, "convex": convex, "even": even, "black": black}
+
+
+def holds(runs, scene, path, words):
+    run, word, rest = runs[scene.name, path], words[0], words[1:]
+    if word == "refused" or (rest and word == "agreed" and run.counts is None):
+        return refused(run, *words[words.index("refused") + 1:])
+    if word == "seconds":
+        return f"{run.seconds} seconds" if run.seconds > float(rest[0]) else None
+    if run.counts is None:
+        return run.says
+    if word == "floor":
+        counts = 0 if run.exact else run.report["check"]["floor_median_counts"]
+        return f"only {counts} would be seen" if counts > float(rest[0]) else None
+    if word in TRUTHS:
+        return TRUTHS[word](run)
+    within = float(rest[-1]) if "within" in rest else 0
+    factor = float(rest.pop(0)) if word == "times" else 1
+    counts = run.counts[:, :, ::-1] if word == "mirror-of" else run.counts
+    return apart(run, runs[rest[0], path], counts, within, factor, words[::2] == ["same-as"])
+
+
+# ---- meshes too large to be kept ----
+
+def fan():
+    """About a vertex at the centre of a pixel, wider than the picture."""
+    rim = [f"v {4 * math.cos(turn)!r} {4 * math.sin(turn)!r} 0\n"
+           for turn in (2 * math.pi * i / MANY for i in range(MANY))]
+    faces = [f"f 1 {i + 2} {(i + 1) % MANY + 2}\n" for i in range(MANY)]
+    write("fan.obj", "".join(["v 0 0 0\n", *rim, *faces]))
+
+
+def pile(name, depth):
+    """One triangle behind the other, each over the whole pixel."""
+    rows = [f"v -1 -1 {z!r}\nv 3 -1 {z!r}\nv -1 3 {z!r}\nf -3//1 -2//1 -1//1\n"
+            for z in map(depth, range(MANY))]
+    write(name, "vn 0 0 1\n" + "".join(rows))
+
+
+def main():
+    scenes = [Scene(path) for path in sorted(glob.glob(FOLDER + "/*.scene"))]
+    shutil.copytree(FOLDER, TMP, dirs_exist_ok=True)
+    fan()
+    pile("pile-apart.obj", lambda i: -1.9 + 1.8 * i / MANY)
+    pile("pile-close.obj", lambda i: -1 + 1e-13 * i)
+    pile("pile-equal.obj", lambda i: -1.0)
+    keys = [(scene, path) for scene in scenes for path in PATHS]
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        done_runs = pool.map(lambda key: Run(*key), keys)
+        runs = {(scene.name, path): run for (scene, path), run in zip(keys, done_runs)}
+    for scene in scenes:
+        own = [runs[scene.name, path] for path in PATHS]
+        if scene.holds[0][0] == "agreed" and ["black"] not in scene.holds:
+            check(all(run.counts is None or run.counts.any() for run in own),
+                  f"{scene.name}: what is drawn is seen")
+        for truth in scene.holds:
+            wrong = [(path, holds(runs, scene, path, list(truth))) for path in PATHS]
+            check(all(remark is None for _, remark in wrong), f"{scene.name}: {' '.join(truth)}",
+                  *(f"{path}: {remark}".strip() for path, remark in wrong if remark))
+        if any("refused" in truth for truth in scene.holds):
+            check(len({(run.status, run.says) for run in own}) == 1,
+                  f"{scene.name}: the same from every path")
+    done()
+
+
+main()

@@ -1,0 +1,63 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""Real meshes: the Stanford bunny of Debian's glmark2-data, 69 thousand triangles under two lights,
+rendered by the program ($SPECTRAL) and cross-checked at every pixel of 93 wavelengths. Prints TAP."""
+import json
+import subprocess
+import sys
+
+sys.dont_write_bytecode = True
+from rendered import SPECTRAL, check, done, write
+
+SCENE = """size 800 800
+wavelengths 300 760 5
+{camera}
+light d65 1 position 3 3 8
+light a 0.5 direction -1 0.5 1
+material clay {{ diffuse gaussian:600,150*0.8 {gloss} }}
+object mesh /usr/share/glmark2/models/bunny.obj unitize material clay
+"""
+NEAR = """size 194 112
+wavelengths 380 740 60
+camera perspective 93 near 0.01 far 100 eye 0 0.1 0 look 1 0.1 0
+ambient d65 0.1
+light d65 1 position 0 5 0
+material floor { diffuse 0.5 gloss 20 }
+object plane 40 40 material floor rotate -90 1 0 0 rotate 7 0 0 1 translate 0 0.05 0
+"""
+VIEWS = {
+    "matt": {"camera": "camera ortho 2.4", "gloss": ""},
+    "glossy, in perspective": {
+        "camera": "camera perspective 40 near 1 far 10 eye 0 0.3 3 look 0 0 0",
+        "gloss": "gloss 20 specular 0.3"},
+}
+
+
+def render(name, scene):
+    """Exit status, and what the check found."""
+    path = write(name + ".scene", scene)
+    result = subprocess.run([SPECTRAL, "render", path, "-o", "/dev/null", "--json", "-", "--quiet"],
+                            stdout=subprocess.PIPE, check=False)
+    return result.returncode, json.loads(result.stdout)["check"]
+
+
+def bunny(view, words):
+    status, report = render("bunny", SCENE.format(**words))
+    check(status == 0 and report["unexplained_pixels"] == 0,
+          f"bunny, {view}: every pixel is explained at all 93 wavelengths", report)
+    check(report["unbounded_pixels"] == 0, f"bunny, {view}: every pixel has a bound", report)
+    check(report["samples"] == 800 * 800 * 93, f"bunny, {view}: no sample is left out", report)
+    check(report["exact"] >= 0.98 * report["samples"],
+          f"bunny, {view}: at least 98 % of the counts are exact", report)
+    check(report["smooth_pixels"] > 0 and report["smooth_floor_999_counts"] <= 2,
+          f"bunny, {view}: inside smooth surfaces an error of 4 counts would be seen", report)
+    check(0.01 < report["worst_error_over_bound"] < 1,
+          f"bunny, {view}: the bounds are neither exceeded nor far too wide", report)
+
+
+for view, words in VIEWS.items():
+    bunny(view, words)
+status, report = render("near", NEAR)
+check(status == 0 and report["unexplained_pixels"] == 0 and report["unbounded_pixels"] == 0,
+      "a floor through the near plane, close to the eye, is explained and bounded", report)
+done()

@@ -1,0 +1,295 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""What is seen of a scene: the phenomena that need spectra, as the captions of the 1998 thesis state
+them (its figures 22 to 41), on pictures that the program renders and develops; the ColorChecker's
+colours; and both renderers' pictures for people. Prints TAP."""
+import os
+import subprocess
+import sys
+
+import numpy as np
+import tifffile
+
+sys.dont_write_bytecode = True
+from colours import cielab, ciede2000
+from rendered import SPECTRAL, TMP, check, done, table, write
+from tap import bail_out
+
+SQUARES = """wavelengths 300 760 5
+size 300 200
+camera ortho 12
+light {light} 1 direction 0 0 1
+checker ../../../data/builtin/materials/{list} plane 5 5
+"""
+
+
+def run(*words):
+    result = subprocess.run([SPECTRAL, *words], capture_output=True, text=True, check=False)
+    if result.returncode != 0:
+        bail_out(*words, result.stderr.strip())
+    return result.stdout
+
+
+def render(name, *options, scene=None):
+    stack = os.path.join(TMP, name + ".tif")
+    run("render", scene or name, "-o", stack, "--renderer", "raster", "--no-check", "--depth", "32f",
+        "--quiet", *options)
+    return stack
+
+
+def develop(stack, *options):
+    """Rows of pixels of three values: RGB of 8 bits, or what the options ask for."""
+    picture = stack[:-4] + "-developed.tif"
+    run("develop", stack, "-o", picture, "--quiet", *options)
+    pages = tifffile.imread(picture).astype(float)
+    return pages if pages.shape[-1] == 3 else np.moveaxis(pages, 0, -1)
+
+
+def squares(name, list_file, light):
+    """One light that faces squares, and what is on them."""
+    path = write(f"{name}.scene", SQUARES.format(light=light, list=list_file))
+    return render(f"{name}-{light}", scene=path)
+
+
+def halves(picture):
+    """The left and right halves of six squares in two rows of three: 25 pixels a unit, the grid of
+    the thesis at a scale of 0.66."""
+    places = [(0.66 * x, 0.66 * y) for y in (3, -3) for x in (-6, 0, 6)]
+    return [[picture[round(100 - 25 * y), round(150 + 25 * (x + side))] for side in (-0.8, 0.8)]
+            for x, y in places]
+
+
+def distances(picture):
+    return [np.linalg.norm(one - other) for one, other in halves(picture)]
+
+
+def chromaticities(xyz):
+    """0 of black"""
+    return xyz[..., :2] / np.maximum(xyz.sum(-1, keepdims=True), 1e-9)
+
+
+# ---- metamers ----
+
+def check_illuminant_metamerism():
+    """figure 28: a match under D65, none under A or the fluorescent tube"""
+    far = {light: distances(develop(squares("illuminant", "metamers/illuminant.list", light), "--lab"))
+           for light in ("d65", "a", "fluorescent")}
+    check(max(far["d65"]) < 0.5, "illuminant metamers match under D65", far["d65"])
+    for light in ("a", "fluorescent"):
+        check(min(far[light]) > 4, f"not under {light}", far[light])
+
+
+def check_observer_metamerism():
+    """figure 26: a match to a person, none to the camera or the film"""
+    stack = squares("observer", "metamers/observer.list", "d65")
+    check(max(distances(develop(stack, "--lab"))) < 0.5, "observer metamers match to CIE 1931")
+    for detector in ("dcs200-camera", "transparency-film"):
+        far = distances(develop(stack, "--detector", detector))
+        check(min(far) > 8, f"not to the {detector}, in 8 bits", far)
+
+
+# ---- fluorescence ----
+
+def check_fluorescence():
+    """figure 30: a match under A, none under D65, a glow under ultraviolet, where the other half all
+    but disappears"""
+    stacks = {light: squares("fluorescence", "fluorescence.list", light) for light in ("a", "d65", "uv")}
+    far = {light: distances(develop(stack, "--lab")) for light, stack in stacks.items()}
+    check(max(far["a"]) < 0.5, "fluorescent and plain halves match under A", far["a"])
+    check(min(far["d65"]) > 4, "not under D65", far["d65"])
+    luminances = [(plain[1], glowing[1]) for plain, glowing in halves(develop(stacks["uv"], "--xyz"))]
+    check(all(glowing > 5 * plain and glowing > 2 for plain, glowing in luminances),
+          "under ultraviolet they glow", luminances)
+    check(all(plain < 2 for plain, _ in luminances), "and the others all but disappear", luminances)
+
+
+# ---- metals, textures, shapes ----
+
+def check_metals():
+    """figure 32: the same diffuse reflectance, another specular one"""
+    scene = write("metals.scene", """wavelengths 380 730 10
+size 200 100
+camera ortho 8
+light d65 1 direction 0 0 1
+material plastic { diffuse 0.1 gloss 40 }
+material metal { diffuse 0.1 specular ../../../data/builtin/materials/colorchecker/16-yellow.txt gloss 40 }
+object sphere 1.8 90 90 material plastic translate -2 0 0
+object sphere 1.8 90 90 material metal translate 2 0 0
+""")
+    lab = develop(render("metals-pair", scene=scene), "--lab")
+    highlights, rims = (lab[50, 50], lab[50, 150]), (lab[50, 50 - 38], lab[50, 150 - 38])
+    check(np.linalg.norm(rims[0] - rims[1]) < 0.01, "away from highlights two materials look the same", rims)
+    check(np.hypot(*highlights[0][1:]) < 1 and np.hypot(*highlights[1][1:]) > 30,
+          "the plastic's highlight is that of the light, the metal's is coloured", highlights)
+
+
+def check_textures():
+    """figure 33: a grey texture changes the luminance of a spectrum, not its chromaticity"""
+    scene = write("textured.scene", """wavelengths 380 730 10
+size 100 100
+camera ortho 4
+light d65 1 direction 0 0 1
+material bark { diffuse ../../../data/builtin/materials/colorchecker/15-red.txt texture ../../../data/builtin/textures/bark.tif }
+object plane 4 4 material bark
+""")
+    xyz = develop(render("textured", scene=scene), "--xyz")
+    spread = np.ptp(chromaticities(xyz).reshape(-1, 2), axis=0)
+    check(spread.max() < 1e-5, "a texture has one chromaticity", spread)
+    check(xyz[..., 1].max() > 1.5 * xyz[..., 1].min(), "and several luminances")
+
+
+def check_shapes():
+    """figures 22, 24 and 25: a patch has one colour, whatever its shape"""
+    options = ("--size", "300x200", "--wavelengths", "380:730:10")
+    flat = chromaticities(develop(render("patches", *options), "--xyz"))
+    round_ = chromaticities(develop(render("colorchecker", *options), "--xyz"))
+    rows, columns = (np.round(100 - 25 * np.array([3, 1, -1, -3])).astype(int),
+                     np.round(150 + 25 * np.array([-5, -3, -1, 1, 3, 5])).astype(int))
+    tube = 25 * 1.65 / 3  # half-way round the tube of a torus, which has a hole in its middle
+    worst = max(abs(flat[y, x] - round_[y, round(x + tube)]).max() for y in rows for x in columns)
+    check(worst < 2e-5, "each patch has the same chromaticity as a square and as a torus", worst)
+
+
+# ---- adaptation ----
+
+def check_adaptation():
+    """figures 34 to 36: under A all looks yellow; von Kries takes that away, Fairchild some of it"""
+    stack = render("patches-a", "--light", "1=a", "--size", "300x200", scene="patches")
+    kinds = ("none", "von-kries", "fairchild", "bradford", "cat16")
+    grey = {kind: develop(stack, "--adaptation", kind)[175, 75] for kind in kinds} # patch 20
+    tint = {kind: rgb[0] - rgb[2] for kind, rgb in grey.items()}
+    check(tint["none"] > 60, "a grey patch is yellow without adaptation", grey)
+    for kind in ("von-kries", "bradford", "cat16"):
+        check(np.ptp(grey[kind]) <= 4, f"{kind}: it is grey", grey)
+    check(10 < tint["fairchild"] < tint["none"] - 10, "Fairchild: it keeps some of the tint", grey)
+    tints = [np.diff(develop(stack, "--adaptation", f"fairchild:{luminance}")[175, 75][[2, 0]])[0]
+             for luminance in (0.1, 10, 1000, 100000)]
+    check(all(np.diff(tints) < 0), "the more, the dimmer the light", tints)
+    stack = render("patches-d65", "--size", "300x200", scene="patches")
+    near = np.abs(develop(stack, "--adaptation", "von-kries") - develop(stack)).max()
+    check(near <= 6, "under D65 von Kries changes little", near)
+
+
+# ---- a room ----
+
+def objects(stack):
+    """{name: mask} of what a stack records"""
+    with tifffile.TiffFile(stack) as tiff:
+        lines = tiff.pages[0].description.split("<Description>")[1].split("<")[0].split("\n")
+        height, width = tiff.pages[0].shape
+    names = [line[len("object: "):] for line in lines if line.startswith("object: ")]
+    offset, size = next(map(int, line.split()[1:]) for line in lines if line.startswith("object_map: "))
+    numbers = np.fromfile(stack, f"<u{size}", width * height, offset=offset).reshape(height, width)
+    return [(name, numbers == i) for i, name in enumerate(names, 1)]
+
+
+def room(light, *options):
+    lights = [word for i in (1, 2, 3) for word in ("--light", f"{i}={light}")]
+    return render(f"room-{light}", "--size", "600x400", "--ambient", f"{light}*0.16", "--wavelengths",
+                  "300:760:10", *lights, *options, scene="room")
+
+
+def check_room():
+    """figures 39 to 41: a metameric pair under D65, under A adapted by Fairchild; fluorescent things
+    under ultraviolet; all seen among others"""
+    stacks = {light: room(light) for light in ("d65", "a", "uv")}
+    pictures = {light: develop(stack, "--xyz", *(("--adaptation", "fairchild") if light == "a" else ()))
+                for light, stack in stacks.items()}
+    masks = objects(stacks["d65"])
+    pair = [mask for name, mask in masks if "illuminant-5" in name or name.endswith("halves")]
+    check(len(pair) == 2 and all(mask.sum() > 50 for mask in pair), "both halves of a pair are in the room",
+          [name for name, _ in masks])
+    apart = {light: np.ptp([np.median(chromaticities(xyz[mask]), 0) for mask in pair], axis=0).max()
+             for light, xyz in pictures.items()}
+    check(apart["d65"] < 1e-3, "they match under D65", apart)
+    check(apart["a"] > 0.01, "not under A", apart)
+    shares = {name: pictures["uv"][mask][:, 1].mean() / pictures["d65"][mask][:, 1].mean()
+              for name, mask in masks if mask.sum() > 50}
+    lamps = {"sky", "shade"}  # they shine by themselves
+    brightest = max((name for name in shares if name not in lamps), key=shares.get)
+    print("# what keeps most of its luminance under ultraviolet:",
+          sorted(((round(share, 3), name) for name, share in shares.items()), reverse=True)[:5])
+    check("fluorescent" in brightest or "yellow" in brightest, "the fluorescent thing glows under ultraviolet",
+          brightest)
+
+
+# ---- the ColorChecker ----
+
+# CIELAB under D50, 2 degrees, of the ColorChecker Classic before November 2014, as X-Rite publishes it.
+PUBLISHED = np.array([
+    (37.986, 13.555, 14.059), (65.711, 18.130, 17.810), (49.927, -4.880, -21.925),
+    (43.139, -13.095, 21.905), (55.112, 8.844, -25.399), (70.719, -33.397, -0.199),
+    (62.661, 36.067, 57.096), (40.020, 10.410, -45.964), (51.124, 48.239, 16.248),
+    (30.325, 22.976, -21.587), (72.532, -23.709, 57.255), (71.941, 19.363, 67.857),
+    (28.778, 14.179, -50.297), (55.261, -38.342, 31.370), (42.101, 53.378, 28.190),
+    (81.733, 4.039, 79.819), (51.935, 49.986, -14.574), (51.038, -28.631, -28.638),
+    (96.539, -0.425, 1.186), (81.257, -0.638, -0.335), (66.766, -0.734, -0.504),
+    (50.867, -0.153, -0.270), (35.656, -0.421, -1.231), (20.461, -0.079, -0.973)])
+
+
+def daylight_50():
+    """CIE D50 from its basis functions (CIE 15:2018, 4.1.2)"""
+    from scipy.io import loadmat
+    basis = loadmat("/usr/share/psychtoolbox-3/PsychColorimetricData/PsychColorimetricMatFiles/B_cieday.mat")
+    start, step, n = basis["S_cieday"][0]
+    kelvin = 5000 * 1.4388 / 1.438
+    x = 0.244063 + 0.09911e3 / kelvin + 2.9678e6 / kelvin ** 2 - 4.6070e9 / kelvin ** 3
+    y = -3 * x * x + 2.87 * x - 0.275
+    m = 0.0241 + 0.2562 * x - 0.7341 * y
+    m1, m2 = (-1.3515 - 1.7703 * x + 5.9114 * y) / m, (0.03 - 31.4424 * x + 30.0717 * y) / m
+    power = basis["B_cieday"] @ (1, round(m1, 3), round(m2, 3))
+    wavelengths = start + step * np.arange(n)
+    return wavelengths, power / np.interp(560, wavelengths, power)
+
+
+def check_colorchecker():
+    wavelengths = np.arange(380, 731, 5.0)
+    d50 = np.interp(wavelengths, *daylight_50())
+    path = write("d50.csv", "".join(f"{nm:g},{power:.9g}\n" for nm, power in zip(wavelengths, d50)))
+    stack = render("patches-d50", "--light", f"1={path}", "--size", "300x200", scene="patches")
+    lab = develop(stack, "--lab")
+    seen = np.array([lab[y, x] for y in (25, 75, 125, 175) for x in range(25, 300, 50)])
+    names = [line.strip() for line in open("data/builtin/materials/colorchecker.list") if line[0] != "#"]
+    patches = np.array([np.interp(wavelengths, *table("data/builtin/materials/" + name)) for name in names])
+    nm, *curves = table("data/builtin/tables/cie1931.csv", ",")
+    observer = np.array([np.interp(wavelengths, nm, curve) for curve in curves])
+    expected = cielab(observer @ (patches * d50).T, (observer @ d50)[:, None]).T
+    worst = np.abs(seen - expected).max()
+    check(worst < 1e-4, f"CIELAB of 24 patches from the stack and straight from the spectra: {worst:.1e} apart")
+    apart = np.array([ciede2000(*pair) for pair in zip(seen, PUBLISHED)])
+    print(f"# beside the published chart: CIEDE2000 mean {apart.mean():.2f}, largest {apart.max():.2f} "
+          f"(patch {apart.argmax() + 1}); a chart of the 1990s is not a later one")
+
+
+# ---- both renderers ----
+
+def check_renderers():
+    """OpenGL's picture and the reference's, for people: within 1 of 255 but on edges, where they may
+    show different objects or facets."""
+    for scene in sorted(name[:-6] for name in os.listdir("data/builtin/scenes")):
+        pictures = []
+        for renderer in ("gl", "raster"):
+            stack = os.path.join(TMP, f"{scene}-{renderer}.tif")
+            run("render", scene, "--size", "300x200", "--wavelengths", "380:730:10", "-o", stack,
+                "--renderer", renderer, "--quiet")
+            pictures.append(develop(stack))
+        far = np.abs(pictures[0] - pictures[1]).max(-1)
+        around = np.max([np.ptp([np.roll(pictures[1], (dy, dx), (0, 1)) for dy in (-1, 0, 1)
+                                 for dx in (-1, 0, 1)], axis=0).max(-1)], axis=0)
+        smooth = around <= 8
+        check((far[smooth] <= 1).all() and smooth.sum() > 5000 and (far > 1).mean() < 0.002,
+              f"{scene}: both renderers' developed pictures agree within 1 of 255 "
+              f"({(far > 1).sum()} pixels on edges do not)", far[smooth].max())
+
+
+check_illuminant_metamerism()
+check_observer_metamerism()
+check_fluorescence()
+check_metals()
+check_textures()
+check_shapes()
+check_adaptation()
+check_room()
+check_colorchecker()
+check_renderers()
+done()

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: MIT
+"""Shared by scripts that hold pictures against closed forms: scenes rendered by the program
+($SPECTRAL) and read back with tifffile; spectra read from the tables. Everything expected is
+computed from the tables and geometry, nothing from the program."""
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import tifffile
+
+from tap import bail_out, check, done  # noqa: F401  the scripts take them from here
+
+SPECTRAL = os.environ.get("SPECTRAL", "build/spectral")
+TMP = os.path.join(os.environ.get("TEST_TMP", "build/tmp"),
+                   os.path.splitext(os.path.basename(sys.argv[0]))[0])
+MATERIAL = "data/builtin/materials/colorchecker/15-red.txt"
+WAVELENGTHS = np.arange(300.0, 765.0, 5.0)
+os.makedirs(TMP, exist_ok=True)
+
+
+def table(path, separator=None):
+    rows = [line.split(separator) for line in open(path) if line[0].isdigit()]
+    return np.array(rows, float).T
+
+
+D65 = np.interp(WAVELENGTHS, *table("data/builtin/tables/d65.csv", ","))
+LAMP_A = np.interp(WAVELENGTHS, *table("data/builtin/tables/a.csv", ","))
+RED = np.interp(WAVELENGTHS, *table(MATERIAL))  # np.interp holds the end values, as reflectances do
+
+
+def per_band(spectrum):
+    return np.asarray(spectrum)[:, None, None]
+
+
+def write(name, text):
+    path = os.path.join(TMP, name)
+    with open(path, "w") as out:
+        out.write(text)
+    return path
+
+
+class Picture:
+    """A rendered scene: radiances [band, y, x], the program's JSON report, and the tolerance of a
+    stored sample in radiance: half a count, plus in GL the largest bound that the program derives
+    and prints. In the scene RED is the path of MATERIAL."""
+
+    def __init__(self, name, renderer, scene, *options):
+        path = write(name + ".scene", scene.replace("RED", os.path.relpath(MATERIAL, TMP)))
+        self.stack = os.path.join(TMP, f"{name}-{renderer}.tif")
+        result = subprocess.run(
+            [SPECTRAL, "render", path, "-o", self.stack, "--renderer", renderer, "--json", "-",
+             "--quiet", *options], stdout=subprocess.PIPE, check=False)
+        if result.returncode != 0:
+            bail_out("cannot render", path)
+        self.report = json.loads(result.stdout)
+        self.count = self.report["full_scale"] / 65535
+        with tifffile.TiffFile(self.stack) as tiff:
+            self.radiance = np.array([p.asarray() for p in tiff.pages]) * self.count
+        bound = self.report["check"]["floor_worst_counts"] if renderer == "gl" else 1e-6
+        self.tolerance = (0.5 + bound) * self.count
+
+    def agrees(self, expected, name, where=np.s_[:, :, :], slack=0):
+        """`slack` bounds the relative rounding of what the program reads. A tolerance above 8 counts
+        would say little, and fails."""
+        seen = self.radiance[where]
+        error = np.abs(seen - expected).max()
+        tolerance = self.tolerance + slack * np.max(expected)
+        check(seen.size > 0 and error <= tolerance <= 8 * self.count, name,
+              f"largest error {error}, tolerance {tolerance}, a count {self.count}")

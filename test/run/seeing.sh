@@ -1,0 +1,192 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# The commands that look at stacks as their users meet them: develop, probe, compare and view.
+. test/run/tap.sh
+small="--size 60x40 --wavelengths 400:700:20"
+stack=$tmp/stack.tif
+
+refused() { # NAME WORDS COMMAND... : exit 2, one line with these words, and no output
+    name=$1
+    words=$2
+    shift 2
+    exits 2 "$name is refused" "$SPECTRAL" "$@"
+    says "$words" "$name: $words"
+    one_line "$name"
+    absent "$tmp/none" "$name"
+}
+
+# shellcheck disable=SC2086  # $small is a list of words
+"$SPECTRAL" render patches $small -o "$stack" --quiet
+# shellcheck disable=SC2086
+"$SPECTRAL" render patches $small --light 1=a -o "$tmp/a.tif" --quiet
+printf 'no picture\n' >"$tmp/text"
+head -c 30000 "$stack" >"$tmp/cut.tif"
+python=/usr/bin/python3
+"$python" - "$tmp" <<'EOF'
+import sys
+import numpy as np
+import tifffile
+folder, grey = sys.argv[1], np.full((3, 40, 60), 1000, np.uint16)
+tifffile.imwrite(f"{folder}/plain.tif", grey, photometric="minisblack")
+tifffile.imwrite(f"{folder}/rgb.tif", np.zeros((40, 60, 3), np.uint8), photometric="rgb")
+tifffile.imwrite(f"{folder}/int32.tif", grey.astype(np.int32), photometric="minisblack")
+tifffile.imwrite(f"{folder}/foreign.ome.tif", grey, photometric="minisblack", metadata={
+    "axes": "CYX", "Channel": {"EmissionWavelength": [450, 550, 650],
+                               "EmissionWavelengthUnit": ["nm"] * 3}})
+EOF
+
+# ---- develop ----
+
+for bad in --detector=cie1932 --adaptation=bradfort --adaptation=fairchild:0 --display=crt --exposure=0 \
+    --exposure=bright --bits=12 --white=d66 --threads=0 --white=0; do
+    refused "develop $bad" 'error: ' develop "$stack" "$bad" -o "$tmp/none"
+done
+refused "develop without a stack" 'takes a STACK' develop -o "$tmp/none"
+refused "develop of a scene" 'spectral render colorchecker writes one' develop colorchecker -o "$tmp/none"
+refused "compare with a scene" 'is a scene' compare "$stack" patches --map "$tmp/none"
+refused "develop of nothing" 'no-such' develop "$tmp/no-such.tif" -o "$tmp/none"
+refused "develop of a folder" 'error: ' develop "$tmp" -o "$tmp/none"
+refused "develop of text" 'text: ' develop "$tmp/text" -o "$tmp/none"
+refused "develop of half a stack" 'cut.tif' develop "$tmp/cut.tif" -o "$tmp/none"
+refused "develop of pages without wavelengths" 'wavelength' develop "$tmp/plain.tif" -o "$tmp/none"
+refused "develop of an RGB picture" 'rgb.tif' develop "$tmp/rgb.tif" -o "$tmp/none"
+refused "develop of 32-bit integers" '32 bits' develop "$tmp/int32.tif" -o "$tmp/none"
+refused "adaptation without a white" '--white' develop "$tmp/foreign.ome.tif" --adaptation cat16 -o "$tmp/none"
+refused "Lab of a camera" 'dcs200-camera' develop "$stack" --detector dcs200-camera --lab -o "$tmp/none"
+refused "adaptation of a camera" 'does not adapt' develop "$stack" --detector dcs200-camera \
+    --adaptation cat16 -o "$tmp/none"
+refused "both --xyz and --lab" 'exclude' develop "$stack" --xyz --lab -o "$tmp/none"
+exits 0 "a foreign stack is developed" "$SPECTRAL" develop "$tmp/foreign.ome.tif" -o "$tmp/foreign.tif"
+exits 0 "with a white, adapted too" "$SPECTRAL" develop "$tmp/foreign.ome.tif" --white a \
+    --adaptation cat16 -o "$tmp/foreign.tif"
+"$SPECTRAL" render patches --size 9x9 --wavelengths 600:700:20 --light 1=uv -o "$tmp/dark.tif" --quiet
+refused "adaptation to a light beyond the wavelengths" 'tells no white' develop "$tmp/dark.tif" \
+    --adaptation cat16 -o "$tmp/none"
+exits 0 "develop tells what it did" "$SPECTRAL" develop "$stack" -o "$tmp/seen.tif"
+prints '^detector +cie1931' "the detector"
+prints '^out of gamut +[0-9]+' "how many pixels are out of gamut"
+prints '^unseen +[0-9.]+ %' "and what the wavelengths leave out"
+exits 0 "--quiet is quiet" "$SPECTRAL" develop "$stack" -o "$tmp/seen.tif" --quiet
+[ ! -s "$tmp/out" ] && [ ! -s "$tmp/err" ]
+ok $? "and prints nothing"
+case $SPECTRAL in /*) program=$SPECTRAL ;; *) program=$PWD/$SPECTRAL ;; esac
+(cd "$tmp" && exec "$program" develop stack.tif --quiet)
+[ -s "$tmp/stack-developed.tif" ]
+ok $? "without -o the picture is named after the stack"
+exits 3 "a full device is a failure of the system" "$SPECTRAL" develop "$stack" -o /dev/full
+one_line "a full device"
+cp "$tmp/seen.tif" "$tmp/kept.tif"
+exits 2 "bad input leaves an old picture alone" "$SPECTRAL" develop "$tmp/cut.tif" -o "$tmp/seen.tif"
+cmp -s "$tmp/seen.tif" "$tmp/kept.tif"
+ok $? "byte for byte"
+"$SPECTRAL" develop "$stack" -o /dev/stdout 2>"$tmp/err" | cat >"$tmp/piped.tif"
+cmp -s "$tmp/seen.tif" "$tmp/piped.tif"
+ok $? "a picture goes through a pipe"
+cp "$stack" "$tmp/mine.tif"
+ln -s mine.tif "$tmp/link.tif"
+cp data/builtin/scenes/patches.scene "$tmp/mine.scene"
+sed -i "s,[.][.]/,$PWD/data/builtin/,g" "$tmp/mine.scene"
+cp "$tmp/mine.scene" "$tmp/kept.scene"
+while read -r words; do
+    # shellcheck disable=SC2086  # a list of words
+    refused "$words" 'would replace what is read' $words
+done <<EOF
+develop $tmp/mine.tif -o $tmp/link.tif
+probe $tmp/mine.tif 0 0 -o $tmp/mine.tif
+compare $tmp/mine.tif $stack --map $tmp/link.tif
+compare $stack $tmp/mine.tif --map $tmp/mine.tif
+probe $tmp/mine.scene 0 0 --size 9x9 -o $tmp/mine.scene
+render $tmp/mine.scene --size 9x9 -o $tmp/mine.scene
+render $tmp/mine.scene --size 9x9 -o /dev/null --json $tmp/mine.scene
+view $tmp/mine.scene --size 9x9 -o $tmp/mine.scene
+EOF
+cmp -s "$stack" "$tmp/mine.tif" && cmp -s "$tmp/mine.scene" "$tmp/kept.scene"
+ok $? "and so what is read stays"
+exits 0 "a table of three sensitivities is a detector" \
+    "$SPECTRAL" develop "$stack" --detector data/builtin/tables/dcs200-camera.csv -o "$tmp/camera.tif"
+"$SPECTRAL" develop "$stack" --detector dcs200-camera -o "$tmp/built-in.tif" --quiet
+"$python" -c 'import sys, tifffile; a, b = map(tifffile.imread, sys.argv[1:]); sys.exit(int((a != b).any()))' \
+    "$tmp/camera.tif" "$tmp/built-in.tif"
+ok $? "and sees what the built-in one does"
+
+# ---- probe ----
+
+for place in '60 0' '0 40' '59 39 2 1' '0 0 61 1' '0 0 0 1' '-1 0' '1.5 0' '1' '1 2 3'; do
+    # shellcheck disable=SC2086
+    refused "probe at '$place'" 'error: ' probe "$stack" $place -o "$tmp/none"
+done
+refused "a camera has no tristimulus values" 'dcs200-camera' probe "$stack" 0 0 --observer dcs200-camera -o "$tmp/none"
+refused "a stack has its own size" 'size' probe "$stack" 0 0 --size 9x9 -o "$tmp/none"
+refused "probe of an unknown scene" 'no-such' probe no-such 0 0 -o "$tmp/none"
+refused "probe of half a stack" 'cut.tif' probe "$tmp/cut.tif" 0 0 -o "$tmp/none"
+exits 0 "probe tells a spectrum" "$SPECTRAL" probe "$stack" 5 5
+prints '^ *400 ' "wavelength by wavelength"
+prints 'W sr-1 m-2 nm-1' "with its unit"
+prints '01-dark-skin' "the object"
+prints '^XYZ ' "and its colour"
+exits 0 "of a region" "$SPECTRAL" probe "$stack" 2 2 4 4 --csv
+prints '^"wavelength \(nm\)","radiance' "as a table, too"
+exits 0 "as a plot" "$SPECTRAL" probe "$stack" 2 2 4 4 --svg -o "$tmp/plot.svg"
+"$python" -c 'import sys, xml.etree.ElementTree as e; sys.exit(0 if e.parse(sys.argv[1]).getroot().tag.endswith("svg") else 1)' \
+    "$tmp/plot.svg"
+ok $? "which is well-formed"
+exits 0 "of a scene" "$SPECTRAL" probe patches 5 5 --size 60x40
+prints 'light 1 \(d65\)' "with its light"
+prints 'reflectance' "and its reflectance"
+exits 0 "of a foreign stack" "$SPECTRAL" probe "$tmp/foreign.ome.tif" 5 5
+"$SPECTRAL" probe "$stack" 5 5 >/dev/full 2>"$tmp/err"
+[ $? = 3 ]
+ok $? "a full standard output is noticed"
+
+# ---- compare ----
+
+exits 0 "a stack is equal to itself" "$SPECTRAL" compare "$stack" "$stack"
+exits 1 "two lights give different stacks" "$SPECTRAL" compare "$stack" "$tmp/a.tif"
+one_line "a difference"
+exits 0 "within a tolerance they are equal" "$SPECTRAL" compare "$stack" "$tmp/a.tif" --tolerance 200%
+exits 1 "not within a smaller one" "$SPECTRAL" compare "$stack" "$tmp/a.tif" --tolerance 0.1dE00
+exits 1 "the map is written all the same" \
+    "$SPECTRAL" compare "$stack" "$tmp/a.tif" --map "$tmp/map.tif" --quiet
+"$python" -c 'import sys, tifffile; sys.exit(int(tifffile.imread(sys.argv[1]).shape != (3, 40, 60)))' "$tmp/map.tif"
+ok $? "three pages of a value a pixel"
+"$SPECTRAL" compare "$stack" "$tmp/a.tif" --map /dev/stdout 2>"$tmp/err" | cat >"$tmp/piped.tif"
+cmp -s "$tmp/map.tif" "$tmp/piped.tif"
+ok $? "and goes through a pipe, the table beside it"
+says '^CIEDE2000 ' "on standard error"
+exits 1 "a white of next to no light" "$SPECTRAL" compare "$stack" "$tmp/a.tif" --white 1e-290
+prints '^CIEDE2000 +[0-9]' "has finite differences"
+for bad in 1.5abc -1 5dE77 nan %; do
+    refused "compare --tolerance=$bad" '--tolerance' compare "$stack" "$stack" "--tolerance=$bad"
+done
+refused "compare of one stack" 'two stacks' compare "$stack"
+"$SPECTRAL" render patches --size 61x40 --wavelengths 400:700:20 -o "$tmp/wide.tif" --quiet
+"$SPECTRAL" render patches --size 60x40 --wavelengths 400:700:30 -o "$tmp/coarse.tif" --quiet
+refused "compare of two sizes" '61 ?x ?40' compare "$stack" "$tmp/wide.tif" --map "$tmp/none"
+refused "compare of two sets of wavelengths" 'wavelengths' compare "$stack" "$tmp/coarse.tif" --map "$tmp/none"
+refused "compare with half a stack" 'cut.tif' compare "$stack" "$tmp/cut.tif" --map "$tmp/none"
+
+# ---- view ----
+
+exits 0 "view writes a page" "$SPECTRAL" view patches --size 60x40 -o "$tmp/page.html"
+prints '^page +.*page.html' "and says so"
+grep -q '<script' "$tmp/page.html" && ! grep -Eq '(src|href)="?(https?:)?//' "$tmp/page.html"
+ok $? "which names no other address"
+refused "a page of 25 megapixels" '--size' view --size 5000x5000 -o "$tmp/none"
+# The page waits for somebody to read the pipe; by then all threads but the first hold signals back.
+mkfifo "$tmp/pipe"
+"$SPECTRAL" view patches --size 60x40 --threads 3 -o "$tmp/pipe" --quiet &
+viewer=$!
+held=0
+for _ in 1 2 3 4 5 6 7 8 9 10; do
+    held=$(grep -lE '^SigBlk:[[:space:]]*[0-9a-f]*[4567cdef][0-9a-f]{3}$' "/proc/$viewer/task"/*/status | wc -l)
+    [ "$held" -lt 2 ] || break
+    sleep 0.2
+done
+[ "$held" = 2 ] && [ "$(find "/proc/$viewer/task" -mindepth 1 -maxdepth 1 | wc -l)" = 3 ]
+ok $? "no thread takes the SIGTERM that would leave an unfinished page"
+cat "$tmp/pipe" >"$tmp/piped.html"
+wait "$viewer"
+ok $? "which goes through a pipe"
+refused "view of an unknown scene" 'no-such' view no-such -o "$tmp/none"
+exits 3 "a page for a full device is a failure of the system" "$SPECTRAL" view patches --size 60x40 -o /dev/full
+done_testing

@@ -1,0 +1,125 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# The static program ($STATIC) is one hardened file that runs where there is nothing else, and its
+# reference stores the same bytes as that of $SPECTRAL.
+. test/run/tap.sh
+STATIC=${STATIC:-build/spectral-static}
+[ -x "$STATIC" ] || skip_all "no $STATIC: ./build.sh static"
+
+lacks() { # PATTERN NAME: no line of the last command's output matches
+    ! grep -Eq -- "$1" "$tmp/out"
+    ok $? "$2"
+}
+
+# ---- the file ----
+
+run file -b "$STATIC"
+prints '^ELF .* static(ally|-pie) linked' "it is statically linked"
+prints ', stripped$' "it is stripped"
+run readelf -hldW "$STATIC"
+prints '^ +Type: +DYN' "it runs at any address"
+lacks 'INTERP|NEEDED' "it names no loader and no library"
+lacks 'TEXTREL' "nothing is relocated in its code"
+prints 'GNU_RELRO' "what is relocated is read-only afterwards"
+prints 'FLAGS_1.* NOW' "all is relocated at the start"
+prints 'GNU_STACK.* RW ' "it asks for a stack that holds no code"
+lacks ' [RW ]WE ' "nothing is writable and executable"
+[ "$(wc -c <"$STATIC")" -le 20000000 ]
+ok $? "it has 20 MB at most"
+run strings -a "$STATIC"
+lacks '/(root|home|tmp|work|build)/' "it names no folder of whoever built it"
+! grep -Fq -e "$PWD/" -e "${XDG_CACHE_HOME:-$HOME/.cache}/" "$tmp/out"
+ok $? "nor this folder, nor the cache"
+
+# The program before it was stripped has the names of its functions: ours, and Mesa's.
+if [ -f "$STATIC.symbols" ]; then
+    strip -o "$tmp/stripped" "$STATIC.symbols" && cmp -s "$STATIC" "$tmp/stripped"
+    ok $? "it is $STATIC.symbols without the symbols"
+    for function in gl_open _mesa_LightModeli; do
+        run objdump -d "--disassemble=$function" "$STATIC.symbols"
+        prints '<__stack_chk_fail>' "$function guards its stack"
+    done
+    run objdump -d --disassemble=gl_open "$STATIC.symbols"
+    prints '<_+snprintf_chk>' "gl_open checks the size of what it writes"
+else
+    skip "no $STATIC.symbols, which tells whether functions guard their stack"
+fi
+
+# ---- alone ----
+
+if [ "$(id -u)" = 0 ]; then
+    enter='chroot --userspec=65534:65534' # an ordinary user
+elif unshare -r true 2>/dev/null; then
+    enter='unshare -r chroot'
+else
+    enter=
+fi
+root=$tmp/root
+mkdir "$root"
+chmod 777 "$root"
+cp "$STATIC" "$root/spectral"
+
+draws_alone() { # WHERE COMMAND...
+    where=$1
+    shift
+    # $enter is split into words on purpose
+    # shellcheck disable=SC2086
+    exits 0 "$where, OpenGL and the reference agree" $enter "$root" "$@"
+    prints '^OpenGL +softpipe' "$where, OpenGL is its own"
+    prints '^unexplained +0$' "$where, no pixel is unexplained"
+    [ -s "$root/stack.tif" ]
+    ok $? "$where, it writes the stack"
+    rm -f "$root/stack.tif"
+}
+if [ "$enter" ]; then
+    draws_alone "in an empty folder as root directory" /spectral render colorchecker -o /stack.tif
+    if cp "$(command -v busybox)" "$root"; then
+        draws_alone "under busybox without /proc" /busybox sh -c \
+            '[ ! -e /proc ] && cd / && ./spectral render colorchecker -o stack.tif'
+    else
+        skip "no busybox"
+    fi
+else
+    skip "neither root nor allowed to become it in a namespace (unshare -r)"
+fi
+
+# ---- the same bytes ----
+
+equal_stacks() { # SCENE OPTION...
+    "$STATIC" render "$@" --renderer raster --no-check --quiet -o "$tmp/a.tif" &&
+        "$SPECTRAL" render "$@" --renderer raster --no-check --quiet -o "$tmp/b.tif" &&
+        cmp "$tmp/a.tif" "$tmp/b.tif"
+    ok $? "the reference's stack of $* is that of $SPECTRAL to the byte"
+}
+for scene in data/builtin/scenes/*.scene; do
+    equal_stacks "$(basename "$scene" .scene)" --size 300x200
+done
+equal_stacks colorchecker
+
+exits 2 "a picture for the library that is left out" \
+    "$STATIC" render test/cases/bad/texture-jbig.scene --size 8x8 --renderer raster --no-check -o /dev/null
+says 'its compression \(34661\)' "is refused"
+
+# ---- threads and signals ----
+
+run env OMP_DISPLAY_AFFINITY=true "$STATIC" render colorchecker --size 300x200 --renderer raster --no-check \
+    --threads 2 -o /dev/null
+[ "$(grep -c 'thread 0x' "$tmp/err")" = 2 ]
+ok $? "two threads are two threads"
+
+mkdir "$tmp/cut"
+run timeout --preserve-status -s INT 1 env --default-signal=INT \
+    "$STATIC" render colorchecker --size 6000x4000 -o "$tmp/cut/stack.tif"
+[ "$status" = 130 ]
+ok $? "Ctrl-C ends it"
+[ -z "$(ls -A "$tmp/cut")" ]
+ok $? "and leaves no file"
+
+start=$(date +%s%N)
+for _ in 1 2 3 4 5 6 7 8 9 10; do
+    "$STATIC" --version >"$tmp/out"
+done
+echo "# --version takes $((($(date +%s%N) - start) / 10000)) microseconds from start to exit"
+grep -q '^OSMesa .*softpipe' "$tmp/out"
+ok $? "--version names the OSMesa inside"
+done_testing

@@ -1,0 +1,86 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""OpenGL's pixels from the static program ($STATIC), which brings softpipe, against those of $SPECTRAL
+on llvmpipe. Each program reports how near its OpenGL is to the same reference, so that both pictures
+are as near to each other: in all samples but those that either finds apart, and but for ambiguous
+pixels, where each may show another surface. Floors leave half a count of rounding to each."""
+import json
+import os
+import subprocess
+import sys
+
+import numpy as np
+import tifffile
+
+sys.dont_write_bytecode = True
+from rendered import SPECTRAL, TMP, check, done
+from tap import skip_all
+
+STATIC = os.environ.get("STATIC", "build/spectral-static")
+SMOOTH = 256  # counts from pixel to pixel; SMOOTH_COUNTS in spectral.h
+
+
+def render(program, scene, renderer, *options):
+    """The stack as [band, y, x], and the report; none of the latter where the program failed."""
+    path = os.path.join(TMP, "stack.tif")
+    environment = dict(os.environ, GALLIUM_DRIVER="llvmpipe") if program == SPECTRAL else None
+    result = subprocess.run([program, "render", scene, "-o", path, "--renderer", renderer, "--size",
+                             "600x400", "--json", "-", "--quiet", *options],
+                            stdout=subprocess.PIPE, env=environment, check=False)
+    if result.returncode != 0:
+        return None, None
+    with tifffile.TiffFile(path) as tiff:
+        return np.array([page.asarray() for page in tiff.pages], int), json.loads(result.stdout)
+
+
+def steepness(stack):
+    """The largest change to a neighbour, in any band."""
+    padded = np.pad(stack, ((0, 0), (1, 1), (1, 1)), mode="edge")
+    height, width = stack.shape[1:]
+    steps = [np.abs(padded[:, y:y + height, x:x + width] - stack).max(axis=0)
+             for y, x in np.ndindex(3, 3)]
+    return np.max(steps, axis=0)
+
+
+def compare(scene):
+    ours, our_report = render(STATIC, scene, "gl")
+    theirs, their_report = render(SPECTRAL, scene, "gl")
+    reference, _ = render(SPECTRAL, scene, "raster", "--no-check")
+    check(ours is not None and theirs is not None, f"{scene}: both agree with the reference")
+    if ours is None or theirs is None:
+        return
+    drivers = [report["gl_renderer"].split()[0] for report in (our_report, their_report)]
+    check(drivers == ["softpipe", "llvmpipe"], f"{scene}: drawn by softpipe and by llvmpipe")
+    check(our_report["full_scale"] == their_report["full_scale"], f"{scene}: the full scale is one")
+    checks = [report["check"] for report in (our_report, their_report)]
+    ambiguous = sum(each["ambiguous_pixels"] for each in checks)
+    samples = np.abs(ours - theirs)
+    pixels = samples.max(axis=0)
+    inside = steepness(reference) <= SMOOTH
+    print(f"# {scene}: softpipe loses {checks[0]['edge_holes']} and doubles {checks[0]['edge_doubles']} "
+          "fragments where triangles meet")
+    for where, name in ((inside, "inside surfaces"), (~inside, "on edges")):
+        print(f"# {scene}: of {where.sum()} pixels {name} {np.count_nonzero(pixels[where])} differ, "
+              f"{np.count_nonzero(pixels[where] > 1)} by more than 1 count, by at most {pixels[where].max()}")
+    # What both report to be the reference's count, or within one of it.
+    for key, counts in (("exact", 0), ("within_1", 2)):
+        apart = np.count_nonzero(samples > counts)
+        most = sum(each["samples"] - each[key] for each in checks) + ambiguous * len(samples)
+        print(f"# {scene}: {apart} of {samples.size} samples differ by more than {counts} counts; "
+              f"{most} may")
+        check(apart <= most, f"{scene}: samples are as near as both are to the reference ({key})")
+    floors = 1 + sum(each["floor_worst_counts"] for each in checks)
+    apart = np.count_nonzero(pixels > floors)
+    print(f"# {scene}: {apart} pixels differ by more than {floors:.1f} counts; {ambiguous} may")
+    check(apart <= ambiguous, f"{scene}: no further apart than both floors, but at ambiguous pixels")
+
+
+def main():
+    if not os.access(STATIC, os.X_OK):
+        skip_all(f"no {STATIC}: ./build.sh static")
+    for scene in ("colorchecker", "room", "metals"):
+        compare(scene)
+    done()
+
+
+main()

@@ -1,0 +1,696 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""The viewer's page in a headless Chromium: its pixels, spectra and numbers are those of the program's
+own commands for whatever the menus say, and people reach all of it by pointer, keyboard, on a phone
+and in the dark. Prints TAP."""
+import base64
+import html.parser
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+
+import numpy as np
+import tifffile
+from osgeo import gdal
+
+sys.dont_write_bytecode = True
+from browser import Browser
+from rendered import SPECTRAL, TMP, check, done, table, write
+from tap import bail_out
+
+gdal.UseExceptions()
+SIZE = "120x80"
+PROGRAM = os.path.abspath(SPECTRAL)
+browser = Browser(os.path.join(TMP, "browser"))
+
+STRANGE = 'a </script><b>&amp; \\ <!-- <script>'  # a name in which HTML, JSON and JavaScript see more
+
+
+def write_matrix():
+    write("matrix.csv", "nm,360,400,440\n480,0.02,0.1,0.05\n520,0.05,0.2,0.1\n560,0.01,0.1,0.05\n")
+
+
+def scene_of_strange_names():
+    """With a light that is off, one of a file, a surface that fluoresces by a matrix, and a back."""
+    write_matrix()
+    write("lamp.csv", "wavelength_nm,power\n380,0.4\n500,1.2\n600,0.9\n720,1.5\n")
+    grey = "material grey { diffuse 0.5 }"
+    return write("a 'strange' & <b>name.scene", f"""wavelengths 400 700 20
+camera ortho 3
+viewer local
+shading flat
+ambient lamp.csv 0.2
+light d65 0 direction 0 0 1
+light lamp.csv 0.8 position 2 1 4 attenuation 0.5 0 0.02
+material "{STRANGE}" {{ diffuse 0.3 donaldson matrix.csv specular 0.5 gloss 9 }}
+{grey}
+object sphere 0.6 20 20 material "{STRANGE}" translate -0.7 0 0
+object plane 1 1 material grey two-sided rotate 160 0 1 0 translate 0.7 0 0
+""")
+
+
+def scene_of_two_of_each():
+    """Ambient lights, one of which makes a surface fluoresce, and spectral textures."""
+    write_matrix()
+    run("render", "patches", "--no-check", "--renderer", "raster", "--size", "16x12", "--quiet",
+        "--wavelengths", "420:680:20", "-o", os.path.join(TMP, "texture.tif"))
+    return write("two.scene", """wavelengths 400 700 20
+camera ortho 3
+ambient d65 0.4
+ambient uv 0.9
+material glowing { diffuse 0.3 donaldson matrix.csv }
+material near { diffuse 0.9 spectral-texture texture.tif nearest }
+material smooth { diffuse 0.9 spectral-texture texture.tif linear }
+object sphere 0.6 20 20 material glowing
+object plane 0.7 0.9 material near translate -1 0 0
+object plane 0.7 0.9 material smooth translate 1 0 0
+""")
+
+
+# ---- the program ----
+
+def run(*words, **options):
+    result = subprocess.run([PROGRAM, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                            text=True, check=False, **options)
+    if result.returncode != 0:
+        bail_out(words, result.stderr)
+    return result.stdout
+
+
+def view(scene, name, *options):
+    path = os.path.join(TMP, name + ".html")
+    run("view", scene, "-o", path, "--quiet", *(options or ("--size", SIZE)))
+    return path
+
+
+def rendered(scene, *options):
+    stack = os.path.join(TMP, "stack.tif")
+    run("render", scene, "--renderer", "raster", "--no-check", "--size", SIZE, "-o", stack,
+        "--quiet", *options)
+    return stack
+
+
+def developed(stack, *options):
+    """The picture as [y, x, channel], and what the program says of it."""
+    path = os.path.join(TMP, "developed.tif")
+    words = run("develop", stack, "-o", path, *options)
+    picture = tifffile.imread(path)
+    return np.moveaxis(picture, 0, 2) if picture.shape[0] == 3 else picture, words
+
+
+# ---- the page ----
+
+def settle():
+    browser.evaluate("new Promise(then => requestAnimationFrame(() => requestAnimationFrame(then)))")
+
+
+def choose(menu, name):
+    """As a person would: among what the menu offers."""
+    browser.evaluate(f"""(() => {{
+        const menu = document.getElementById({menu!r});
+        const option = [...menu.options].find(({{text}}) => text.split(" ")[0] === {name!r});
+        menu.value = option.value;
+        menu.dispatchEvent(new Event("input", {{bubbles: true}}));
+        menu.dispatchEvent(new Event("change", {{bubbles: true}}));
+    }})()""")
+
+
+def type_number(field, value):
+    browser.evaluate(f"""(() => {{
+        const field = document.getElementById({field!r});
+        field.value = {str(value)!r};
+        field.dispatchEvent(new Event("input", {{bubbles: true}}));
+    }})()""")
+
+
+def tick(box, on):
+    browser.evaluate(f"document.getElementById({box!r}).checked === {str(on).lower()} || "
+                     f"document.getElementById({box!r}).click()")
+
+
+def text(element):
+    return browser.evaluate(f"document.getElementById({element!r}).textContent")
+
+
+def pixels():
+    settle()
+    data = base64.b64decode(browser.evaluate("""(() => {
+        const {width, height} = document.getElementById("picture");
+        const copy = new OffscreenCanvas(width, height).getContext("2d", {willReadFrequently: true});
+        copy.drawImage(document.getElementById("picture"), 0, 0);
+        const {data} = copy.getImageData(0, 0, width, height);
+        let bytes = "";
+        for (const byte of data) bytes += String.fromCharCode(byte);
+        return btoa(bytes);
+    })()"""))
+    width, height = browser.evaluate("[picture.width, picture.height]")
+    return np.frombuffer(data, np.uint8).reshape(height, width, 4)
+
+
+def distance(seen, expected):
+    return int(np.abs(seen[:, :, :3].astype(int) - expected[:, :, :3].astype(int)).max())
+
+
+# ---- menus ----
+
+# Lights as --light and --ambient take them, then options of develop.
+COMBINATIONS = {
+    "colorchecker": [
+        ({}, []),
+        ({"ambient": "fluorescent*0.25", 1: "a*0.7"}, ["--adaptation=von-kries"]),
+        ({1: "a*1"}, ["--adaptation=fairchild", "--detector=cie1964"]),
+        ({1: "fluorescent*0.5"}, ["--adaptation=fairchild:250", "--display=monitor"]),
+        ({1: "a*1.5"}, ["--adaptation=bradford", "--exposure=auto"]),
+        ({1: "a*0.4", "ambient": "uv*0.6"},
+         ["--adaptation=cat16", "--exposure=2.5", "--detector=cie-standard-deviate"]),
+    ],
+    "fluorescence": [
+        ({1: "uv*1"}, []),
+        ({1: "a*0.6", "ambient": "uv*0.8"}, ["--detector=dcs200-camera"]),
+        ({1: "1*0.9"}, ["--detector=transparency-film", "--display=monitor", "--exposure=auto"]),
+    ],
+    "metamers": [
+        ({1: "a*1"}, ["--adaptation=cat16", "--detector=cie2006-2"]),
+        ({1: "fluorescent*0.8"}, ["--detector=dcs200-camera", "--exposure=0.7"]),
+    ],
+    "room": [
+        ({}, []),
+        ({"ambient": "1*0.1", 1: "d65*0", 2: "uv*0.5", 3: "a*1"},
+         ["--adaptation=bradford", "--detector=cie2006-10"]),
+        ({2: "fluorescent*0.4"}, ["--detector=transparency-film", "--exposure=1.5"]),
+    ],
+}
+
+
+def set_lights(lights):
+    for light, told in lights.items():
+        menu = "ambients-1" if light == "ambient" else f"lights-{light}"
+        name, intensity = told.rsplit("*", 1)
+        choose(menu, name)
+        type_number(menu + "-intensity", intensity)
+
+
+def set_eye(options):
+    told = dict(option.lstrip("-").split("=") for option in options)
+    adaptation, _, luminance = told.get("adaptation", "none").partition(":")
+    choose("detector", told.get("detector", "cie1931"))
+    choose("adaptation", adaptation)
+    choose("display", told.get("display", "srgb"))
+    type_number("luminance", luminance)
+    tick("auto", told.get("exposure") == "auto")
+    if told.get("exposure") != "auto":
+        type_number("exposure", told.get("exposure", 1))
+
+
+def figures(words):
+    return np.array(re.findall(r"\d+(?:\.\d+)?", words), float)
+
+
+def per_cent(words):
+    """The numbers before signs of per cent, which the page shows to a tenth."""
+    return np.array(re.findall(r"([\d.]+)\s%", words), float)
+
+
+def out_of_gamut(words):
+    return int(words.split("out of gamut")[1].split()[0])
+
+
+def light_options(lights):
+    return [f"--ambient={told}" if light == "ambient" else f"--light={light}={told}"
+            for light, told in lights.items()]
+
+
+def menus(scene):
+    browser.open(view(scene, scene))
+    for lights, options in COMBINATIONS[scene]:
+        browser.evaluate("controls.reset()")
+        settle()
+        set_lights(lights)
+        set_eye(options)
+        expected, words = developed(rendered(scene, *light_options(lights)), *options)
+        seen = pixels()
+        what = " ".join(light_options(lights) + options) or "as it is"
+        check(distance(seen, expected) <= 1 and seen[:, :, :3].max() > 30 and (seen[:, :, 3] == 255).all(),
+              f"{scene}, {what}: pixels are within 1 of 255 of what develop shows",
+              f"largest distance {distance(seen, expected)}")
+        differ = np.mean(seen[:, :, :3] != expected)  # a fifth of it, by rounding to 16 bits
+        check(differ < 0.01, f"{scene}, {what}: and of 100 samples 99 are the same", differ)
+        lost, unseen = per_cent(text("lost")), per_cent(words.split("unseen")[1].split("\n")[0])
+        check(np.abs(lost - unseen).max() <= 0.051, f"{scene}, {what}: so much of the sensitivity is lost",
+              lost, unseen)
+        if "observer" in words:
+            white, recorded = figures(text("white")), figures(words.split("white")[1].split("\n")[0])
+            check(np.allclose(white, [*recorded[3:], recorded[1]], atol=0.006) and
+                  np.allclose(white[:2], recorded[3:], atol=6e-5),
+                  f"{scene}, {what}: the white is the one that develop tells", white, recorded)
+        counted = int(text("gamut").split(":")[1].split()[0])
+        check(abs(counted - out_of_gamut(words)) <= expected[:, :, 0].size // 1000,
+              f"{scene}, {what}: as many pixels are out of gamut, but for a thousandth",
+              f"{counted}, develop says {out_of_gamut(words)}")
+    browser.evaluate("controls.reset()")
+    settle()
+    expected, _ = developed(rendered(scene))
+    check(distance(pixels(), expected) <= 1, f"{scene}: reset shows the scene as it is")
+
+
+def all_offered():
+    """That the combinations leave none out."""
+    options = [word for pairs in COMBINATIONS.values() for _, words in pairs for word in words]
+    for menu in ("detector", "adaptation", "display"):
+        offered = set(browser.evaluate(f"[...document.getElementById({menu!r}).options].map(o => o.text)"))
+        used = {word.split("=")[1].split(":")[0] for word in options if word.startswith(f"--{menu}=")}
+        default = {"detector": "cie1931", "adaptation": "none", "display": "srgb"}[menu]
+        check(offered and offered <= used | {default}, f"every {menu} was tried", offered - used)
+
+
+# ---- pixels and their spectra ----
+
+def click_pixel(x, y):
+    box = browser.evaluate("(() => { picture.scrollIntoView(); const b = picture.getBoundingClientRect();"
+                           "return [b.left, b.top, b.width / picture.width, b.height / picture.height]; })()")
+    browser.click(box[0] + (x + 0.5) * box[2], box[1] + (y + 0.5) * box[3])
+    settle()
+
+
+def values():
+    """The table of values at each wavelength: its columns by name."""
+    browser.evaluate("document.getElementById('values-shown').open = true")
+    settle()
+    rows = browser.evaluate("[...document.querySelectorAll('#values tr')]"
+                            ".map(row => [...row.cells].map(cell => cell.textContent))")
+    return dict(zip(rows[0], np.array(rows[1:], float).T))
+
+
+def numbers():
+    rows = browser.evaluate("[...document.querySelectorAll('#numbers tr')]"
+                            ".map(row => [...row.cells].map(cell => cell.textContent))")
+    return {row[0]: np.array([word.replace("\u2212", "-") for word in row[1:] if word], float)
+            for row in rows}
+
+
+def stack_of(scene, *options):
+    stack = rendered(scene, "--depth", "32f", *options)
+    with tifffile.TiffFile(stack) as tiff:
+        n = len(values()["nm"])
+        return stack, np.array([page.asarray() for page in tiff.pages[:n]])
+
+
+def spectra(scene, name, places, **lights):
+    """A weight is rounded to a part of 2 x 65535 of its plane's largest, and a plane's largest is 1
+    where no light is nearer than its attenuation's 1: of a few terms that is 1e-4 of the light."""
+    browser.open(view(scene, name))
+    lights = {int(key[1:]) if key[0] == "_" else key: told for key, told in lights.items()}
+    click_pixel(*places[0])
+    values()
+    set_lights(lights)
+    settle()
+    stack, radiance = stack_of(scene, *light_options(lights))
+    tolerance = 1e-4 * radiance.max()
+    x, y = places[0]
+    check(np.abs(values()["radiance"] - radiance[:, y, x]).max() <= tolerance,
+          f"{name}: the spectrum follows the menus")
+    xyz, _ = developed(stack, "--xyz")
+    lab, _ = developed(stack, "--lab")
+    for x, y in places:
+        click_pixel(x, y)
+        check(text("picked").startswith(f"Pixel {x}, {y}: "), f"{name}: a click picks pixel {x}, {y}",
+              text("picked"))
+        seen, told = values(), numbers()
+        error = np.abs(seen["radiance"] - radiance[:, y, x]).max()
+        check(error <= tolerance and radiance[:, y, x].max() > 50 * tolerance,
+              f"{name}: the spectrum of pixel {x}, {y} is the stack's", f"error {error}, tolerance {tolerance}")
+        check(np.abs(told["XYZ"] - xyz[y, x]).max() < 0.01 and np.abs(told["L*a*b*"] - lab[y, x]).max() < 0.05,
+              f"{name}: so are its XYZ and CIELAB", told, xyz[y, x], lab[y, x])
+        check((told["RGB, 0 to 255"] == pixels()[y, x, :3]).all(), f"{name}: and its RGB is the picture's")
+
+
+def causes():
+    """What makes a spectrum: columns are those of the files."""
+    browser.open(view("fluorescence", "fluorescence"))
+    choose("objects", browser.evaluate(
+        "[...objects.options].find(({text}) => text.includes('yellow')).text.split(' ')[0]"))
+    set_lights({1: "uv*0.5"})
+    settle()
+    halves = browser.evaluate("[...objects.options].map(o => o.text).filter(text => text.includes('yellow'))")
+    check(len(halves) == 2, "the halves of an object are listed each by itself", halves)
+    for half in halves:
+        choose("objects", half.split(" ")[0])
+        settle()
+        seen = values()
+        if "excitation" in seen:
+            break
+    light = 0.5 * np.interp(seen["nm"], *table("data/builtin/tables/uv.csv", ","))
+    check(np.allclose(seen["light 1 (uv)"], light, rtol=1e-5),
+          "the light's spectrum is its table x its intensity")
+    check("emission" in seen and "reflectance" in seen and seen["excitation"].max() > 0.1,
+          "reflectance, excitation and emission are told, too", list(seen))
+    part = seen["fluorescence"] / seen["emission"].clip(1e-9)
+    part = part[seen["emission"] > 0.1]
+    check(part.min() > 0 and np.ptp(part) < 1e-3 * part.max(), "what fluoresces has the shape of the emission")
+    check((seen["radiance"] >= seen["fluorescence"] - 1e-6).all(), "and is a part of the radiance")
+
+
+def difference(one, other):
+    """ΔE*ab of two pixels, as the page shows it when one is kept and the other picked."""
+    click_pixel(*one)
+    browser.evaluate("document.getElementById('keep').click()")
+    kept = numbers()["L*a*b*"]
+    click_pixel(*other)
+    told = numbers()
+    beside = any(name.startswith("kept") for name in values())
+    browser.evaluate("document.getElementById('keep').click()")
+    expected = np.sqrt(np.sum((told["L*a*b*"] - kept) ** 2))
+    return told["ΔE*ab to the kept"][0], expected, beside
+
+
+def metamers():
+    """Pixels on both sides of the cut through an object whose halves match under D65."""
+    browser.open(view("metamers", "metamers"))
+    y, left = browser.evaluate("""(() => {
+        const at = surfaces.findIndex((surface, i) => surface === 2 && surfaces[i + 1] === 3);
+        return [Math.floor(at / scene.width) + 3, at % scene.width];
+    })()""")
+    alike, expected, beside = difference((left, y), (left + 1, y))
+    check(abs(alike - expected) < 2e-3 and beside, "a kept pixel is compared with by ΔE*ab and its spectrum",
+          alike, expected, beside)
+    browser.evaluate("document.getElementById('keep').click()")
+    for detector in ("cie1964", "cie2006-2", "cie1931"):
+        choose("detector", detector)
+        settle()
+        check(numbers()["ΔE*ab to the kept"] == [0], f"{detector}: a pixel does not differ from itself")
+    browser.evaluate("document.getElementById('keep').click()")
+    choose("lights-1", "a")
+    settle()
+    apart, _, _ = difference((left, y), (left + 1, y))
+    check(alike < 2 and apart > 5, "halves that match under D65 differ under A", alike, apart)
+
+
+def command_line(scene, name, lights):
+    """The page shows the commands that make its picture, from whatever folder."""
+    browser.open(view(scene, name))
+    set_lights(lights)
+    set_eye(["--detector=cie1964", "--adaptation=fairchild:40", "--exposure=1.25", "--display=monitor"])
+    seen = pixels()
+    folder = os.path.abspath(os.path.join(TMP, "bin"))
+    shutil.rmtree(folder, ignore_errors=True)
+    os.makedirs(folder)
+    os.symlink(PROGRAM, os.path.join(folder, "spectral"))
+    subprocess.run(["sh", "-c", text("commands")], cwd=folder, check=True, stdout=subprocess.DEVNULL,
+                   env={**os.environ, "PATH": f"{folder}:{os.environ['PATH']}"})
+    made = tifffile.imread(os.path.join(folder, "developed.tif"))
+    check(distance(seen, made) <= 1, f"{name}: the commands that the page tells make its picture", text("commands"))
+
+
+# ---- people ----
+
+def tab_to(element):
+    for _ in range(60):
+        browser.key("Tab")
+        if browser.evaluate("document.activeElement.id") == element:
+            return True
+    return False
+
+
+def outlined():
+    return browser.evaluate("getComputedStyle(document.activeElement).outlineStyle !== 'none' && "
+                            "parseFloat(getComputedStyle(document.activeElement).outlineWidth) >= 2")
+
+
+def keyboard():
+    browser.open(view("colorchecker", "colorchecker"))
+    browser.evaluate("document.activeElement.blur()")
+    check(tab_to("picture") and outlined(), "the keyboard reaches the picture, which shows that it has the focus")
+    for _ in range(3):
+        browser.key("ArrowLeft", shift=True)
+    for key in ("ArrowRight", "ArrowUp", "ArrowUp", "ArrowDown", "Enter"):
+        browser.key(key)
+    check(text("picked").startswith("Pixel 31, 39: "), "arrow keys and Enter pick a pixel", text("picked"))
+    before = pixels()
+    check(tab_to("lights-1") and outlined(), "it reaches the menu of a light")
+    browser.key("ArrowDown")
+    chosen = browser.evaluate("document.activeElement.selectedOptions[0].text")
+    expected, _ = developed(rendered("colorchecker", f"--light=1={chosen}"))
+    seen = pixels()
+    check(distance(seen, expected) <= 1 and distance(seen, before) > 10,
+          f"an arrow key changes the light, to {chosen}")
+    check(tab_to("objects"), "it reaches the list of objects")
+    browser.key("ArrowDown")
+    settle()
+    check(text("picked").split(": ")[1] == browser.evaluate("objects.selectedOptions[0].text"),
+          "an arrow key picks another object", text("picked"))
+
+
+def names():
+    """Every control has an accessible name, as Chromium's accessibility tree gives it."""
+    nodes = browser.send("Accessibility.getFullAXTree")["nodes"]
+    roles = {"combobox", "slider", "spinbutton", "button", "checkbox", "application"}
+    controls = [node for node in nodes if node.get("role", {}).get("value") in roles]
+    nameless = [node for node in controls if not node.get("name", {}).get("value")]
+    check(len(controls) >= 15 and not nameless, f"all {len(controls)} controls have names", nameless)
+
+
+def relative_luminance(colour):
+    """WCAG 2.1."""
+    part = np.array([float(word) for word in colour[colour.index("(") + 1:-1].split(",")[:3]]) / 255
+    return np.where(part <= 0.04045, part / 12.92, ((part + 0.055) / 1.055) ** 2.4) @ [0.2126, 0.7152, 0.0722]
+
+
+def contrast(selector):
+    colours = browser.evaluate(f"""(() => {{
+        const text = document.querySelector({selector!r}), panel = text.closest("section, body");
+        return [getComputedStyle(text).color, getComputedStyle(panel).backgroundColor];
+    }})()""")
+    darker, lighter = sorted(map(relative_luminance, colours))
+    return (lighter + 0.05) / (darker + 0.05)
+
+
+def schemes():
+    paper = {}
+    for scheme in ("light", "dark"):
+        browser.scheme(scheme)
+        settle()
+        paper[scheme] = relative_luminance(browser.evaluate("getComputedStyle(document.body).backgroundColor"))
+        worst = min(map(contrast, ("#picked", "#gamut", "#about", "#numbers td", "#numbers th")))
+        check(worst >= 4.5, f"text stands out in the {scheme} scheme", worst)
+    check(paper["dark"] < 0.1 < 0.5 < paper["light"], "the page is dark where dark is preferred", paper)
+    browser.scheme("light")
+
+
+def widths():
+    for width in (360, 768, 1280):
+        browser.size(width, 740)
+        settle()
+        wide = browser.evaluate("[document.documentElement.scrollWidth, innerWidth]")
+        check(wide[0] <= wide[1] == width, f"nothing lies beside a screen of {width} pixels", wide)
+    browser.size(360, 740)
+    browser.evaluate("detector.scrollIntoView()")
+    settle()
+    bottom = browser.evaluate("picture.getBoundingClientRect().bottom")
+    top = browser.evaluate("picture.getBoundingClientRect().top")
+    check(0 <= top < bottom <= 400, "on a phone the picture stays in sight while the menus go by", top, bottom)
+    browser.size(1280, 900)
+
+
+def saving():
+    browser.evaluate("document.getElementById('save').click()")
+    path = os.path.join(browser.downloads, "colorchecker.png")
+    wait_for_file(path)
+    saved = np.moveaxis(gdal.Open(path).ReadAsArray(), 0, 2)
+    check(distance(pixels(), saved[:, :, :3]) == 0, "the saved PNG has the picture's pixels")
+    browser.evaluate("document.getElementById('save-values').click()")
+    path = os.path.join(browser.downloads, "colorchecker.csv")
+    wait_for_file(path)
+    rows = open(path).read().splitlines()
+    seen = values()
+    saved = np.array([row.split(",")[1] for row in rows[1:]], float)
+    check(np.allclose(saved, seen["radiance"], rtol=1e-5), "the saved values are the table's", rows[:2])
+
+
+def wait_for_file(path):
+    for _ in range(600):
+        if os.path.exists(path):
+            return
+        time.sleep(0.05)
+
+
+# ---- the file ----
+
+class Parser(html.parser.HTMLParser):
+    """Collects what a browser would load."""
+
+    def __init__(self):
+        super().__init__()
+        self.loads = []
+
+    def handle_starttag(self, tag, attrs):
+        for name, value in attrs:
+            if name in ("src", "href", "data", "action") or tag in ("link", "iframe", "object", "embed", "base"):
+                self.loads.append((tag, name, value))
+
+
+def file():
+    path = view("colorchecker", "large", "--size", "600x400")
+    size = os.path.getsize(path)
+    check(size < 3e6, f"the colorchecker at 600x400 takes {size} bytes, not 3 MB")
+    parser = Parser()
+    parser.feed(open(path).read())
+    check(not parser.loads, "the page names nothing to load", parser.loads)
+    blocked = browser.evaluate("""new Promise(then => {
+        document.addEventListener("securitypolicyviolation", event => then(event.effectiveDirective));
+        fetch("data:,nothing").catch(() => {});
+        setTimeout(() => then("nothing"), 5000);
+    })""")
+    check(blocked == "connect-src", "and its policy lets nothing be loaded", blocked)
+    browser.complaints.clear()  # Chromium reports that on the console
+    again = os.path.join(TMP, "again.html")
+    os.replace(path, again)
+    check(open(view("colorchecker", "large", "--size", "600x400"), "rb").read() == open(again, "rb").read(),
+          "the same scene gives the same bytes")
+
+
+def strange_names():
+    scene = scene_of_strange_names()
+    spectra(scene, "strange", [(32, 40), (40, 30), (88, 40)], ambient="d65*0.5", _1="uv*0.7")
+    named = browser.evaluate("[...objects.options].map(({text}) => text)")
+    check(any(name.endswith(f". {STRANGE} (sphere)") for name in named),
+          "names of strange characters are shown as they are", named)
+    check(scene in browser.evaluate("document.title") and text("name") == scene, "so is the scene's")
+
+
+def two_of_each():
+    scene = scene_of_two_of_each()
+    spectra(scene, "two", [(60, 40)])
+    expected, _ = developed(rendered(scene))
+    check(distance(pixels(), expected) <= 1, "two ambient lights add up, and two textures do not mix")
+
+
+def small():
+    """A picture that is shown enlarged."""
+    browser.open(view("colorchecker", "small", "--size", "60x40"))
+    check(browser.evaluate("getComputedStyle(picture).imageRendering") == "pixelated",
+          "enlarged pixels are not blurred")
+    for width, scale in ((1280, 1), (360, 3)):
+        browser.size(width, 740, scale)
+        places = [(x + part, y + part) for x, y in ((0, 0), (20, 13), (59, 39)) for part in (-0.35, 0.35)]
+        for x, y in places:
+            click_pixel(x, y)
+            check(text("picked").startswith(f"Pixel {round(x)}, {round(y)}: "),
+                  f"{width} pixels wide: a click at {x}, {y} picks the pixel below", text("picked"))
+    browser.size(1280, 900)
+    browser.open(view("patches", "one", "--size", "60x40", "--wavelengths", "550"))
+    check("one wavelength, 550 nm" in text("about") and not browser.complaints, "a single wavelength is shown")
+
+
+def axis(anchor, across):
+    """Of an axis of the plot the function from places to values, by its first and last numbers."""
+    labels = browser.evaluate(f"""[...document.querySelectorAll('#chart text[text-anchor={anchor}]')]
+        .map(node => [Number(node.getAttribute({across!r})), Number(node.textContent)])""")
+    ticks = [label for label in labels if label[1] is not None]
+    (a, first), (b, last) = ticks[0], ticks[-1]
+    return lambda place: first + (place - a) * (last - first) / (b - a)
+
+
+def plot():
+    """What its axes say of the curve, from the file's SVG."""
+    browser.open(view("colorchecker", "colorchecker"))
+    seen = values()
+    points = np.array(re.findall(r"[\d.]+", browser.evaluate(
+        "document.querySelector('#chart .radiance').getAttribute('d')")), float).reshape(-1, 2)
+    nm = axis("middle", "x")(points[:, 0])
+    radiance = axis("end", "y")(points[:, 1] + 4)
+    check(np.abs(nm - seen["nm"]).max() < 0.02, "the plot's axis tells the wavelengths")
+    left, width = browser.evaluate("['x', 'width'].map(name => Number(document.querySelector('#chart .axis')"
+                                   ".getAttribute(name)))")
+    check(np.abs(points[[0, -1], 0] - [left, left + width]).max() < 0.02, "from one end to the other")
+    check(np.abs(radiance - seen["radiance"]).max() < 0.002, "and the other one the radiances",
+          radiance, seen["radiance"])
+    check(points[seen["radiance"].argmax(), 1] < points[seen["radiance"].argmin(), 1], "the larger, the higher")
+    drawn = "document.querySelectorAll('#chart .curve').length"
+    before = browser.evaluate(drawn)
+    browser.evaluate("document.querySelector('#curves input').click()")
+    settle()
+    check(browser.evaluate(drawn) == before - 1, "a curve can be hidden")
+    observed = numbers()["XYZ"]
+    choose("detector", "dcs200-camera")
+    settle()
+    check((numbers()["XYZ"] == observed).all(), "with a camera, XYZ are those of the CIE 1931 observer")
+
+
+def slider():
+    browser.open(view("colorchecker", "colorchecker"))
+    type_number("lights-1-slider", 0.25)
+    expected, _ = developed(rendered("colorchecker", "--light=1=d65*0.25"))
+    check(distance(pixels(), expected) <= 1, "a slider changes its light")
+    type_number("lights-1-intensity", "")
+    settle()
+    check(browser.evaluate("document.getElementById('lights-1-slider').value") == "0",
+          "no number stands for no light, and the slider shows it")
+    choose("adaptation", "von-kries")
+    settle()
+    check(told_trouble("cannot adapt"), "where the eye cannot adapt the page says so", text("message"))
+
+
+def told_trouble(words):
+    return words in text("message") and not browser.evaluate("document.getElementById('message').hidden")
+
+
+def troubles():
+    browser.open(view("colorchecker", "colorchecker"))
+    check(browser.evaluate("document.getElementById('message').hidden"), "no trouble, no message")
+    once = numbers()["RGB, linear"]
+    type_number("exposure", 2)
+    settle()
+    check(np.allclose(numbers()["RGB, linear"], 2 * once, atol=2e-5), "linear channels are told as exposed")
+    for wrong in ("", "0", "-1"):
+        type_number("exposure", wrong)
+        settle()
+        check(told_trouble("exposure"), f"an exposure of '{wrong}' is complained of", text("message"))
+    script = browser.send("Page.addScriptToEvaluateOnNewDocument", source="delete window.DecompressionStream")
+    type_number("exposure", 1)
+    settle()
+    browser.send("Page.reload")
+    browser.wait("document.getElementById('message')?.hidden === false")
+    check(told_trouble("This browser cannot"), "an old browser's user is told", text("message"))
+    browser.send("Page.removeScriptToEvaluateOnNewDocument", **script)
+    browser.complaints.clear()  # Chromium reports that on the console
+
+
+def main():
+    browser.size(1280, 900)
+    for scene in COMBINATIONS:
+        menus(scene)
+    all_offered()
+    spectra("colorchecker", "colorchecker", [(10, 10), (25, 20), (60, 40)])
+    spectra("room", "room", [(67, 25), (60, 60), (57, 40), (25, 25), (110, 32)], _2="uv*0.9", ambient="1*0.3")
+    causes()
+    metamers()
+    command_line("colorchecker", "colorchecker", {"ambient": "uv*0.3", 1: "a*0.75"})
+    command_line(os.path.abspath(scene_of_strange_names()), "lights of files",
+                 {"ambient": "d65*0.1", 1: "lamp.csv*0.3", 2: "lamp.csv*0.6"})
+    keyboard()
+    names()
+    schemes()
+    widths()
+    saving()
+    check(not browser.complaints, "the console stays empty, and nothing is thrown", *browser.complaints)
+    strange_names()
+    two_of_each()
+    check(not browser.complaints, "of such scenes, too", *browser.complaints)
+    small()
+    plot()
+    slider()
+    troubles()
+    inside = ("file://" + os.path.abspath(TMP), "blob:", "data:")
+    outside = [url for url in browser.requests if not url.startswith(inside)]
+    check(browser.requests and not outside, "no request leaves the page", outside)
+    file()
+    done()
+
+
+try:
+    main()
+finally:
+    browser.close()

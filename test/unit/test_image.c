@@ -1,0 +1,832 @@
+/* SPDX-License-Identifier: MIT */
+/* One picture of a closed form, written by libtiff here, by tifffile (test/run/images.py) and by the
+ * program itself in the variants that TIFF knows, must read back to the same radiances; what is
+ * broken, cut short or of another kind is refused. */
+#include <fcntl.h>
+#include <float.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <tiffio.h>
+#include <unistd.h>
+
+#include "data/base/base.h"
+#include "data/stack/stack.h"
+#include "data/tiff/tiff.h"
+#include "spectral.h"
+#include "test.h"
+
+enum { WIDTH = 37, HEIGHT = 29, PAGES = 3, PIXELS = WIDTH * HEIGHT };
+
+static const struct place from = {"a.scene", 3, 7};
+static const char *const path = "image.tif";
+static const TIFFFieldInfo gdal_field[] = {
+    {TIFFTAG_GDAL_METADATA, -1, -1, TIFF_ASCII, FIELD_CUSTOM, 1, 0, (char[]){"GDALMetadata"}}};
+
+/* The picture: neighbours, samples and pages all differ. */
+static uint32_t count_at(int page, int x, int y, int sample, int bits)
+{
+    const uint32_t count = (uint32_t)(7 * x + 131 * y + 1009 * sample + 4099 * page + 1);
+    return bits == 8 ? count % 256 : count;
+}
+
+/* A variant of a page; zeros are defaults. */
+struct variant {
+    const char *name, *mode;
+    int bits, n_samples, photometric, compression, predictor;
+    int tile, rows; /* sides of tiles, rows of a strip */
+    bool separate;
+    int format, extra, orientation, fill_order;
+    const char *page_name, *gdal, *description;
+    double odd; /* instead of the last float sample */
+};
+
+static void set_tags(TIFF *tiff, const struct variant *v, int width)
+{
+    const uint16_t extra = (uint16_t)v->extra, colours[256] = {0};
+    const int n_colours = v->photometric == PHOTOMETRIC_RGB     ? 3
+                          : v->photometric == PHOTOMETRIC_YCBCR ? 3
+                                                                : 1;
+    TIFFMergeFieldInfo(tiff, gdal_field, 1);
+    TIFFSetField(tiff, TIFFTAG_IMAGEWIDTH, width);
+    TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, HEIGHT);
+    TIFFSetField(tiff, TIFFTAG_BITSPERSAMPLE, v->bits);
+    TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, v->n_samples);
+    TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, v->photometric);
+    TIFFSetField(tiff, TIFFTAG_COMPRESSION, v->compression > 0 ? v->compression : COMPRESSION_NONE);
+    TIFFSetField(tiff, TIFFTAG_PLANARCONFIG,
+                 v->separate ? PLANARCONFIG_SEPARATE : PLANARCONFIG_CONTIG);
+    TIFFSetField(tiff, TIFFTAG_SAMPLEFORMAT, v->format > 0 ? v->format : SAMPLEFORMAT_UINT);
+    if (v->predictor > 0)
+        TIFFSetField(tiff, TIFFTAG_PREDICTOR, v->predictor);
+    if (v->photometric == PHOTOMETRIC_YCBCR && v->separate)
+        TIFFSetField(tiff, TIFFTAG_YCBCRSUBSAMPLING, 1, 1);
+    if (v->compression == COMPRESSION_WEBP)
+        TIFFSetField(tiff, TIFFTAG_WEBP_LOSSLESS, 1);
+    if (v->n_samples == n_colours + 1)
+        TIFFSetField(tiff, TIFFTAG_EXTRASAMPLES, 1, &extra);
+    if (v->photometric == PHOTOMETRIC_PALETTE)
+        TIFFSetField(tiff, TIFFTAG_COLORMAP, colours, colours, colours);
+    if (v->fill_order > 0)
+        TIFFSetField(tiff, TIFFTAG_FILLORDER, v->fill_order);
+    if (v->orientation > 0)
+        TIFFSetField(tiff, TIFFTAG_ORIENTATION, v->orientation);
+    if (v->tile > 0) {
+        TIFFSetField(tiff, TIFFTAG_TILEWIDTH, v->tile);
+        TIFFSetField(tiff, TIFFTAG_TILELENGTH, v->tile);
+    } else {
+        TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, v->rows > 0 ? v->rows : HEIGHT);
+    }
+    if (v->page_name != NULL)
+        TIFFSetField(tiff, TIFFTAG_PAGENAME, v->page_name);
+    if (v->gdal != NULL)
+        TIFFSetField(tiff, TIFFTAG_GDAL_METADATA, v->gdal);
+    if (v->description != NULL)
+        TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, v->description);
+}
+
+/* A row, or of a tiled file a row of a tile, from x on. */
+static void fill(unsigned char *out, const struct variant *v, int page, int x, int width, int y,
+                 int plane)
+{
+    const int step = v->separate ? 1 : v->n_samples;
+    for (int i = 0; i < width * step; i++) {
+        const int sample = v->separate ? plane : i % step, column = x + i / step;
+        const uint32_t count = count_at(page, column, y, sample, v->bits);
+        const bool odd = v->odd != 0 && column == WIDTH - 1 && y == HEIGHT - 1;
+        if (v->bits == 32)
+            ((float *)(void *)out)[i] = odd ? (float)v->odd : (float)count / 64;
+        else if (v->bits == 16)
+            ((uint16_t *)(void *)out)[i] = (uint16_t)count;
+        else
+            out[i] = (unsigned char)count;
+    }
+}
+
+static bool write_page(TIFF *tiff, const struct variant *v, int page, int width)
+{
+    static unsigned char bytes[64 * 64 * 4 * 8];
+    const int n_planes = v->separate ? v->n_samples : 1;
+    const size_t pixel = (size_t)(v->separate ? 1 : v->n_samples) * (size_t)v->bits / 8;
+    bool good = true;
+    set_tags(tiff, v, width);
+    for (int plane = 0; plane < n_planes; plane++)
+        if (v->tile == 0)
+            for (int y = 0; y < HEIGHT; y++) {
+                fill(bytes, v, page, 0, width, y, plane);
+                good = TIFFWriteScanline(tiff, bytes, (uint32_t)y, (uint16_t)plane) == 1 && good;
+            }
+        else
+            for (int y = 0; y < HEIGHT; y += v->tile)
+                for (int x = 0; x < width; x += v->tile) {
+                    for (int row = 0; row < v->tile; row++)
+                        fill(bytes + (size_t)(row * v->tile) * pixel, v, page, x, v->tile, y + row,
+                             plane);
+                    good = TIFFWriteTile(tiff, bytes, (uint32_t)x, (uint32_t)y, 0,
+                                         (uint16_t)plane) > 0 &&
+                           good;
+                }
+    return TIFFWriteDirectory(tiff) == 1 && good;
+}
+
+static bool write_pages(const struct variant *variants, int n)
+{
+    unlink(path);
+    TIFF *tiff = TIFFOpen(path, variants[0].mode != NULL ? variants[0].mode : "w");
+    bool good = tiff != NULL;
+    for (int page = 0; good && page < n; page++)
+        good = write_page(tiff, &variants[page], page, WIDTH);
+    if (tiff != NULL)
+        TIFFClose(tiff);
+    return good;
+}
+
+/* The expected value of a pixel, with ITU-R BT.709's luma. */
+static double radiance_at(const struct variant *v, int page, int x, int y, double scale)
+{
+    const double largest = v->bits == 8 ? 255 : v->bits == 16 ? 65535 : 64;
+    double sample[3] = {0};
+    for (int i = 0; i < 3; i++)
+        sample[i] = count_at(page, x, y, i, v->bits) / largest;
+    if (v->photometric == PHOTOMETRIC_MINISWHITE)
+        return (1 - sample[0]) * scale;
+    return (v->photometric == PHOTOMETRIC_RGB
+                ? 0.2126 * sample[0] + 0.7152 * sample[1] + 0.0722 * sample[2]
+                : sample[0]) *
+           scale;
+}
+
+/* Grey is exact: the nearest float. A sum of three may be a unit in the last place off. */
+static void check_page(struct image *image, const struct variant *v, int page, double scale)
+{
+    float seen[PIXELS];
+    struct error err = {0};
+    double furthest = 0;
+    for (int i = 0; i < PIXELS; i++)
+        seen[i] = -1;
+    if (!CHECK(image_read(image, page, 0, image->height, seen, &err), "%s: page %d is read %s",
+               v->name, page, err.text))
+        return;
+    for (int i = 0; i < PIXELS; i++) {
+        const double expected = radiance_at(v, page, i % WIDTH, i / WIDTH, scale);
+        const double allowed = v->photometric == PHOTOMETRIC_MINISBLACK ? 0 : expected * 1.2e-7;
+        const double off = fabs((double)seen[i] - (double)(float)expected) - allowed;
+        furthest = off > furthest ? off : furthest;
+    }
+    CHECK_NEAR(furthest, 0, 0, "%s: every value of page %d", v->name, page);
+}
+
+/* Rows of any number, from anywhere, in any order of pages and rows, are those of whole pages. */
+static void check_rows(struct image *image, const char *name)
+{
+    static float whole[PAGES][PIXELS], some[PIXELS];
+    const int sizes[] = {1, 4, 7, HEIGHT - 1};
+    struct error err = {0};
+    bool same = true;
+    for (int page = 0; page < image->n_pages; page++)
+        same = same && image_read(image, page, 0, HEIGHT, whole[page], &err);
+    for (int i = 0; i < 4; i++)
+        for (int y = HEIGHT - sizes[i]; y >= 0; y -= sizes[i] > 7 ? 1 : 3)
+            for (int k = 0; k < image->n_pages; k++) {
+                const int page = (y + k) % image->n_pages;
+                const size_t n = (size_t)sizes[i] * WIDTH;
+                same = same && image_read(image, page, y, sizes[i], some, &err) &&
+                       memcmp(some, whole[page] + (size_t)y * WIDTH, n * sizeof *some) == 0;
+            }
+    CHECK(same, "%s: any rows are those of the whole page %s", name, err.text);
+}
+
+static bool open_whole(struct image *image, const char *file, const char *name, int n_pages)
+{
+    struct error err = {0};
+    return CHECK(image_open(file, from, image, &err), "%s: opens %s", name, err.text) &&
+           CHECK(image->width == WIDTH && image->height == HEIGHT && image->n_pages == n_pages,
+                 "%s: %dx%d pixels, pages %d", name, image->width, image->height, image->n_pages);
+}
+
+static void check_variant(const struct variant *v)
+{
+    struct image image;
+    if (!CHECK(write_pages(v, 1), "%s: is written", v->name))
+        return;
+    if (open_whole(&image, path, v->name, 1)) {
+        CHECK(image.wavelengths_nm == NULL, "%s: tells no wavelength", v->name);
+        CHECK_NEAR(image.scale, 1, 0, "%s: and no scale", v->name);
+        check_page(&image, v, 0, 1);
+        check_rows(&image, v->name);
+    }
+    image_close(&image);
+    image_close(&image);
+}
+
+static void test_variants(void)
+{
+    const struct variant variants[] = {
+        {"grey 8", NULL, 8, 1, .photometric = 1},
+        {"grey 16, strips of 5 rows", NULL, 16, 1, .photometric = 1, .rows = 5},
+        {"grey 16, big-endian BigTIFF", "wb8", 16, 1, .photometric = 1},
+        {"grey 16, big-endian strips", "wb", 16, 1, .photometric = 1, .rows = 5},
+        {"float, big-endian", "wb", 32, 1, .photometric = 1, .format = SAMPLEFORMAT_IEEEFP},
+        {"RGB 16 apart, big-endian", "wb", 16, 3, .photometric = 2, .separate = true, .rows = 4},
+        {"RGB 8 apart, one strip each", NULL, 8, 3, .photometric = 2, .separate = true},
+        {"bits in the other order", NULL, 16, 1, .photometric = 1, .fill_order = FILLORDER_LSB2MSB},
+        {"white is 0", NULL, 8, 1, .photometric = 0},
+        {"white is 0 of 16 bits", NULL, 16, 1, .photometric = 0},
+        {"float", NULL, 32, 1, .photometric = 1, .format = SAMPLEFORMAT_IEEEFP},
+        {"float, big-endian, tiles", "wb", 32, 1, .photometric = 1, .format = SAMPLEFORMAT_IEEEFP,
+         .tile = 16},
+        {"float, predicted", NULL, 32, 1, .photometric = 1, COMPRESSION_ADOBE_DEFLATE, 3,
+         .format = SAMPLEFORMAT_IEEEFP},
+        {"grey and alpha", NULL, 16, 2, .photometric = 1, .extra = EXTRASAMPLE_UNASSALPHA},
+        {"grey and alpha apart", NULL, 8, 2, .photometric = 1, .extra = EXTRASAMPLE_ASSOCALPHA,
+         .separate = true},
+        {"RGB 8", NULL, 8, 3, .photometric = 2},
+        {"RGB 16 in tiles", NULL, 16, 3, .photometric = 2, .tile = 16},
+        {"RGB 16 apart", NULL, 16, 3, .photometric = 2, .separate = true, .rows = 4},
+        {"RGB 16 apart in tiles", NULL, 16, 3, .photometric = 2, .separate = true, .tile = 32},
+        {"RGBA 8", NULL, 8, 4, .photometric = 2, .extra = EXTRASAMPLE_ASSOCALPHA},
+        {"RGBA 16 apart", NULL, 16, 4, .photometric = 2, .extra = EXTRASAMPLE_UNASSALPHA,
+         .separate = true},
+        {"LZW, predicted", NULL, 16, 3, .photometric = 2, COMPRESSION_LZW, .predictor = 2,
+         .rows = 7},
+        {"deflate in tiles", NULL, 16, 1, .photometric = 1, COMPRESSION_DEFLATE, .tile = 48},
+        {"PackBits", NULL, 8, 1, .photometric = 1, COMPRESSION_PACKBITS, .rows = 3},
+        {"Zstandard, predicted", NULL, 16, 1, .photometric = 1, COMPRESSION_ZSTD, .predictor = 2},
+        {"LZMA", NULL, 8, 3, .photometric = 2, .compression = COMPRESSION_LZMA},
+        {"LERC", NULL, 32, 1, .photometric = 1, COMPRESSION_LERC, .format = SAMPLEFORMAT_IEEEFP},
+        {"WebP", NULL, 8, 3, .photometric = 2, .compression = COMPRESSION_WEBP},
+    };
+    for (size_t i = 0; i < sizeof variants / sizeof variants[0]; i++)
+        check_variant(&variants[i]);
+}
+
+/* One colour all over survives JPEG but for rounding: its luma is that of ITU-R BT.601 in the file,
+ * and of BT.709 here. */
+static void test_jpeg(void)
+{
+    enum { SIDE = 32 };
+    static float seen[SIDE * SIDE];
+    const unsigned char colour[3] = {200, 100, 50};
+    const double luma = (0.2126 * 200 + 0.7152 * 100 + 0.0722 * 50) / 255;
+    unsigned char row[SIDE * 3];
+    struct image image;
+    struct error err = {0};
+    double furthest = 0;
+    TIFF *tiff = TIFFOpen(path, "w");
+    const struct variant v = {"JPEG",           NULL,      8, 3, .photometric = PHOTOMETRIC_YCBCR,
+                              COMPRESSION_JPEG, .rows = 16};
+    set_tags(tiff, &v, SIDE);
+    TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, SIDE);
+    TIFFSetField(tiff, TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB);
+    for (int i = 0; i < SIDE * 3; i++)
+        row[i] = colour[i % 3];
+    for (uint32_t y = 0; y < SIDE; y++)
+        TIFFWriteScanline(tiff, row, y, 0);
+    TIFFClose(tiff);
+    CHECK(image_open(path, from, &image, &err) &&
+              image_read(&image, 0, 0, image.height, seen, &err),
+          "JPEG is read %s", err.text);
+    for (int i = 0; i < SIDE * SIDE; i++)
+        furthest = fmax(furthest, fabs((double)seen[i] - luma));
+    CHECK_NEAR(furthest, 0, 1.5 / 255, "as RGB, whose luma is taken");
+    image_close(&image);
+}
+
+/* Grey of three equal samples is that grey, to the bit; white is 1. */
+static void test_luma(void)
+{
+    static uint16_t grey[65536], colour[65536 * 3];
+    static float seen[2][16384];
+    bool same = true;
+    for (int i = 0; i < 65536; i++)
+        grey[i] = colour[3 * i] = colour[3 * i + 1] = colour[3 * i + 2] = (uint16_t)i;
+    for (int n_samples = 1; n_samples <= 3; n_samples += 2) {
+        TIFF *tiff = TIFFOpen(n_samples == 1 ? "grey.tif" : "colour.tif", "w");
+        const struct variant v = {"luma", NULL, 16, n_samples,
+                                  .photometric =
+                                      n_samples == 1 ? PHOTOMETRIC_MINISBLACK : PHOTOMETRIC_RGB};
+        for (int page = 0; page < 4; page++) {
+            set_tags(tiff, &v, 16384);
+            TIFFSetField(tiff, TIFFTAG_IMAGELENGTH, 1);
+            TIFFWriteScanline(
+                tiff, n_samples == 1 ? grey + 16384 * page : colour + 3 * 16384 * page, 0, 0);
+            TIFFWriteDirectory(tiff);
+        }
+        TIFFClose(tiff);
+    }
+    struct image images[2];
+    struct error err = {0};
+    CHECK(image_open("grey.tif", from, &images[0], &err) &&
+              image_open("colour.tif", from, &images[1], &err) && images[0].width == 16384,
+          "pages of all greys open %s", err.text);
+    for (int page = 3; page >= 0; page--) {
+        same = same && image_read(&images[0], page, 0, images[0].height, seen[0], &err) &&
+               image_read(&images[1], page, 0, images[1].height, seen[1], &err) &&
+               memcmp(seen[0], seen[1], sizeof seen[0]) == 0;
+        CHECK_NEAR((double)seen[1][16383], (double)(float)((16384 * page + 16383) / 65535.0), 0,
+                   "the last grey of page %d", page);
+    }
+    CHECK(same, "all 65536 greys are the same from one sample and from three");
+    image_close(&images[0]);
+    image_close(&images[1]);
+    unlink("grey.tif");
+    unlink("colour.tif");
+}
+
+/* ---- wavelengths and scale ---- */
+
+static void check_told(const char *name, const struct variant *pages, int n, const double *nm,
+                       double scale)
+{
+    struct image image;
+    if (!CHECK(write_pages(pages, n), "%s: is written", name))
+        return;
+    if (open_whole(&image, path, name, n)) {
+        CHECK((image.wavelengths_nm != NULL) == (nm != NULL), "%s: wavelengths are %s", name,
+              nm != NULL ? "told" : "not told");
+        for (int page = 0; page < n && nm != NULL && image.wavelengths_nm != NULL; page++)
+            CHECK_NEAR(image.wavelengths_nm[page], nm[page], 1e-12, "%s: that of page %d", name,
+                       page);
+        CHECK_NEAR(image.scale, scale, 0, "%s: scale", name);
+        for (int page = n - 1; page >= 0; page--)
+            check_page(&image, &pages[page], page, scale);
+    }
+    image_close(&image);
+}
+
+#define PAGE NULL, NULL, 16, 1, .photometric = 1
+#define ITEM(name, rest, value) "<Item name=\"" name "\" sample=\"0\"" rest ">" value "</Item>"
+#define NANOMETERS(value) ITEM("wavelength", "", value) ITEM("wavelength_units", "", "Nanometers")
+#define MICROMETRES(value) ITEM("CENTRAL_WAVELENGTH_UM", " domain=\"IMAGERY\"", value)
+#define SCALE(value) ITEM("SCALE", " role=\"scale\"", value)
+#define OFFSET(value) ITEM("OFFSET", " role=\"offset\"", value)
+
+static void test_told(void)
+{
+    const double nm[] = {400.5, 500, 700}, close[] = {500, 500.0000001};
+    const struct variant
+        named[] = {{PAGE, .page_name = "400.5 nm"},
+                   {PAGE, .page_name = "500 nm"},
+                   {PAGE, .page_name = "7e2 nm"}},
+        mixed[] = {{PAGE, .page_name = "400.5 nm", .gdal = MICROMETRES("0.3")},
+                   {PAGE, .page_name = "500", .gdal = NANOMETERS("500") MICROMETRES("0.3")},
+                   {PAGE, .page_name = "Page 3", .gdal = MICROMETRES("0.7")}},
+        twice[] = {{PAGE, .page_name = "500 nm"}, {PAGE, .page_name = "500 nm"}},
+        falling[] = {{PAGE, .page_name = "500 nm"}, {PAGE, .page_name = "400 nm"}},
+        zero[] = {{PAGE, .page_name = "0 nm"}, {PAGE, .page_name = "400 nm"}},
+        lacking[] = {{PAGE, .page_name = "400.5 nm"}, {PAGE}, {PAGE, .page_name = "700 nm"}},
+        near[] = {{PAGE, .page_name = "500 nm"}, {PAGE, .page_name = "500.0000001 nm"}},
+        metres[] = {{PAGE, .gdal = ITEM("wavelength", "", "0.5")}},
+        scaled[] = {{PAGE, .gdal = SCALE("0.001") OFFSET("0")}, {PAGE, .gdal = SCALE("0.001")}},
+        bytes[] = {{NULL, NULL, 8, 1, .photometric = 1, .gdal = SCALE("2")}},
+        exact[] = {{PAGE, .gdal = SCALE("3.8e-05"), .description = "a\nfull_scale: 2.5\nscale: x"}},
+        floating[] = {{NULL, NULL, 32, 1, .photometric = 1, .format = SAMPLEFORMAT_IEEEFP,
+                       .gdal = SCALE("1"), .description = "full_scale: 7\n"}};
+    check_told("page names", named, 3, nm, 1);
+    check_told("names, GDAL's nanometers and its micrometres", mixed, 3, nm, 1);
+    check_told("a wavelength told twice", twice, 2, NULL, 1);
+    check_told("falling wavelengths", falling, 2, NULL, 1);
+    check_told("wavelength 0", zero, 2, NULL, 1);
+    check_told("a page without a name", lacking, 3, NULL, 1);
+    check_told("names of ten digits", near, 2, close, 1);
+    check_told("a wavelength in who knows what", metres, 1, NULL, 1);
+    check_told("GDAL's scale", scaled, 2, NULL, 0.001 * 65535);
+    check_told("GDAL's scale of bytes", bytes, 1, NULL, 510);
+    check_told("an exact full scale", exact, 1, NULL, 2.5);
+    check_told("float pages", floating, 1, NULL, 1);
+}
+
+/* A stack of our own comes back as the very radiances: count x full_scale / 65535. */
+static void test_stack(void)
+{
+    enum { MANY = 400 };
+    static uint16_t counts[PIXELS];
+    static float seen[PIXELS];
+    double nm[MANY];
+    for (int page = 0; page < MANY; page++)
+        nm[page] = 300 + page / 3.0;
+    const double full_scale = 0.1 + 0.2; /* takes 17 digits */
+    const struct stack_options options = {.width = WIDTH,
+                                          .height = HEIGHT,
+                                          .n_wavelengths = MANY,
+                                          .wavelengths_nm = nm,
+                                          .full_scale = full_scale,
+                                          .scene = "x",
+                                          .provenance = "y"};
+    struct stack_writer writer;
+    struct image image;
+    struct error err = {0};
+    bool good = stack_open(&writer, path, &options, &err), exact = true, close = true;
+    for (int page = 0; good && page < MANY; page++) {
+        for (int i = 0; i < PIXELS; i++)
+            counts[i] = (uint16_t)count_at(page % 8, i % WIDTH, i / WIDTH, 0, 16);
+        good = stack_write(&writer, &(struct stack_rectangle){page, 0, 0, WIDTH, HEIGHT}, counts,
+                           &err);
+    }
+    CHECK(good && stack_finish(&writer, "check: agreed", &err) && stack_commit(&writer, &err),
+          "a stack is written %s", err.text);
+    if (!open_whole(&image, path, "a stack", MANY))
+        return;
+    CHECK(image.scale == full_scale, "with its full scale, to the bit");
+    for (int k = 0; k < MANY; k++) {
+        const int page = k * 171 % MANY; /* each once, to and fro */
+        close = close && image.wavelengths_nm != NULL &&
+                fabs(image.wavelengths_nm[page] - nm[page]) < 1e-7;
+        exact = exact && image_read(&image, page, 0, image.height, seen, &err);
+        for (int i = 0; exact && i < PIXELS; i++)
+            exact =
+                (double)seen[i] == (double)(float)(count_at(page % 8, i % WIDTH, i / WIDTH, 0, 16) /
+                                                   65535.0 * full_scale);
+    }
+    CHECK(close, "its wavelengths to ten digits");
+    CHECK(exact, "and all radiances, its pages in any order %s", err.text);
+    image_close(&image);
+}
+
+/* ---- written by tifffile ---- */
+
+static void check_foreign(const char *file, int bits, int photometric, const double *nm,
+                          double scale)
+{
+    const struct variant v = {file, .bits = bits, .photometric = photometric};
+    const int n_pages = nm != NULL ? PAGES : 1;
+    struct image image;
+    if (open_whole(&image, file, file, n_pages)) {
+        for (int page = 0; page < n_pages && nm != NULL; page++)
+            CHECK_NEAR(image.wavelengths_nm != NULL ? image.wavelengths_nm[page] : 0, nm[page],
+                       1e-12, "%s: wavelength of page %d", file, page);
+        for (int page = 0; page < n_pages; page++)
+            check_page(&image, &v, page, scale);
+        check_rows(&image, file);
+    }
+    image_close(&image);
+}
+
+static void test_foreign(void)
+{
+    const double nm[] = {400.5, 500, 700};
+    const struct {
+        const char *file;
+        int bits, photometric;
+        bool spectral;
+        double scale;
+    } files[] = {{"plain.tif", 16, PHOTOMETRIC_MINISBLACK, false, 1},
+                 {"big.tif", 16, PHOTOMETRIC_MINISBLACK, false, 1},
+                 {"deflated.tif", 16, PHOTOMETRIC_MINISBLACK, false, 1},
+                 {"lzma.tif", 16, PHOTOMETRIC_MINISBLACK, false, 1},
+                 {"rgb.tif", 8, PHOTOMETRIC_RGB, false, 1},
+                 {"planes.tif", 8, PHOTOMETRIC_RGB, false, 1},
+                 {"named.tif", 16, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"micrometres.tif", 16, PHOTOMETRIC_MINISBLACK, true, 0.0001 * 65535},
+                 {"nanometers.tif", 16, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"ome.ome.tif", 16, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"ome_um.ome.tif", 16, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"ome_angstrom.ome.tif", 16, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"ome_m.ome.tif", 16, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"bands.tif", 16, PHOTOMETRIC_MINISBLACK, true, 0.001 * 65535},
+                 {"bands_apart.tif", 16, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"bands_um.tif", 16, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"bands_bytes.tif", 8, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"bands_float.tif", 32, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"bands_big_endian.tif", 32, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"bands_deflated.tif", 16, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"bands_tiles.tif", 16, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"bands_tiles_apart.tif", 32, PHOTOMETRIC_MINISBLACK, true, 1},
+                 {"bands_lzw_apart.tif", 8, PHOTOMETRIC_MINISBLACK, true, 1}};
+    const struct {
+        const char *file, *what;
+    } untold[] = {{"ome_furlong.ome.tif", "page 1 tells its wavelength in 'furlong', which is no"},
+                  {"ome_lacking.ome.tif", "page 2 tells no wavelength"},
+                  {"bands_lacking.tif", "page 3 tells no wavelength"},
+                  {"bands_furlong.tif", "page 1 tells its wavelength in 'Furlongs', which is no"},
+                  {"bands_falling.tif", "decrease: page 2 tells 500 nm after 700 nm"}};
+    struct image image;
+    struct error err = {0};
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++)
+        check_foreign(files[i].file, files[i].bits, files[i].photometric,
+                      files[i].spectral ? nm : NULL, files[i].scale);
+    for (size_t i = 0; i < sizeof untold / sizeof untold[0]; i++) {
+        if (CHECK(image_open(untold[i].file, from, &image, &err), "%s opens %s", untold[i].file,
+                  err.text))
+            CHECK(image.wavelengths_nm == NULL && strstr(image.untold, untold[i].what) != NULL,
+                  "but not its wavelengths: %s", image.untold);
+        image_close(&image);
+    }
+    CHECK(image_open("bands_rgb.tif", from, &image, &err) && image.coloured && image.n_pages == 1,
+          "bands that are RGB are one page %s", err.text);
+    image_close(&image);
+    CHECK(!image_open("volume.tif", from, &image, &err) && strstr(err.text, "37x29x3") != NULL,
+          "a volume is refused: %s", err.text);
+}
+
+/* ---- refusals ---- */
+
+/* Refused in one line that begins with the place, names the file and says `what`. */
+static void check_refusal(const char *file, const char *name, const char *what)
+{
+    static float seen[PIXELS];
+    struct image image;
+    struct error err = {0};
+    bool read = image_open(file, from, &image, &err);
+    for (int page = 0; read && page < image.n_pages; page++)
+        read = image_read(&image, page, 0, image.height, seen, &err);
+    CHECK(!read && err.status == EXIT_INPUT && strncmp(err.text, "a.scene:3:7: error: ", 20) == 0 &&
+              strstr(err.text, file) != NULL && strstr(err.text, what) != NULL,
+          "%s is refused with '%s': %s", name, what, err.text);
+    image_close(&image);
+}
+
+static void test_refused_pages(void)
+{
+    const int floating = SAMPLEFORMAT_IEEEFP;
+    const struct variant variants[] = {
+        {"neither grey", NULL, 8, 1, .photometric = PHOTOMETRIC_PALETTE},
+        {"neither grey", NULL, 8, 4, .photometric = PHOTOMETRIC_SEPARATED},
+        {"neither grey", NULL, 8, 3, .photometric = PHOTOMETRIC_CIELAB},
+        {"neither grey", NULL, 8, 3, PHOTOMETRIC_YCBCR, COMPRESSION_JPEG, .rows = 16,
+         .separate = true},
+        {"1 of 16 bits, of another kind", NULL, 16, 1, .photometric = 1,
+         .format = SAMPLEFORMAT_INT},
+        {"1 of 32 bits, unsigned", NULL, 32, 1, .photometric = 1},
+        {"3 of 32 bits, float", NULL, 32, 3, .photometric = 2, .format = floating},
+        {"1 of 32 bits, float", NULL, 32, 1, .photometric = 0, .format = floating},
+        {"5 samples", NULL, 8, 5, .photometric = 2},
+        {"2 samples a pixel and tells no", NULL, 8, 2, .photometric = 1,
+         .extra = EXTRASAMPLE_UNSPECIFIED},
+        {"orientation is 4", NULL, 8, 1, .photometric = 1, .orientation = ORIENTATION_BOTLEFT},
+        {"page 1 (305 nm): the radiance at column 36, row 28 is nan", NULL, 32, 1, .photometric = 1,
+         .format = floating, .page_name = "305 nm", .odd = (double)NAN},
+        {"page 1: the radiance at column 36, row 28 is inf", NULL, 32, 1, .photometric = 1,
+         .format = floating, .odd = HUGE_VAL},
+        {"is -0.5;", NULL, 32, 1, .photometric = 1, .format = floating, .odd = -0.5},
+        {"scale is not positive", NULL, 16, 1, .photometric = 1, .gdal = SCALE("0")},
+        {"scale is not positive", NULL, 16, 1, .photometric = 1, .gdal = SCALE("-1")},
+        {"scale is not positive", NULL, 16, 1, .photometric = 1, .gdal = SCALE("2x")},
+        {"scale is not positive", NULL, 16, 1, .photometric = 1,
+         .description = "full_scale: nan\n"},
+        {"is 9.96078e+299; it is finite", NULL, 8, 1, .photometric = 0,
+         .description = "full_scale: 1e300 \n"},
+        {"an offset", NULL, 16, 1, .photometric = 1, .gdal = OFFSET("-1")},
+    };
+    const struct variant wide[] = {{PAGE}, {NULL, NULL, 8, 1, .photometric = 1}},
+                         scaled[] = {{PAGE, .gdal = SCALE("1")}, {PAGE, .gdal = SCALE("2")}};
+    for (size_t i = 0; i < sizeof variants / sizeof variants[0]; i++) {
+        CHECK(write_pages(&variants[i], 1), "'%s' is written", variants[i].name);
+        check_refusal(path, "such a page", variants[i].name);
+    }
+    CHECK(write_pages(wide, 2), "pages of 16 and 8 bits are written");
+    check_refusal(path, "a stack of them", "page 2: it has 37x29x8 bits, the first page 37x29x16");
+    CHECK(write_pages(scaled, 2), "pages of scales 1 and 2 are written");
+    check_refusal(path, "a stack of them", "page 2: its scale is not positive, or not that");
+    TIFF *tiff = TIFFOpen(path, "w");
+    CHECK(tiff != NULL && write_page(tiff, wide, 0, WIDTH) && write_page(tiff, wide, 0, WIDTH - 1),
+          "pages of two widths are written");
+    TIFFClose(tiff);
+    check_refusal(path, "a stack of them", "page 2: it has 36x29x16 bits");
+}
+
+/* Samples of one page that are no bands. */
+static void test_no_bands(void)
+{
+    const struct {
+        const char *file, *what;
+    } files[] = {{"bands_untold.tif", "it has 3 samples a pixel and tells no wavelengths of them"},
+                 {"bands_alpha.tif", "it has 4 samples a pixel, not 1 and perhaps an alpha"},
+                 {"bands_overviews.tif", "it has 3 samples a pixel, not 1 and perhaps an alpha"},
+                 {"bands_scales.tif", "page 2 (500 nm): its scale is not positive, or not that"},
+                 {"bands_offset.tif", "page 3 (700 nm): its samples have an offset"}};
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; i++)
+        check_refusal(files[i].file, "such a file", files[i].what);
+}
+
+static size_t read_bytes(const char *file, unsigned char *out, size_t capacity)
+{
+    FILE *in = fopen(file, "rb");
+    const size_t length = in != NULL ? fread(out, 1, capacity, in) : 0;
+    if (in != NULL)
+        fclose(in);
+    return length;
+}
+
+static void write_bytes(const char *file, const void *bytes, size_t length)
+{
+    unlink(file); /* an old file is slow to overwrite */
+    FILE *out = fopen(file, "wb");
+    if (out == NULL || fwrite(bytes, 1, length, out) != length || fclose(out) != 0)
+        CHECK(false, "%s is written", file);
+}
+
+static void test_refused_files(void)
+{
+    write_bytes("text.tif", "II*? no, text\n", 14);
+    write_bytes("empty.tif", "", 0);
+    write_bytes("head.tif", "II*\0\0\0\0\0", 8);
+    check_refusal("text.tif", "a text", "libtiff: Not a TIFF");
+    check_refusal("empty.tif", "an empty file", "libtiff: ");
+    check_refusal("head.tif", "a head", "libtiff: ");
+    check_refusal("builtin:tables/d65.csv", "a compiled-in table", "libtiff: Not a TIFF");
+    mkdir("folder.tif", 0777);
+    mkfifo("pipe.tif", 0666);
+    check_refusal("folder.tif", "a folder", "cannot read folder.tif: it is a folder");
+    check_refusal("pipe.tif", "a pipe", "cannot read pipe.tif: it is no regular file");
+    check_refusal("missing.tif", "a missing file", "cannot read missing.tif: No such file");
+    check_refusal("builtin:no.tif", "a missing built-in file", "no such built-in file");
+    rmdir("folder.tif");
+    unlink("pipe.tif");
+}
+
+/* Sets the value of a tag in the first directory of a little-endian classic TIFF to a LONG. */
+static void patch(unsigned char *bytes, int tag, uint32_t value)
+{
+    size_t at = bytes[4] | (size_t)bytes[5] << 8 | (size_t)bytes[6] << 16;
+    const int n = bytes[at] | bytes[at + 1] << 8;
+    at += 2;
+    for (int i = 0; i < n; i++, at += 12)
+        if ((bytes[at] | bytes[at + 1] << 8) == tag) {
+            bytes[at + 2] = TIFF_LONG;
+            for (int byte = 0; byte < 4; byte++)
+                bytes[at + 8 + (size_t)byte] = (unsigned char)(value >> 8 * byte);
+        }
+}
+
+/* libtiff only warns of a JPEG stream that ends early, and makes the rest up. */
+static void test_short_jpeg(void)
+{
+    const struct variant v = {"JPEG", NULL, 8, 1, 1, .compression = COMPRESSION_JPEG};
+    static unsigned char bytes[65536];
+    CHECK(write_pages(&v, 1), "a grey JPEG is written");
+    const size_t length = read_bytes(path, bytes, sizeof bytes);
+    patch(bytes, TIFFTAG_STRIPBYTECOUNTS, 400);
+    write_bytes(path, bytes, length);
+    check_refusal(path, "JPEG that ends early", "page 1: libtiff: Premature end of JPEG");
+}
+
+static void test_claims(void)
+{
+    const struct {
+        uint32_t width, height;
+        const char *what;
+    } claims[] = {{0, HEIGHT, ""},
+                  {WIDTH, 0, ""},
+                  {UINT32_MAX, HEIGHT, "4294967295x29x1 pixels"},
+                  {1000000, 1000000, ""},
+                  {UINT32_MAX, UINT32_MAX, ""},
+                  {16384, 16384, "the file is shorter"}};
+    const struct variant plain = {PAGE};
+    static unsigned char bytes[65536];
+    for (size_t i = 0; i < sizeof claims / sizeof claims[0]; i++) {
+        CHECK(write_pages(&plain, 1), "a page is written");
+        const size_t length = read_bytes(path, bytes, sizeof bytes);
+        patch(bytes, TIFFTAG_IMAGEWIDTH, claims[i].width);
+        patch(bytes, TIFFTAG_IMAGELENGTH, claims[i].height);
+        patch(bytes, TIFFTAG_ROWSPERSTRIP, claims[i].height);
+        write_bytes(path, bytes, length);
+        check_refusal(path, "a false claim", claims[i].what);
+    }
+}
+
+/* Strips that do not follow each other: the first of two takes the place of the second, and the
+ * second that of the first. */
+static void test_swapped_strips(void)
+{
+    const struct variant v = {PAGE, .rows = 15};
+    const size_t half = 15 * WIDTH * 2;
+    static unsigned char bytes[65536], kept[15 * WIDTH * 2];
+    static float whole[PIXELS], swapped[PIXELS];
+    struct image image;
+    struct error err = {0};
+    CHECK(write_pages(&v, 1) && image_open(path, from, &image, &err) &&
+              image_read(&image, 0, 0, HEIGHT, whole, &err),
+          "two strips are read %s", err.text);
+    image_close(&image);
+    const size_t length = read_bytes(path, bytes, sizeof bytes);
+    TIFF *tiff = TIFFOpen(path, "r+");
+    const uint64_t at[2] = {TIFFGetStrileOffset(tiff, 0), TIFFGetStrileOffset(tiff, 1)};
+    CHECK(at[1] == at[0] + half && length > 0, "they follow each other");
+    TIFFClose(tiff);
+    memcpy(kept, bytes + at[0], half);
+    memmove(bytes + at[0], bytes + at[1], (HEIGHT - 15) * WIDTH * 2);
+    memcpy(bytes + at[0] + (HEIGHT - 15) * WIDTH * 2, kept, half);
+    /* the array of their two offsets lies in the file */
+    for (size_t i = 0; i + 8 <= length; i++) {
+        uint32_t pair[2];
+        memcpy(pair, bytes + i, sizeof pair);
+        if (pair[0] != at[0] || pair[1] != at[1])
+            continue;
+        pair[0] = (uint32_t)(at[0] + (HEIGHT - 15) * WIDTH * 2);
+        pair[1] = (uint32_t)at[0];
+        memcpy(bytes + i, pair, sizeof pair);
+    }
+    write_bytes(path, bytes, length);
+    CHECK(image_open(path, from, &image, &err) && image_read(&image, 0, 0, HEIGHT, swapped, &err) &&
+              memcmp(whole, swapped, sizeof whole) == 0,
+          "and read the same when they lie the other way round %s", err.text);
+    check_rows(&image, "strips in another order");
+    image_close(&image);
+}
+
+/* No file that lacks its end passes, wherever it was cut. */
+static void check_cuts(const char *name)
+{
+    static unsigned char bytes[65536];
+    static float seen[PIXELS];
+    const size_t length = read_bytes(path, bytes, sizeof bytes);
+    size_t passed = 0;
+    for (size_t cut = 0; cut < length; cut += cut % 64 == 63 ? 13 : 1) {
+        struct image image;
+        struct error err = {0};
+        write_bytes("cut.tif", bytes, cut);
+        bool read = image_open("cut.tif", from, &image, &err);
+        for (int page = 0; read && page < PAGES; page++)
+            read = page < image.n_pages && image_read(&image, page, 0, image.height, seen, &err);
+        passed += read || (err.status == EXIT_AGREED && image.n_pages == PAGES);
+        image_close(&image);
+    }
+    CHECK(length > 0 && passed == 0, "%s: no shorter file passes", name);
+    unlink("cut.tif");
+}
+
+static void test_cuts(void)
+{
+    const int kinds[] = {COMPRESSION_NONE,     COMPRESSION_LZW,  COMPRESSION_ADOBE_DEFLATE,
+                         COMPRESSION_PACKBITS, COMPRESSION_ZSTD, COMPRESSION_LZMA};
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; i++) {
+        const struct variant page = {PAGE, kinds[i], .rows = 6};
+        const struct variant pages[PAGES] = {page, page, page};
+        char name[32];
+        snprintf(name, sizeof name, "compression %d", kinds[i]);
+        CHECK(write_pages(pages, PAGES), "%s: is written", name);
+        check_cuts(name);
+    }
+    const double nm[PAGES] = {400, 500, 600};
+    static float radiance[PIXELS];
+    const struct stack_options options = {.width = WIDTH,
+                                          .height = HEIGHT,
+                                          .n_wavelengths = PAGES,
+                                          .wavelengths_nm = nm,
+                                          .full_scale = 1,
+                                          .bits = 32};
+    struct stack_writer writer;
+    struct error err = {0};
+    bool good = stack_open(&writer, path, &options, &err);
+    for (int page = 0; good && page < PAGES; page++)
+        good = stack_write(&writer, &(struct stack_rectangle){page, 0, 0, WIDTH, HEIGHT}, radiance,
+                           &err);
+    CHECK(good && stack_finish(&writer, "", &err) && stack_commit(&writer, &err),
+          "a stack of floats is written %s", err.text);
+    check_cuts("a stack of floats");
+    const char *const bands[] = {"bands.tif", "bands_apart.tif", "bands_deflated.tif",
+                                 "bands_tiles_apart.tif"};
+    for (size_t i = 0; i < sizeof bands / sizeof bands[0]; i++) {
+        static unsigned char bytes[65536];
+        write_bytes(path, bytes, read_bytes(bands[i], bytes, sizeof bytes));
+        check_cuts(bands[i]);
+    }
+}
+
+static void test_builtin(void)
+{
+    for (size_t i = 0; i < builtin_file_count; i++) {
+        const size_t length = strlen(builtin_files[i].name);
+        struct image image;
+        struct error err = {0};
+        char name[256];
+        if (length < 4 || strcmp(builtin_files[i].name + length - 4, ".tif") != 0)
+            continue;
+        snprintf(name, sizeof name, "builtin:%s", builtin_files[i].name);
+        if (CHECK(image_open(name, from, &image, &err), "%s opens %s", name, err.text)) {
+            float *page = calloc((size_t)image.width * (size_t)image.height, sizeof *page);
+            for (int k = 0; k < image.n_pages; k++)
+                CHECK(image_read(&image, k, 0, image.height, page, &err), "%s: page %d %s", name, k,
+                      err.text);
+            free(page);
+        }
+        image_close(&image);
+    }
+}
+
+int main(void)
+{
+    const char *folder = test_folder();
+    char command[512];
+    snprintf(command, sizeof command, "/usr/bin/python3 test/run/images.py '%s'", folder);
+    if (!CHECK(system(command) == 0, "tifffile writes its pictures") ||
+        !CHECK(chdir(folder) == 0, "there is a folder for temporary files"))
+        return test_end();
+    TIFFSetWarningHandler(NULL); /* of the writer in this test */
+    test_variants();
+    test_jpeg();
+    test_luma();
+    test_told();
+    test_stack();
+    test_foreign();
+    test_refused_pages();
+    test_no_bands();
+    test_refused_files();
+    test_claims();
+    test_short_jpeg();
+    test_swapped_strips();
+    test_cuts();
+    test_builtin();
+    unlink(path);
+    return test_end();
+}
