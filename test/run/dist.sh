@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: MIT
 # A release archive is the same bytes wherever and by whomever it is made; what it holds is whole, runs
 # and carries its licences. Installing puts the program and its manual where PREFIX says.
-# FULL=1 builds OSMesa twice, too.
+# One archive is made in this folder, of objects that the tests have built; another one elsewhere. FULL=1
+# builds all objects of both anew, OSMesa's as well.
 . test/run/tap.sh
 
 # made_in FOLDER BUILD MASK: another path, another umask, another time zone
@@ -14,16 +15,24 @@ made_in() (
     [ "${FULL:-0}" = 0 ] || export XDG_CACHE_HOME="$tmp/$1/cache"
     BUILD=$2 TZ=Asia/Kathmandu "$tmp/$1/build.sh" dist >"$tmp/$1/log" 2>&1 || cat "$tmp/$1/log" >&2
 )
-made_in one build 022 &
+if [ "${FULL:-0}" = 0 ]; then
+    root=$PWD
+    made=$(realpath "${BUILD:-build}")
+    ./build.sh dist >"$tmp/log" 2>&1 || cat "$tmp/log" >&2 &
+else
+    root=$tmp/one
+    made=$root/build
+    made_in one build 022 &
+fi
 made_in another/folder/of/a/longer/name elsewhere 077
 wait $!
-archive=$(cd "$tmp/one/build" && echo spectral-*.tar.gz)
-cmp "$tmp/one/build/$archive" "$tmp/another/folder/of/a/longer/name/elsewhere/$archive"
+archive=$(cd "$made" && echo spectral-*.tar.gz)
+cmp "$made/$archive" "$tmp/another/folder/of/a/longer/name/elsewhere/$archive"
 ok $? "$archive is the same bytes twice"
-[ "$(find "$tmp/one" -name 'spectral-*' -maxdepth 1 | wc -l)" = 0 ]
+[ "$(find "$root" -name 'spectral-*' -maxdepth 1 | wc -l)" = 0 ]
 ok $? "and lies in the folder for all that is made"
 
-tar -C "$tmp" -xzf "$tmp/one/build/$archive"
+tar -C "$tmp" -xzf "$made/$archive"
 release=$tmp/${archive%.tar.gz}
 (cd "$release" && sha256sum --quiet --check SHA256SUMS && [ "$(find . -type f | wc -l)" = $(($(wc -l <SHA256SUMS) + 1)) ])
 ok $? "its files have the SHA-256 that SHA256SUMS tells, and no file is without"
@@ -39,10 +48,10 @@ for library in mesa libtiff libwebp libzstd liblzma liblerc libjpeg libdeflate z
 done
 ! grep -rlE 'GPL-?[0-9]' "$release/licences" | grep -vE '/(libgcc.*|libstdc.*|libc6-dev|liblzma-dev|libzstd-dev)$'
 ok $? "nothing in it is under the GPL alone: the GNU libraries allow it, two others offer a choice"
-tar -tvzf "$tmp/one/build/$archive" >"$tmp/listing"
+tar -tvzf "$made/$archive" >"$tmp/listing"
 ! grep -vE '^[-d]rwxr-xr-x 0/0 |^-rw-r--r-- 0/0 ' "$tmp/listing"
 ok $? "all can read it, and its owner is nobody of this machine"
-tar -tzf "$tmp/one/build/$archive" | sed 's:/$::; s:/: :g' | LC_ALL=C sort -c
+tar -tzf "$made/$archive" | sed 's:/$::; s:/: :g' | LC_ALL=C sort -c
 ok $? "its files are sorted, not as they lie on the disk"
 sed 's/^[^ ]*  //' "$release/SHA256SUMS" | LC_ALL=C sort -c
 ok $? "in SHA256SUMS, too"

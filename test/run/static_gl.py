@@ -16,6 +16,7 @@ sys.dont_write_bytecode = True
 from rendered import SPECTRAL, TMP, check, done
 from tap import skip_all
 
+SIZE = "600x400" if os.environ.get("FULL") else "300x200"
 STATIC = os.environ.get("STATIC", "build/spectral-static")
 SMOOTH = 256  # counts from pixel to pixel; SMOOTH_COUNTS in spectral.h
 
@@ -25,7 +26,7 @@ def render(program, scene, renderer, *options):
     path = os.path.join(TMP, "stack.tif")
     environment = dict(os.environ, GALLIUM_DRIVER="llvmpipe") if program == SPECTRAL else None
     result = subprocess.run([program, "render", scene, "-o", path, "--renderer", renderer, "--size",
-                             "600x400", "--json", "-", "--quiet", *options],
+                             SIZE, "--json", "-", "--quiet", *options],
                             stdout=subprocess.PIPE, env=environment, check=False)
     if result.returncode != 0:
         return None, None
