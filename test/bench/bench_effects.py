@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""What each effect costs: 24 spheres with it and without it, rendered and cross-checked by turns, in
-one run. Prints the ratio of the shortest times, the parts that it falls upon, and the program's
+"""Measures the cost of each effect: renders and cross-checks 24 spheres with it and without it, by turns,
+in one run. Prints the ratio of the shortest times, the parts that it falls upon, and the program's
 counters.
 usage: test/bench/bench_effects.py PROGRAM FOLDER [ROUNDS]"""
 import json
@@ -20,8 +20,8 @@ LIGHT = "light d65 1 position 0 0 8"
 MATERIAL = "diffuse gaussian:550,120*0.8"
 COUNTERS = ("terms", "gl_passes", "vertices_lit", "power_functions", "excitation_integrals",
             "textures_loaded")
-# What differs from the plain scene: the light, what is added to the material and to the objects,
-# further statements.
+# Differences from the plain scene: the light, words added to the material and to the objects, further
+# statements.
 EFFECTS = (
     ("ambient light", LIGHT, "", "", "ambient a 0.1"),
     ("a second light", LIGHT, "", "", "light a 0.5 position 4 4 8"),

@@ -168,7 +168,7 @@ ok $? "with the verdict in it"
 rm -f "$tmp/out.tif"
 for depth in 16 32f; do
     for fault in 48 68; do
-        exits 3 "unchecked, what is no number is refused all the same at depth $depth: $fault" \
+        exits 3 "unchecked, NaN is refused all the same at depth $depth: $fault" \
             render "$fault" patches --no-check --depth "$depth"
         absent "$tmp/out.tif" "depth $depth"
     done

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The reference is checked too: raster/reference in double against test/oracle/slow.h in long double, over
- * random scenes and hard triangles. Each pixel must show a surface that double precision may show
- * there, with weights within double precision's own bound; and within the program's bounds for
- * OpenGL's single precision, times 2^-29, which count more roundings of the same formulas. Then
- * edges: signs are right wherever rounding cannot turn them, and of triangles that share edges one
- * covers each pixel centre. */
+/* The reference is checked too: raster/reference in double against test/oracle/slow.h in long
+ * double, over random scenes and hard triangles. Each pixel must show a surface that double
+ * precision may show there, with weights within double precision's own bound; and within the
+ * program's bounds for OpenGL's single precision, times 2^-29, which count more roundings of the
+ * same formulas. Then edges: signs are right wherever rounding cannot turn them, and of triangles
+ * that share edges one covers each pixel centre. */
 #include <stdlib.h>
 
 #include "data/maths/maths.h"
@@ -158,7 +158,7 @@ static void judge_lights(const struct plan *plan, long double *worst)
 
 /* ---- pixels ---- */
 
-struct tally {
+struct counted {
     long pixels, covered;
     long settled;   /* one surface must be there */
     long unbounded; /* on triangles too thin for double precision */
@@ -230,8 +230,8 @@ static long double ratio_of_sides(const struct both *picture, const struct slow_
                  ratio_of(picture, fragment, 1, weights, errors, stride));
 }
 
-/* The fragments that double precision may show at a pixel; *definite tells that one of them must be
- * there. */
+/* Counts the fragments that double precision may show at a pixel. Sets *definite if one of them
+ * must be there. */
 static int legal_fragments(struct both *picture, int x, int y, bool *definite)
 {
     struct slow_fragment *fragments = picture->fragments;
@@ -258,8 +258,8 @@ struct bounded_rows {
     size_t stride;
 };
 
-/* Those of the triangle that the reference shows at a pixel: an ambiguous one keeps them with its
- * candidates. */
+/* Returns the rows of the triangle that the reference shows at a pixel. An ambiguous pixel keeps
+ * them with its candidates. */
 static struct bounded_rows rows_of(const struct chunk *chunk, int index)
 {
     const struct picture *shown = &chunk->picture;
@@ -284,7 +284,7 @@ static struct bounded_rows rows_of(const struct chunk *chunk, int index)
 }
 
 static void judge_pixel(struct both *picture, const struct chunk *chunk, int index,
-                        struct tally *tally)
+                        struct counted *counted)
 {
     int x = chunk->picture.at.x + index % chunk->picture.at.width,
         y = chunk->picture.at.y + index / chunk->picture.at.width,
@@ -299,61 +299,61 @@ static void judge_pixel(struct both *picture, const struct chunk *chunk, int ind
             best = fminl(best, ratio_of_sides(picture, &picture->fragments[i],
                                               chunk->picture.rows + index, NULL, stride));
         }
-    tally->pixels++;
-    tally->covered += surface >= 0;
-    tally->settled += n == 1 && definite;
-    tally->unbounded += found && best < 0;
+    counted->pixels++;
+    counted->covered += surface >= 0;
+    counted->settled += n == 1 && definite;
+    counted->unbounded += found && best < 0;
     bool wrong = surface < 0 ? definite : !found, off = found && !(best <= 1);
-    if ((wrong || off) && tally->wrong_surface + tally->wrong_weight == 0)
+    if ((wrong || off) && counted->wrong_surface + counted->wrong_weight == 0)
         printf("# %s: pixel %d %d shows surface %d, legal are %d, difference / bound %Lg\n",
                picture->scene.path, x, y, surface, n, best);
-    tally->wrong_surface += wrong;
-    tally->wrong_weight += off;
+    counted->wrong_surface += wrong;
+    counted->wrong_weight += off;
     if (n == 1 && definite && found)
-        tally->worst = fmaxl(tally->worst, best);
+        counted->worst = fmaxl(counted->worst, best);
     struct bounded_rows bounded = rows_of(chunk, index);
     if (n == 1 && definite && found && bounded.errors)
-        tally->worst_scaled =
-            fmaxl(tally->worst_scaled, ratio_of_sides(picture, &picture->fragments[0], bounded.rows,
-                                                      bounded.errors, bounded.stride));
+        counted->worst_scaled = fmaxl(counted->worst_scaled,
+                                      ratio_of_sides(picture, &picture->fragments[0], bounded.rows,
+                                                     bounded.errors, bounded.stride));
 }
 
-static void judge_picture(struct both *picture, struct tally *tally)
+static void judge_picture(struct both *picture, struct counted *counted)
 {
     for (int i = 0; i < n_chunks(picture); i++) {
         struct chunk chunk;
         open_chunk(picture, i, &chunk);
         for (int p = 0; p < chunk.picture.at.width * chunk.picture.at.height; p++)
-            judge_pixel(picture, &chunk, p, tally);
+            judge_pixel(picture, &chunk, p, counted);
         chunk_free(&chunk);
     }
 }
 
-static void judge_scene(const char *path, bool exact, struct tally *tally)
+static void judge_scene(const char *path, bool exact, struct counted *counted)
 {
     struct both picture;
     open_picture(path, exact, &picture);
-    judge_lights(&picture.plan, &tally->worst_light);
-    judge_picture(&picture, tally);
+    judge_lights(&picture.plan, &counted->worst_light);
+    judge_picture(&picture, counted);
     close_picture(&picture);
 }
 
 /* At least the given part of the covered pixels must have had a single right surface. */
-static void check_tally(const struct tally *tally, double part_settled, const char *name)
+static void check_counted(const struct counted *counted, double part_settled, const char *name)
 {
-    CHECK(tally->wrong_surface == 0, "%s: each pixel shows what double precision may show", name);
-    CHECK(tally->wrong_weight == 0, "%s: with weights within its bound", name);
-    if (tally->worst_scaled > 0)
-        CHECK(tally->worst_scaled <= 1, "%s: and within bounds for single precision, scaled down",
+    CHECK(counted->wrong_surface == 0, "%s: each pixel shows what double precision may show", name);
+    CHECK(counted->wrong_weight == 0, "%s: with weights within its bound", name);
+    if (counted->worst_scaled > 0)
+        CHECK(counted->worst_scaled <= 1, "%s: and within bounds for single precision, scaled down",
               name);
-    CHECK(tally->covered > 300 && tally->unbounded * 100 < tally->covered &&
-              (double)tally->settled >= part_settled * (double)tally->covered,
+    CHECK(counted->covered > 300 && counted->unbounded * 100 < counted->covered &&
+              (double)counted->settled >= part_settled * (double)counted->covered,
           "%s: nearly always there is a bound and no choice", name);
-    CHECK(tally->worst > 0.001L, "%s: the bound is not far too wide", name);
+    CHECK(counted->worst > 0.001L, "%s: the bound is not far too wide", name);
     printf("# %ld pixels, %ld covered, %ld settled, %ld unbounded, %ld + %ld wrong, worst "
            "difference / bound %.3Lf, scaled down %.3Lf\n",
-           tally->pixels, tally->covered, tally->settled, tally->unbounded, tally->wrong_surface,
-           tally->wrong_weight, tally->worst, tally->worst_scaled);
+           counted->pixels, counted->covered, counted->settled, counted->unbounded,
+           counted->wrong_surface, counted->wrong_weight, counted->worst, counted->worst_scaled);
 }
 
 /* ---- random scenes ---- */
@@ -446,7 +446,7 @@ static void check_random_scenes(void)
 {
     enum { SCENES = 80 };
     uint64_t state = 3;
-    struct tally tally = {.pixels = 0};
+    struct counted counted = {.pixels = 0};
     char path[4096];
     snprintf(path, sizeof path, "%s/reference.scene", test_folder());
     for (int i = 0; i < SCENES; i++) {
@@ -464,12 +464,12 @@ static void check_random_scenes(void)
         for (int object = 0; object < 4; object++)
             put_object(file, &state);
         fclose(file);
-        judge_scene(path, false, &tally);
+        judge_scene(path, false, &counted);
     }
-    check_tally(&tally, 0.99, "random scenes");
-    CHECK(tally.worst_light > 0.001L && tally.worst_light <= 1,
+    check_counted(&counted, 0.99, "random scenes");
+    CHECK(counted.worst_light > 0.001L && counted.worst_light <= 1,
           "lights lie where the plan puts them");
-    printf("# worst difference / bound %.3Lf\n", tally.worst_light);
+    printf("# worst difference / bound %.3Lf\n", counted.worst_light);
 }
 
 /* ---- hard triangles ---- */
@@ -579,7 +579,7 @@ static void check_hard_triangles(enum hard kind, struct eye_view view, const cha
 {
     enum { PICTURES = 20, TRIANGLES = 25 };
     uint64_t state = 5;
-    struct tally tally = {.pixels = 0};
+    struct counted counted = {.pixels = 0};
     char path[4096];
     for (int i = 0; i < PICTURES; i++) {
         FILE *file = open_mesh(view, path);
@@ -591,9 +591,9 @@ static void check_hard_triangles(enum hard kind, struct eye_view view, const cha
             put_face(file, 3 * t + 1, 3 * t + 2, 3 * t + 3);
         }
         fclose(file);
-        judge_scene(path, kind == ON_GRID, &tally);
+        judge_scene(path, kind == ON_GRID, &counted);
     }
-    check_tally(&tally, kind == ON_GRID ? 0.8 : 0.97, name);
+    check_counted(&counted, kind == ON_GRID ? 0.8 : 0.97, name);
 }
 
 /* Corners all round the eye: in front of it, beside it and behind. */
@@ -601,7 +601,7 @@ static void check_around_eye(void)
 {
     const struct eye_view view = {true, 1};
     uint64_t state = 6;
-    struct tally tally = {.pixels = 0};
+    struct counted counted = {.pixels = 0};
     char path[4096];
     for (int i = 0; i < 40; i++) {
         FILE *file = open_mesh(view, path);
@@ -614,9 +614,9 @@ static void check_around_eye(void)
             put_face(file, 3 * t + 1, 3 * t + 2, 3 * t + 3);
         }
         fclose(file);
-        judge_scene(path, false, &tally);
+        judge_scene(path, false, &counted);
     }
-    check_tally(&tally, 0.99, "triangles through the planes of near, far and eye");
+    check_counted(&counted, 0.99, "triangles through the planes of near, far and eye");
 }
 
 /* ---- triangles that share edges ---- */

@@ -35,7 +35,7 @@ ok $? "and lies in the folder for all that is made"
 tar -C "$tmp" -xzf "$made/$archive"
 release=$tmp/${archive%.tar.gz}
 (cd "$release" && sha256sum --quiet --check SHA256SUMS && [ "$(find . -type f | wc -l)" = $(($(wc -l <SHA256SUMS) + 1)) ])
-ok $? "its files have the SHA-256 that SHA256SUMS tells, and no file is without"
+ok $? "SHA256SUMS lists each file with its SHA-256"
 for file in spectral spectral.1 README.md LICENSE data/builtin/scenes/room.scene data/gallery/room.png; do
     [ -s "$release/$file" ]
     ok $? "it holds $file"

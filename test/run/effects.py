@@ -295,7 +295,7 @@ def emission(renderer):
     words = "emission gaussian:600,80*0.4"
     Picture("glow", renderer, square(words)).agrees(per_band(glow), f"{renderer}: emission needs no light")
     Picture("glow", renderer, square(words + " diffuse RED", "ambient a 0.3\n", FACING)).agrees(
-        per_band(glow + 0.3 * LAMP_A * RED + D65 * RED), f"{renderer}: it adds to what is reflected")
+        per_band(glow + 0.3 * LAMP_A * RED + D65 * RED), f"{renderer}: it adds to the reflected light")
 
 
 def sides(renderer):

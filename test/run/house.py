@@ -60,7 +60,7 @@ ROOM_CODE = {"raster/reference": 700, "raster/check": 700, "raster/gl": 800}
 FUNCTION_LINES = 50
 FUNCTION_PARAMETERS = 6
 
-# What, figure allowed, reason in a sentence. What is "FILE lines", "FILE code", "ROOM code",
+# Name of the size, figure allowed, reason in a sentence. The name is "FILE lines", "FILE code", "ROOM code",
 # "FILE:FUNCTION lines" or "FILE:FUNCTION parameters".
 REASONS = (
 )
@@ -95,7 +95,7 @@ def blank(match):
 
 
 class Source:
-    """What the test needs to know of one file."""
+    """One file, as far as the rules concern it."""
 
     def __init__(self, text):
         self.lines = text.splitlines()
@@ -242,7 +242,7 @@ class Tree:
         return {path: source for path, source in self.sources.items() if room_of(path) == room}
 
     def rooms(self):
-        """Those with sources, in the order of ROOMS, then the unknown ones."""
+        """Rooms with sources, in the order of ROOMS, then unknown ones."""
         present = {room_of(path) for path in self.sources}
         known = [room for room in ["spectral.h", *ROOMS, "spectral.c"] if room in present]
         return known + sorted(present - set(known))
@@ -268,7 +268,7 @@ def height(room):
 
 
 def quoted_fault(tree, path, included):
-    """What is wrong with #include "included" in the file path, or None."""
+    """Returns the fault of #include "included" in the file path, or None."""
     room, target = room_of(path), room_of(included)
     if included != "spectral.h" and (target not in ROOMS or included != header_of(target)):
         right = "a path from the root to a room's header, as \"data/text/text.h\""
@@ -285,7 +285,7 @@ def quoted_fault(tree, path, included):
 
 
 def system_fault(path, included):
-    """What is wrong with #include <included> in the file path, or None."""
+    """Returns the fault of #include <included> in the file path, or None."""
     room = room_of(path)
     if room_of(included) in ROOMS or included == "spectral.h":
         return f"<{included}> is a header of this project; include \"{included}\""
@@ -344,7 +344,7 @@ def core_words(tree, _):
 
 
 def figures(tree):
-    """What is measured, where it begins, its figure, its budget, and what to do."""
+    """Each size that has a budget: its name, where it begins, its figure, its budget, and what to do."""
     for path, source in tree.sources.items():
         shorten = "split it by subject"
         if path.endswith(".h"):
@@ -417,7 +417,7 @@ def defined_functions(tree):
 
 
 def function_fault(tree, header, function, definers):
-    """What is wrong with a function that a header declares, or None."""
+    """Returns the fault of a function that a header declares, or None."""
     elsewhere = [path for path in definers if room_of(path) != room_of(header)]
     if not definers:
         return f"{function.name} is declared and never defined; take the line out"
@@ -626,7 +626,7 @@ def function_of(n_lines, parameters="void"):
 
 
 def plants_of_size(tree):
-    """The same for faults of size."""
+    """Faults of size, planted as those above."""
     low, _ = rooms_for_faults(tree)
     header, source = header_of(low), f"{low}/planted.c"
     allowed = {what: figure for what, figure, _ in REASONS}
@@ -650,7 +650,7 @@ def plants_of_size(tree):
             ("a function of 50 lines", {source: function_of(50)}, None),
             ("a function of 7 parameters", {source: function_of(4, seven)},
              f"{source}:1: planted has 7 parameters, at most 6; pass what belongs together as a struct"),
-            ("a function of 6 parameters, one of which is a function",
+            ("a function of 6 parameters, and one is a function",
              {source: function_of(4, "int a, int b, int c, int d, int e, int (*f)(int, int)")}, None)):
         yield Plant(name, added, finds)
 

@@ -42,19 +42,19 @@ def nanometers(nm):
     return {"wavelength": f"{nm}", "wavelength_units": "Nanometers"}
 
 
-def bands(name, dtype, *options, tell=nanometers, scales=None, offsets=None):
-    """One directory, by GDAL; `tell` gives a band's metadata, or its micrometres."""
+def bands(name, dtype, *options, metadata=nanometers, scales=None, offsets=None):
+    """One directory, by GDAL; `metadata` gives a band's metadata, or its micrometres."""
     kinds = {"uint8": GDAL.GDT_Byte, "uint16": GDAL.GDT_UInt16, "float32": GDAL.GDT_Float32}
     n_bands = PAGES + ("ALPHA=YES" in options)
     file = GDAL.GetDriverByName("GTiff").Create(name + ".tif", WIDTH, HEIGHT, n_bands, kinds[dtype],
                                                 [*options, "PHOTOMETRIC=MINISBLACK"])
     for page, nm in enumerate(NM):
         band = file.GetRasterBand(page + 1)
-        told = tell(nm)
-        if isinstance(told, float):
-            band.SetMetadataItem("CENTRAL_WAVELENGTH_UM", f"{told:.10g}", "IMAGERY")
-        elif told:
-            band.SetMetadata(told)
+        described = metadata(nm)
+        if isinstance(described, float):
+            band.SetMetadataItem("CENTRAL_WAVELENGTH_UM", f"{described:.10g}", "IMAGERY")
+        elif described:
+            band.SetMetadata(described)
         if scales:
             band.SetScale(scales[page])
         if offsets:
@@ -69,9 +69,9 @@ def write_bands():
     GDAL.SetConfigOption("GDAL_PAM_ENABLED", "NO")
     apart, deflate = "INTERLEAVE=BAND", "COMPRESS=DEFLATE"
     tiles = ("TILED=YES", "BLOCKXSIZE=16", "BLOCKYSIZE=32")
-    bands("bands", "uint16", tell=lambda nm: nm / 1000, scales=[0.001] * PAGES, offsets=[0] * PAGES)
+    bands("bands", "uint16", metadata=lambda nm: nm / 1000, scales=[0.001] * PAGES, offsets=[0] * PAGES)
     bands("bands_apart", "uint16", apart, "BLOCKYSIZE=5")
-    bands("bands_um", "uint16", "BLOCKYSIZE=4", tell=lambda nm: {
+    bands("bands_um", "uint16", "BLOCKYSIZE=4", metadata=lambda nm: {
         "wavelength": f"{nm / 1000:.10g}", "wavelength_units": "Micrometers"})
     bands("bands_bytes", "uint8", "BIGTIFF=YES")
     bands("bands_float", "float32", "BLOCKYSIZE=7")
@@ -80,12 +80,12 @@ def write_bands():
     bands("bands_tiles", "uint16", deflate, *tiles)
     bands("bands_tiles_apart", "float32", deflate, "PREDICTOR=3", apart, "BIGTIFF=YES", *tiles)
     bands("bands_lzw_apart", "uint8", "COMPRESS=LZW", apart, "BLOCKYSIZE=6")
-    bands("bands_lacking", "uint16", tell=lambda nm: nanometers(nm) if nm < 700 else {})
-    bands("bands_furlong", "uint16", tell=lambda nm: {
+    bands("bands_lacking", "uint16", metadata=lambda nm: nanometers(nm) if nm < 700 else {})
+    bands("bands_furlong", "uint16", metadata=lambda nm: {
         "wavelength": f"{nm}", "wavelength_units": "Furlongs"})
-    bands("bands_falling", "uint16", tell=lambda nm: nanometers(700 if nm < 500 else nm))
+    bands("bands_falling", "uint16", metadata=lambda nm: nanometers(700 if nm < 500 else nm))
     bands("bands_rgb", "uint8", "PHOTOMETRIC=RGB")
-    bands("bands_untold", "uint16", tell=lambda nm: {})
+    bands("bands_untold", "uint16", metadata=lambda nm: {})
     bands("bands_alpha", "uint16", "ALPHA=YES")
     bands("bands_overviews", "uint16").BuildOverviews("NEAREST", [2])
     bands("bands_scales", "uint16", scales=[1, 2, 1])

@@ -203,7 +203,7 @@ def check_fluorescence():
         check(NM[excitation > 0].max() < NM[emission > 0].min(),
               f"{label}: taken in up to {NM[excitation > 0].max():g} nm, given out from "
               f"{NM[emission > 0].min():g} nm")
-        # Of the light taken in at each wavelength, which is not reflected, no more comes out, in
+        # The material emits no more than the light that it absorbs at each wavelength, in
         # energy and in photons (whose energy falls with wavelength).
         energy = excitation / excitation.sum() * emission.sum()
         photons = excitation / excitation.sum() * (emission * NM).sum() / NM

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""What is seen of a scene: the phenomena that need spectra, as the captions of the 1998 thesis state
+"""Phenomena that need spectra, as the captions of the 1998 thesis state
 them (its figures 22 to 41), on pictures that the program renders and develops; the ColorChecker's
 colours; and both renderers' pictures for people. Prints TAP."""
 import os
@@ -265,7 +265,7 @@ def check_colorchecker():
 
 def check_renderers():
     """OpenGL's picture and the reference's, for people: within 1 of 255 but on edges, where they may
-    show different objects or facets."""
+    show different objects or triangles."""
     for scene in sorted(name[:-6] for name in os.listdir("data/builtin/scenes")):
         pictures = []
         for renderer in ("gl", "raster"):

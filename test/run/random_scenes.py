@@ -47,7 +47,7 @@ REFUSALS = [
 
 
 class Dice:
-    """Of Python's generator only random() is promised to give the same numbers in every version."""
+    """Uses random() alone: Python promises the same numbers in every version for no other function."""
 
     def __init__(self, seed):
         self.random = random.Random(seed).random
@@ -199,7 +199,7 @@ class Writer:
             self.width = self.height = 1 << (min(size).bit_length() - 1)
         self.lines += [WAVELENGTHS, line("size", self.width, self.height)]
         self.camera()
-        self.settings()
+        self.statements()
         self.n_materials = dice.whole(1, 4)
         for _ in range(self.lights_wanted()):
             self.light()
@@ -230,7 +230,7 @@ class Writer:
             vector[2] = abs(vector[2])
         return vector if any(vector) else [0.0, 0.0, 1.0]
 
-    # -- settings --
+    # -- statements on the whole scene --
 
     def camera(self):
         dice = self.dice
@@ -272,7 +272,7 @@ class Writer:
                 words += ["up", self.dice.real(-1, 1), 1.0, 0.5]
             self.lines.append(line(*words))
 
-    def settings(self):
+    def statements(self):
         dice = self.dice
         if dice.chance(0.4):
             self.lines.append("viewer local")
@@ -659,7 +659,7 @@ class Shrinker:
 
 
 def simpler_words(words, k, materials):
-    """What may stand for word k and all after it. Each is shorter or, as a number, smaller, so that
+    """Lists words that may replace word k and all after it. Each is shorter or, as a number, smaller, so that
     simplifying comes to an end."""
     word, rest = words[k], words[k + 1:]
     if words[0] == "wavelengths":
@@ -705,7 +705,7 @@ def keep(files, folder, name):
 
 # ---- truths ----
 
-# What some scene must hold, as patterns of its texts; in the order of the README.
+# Some scene must match each of these patterns; in the order of the README.
 COVERAGE = [
     r"^include", r"lamp\.csv", r"camera ortho", r"camera perspective", r" near 0\.00", r" up ",
     r"viewer local", r"shading flat", r"^ambient", r"^light .* direction", r"^light .* position",

@@ -58,7 +58,7 @@ def pixels(size, extent):
 
 
 def falls(errors, order):
-    """Whether errors at factors 1, 2 and 4 fall with this order."""
+    """Returns whether errors at factors 1, 2 and 4 fall with this order."""
     ratios = np.array(errors[:-1]) / np.array(errors[1:])
     return bool(np.all((ratios > 0.8 * 2 ** order) & (ratios < 1.25 * 2 ** order)))
 
@@ -182,7 +182,7 @@ def full_scale():
     away = scene.replace("material matt\n", "material matt translate 0 0 -1\n")
     for light, radiance in (("attenuation 0 0 1", 2.0 ** 60), ("spot 0 0 -1 40 2", 1)):
         above = reference(away + f"light 1 1 position 0 0 {2.0 ** -30 - 1!r} {light}\n", "phong", "--full-scale", "1e20").samples.max()
-        check(abs(above / radiance - 1) < 1e-5, f"what OpenGL could not tell from the surface lights it: {light}", above)
+        check(abs(above / radiance - 1) < 1e-5, f"a light too near for OpenGL lights the surface: {light}", above)
     touching = write("touching.scene", scene + "light 1 1 position 0.1 0.1 0 attenuation 0 0 1\n")
     phong = ("--shading", "phong", "--renderer", "raster", "-o", "/dev/null")
     refused = run(touching, *phong)

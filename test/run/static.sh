@@ -20,7 +20,7 @@ run readelf -hldW "$STATIC"
 prints '^ +Type: +DYN' "it runs at any address"
 lacks 'INTERP|NEEDED' "it names no loader and no library"
 lacks 'TEXTREL' "nothing is relocated in its code"
-prints 'GNU_RELRO' "what is relocated is read-only afterwards"
+prints 'GNU_RELRO' "relocated data is read-only afterwards"
 prints 'FLAGS_1.* NOW' "all is relocated at the start"
 prints 'GNU_STACK.* RW ' "it asks for a stack that holds no code"
 lacks ' [RW ]WE ' "nothing is writable and executable"
@@ -42,7 +42,7 @@ if [ -f "$STATIC.symbols" ]; then
     run objdump -d --disassemble=gl_open "$STATIC.symbols"
     prints '<_+snprintf_chk>' "gl_open checks the size of what it writes"
 else
-    skip "no $STATIC.symbols, which tells whether functions guard their stack"
+    skip "no $STATIC.symbols, which shows whether functions guard their stack"
 fi
 
 # ---- alone ----

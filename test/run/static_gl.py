@@ -65,7 +65,7 @@ def compare(scene):
     for where, name in ((inside, "inside surfaces"), (~inside, "on edges")):
         print(f"# {scene}: of {where.sum()} pixels {name} {np.count_nonzero(pixels[where])} differ, "
               f"{np.count_nonzero(pixels[where] > 1)} by more than 1 count, by at most {pixels[where].max()}")
-    # What both report to be the reference's count, or within one of it.
+    # Samples that both report to equal the reference's count, or to be within one of it.
     for key, counts in (("exact", 0), ("within_1", 2)):
         apart = np.count_nonzero(samples > counts)
         most = sum(each["samples"] - each[key] for each in checks) + ambiguous * len(samples)

@@ -60,8 +60,8 @@ def prepare():
                     os.path.join(TMP, "stack.tif")], check=True)
 
 
-# What is added to the plain scene, the effects that it turns on, and the counters that it raises,
-# each by how much. A power function at each of 4 vertices, by the reference; its bound takes the same
+# Words added to the plain scene, the effects that they turn on, and the counters that they raise, with
+# the rise. A power function at each of 4 vertices, by the reference; its bound takes the same
 # one again, and both of its ends. A cut through a square meets 3 edges, which each half has.
 POWERS = {"power_functions": 16}
 HIGHLIGHT = {"terms": 1, "specular_vertices": 4, **POWERS}
