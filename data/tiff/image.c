@@ -61,10 +61,23 @@ bool image_refuse_broken(const struct image *image, int page, struct error *err)
                         message[0] != '\0' ? message : "its pages cannot be read");
 }
 
-static bool blocks_read(const struct image *image, int page, struct sample_layout *out,
+/* A number of the current directory; UINT16_MAX: it has none, and there is no default. */
+static uint16_t short_tag(TIFF *tiff, uint32_t tag)
+{
+    uint16_t value = UINT16_MAX;
+    TIFFGetFieldDefaulted(tiff, tag, &value);
+    return value;
+}
+
+static bool blocks_find(const struct image *image, int page, struct sample_layout *out,
                         struct error *err)
 {
     TIFF *tiff = image->file->tiff;
+    const double bytes = (double)out->width * out->height * out->n_samples * out->bits / 8;
+    if (short_tag(tiff, TIFFTAG_COMPRESSION) == COMPRESSION_NONE && bytes > (double)image->bytes)
+        return image_refuse(image, page, err, "its pixels are %.0f bytes, the file is shorter",
+                            bytes);
+    out->row_bytes = (size_t)out->width * out->pixel_step * (out->bits / 8u);
     out->tiled = TIFFIsTiled(tiff);
     out->block_width = out->width;
     if (out->tiled)
@@ -74,12 +87,11 @@ static bool blocks_read(const struct image *image, int page, struct sample_layou
     if (!out->tiled && out->block_height > out->height)
         out->block_height = out->height;
     out->block_bytes = (size_t)(out->tiled ? TIFFTileSize(tiff) : TIFFStripSize(tiff));
-    out->colour_step = out->n_planes > 1 ? out->block_bytes / (out->bits / 8u) : 1;
     return out->block_bytes > 0 || image_refuse_broken(image, page, err);
 }
 
-/* True if the rows of all planes lie one after the other, uncompressed, so that they can be read as
- * they are: the usual way of stacks. Refuses a file that ends before they do. */
+/* Finds out whether the rows of all planes lie one after the other, uncompressed, so that they can
+ * be read as they are: the usual way of stacks. Refuses a file that ends before they do. */
 static bool rows_find(const struct image *image, int page, struct sample_layout *out,
                       struct error *err)
 {
@@ -87,12 +99,10 @@ static bool rows_find(const struct image *image, int page, struct sample_layout 
     const uint32_t n = TIFFNumberOfStrips(tiff);
     const uint32_t per_plane = (out->height - 1) / out->block_height + 1;
     const uint64_t first = TIFFGetStrileOffset(tiff, 0);
-    uint16_t compression = 0, fill_order = 0;
+    const size_t fitting = ((size_t)1 << 18) / out->row_bytes;
     uint64_t end = first;
-    TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
-    TIFFGetFieldDefaulted(tiff, TIFFTAG_FILLORDER, &fill_order);
-    out->row_bytes = (size_t)out->width * out->pixel_step * (out->bits / 8u);
-    if (out->tiled || compression != COMPRESSION_NONE || fill_order != FILLORDER_MSB2LSB)
+    if (out->tiled || short_tag(tiff, TIFFTAG_COMPRESSION) != COMPRESSION_NONE ||
+        short_tag(tiff, TIFFTAG_FILLORDER) != FILLORDER_MSB2LSB)
         return true;
     for (uint32_t strip = 0; strip < n && end <= image->bytes; strip++) {
         const uint32_t left = out->height - strip % per_plane * out->block_height;
@@ -103,6 +113,7 @@ static bool rows_find(const struct image *image, int page, struct sample_layout 
         end += bytes;
     }
     out->rows_offset = first;
+    out->block_height = fitting < 1 ? 1 : fitting < out->height ? (uint32_t)fitting : out->height;
     return end <= image->bytes ||
            image_refuse(image, page, err, "its pixels end behind the end of the file");
 }
@@ -112,13 +123,11 @@ static bool rows_find(const struct image *image, int page, struct sample_layout 
 static uint16_t count_bands(const struct image *image)
 {
     TIFF *tiff = image->file->tiff;
-    uint16_t photometric = UINT16_MAX, n_samples = 1, n_extra = 0;
-    uint16_t *extra = NULL;
-    TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &photometric);
-    TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLESPERPIXEL, &n_samples);
+    const uint16_t n_samples = short_tag(tiff, TIFFTAG_SAMPLESPERPIXEL);
+    uint16_t n_extra = 0, *extra = NULL;
     TIFFGetFieldDefaulted(tiff, TIFFTAG_EXTRASAMPLES, &n_extra, &extra);
-    if (image->n_pages > 0 || !TIFFLastDirectory(tiff) || photometric >= PHOTOMETRIC_RGB ||
-        n_samples != n_extra + 1)
+    if (image->n_pages > 0 || !TIFFLastDirectory(tiff) ||
+        short_tag(tiff, TIFFTAG_PHOTOMETRIC) >= PHOTOMETRIC_RGB || n_samples != n_extra + 1)
         return 1;
     for (int i = 0; i < n_extra; i++)
         if (extra[i] != EXTRASAMPLE_UNSPECIFIED)
@@ -135,71 +144,65 @@ static bool colours_alone(TIFF *tiff, const struct sample_layout *layout)
            (n_extra == 0 || (n_extra == 1 && extra[0] != EXTRASAMPLE_UNSPECIFIED));
 }
 
-static bool samples_read(const struct image *image, int page, struct sample_layout *out,
+static bool samples_find(const struct image *image, int page, struct sample_layout *out,
                          struct error *err)
 {
     TIFF *tiff = image->file->tiff;
-    uint16_t photometric = UINT16_MAX, compression = 0, format = 0, planar = 0;
-    TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &photometric);
-    TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
-    TIFFGetFieldDefaulted(tiff, TIFFTAG_BITSPERSAMPLE, &out->bits);
-    TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLESPERPIXEL, &out->n_samples);
-    TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLEFORMAT, &format);
-    TIFFGetFieldDefaulted(tiff, TIFFTAG_PLANARCONFIG, &planar);
-    if (photometric == PHOTOMETRIC_YCBCR && compression == COMPRESSION_JPEG &&
-        planar == PLANARCONFIG_CONTIG &&
+    const uint16_t format = short_tag(tiff, TIFFTAG_SAMPLEFORMAT);
+    const bool separate = short_tag(tiff, TIFFTAG_PLANARCONFIG) == PLANARCONFIG_SEPARATE;
+    uint16_t photometric = short_tag(tiff, TIFFTAG_PHOTOMETRIC);
+    if (photometric == PHOTOMETRIC_YCBCR && !separate &&
+        short_tag(tiff, TIFFTAG_COMPRESSION) == COMPRESSION_JPEG &&
         TIFFSetField(tiff, TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB))
         photometric = PHOTOMETRIC_RGB;
-    out->inverted = photometric == PHOTOMETRIC_MINISWHITE;
-    out->n_colours = photometric == PHOTOMETRIC_RGB ? 3 : 1;
-    out->n_planes = planar == PLANARCONFIG_SEPARATE ? out->n_colours : 1;
-    out->pixel_step = planar == PLANARCONFIG_SEPARATE ? 1 : out->n_samples;
-    out->largest = out->bits == 8 ? 255 : out->bits == 16 ? 65535 : 1;
     if (photometric > PHOTOMETRIC_RGB) /* which comes after the two kinds of grey */
         return image_refuse(image, page, err, "its colours are neither grey nor RGB");
+    out->bits = short_tag(tiff, TIFFTAG_BITSPERSAMPLE);
+    out->n_samples = short_tag(tiff, TIFFTAG_SAMPLESPERPIXEL);
+    out->inverted = photometric == PHOTOMETRIC_MINISWHITE;
+    out->n_colours = photometric == PHOTOMETRIC_RGB ? 3 : 1;
+    out->n_planes = separate ? out->n_colours : 1;
+    out->pixel_step = separate ? 1 : out->n_samples;
     out->n_bands = count_bands(image);
+    out->largest = out->bits == 8 ? 255 : out->bits == 16 ? 65535 : 1;
     if (out->n_bands == 1 && !colours_alone(tiff, out))
         return image_refuse(
             image, page, err,
             "it has %d samples a pixel, not %d and perhaps an alpha; more can be read if"
             " they are grey and in the file's only directory",
             out->n_samples, out->n_colours);
-    if (!(format == SAMPLEFORMAT_UINT && (out->bits == 8 || out->bits == 16)) &&
-        !(format == SAMPLEFORMAT_IEEEFP && out->bits == 32 &&
-          photometric == PHOTOMETRIC_MINISBLACK))
-        return image_refuse(image, page, err, "its samples are %d of %d bits, %s", out->n_samples,
-                            out->bits,
-                            format == SAMPLEFORMAT_UINT     ? "unsigned"
-                            : format == SAMPLEFORMAT_IEEEFP ? "float"
-                                                            : "of another kind");
-    const double bytes = (double)out->width * out->height * out->n_samples * out->bits / 8;
-    return compression != COMPRESSION_NONE || bytes <= (double)image->bytes ||
-           image_refuse(image, page, err, "its pixels are %.0f bytes, the file is shorter", bytes);
+    return (format == SAMPLEFORMAT_UINT && (out->bits == 8 || out->bits == 16)) ||
+           (format == SAMPLEFORMAT_IEEEFP && out->bits == 32 &&
+            photometric == PHOTOMETRIC_MINISBLACK) ||
+           image_refuse(image, page, err, "its samples are %d of %d bits, %s", out->n_samples,
+                        out->bits,
+                        format == SAMPLEFORMAT_UINT     ? "unsigned"
+                        : format == SAMPLEFORMAT_IEEEFP ? "float"
+                                                        : "of another kind");
 }
 
 bool image_layout(const struct image *image, int page, struct sample_layout *out, struct error *err)
 {
     TIFF *tiff = image->file->tiff;
-    uint16_t orientation = ORIENTATION_TOPLEFT, compression = 0;
+    const uint16_t orientation = short_tag(tiff, TIFFTAG_ORIENTATION);
+    const uint16_t compression = short_tag(tiff, TIFFTAG_COMPRESSION);
     uint32_t depth = 1;
     *out = (struct sample_layout){0};
     TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &out->width);
     TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &out->height);
     TIFFGetField(tiff, TIFFTAG_IMAGEDEPTH, &depth);
-    TIFFGetField(tiff, TIFFTAG_ORIENTATION, &orientation);
     if (out->width - 1 >= INT32_MAX || out->height - 1 >= INT32_MAX || depth != 1)
         return image_refuse(image, page, err, "it has %" PRIu32 "x%" PRIu32 "x%" PRIu32 " pixels",
                             out->width, out->height, depth);
     if (orientation != ORIENTATION_TOPLEFT)
         return image_refuse(image, page, err, "its orientation is %d, not 1 (the top row first)",
                             orientation);
-    TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
     /* JBIG is for 1 bit a pixel; raster/gl/static.sh leaves its library out of the static program.
      */
     if (compression == COMPRESSION_JBIG || !TIFFIsCODECConfigured(compression))
         return image_refuse(image, page, err, "its compression (%d) is none that can be read here",
                             compression);
-    return samples_read(image, page, out, err) && blocks_read(image, page, out, err) &&
+    return samples_find(image, page, out, err) && blocks_find(image, page, out, err) &&
            rows_find(image, page, out, err);
 }
 

@@ -52,9 +52,9 @@ static bool find_largest(struct texture *texture, struct error *err)
     return true;
 }
 
-static bool read_texture(const char *path, struct place from, struct texture *out,
-                         struct error *err)
+bool texture_read(const char *path, struct place from, struct texture *out, struct error *err)
 {
+    *out = (struct texture){.linear = out->linear, .spectral = out->spectral};
     if (!image_open(path, from, &out->image, err))
         return false;
     if (out->image.width > LONGEST_TEXTURE || out->image.height > LONGEST_TEXTURE)
@@ -75,20 +75,6 @@ static bool read_texture(const char *path, struct place from, struct texture *ou
         return true;
     texture_free(out);
     return false;
-}
-
-bool texture_read(const char *path, struct place from, bool linear, struct texture *out,
-                  struct error *err)
-{
-    *out = (struct texture){.linear = linear};
-    return read_texture(path, from, out, err);
-}
-
-bool texture_read_spectral(const char *path, struct place from, bool linear, struct texture *out,
-                           struct error *err)
-{
-    *out = (struct texture){.linear = linear, .spectral = true};
-    return read_texture(path, from, out, err);
 }
 
 /* `other` is room for one more page. */

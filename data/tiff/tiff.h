@@ -58,14 +58,11 @@ struct texture {
     double largest;               /* of all values of all pages */
     float *plane[TEXTURE_PLANES]; /* of a grey texture the first; of a spectral one those loaded */
 };
-/* Reads a grey texture: one page with values that hold for every wavelength. Refuses a side of more
- * than 16384 texels, since OpenGL's textures have a limit, too. */
-bool texture_read(const char *path, struct place from, bool linear, struct texture *out,
-                  struct error *err);
-/* Reads a spectral texture: a stack of pages with wavelengths. Reads all pages once, to find their
- * largest value. Refuses as texture_read. */
-bool texture_read_spectral(const char *path, struct place from, bool linear, struct texture *out,
-                           struct error *err);
+/* Reads a texture; the caller chooses `linear` and `spectral` of *out. A grey texture is one page
+ * with values that hold for every wavelength. A spectral texture is a stack of pages with
+ * wavelengths; all of them are read once, to find their largest value. Refuses a side of more than
+ * 16384 texels, since OpenGL's textures have a limit, too. */
+bool texture_read(const char *path, struct place from, struct texture *out, struct error *err);
 /* Fills the planes for up to TEXTURE_PLANES wavelengths: linear between pages, the end page beyond
  * the first and the last one. A grey texture needs no loading. */
 bool texture_load(struct texture *texture, const double *wavelengths_nm, int n, struct error *err);
@@ -73,18 +70,18 @@ void texture_free(struct texture *texture);
 
 /* ---- Inside this room ---- */
 
-/* How a page's samples lie in its blocks, which are tiles, or strips as wide as the page: colour i
- * of pixel p is sample i * colour_step + p * pixel_step of the planes of a block. */
+/* How a page's samples lie in its blocks, which are tiles, or strips as wide as the page. Rows that
+ * lie one after the other, uncompressed, are read in blocks that stay in the processor's cache. */
 struct sample_layout {
     uint32_t width, height, block_width, block_height;
     uint16_t bits, n_samples, n_colours, n_planes;
-    uint16_t n_bands; /* pages of its directory */
-    uint16_t plane;   /* the first of n_planes */
-    size_t block_bytes, colour_step, pixel_step;
-    size_t row_bytes;     /* of a plane */
-    uint64_t rows_offset; /* where its rows lie one after the other, uncompressed; 0: they do not */
-    double largest;       /* sample; 1 where they are float */
-    bool tiled, inverted; /* inverted: 0 is white */
+    uint16_t n_bands;               /* pages of its directory */
+    uint16_t plane;                 /* the first of n_planes */
+    size_t block_bytes, pixel_step; /* in samples, from one pixel to the next */
+    size_t row_bytes;               /* of a plane */
+    uint64_t rows_offset;           /* where such rows begin; 0: libtiff decodes the blocks */
+    double largest;                 /* sample; 1 where they are float */
+    bool tiled, inverted;           /* inverted: 0 is white */
 };
 struct image_page {
     uint64_t directory; /* its offset */
@@ -93,8 +90,9 @@ struct image_page {
 /* Samples of some bands and rows, where the bands lie side by side in the file and reading one band
  * means reading them all: as stored, but band after band. */
 struct kept_bands {
-    uint32_t first_row, end_row;
+    uint32_t first_row, n_rows;
     int first_page, end_page;
+    size_t band_bytes;
     char *samples;
 };
 struct image_file {
