@@ -254,8 +254,10 @@ static void check_line(void)
     CHECK_TEXT(err.text, "", "blanks, commas and semicolons separate");
     if (matrix.share == NULL)
         return;
-    CHECK(matrix.n_excitation == 4 && matrix.n_emission == 3 && matrix.excitation_nm[3] == 330 &&
-              matrix.emission_nm[2] == 450 && matrix.share[4 + 2] == 0.1 && matrix.share[9] == 0.1,
+    CHECK(matrix.excitation.count == 4 && matrix.emission.count == 3 &&
+              matrix.excitation.wavelength_nm[3] == 330 &&
+              matrix.emission.wavelength_nm[2] == 450 && matrix.share[4 + 2] == 0.1 &&
+              matrix.share[9] == 0.1,
           "a matrix is read row by row");
     given = emission_under(&matrix, &light);
     CHECK(given.count == 3 && given.wavelength_nm[1] == 420, "it gives out at its own wavelengths");
@@ -298,7 +300,7 @@ static void check_factors(void)
     double nm[COLUMNS], value[COLUMNS], emission[ROWS], emission_nm[ROWS], sum = 0;
     double share[ROWS * COLUMNS];
     struct spectrum excitation = samples(nm, value, COLUMNS);
-    struct donaldson matrix = {COLUMNS, ROWS, nm, emission_nm, share};
+    struct donaldson matrix = {excitation, samples(emission_nm, emission, ROWS), share};
     for (int i = 0; i < COLUMNS; i++) {
         nm[i] = 300 + 10 * i;
         value[i] = i * (COLUMNS - 1 - i) * (3 + i % 4) * 1e-3;
@@ -365,7 +367,7 @@ static void check_energy(void)
 static void check_extremes(void)
 {
     double nm[] = {400, 410}, dim_nm[] = {500}, share[] = {1e-300, 1e-300};
-    struct donaldson matrix = {2, 1, nm, dim_nm, share};
+    struct donaldson matrix = {samples(nm, NULL, 2), samples(dim_nm, NULL, 1), share};
     struct spectrum light = constant(1e300), given = emission_under(&matrix, &light);
     struct error err = {0};
     CHECK_NEAR(given.count == 1 ? given.value[0] : 0, 20, 20 * 8 * half_epsilon,
@@ -376,7 +378,7 @@ static void check_extremes(void)
     CHECK(!donaldson_emission(&matrix, &light, &given, &err) && err.status == EXIT_INPUT &&
               given.kind == SPECTRUM_NONE && given.value == NULL,
           "what no number holds is refused");
-    matrix.n_excitation = 1;
+    matrix.excitation.count = 1;
     light = constant(0.5);
     given = emission_under(&matrix, &light);
     CHECK(given.count == 1 && given.value[0] == 0.5, "single bands are 1 nm wide");
@@ -418,7 +420,8 @@ static void check_refusals(void)
         seen = seen == err.text ? seen + strlen(path) : err.text;
         if (!CHECK(strncmp(seen, refused[i].message, strlen(refused[i].message)) == 0 &&
                        err.status == EXIT_INPUT && matrix.share == NULL &&
-                       matrix.excitation_nm == NULL && matrix.emission_nm == NULL,
+                       matrix.excitation.wavelength_nm == NULL &&
+                       matrix.emission.wavelength_nm == NULL,
                    "refused%s", refused[i].message))
             printf("# saw %s\n", seen);
     }

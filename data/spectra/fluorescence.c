@@ -25,15 +25,8 @@ static double next_above(const struct spectrum *spectrum, double nm)
     }
     if (spectrum->kind != SPECTRUM_SAMPLED)
         return HUGE_VAL;
-    int low = 0, high = spectrum->count;
-    while (low < high) {
-        const int middle = low + (high - low) / 2;
-        if (spectrum->wavelength_nm[middle] > nm)
-            high = middle;
-        else
-            low = middle + 1;
-    }
-    return low < spectrum->count ? spectrum->wavelength_nm[low] : HUGE_VAL;
+    const int next = spectrum_count_up_to(spectrum, nm);
+    return next < spectrum->count ? spectrum->wavelength_nm[next] : HUGE_VAL;
 }
 
 /* A walk over the positive wavelengths of two spectra, equal ones once. */
@@ -126,10 +119,9 @@ double excitation_mean(const struct spectrum *light, const struct spectrum *exci
 enum { LARGEST_MATRIX = 4096 }; /* rows, and columns */
 
 /* A matrix being read. */
-struct table {
-    struct text text, header;             /* header: the cursor before the first column */
-    struct spectrum excitation, emission; /* their wavelengths; the values are 0 */
-    double *share;
+struct matrix_table {
+    struct text text, header; /* header: the cursor before the first column */
+    struct donaldson *out;
 };
 
 static bool read_wavelength(const struct word *word, const char *what, struct spectrum *axis,
@@ -142,7 +134,7 @@ static bool read_wavelength(const struct word *word, const char *what, struct sp
            spectrum_append(axis, nm, 0, word->place, err);
 }
 
-static bool read_header(struct table *table, struct error *err)
+static bool read_header(struct matrix_table *table, struct error *err)
 {
     struct text *text = &table->text;
     struct word word;
@@ -158,23 +150,23 @@ static bool read_header(struct table *table, struct error *err)
             word_shown(&word), word.start);
     table->header = *text;
     while (text_word(text, &word))
-        if (!read_wavelength(&word, "excitation wavelength", &table->excitation, err))
+        if (!read_wavelength(&word, "excitation wavelength", &table->out->excitation, err))
             return false;
-    return table->excitation.count > 0 ||
+    return table->out->excitation.count > 0 ||
            error_at(err, text_place(text), "expected an excitation wavelength");
 }
 
-static bool read_row(struct table *table, const struct word *first, struct error *err)
+static bool read_row(struct matrix_table *table, const struct word *first, struct error *err)
 {
-    const int columns = table->excitation.count, row = table->emission.count;
+    const int columns = table->out->excitation.count, row = table->out->emission.count;
     struct word word;
-    if (!read_wavelength(first, "emission wavelength", &table->emission, err))
+    if (!read_wavelength(first, "emission wavelength", &table->out->emission, err))
         return false;
     for (int i = 0; i < columns; i++) {
-        double *more = array_more(table->share, row * columns + i, sizeof *more, err);
+        double *more = array_more(table->out->share, row * columns + i, sizeof *more, err);
         if (more == NULL)
             return false;
-        table->share = more;
+        table->out->share = more;
         if (!text_expect(&table->text, &word, "a share for each excitation wavelength", err) ||
             !word_number(&word, "share", 0, 1, &more[row * columns + i], err))
             return false;
@@ -182,7 +174,7 @@ static bool read_row(struct table *table, const struct word *first, struct error
     return text_end(&table->text, "this row", err);
 }
 
-static bool read_rows(struct table *table, struct error *err)
+static bool read_rows(struct matrix_table *table, struct error *err)
 {
     struct word word;
     while (text_next_line(&table->text))
@@ -191,7 +183,7 @@ static bool read_rows(struct table *table, struct error *err)
     return true;
 }
 
-static bool refuse_column(const struct table *table, int column, double given, double taken,
+static bool refuse_column(const struct matrix_table *table, int column, double given, double taken,
                           struct error *err)
 {
     struct text header = table->header;
@@ -201,23 +193,23 @@ static bool refuse_column(const struct table *table, int column, double given, d
     return error_at(err, word.place,
                     "at %.15g nm the matrix gives out %.15g of the light, but the surface takes in "
                     "only %.15g (1 - diffuse)",
-                    table->excitation.wavelength_nm[column], given, taken);
+                    table->out->excitation.wavelength_nm[column], given, taken);
 }
 
 /* Decimal shares may add up to 1 - diffuse exactly. Half an epsilon a rounding: one a row for the
  * sum, and up to ten for the shares as read, the diffuse reflectance and its difference to 1. */
-static bool check_shares(const struct table *table, const struct spectrum *diffuse,
+static bool check_shares(const struct matrix_table *table, const struct spectrum *diffuse,
                          struct error *err)
 {
-    const int columns = table->excitation.count, rows = table->emission.count;
+    const int columns = table->out->excitation.count, rows = table->out->emission.count;
     const double slack = (rows + 10) * (DBL_EPSILON / 2);
     double all = 0;
     for (int i = 0; i < columns; i++) {
-        const double nm = table->excitation.wavelength_nm[i];
+        const double nm = table->out->excitation.wavelength_nm[i];
         const double taken = 1 - spectrum_at(diffuse, nm, SPECTRUM_HOLD);
         double given = 0;
         for (int j = 0; j < rows; j++)
-            given += table->share[j * columns + i];
+            given += table->out->share[j * columns + i];
         if (given > taken + slack)
             return refuse_column(table, i, given, taken, err);
         all += given;
@@ -230,19 +222,13 @@ static bool check_shares(const struct table *table, const struct spectrum *diffu
 bool donaldson_read(const char *path, struct place from, const struct spectrum *diffuse,
                     struct donaldson *out, struct error *err)
 {
-    struct table table = {0};
-    bool done;
-    *out = (struct donaldson){0};
+    struct matrix_table table = {.out = out};
+    *out = (struct donaldson){.share = NULL};
     if (!text_open(&table.text, path, from, err))
         return false;
     table.text.separators = ",;";
-    done = read_header(&table, err) && read_rows(&table, err) && check_shares(&table, diffuse, err);
-    *out = (struct donaldson){table.excitation.count, table.emission.count,
-                              table.excitation.wavelength_nm, table.emission.wavelength_nm,
-                              table.share};
-    table.excitation.wavelength_nm = table.emission.wavelength_nm = NULL; /* taken over */
-    spectrum_free(&table.excitation);
-    spectrum_free(&table.emission);
+    const bool done =
+        read_header(&table, err) && read_rows(&table, err) && check_shares(&table, diffuse, err);
     text_free(&table.text);
     if (!done)
         donaldson_free(out);
@@ -253,17 +239,12 @@ bool donaldson_read(const char *path, struct place from, const struct spectrum *
 bool donaldson_emission(const struct donaldson *matrix, const struct spectrum *light,
                         struct spectrum *out, struct error *err)
 {
-    const struct spectrum none = {0}, emission = {.kind = SPECTRUM_SAMPLED,
-                                                  .count = matrix->n_emission,
-                                                  .wavelength_nm = matrix->emission_nm};
-    struct spectrum row = {.kind = SPECTRUM_SAMPLED,
-                           .factor = 1,
-                           .count = matrix->n_excitation,
-                           .wavelength_nm = matrix->excitation_nm,
-                           .value = matrix->share};
+    const struct spectrum none = {.kind = SPECTRUM_NONE};
+    struct spectrum row = matrix->excitation;
+    row.value = matrix->share;
     bool done = true;
     *out = (struct spectrum){0};
-    for (struct walk walk = walk_start(&emission, &none); done && walk_step(&walk);) {
+    for (struct walk walk = walk_start(&matrix->emission, &none); done && walk_step(&walk);) {
         const struct intake in = take_in(light, &row);
         const double value = in.largest_excitation * (in.product / walk.weight) * in.largest_light;
         done = spectrum_append(out, walk.nm, value, light->place, err);
@@ -277,8 +258,8 @@ bool donaldson_emission(const struct donaldson *matrix, const struct spectrum *l
 
 void donaldson_free(struct donaldson *matrix)
 {
-    free(matrix->excitation_nm);
-    free(matrix->emission_nm);
+    spectrum_free(&matrix->excitation);
+    spectrum_free(&matrix->emission);
     free(matrix->share);
     *matrix = (struct donaldson){0};
 }

@@ -113,9 +113,8 @@ double excitation_mean(const struct spectrum *light, const struct spectrum *exci
  * band that the surface emits in an emission band. Each band reaches half-way to its neighbours, as
  * above. */
 struct donaldson {
-    int n_excitation, n_emission;
-    double *excitation_nm, *emission_nm; /* strictly increasing; owned */
-    double *share;                       /* [emission][excitation], not negative; owned */
+    struct spectrum excitation, emission; /* their wavelengths; the values are 0 */
+    double *share;                        /* [emission][excitation], not negative; owned */
 };
 /* Reads a table: a first row with a word and the excitation wavelengths, then rows of an emission
  * wavelength and its shares. Refuses a matrix of zeros, and, with its wavelength, a column that
@@ -130,6 +129,8 @@ void donaldson_free(struct donaldson *matrix);
 
 /* ---- Inside this room ---- */
 
+/* Counts the samples at wavelengths up to this one. */
+int spectrum_count_up_to(const struct spectrum *spectrum, double wavelength_nm);
 /* Reads a table of a wavelength and three values a line: a built-in one, or a file. *xyz: its head
  * names the values x, y and z. On failure the caller frees *out. */
 bool spectra_read(const char *name, struct spectrum out[3], bool *xyz, struct error *err);

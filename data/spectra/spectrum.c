@@ -31,23 +31,29 @@ static double blackbody(double temperature, double nm)
     return q * q * q * q * q * ratio * one_minus_decay(x0) / one_minus_decay(x);
 }
 
+int spectrum_count_up_to(const struct spectrum *spectrum, double wavelength_nm)
+{
+    int low = 0, high = spectrum->count;
+    while (low < high) {
+        const int middle = low + (high - low) / 2;
+        if (spectrum->wavelength_nm[middle] > wavelength_nm)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return low;
+}
+
 /* Linear from the nearer sample: so the ends are met exactly and never passed by rounding. */
 static double sampled(const struct spectrum *s, double nm, enum spectrum_ends ends)
 {
     const double *x = s->wavelength_nm, *y = s->value;
-    int low = 0, high = s->count - 1, nearer;
     if (spectrum_extrapolates(s, nm))
-        return ends == SPECTRUM_ZERO ? 0 : nm < x[0] ? y[0] : y[high];
-    while (high - low > 1) {
-        const int middle = low + (high - low) / 2;
-        if (x[middle] <= nm)
-            low = middle;
-        else
-            high = middle;
-    }
+        return ends == SPECTRUM_ZERO ? 0 : nm < x[0] ? y[0] : y[s->count - 1];
+    const int low = spectrum_count_up_to(s, nm) - 1, high = low + 1;
     if (nm == x[low])
         return y[low];
-    nearer = nm - x[low] < x[high] - nm ? low : high;
+    const int nearer = nm - x[low] < x[high] - nm ? low : high;
     return y[nearer] + (y[high] - y[low]) * ((nm - x[nearer]) / (x[high] - x[low]));
 }
 
@@ -234,8 +240,7 @@ static void skip_header(struct table *table)
     struct text *text = &table->text;
     struct word word;
     int n = 0, named = 0;
-    bool header =
-        text_word(text, &word) && (word.quoted || strchr("0123456789+-.", word.start[0]) == NULL);
+    bool header = text_word(text, &word) && !word_begins_number(&word);
     while (header && text_word(text, &word)) {
         header = !is_numeric(&word);
         named += n < 3 && word.length == 1 && word.start[0] == "xyz"[n];
