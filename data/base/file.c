@@ -92,6 +92,22 @@ static bool refuse_read(struct error *err, struct place from, const char *path, 
     return error_at(err, from, "cannot read %s: %s", path, why);
 }
 
+/* Opens a file that is no folder. Returns its descriptor; -1: it is refused. */
+static int open_readable(const char *path, struct place from, int flags, struct stat *status,
+                         struct error *err)
+{
+    const int descriptor = open(path, O_RDONLY | O_CLOEXEC | flags);
+    if (descriptor < 0 || fstat(descriptor, status) != 0)
+        refuse_read(err, from, path, strerror(errno));
+    else if (S_ISDIR(status->st_mode))
+        refuse_read(err, from, path, "it is a folder");
+    else
+        return descriptor;
+    if (descriptor >= 0)
+        close(descriptor);
+    return -1;
+}
+
 /* A file being read: its name, the place that names it, and its bytes so far. */
 struct reading {
     const char *path;
@@ -132,24 +148,15 @@ static bool read_open(struct reading *of, int descriptor, size_t capacity, struc
 
 static bool read_path(struct reading *of, struct error *err)
 {
-    size_t capacity = 1 << 16;
     struct stat status;
-    bool done = false;
-    const int descriptor = open(of->path, O_RDONLY | O_CLOEXEC);
+    const int descriptor = open_readable(of->path, of->from, 0, &status, err);
     if (descriptor < 0)
-        return refuse_reading(err, of, strerror(errno));
-    if (fstat(descriptor, &status) != 0)
-        refuse_reading(err, of, strerror(errno));
-    else if (S_ISDIR(status.st_mode))
-        refuse_reading(err, of, "it is a folder");
-    else if (S_ISREG(status.st_mode) && status.st_size > (off_t)longest_read)
-        refuse_reading(err, of, "it is too long for a text file");
-    else {
-        /* One byte for the NUL, and one so that the read that meets the end has room. */
-        if (S_ISREG(status.st_mode) && status.st_size > 0)
-            capacity = (size_t)status.st_size + 2;
-        done = read_open(of, descriptor, capacity, err);
-    }
+        return false;
+    const off_t size = S_ISREG(status.st_mode) ? status.st_size : 0;
+    /* One byte for the NUL, and one so that the read that meets the end has room. */
+    const bool done = size > (off_t)longest_read
+                          ? refuse_reading(err, of, "it is too long for a text file")
+                          : read_open(of, descriptor, size > 0 ? (size_t)size + 2 : 1 << 16, err);
     close(descriptor);
     return done;
 }
@@ -186,18 +193,14 @@ bool file_open(const char *path, struct place from, int *descriptor,
     *builtin = is_builtin(path) ? builtin_find(path) : NULL;
     if (is_builtin(path))
         return *builtin != NULL || refuse_read(err, from, path, "there is no such built-in file");
-    *descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe must not hold us up */
-    if (*descriptor < 0 || fstat(*descriptor, &status) != 0)
-        refuse_read(err, from, path, strerror(errno));
-    else if (!S_ISREG(status.st_mode))
-        refuse_read(err, from, path,
-                    S_ISDIR(status.st_mode) ? "it is a folder" : "it is no regular file");
-    else
-        return true;
-    if (*descriptor >= 0)
-        close(*descriptor);
-    *descriptor = -1;
-    return false;
+    const int opened = open_readable(path, from, O_NONBLOCK, &status, err); /* no wait for a pipe */
+    if (opened >= 0 && !S_ISREG(status.st_mode)) {
+        refuse_read(err, from, path, "it is no regular file");
+        close(opened);
+    } else {
+        *descriptor = opened;
+    }
+    return *descriptor >= 0;
 }
 
 /* ---- writing ---- */

@@ -160,10 +160,8 @@ bool cube_equal_response(const struct cube *cube, const struct detector *detecto
 static bool spectrum_of_option(const char *value, struct text *text, struct spectrum *out,
                                struct error *err)
 {
-    if (!text_open_string(text, "--white", value, err))
+    if (!text_open_line(text, "--white", value, err))
         return false;
-    if (!text_next_line(text) || strchr(value, '\n') != NULL)
-        return error_at(err, text_place(text), "expected one line, not '%s'", value);
     const struct word word = {
         .start = text->at, .length = strlen(value), .place = {text->path, text->line, 1}};
     return spectrum_read(&word, 0, HUGE_VAL, out, err);

@@ -31,6 +31,8 @@ struct word {
 bool text_open(struct text *out, const char *path, struct place from, struct error *err);
 /* Opens a string as a text. `name` takes the place of the path in messages. Both are copied. */
 bool text_open_string(struct text *out, const char *name, const char *string, struct error *err);
+/* The same for a string of one line, which becomes the current one. Refuses any other string. */
+bool text_open_line(struct text *out, const char *name, const char *line, struct error *err);
 void text_free(struct text *text);
 
 /* Goes to the next line, blank or not. Returns false at the end of the file. */
