@@ -114,18 +114,18 @@ static bool rows_read(struct stored_rows *of, uint32_t y, uint32_t end, struct e
 static bool page_turn(const struct image *image, int page, struct error *err)
 {
     struct image_file *file = image->file;
-    const struct image_page *known = &file->pages[page];
+    const struct sample_layout *known = &file->pages[page];
     struct sample_layout found;
-    if (known->layout.rows_offset > 0 || file->directory == known->directory)
+    if (known->rows_offset > 0 || file->directory == known->directory)
         return true;
     file->directory = 0;
     if (!TIFFSetSubDirectory(file->tiff, known->directory))
         return image_refuse_broken(image, page, err);
     if (!image_layout(image, page, &found, err))
         return false;
-    if (found.width != known->layout.width || found.height != known->layout.height ||
-        found.bits != known->layout.bits || found.n_samples != known->layout.n_samples ||
-        found.block_bytes != known->layout.block_bytes || found.rows_offset > 0)
+    if (found.width != known->width || found.height != known->height || found.bits != known->bits ||
+        found.n_samples != known->n_samples || found.block_bytes != known->block_bytes ||
+        found.rows_offset > 0)
         return image_refuse(image, page, err, "it has changed since the file was opened");
     file->directory = known->directory;
     return true;
@@ -284,8 +284,7 @@ bool image_read(struct image *image, int page, int y, int rows, float *out, stru
 {
     const struct kept_bands *kept = &image->file->kept;
     const uint32_t first = (uint32_t)y, n = (uint32_t)rows;
-    struct stored_rows of = {
-        .image = image, .page = page, .layout = image->file->pages[page].layout};
+    struct stored_rows of = {.image = image, .page = page, .layout = image->file->pages[page]};
     if (of.layout.n_bands == 1 || of.layout.pixel_step == 1)
         return page_read(&of, first, n, out, err);
     if (!bands_keep(of, first, n, err))

@@ -187,7 +187,7 @@ bool image_layout(const struct image *image, int page, struct sample_layout *out
     const uint16_t orientation = short_tag(tiff, TIFFTAG_ORIENTATION);
     const uint16_t compression = short_tag(tiff, TIFFTAG_COMPRESSION);
     uint32_t depth = 1;
-    *out = (struct sample_layout){0};
+    *out = (struct sample_layout){.directory = TIFFCurrentDirOffset(tiff)};
     TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &out->width);
     TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &out->height);
     TIFFGetField(tiff, TIFFTAG_IMAGEDEPTH, &depth);
@@ -214,7 +214,7 @@ static bool page_add(struct image *image, int band, const char *const items[ITEM
 {
     struct image_file *file = image->file;
     const int page = image->n_pages;
-    struct image_page *pages = array_more(file->pages, page, sizeof *pages, err);
+    struct sample_layout *pages = array_more(file->pages, page, sizeof *pages, err);
     if (pages == NULL)
         return false;
     file->pages = pages;
@@ -222,23 +222,22 @@ static bool page_add(struct image *image, int band, const char *const items[ITEM
     if (nm == NULL)
         return false;
     image->wavelengths_nm = nm;
-    pages[page].directory = TIFFCurrentDirOffset(file->tiff);
     nm[page] = metadata_wavelength(file, items);
-    struct sample_layout *layout = &pages[page].layout, *first = &pages[0].layout;
+    struct sample_layout *layout = &pages[page];
     if (band > 0) {
-        *layout = *first;
+        *layout = pages[0];
         layout->plane = (uint16_t)(layout->pixel_step == 1 ? band : 0);
     } else if (!image_layout(image, page, layout, err)) {
         return false;
     }
-    if (layout->width != first->width || layout->height != first->height ||
-        layout->bits != first->bits)
+    if (layout->width != pages->width || layout->height != pages->height ||
+        layout->bits != pages->bits)
         return image_refuse(
             image, page, err,
             "it has %" PRIu32 "x%" PRIu32 "x%d bits, the first page %" PRIu32 "x%" PRIu32 "x%d",
-            layout->width, layout->height, layout->bits, first->width, first->height, first->bits);
+            layout->width, layout->height, layout->bits, pages->width, pages->height, pages->bits);
     image->coloured = image->coloured || layout->n_colours > 1;
-    file->directory = pages[page].directory;
+    file->directory = layout->directory;
     image->n_pages++;
     return metadata_scale(image, page, layout, items, err);
 }
@@ -249,14 +248,13 @@ static void check_wavelength(struct image *image)
     const int page = image->n_pages;
     const double nm = image->wavelengths_nm[page - 1];
     const double before = page > 1 ? image->wavelengths_nm[page - 2] : 0;
-    image->file->told = image->file->told || !isnan(nm) || image->file->unit[0] != '\0';
     if (image->untold[0] != '\0' || nm > before)
         return;
-    if (!isnan(nm))
+    if (nm > 0)
         snprintf(image->untold, sizeof image->untold,
                  "its wavelengths %s: page %d tells %.10g nm after %.10g nm",
                  nm < before ? "decrease" : "repeat", page, nm, before);
-    else if (image->file->unit[0] != '\0')
+    else if (nm == 0)
         snprintf(image->untold, sizeof image->untold,
                  "page %d tells its wavelength in '%s', which is no unit that is known here", page,
                  image->file->unit);
@@ -272,7 +270,6 @@ static bool directory_add(struct image *image, struct error *err)
     if (good)
         metadata_items(image->file->tiff, n_bands, items);
     for (int band = 0; good && band < n_bands; band++) {
-        image->file->unit[0] = '\0';
         good = page_add(image, band, items + (size_t)band * ITEMS, err);
         if (good)
             check_wavelength(image);
@@ -284,12 +281,15 @@ static bool directory_add(struct image *image, struct error *err)
 /* Keeps the wavelengths of pages only where they can be used. */
 static bool wavelengths_keep(struct image *image, struct error *err)
 {
-    const struct sample_layout *first = &image->file->pages[0].layout;
-    if (!image->file->told && first->n_bands > 1)
+    const struct sample_layout *first = image->file->pages;
+    bool told = false;
+    for (int page = 0; page < image->n_pages; page++)
+        told = told || !isnan(image->wavelengths_nm[page]);
+    if (!told && first->n_bands > 1)
         return image_refuse(image, -1, err,
                             "it has %d samples a pixel and tells no wavelengths of them",
                             first->n_samples);
-    if (!image->file->told)
+    if (!told)
         snprintf(image->untold, sizeof image->untold, "tells no wavelengths");
     if (image->untold[0] != '\0') {
         free(image->wavelengths_nm);
@@ -309,8 +309,8 @@ static bool pages_read(struct image *image, struct error *err)
         if (!directory_add(image, err))
             return false;
     } while (!TIFFLastDirectory(tiff));
-    image->width = (int)image->file->pages[0].layout.width;
-    image->height = (int)image->file->pages[0].layout.height;
+    image->width = (int)image->file->pages->width;
+    image->height = (int)image->file->pages->height;
     return wavelengths_keep(image, err);
 }
 

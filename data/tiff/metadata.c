@@ -108,6 +108,7 @@ static double channel_wavelength(struct image_file *file)
 double metadata_wavelength(struct image_file *file, const char *const items[ITEMS])
 {
     const char *name = "";
+    file->unit[0] = '\0';
     const double channel = channel_wavelength(file);
     double nm = (double)NAN;
     TIFFGetField(file->tiff, TIFFTAG_PAGENAME, &name);
@@ -119,7 +120,7 @@ double metadata_wavelength(struct image_file *file, const char *const items[ITEM
         nm = 1000 * number_at(items[ITEM_MICROMETRES]);
     if (isnan(nm))
         nm = channel;
-    return nm > 0 && nm <= DBL_MAX ? nm : (double)NAN;
+    return nm > 0 && nm <= DBL_MAX ? nm : file->unit[0] != '\0' ? 0 : (double)NAN;
 }
 
 bool metadata_scale(struct image *image, int page, const struct sample_layout *layout,

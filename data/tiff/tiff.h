@@ -73,6 +73,7 @@ void texture_free(struct texture *texture);
 /* How a page's samples lie in its blocks, which are tiles, or strips as wide as the page. Rows that
  * lie one after the other, uncompressed, are read in blocks that stay in the processor's cache. */
 struct sample_layout {
+    uint64_t directory; /* the offset of the page's directory */
     uint32_t width, height, block_width, block_height;
     uint16_t bits, n_samples, n_colours, n_planes;
     uint16_t n_bands;               /* pages of its directory */
@@ -82,10 +83,6 @@ struct sample_layout {
     uint64_t rows_offset;           /* where such rows begin; 0: libtiff decodes the blocks */
     double largest;                 /* sample; 1 where they are float */
     bool tiled, inverted;           /* inverted: 0 is white */
-};
-struct image_page {
-    uint64_t directory; /* its offset */
-    struct sample_layout layout;
 };
 /* Samples of some bands and rows, where the bands lie side by side in the file and reading one band
  * means reading them all: as stored, but band after band. */
@@ -100,12 +97,11 @@ struct image_file {
     const struct builtin_file *builtin; /* NULL: libtiff reads a descriptor */
     uint64_t position;                  /* in it */
     double count_scale;                 /* radiance of a count, by page 0's GDAL metadata */
-    struct image_page *pages;
+    struct sample_layout *pages;
     uint64_t directory; /* at which libtiff is; 0: none of the pages' */
     struct kept_bands kept;
     const char *channels; /* of its OME-XML, those of the pages to come */
-    char unit[32];        /* of a page's wavelength, where it is unknown */
-    bool told;            /* some page records a wavelength, in whichever unit */
+    char unit[32];        /* of the last page's wavelength, where it is unknown */
     struct place from;
     bool decoding;     /* a warning then means lost samples */
     char message[256]; /* libtiff's first */
@@ -127,7 +123,7 @@ enum item { ITEM_WAVELENGTH, ITEM_UNIT, ITEM_MICROMETRES, ITEM_SCALE, ITEM_OFFSE
 /* Stores the items of the current directory in out[band * ITEMS + item], NULL where it has none. A
  * directory of one band need not number it. */
 void metadata_items(struct tiff *tiff, int n_bands, const char **out);
-/* A page's wavelength in nm; NaN: it records none. */
+/* A page's wavelength in nm; 0: file->unit, its unit, is unknown; NaN: it records none. */
 double metadata_wavelength(struct image_file *file, const char *const items[ITEMS]);
 /* Finds the scale. Float samples are radiances themselves. Counts have one scale in all pages; page
  * 0's description has its exact value in a stack of this program. */
