@@ -146,7 +146,7 @@ static void test_refusals(void)
     struct texture texture;
     struct error several = {0}, untold = {0}, negative = {0};
     bool read = write_stack(PAGES, 1) && read_stack(false, true, &texture, &several);
-    check_refusal(read, &texture, &several, "it has 3 pages; a texture is one page");
+    check_refusal(read, &texture, &several, "it has 3 pages; expected one page for a texture");
     read = write_stack(2, -1) && read_stack(true, true, &texture, &negative);
     check_refusal(read, &texture, &negative,
                   "page 1 (400 nm): the radiance at column 0, row 0 is -0.25;");
@@ -158,7 +158,7 @@ static void test_refusals(void)
     TIFFWriteScanline(tiff, (char[]){1}, 0, 0);
     TIFFClose(tiff);
     read = read_stack(true, true, &texture, &untold);
-    check_refusal(read, &texture, &untold, "tells no wavelengths; a spectral texture");
+    check_refusal(read, &texture, &untold, "records no wavelengths; expected a stack");
 }
 
 /* A file that is cut while it is open: the planes fail, and say where. */

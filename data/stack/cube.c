@@ -54,7 +54,7 @@ bool cube_open(const char *path, struct cube *out, struct error *err)
             "%s: %s; expected a stack of grey pages, one page or one GDAL band a wavelength,"
             " that tell increasing ones as OME-XML, GDAL_METADATA or page names such as"
             " \"305 nm\"",
-            path, out->image.coloured ? "its pages are RGB" : out->image.untold);
+            path, out->image.coloured ? "its pages are RGB" : out->image.no_wavelengths);
         cube_close(out);
         return false;
     }

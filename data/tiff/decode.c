@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads the samples of pages: some rows as they are stored, then the values of these rows. Stored
- * rows are read straight from the file where they lie in it one after the other, as in stacks of
- * this program. libtiff decodes all others, in strips or tiles. */
+/* Reads the samples of pages in two steps: first some rows as they are stored, then the values of
+ * these rows. Rows that lie one after the other, as in stacks of this program, are read straight
+ * from the file. libtiff decodes all other rows, strip by strip or tile by tile. */
 #include <float.h>
 #include <inttypes.h>
 #include <stdlib.h>
@@ -11,7 +11,7 @@
 #include "data/tiff/tiff.h"
 #include "spectral.h"
 
-/* Some rows of a page as stored: those of a plane, then those of the next plane. */
+/* Some rows of a page as stored: the rows of the first plane, then those of the next. */
 struct stored_rows {
     const struct image *image;
     int page;
@@ -59,14 +59,14 @@ static bool rows_copy(const struct stored_rows *of, uint16_t plane, void *out, s
     return true;
 }
 
-/* Takes what a call of libtiff returned. */
+/* Refuses the page if libtiff returned a negative number or printed a message. */
 static bool is_decoded(const struct stored_rows *of, tmsize_t got, struct error *err)
 {
     return (got >= 0 && of->image->file->message[0] == '\0') ||
            image_refuse_broken(of->image, of->page, err);
 }
 
-/* Decodes the tiles that hold the rows, and joins their rows. */
+/* Decodes the tiles that contain the rows, and joins them. */
 static bool tiles_decode(const struct stored_rows *of, uint16_t plane, char *out, struct error *err)
 {
     const struct sample_layout *layout = &of->layout;
@@ -91,8 +91,8 @@ static bool strip_decode(const struct stored_rows *of, uint16_t plane, char *out
         of, TIFFReadEncodedStrip(tiff, strip, out, (tmsize_t)(of->n * of->layout.row_bytes)), err);
 }
 
-/* Reads row y with as many below it, up to `end`, as there is room for; of a strip or of tiles all
- * their rows. */
+/* Reads row y and rows below it: as many as there is room for, at most up to `end`. Reads a strip
+ * or a tile as a whole. */
 static bool rows_read(struct stored_rows *of, uint32_t y, uint32_t end, struct error *err)
 {
     const struct sample_layout *layout = &of->layout;
@@ -110,7 +110,8 @@ static bool rows_read(struct stored_rows *of, uint32_t y, uint32_t end, struct e
     return good;
 }
 
-/* Goes to the page's directory, if libtiff is to decode its rows, and lets it know how. */
+/* Goes to the page's directory, if libtiff has to decode its rows, and sets again how it decodes.
+ */
 static bool page_turn(const struct image *image, int page, struct error *err)
 {
     struct image_file *file = image->file;
@@ -133,7 +134,7 @@ static bool page_turn(const struct image *image, int page, struct error *err)
 
 /* ---- values ---- */
 
-/* A sample as stored. */
+/* Returns a sample as stored. */
 static double sample_at(const struct sample_layout *layout, const void *samples, size_t at)
 {
     if (layout->bits == 8)
@@ -142,7 +143,8 @@ static double sample_at(const struct sample_layout *layout, const void *samples,
                               : (double)((const float *)samples)[at];
 }
 
-/* 0 to 1, or a float sample. The sum of RGB is a whole number: grey of the three gives the grey. */
+/* Returns a value from 0 to 1, or a float sample. The sum of RGB is a whole number, so that three
+ * equal samples give exactly the value of one. */
 static double pixel_value(const struct stored_rows *of, size_t pixel)
 {
     static const int grey[] = {1};
@@ -159,14 +161,15 @@ static double pixel_value(const struct stored_rows *of, size_t pixel)
     return (layout->inverted ? white - sum : sum) / white;
 }
 
-/* Counts of 16 bits, as in a stack of our own, several at once: pixel_value times the scale. */
+/* Writes pixel_value times the scale for grey counts of 16 bits. The loop is simple enough for the
+ * compiler to convert several at once. */
 static void counts_place(const uint16_t *counts, size_t n, double scale, float *restrict out)
 {
     for (size_t i = 0; i < n; i++)
         out[i] = (float)(counts[i] / 65535.0 * scale);
 }
 
-/* Writes the values of n rows from row y on, which have been read. */
+/* Writes the values of n rows from row y on. These rows have been read. */
 static bool values_place(const struct stored_rows *of, uint32_t y, uint32_t n, float *out,
                          struct error *err)
 {
@@ -181,10 +184,11 @@ static bool values_place(const struct stored_rows *of, uint32_t y, uint32_t n, f
     for (size_t i = 0; i < n * width; i++) {
         const double value = pixel_value(of, before + i) * scale;
         if (!(value >= 0 && value <= (double)FLT_MAX))
-            return image_refuse(of->image, of->page, err,
-                                "the radiance at column %zu, row %zu is %g; it is finite and not"
-                                " negative",
-                                i % width, y + i / width, value);
+            return image_refuse(
+                of->image, of->page, err,
+                "the radiance at column %zu, row %zu is %g; expected a finite number that"
+                " is not negative",
+                i % width, y + i / width, value);
         out[i] = (float)value;
     }
     return true;
@@ -203,7 +207,7 @@ static char *band_at(const struct kept_bands *kept, int band)
     return kept->samples + (size_t)(band - kept->first_page) * kept->band_bytes;
 }
 
-/* Copies the samples of each band that is kept, out of rows that were read. */
+/* Copies n rows from row y on, which have been read, into each band that is kept. */
 static void bands_place(const struct stored_rows *of, uint32_t y, uint32_t n)
 {
     const struct kept_bands *kept = &of->image->file->kept;
@@ -214,7 +218,7 @@ static void bands_place(const struct stored_rows *of, uint32_t y, uint32_t n)
             const char *in =
                 of->samples + ((row - of->first) * width * step + (size_t)band) * bytes;
             char *out = band_at(kept, band) + (row - kept->first_row) * width * bytes;
-            if (bytes == 1) /* known sizes are copied without a call */
+            if (bytes == 1) /* the compiler copies a known size without a call */
                 pick(out, in, width, step, 1);
             else if (bytes == 2)
                 pick(out, in, width, step, 2);
@@ -225,7 +229,7 @@ static void bands_place(const struct stored_rows *of, uint32_t y, uint32_t n)
 
 /* ---- reading ---- */
 
-/* Finds room for stored rows, of which n are wanted, and for a tile. */
+/* Allocates room for stored rows, if n are wanted, and for a tile. */
 static bool rows_allocate(struct stored_rows *of, uint32_t n, struct error *err)
 {
     const struct sample_layout *layout = &of->layout;
@@ -237,7 +241,7 @@ static bool rows_allocate(struct stored_rows *of, uint32_t n, struct error *err)
     return (of->samples != NULL && (of->tile != NULL || !layout->tiled)) || error_memory(err);
 }
 
-/* Reads n rows of a page from row y on: their values, or, where `out` is NULL, the kept bands. */
+/* Reads n rows of a page from row y on into `out`, or, if that is NULL, into the kept bands. */
 static bool page_read(struct stored_rows *of, uint32_t y, uint32_t n, float *out, struct error *err)
 {
     const struct sample_layout *layout = &of->layout;
@@ -260,10 +264,10 @@ static bool page_read(struct stored_rows *of, uint32_t y, uint32_t n, float *out
     return good;
 }
 
-/* Keeps the wanted rows of the page, a band, and of as many that follow as there is room for. */
+/* Keeps n rows from row y on of a band, and of as many bands behind it as there is room for. */
 static bool bands_keep(struct stored_rows of, uint32_t y, uint32_t n, struct error *err)
 {
-    const size_t room = (size_t)1 << 28; /* but for one band of them */
+    const size_t room = (size_t)1 << 28; /* or one band, if that is larger */
     struct kept_bands *kept = &of.image->file->kept;
     const size_t bytes = (size_t)n * of.layout.width * (of.layout.bits / 8);
     const size_t bands =
