@@ -260,7 +260,7 @@ static void check_line(void)
               matrix.share[9] == 0.1,
           "a matrix is read row by row");
     given = emission_under(&matrix, &light);
-    CHECK(given.count == 3 && given.wavelength_nm[1] == 420, "it gives out at its own wavelengths");
+    CHECK(given.count == 3 && given.wavelength_nm[1] == 420, "it emits at its own wavelengths");
     CHECK_TEXT(given.name != NULL ? given.name : "", "donaldson", "the spectrum has a name");
     CHECK(spectrum_at(&given, 399, SPECTRUM_ZERO) == 0 &&
               spectrum_at(&given, 451, SPECTRUM_ZERO) == 0,
@@ -326,7 +326,7 @@ static void check_factors(void)
     }
 }
 
-/* Writes columns that give out all that a diffuse reflectance leaves, in shares of 2^-10. */
+/* Writes columns that emit all that the diffuse reflectance leaves, in shares of 2^-10. */
 static void check_energy(void)
 {
     static const char *const lights[] = {"uv", "fluorescent", "0.8", "blackbody:3000"};
@@ -344,7 +344,7 @@ static void check_energy(void)
                                 (90 + 10 * ((j + i) % 4) + ((j + i) % 4 == 3 ? 92 : 0)) / 1024.0);
     }
     matrix = read_matrix(content, 0.5, &err);
-    CHECK_TEXT(err.text, "", "a column may give out all that is taken in");
+    CHECK_TEXT(err.text, "", "a column may emit all that the surface absorbs");
     for (size_t k = 0; k < sizeof lights / sizeof lights[0]; k++) {
         static const double width[] = {30, 60, 120, 150}; /* of bands at 400, 430, 520 and 670 */
         struct spectrum light = read_word(lights[k]), given = emission_under(&matrix, &light);
@@ -354,7 +354,7 @@ static void check_energy(void)
         for (int j = 0; j < given.count; j++)
             out += width[j] * given.value[j];
         CHECK_NEAR(out / in, 1, (3 * COLUMNS + 20) * half_epsilon,
-                   "under %s it gives out what it takes in", lights[k]);
+                   "under %s it emits what it absorbs", lights[k]);
         spectrum_free(&light);
         spectrum_free(&given);
     }
@@ -409,9 +409,9 @@ static void check_refusals(void)
         {"nm 300 310\nx 0.1 0.2\n", ":2:1: error: emission wavelength must be a number"},
         {"nm 300 310\n400 0.1 0.2\n400 0 0\n", ":3:1: error: wavelength 400 nm follows 400 nm"},
         {"# so\nnm 300,\t380, 390\n400 0.1 0.3 0\n410 0 0.23 0.1\n",
-         ":2:9: error: at 380 nm the matrix gives out 0.53 of the light, but the surface takes in "
+         ":2:9: error: at 380 nm the matrix emits 0.53 of the light, but the surface absorbs "
          "only 0.4 (1 - diffuse)"},
-        {"nm 300\n400 0.2\n410 0.200000000000002\n", ":1:4: error: at 300 nm the matrix gives"},
+        {"nm 300\n400 0.2\n410 0.200000000000002\n", ":1:4: error: at 300 nm the matrix emits"},
     };
     struct error err;
     for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {

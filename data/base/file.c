@@ -84,8 +84,7 @@ char *file_relative(const char *base, const char *name)
 
 /* ---- reading ---- */
 
-/* Lines and columns are counted in int, so that messages could not name a place in a longer file.
- */
+/* Lines and columns are counted in int: a message could not name a place in a longer file. */
 static const size_t longest_read = INT_MAX;
 
 static bool refuse_read(struct error *err, struct place from, const char *path, const char *why)
@@ -208,8 +207,7 @@ bool file_open(const char *path, struct place from, int *descriptor,
 
 /* ---- writing ---- */
 
-/* Refuses a path that cannot be written as bad input, and any other failure as one of the system.
- */
+/* Reports a path that cannot be written as bad input, and any other failure as the system's. */
 static bool write_fault(struct error *err, const char *path)
 {
     int cause = errno;

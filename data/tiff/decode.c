@@ -110,8 +110,7 @@ static bool rows_read(struct stored_rows *of, uint32_t y, uint32_t end, struct e
     return good;
 }
 
-/* Goes to the page's directory, if libtiff has to decode its rows, and sets again how it decodes.
- */
+/* Goes to the page's directory, if libtiff decodes its rows, and sets again how it decodes. */
 static bool page_turn(const struct image *image, int page, struct error *err)
 {
     struct image_file *file = image->file;
