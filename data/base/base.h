@@ -62,6 +62,7 @@ struct output {
     bool copied;     /* path is no regular file: copy instead of rename */
     void *held;      /* of signals_hold */
 };
+/* Creates the temporary file. Refuses a path that cannot be written. */
 bool output_open(struct output *out, const char *path, struct error *err);
 /* Returns true if a signal that is held back is pending. */
 bool output_interrupted(void);

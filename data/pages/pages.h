@@ -17,9 +17,8 @@ struct pages {
     int channels;          /* 1: grey, 3: RGB */
     int bits;              /* of a sample: 8, 16, or 32 of a float */
     uint64_t bytes_behind; /* behind the last page, where no TIFF reader looks */
-    const char
-        *room; /* the beginning of a text of the first page that is written last; NULL: none */
-    size_t room_bytes;
+    const char *room;      /* beginning of a text in the first page; pages_finish writes it */
+    size_t room_bytes;     /* of that text; room NULL: there is none */
     uint32_t room_tag;
     /* set by pages_open: */
     struct output output;
