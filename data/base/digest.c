@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* SHA-256 (FIPS 180-4), so that reports and records can say which bytes they speak of. */
+/* SHA-256 (FIPS 180-4). Reports and records identify files by it. */
 #include <string.h>
 
 #include "data/base/base.h"
@@ -24,7 +24,7 @@ static uint32_t rotate(uint32_t word, int right)
     return word >> right | word << (32 - right);
 }
 
-/* 6.2.2 step 1; the names a to h and w are the standard's. */
+/* 6.2.2 step 1. The names a to h and w are those of the standard. */
 static void schedule(const unsigned char *block, uint32_t w[64])
 {
     for (int t = 0; t < 16; t++, block += 4)

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Failures as one line of text and an exit status, and memory that fails in the same way. Texts
- * take no allocation, so that they work when memory has run out; nothing is printed here, so that
- * only the command line decides what the user sees. */
+/* A failure is one line of text and an exit status. The text needs no allocation, so that it works
+ * when memory has run out. Nothing is printed here: the command line decides what the user sees. */
 #include <errno.h>
 #include <limits.h>
 #include <stdarg.h>
@@ -11,8 +10,8 @@
 #include "data/base/base.h"
 #include "spectral.h"
 
-/* Words and file names reach the text as they are; a control character among them could otherwise
- * forge a second line or drive the terminal. */
+/* Replaces control characters. A word or a file name could otherwise forge a second line, or
+ * control the terminal. */
 static void hide_controls(char *text)
 {
     for (; *text != '\0'; text++)
@@ -20,7 +19,7 @@ static void hide_controls(char *text)
             *text = '?';
 }
 
-/* Keeps the room for `ending`, so that the cause survives a message that is too long. */
+/* Cuts a message that is too long before `ending`, which is the cause. */
 static bool fail(struct error *err, enum exit_status status, const char *prefix, const char *format,
                  va_list arguments, const char *ending)
 {
@@ -38,7 +37,7 @@ static bool fail(struct error *err, enum exit_status status, const char *prefix,
 
 bool error_at(struct error *err, struct place place, const char *format, ...)
 {
-    /* Half of the text at most for the path: the message matters more. */
+    /* The path gets half of the text at most: the message matters more. */
     char prefix[sizeof err->text / 2 + 32] = "";
     int longest = (int)(sizeof err->text / 2);
     va_list arguments;
@@ -81,7 +80,7 @@ bool error_memory(struct error *err)
     return error_system(err, "out of memory");
 }
 
-/* A count that is a power of two has filled its array, which then doubles. */
+/* An array is full when its count is a power of two. It then doubles. */
 void *array_more(void *array, int count, size_t size, struct error *err)
 {
     size_t room = count > 0 ? 2 * (size_t)count : 1;

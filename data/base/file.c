@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Whole reads, and outputs that appear whole or not at all: a long rendering must never leave a
- * half-written stack or destroy the one that stood there before. Nobody installs signal handlers,
- * so that no system call is interrupted. */
+/* Reads whole files, and writes files that appear whole or not at all: a long rendering must never
+ * leave half a stack, or destroy an older one. The program installs no signal handlers, so that no
+ * system call is interrupted. */
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -28,7 +28,7 @@ static int compare_builtin(const void *name, const void *file)
     return strcmp(name, ((const struct builtin_file *)file)->name);
 }
 
-/* `path` starts with the prefix. NULL: no such file. */
+/* Finds the file of a path that starts with the prefix. NULL: there is no such file. */
 static const struct builtin_file *builtin_find(const char *path)
 {
     return bsearch(path + strlen(builtin_prefix), builtin_files, builtin_file_count,
@@ -42,7 +42,7 @@ bool builtin_path(const char *folder, const char *name, const char *ending, char
     return length >= 0 && (size_t)length < capacity && builtin_find(out) != NULL;
 }
 
-/* Drops "./" and "a/../" in place; above the root there is only the root. */
+/* Removes "./" and "a/../" in place. The folder above the root is the root. */
 static void fold(char *path)
 {
     char *out = path;
@@ -84,12 +84,28 @@ char *file_relative(const char *base, const char *name)
 
 /* ---- reading ---- */
 
-/* A place counts lines and columns in int; a longer file could not be blamed. */
+/* Lines and columns are counted in int: a message could not name a place in a longer file. */
 static const size_t longest_read = INT_MAX;
 
 static bool refuse_read(struct error *err, struct place from, const char *path, const char *why)
 {
     return error_at(err, from, "cannot read %s: %s", path, why);
+}
+
+/* Opens a file that is no folder. Returns its descriptor; -1: it is refused. */
+static int open_readable(const char *path, struct place from, int flags, struct stat *status,
+                         struct error *err)
+{
+    const int descriptor = open(path, O_RDONLY | O_CLOEXEC | flags);
+    if (descriptor < 0 || fstat(descriptor, status) != 0)
+        refuse_read(err, from, path, strerror(errno));
+    else if (S_ISDIR(status->st_mode))
+        refuse_read(err, from, path, "it is a folder");
+    else
+        return descriptor;
+    if (descriptor >= 0)
+        close(descriptor);
+    return -1;
 }
 
 /* A file being read: its name, the place that names it, and its bytes so far. */
@@ -105,7 +121,8 @@ static bool refuse_reading(struct error *err, const struct reading *of, const ch
     return refuse_read(err, of->from, of->path, why);
 }
 
-/* Looks for NUL bytes while it reads, so that /dev/zero ends at once. Room is kept for a NUL. */
+/* Reads to the end. Looks for NUL bytes while it reads, so that /dev/zero ends at once. Keeps room
+ * for a NUL at the end. */
 static bool read_open(struct reading *of, int descriptor, size_t capacity, struct error *err)
 {
     for (ssize_t got = 1; got != 0;) {
@@ -132,24 +149,15 @@ static bool read_open(struct reading *of, int descriptor, size_t capacity, struc
 
 static bool read_path(struct reading *of, struct error *err)
 {
-    size_t capacity = 1 << 16;
     struct stat status;
-    bool done = false;
-    const int descriptor = open(of->path, O_RDONLY | O_CLOEXEC);
+    const int descriptor = open_readable(of->path, of->from, 0, &status, err);
     if (descriptor < 0)
-        return refuse_reading(err, of, strerror(errno));
-    if (fstat(descriptor, &status) != 0)
-        refuse_reading(err, of, strerror(errno));
-    else if (S_ISDIR(status.st_mode))
-        refuse_reading(err, of, "it is a folder");
-    else if (S_ISREG(status.st_mode) && status.st_size > (off_t)longest_read)
-        refuse_reading(err, of, "it is too long for a text file");
-    else {
-        /* One byte for the NUL, and one so that the read that meets the end has room. */
-        if (S_ISREG(status.st_mode) && status.st_size > 0)
-            capacity = (size_t)status.st_size + 2;
-        done = read_open(of, descriptor, capacity, err);
-    }
+        return false;
+    const off_t size = S_ISREG(status.st_mode) ? status.st_size : 0;
+    /* One byte is for the NUL, and one for the read that finds the end. */
+    const bool done = size > (off_t)longest_read
+                          ? refuse_reading(err, of, "it is too long for a text file")
+                          : read_open(of, descriptor, size > 0 ? (size_t)size + 2 : 1 << 16, err);
     close(descriptor);
     return done;
 }
@@ -186,23 +194,20 @@ bool file_open(const char *path, struct place from, int *descriptor,
     *builtin = is_builtin(path) ? builtin_find(path) : NULL;
     if (is_builtin(path))
         return *builtin != NULL || refuse_read(err, from, path, "there is no such built-in file");
-    *descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK); /* a pipe must not hold us up */
-    if (*descriptor < 0 || fstat(*descriptor, &status) != 0)
-        refuse_read(err, from, path, strerror(errno));
-    else if (!S_ISREG(status.st_mode))
-        refuse_read(err, from, path,
-                    S_ISDIR(status.st_mode) ? "it is a folder" : "it is no regular file");
-    else
-        return true;
-    if (*descriptor >= 0)
-        close(*descriptor);
-    *descriptor = -1;
-    return false;
+    const int opened =
+        open_readable(path, from, O_NONBLOCK, &status, err); /* does not wait for a pipe */
+    if (opened >= 0 && !S_ISREG(status.st_mode)) {
+        refuse_read(err, from, path, "it is no regular file");
+        close(opened);
+    } else {
+        *descriptor = opened;
+    }
+    return *descriptor >= 0;
 }
 
 /* ---- writing ---- */
 
-/* A path that cannot be written is bad input; a disk that cannot take the bytes is not. */
+/* Reports a path that cannot be written as bad input, and any other failure as the system's. */
 static bool write_fault(struct error *err, const char *path)
 {
     int cause = errno;
@@ -214,7 +219,7 @@ static bool write_fault(struct error *err, const char *path)
     return false;
 }
 
-/* Held back while a temporary file exists: their default action would leave it behind. */
+/* These are held back while a temporary file exists: their default action would leave it behind. */
 static const int held_signals[] = {SIGINT, SIGTERM, SIGHUP};
 enum { HELD_SIGNALS = sizeof held_signals / sizeof held_signals[0] };
 
@@ -243,7 +248,7 @@ bool output_interrupted(void)
     sigemptyset(&pending);
     sigpending(&pending);
     for (int i = 0; i < HELD_SIGNALS; i++) {
-        /* Under nohup a blocked SIGHUP waits although it would be ignored. */
+        /* Under nohup a blocked SIGHUP is pending although it would be ignored. */
         struct sigaction action;
         if (sigismember(&pending, held_signals[i]) == 1 &&
             sigaction(held_signals[i], NULL, &action) == 0 && action.sa_handler != SIG_IGN)
@@ -252,8 +257,8 @@ bool output_interrupted(void)
     return false;
 }
 
-/* Creates .NAME.PID.N.tmp beside the path; a leftover of an earlier process with this number is
- * stepped over. NAME is cut so that the whole stays below NAME_MAX. */
+/* Creates .NAME.PID.N.tmp beside the path. N is the first number that is free: an earlier process
+ * of the same PID may have left a file. NAME is cut, so that the name stays below NAME_MAX. */
 static bool create_temporary(struct output *out, const char *path, mode_t mode)
 {
     const char *slash = strrchr(path, '/'), *name = slash != NULL ? slash + 1 : path;
@@ -275,7 +280,7 @@ static bool create_temporary(struct output *out, const char *path, mode_t mode)
     return false;
 }
 
-/* A device or a pipe: the temporary lies where temporary files lie. */
+/* Opens a device or a pipe: its temporary file is created in the folder for temporary files. */
 static bool open_copied(struct output *out, const char *path, struct error *err)
 {
     const char *folder = getenv("TMPDIR");
@@ -291,8 +296,8 @@ static bool open_copied(struct output *out, const char *path, struct error *err)
            error_system(err, "cannot create a temporary file in %s", folder);
 }
 
-/* A regular file or a name that is still free. `existing` NULL: free. The umask takes bits that the
- * replaced file may have. */
+/* Opens a regular file, or a name that is free (`existing` is NULL). Sets the mode of the replaced
+ * file again, since the umask may have removed bits of it. */
 static bool open_beside(struct output *out, const char *path, const struct stat *existing,
                         struct error *err)
 {
@@ -349,13 +354,14 @@ bool write_all(int descriptor, const void *bytes, size_t length)
     return true;
 }
 
-/* Some file systems cannot sync and say EINVAL; there is no more to be done on them. */
+/* Some file systems cannot sync, and return EINVAL: that is no failure. */
 static bool sync_descriptor(int descriptor)
 {
     return fsync(descriptor) == 0 || errno == EINVAL;
 }
 
-/* Makes the rename last. A folder that may be written but not read cannot be synced. */
+/* Syncs the folder, so that the new name outlives a crash. A folder that may be written but not
+ * read cannot be synced. */
 static bool sync_folder(const char *path)
 {
     char *folder = file_relative(path, ".");
@@ -377,7 +383,7 @@ static bool commit_rename(struct output *out, struct error *err)
     free(out->temporary);
     out->temporary = NULL;
     return sync_folder(out->path) ||
-           error_system(err, "wrote %s, but cannot make its folder entry last", out->path);
+           error_system(err, "wrote %s, but cannot sync its folder", out->path);
 }
 
 static bool copy_bytes(int from, int to)
@@ -400,8 +406,8 @@ static void drop_temporary(struct output *out)
     out->temporary = NULL;
 }
 
-/* The temporary loses its name first. So nothing stays behind when a signal, free to come again,
- * ends the wait for a pipe's reader. */
+/* Removes the name of the temporary file before signals are released: a signal may end the program
+ * while it waits for the reader of a pipe, and then no file stays behind. */
 static bool commit_copy(struct output *out, struct error *err)
 {
     int target;

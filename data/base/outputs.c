@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The names of files that a command writes: their defaults, and the mistakes that are found before
- * work begins. */
+/* Default names of the files that a command writes, and checks of these names before the work
+ * begins. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -33,7 +33,7 @@ bool output_spares(const char *output, const char *input, struct error *err)
     return !output || !input || stat(output, &written) != 0 || stat(input, &read) != 0 ||
            !S_ISREG(read.st_mode) || written.st_dev != read.st_dev ||
            written.st_ino != read.st_ino ||
-           error_usage(err, "%s would replace what is read; expected another file", output);
+           error_usage(err, "%s would replace the input; expected another file", output);
 }
 
 bool output_can_open(const char *path, struct error *err)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The program watches itself: seconds, progress on a terminal, peak memory. */
+/* Measures seconds and memory of this process, and shows progress on a terminal. */
 #include <stdio.h>
 #include <sys/resource.h>
 #include <time.h>
@@ -7,7 +7,7 @@
 
 #include "data/base/base.h"
 
-/* Between two lines of progress, so that the terminal is not flooded. */
+/* The shortest time between two lines of progress. */
 static const double pause_s = 0.1;
 
 double clock_seconds(void)

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* The threads of OpenMP, without which the program has one. */
+/* Starts the threads of OpenMP. Without OpenMP the program has one thread. */
 #ifdef _OPENMP
 #include <omp.h>
 #endif
 
 #include "data/base/base.h"
 
-/* Threads inherit which signals are held back from the one that starts them, and keep it. */
+/* A thread holds back the signals that its parent held back when it was started. */
 int threads_start(int wanted)
 {
     int n = wanted > 0 ? wanted : 1;

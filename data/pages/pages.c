@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Writes TIFF files of uncompressed pages: all directories first and then all pixels, page after
- * page and without gaps. Every sample so has a place that is known before the first one is there,
- * and they may be written in any order.
+/* Writes TIFF files of uncompressed pages: first all directories, then all pixels, page after page
+ * and without gaps. The place of every sample is known from the start, so that samples can be
+ * written in any order.
  *
- * libtiff writes the directories, through callbacks on our own descriptor. Where it would write a
- * page's pixels it is handed a stand-in that is never read: the callback only moves the end of the
- * file, so that libtiff records the right offset and no blank pixels are written or kept. */
+ * libtiff writes the directories, through callbacks on our own descriptor. Instead of the pixels of
+ * a page it gets a pointer that nobody reads. The callback only moves the end of the file: libtiff
+ * records the right offset, and no blank pixels are written or kept. */
 #include <errno.h>
 #include <inttypes.h>
 #include <string.h>
@@ -44,17 +44,17 @@ uint64_t pages_end(const struct pages *pages)
     return pages_offset(pages, pages->count) + pages->bytes_behind;
 }
 
-/* ---- the file, as libtiff sees it ---- */
+/* ---- the calls by which libtiff writes ---- */
 
-/* Its address stands for the pixels of a whole page. */
+/* The address of the client stands for the pixels of a whole page. */
 struct client {
     struct pages *pages;
     struct error *err;
     uint64_t position, end;
-    bool failed; /* err says why */
+    bool failed; /* err has the reason */
 };
 
-/* A long write may be cut short: Linux ends it at 2 GiB, a full disk where it is full. */
+/* Writes on after a short write: Linux writes at most 2 GiB a call, and a full disk what fits. */
 static bool write_at(const struct pages *pages, const void *bytes, size_t length, uint64_t offset,
                      struct error *err)
 {
@@ -122,7 +122,7 @@ static toff_t client_size(thandle_t handle)
     return client->end;
 }
 
-/* Warnings come without a client: our own private tags are no news. */
+/* Keeps an error. Warnings come without a client: they are about our own private tags. */
 static int PRINTF_LIKE(4, 0) client_message(TIFF *tiff, void *data, const char *module,
                                             const char *format, va_list arguments)
 {
@@ -136,10 +136,10 @@ static int PRINTF_LIKE(4, 0) client_message(TIFF *tiff, void *data, const char *
         errno = 0;
         error_system(client->err, "%s: libtiff: %s", client->pages->output.path, message);
     }
-    return 1; /* said: nothing goes to standard error */
+    return 1; /* libtiff prints nothing */
 }
 
-/* NULL on failure. */
+/* Returns NULL on failure. */
 static TIFF *open_tiff(struct client *client, const char *mode)
 {
     TIFFOpenOptions *options = TIFFOpenOptionsAlloc();
@@ -156,14 +156,14 @@ static TIFF *open_tiff(struct client *client, const char *mode)
     return tiff;
 }
 
-/* True if all went well; says why not where libtiff has said nothing. tiff may be NULL. */
+/* Returns true if nothing has failed. Sets an error if libtiff has given none. tiff may be NULL. */
 static bool close_tiff(TIFF *tiff, const struct client *client, bool good)
 {
     if (tiff != NULL)
         TIFFClose(tiff);
     errno = 0;
     return (good && !client->failed) ||
-           error_system(client->err, "%s: what was written is not whole",
+           error_system(client->err, "%s: the written file is not complete",
                         client->pages->output.path);
 }
 
@@ -174,7 +174,7 @@ static int sample_format(const struct pages *pages)
     return pages->bits == 32 ? SAMPLEFORMAT_IEEEFP : SAMPLEFORMAT_UINT;
 }
 
-/* No Orientation: ImageJ would ignore the number of images. */
+/* Sets no Orientation: ImageJ would then ignore the number of images. */
 static bool set_format(TIFF *tiff, const struct pages *pages, int page)
 {
     return TIFFSetField(tiff, TIFFTAG_SUBFILETYPE, FILETYPE_PAGE) &&
@@ -202,8 +202,8 @@ static bool write_directories(TIFF *tiff, const struct pages *pages, page_tags *
     return good;
 }
 
-/* Gives each page its place at the end of the file, and notes it in its directory. Goes on with
- * TIFFReadDirectory: TIFFSetDirectory would walk the chain from its start for each page. */
+/* Places each page at the end of the file, and records the offset in its directory. Calls
+ * TIFFReadDirectory for the next page: TIFFSetDirectory would walk the chain from its start. */
 static bool place_pages(TIFF *tiff, struct client *client)
 {
     const struct pages *pages = client->pages;
@@ -217,8 +217,8 @@ static bool place_pages(TIFF *tiff, struct client *client)
     return true;
 }
 
-/* Finds a full disk before hours of rendering do. Nothing is reserved: that takes as long as
- * writing where a file system cannot do it by itself. Some do not tell how large they are. */
+/* Refuses a disk that is too full before hours of rendering are lost. Reserves nothing: on some
+ * file systems that takes as long as writing. Some file systems do not report their size. */
 static bool check_free_space(const struct output *output, uint64_t needed, struct error *err)
 {
     struct statvfs disk;
@@ -226,25 +226,25 @@ static bool check_free_space(const struct output *output, uint64_t needed, struc
         needed / disk.f_frsize <= disk.f_bavail)
         return true;
     errno = 0;
-    return error_system(err, "%s: takes %.4g MB, the disk has %.4g MB left", output->path,
+    return error_system(err, "%s: needs %.4g MB, the disk has %.4g MB left", output->path,
                         1e-6 * (double)needed,
                         1e-6 * (double)disk.f_bavail * (double)disk.f_frsize);
 }
 
-/* Writes all directories, then places all pages. What would pass the 4 GiB of a classic TIFF is
- * laid out once more, as BigTIFF; and so is what tells other offsets than turn out. Their digits
- * never become fewer: that ends. */
+/* Writes all directories, then places all pages. Starts again, as BigTIFF, if the file would pass
+ * the 4 GiB of a classic TIFF. Starts again, too, if the tags record another offset than the pages
+ * get: with the right offset they may be longer. Offsets only grow, so that this ends. */
 static bool lay_out(struct pages *pages, page_tags *set_tags, const void *of, struct error *err)
 {
     struct client client = {.pages = pages, .err = err};
     TIFF *tiff = open_tiff(&client, pages->big ? "w8l" : "wl");
     bool good = tiff != NULL && write_directories(tiff, pages, set_tags, of, err) &&
                 (pages->room == NULL || pages->room_offset != 0);
-    client.end = (client.end + 3) / 4 * 4; /* a float page may be mapped into memory as it is */
-    const bool told = pages->bytes_behind == 0 || pages->first == client.end;
+    client.end = (client.end + 3) / 4 * 4; /* a program may map a page of floats into memory */
+    const bool recorded = pages->bytes_behind == 0 || pages->first == client.end;
     pages->first = client.end;
     const uint64_t end = pages_end(pages);
-    const bool fits = (pages->big || end <= UINT32_MAX) && told;
+    const bool fits = (pages->big || end <= UINT32_MAX) && recorded;
     good = good && (!fits || place_pages(tiff, &client));
     if (!close_tiff(tiff, &client, good) || !check_free_space(&pages->output, end, err))
         return false;
@@ -257,8 +257,8 @@ static bool lay_out(struct pages *pages, page_tags *set_tags, const void *of, st
 bool pages_open(struct pages *pages, const char *path, page_tags *set_tags, const void *of,
                 struct error *err)
 {
-    /* Room for directories, and bytes behind, in 63 bits; a page in tmsize_t, which is as wide as
-     * ptrdiff_t. */
+    /* 63 bits hold the pages, the directories and the bytes behind. A page fits into tmsize_t,
+     * which is as wide as ptrdiff_t. */
     const uint64_t most_bytes = UINT64_C(1) << 62;
     const uint64_t rows = (uint64_t)pages->height * ((uint64_t)pages->count + 1);
     if (pages_row_bytes(pages) > most_bytes / rows || page_bytes(pages) > PTRDIFF_MAX)
@@ -278,7 +278,7 @@ bool pages_write(const struct pages *pages, int page, uint64_t at, const void *b
 
 /* ---- the check at the end ---- */
 
-/* The current directory describes this page and tells its place. */
+/* Returns true if the current directory describes this page and has its offset. */
 static bool page_is_whole(TIFF *tiff, const struct pages *pages, int page)
 {
     uint16_t format = 0, compression = 0;
@@ -291,7 +291,8 @@ static bool page_is_whole(TIFF *tiff, const struct pages *pages, int page)
            TIFFGetStrileOffset(tiff, 0) == pages_offset(pages, page);
 }
 
-/* libtiff does not know the room's tag: a counted array of characters. */
+/* Returns true if the room holds the text. libtiff does not know the room's tag: it returns a
+ * counted array of characters. */
 static bool room_is_filled(TIFF *tiff, const struct pages *pages, const char *room)
 {
     uint32_t count = 0;
@@ -300,8 +301,8 @@ static bool room_is_filled(TIFF *tiff, const struct pages *pages, const char *ro
            memcmp(text, room, count) == 0;
 }
 
-/* Reads every directory with libtiff, as another program would; "c" keeps it from showing a large
- * strip as many small ones. */
+/* Reads every directory with libtiff, as another program would. "c": libtiff does not split a large
+ * strip into small ones. */
 bool pages_finish(struct pages *pages, const char *room, struct error *err)
 {
     const int last = pages->count - 1;

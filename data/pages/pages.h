@@ -10,53 +10,54 @@ struct tiff; /* libtiff's TIFF */
 
 /* ---- pages.c: files of uncompressed pages ---- */
 
-/* A file of uncompressed pages of the same format. All directories come first, then the pages
+/* A file of uncompressed pages of the same format. All directories come first, then all pages
  * without gaps. */
 struct pages {
     int count, width, height;
     int channels;          /* 1: grey, 3: RGB */
     int bits;              /* of a sample: 8, 16, or 32 of a float */
-    uint64_t bytes_behind; /* behind the last page, where readers of TIFF do not look */
-    const char *room;      /* how a text of the first page begins that comes last; NULL: none */
-    size_t room_bytes;
+    uint64_t bytes_behind; /* behind the last page, where no TIFF reader looks */
+    const char *room;      /* beginning of a text in the first page; pages_finish writes it */
+    size_t room_bytes;     /* of that text; room NULL: there is none */
     uint32_t room_tag;
-    /* found when the file is laid out: */
+    /* set by pages_open: */
     struct output output;
-    uint64_t first; /* offset of the first page's pixels */
+    uint64_t first; /* the offset of the first page's pixels */
     uint64_t room_offset;
     bool big; /* BigTIFF */
 };
 
-/* Sets the tags of the current directory that describe the page. `of` is the caller's. */
+/* Sets those tags of the current directory that describe the page. `of` is the caller's. */
 typedef bool page_tags(struct tiff *tiff, const void *of, int page, struct error *err);
 
-/* Lays out the file that the first half of `pages` describes. Tags may record pages_offset where
- * there are bytes behind the last page. On failure nothing is left open. */
+/* Writes the directories of the file that the first half of `pages` describes, and reserves the
+ * places of the pages. If there are bytes behind the last page, tags may record their pages_offset.
+ * On failure nothing is left open. */
 bool pages_open(struct pages *pages, const char *path, page_tags *set_tags, const void *of,
                 struct error *err);
-/* The offset of a page's pixels; of page `count`, of the bytes behind the last page. */
+/* Returns the offset of a page's pixels; for page `count`, of the bytes behind the last page. */
 uint64_t pages_offset(const struct pages *pages, int page);
-uint64_t pages_end(const struct pages *pages); /* of the file */
-/* Writes bytes, `at` bytes behind the beginning of a page's pixels. */
+uint64_t pages_end(const struct pages *pages); /* the size of the whole file */
+/* Writes bytes into a page, from byte `at` of its pixels on. */
 bool pages_write(const struct pages *pages, int page, uint64_t at, const void *bytes, size_t length,
                  struct error *err);
-/* Fills the room with a text (NULL where there is no room), and reads all directories again to see
- * that they are whole. */
+/* Fills the room with a text (NULL: there is no room). Reads all directories again, and fails if
+ * one of them is not complete. */
 bool pages_finish(struct pages *pages, const char *room, struct error *err);
 
 /* ---- picture.c: colour pictures ---- */
 
 enum picture_samples { PICTURE_8, PICTURE_16, PICTURE_FLOAT };
 struct picture_options {
-    int width, height; /* above 4 GiB it becomes a BigTIFF */
+    int width, height; /* a picture above 4 GiB becomes a BigTIFF */
     enum picture_samples samples;
-    const char *channels[3];      /* of a float picture, e.g. "X", "Y", "Z"; RGB otherwise */
+    const char *channels[3];      /* of a float picture, such as "X", "Y", "Z" */
     const unsigned char *profile; /* ICC; NULL: none */
     size_t profile_length;
     const char *description; /* ASCII */
 };
-/* A TIFF file written from the top, which appears whole or not at all. RGB is one page of three
- * samples a pixel; floats are three pages, each a channel and named as such. */
+/* A picture that is written from the top, and appears whole or not at all. RGB is one page of three
+ * samples a pixel. Floats are three pages, one for each channel, with its name. */
 struct picture_writer {
     struct pages pages;
     struct picture_options options;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Writes colour pictures. RGB is one page of three samples a pixel; floats are three grey pages,
- * since ImageJ and Pillow open no other. */
+/* Writes colour pictures. RGB is one page of three samples a pixel. Floats are three grey pages:
+ * ImageJ and Pillow open no other floats. */
 #include <assert.h>
 #include <stdlib.h>
 #include <tiffio.h>
@@ -12,7 +12,7 @@
 static bool set_tags(TIFF *tiff, const void *of, int page, struct error *err)
 {
     const struct picture_options *options = of;
-    (void)err; /* libtiff says what fails */
+    (void)err; /* libtiff reports its failures */
     return TIFFSetField(tiff, TIFFTAG_IMAGEDESCRIPTION, options->description) &&
            TIFFSetField(tiff, TIFFTAG_SOFTWARE, PROGRAM) &&
            (options->samples != PICTURE_FLOAT ||
@@ -37,7 +37,7 @@ bool picture_open(struct picture_writer *out, const char *path,
     return pages_open(&out->pages, path, set_tags, options, err);
 }
 
-/* One channel of some rows becomes rows of its page. */
+/* Writes each channel of some rows into its page. */
 static bool write_planes(const struct picture_writer *writer, const float *samples, int rows,
                          struct error *err)
 {

@@ -242,11 +242,7 @@ bool view_complete(struct scene *scene, struct error *err)
 bool option_open(struct scene *scene, const char *option, const char *value, struct text *out,
                  struct error *err)
 {
-    if (!text_open_string(out, option, value, err) || !scene_keep(scene, out, err))
-        return false;
-    if (text_next_line(out) && strchr(value, '\n') == NULL)
-        return true;
-    return error_at(err, text_place(out), "expected one line, not '%s'", value);
+    return text_open_line(out, option, value, err) && scene_keep(scene, out, err);
 }
 
 struct word option_word(const struct text *text, const char *start, const char *end)

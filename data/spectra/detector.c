@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Detectors: three sensitivities, and what a radiance at each wavelength of a picture counts in
+/* Detectors: three sensitivities, and the weights by which the radiances of a picture count in
  * them. */
 #include <math.h>
 #include <stdlib.h>
@@ -10,23 +10,23 @@
 
 /* ---- wavelengths ---- */
 
-/* The band that a wavelength stands for: half-way to its neighbours, as far beyond the ends. */
-struct band {
+/* The range that a wavelength stands for: half-way to its neighbours, as far beyond the ends. */
+struct range {
     double first, last;
 };
-static struct band band_of(const double *nm, int n, int i)
+static struct range range_of(const double *nm, int n, int i)
 {
     const double left = i > 0 ? nm[i] - nm[i - 1] : n > 1 ? nm[1] - nm[0] : 1;
     const double right = i < n - 1 ? nm[i + 1] - nm[i] : left;
-    return (struct band){nm[i] - left / 2, nm[i] + right / 2};
+    return (struct range){nm[i] - left / 2, nm[i] + right / 2};
 }
 
-/* The sum of a sensitivity over its own table, or of its magnitude, outside a band. */
-static double sum_outside(const struct spectrum *s, bool magnitude, struct band picture)
+/* Returns the integral of a sensitivity, or of its magnitude, over its table outside a range. */
+static double sum_outside(const struct spectrum *s, bool magnitude, struct range picture)
 {
     double sum = 0;
     for (int i = 0; i < s->count; i++) {
-        const struct band own = band_of(s->wavelength_nm, s->count, i);
+        const struct range own = range_of(s->wavelength_nm, s->count, i);
         const double first = fmax(own.first, picture.first), last = fmin(own.last, picture.last);
         const double outside = own.last - own.first - fmax(0, last - first);
         sum += outside * (magnitude ? fabs(s->value[i]) : s->value[i]);
@@ -34,11 +34,11 @@ static double sum_outside(const struct spectrum *s, bool magnitude, struct band 
     return sum;
 }
 
-static const struct band nowhere = {HUGE_VAL, HUGE_VAL};
+static const struct range nowhere = {HUGE_VAL, HUGE_VAL};
 
 /* ---- reading ---- */
 
-/* Sensitivities may be negative, but not 0 everywhere. */
+/* Refuses a sensitivity that is 0 everywhere. It may be negative at some wavelengths. */
 static bool check_sensitivity(const struct spectrum *s, int column, bool is_y, struct error *err)
 {
     const double sum = sum_outside(s, false, nowhere), magnitude = sum_outside(s, true, nowhere);
@@ -50,7 +50,7 @@ static bool check_sensitivity(const struct spectrum *s, int column, bool is_y, s
            error_at(err, s->place, "the sum of y is %.6g; an observer's is positive", sum);
 }
 
-/* The places are in a file that is closed by then; their path becomes the detector's name. */
+/* The places are in a file that is closed at the end: their path becomes the detector's name. */
 bool detector_read(const char *name, struct detector *out, struct error *err)
 {
     *out = (struct detector){.name = strdup(name)};
@@ -82,8 +82,8 @@ void detector_weights(const struct detector *detector, const double *wavelengths
     const struct spectrum *y = &detector->sensitivity[1];
     const double k = detector->observer ? 100 / sum_outside(y, false, nowhere) : 1;
     for (int i = 0; i < n; i++) {
-        const struct band band = band_of(wavelengths_nm, n, i);
-        const double width = k * (band.last - band.first);
+        const struct range range = range_of(wavelengths_nm, n, i);
+        const double width = k * (range.last - range.first);
         for (int channel = 0; channel < 3; channel++)
             out[channel * n + i] = width * spectrum_at(&detector->sensitivity[channel],
                                                        wavelengths_nm[i], SPECTRUM_ZERO);
@@ -115,14 +115,14 @@ void detector_response(const double *weights, const double *radiance, int n, dou
 void detector_lost(const struct detector *detector, const double *wavelengths_nm, int n,
                    double out[3])
 {
-    detector_lost_outside(detector, band_of(wavelengths_nm, n, 0).first,
-                          band_of(wavelengths_nm, n, n - 1).last, out);
+    detector_lost_outside(detector, range_of(wavelengths_nm, n, 0).first,
+                          range_of(wavelengths_nm, n, n - 1).last, out);
 }
 
 void detector_lost_outside(const struct detector *detector, double first_nm, double last_nm,
                            double out[3])
 {
-    const struct band picture = {first_nm, last_nm};
+    const struct range picture = {first_nm, last_nm};
     for (int channel = 0; channel < 3; channel++) {
         const struct spectrum *s = &detector->sensitivity[channel];
         out[channel] = sum_outside(s, true, picture) / sum_outside(s, true, nowhere);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Fluorescence: what of a light is taken in, summed over the wavelengths of both the light and what
- * takes it in, so that neither a line between the samples of an excitation nor an excitation
- * between those of a light is lost; and the matrix that says where it is given out. */
+/* Fluorescence: the light that a surface absorbs, and the matrix that says where it emits this
+ * light. Sums run over the wavelengths of both the light and the excitation: neither a line between
+ * the samples of the excitation nor an excitation between the samples of the light is lost. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -13,8 +13,9 @@
 
 /* ---- the wavelengths of two spectra ---- */
 
-/* The next wavelength where the course of a spectrum shows; HUGE_VAL: none, as in smooth ones. At 4
- * widths from its centre a gaussian is down to 2^-64, which no sum shows. */
+/* Returns the next wavelength that a sum over the spectrum needs; HUGE_VAL: there is none, as for
+ * smooth spectra. A gaussian needs none beyond 4 widths from its centre: there it is below 2^-64,
+ * which changes no sum. */
 static double next_above(const struct spectrum *spectrum, double nm)
 {
     if (spectrum->kind == SPECTRUM_GAUSSIAN) {
@@ -25,27 +26,20 @@ static double next_above(const struct spectrum *spectrum, double nm)
     }
     if (spectrum->kind != SPECTRUM_SAMPLED)
         return HUGE_VAL;
-    int low = 0, high = spectrum->count;
-    while (low < high) {
-        const int middle = low + (high - low) / 2;
-        if (spectrum->wavelength_nm[middle] > nm)
-            high = middle;
-        else
-            low = middle + 1;
-    }
-    return low < spectrum->count ? spectrum->wavelength_nm[low] : HUGE_VAL;
+    const int next = spectrum_count_up_to(spectrum, nm);
+    return next < spectrum->count ? spectrum->wavelength_nm[next] : HUGE_VAL;
 }
 
-/* A walk over the positive wavelengths of two spectra, equal ones once. */
+/* A walk over the positive wavelengths of two spectra. Equal wavelengths come once. */
 struct walk {
     const struct spectrum *within, *other;
     double before, nm, after; /* 0 and HUGE_VAL: none */
-    double weight;            /* how many nm the wavelength stands for */
+    double weight;            /* the nm that the wavelength stands for */
 };
 
-/* It stays between the first and the last sample of `within`, if that has any: as all else counts
- * for nothing there, it must not change what the ends stand for. Two smooth spectra are taken every
- * nm over the visible range. */
+/* Returns the next wavelength of the walk. It stays between the first and the last sample of
+ * `within`, if that has samples: beyond them `within` is 0, and a wavelength there must not change
+ * the nm that the ends stand for. The walk takes two smooth spectra every nm from 300 to 780 nm. */
 static double walk_peek(const struct walk *walk, double nm)
 {
     const double next = next_above(walk->within, nm), other = next_above(walk->other, nm);
@@ -63,7 +57,7 @@ static struct walk walk_start(const struct spectrum *within, const struct spectr
     return walk;
 }
 
-/* False at the end. */
+/* Returns false at the end. */
 static bool walk_step(struct walk *walk)
 {
     double left, right;
@@ -82,10 +76,10 @@ static bool walk_step(struct walk *walk)
     return true;
 }
 
-/* ---- what is taken in ---- */
+/* ---- absorption ---- */
 
-/* Sums relative to the largest values, so that they neither overflow nor vanish. */
-struct intake {
+/* Sums over values that are divided by the largest, so that they neither overflow nor vanish. */
+struct absorption {
     double largest_light, largest_excitation;
     double product, excitation;
 };
@@ -95,9 +89,9 @@ static double relative(double value, double largest)
     return largest > 0 ? value / largest : 0;
 }
 
-static struct intake take_in(const struct spectrum *light, const struct spectrum *excitation)
+static struct absorption absorb(const struct spectrum *light, const struct spectrum *excitation)
 {
-    struct intake out = {0};
+    struct absorption out = {0};
     for (struct walk walk = walk_start(excitation, light); walk_step(&walk);) {
         out.largest_light = fmax(out.largest_light, spectrum_at(light, walk.nm, SPECTRUM_ZERO));
         out.largest_excitation =
@@ -113,11 +107,11 @@ static struct intake take_in(const struct spectrum *light, const struct spectrum
     return out;
 }
 
-/* Never above the light's largest value: rounding keeps product <= excitation. A blackbody as
- * excitation may be 0 at all of the light's wavelengths. */
+/* The mean is never above the light's largest value: rounding keeps product <= excitation. A
+ * blackbody as excitation may be 0 at all wavelengths of the light. */
 double excitation_mean(const struct spectrum *light, const struct spectrum *excitation)
 {
-    const struct intake in = take_in(light, excitation);
+    const struct absorption in = absorb(light, excitation);
     return in.largest_light * relative(in.product, in.excitation);
 }
 
@@ -125,11 +119,10 @@ double excitation_mean(const struct spectrum *light, const struct spectrum *exci
 
 enum { LARGEST_MATRIX = 4096 }; /* rows, and columns */
 
-/* A matrix being read. */
-struct table {
-    struct text text, header;             /* header: the cursor before the first column */
-    struct spectrum excitation, emission; /* their wavelengths; the values are 0 */
-    double *share;
+/* A matrix that is being read. */
+struct matrix_table {
+    struct text text, header; /* header: the cursor before the first column */
+    struct donaldson *out;
 };
 
 static bool read_wavelength(const struct word *word, const char *what, struct spectrum *axis,
@@ -142,13 +135,13 @@ static bool read_wavelength(const struct word *word, const char *what, struct sp
            spectrum_append(axis, nm, 0, word->place, err);
 }
 
-static bool read_header(struct table *table, struct error *err)
+static bool read_header(struct matrix_table *table, struct error *err)
 {
     struct text *text = &table->text;
     struct word word;
     while (!text_peek(*text, &word))
         if (!text_next_line(text))
-            return error_at(err, text_whole(text), "no rows; a matrix needs two at least");
+            return error_at(err, text_whole(text), "no rows; a matrix needs at least two");
     if (!text_expect(text, &word, "a word", err))
         return false;
     if (word_begins_number(&word))
@@ -158,23 +151,23 @@ static bool read_header(struct table *table, struct error *err)
             word_shown(&word), word.start);
     table->header = *text;
     while (text_word(text, &word))
-        if (!read_wavelength(&word, "excitation wavelength", &table->excitation, err))
+        if (!read_wavelength(&word, "excitation wavelength", &table->out->excitation, err))
             return false;
-    return table->excitation.count > 0 ||
+    return table->out->excitation.count > 0 ||
            error_at(err, text_place(text), "expected an excitation wavelength");
 }
 
-static bool read_row(struct table *table, const struct word *first, struct error *err)
+static bool read_row(struct matrix_table *table, const struct word *first, struct error *err)
 {
-    const int columns = table->excitation.count, row = table->emission.count;
+    const int columns = table->out->excitation.count, row = table->out->emission.count;
     struct word word;
-    if (!read_wavelength(first, "emission wavelength", &table->emission, err))
+    if (!read_wavelength(first, "emission wavelength", &table->out->emission, err))
         return false;
     for (int i = 0; i < columns; i++) {
-        double *more = array_more(table->share, row * columns + i, sizeof *more, err);
+        double *more = array_more(table->out->share, row * columns + i, sizeof *more, err);
         if (more == NULL)
             return false;
-        table->share = more;
+        table->out->share = more;
         if (!text_expect(&table->text, &word, "a share for each excitation wavelength", err) ||
             !word_number(&word, "share", 0, 1, &more[row * columns + i], err))
             return false;
@@ -182,7 +175,7 @@ static bool read_row(struct table *table, const struct word *first, struct error
     return text_end(&table->text, "this row", err);
 }
 
-static bool read_rows(struct table *table, struct error *err)
+static bool read_rows(struct matrix_table *table, struct error *err)
 {
     struct word word;
     while (text_next_line(&table->text))
@@ -191,36 +184,37 @@ static bool read_rows(struct table *table, struct error *err)
     return true;
 }
 
-static bool refuse_column(const struct table *table, int column, double given, double taken,
-                          struct error *err)
+static bool refuse_column(const struct matrix_table *table, int column, double emitted,
+                          double absorbed, struct error *err)
 {
     struct text header = table->header;
     struct word word = {0};
     for (int i = 0; i <= column; i++)
         text_word(&header, &word);
     return error_at(err, word.place,
-                    "at %.15g nm the matrix gives out %.15g of the light, but the surface takes in "
-                    "only %.15g (1 - diffuse)",
-                    table->excitation.wavelength_nm[column], given, taken);
+                    "at %.15g nm the matrix emits %.15g of the light, but the surface absorbs only "
+                    "%.15g (1 - diffuse)",
+                    table->out->excitation.wavelength_nm[column], emitted, absorbed);
 }
 
-/* Decimal shares may add up to 1 - diffuse exactly. Half an epsilon a rounding: one a row for the
- * sum, and up to ten for the shares as read, the diffuse reflectance and its difference to 1. */
-static bool check_shares(const struct table *table, const struct spectrum *diffuse,
+/* Refuses a column that emits more than 1 - diffuse. Decimal shares may add up to it exactly, so
+ * that the slack is half an epsilon a rounding: one for each row of the sum, and up to ten for the
+ * shares as read, the diffuse reflectance and its difference to 1. */
+static bool check_shares(const struct matrix_table *table, const struct spectrum *diffuse,
                          struct error *err)
 {
-    const int columns = table->excitation.count, rows = table->emission.count;
+    const int columns = table->out->excitation.count, rows = table->out->emission.count;
     const double slack = (rows + 10) * (DBL_EPSILON / 2);
     double all = 0;
     for (int i = 0; i < columns; i++) {
-        const double nm = table->excitation.wavelength_nm[i];
-        const double taken = 1 - spectrum_at(diffuse, nm, SPECTRUM_HOLD);
-        double given = 0;
+        const double nm = table->out->excitation.wavelength_nm[i];
+        const double absorbed = 1 - spectrum_at(diffuse, nm, SPECTRUM_HOLD);
+        double emitted = 0;
         for (int j = 0; j < rows; j++)
-            given += table->share[j * columns + i];
-        if (given > taken + slack)
-            return refuse_column(table, i, given, taken, err);
-        all += given;
+            emitted += table->out->share[j * columns + i];
+        if (emitted > absorbed + slack)
+            return refuse_column(table, i, emitted, absorbed, err);
+        all += emitted;
     }
     return all > 0 || error_at(err, text_whole(&table->text),
                                "no share is above 0; rows of an emission wavelength and its shares "
@@ -230,41 +224,31 @@ static bool check_shares(const struct table *table, const struct spectrum *diffu
 bool donaldson_read(const char *path, struct place from, const struct spectrum *diffuse,
                     struct donaldson *out, struct error *err)
 {
-    struct table table = {0};
-    bool done;
-    *out = (struct donaldson){0};
+    struct matrix_table table = {.out = out};
+    *out = (struct donaldson){.share = NULL};
     if (!text_open(&table.text, path, from, err))
         return false;
     table.text.separators = ",;";
-    done = read_header(&table, err) && read_rows(&table, err) && check_shares(&table, diffuse, err);
-    *out = (struct donaldson){table.excitation.count, table.emission.count,
-                              table.excitation.wavelength_nm, table.emission.wavelength_nm,
-                              table.share};
-    table.excitation.wavelength_nm = table.emission.wavelength_nm = NULL; /* taken over */
-    spectrum_free(&table.excitation);
-    spectrum_free(&table.emission);
+    const bool done =
+        read_header(&table, err) && read_rows(&table, err) && check_shares(&table, diffuse, err);
     text_free(&table.text);
     if (!done)
         donaldson_free(out);
     return done;
 }
 
-/* A row is a spectrum of what is taken in to be given out there. */
+/* A row of the matrix is an excitation spectrum: of the light that is emitted at the row's
+ * wavelength. */
 bool donaldson_emission(const struct donaldson *matrix, const struct spectrum *light,
                         struct spectrum *out, struct error *err)
 {
-    const struct spectrum none = {0}, emission = {.kind = SPECTRUM_SAMPLED,
-                                                  .count = matrix->n_emission,
-                                                  .wavelength_nm = matrix->emission_nm};
-    struct spectrum row = {.kind = SPECTRUM_SAMPLED,
-                           .factor = 1,
-                           .count = matrix->n_excitation,
-                           .wavelength_nm = matrix->excitation_nm,
-                           .value = matrix->share};
+    const struct spectrum none = {.kind = SPECTRUM_NONE};
+    struct spectrum row = matrix->excitation;
+    row.value = matrix->share;
     bool done = true;
     *out = (struct spectrum){0};
-    for (struct walk walk = walk_start(&emission, &none); done && walk_step(&walk);) {
-        const struct intake in = take_in(light, &row);
+    for (struct walk walk = walk_start(&matrix->emission, &none); done && walk_step(&walk);) {
+        const struct absorption in = absorb(light, &row);
         const double value = in.largest_excitation * (in.product / walk.weight) * in.largest_light;
         done = spectrum_append(out, walk.nm, value, light->place, err);
         row.value += row.count;
@@ -277,8 +261,8 @@ bool donaldson_emission(const struct donaldson *matrix, const struct spectrum *l
 
 void donaldson_free(struct donaldson *matrix)
 {
-    free(matrix->excitation_nm);
-    free(matrix->emission_nm);
+    spectrum_free(&matrix->excitation);
+    spectrum_free(&matrix->emission);
     free(matrix->share);
     *matrix = (struct donaldson){0};
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Gaussian quadrature: Legendre's, and that of any discrete weight. */
+/* Gaussian quadrature: of constant weight (Legendre), and of any discrete weight. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -8,7 +8,7 @@
 
 /* ---- Legendre ---- */
 
-/* The polynomial of degree n at x, and its derivative; |x| < 1. */
+/* Returns the polynomial of degree n at x, |x| < 1, and its derivative. */
 static double legendre(int n, double x, double *derivative)
 {
     double before = 0, p = 1;
@@ -21,7 +21,7 @@ static double legendre(int n, double x, double *derivative)
     return p;
 }
 
-/* Newton's method doubles the right digits of the estimate, two at least, in each step. */
+/* The estimate of a node has two right digits at least. Each step of Newton's doubles them. */
 void quadrature_legendre(double first, double last, int n, struct quadrature *out)
 {
     const double centre = (first + last) / 2, half = (last - first) / 2;
@@ -48,7 +48,7 @@ void quadrature_legendre(double first, double last, int n, struct quadrature *ou
 struct polynomials {
     const double *x, *w;
     int count;
-    double centre, half; /* of the points, which are taken to [-1, 1] */
+    double centre, half; /* of the points, which are mapped to [-1, 1] */
     double *value;       /* [k * count + point]; owned */
     double a[LARGEST_QUADRATURE], b[LARGEST_QUADRATURE], size[LARGEST_QUADRATURE];
     double norm[LARGEST_QUADRATURE];
@@ -59,7 +59,7 @@ static double scaled(const struct polynomials *p, double x)
     return (x - p->centre) / p->half;
 }
 
-/* The sum of w x^power_of_x f g, of power 0 or 1. */
+/* Returns the sum of w x^power_of_x f g. The power is 0 or 1. */
 static double inner(const struct polynomials *p, int power_of_x, const double *f, const double *g)
 {
     double sum = 0;
@@ -68,8 +68,9 @@ static double inner(const struct polynomials *p, int power_of_x, const double *f
     return sum;
 }
 
-/* Rounding brings back what should be orthogonal: taken away twice, it is gone (Gautschi, 2.2.3.1,
- * on why the plain recurrence fails when n is not small beside the points). */
+/* Makes polynomial k + 1 orthogonal to all before it. Rounding leaves a remainder the first time,
+ * so that it is done twice. Gautschi, 2.2.3.1, explains why the plain recurrence fails if n is not
+ * small beside the number of points. */
 static void orthogonalise(const struct polynomials *p, int k)
 {
     double *next = p->value + (size_t)(k + 1) * (size_t)p->count;
@@ -82,7 +83,8 @@ static void orthogonalise(const struct polynomials *p, int k)
     }
 }
 
-/* Scales polynomial k where there is weight. Returns by how much; 0: it is 0 there. */
+/* Divides polynomial k by its largest magnitude at points of weight. Returns that; 0: it is 0
+ * there. */
 static double normalise(const struct polynomials *p, int k)
 {
     double *value = p->value + (size_t)k * (size_t)p->count, largest = 0;
@@ -93,8 +95,8 @@ static double normalise(const struct polynomials *p, int k)
     return largest;
 }
 
-/* Sums of positive and negative terms that leave less than this part of their magnitudes are taken
- * for 0: then there is no next polynomial. */
+/* A sum of positive and negative terms counts as 0 if it is below this part of the sum of their
+ * magnitudes. There is no next polynomial then. */
 static const double vanishing = 1e-13;
 
 static bool set_norm(struct polynomials *p, int k)
@@ -107,7 +109,7 @@ static bool set_norm(struct polynomials *p, int k)
     return fabs(p->norm[k]) > vanishing * magnitude;
 }
 
-/* From polynomials k - 1 and k to the next. */
+/* Computes polynomial k + 1 from polynomials k and k - 1. */
 static void recur(struct polynomials *p, int k)
 {
     const double *value = p->value + (size_t)k * (size_t)p->count;
@@ -139,7 +141,7 @@ static bool make_polynomials(struct polynomials *p, int n)
     return true;
 }
 
-/* Polynomial n at x; value[k] are those before. */
+/* Returns polynomial n at x, and stores those before it in value[k]. */
 static double evaluate(const struct polynomials *p, int n, double x, double *value)
 {
     const double at = scaled(p, x);
@@ -153,8 +155,8 @@ static double evaluate(const struct polynomials *p, int n, double x, double *val
     return last;
 }
 
-/* At a node: the polynomials by the recurrence downwards from polynomial n, which is 0 there; but
- * for a factor. */
+/* Computes the polynomials at a node, all times the same factor, by the recurrence downwards from
+ * polynomial n, which is 0 there. */
 static void evaluate_down(const struct polynomials *p, int n, double x, double *value)
 {
     const double at = scaled(p, x);
@@ -164,9 +166,10 @@ static void evaluate_down(const struct polynomials *p, int n, double x, double *
             ((at - p->a[k]) * value[k] - (k + 1 < n ? p->size[k] * value[k + 1] : 0)) / p->b[k];
 }
 
-/* Christoffel's number of a node. Either recurrence loses all digits where the values fall, as at
- * the ends of nearly as many points as nodes: so they meet where they agree best, which is where
- * the equation between them leaves the least (I. S. Dhillon's twisted factorisation, 1997). */
+/* Returns Christoffel's number of a node. Each recurrence loses all digits where its values fall,
+ * as at the ends if there are nearly as many nodes as points. So they meet where they agree best:
+ * where the equation between them leaves the smallest rest (I. S. Dhillon's twisted factorisation,
+ * 1997). */
 static double christoffel(const struct polynomials *p, int n, double x)
 {
     double up[LARGEST_QUADRATURE], down[LARGEST_QUADRATURE], least = HUGE_VAL, sum = 0;
@@ -189,7 +192,7 @@ static double christoffel(const struct polynomials *p, int n, double x)
     return 1 / sum;
 }
 
-/* Where it changes its sign, to the last bit. */
+/* Finds where polynomial n changes its sign, to the last bit. */
 static double bisect(const struct polynomials *p, int n, double low, double high)
 {
     double value[LARGEST_QUADRATURE];
@@ -205,8 +208,9 @@ static double bisect(const struct polynomials *p, int n, double low, double high
     }
 }
 
-/* Nodes between positive weights are at least a point apart. Those of weights of both signs may be
- * closer, and one on an end point may be beyond it by rounding. */
+/* Finds the nodes. If all weights are positive, a point lies between any two nodes. With weights of
+ * both signs nodes may be closer: so each gap is searched in parts. Rounding may put a node on an
+ * end point beyond it. */
 enum { PARTS = 16 };
 static void find_nodes(const struct polynomials *p, int n, struct quadrature *out)
 {

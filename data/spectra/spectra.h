@@ -29,25 +29,26 @@ struct spectrum {
     struct place place;
 };
 
-/* Reads a SPECTRUM word: built-in illuminant name, number, file, blackbody:K,
- * gaussian:CENTRE,WIDTH, each optionally *FACTOR. A table of several value columns (an observer)
- * needs :COLUMN, from 1: cie1931:2. File names are relative to the word's file. Refuses, at its own
- * place, a value below `lowest` or above `highest`. Factors must be finite and not negative. */
+/* Reads a SPECTRUM word: the name of a built-in illuminant, a number, a file, blackbody:K or
+ * gaussian:CENTRE,WIDTH, each optionally with *FACTOR. A table of several value columns (an
+ * observer) needs :COLUMN, from 1: cie1931:2. File names are relative to the word's file. Refuses,
+ * at its own place, a value below `lowest` or above `highest`. Factors must be finite and not
+ * negative. */
 bool spectrum_read(const struct word *word, double lowest, double highest, struct spectrum *out,
                    struct error *err);
 /* Adds one sample at the end. Refuses a wavelength that does not increase or is not positive. */
 bool spectrum_append(struct spectrum *spectrum, double wavelength_nm, double value,
                      struct place place, struct error *err);
 double spectrum_at(const struct spectrum *spectrum, double wavelength_nm, enum spectrum_ends ends);
-/* Returns whether wavelength_nm lies outside the samples of a sampled spectrum. */
+/* Returns true if wavelength_nm lies outside the samples of a sampled spectrum. */
 bool spectrum_extrapolates(const struct spectrum *spectrum, double wavelength_nm);
 void spectrum_free(struct spectrum *spectrum);
-/* Returns whether a built-in table has three values a line. */
+/* Returns true if a built-in table has three values a line. */
 bool table_is_detector(const struct builtin_file *file);
 
 /* ---- detector.c: the response of a detector to a spectrum ---- */
 
-/* Three sensitivities over wavelength. */
+/* Three sensitivities over wavelength. A channel has one. */
 struct detector {
     char *name;    /* as written; owned */
     bool observer; /* colour matching functions: its channels are tristimulus values X, Y and Z */
@@ -56,25 +57,26 @@ struct detector {
 /* Reads a built-in detector (spectral list observers), or a table of a wavelength and three values
  * a line. A table that names its columns x, y and z is an observer; any other is a camera. */
 bool detector_read(const char *name, struct detector *out, struct error *err);
-/* The same, but refuses a camera. */
+/* Reads a detector, and refuses a camera. */
 bool observer_read(const char *name, struct detector *out, struct error *err);
 void detector_free(struct detector *detector);
-/* Weights of n >= 1 increasing wavelengths: out[channel * n + i] is how much a radiance at
- * wavelength i counts in a channel. A wavelength stands for the band half-way to its neighbours,
- * the first and the last for a whole step, a single one for 1 nm: on a uniform grid equation 11 of
- * the thesis. An observer's weights are scaled so that radiance 1 everywhere has Y = 100:
- * k = 100 / (sum of y over its own table x step), whatever the wavelengths leave out; a camera's
- * are not scaled. */
+/* Computes the weights of n >= 1 increasing wavelengths: out[channel * n + i] is the weight of the
+ * radiance at wavelength i in a channel. A wavelength stands for the range half-way to its
+ * neighbours, the first and the last for a whole step, a single one for 1 nm. On a uniform grid
+ * that is equation 11 of the thesis. An observer's weights are scaled, so that radiance 1
+ * everywhere has Y = 100: k = 100 / (sum of y over its own table x step), even if the wavelengths
+ * cover only a part of the table. A camera's weights are not scaled. */
 void detector_weights(const struct detector *detector, const double *wavelengths_nm, int n,
                       double *out);
-/* The response to n radiances by such weights: XYZ, or a camera's channels. `radiance` NULL: 1
- * everywhere. */
+/* Computes the response to n radiances by such weights: XYZ, or a camera's channels. `radiance`
+ * NULL: 1 everywhere. */
 void detector_response(const double *weights, const double *radiance, int n, double out[3]);
-/* The part, 0 to 1, of each channel's sensitivity (of its magnitude, where it is negative) that
- * lies outside the band from half a step before the first to half a step behind the last. */
+/* Computes the part, 0 to 1, of each channel's sensitivity (of its magnitude, if it is negative)
+ * that lies outside the wavelengths: before half a step below the first, or beyond half a step
+ * above the last. */
 void detector_lost(const struct detector *detector, const double *wavelengths_nm, int n,
                    double out[3]);
-/* The same, outside the band from first_nm to last_nm. */
+/* Computes the part that lies outside the range from first_nm to last_nm. */
 void detector_lost_outside(const struct detector *detector, double first_nm, double last_nm,
                            double out[3]);
 
@@ -86,51 +88,52 @@ struct quadrature {
     int n;
     double node[LARGEST_QUADRATURE], weight[LARGEST_QUADRATURE];
 };
-/* Gauss-Legendre from first to last, 1 <= n <= LARGEST_QUADRATURE: exact for polynomials of degree
- * 2n - 1. Nodes and weights are right to 1e-14 of the interval. */
+/* Gauss-Legendre from first to last, 1 <= n <= LARGEST_QUADRATURE, is exact for polynomials of
+ * degree 2n - 1. Nodes and weights are right to 1e-14 of the interval. */
 void quadrature_legendre(double first, double last, int n, struct quadrature *out);
-/* Quadrature of a sum over `count` increasing points x of weight w, with the polynomials that
- * Stieltjes's procedure makes (Gautschi, Orthogonal Polynomials, 2004, 2.2). Weights w may change
- * sign; then weights of the result may be negative, and for some n there is no quadrature. Returns
- * false where there is none: fewer points of weight than n, or nodes that are not real, distinct
- * and between the first and the last x. */
+/* Finds the quadrature of a sum over `count` increasing points x of weight w, by the polynomials of
+ * Stieltjes's procedure (Gautschi, Orthogonal Polynomials, 2004, 2.2). Weights w may change sign.
+ * Then weights of the result may be negative, and for some n there is no quadrature. Returns false
+ * if there is none: fewer than n points have weight, or the nodes are not real, distinct and
+ * between the first and the last x. */
 bool quadrature_discrete(const double *x, const double *w, int count, int n,
                          struct quadrature *out);
-/* The value at x of the polynomial that is 1 at node i and 0 at all others (equation 2 of the
- * thesis). */
+/* Returns the value at x of the polynomial that is 1 at node i and 0 at all others (equation 2 of
+ * the thesis). */
 double quadrature_lagrange(const double *node, int n, int i, double x);
 
-/* ---- fluorescence.c: light absorbed at one wavelength and emitted at another ---- */
+/* ---- fluorescence.c: light that is absorbed at one wavelength and emitted at another ---- */
 
 /* Returns N = sum(light x excitation) / sum(excitation), equations 6 to 9 of the thesis: the factor
  * of the emission under this light. The sums run over the wavelengths of both spectra within the
  * excitation's own, whatever range a picture shows. Each wavelength counts for the distance
  * half-way to its neighbours, the first and last for a whole step: on one uniform grid these are
- * the thesis's plain sums. N is 0 where the excitation is 0 at all of these wavelengths. */
+ * the thesis's plain sums. N is 0 if the excitation is 0 at all of these wavelengths. */
 double excitation_mean(const struct spectrum *light, const struct spectrum *excitation);
 
 /* A bispectral (Donaldson) matrix without its diagonal: the share of the light in an excitation
  * band that the surface emits in an emission band. Each band reaches half-way to its neighbours, as
  * above. */
 struct donaldson {
-    int n_excitation, n_emission;
-    double *excitation_nm, *emission_nm; /* strictly increasing; owned */
-    double *share;                       /* [emission][excitation], not negative; owned */
+    struct spectrum excitation, emission; /* their wavelengths; the values are 0 */
+    double *share;                        /* [emission][excitation], not negative; owned */
 };
 /* Reads a table: a first row with a word and the excitation wavelengths, then rows of an emission
  * wavelength and its shares. Refuses a matrix of zeros, and, with its wavelength, a column that
  * emits more than the surface absorbs there (1 - diffuse). */
 bool donaldson_read(const char *path, struct place from, const struct spectrum *diffuse,
                     struct donaldson *out, struct error *err);
-/* The emission under a light of intensity 1: samples at the emission wavelengths; 0 outside. *out
- * is allocated. */
+/* Computes the emission under a light of intensity 1: samples at the emission wavelengths. It is 0
+ * outside of them. *out is allocated. */
 bool donaldson_emission(const struct donaldson *matrix, const struct spectrum *light,
                         struct spectrum *out, struct error *err);
 void donaldson_free(struct donaldson *matrix);
 
 /* ---- Inside this room ---- */
 
-/* Reads a table of a wavelength and three values a line: a built-in one, or a file. *xyz: its head
+/* Returns the number of samples at wavelengths up to this one. */
+int spectrum_count_up_to(const struct spectrum *spectrum, double wavelength_nm);
+/* Reads a built-in table, or a file, of a wavelength and three values a line. *xyz: its header
  * names the values x, y and z. On failure the caller frees *out. */
 bool spectra_read(const char *name, struct spectrum out[3], bool *xyz, struct error *err);
 

@@ -14,13 +14,13 @@
 #include "data/text/text.h"
 #include "spectral.h"
 
-/* Beyond a millimetre nothing is light; the bound keeps sums and steps of wavelengths finite. */
+/* A millimetre: longer waves are no light. The limit keeps sums and steps of wavelengths finite. */
 static const double longest_nm = 1e6;
 
 /* ---- values ---- */
 
-/* Planck's radiance over that at 560 nm: (560/nm)^5 (e^x0 - 1) / (e^x - 1), x = c2 / (nm T). With
- * e^x taken out of both, nothing overflows on the way to a result that fits. */
+/* Planck's radiance, divided by that at 560 nm: (560/nm)^5 (e^x0 - 1) / (e^x - 1), x = c2 / (nm T).
+ * Both differences are divided by their e^x, so that no step overflows if the result does not. */
 static double blackbody(double temperature, double nm)
 {
     const double c2 = 1.4387768775039338e7; /* h c / k in nm K, exact in CODATA 2018 */
@@ -31,23 +31,30 @@ static double blackbody(double temperature, double nm)
     return q * q * q * q * q * ratio * one_minus_decay(x0) / one_minus_decay(x);
 }
 
-/* Linear from the nearer sample: so the ends are met exactly and never passed by rounding. */
+int spectrum_count_up_to(const struct spectrum *spectrum, double wavelength_nm)
+{
+    int low = 0, high = spectrum->count;
+    while (low < high) {
+        const int middle = low + (high - low) / 2;
+        if (spectrum->wavelength_nm[middle] > wavelength_nm)
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return low;
+}
+
+/* Interpolates from the nearer sample: so the values at samples are exact, and rounding never
+ * passes them. */
 static double sampled(const struct spectrum *s, double nm, enum spectrum_ends ends)
 {
     const double *x = s->wavelength_nm, *y = s->value;
-    int low = 0, high = s->count - 1, nearer;
     if (spectrum_extrapolates(s, nm))
-        return ends == SPECTRUM_ZERO ? 0 : nm < x[0] ? y[0] : y[high];
-    while (high - low > 1) {
-        const int middle = low + (high - low) / 2;
-        if (x[middle] <= nm)
-            low = middle;
-        else
-            high = middle;
-    }
+        return ends == SPECTRUM_ZERO ? 0 : nm < x[0] ? y[0] : y[s->count - 1];
+    const int low = spectrum_count_up_to(s, nm) - 1, high = low + 1;
     if (nm == x[low])
         return y[low];
-    nearer = nm - x[low] < x[high] - nm ? low : high;
+    const int nearer = nm - x[low] < x[high] - nm ? low : high;
     return y[nearer] + (y[high] - y[low]) * ((nm - x[nearer]) / (x[high] - x[low]));
 }
 
@@ -78,7 +85,7 @@ bool spectrum_extrapolates(const struct spectrum *spectrum, double wavelength_nm
             wavelength_nm > spectrum->wavelength_nm[spectrum->count - 1]);
 }
 
-/* The largest value without the factor. A blackbody's is at Wien's wavelength. */
+/* Returns the largest value without the factor. A blackbody has it at Wien's wavelength. */
 static double peak(const struct spectrum *s)
 {
     const double wien = 2.897771955e6; /* b in nm K, CODATA 2018 */
@@ -138,13 +145,13 @@ void spectrum_free(struct spectrum *spectrum)
 
 /* ---- tables ---- */
 
-enum { MAX_COLUMNS = 3 }; /* read at once: those of a detector */
+enum { MAX_COLUMNS = 3 }; /* kept of a row: those of a detector */
 
-/* A file being read into spectra. */
+/* A file that is being read into spectra. */
 struct table {
     struct text text;
-    const struct word *word; /* that asks for it */
-    long column;             /* the first one asked for; 0: the file must have n_out of them only */
+    const struct word *word; /* that names the file */
+    long column;             /* the first one wanted; 0: the file has exactly n_out */
     long n_columns;          /* of values; 0: not known before the first row */
     double lowest, highest;
     struct spectrum *out; /* one a column */
@@ -168,7 +175,7 @@ static bool is_numeric(const struct word *word)
     return digit && !word->quoted;
 }
 
-/* Takes note of the number of columns. */
+/* Keeps the number of columns, or refuses it. */
 static bool check_columns(struct table *table, long n_columns, struct place place,
                           struct error *err)
 {
@@ -188,7 +195,7 @@ static bool check_columns(struct table *table, long n_columns, struct place plac
     return true;
 }
 
-/* The next word of the file. */
+/* Reads the next word of the file, on this line or a later one. */
 static bool next_word(struct text *text, struct word *out)
 {
     while (!text_word(text, out))
@@ -197,7 +204,7 @@ static bool next_word(struct text *text, struct word *out)
     return true;
 }
 
-/* A wavelength and one or more values. */
+/* Reads the rest of a row: a wavelength and one or more values. */
 static bool read_row(struct table *table, const struct word *first, struct error *err)
 {
     const long wanted = table->column > 0 ? table->column : 1;
@@ -227,15 +234,14 @@ static bool read_row(struct table *table, const struct word *first, struct error
     return true;
 }
 
-/* Skips the words above the columns. A number among them would be a sample whose wavelength is
- * mistyped, and so would a word that begins like one. */
+/* Skips the words above the columns. A line is no such header if its first word begins like a
+ * number, or another word is one: it is then a row with a mistake in it. */
 static void skip_header(struct table *table)
 {
     struct text *text = &table->text;
     struct word word;
     int n = 0, named = 0;
-    bool header =
-        text_word(text, &word) && (word.quoted || strchr("0123456789+-.", word.start[0]) == NULL);
+    bool header = text_word(text, &word) && !word_begins_number(&word);
     while (header && text_word(text, &word)) {
         header = !is_numeric(&word);
         named += n < 3 && word.length == 1 && word.start[0] == "xyz"[n];
@@ -257,23 +263,23 @@ static bool read_columns(struct table *table, struct error *err)
     return true;
 }
 
-/* Keywords in the head of a CGATS file that describe its data. */
-enum { BANDS, START_NM, END_NM, NORM, CGATS_KEYWORDS };
-static const char *const cgats_keywords[] = {"SPECTRAL_BANDS", "SPECTRAL_START_NM",
-                                             "SPECTRAL_END_NM", "SPECTRAL_NORM"};
+/* The words of a CGATS file that describe its data. */
+enum { BANDS, START_NM, END_NM, NORM, CGATS_WORDS };
+static const char *const cgats_words[] = {"SPECTRAL_BANDS", "SPECTRAL_START_NM", "SPECTRAL_END_NM",
+                                          "SPECTRAL_NORM"};
 
 static bool check_cgats(const double *head, struct place place, struct error *err)
 {
     for (int i = BANDS; i <= END_NM; i++)
         if (head[i] == 0)
-            return error_at(err, place, "%s is missing before the data", cgats_keywords[i]);
+            return error_at(err, place, "%s is missing before the data", cgats_words[i]);
     if (head[BANDS] > 1 ? head[START_NM] < head[END_NM] : head[START_NM] == head[END_NM])
         return true;
     return error_at(err, place, "%.15g bands from %.15g to %.15g nm; they must increase",
                     head[BANDS], head[START_NM], head[END_NM]);
 }
 
-/* Adds the values up to END_DATA, over as many lines as they take. */
+/* Adds the values up to END_DATA, on any number of lines. */
 static bool read_data(struct table *table, const double *head, struct place begin,
                       struct error *err)
 {
@@ -296,33 +302,33 @@ static bool read_data(struct table *table, const double *head, struct place begi
     return error_at(err, begin, "BEGIN_DATA without END_DATA");
 }
 
-/* Writers put numbers in quotes or not. */
-static bool read_keyword(struct text *text, const char *keyword, double *out, struct error *err)
+/* Some programs write numbers in quotes. */
+static bool read_cgats_number(struct text *text, const char *name, double *out, struct error *err)
 {
     struct word word;
-    if (!text_expect(text, &word, keyword, err))
+    if (!text_expect(text, &word, name, err))
         return false;
     word.quoted = false;
-    return word_number(&word, keyword, DBL_MIN, HUGE_VAL, out, err) && text_end(text, keyword, err);
+    return word_number(&word, name, DBL_MIN, HUGE_VAL, out, err) && text_end(text, name, err);
 }
 
-/* Words other than the keywords say nothing about the samples. */
+/* Reads a CGATS file. Skips all words that do not describe its data. */
 static bool read_cgats(struct table *table, struct error *err)
 {
-    double head[CGATS_KEYWORDS] = {[NORM] = 1}; /* 0: missing */
+    double head[CGATS_WORDS] = {[NORM] = 1}; /* 0: missing */
     struct word word;
     bool done = check_columns(table, 1, text_whole(&table->text), err);
     while (done && next_word(&table->text, &word)) {
         if (word_is(&word, "BEGIN_DATA"))
             done = check_cgats(head, word.place, err) && read_data(table, head, word.place, err);
-        for (int i = 0; i < CGATS_KEYWORDS; i++)
-            if (word_is(&word, cgats_keywords[i]))
-                done = read_keyword(&table->text, cgats_keywords[i], &head[i], err);
+        for (int i = 0; i < CGATS_WORDS; i++)
+            if (word_is(&word, cgats_words[i]))
+                done = read_cgats_number(&table->text, cgats_words[i], &head[i], err);
     }
     return done;
 }
 
-/* The first word of the file tells its format. */
+/* Reads a file in the format that its first word implies. */
 static bool read_file(const char *path, struct table *table, struct error *err)
 {
     struct text *text = &table->text;
@@ -344,7 +350,7 @@ static bool read_file(const char *path, struct table *table, struct error *err)
 
 /* ---- words ---- */
 
-/* The word's bytes from one to another, with their own place. */
+/* Returns the part of a word from byte `from` to before byte `to`, with its own place. */
 static struct word part(const struct word *word, size_t from, size_t to)
 {
     struct word out = *word;
@@ -355,7 +361,7 @@ static struct word part(const struct word *word, size_t from, size_t to)
     return out;
 }
 
-/* Splits at the last `mark`; false when there is none. */
+/* Splits a word at the last `mark`. Returns false if there is none. */
 static bool split(const struct word *word, char mark, struct word *before, struct word *after)
 {
     size_t at = word->length;
@@ -395,7 +401,7 @@ static bool refuse_unknown(const struct table *table, const char *name, struct e
                     list);
 }
 
-/* The built-in table or file that table->word names. */
+/* Reads the built-in table, or the file, that table->word names. */
 static bool read_table(struct table *table, struct error *err)
 {
     const struct word *word = table->word;
@@ -416,7 +422,7 @@ static bool read_table(struct table *table, struct error *err)
     return done;
 }
 
-/* NAME or FILE, with :COLUMN or without. */
+/* Reads NAME or FILE, with :COLUMN or without. */
 static bool read_named(const struct word *word, double lowest, double highest, struct spectrum *out,
                        struct error *err)
 {
@@ -442,9 +448,9 @@ bool spectra_read(const char *name, struct spectrum out[3], bool *xyz, struct er
     return done;
 }
 
-/* A spectrum without its factor. */
-static bool read_body(const struct word *word, double lowest, double highest, struct spectrum *out,
-                      struct error *err)
+/* Reads a spectrum without its factor. */
+static bool read_unscaled(const struct word *word, double lowest, double highest,
+                          struct spectrum *out, struct error *err)
 {
     static const char blackbody_prefix[] = "blackbody:", gaussian_prefix[] = "gaussian:";
     double *parameter = out->parameter;
@@ -469,13 +475,13 @@ static bool read_body(const struct word *word, double lowest, double highest, st
            word_number(&width, "width", DBL_MIN, longest_nm, &parameter[1], err);
 }
 
-/* Samples and constants were held against the range as written; the factor is held against it here,
- * and so are the formulas. */
+/* Refuses a spectrum that is too large with its factor. Samples and constants are already in range
+ * without it. */
 static bool check_peak(const struct spectrum *s, double highest, struct error *err)
 {
     const double largest = s->factor * peak(s), limit = fmin(highest, DBL_MAX);
     if (!isfinite(largest))
-        return error_at(err, s->place, "'%.100s' reaches what no number holds", s->name);
+        return error_at(err, s->place, "'%.100s' reaches values that are too large", s->name);
     return largest <= limit ||
            error_at(err, s->place,
                     "'%.100s' reaches %.15g, above %.15g; scale it by a factor, "
@@ -486,17 +492,17 @@ static bool check_peak(const struct spectrum *s, double highest, struct error *e
 bool spectrum_read(const struct word *word, double lowest, double highest, struct spectrum *out,
                    struct error *err)
 {
-    struct word body = *word, before, number;
+    struct word unscaled = *word, before, number;
     double factor = 1;
     bool done = true;
     *out = (struct spectrum){0};
     if (word->quoted && word->start[word->length] != '"')
         return error_at(err, word->place, "a quote must be closed on its line");
     if (split(word, '*', &before, &number)) {
-        body.length = before.length;
+        unscaled.length = before.length;
         done = word_number(&number, "factor", 0, HUGE_VAL, &factor, err);
     }
-    done = done && read_body(&body, lowest, highest, out, err);
+    done = done && read_unscaled(&unscaled, lowest, highest, out, err);
     if (done) {
         out->factor = factor;
         out->place = word->place;

@@ -54,7 +54,7 @@ bool cube_open(const char *path, struct cube *out, struct error *err)
             "%s: %s; expected a stack of grey pages, one page or one GDAL band a wavelength,"
             " that tell increasing ones as OME-XML, GDAL_METADATA or page names such as"
             " \"305 nm\"",
-            path, out->image.coloured ? "its pages are RGB" : out->image.untold);
+            path, out->image.coloured ? "its pages are RGB" : out->image.no_wavelengths);
         cube_close(out);
         return false;
     }
@@ -160,10 +160,8 @@ bool cube_equal_response(const struct cube *cube, const struct detector *detecto
 static bool spectrum_of_option(const char *value, struct text *text, struct spectrum *out,
                                struct error *err)
 {
-    if (!text_open_string(text, "--white", value, err))
+    if (!text_open_line(text, "--white", value, err))
         return false;
-    if (!text_next_line(text) || strchr(value, '\n') != NULL)
-        return error_at(err, text_place(text), "expected one line, not '%s'", value);
     const struct word word = {
         .start = text->at, .length = strlen(value), .place = {text->path, text->line, 1}};
     return spectrum_read(&word, 0, HUGE_VAL, out, err);

@@ -15,7 +15,7 @@ struct luminescence {
     const struct spectral_pages *pages;
     const struct material *material;
     bool glows;              /* the pages show what an excitation and an emission make */
-    struct donaldson matrix; /* the pages show what it makes; n_emission 0: none */
+    struct donaldson matrix; /* the pages show what it makes; no emission: none */
 };
 struct terms_maker {
     const struct illumination *illumination;
@@ -72,8 +72,8 @@ static bool open_luminescence(const struct spectral_pages *pages, const struct m
     if (!donaldson_read(material->donaldson, material->donaldson_place, &material->diffuse, matrix,
                         err))
         return false;
-    if (matrix->emission_nm[0] > pages_looked_at_nm(pages, pages_looked_at(pages) - 1) ||
-        matrix->emission_nm[matrix->n_emission - 1] < pages_looked_at_nm(pages, 0))
+    if (matrix->emission.wavelength_nm[0] > pages_looked_at_nm(pages, pages_looked_at(pages) - 1) ||
+        matrix->emission.wavelength_nm[matrix->emission.count - 1] < pages_looked_at_nm(pages, 0))
         donaldson_free(matrix);
     return true;
 }
@@ -87,7 +87,7 @@ static bool luminesce(const struct luminescence *of, const struct spectrum *ligh
         double mean = excitation_mean(light, &of->material->excitation);
         *any = add_product(of->pages, intensity * mean, &of->material->emission, NULL, row);
     }
-    if (of->matrix.n_emission > 0) {
+    if (of->matrix.emission.count > 0) {
         struct spectrum emission = {.kind = SPECTRUM_NONE};
         if (!donaldson_emission(&of->matrix, light, &emission, err))
             return false;
@@ -105,7 +105,7 @@ static bool add_luminescence(struct terms_maker *maker, const struct spectrum *l
     bool any;
     if (!luminesce(luminescence, light, intensity, row, &any, err))
         return false;
-    maker->out->excitation_integrals += luminescence->glows + luminescence->matrix.n_emission;
+    maker->out->excitation_integrals += luminescence->glows + luminescence->matrix.emission.count;
     maker->out->fluoresces = maker->out->fluoresces || any;
     *lit = *lit || any;
     return true;

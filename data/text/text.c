@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Strict words and numbers for all readers: a number is read whole or refused, and every word knows
- * its line and column. Words are slices, so that a file with millions of numbers costs no
- * allocation. The bytes end in a NUL past `length` and hold none before it (file_read), so looking
- * one character past a word is safe. */
+/* Strict words and numbers for all readers: a number is read whole or refused, and every word has
+ * its line and column. A word is a slice of the file, so that millions of numbers need no
+ * allocation. The bytes end in a NUL past `length`, and there is none before it (file_read). So it
+ * is safe to read one character past a word. */
 #include <float.h>
 #include <limits.h>
 #include <math.h>
@@ -14,13 +14,13 @@
 #include "spectral.h"
 
 enum {
-    SHOWN_SIZE = 48,      /* of a buffer for a word in a message: word_shown() and "..." */
+    SHOWN_SIZE = 48,      /* of a word in a message: word_shown() bytes and "..." */
     LONGEST_NUMBER = 1024 /* a double's exact decimal expansion has at most 767 digits */
 };
 
 /* ---- lines ---- */
 
-/* Takes the bytes over; NULL, or no memory for the name, is an error. */
+/* Starts to read bytes, which it owns from now on. Fails if they are NULL: no memory. */
 static bool start(struct text *text, const char *name, char *bytes, struct error *err)
 {
     *text = (struct text){.path = strdup(name), .bytes = bytes, .separators = ""};
@@ -29,7 +29,7 @@ static bool start(struct text *text, const char *name, char *bytes, struct error
         return error_memory(err);
     }
     text->length = strlen(bytes);
-    /* Spreadsheets begin UTF-8 files with a byte order mark; it is no part of the first word. */
+    /* Spreadsheets begin UTF-8 files with a byte order mark. It is not part of the first word. */
     text->at = bytes + (strncmp(bytes, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0);
     text->line_start = text->line_end = text->at;
     return true;
@@ -46,6 +46,17 @@ bool text_open(struct text *out, const char *path, struct place from, struct err
 bool text_open_string(struct text *out, const char *name, const char *string, struct error *err)
 {
     return start(out, name, strdup(string), err);
+}
+
+bool text_open_line(struct text *out, const char *name, const char *line, struct error *err)
+{
+    if (!text_open_string(out, name, line, err))
+        return false;
+    if (text_next_line(out) && strchr(line, '\n') == NULL)
+        return true;
+    error_at(err, text_place(out), "expected one line, not '%s'", line);
+    text_free(out);
+    return false;
 }
 
 void text_free(struct text *text)
@@ -97,8 +108,9 @@ static bool separates(const struct text *text, char c)
            (text->separators[0] != '\0' && strchr(text->separators, c) != NULL);
 }
 
-/* A closing quote must end the word: "a"b and "a""b" hide a missing blank. Such a word, like an
- * unclosed one, gets the rest of the line; start[length] is then the line's end, never a quote. */
+/* Finds the closing quote. It must end the word: in "a"b and "a""b" a blank is missing. Such a
+ * word, and one without a closing quote, gets the rest of the line; start[length] is then the end
+ * of the line, and not a quote. */
 static const char *quoted_end(const struct text *text, const char *first)
 {
     const char *quote = memchr(first, '"', (size_t)(text->line_end - first));
@@ -136,7 +148,7 @@ bool text_word(struct text *text, struct word *out)
 int word_shown(const struct word *word)
 {
     size_t length = word->length;
-    if (length > 40) { /* cut between characters of UTF-8 */
+    if (length > 40) { /* cuts between characters of UTF-8 */
         length = 40;
         while (length > 0 && ((unsigned char)word->start[length] & 0xC0) == 0x80)
             length--;
@@ -144,7 +156,7 @@ int word_shown(const struct word *word)
     return (int)length;
 }
 
-/* The word for a message. */
+/* Writes the word as messages show it. */
 static const char *shown(const struct word *word, char out[SHOWN_SIZE])
 {
     const int length = word_shown(word);
@@ -195,7 +207,8 @@ char *word_copy(const struct word *word)
 
 /* ---- numbers ---- */
 
-/* A decimal number as written: (-1)^negative * digits * 10^exponent, unless digits were dropped. */
+/* A decimal number as written: (-1)^negative * digits * 10^exponent. `dropped`: some digits are
+ * missing. */
 struct decimal {
     uint64_t digits;
     long exponent;
@@ -213,7 +226,7 @@ static const char *scan_sign(const char *at, const char *end, bool *negative)
     return at + (at < end && (*at == '-' || *at == '+'));
 }
 
-/* Digits with at most one point among them, at least one digit. NULL: not so. */
+/* Reads at least one digit, and at most one point among the digits. NULL: there are none. */
 static const char *scan_digits(const char *at, const char *end, struct decimal *out)
 {
     bool any = false, point = false;
@@ -232,7 +245,8 @@ static const char *scan_digits(const char *at, const char *end, struct decimal *
     return any ? at : NULL;
 }
 
-/* A sign, digits. NULL: no digit. Exponents stop growing where they decide nothing more. */
+/* Reads a sign and digits. NULL: there is no digit. An exponent stops growing when the value is 0
+ * or infinite in any case. */
 static const char *scan_exponent(const char *at, const char *end, struct decimal *out)
 {
     bool negative;
@@ -259,9 +273,9 @@ static bool scan_number(const struct word *word, struct decimal *out)
     return at == end;
 }
 
-/* Up to 2^53 the digits are exact in a double, and so is 10^22 = 2^22 5^22 < 2^22 2^53; then one
- * multiplication or division, rounded once as IEEE 754 asks, is the correctly rounded value
- * (Clinger 1990). All else goes the slow way, equally exact. */
+/* Digits up to 2^53 are exact in a double, and so is 10^22 = 2^22 5^22 < 2^22 2^53. One
+ * multiplication or division of both rounds once, as IEEE 754 asks, and gives the correctly rounded
+ * value (Clinger 1990). strtod is slower and equally exact. */
 static double decimal_value(const struct word *word, const struct decimal *decimal)
 {
     static const double power_of_ten[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
@@ -277,8 +291,8 @@ static double decimal_value(const struct word *word, const struct decimal *decim
     return strtod(copy, NULL);
 }
 
-/* Says in words which range was expected; callers ask for "above 0" by a lowest value, the smallest
- * positive number. */
+/* Names the range that was expected. A caller asks for "above 0" by the smallest positive number as
+ * the lowest value. */
 static bool refuse_range(const struct word *word, const char *what, bool above, double lowest,
                          double highest, struct error *err)
 {
@@ -358,7 +372,7 @@ bool text_integer(struct text *text, const char *what, long lowest, long highest
            word_integer(&word, what, lowest, highest, out, err);
 }
 
-/* Unicode, table 3-7. */
+/* By table 3-7 of Unicode. */
 int utf8_length(const unsigned char *at)
 {
     int length = at[0] < 0x80 ? 1 : 2 + (at[0] >= 0xe0) + (at[0] >= 0xf0);

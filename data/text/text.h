@@ -8,8 +8,8 @@
 
 /* ---- text.c: a text file, word by word ---- */
 
-/* A text file being read. Lines end in \n or \r\n; '#' outside quotes starts a comment; words are
- * separated by blanks and tabs (and the characters in `separators`); "..." is one word. */
+/* A text file that is being read. Lines end in \n or \r\n. '#' outside quotes starts a comment.
+ * Blanks, tabs and the characters in `separators` separate words. "..." is one word. */
 struct text {
     char *path;  /* owned */
     char *bytes; /* owned */
@@ -27,10 +27,12 @@ struct word {
     struct place place;
 };
 
-/* Opens the file that the place `from` names. No line is current yet. */
+/* Opens a file. `from` is the place that names it. No line is current yet. */
 bool text_open(struct text *out, const char *path, struct place from, struct error *err);
 /* Opens a string as a text. `name` takes the place of the path in messages. Both are copied. */
 bool text_open_string(struct text *out, const char *name, const char *string, struct error *err);
+/* Opens a string of one line, which becomes the current line. Refuses any other string. */
+bool text_open_line(struct text *out, const char *name, const char *line, struct error *err);
 void text_free(struct text *text);
 
 /* Goes to the next line, blank or not. Returns false at the end of the file. */
@@ -39,17 +41,17 @@ bool text_next_line(struct text *text);
  * rest of the line as a word with `quoted` set and start[length] != '"'; text_expect, text_end and
  * the functions for numbers refuse it. */
 bool text_word(struct text *text, struct word *out);
-/* Reads what text_word would read; the cursor of the caller's text stays. */
+/* Reads the word that text_word would read. The cursor of the caller's text stays. */
 bool text_peek(struct text text, struct word *out);
 /* Like text_word, but refuses the end of the line: "expected WHAT". */
 bool text_expect(struct text *text, struct word *out, const char *what, struct error *err);
 /* Refuses a further word on this line: "WORD is too much: WHAT takes no more". */
 bool text_end(struct text *text, const char *what, struct error *err);
-/* The cursor as a place (for "expected ..." at the end of a line), and the whole file. */
+/* Return the cursor as a place, as for "expected ..." at the end of a line, and the whole file. */
 struct place text_place(const struct text *text);
 struct place text_whole(const struct text *text);
 
-/* How many bytes of a word a message repeats, as the precision of %.*s. */
+/* Returns how many bytes of a word a message shows: the precision of %.*s. */
 int word_shown(const struct word *word);
 bool word_is(const struct word *word, const char *literal); /* false for quoted words */
 char *word_copy(const struct word *word);                   /* allocated; NULL: no memory */
@@ -59,37 +61,37 @@ bool word_number(const struct word *word, const char *what, double lowest, doubl
                  double *out, struct error *err);
 bool word_integer(const struct word *word, const char *what, long lowest, long highest, long *out,
                   struct error *err);
-/* text_expect and word_number (or word_integer) in one. */
+/* Call text_expect, then word_number (or word_integer). */
 bool text_number(struct text *text, const char *what, double lowest, double highest, double *out,
                  struct error *err);
 bool text_integer(struct text *text, const char *what, long lowest, long highest, long *out,
                   struct error *err);
 
-/* The length in bytes of the UTF-8 character at `at`, a text that ends with a NUL; 0: there is no
- * valid character. */
+/* Returns the length in bytes of the UTF-8 character at `at`, in a text that ends with a NUL; 0:
+ * the character is not valid. */
 int utf8_length(const unsigned char *at);
 
-/* ---- words.c: what statements of all kinds need, so that all refuse a mistake alike ---- */
+/* ---- words.c: tools for statements of all kinds, so that all refuse a mistake alike ---- */
 
 enum { LIST_SIZE = 512 };
-/* Adds up to `length` bytes of a name to a list in a message. Leaves out what finds no room. */
+/* Adds up to `length` bytes of a name to a list in a message. Cuts the list where its room ends. */
 void list_add(char list[LIST_SIZE], const char *name, size_t length);
 /* Returns the index of the word in `known`, which ends with NULL. Returns -1 for any other word,
  * with an error that lists the known ones. `what` names the word in the message. */
 int word_choose(const struct word *word, const char *const *known, const char *what,
                 struct error *err);
-/* Finds the next word among the known. Its absence is the error "expected EXPECTED". */
+/* Finds the next word among the known ones. Without a word the error is "expected EXPECTED". */
 int text_choose(struct text *text, const char *expected, const char *const *known, const char *what,
                 struct error *err);
-/* Sets *first to `again` where it has no line yet; otherwise refuses: "WHAT is given twice". */
+/* Sets *first to `again` if it has no line yet. Otherwise refuses: "WHAT is given twice". */
 bool place_once(struct place *first, struct place again, const char *what, struct error *err);
-/* Returns whether the word, which is not empty, begins with a digit, a sign or a point and has no
+/* Returns true if the word, which is not empty, begins with a digit, a sign or a point and has no
  * quotes. */
 bool word_begins_number(const struct word *word);
 /* Copies a string into an allocated one. A NULL stays NULL. */
 bool string_copy(const char *from, char **out, struct error *err);
-/* The path of the file that a word names, relative to the word's own file; allocated. Refuses an
- * empty word. */
+/* Finds the path of the file that a word names, relative to the word's own file. *out is allocated.
+ * Refuses an empty word. */
 bool word_path(const struct word *word, char **out, struct error *err);
 /* Reads three numbers; text_direction refuses 0 0 0. */
 bool text_vector(struct text *text, const char *what, struct vector *out, struct error *err);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Words that mean something, and the small things that all statements of a scene need: so that
- * every statement refuses a mistake in the same manner. */
+/* Words with a meaning, and small tools for all statements of a scene, so that all of them refuse a
+ * mistake in the same way. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

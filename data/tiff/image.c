@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Opens TIFF files through libtiff, whose messages are kept for our own. A band, as GDAL writes
- * them, is one of several grey samples a pixel of a file's only directory; it is a page, too. */
+/* Opens TIFF files through libtiff, and keeps its messages for our own. GDAL writes the bands of a
+ * picture as grey samples of one directory; each of these bands is a page, too. */
 #include <inttypes.h>
 #include <math.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@
 #include "data/tiff/tiff.h"
 #include "spectral.h"
 
-/* Nothing goes to standard error. */
+/* Keeps the first error of libtiff, and prints nothing. */
 static int PRINTF_LIKE(4, 0)
     keep_error(TIFF *tiff, void *data, const char *module, const char *format, va_list arguments)
 {
@@ -24,7 +24,7 @@ static int PRINTF_LIKE(4, 0)
     return 1;
 }
 
-/* Private tags are no news. */
+/* Keeps a warning only while samples are decoded: others are about private tags. */
 static int PRINTF_LIKE(4, 0)
     keep_warning(TIFF *tiff, void *data, const char *module, const char *format, va_list arguments)
 {
@@ -32,7 +32,7 @@ static int PRINTF_LIKE(4, 0)
     return file->decoding ? keep_error(tiff, data, module, format, arguments) : 1;
 }
 
-/* ---- what a page is ---- */
+/* ---- the layout of a page ---- */
 
 bool PRINTF_LIKE(4, 5)
     image_refuse(const struct image *image, int page, struct error *err, const char *format, ...)
@@ -42,7 +42,7 @@ bool PRINTF_LIKE(4, 5)
     va_start(arguments, format);
     vsnprintf(why, sizeof why, format, arguments);
     va_end(arguments);
-    if (page >= 0 && image->wavelengths_nm != NULL && image->untold[0] == '\0' &&
+    if (page >= 0 && image->wavelengths_nm != NULL && image->no_wavelengths[0] == '\0' &&
         image->wavelengths_nm[page] > 0)
         snprintf(where, sizeof where, "page %d (%.10g nm): ", page + 1,
                  image->wavelengths_nm[page]);
@@ -61,10 +61,23 @@ bool image_refuse_broken(const struct image *image, int page, struct error *err)
                         message[0] != '\0' ? message : "its pages cannot be read");
 }
 
-static bool blocks_read(const struct image *image, int page, struct sample_layout *out,
+/* Returns a number of the current directory; UINT16_MAX: it has none, and there is no default. */
+static uint16_t short_tag(TIFF *tiff, uint32_t tag)
+{
+    uint16_t value = UINT16_MAX;
+    TIFFGetFieldDefaulted(tiff, tag, &value);
+    return value;
+}
+
+static bool blocks_find(const struct image *image, int page, struct sample_layout *out,
                         struct error *err)
 {
     TIFF *tiff = image->file->tiff;
+    const double bytes = (double)out->width * out->height * out->n_samples * out->bits / 8;
+    if (short_tag(tiff, TIFFTAG_COMPRESSION) == COMPRESSION_NONE && bytes > (double)image->bytes)
+        return image_refuse(image, page, err, "its pixels are %.0f bytes, the file is shorter",
+                            bytes);
+    out->row_bytes = (size_t)out->width * out->pixel_step * (out->bits / 8u);
     out->tiled = TIFFIsTiled(tiff);
     out->block_width = out->width;
     if (out->tiled)
@@ -74,12 +87,11 @@ static bool blocks_read(const struct image *image, int page, struct sample_layou
     if (!out->tiled && out->block_height > out->height)
         out->block_height = out->height;
     out->block_bytes = (size_t)(out->tiled ? TIFFTileSize(tiff) : TIFFStripSize(tiff));
-    out->colour_step = out->n_planes > 1 ? out->block_bytes / (out->bits / 8u) : 1;
     return out->block_bytes > 0 || image_refuse_broken(image, page, err);
 }
 
-/* True if the rows of all planes lie one after the other, uncompressed, so that they can be read as
- * they are: the usual way of stacks. Refuses a file that ends before they do. */
+/* Finds where the rows of all planes begin if they lie one after the other, uncompressed, as in
+ * most stacks: such rows are read without libtiff. Refuses a file that ends before the last row. */
 static bool rows_find(const struct image *image, int page, struct sample_layout *out,
                       struct error *err)
 {
@@ -87,12 +99,10 @@ static bool rows_find(const struct image *image, int page, struct sample_layout 
     const uint32_t n = TIFFNumberOfStrips(tiff);
     const uint32_t per_plane = (out->height - 1) / out->block_height + 1;
     const uint64_t first = TIFFGetStrileOffset(tiff, 0);
-    uint16_t compression = 0, fill_order = 0;
+    const size_t fitting = ((size_t)1 << 18) / out->row_bytes;
     uint64_t end = first;
-    TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
-    TIFFGetFieldDefaulted(tiff, TIFFTAG_FILLORDER, &fill_order);
-    out->row_bytes = (size_t)out->width * out->pixel_step * (out->bits / 8u);
-    if (out->tiled || compression != COMPRESSION_NONE || fill_order != FILLORDER_MSB2LSB)
+    if (out->tiled || short_tag(tiff, TIFFTAG_COMPRESSION) != COMPRESSION_NONE ||
+        short_tag(tiff, TIFFTAG_FILLORDER) != FILLORDER_MSB2LSB)
         return true;
     for (uint32_t strip = 0; strip < n && end <= image->bytes; strip++) {
         const uint32_t left = out->height - strip % per_plane * out->block_height;
@@ -103,22 +113,21 @@ static bool rows_find(const struct image *image, int page, struct sample_layout 
         end += bytes;
     }
     out->rows_offset = first;
+    out->block_height = fitting < 1 ? 1 : fitting < out->height ? (uint32_t)fitting : out->height;
     return end <= image->bytes ||
-           image_refuse(image, page, err, "its pixels end behind the end of the file");
+           image_refuse(image, page, err, "its pixels end beyond the end of the file");
 }
 
-/* Several grey samples a pixel, of which none is an alpha, in a file's only directory. Otherwise 1,
- * as of all that are not the first page. */
+/* Returns the number of grey samples a pixel if the file has one directory and no alpha. Returns 1
+ * for every other page, and for every page but the first. */
 static uint16_t count_bands(const struct image *image)
 {
     TIFF *tiff = image->file->tiff;
-    uint16_t photometric = UINT16_MAX, n_samples = 1, n_extra = 0;
-    uint16_t *extra = NULL;
-    TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &photometric);
-    TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLESPERPIXEL, &n_samples);
+    const uint16_t n_samples = short_tag(tiff, TIFFTAG_SAMPLESPERPIXEL);
+    uint16_t n_extra = 0, *extra = NULL;
     TIFFGetFieldDefaulted(tiff, TIFFTAG_EXTRASAMPLES, &n_extra, &extra);
-    if (image->n_pages > 0 || !TIFFLastDirectory(tiff) || photometric >= PHOTOMETRIC_RGB ||
-        n_samples != n_extra + 1)
+    if (image->n_pages > 0 || !TIFFLastDirectory(tiff) ||
+        short_tag(tiff, TIFFTAG_PHOTOMETRIC) >= PHOTOMETRIC_RGB || n_samples != n_extra + 1)
         return 1;
     for (int i = 0; i < n_extra; i++)
         if (extra[i] != EXTRASAMPLE_UNSPECIFIED)
@@ -126,7 +135,7 @@ static uint16_t count_bands(const struct image *image)
     return n_samples;
 }
 
-/* True if the samples are the colours and at most an alpha behind them. */
+/* Returns true if a pixel has its colours, at most one alpha behind them, and nothing else. */
 static bool colours_alone(TIFF *tiff, const struct sample_layout *layout)
 {
     uint16_t n_extra = 0, *extra = NULL;
@@ -135,83 +144,74 @@ static bool colours_alone(TIFF *tiff, const struct sample_layout *layout)
            (n_extra == 0 || (n_extra == 1 && extra[0] != EXTRASAMPLE_UNSPECIFIED));
 }
 
-static bool samples_read(const struct image *image, int page, struct sample_layout *out,
+static bool samples_find(const struct image *image, int page, struct sample_layout *out,
                          struct error *err)
 {
     TIFF *tiff = image->file->tiff;
-    uint16_t photometric = UINT16_MAX, compression = 0, format = 0, planar = 0;
-    TIFFGetField(tiff, TIFFTAG_PHOTOMETRIC, &photometric);
-    TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
-    TIFFGetFieldDefaulted(tiff, TIFFTAG_BITSPERSAMPLE, &out->bits);
-    TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLESPERPIXEL, &out->n_samples);
-    TIFFGetFieldDefaulted(tiff, TIFFTAG_SAMPLEFORMAT, &format);
-    TIFFGetFieldDefaulted(tiff, TIFFTAG_PLANARCONFIG, &planar);
-    if (photometric == PHOTOMETRIC_YCBCR && compression == COMPRESSION_JPEG &&
-        planar == PLANARCONFIG_CONTIG &&
+    const uint16_t format = short_tag(tiff, TIFFTAG_SAMPLEFORMAT);
+    const bool separate = short_tag(tiff, TIFFTAG_PLANARCONFIG) == PLANARCONFIG_SEPARATE;
+    uint16_t photometric = short_tag(tiff, TIFFTAG_PHOTOMETRIC);
+    if (photometric == PHOTOMETRIC_YCBCR && !separate &&
+        short_tag(tiff, TIFFTAG_COMPRESSION) == COMPRESSION_JPEG &&
         TIFFSetField(tiff, TIFFTAG_JPEGCOLORMODE, JPEGCOLORMODE_RGB))
         photometric = PHOTOMETRIC_RGB;
+    if (photometric > PHOTOMETRIC_RGB) /* the two kinds of grey have smaller numbers */
+        return image_refuse(image, page, err, "its colours are neither grey nor RGB");
+    out->bits = short_tag(tiff, TIFFTAG_BITSPERSAMPLE);
+    out->n_samples = short_tag(tiff, TIFFTAG_SAMPLESPERPIXEL);
     out->inverted = photometric == PHOTOMETRIC_MINISWHITE;
     out->n_colours = photometric == PHOTOMETRIC_RGB ? 3 : 1;
-    out->n_planes = planar == PLANARCONFIG_SEPARATE ? out->n_colours : 1;
-    out->pixel_step = planar == PLANARCONFIG_SEPARATE ? 1 : out->n_samples;
-    out->largest = out->bits == 8 ? 255 : out->bits == 16 ? 65535 : 1;
-    if (photometric > PHOTOMETRIC_RGB) /* which comes after the two kinds of grey */
-        return image_refuse(image, page, err, "its colours are neither grey nor RGB");
+    out->n_planes = separate ? out->n_colours : 1;
+    out->pixel_step = separate ? 1 : out->n_samples;
     out->n_bands = count_bands(image);
+    out->largest = out->bits == 8 ? 255 : out->bits == 16 ? 65535 : 1;
     if (out->n_bands == 1 && !colours_alone(tiff, out))
-        return image_refuse(
-            image, page, err,
-            "it has %d samples a pixel, not %d and perhaps an alpha; more can be read if"
-            " they are grey and in the file's only directory",
-            out->n_samples, out->n_colours);
-    if (!(format == SAMPLEFORMAT_UINT && (out->bits == 8 || out->bits == 16)) &&
-        !(format == SAMPLEFORMAT_IEEEFP && out->bits == 32 &&
-          photometric == PHOTOMETRIC_MINISBLACK))
-        return image_refuse(image, page, err, "its samples are %d of %d bits, %s", out->n_samples,
-                            out->bits,
-                            format == SAMPLEFORMAT_UINT     ? "unsigned"
-                            : format == SAMPLEFORMAT_IEEEFP ? "float"
-                                                            : "of another kind");
-    const double bytes = (double)out->width * out->height * out->n_samples * out->bits / 8;
-    return compression != COMPRESSION_NONE || bytes <= (double)image->bytes ||
-           image_refuse(image, page, err, "its pixels are %.0f bytes, the file is shorter", bytes);
+        return image_refuse(image, page, err,
+                            "it has %d samples a pixel instead of %d and at most an alpha; more are"
+                            " bands if they are grey and in the file's only directory",
+                            out->n_samples, out->n_colours);
+    return (format == SAMPLEFORMAT_UINT && (out->bits == 8 || out->bits == 16)) ||
+           (format == SAMPLEFORMAT_IEEEFP && out->bits == 32 &&
+            photometric == PHOTOMETRIC_MINISBLACK) ||
+           image_refuse(image, page, err, "its samples are %d of %d bits, %s", out->n_samples,
+                        out->bits,
+                        format == SAMPLEFORMAT_UINT     ? "unsigned"
+                        : format == SAMPLEFORMAT_IEEEFP ? "float"
+                                                        : "of another kind");
 }
 
 bool image_layout(const struct image *image, int page, struct sample_layout *out, struct error *err)
 {
     TIFF *tiff = image->file->tiff;
-    uint16_t orientation = ORIENTATION_TOPLEFT, compression = 0;
+    const uint16_t orientation = short_tag(tiff, TIFFTAG_ORIENTATION);
+    const uint16_t compression = short_tag(tiff, TIFFTAG_COMPRESSION);
     uint32_t depth = 1;
-    *out = (struct sample_layout){0};
+    *out = (struct sample_layout){.directory = TIFFCurrentDirOffset(tiff)};
     TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &out->width);
     TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &out->height);
     TIFFGetField(tiff, TIFFTAG_IMAGEDEPTH, &depth);
-    TIFFGetField(tiff, TIFFTAG_ORIENTATION, &orientation);
     if (out->width - 1 >= INT32_MAX || out->height - 1 >= INT32_MAX || depth != 1)
         return image_refuse(image, page, err, "it has %" PRIu32 "x%" PRIu32 "x%" PRIu32 " pixels",
                             out->width, out->height, depth);
     if (orientation != ORIENTATION_TOPLEFT)
         return image_refuse(image, page, err, "its orientation is %d, not 1 (the top row first)",
                             orientation);
-    TIFFGetFieldDefaulted(tiff, TIFFTAG_COMPRESSION, &compression);
-    /* JBIG is for 1 bit a pixel; raster/gl/static.sh leaves its library out of the static program.
-     */
+    /* JBIG stores 1 bit a pixel. raster/gl/static.sh leaves its library out. */
     if (compression == COMPRESSION_JBIG || !TIFFIsCODECConfigured(compression))
-        return image_refuse(image, page, err, "its compression (%d) is none that can be read here",
-                            compression);
-    return samples_read(image, page, out, err) && blocks_read(image, page, out, err) &&
+        return image_refuse(image, page, err, "its compression (%d) cannot be read", compression);
+    return samples_find(image, page, out, err) && blocks_find(image, page, out, err) &&
            rows_find(image, page, out, err);
 }
 
 /* ---- opening ---- */
 
-/* The next band of the current directory; the first one tells the layout of all. */
+/* Adds the next band of the current directory as a page. The first band decides the layout. */
 static bool page_add(struct image *image, int band, const char *const items[ITEMS],
                      struct error *err)
 {
     struct image_file *file = image->file;
     const int page = image->n_pages;
-    struct image_page *pages = array_more(file->pages, page, sizeof *pages, err);
+    struct sample_layout *pages = array_more(file->pages, page, sizeof *pages, err);
     if (pages == NULL)
         return false;
     file->pages = pages;
@@ -219,46 +219,45 @@ static bool page_add(struct image *image, int band, const char *const items[ITEM
     if (nm == NULL)
         return false;
     image->wavelengths_nm = nm;
-    pages[page].directory = TIFFCurrentDirOffset(file->tiff);
     nm[page] = metadata_wavelength(file, items);
-    struct sample_layout *layout = &pages[page].layout, *first = &pages[0].layout;
+    struct sample_layout *layout = &pages[page];
     if (band > 0) {
-        *layout = *first;
+        *layout = pages[0];
         layout->plane = (uint16_t)(layout->pixel_step == 1 ? band : 0);
     } else if (!image_layout(image, page, layout, err)) {
         return false;
     }
-    if (layout->width != first->width || layout->height != first->height ||
-        layout->bits != first->bits)
+    if (layout->width != pages->width || layout->height != pages->height ||
+        layout->bits != pages->bits)
         return image_refuse(
             image, page, err,
             "it has %" PRIu32 "x%" PRIu32 "x%d bits, the first page %" PRIu32 "x%" PRIu32 "x%d",
-            layout->width, layout->height, layout->bits, first->width, first->height, first->bits);
+            layout->width, layout->height, layout->bits, pages->width, pages->height, pages->bits);
     image->coloured = image->coloured || layout->n_colours > 1;
-    file->directory = pages[page].directory;
+    file->directory = layout->directory;
     image->n_pages++;
     return metadata_scale(image, page, layout, items, err);
 }
 
-/* Says why the wavelengths up to the page that was added are of no use, if so. */
+/* Notes why the wavelengths cannot be used, if the page added last is the reason. */
 static void check_wavelength(struct image *image)
 {
     const int page = image->n_pages;
     const double nm = image->wavelengths_nm[page - 1];
     const double before = page > 1 ? image->wavelengths_nm[page - 2] : 0;
-    image->file->told = image->file->told || !isnan(nm) || image->file->unit[0] != '\0';
-    if (image->untold[0] != '\0' || nm > before)
+    if (image->no_wavelengths[0] != '\0' || nm > before)
         return;
-    if (!isnan(nm))
-        snprintf(image->untold, sizeof image->untold,
-                 "its wavelengths %s: page %d tells %.10g nm after %.10g nm",
+    if (nm > 0)
+        snprintf(image->no_wavelengths, sizeof image->no_wavelengths,
+                 "its wavelengths %s: page %d records %.10g nm after %.10g nm",
                  nm < before ? "decrease" : "repeat", page, nm, before);
-    else if (image->file->unit[0] != '\0')
-        snprintf(image->untold, sizeof image->untold,
-                 "page %d tells its wavelength in '%s', which is no unit that is known here", page,
+    else if (nm == 0)
+        snprintf(image->no_wavelengths, sizeof image->no_wavelengths,
+                 "page %d records its wavelength in '%s'; expected a unit such as nm or um", page,
                  image->file->unit);
     else
-        snprintf(image->untold, sizeof image->untold, "page %d tells no wavelength", page);
+        snprintf(image->no_wavelengths, sizeof image->no_wavelengths,
+                 "page %d records no wavelength", page);
 }
 
 static bool directory_add(struct image *image, struct error *err)
@@ -269,7 +268,6 @@ static bool directory_add(struct image *image, struct error *err)
     if (good)
         metadata_items(image->file->tiff, n_bands, items);
     for (int band = 0; good && band < n_bands; band++) {
-        image->file->unit[0] = '\0';
         good = page_add(image, band, items + (size_t)band * ITEMS, err);
         if (good)
             check_wavelength(image);
@@ -278,17 +276,20 @@ static bool directory_add(struct image *image, struct error *err)
     return good;
 }
 
-/* Keeps the wavelengths of pages only where they can be used. */
+/* Drops the wavelengths where they cannot be used. */
 static bool wavelengths_keep(struct image *image, struct error *err)
 {
-    const struct sample_layout *first = &image->file->pages[0].layout;
-    if (!image->file->told && first->n_bands > 1)
+    const struct sample_layout *first = image->file->pages;
+    bool recorded = false;
+    for (int page = 0; page < image->n_pages; page++)
+        recorded = recorded || !isnan(image->wavelengths_nm[page]);
+    if (!recorded && first->n_bands > 1)
         return image_refuse(image, -1, err,
-                            "it has %d samples a pixel and tells no wavelengths of them",
+                            "it has %d samples a pixel and records no wavelengths for them",
                             first->n_samples);
-    if (!image->file->told)
-        snprintf(image->untold, sizeof image->untold, "tells no wavelengths");
-    if (image->untold[0] != '\0') {
+    if (!recorded)
+        snprintf(image->no_wavelengths, sizeof image->no_wavelengths, "records no wavelengths");
+    if (image->no_wavelengths[0] != '\0') {
         free(image->wavelengths_nm);
         image->wavelengths_nm = NULL;
     }
@@ -306,12 +307,12 @@ static bool pages_read(struct image *image, struct error *err)
         if (!directory_add(image, err))
             return false;
     } while (!TIFFLastDirectory(tiff));
-    image->width = (int)image->file->pages[0].layout.width;
-    image->height = (int)image->file->pages[0].layout.height;
+    image->width = (int)image->file->pages->width;
+    image->height = (int)image->file->pages->height;
     return wavelengths_keep(image, err);
 }
 
-/* ---- a compiled-in file, as libtiff sees it ---- */
+/* ---- the calls by which libtiff reads a compiled-in file ---- */
 
 static tmsize_t builtin_read(thandle_t handle, void *bytes, tmsize_t length)
 {
@@ -357,7 +358,7 @@ static int builtin_close(thandle_t handle)
 
 static bool tiff_open(struct image *image, struct error *err)
 {
-    const tmsize_t most_bytes = 1 << 30; /* of one allocation, whatever a broken file asks for */
+    const tmsize_t most_bytes = 1 << 30; /* of one allocation; a broken file may ask for more */
     struct image_file *file = image->file;
     int descriptor;
     if (!file_open(image->path, file->from, &descriptor, &file->builtin, err))
@@ -367,8 +368,8 @@ static bool tiff_open(struct image *image, struct error *err)
         TIFFOpenOptionsSetMaxSingleMemAlloc(options, most_bytes);
         TIFFOpenOptionsSetErrorHandlerExtR(options, keep_error, file);
         TIFFOpenOptionsSetWarningHandlerExtR(options, keep_warning, file);
-        /* m: not mapped into memory, where a file cut short while it is open would end us; c: a
-         * large strip is not shown as many small ones. */
+        /* "m": the file is not mapped into memory; a file that is cut while it is mapped would end
+         * the program. "c": libtiff does not split a large strip into small ones. */
         file->tiff =
             file->builtin == NULL
                 ? TIFFFdOpenExt(descriptor, image->path, "rmc", options)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The wavelengths and scale that the pages of a TIFF file record, where
- * data/stack/tags.c writes them, and where GDAL and OME-XML do. */
+/* Reads the wavelengths and the scale that the pages of a TIFF file record: as data/stack/tags.c
+ * writes them, as GDAL does, or as OME-XML. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -11,7 +11,7 @@
 #include "data/tiff/tiff.h"
 #include "spectral.h"
 
-/* NaN: there is none. */
+/* Returns the number at `at`; NaN: there is none. */
 static double number_at(const char *at)
 {
     const struct word word = {.start = at, .length = strcspn(at, " \t\r\n<\"")};
@@ -20,15 +20,16 @@ static double number_at(const char *at)
     return word_number(&word, "it", 0, HUGE_VAL, &number, &ignored) ? number : (double)NAN;
 }
 
-/* The number behind `mark`; NaN where none is there, and `otherwise` without a mark. */
+/* Returns the number behind `mark`; NaN: no number is there. Returns `otherwise` if the text has no
+ * mark. */
 static double number_after(const char *text, const char *mark, double otherwise)
 {
     const char *at = strstr(text, mark);
     return at != NULL ? number_at(at + strlen(mark)) : otherwise;
 }
 
-/* The value of an attribute of a tag of XML, `mark` being " NAME=\"" or all of it; NULL: there is
- * none before `end`. */
+/* Finds `mark` before `end` in a tag of XML, and returns the place behind it: with the mark "
+ * NAME=\"" the value of an attribute. NULL: there is no mark. */
 static const char *attribute(const char *at, const char *end, const char *mark)
 {
     const size_t length = strlen(mark);
@@ -38,7 +39,8 @@ static const char *attribute(const char *at, const char *end, const char *mark)
     return NULL;
 }
 
-/* A tag's text; NULL: none. libtiff does not know these tags and promises no NUL. */
+/* Returns the text of a private tag; NULL: there is none. libtiff does not know these tags, and
+ * adds no NUL. */
 static const char *private_text(TIFF *tiff, uint32_t tag)
 {
     uint32_t length = 0;
@@ -67,7 +69,8 @@ void metadata_items(TIFF *tiff, int n_bands, const char **out)
     }
 }
 
-/* A number in a unit, in nm. The micro sign is also spelt mu, or as an entity. */
+/* Converts a number with a unit to nm. The micro sign also appears as the letter mu and as an
+ * entity. NaN: there is no number, or the unit, which is then kept, is unknown. */
 static double length_nm(struct image_file *file, const char *number, const char *unit)
 {
     static const struct {
@@ -85,7 +88,8 @@ static double length_nm(struct image_file *file, const char *number, const char 
     return (double)NAN;
 }
 
-/* The next <Channel> tells the wavelength of the next page. Its unit is nm where it names none. */
+/* Reads the next <Channel> of the OME-XML: it records the wavelength of the next page. Without a
+ * unit it is in nm. */
 static double channel_wavelength(struct image_file *file)
 {
     static const char mark[] = "<Channel";
@@ -108,6 +112,7 @@ static double channel_wavelength(struct image_file *file)
 double metadata_wavelength(struct image_file *file, const char *const items[ITEMS])
 {
     const char *name = "";
+    file->unit[0] = '\0';
     const double channel = channel_wavelength(file);
     double nm = (double)NAN;
     TIFFGetField(file->tiff, TIFFTAG_PAGENAME, &name);
@@ -119,13 +124,14 @@ double metadata_wavelength(struct image_file *file, const char *const items[ITEM
         nm = 1000 * number_at(items[ITEM_MICROMETRES]);
     if (isnan(nm))
         nm = channel;
-    return nm > 0 && nm <= DBL_MAX ? nm : (double)NAN;
+    return nm > 0 && nm <= DBL_MAX ? nm : file->unit[0] != '\0' ? 0 : (double)NAN;
 }
 
 bool metadata_scale(struct image *image, int page, const struct sample_layout *layout,
                     const char *const items[ITEMS], struct error *err)
 {
-    const char *own = strstr(image->description, "<Description>"); /* names come before it */
+    const char *own =
+        strstr(image->description, "<Description>"); /* the names before it are the user's */
     const double plain = 1 / layout->largest;
     const double count_scale = items[ITEM_SCALE] != NULL ? number_at(items[ITEM_SCALE]) : plain;
     if (layout->bits == 32)

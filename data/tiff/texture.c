@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-/* Planes of textures. A spectral texture keeps only the planes of one pass in memory, so that a
- * stack may be larger than it. */
+/* Reads the planes of textures. A spectral texture keeps only the planes of one pass in memory: its
+ * stack may be larger than the memory. */
 #include <assert.h>
 #include <stdlib.h>
 
 #include "data/tiff/tiff.h"
 #include "spectral.h"
 
-enum { LONGEST_TEXTURE = 16384 }; /* the longest side, in texels; OpenGL has a limit, too */
+enum { LONGEST_TEXTURE = 16384 }; /* in texels a side; OpenGL has a limit, too */
 
 static size_t plane_size(const struct texture *texture)
 {
     return (size_t)texture->image.width * (size_t)texture->image.height;
 }
 
-/* A page, its bottom row first. */
+/* Reads a page, its bottom row first. */
 static bool plane_read(struct texture *texture, int page, float *plane, struct error *err)
 {
     const size_t width = (size_t)texture->image.width;
@@ -37,7 +37,7 @@ static bool plane_allocate(struct texture *texture, int i, struct error *err)
     return texture->plane[i] != NULL || error_memory(err);
 }
 
-/* Reads all pages, one after the other, into the first plane. */
+/* Reads all pages, one after the other, into the first plane, to find the largest value. */
 static bool find_largest(struct texture *texture, struct error *err)
 {
     if (!plane_allocate(texture, 0, err))
@@ -52,24 +52,23 @@ static bool find_largest(struct texture *texture, struct error *err)
     return true;
 }
 
-static bool read_texture(const char *path, struct place from, struct texture *out,
-                         struct error *err)
+bool texture_read(const char *path, struct place from, struct texture *out, struct error *err)
 {
+    *out = (struct texture){.linear = out->linear, .spectral = out->spectral};
     if (!image_open(path, from, &out->image, err))
         return false;
     if (out->image.width > LONGEST_TEXTURE || out->image.height > LONGEST_TEXTURE)
         error_at(err, from, "%s: it has %dx%d pixels; a texture has at most %d a side", path,
                  out->image.width, out->image.height, LONGEST_TEXTURE);
     else if (out->spectral && out->image.wavelengths_nm == NULL)
-        error_at(
-            err, from,
-            "%s: %s; a spectral texture is a stack as this program writes it, or tells"
-            " increasing wavelengths as OME-XML, GDAL_METADATA or page names such as \"305 nm\"",
-            path, out->image.untold);
+        error_at(err, from,
+                 "%s: %s; expected a stack of this program, or pages that record increasing"
+                 " wavelengths as OME-XML, GDAL_METADATA or page names such as \"305 nm\"",
+                 path, out->image.no_wavelengths);
     else if (!out->spectral && out->image.n_pages > 1)
         error_at(err, from,
-                 "%s: it has %d pages; a texture is one page, and a stack of pages with"
-                 " wavelengths a spectral-texture",
+                 "%s: it has %d pages; expected one page for a texture; a stack of pages with"
+                 " wavelengths is a spectral-texture",
                  path, out->image.n_pages);
     else if (find_largest(out, err))
         return true;
@@ -77,21 +76,7 @@ static bool read_texture(const char *path, struct place from, struct texture *ou
     return false;
 }
 
-bool texture_read(const char *path, struct place from, bool linear, struct texture *out,
-                  struct error *err)
-{
-    *out = (struct texture){.linear = linear};
-    return read_texture(path, from, out, err);
-}
-
-bool texture_read_spectral(const char *path, struct place from, bool linear, struct texture *out,
-                           struct error *err)
-{
-    *out = (struct texture){.linear = linear, .spectral = true};
-    return read_texture(path, from, out, err);
-}
-
-/* `other` is room for one more page. */
+/* Reads the plane of a wavelength. `other` is room for one more page. */
 static bool plane_load(struct texture *texture, double nm, float *plane, float *other,
                        struct error *err)
 {

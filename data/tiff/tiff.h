@@ -13,37 +13,37 @@ struct tiff; /* libtiff's TIFF */
 /* The tag in which a stack of this program stores the verdict of its check. */
 enum { TAG_VERDICT = 65111 };
 
-/* A TIFF file of grey or RGB pages of 8 or 16 bits, or of 32-bit float grey ones. Where its only
- * directory has several grey samples a pixel, as GDAL writes bands, each of them is a page. */
+/* A TIFF file of grey or RGB pages of 8 or 16 bits, or of grey pages of 32-bit floats. If its only
+ * directory has several grey samples a pixel, as GDAL writes bands, each band is a page. */
 struct image {
     char *path; /* owned */
     int width, height, n_pages;
-    uint64_t bytes;         /* of the file */
-    bool coloured;          /* some page is RGB */
-    double *wavelengths_nm; /* of each page, increasing; NULL where some page has none; owned */
-    char untold[128];       /* why they are NULL, e.g. "page 2 tells no wavelength" */
-    double scale; /* radiance of sample value 1 (16 bits: of 65535); 1 where the file has none */
-    char *description;       /* of the first page; "" where it has none; owned */
-    char *verdict;           /* of stack_finish; "" where it has none; owned */
+    uint64_t bytes;           /* of the file */
+    bool coloured;            /* some page is RGB */
+    double *wavelengths_nm;   /* of each page, increasing; NULL: some page has none; owned */
+    char no_wavelengths[128]; /* why they are NULL: "page 2 records no wavelength" */
+    double scale;      /* radiance of value 1 (count 65535 of 16 bits); 1: the file records none */
+    char *description; /* of the first page; "": it has none; owned */
+    char *verdict;     /* of stack_finish; "": it has none; owned */
     struct image_file *file; /* owned */
 };
-/* Opens the file (or "builtin:..." file) and reads what its pages record of themselves, but no
- * samples. Refuses, in the name of `from`: a file that is no TIFF, pages without pixels or of
- * different sizes, other samples than the above, bands without wavelengths, and uncompressed pages
- * that reach beyond the end of the file. */
+/* Opens the file (or "builtin:..." file) and reads the metadata of its pages, but no samples.
+ * Refuses, at the place `from`: a file that is no TIFF, pages without pixels or of different sizes,
+ * other samples than the above, bands without wavelengths, and uncompressed pages that reach beyond
+ * the end of the file. */
 bool image_open(const char *path, struct place from, struct image *out, struct error *err);
 void image_close(struct image *image);
 
 /* ---- decode.c: samples ---- */
 
-/* Reads rows y .. y + rows - 1 of a page, width values each, the top row first: 0 to 1 (or float
- * samples) times the scale; of RGB the luma 0.2126 R + 0.7152 G + 0.0722 B (ITU-R BT.709) of the
- * stored values. Refuses a value that is negative or not finite, and samples that are cut short. Of
- * an uncompressed page it reads no more than these rows. Where the samples of all bands lie side by
- * side, it keeps those of these rows, up to 256 MB: ask for the same rows of one page after the
- * other. */
+/* Reads rows y .. y + rows - 1 of a page, width values each, the top row first. A value is 0 to 1,
+ * or a float sample, times the scale. An RGB pixel has the luma 0.2126 R + 0.7152 G + 0.0722 B
+ * (ITU-R BT.709) of its stored values. Refuses a value that is negative or not finite, and a file
+ * that ends too early. If the page is uncompressed, only these rows are read. If the samples of all
+ * bands lie side by side, these rows of up to 256 MB of bands are kept: read the same rows of one
+ * page after the other. */
 bool image_read(struct image *image, int page, int y, int rows, float *out, struct error *err);
-/* Reads any bytes of the file. */
+/* Reads `length` bytes of the file. Refuses a file that ends before them. */
 bool image_read_bytes(const struct image *image, uint64_t offset, size_t length, void *out,
                       struct error *err);
 
@@ -56,45 +56,43 @@ struct texture {
     bool spectral;
     bool linear;                  /* between texel centres; otherwise the nearest texel */
     double largest;               /* of all values of all pages */
-    float *plane[TEXTURE_PLANES]; /* of a grey texture the first; of a spectral one those loaded */
+    float *plane[TEXTURE_PLANES]; /* a grey texture has the first; a spectral one has those loaded;
+                                     owned */
 };
-/* Reads a grey texture: one page with values that hold for every wavelength. Refuses a side of more
- * than 16384 texels, since OpenGL's textures have a limit, too. */
-bool texture_read(const char *path, struct place from, bool linear, struct texture *out,
-                  struct error *err);
-/* Reads a spectral texture: a stack of pages with wavelengths. Reads all pages once, to find their
- * largest value. Refuses as texture_read. */
-bool texture_read_spectral(const char *path, struct place from, bool linear, struct texture *out,
-                           struct error *err);
-/* Fills the planes for up to TEXTURE_PLANES wavelengths: linear between pages, the end page beyond
- * the first and the last one. A grey texture needs no loading. */
+/* Reads a texture; the caller chooses `linear` and `spectral` of *out. A grey texture is one page
+ * with values that hold for every wavelength. A spectral texture is a stack of pages with
+ * wavelengths; all of them are read once, to find their largest value. Refuses a side of more than
+ * 16384 texels, since OpenGL's textures have a limit, too. */
+bool texture_read(const char *path, struct place from, struct texture *out, struct error *err);
+/* Fills the planes for n wavelengths, at most TEXTURE_PLANES: linear between pages, and the end
+ * page beyond the first and the last one. Does nothing for a grey texture. */
 bool texture_load(struct texture *texture, const double *wavelengths_nm, int n, struct error *err);
 void texture_free(struct texture *texture);
 
 /* ---- Inside this room ---- */
 
-/* How a page's samples lie in its blocks, which are tiles, or strips as wide as the page: colour i
- * of pixel p is sample i * colour_step + p * pixel_step of the planes of a block. */
+/* How the samples of a page lie in the file: in blocks, which are tiles, or strips as wide as the
+ * page. Uncompressed rows that lie one after the other are read in blocks of our own choice, which
+ * fit into the processor's cache. */
 struct sample_layout {
+    uint64_t directory; /* the offset of the page's directory */
     uint32_t width, height, block_width, block_height;
     uint16_t bits, n_samples, n_colours, n_planes;
     uint16_t n_bands; /* pages of its directory */
     uint16_t plane;   /* the first of n_planes */
-    size_t block_bytes, colour_step, pixel_step;
+    size_t block_bytes;
+    size_t pixel_step;    /* samples of a pixel in a plane */
     size_t row_bytes;     /* of a plane */
-    uint64_t rows_offset; /* where its rows lie one after the other, uncompressed; 0: they do not */
-    double largest;       /* sample; 1 where they are float */
+    uint64_t rows_offset; /* the first of such rows; 0: libtiff decodes the blocks */
+    double largest;       /* sample of white; 1 of floats */
     bool tiled, inverted; /* inverted: 0 is white */
 };
-struct image_page {
-    uint64_t directory; /* its offset */
-    struct sample_layout layout;
-};
-/* Samples of some bands and rows, where the bands lie side by side in the file and reading one band
- * means reading them all: as stored, but band after band. */
+/* Rows of some bands as stored, but band after band. In the file the bands lie side by side:
+ * whoever reads one of them reads them all. */
 struct kept_bands {
-    uint32_t first_row, end_row;
+    uint32_t first_row, n_rows;
     int first_page, end_page;
+    size_t band_bytes;
     char *samples;
 };
 struct image_file {
@@ -102,37 +100,39 @@ struct image_file {
     const struct builtin_file *builtin; /* NULL: libtiff reads a descriptor */
     uint64_t position;                  /* in it */
     double count_scale;                 /* radiance of a count, by page 0's GDAL metadata */
-    struct image_page *pages;
-    uint64_t directory; /* at which libtiff is; 0: none of the pages' */
+    struct sample_layout *pages;
+    uint64_t directory; /* where libtiff is; 0: at none of the pages */
     struct kept_bands kept;
-    const char *channels; /* of its OME-XML, those of the pages to come */
-    char unit[32];        /* of a page's wavelength, where it is unknown */
-    bool told;            /* some page records a wavelength, in whichever unit */
+    const char *channels; /* of its OME-XML: those of the pages that follow */
+    char unit[32];        /* of the last page's wavelength, if it is unknown; otherwise "" */
     struct place from;
-    bool decoding;     /* a warning then means lost samples */
-    char message[256]; /* libtiff's first */
+    bool decoding;     /* a warning then means that samples are lost */
+    char message[256]; /* the first of libtiff */
 };
 
-/* Refuses a page (from 0; -1: the file); the message has its wavelength where it records one. */
+/* Refuses a page (from 0; -1: the file). The message has its wavelength, if that is recorded. */
 bool PRINTF_LIKE(4, 5)
     image_refuse(const struct image *image, int page, struct error *err, const char *format, ...);
+/* Refuses a page with libtiff's message. */
 bool image_refuse_broken(const struct image *image, int page, struct error *err);
-/* Finds the layout of the current directory. */
+/* Finds the layout of the current directory, and lets libtiff decode JPEG as RGB. Refuses pages
+ * that cannot be read. */
 bool image_layout(const struct image *image, int page, struct sample_layout *out,
                   struct error *err);
 
-/* metadata.c: what a page records of itself. */
+/* metadata.c: the wavelength and scale of a page. */
 
-/* Items of GDAL_METADATA of a band; the text of each ends at a '<'. */
+/* The items of a band in GDAL_METADATA. The text of each ends at a '<'. */
 enum item { ITEM_WAVELENGTH, ITEM_UNIT, ITEM_MICROMETRES, ITEM_SCALE, ITEM_OFFSET, ITEMS };
 
-/* Stores the items of the current directory in out[band * ITEMS + item], NULL where it has none. A
- * directory of one band need not number it. */
+/* Stores the items of the current directory in out[band * ITEMS + item]; NULL stays where there is
+ * none. A directory of one band need not number it. */
 void metadata_items(struct tiff *tiff, int n_bands, const char **out);
-/* A page's wavelength in nm; NaN: it records none. */
+/* Returns a page's wavelength in nm; 0: its unit, kept in file->unit, is unknown; NaN: it records
+ * none. */
 double metadata_wavelength(struct image_file *file, const char *const items[ITEMS]);
-/* Finds the scale. Float samples are radiances themselves. Counts have one scale in all pages; page
- * 0's description has its exact value in a stack of this program. */
+/* Finds the scale. Float samples are radiances themselves. Counts have the same scale in all pages;
+ * a stack of this program has its exact value in the description of page 0. */
 bool metadata_scale(struct image *image, int page, const struct sample_layout *layout,
                     const char *const items[ITEMS], struct error *err);
 /* Reads the first page's description and verdict. */

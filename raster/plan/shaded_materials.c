@@ -29,7 +29,8 @@ static struct texture *find_texture(struct plan *plan, const struct material *ma
     for (int i = 0; i < plan->n_textures; i++)
         if (same_texture(&plan->textures[i], path, spectral, linear))
             return &plan->textures[i];
-    if (!(spectral ? texture_read_spectral : texture_read)(path, place, linear, new, err))
+    *new = (struct texture){.spectral = spectral, .linear = linear};
+    if (!texture_read(path, place, new, err))
         return NULL;
     plan->n_textures++;
     plan->work.textures_loaded++;

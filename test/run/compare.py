@@ -240,7 +240,7 @@ def test_refusals():
     refused(write("text.tif", "no picture"), A, "text.tif")
     plain = os.path.join(TMP, "plain.tif")
     tifffile.imwrite(plain, PIXELS.astype(np.float32), photometric="minisblack", metadata=None)
-    refused(A, plain, "plain.tif: tells no wavelengths")
+    refused(A, plain, "plain.tif: records no wavelengths")
     whole = open(A, "rb").read()
     cut = os.path.join(TMP, "cut.tif")
     with open(cut, "wb") as out:

@@ -477,7 +477,7 @@ def refusals(stack, full, box, rgb, whiteless):
             ("tells no white", whiteless, "--sampling", "adaptive:0.01"),
             ("expected --detector cie1931", rgb, "--detector", "cie1964"),
             ("--sampling", full, "--sampling", "gauss:65"),
-            ("RGB", picture), ("", cut), ("is -1; it is finite and not negative", negative.path),
+            ("RGB", picture), ("", cut), ("is -1; expected a finite number that is not negative", negative.path),
             ("", os.path.join(TMP, "missing.tif")), ("", stack.path, "--detector", "nobody")):
         result = run(source, "-o", path, *options)
         text = result.stderr.decode()

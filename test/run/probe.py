@@ -242,7 +242,7 @@ def test_refusals(path, scene):
         for region in ((width, 0), (0, height), (width - 1, 0, 2, 1), (0, height - 1, 1, 2), (2147483647, 0),
                        (1, 1, 2147483647, 1)):
             refused(f"the picture is {size} pixels", source, *region)
-    refused("tells no wavelengths", os.path.relpath("data/builtin/textures/bark.tif"), 0, 0)
+    refused("records no wavelengths", os.path.relpath("data/builtin/textures/bark.tif"), 0, 0)
     rgb, gauss = os.path.join(TMP, "rgb.tif"), os.path.join(TMP, "gauss.tif")
     for out, sampling in (rgb, "rgb"), (gauss, "gauss:6"):
         run("render", "metamers", "--size", "60x40", "--sampling", sampling, "--quiet", "-o", out)

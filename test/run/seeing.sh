@@ -89,7 +89,7 @@ sed -i "s,[.][.]/,$PWD/data/builtin/,g" "$tmp/mine.scene"
 cp "$tmp/mine.scene" "$tmp/kept.scene"
 while read -r words; do
     # shellcheck disable=SC2086  # a list of words
-    refused "$words" 'would replace what is read' $words
+    refused "$words" 'would replace the input' $words
 done <<EOF
 develop $tmp/mine.tif -o $tmp/link.tif
 probe $tmp/mine.tif 0 0 -o $tmp/mine.tif

@@ -425,14 +425,15 @@ static void test_foreign(void)
     check_no_white(&cube, NULL, "tells no white");
     cube_close(&cube);
     CHECK(write_pages(16, 1, whole, NULL), "pages without names are written");
-    check_refusal("a plain TIFF", "tells no wavelengths; expected a stack of grey pages");
+    check_refusal("a plain TIFF", "records no wavelengths; expected a stack of grey pages");
     CHECK(write_pages(32, 1, floating, falling), "falling wavelengths are written");
     check_refusal("falling wavelengths",
-                  "its wavelengths decrease: page 2 tells 400 nm after 500 nm; expected");
+                  "its wavelengths decrease: page 2 records 400 nm after 500 nm; expected");
     CHECK(write_pages(16, 1, whole, twice), "a wavelength is written twice");
-    check_refusal("a wavelength twice", "its wavelengths repeat: page 2 tells 500 nm after 500 nm");
+    check_refusal("a wavelength twice",
+                  "its wavelengths repeat: page 2 records 500 nm after 500 nm");
     CHECK(write_pages(16, 1, whole, lacking), "a page without a name is written");
-    check_refusal("a page without a name", "page 2 tells no wavelength; expected a stack");
+    check_refusal("a page without a name", "page 2 records no wavelength; expected a stack");
     CHECK(write_pages(8, 3, whole, rising), "pages of RGB are written");
     check_refusal("RGB", "its pages are RGB");
     CHECK(write_pages(32, 1, whole, rising), "whole numbers of 32 bits are written");
@@ -455,7 +456,7 @@ static void test_cuts(void)
     cube_close(&cube);
     CHECK(truncate(path, pixels - 1) == 0, "a byte of its pixels is cut off");
     check_refusal("cut within pixels",
-                  "page 4 (700 nm): its pixels end behind the end of the file");
+                  "page 4 (700 nm): its pixels end beyond the end of the file");
     CHECK(truncate(path, pixels / 2) == 0, "its directories are cut");
     check_refusal("cut within directories", "error: ");
     CHECK(truncate(path, 4) == 0, "its head is cut");

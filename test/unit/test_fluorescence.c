@@ -254,11 +254,13 @@ static void check_line(void)
     CHECK_TEXT(err.text, "", "blanks, commas and semicolons separate");
     if (matrix.share == NULL)
         return;
-    CHECK(matrix.n_excitation == 4 && matrix.n_emission == 3 && matrix.excitation_nm[3] == 330 &&
-              matrix.emission_nm[2] == 450 && matrix.share[4 + 2] == 0.1 && matrix.share[9] == 0.1,
+    CHECK(matrix.excitation.count == 4 && matrix.emission.count == 3 &&
+              matrix.excitation.wavelength_nm[3] == 330 &&
+              matrix.emission.wavelength_nm[2] == 450 && matrix.share[4 + 2] == 0.1 &&
+              matrix.share[9] == 0.1,
           "a matrix is read row by row");
     given = emission_under(&matrix, &light);
-    CHECK(given.count == 3 && given.wavelength_nm[1] == 420, "it gives out at its own wavelengths");
+    CHECK(given.count == 3 && given.wavelength_nm[1] == 420, "it emits at its own wavelengths");
     CHECK_TEXT(given.name != NULL ? given.name : "", "donaldson", "the spectrum has a name");
     CHECK(spectrum_at(&given, 399, SPECTRUM_ZERO) == 0 &&
               spectrum_at(&given, 451, SPECTRUM_ZERO) == 0,
@@ -298,7 +300,7 @@ static void check_factors(void)
     double nm[COLUMNS], value[COLUMNS], emission[ROWS], emission_nm[ROWS], sum = 0;
     double share[ROWS * COLUMNS];
     struct spectrum excitation = samples(nm, value, COLUMNS);
-    struct donaldson matrix = {COLUMNS, ROWS, nm, emission_nm, share};
+    struct donaldson matrix = {excitation, samples(emission_nm, emission, ROWS), share};
     for (int i = 0; i < COLUMNS; i++) {
         nm[i] = 300 + 10 * i;
         value[i] = i * (COLUMNS - 1 - i) * (3 + i % 4) * 1e-3;
@@ -324,7 +326,7 @@ static void check_factors(void)
     }
 }
 
-/* Writes columns that give out all that a diffuse reflectance leaves, in shares of 2^-10. */
+/* Writes columns that emit all that the diffuse reflectance leaves, in shares of 2^-10. */
 static void check_energy(void)
 {
     static const char *const lights[] = {"uv", "fluorescent", "0.8", "blackbody:3000"};
@@ -342,7 +344,7 @@ static void check_energy(void)
                                 (90 + 10 * ((j + i) % 4) + ((j + i) % 4 == 3 ? 92 : 0)) / 1024.0);
     }
     matrix = read_matrix(content, 0.5, &err);
-    CHECK_TEXT(err.text, "", "a column may give out all that is taken in");
+    CHECK_TEXT(err.text, "", "a column may emit all that the surface absorbs");
     for (size_t k = 0; k < sizeof lights / sizeof lights[0]; k++) {
         static const double width[] = {30, 60, 120, 150}; /* of bands at 400, 430, 520 and 670 */
         struct spectrum light = read_word(lights[k]), given = emission_under(&matrix, &light);
@@ -352,7 +354,7 @@ static void check_energy(void)
         for (int j = 0; j < given.count; j++)
             out += width[j] * given.value[j];
         CHECK_NEAR(out / in, 1, (3 * COLUMNS + 20) * half_epsilon,
-                   "under %s it gives out what it takes in", lights[k]);
+                   "under %s it emits what it absorbs", lights[k]);
         spectrum_free(&light);
         spectrum_free(&given);
     }
@@ -365,7 +367,7 @@ static void check_energy(void)
 static void check_extremes(void)
 {
     double nm[] = {400, 410}, dim_nm[] = {500}, share[] = {1e-300, 1e-300};
-    struct donaldson matrix = {2, 1, nm, dim_nm, share};
+    struct donaldson matrix = {samples(nm, NULL, 2), samples(dim_nm, NULL, 1), share};
     struct spectrum light = constant(1e300), given = emission_under(&matrix, &light);
     struct error err = {0};
     CHECK_NEAR(given.count == 1 ? given.value[0] : 0, 20, 20 * 8 * half_epsilon,
@@ -376,7 +378,7 @@ static void check_extremes(void)
     CHECK(!donaldson_emission(&matrix, &light, &given, &err) && err.status == EXIT_INPUT &&
               given.kind == SPECTRUM_NONE && given.value == NULL,
           "what no number holds is refused");
-    matrix.n_excitation = 1;
+    matrix.excitation.count = 1;
     light = constant(0.5);
     given = emission_under(&matrix, &light);
     CHECK(given.count == 1 && given.value[0] == 0.5, "single bands are 1 nm wide");
@@ -407,9 +409,9 @@ static void check_refusals(void)
         {"nm 300 310\nx 0.1 0.2\n", ":2:1: error: emission wavelength must be a number"},
         {"nm 300 310\n400 0.1 0.2\n400 0 0\n", ":3:1: error: wavelength 400 nm follows 400 nm"},
         {"# so\nnm 300,\t380, 390\n400 0.1 0.3 0\n410 0 0.23 0.1\n",
-         ":2:9: error: at 380 nm the matrix gives out 0.53 of the light, but the surface takes in "
+         ":2:9: error: at 380 nm the matrix emits 0.53 of the light, but the surface absorbs "
          "only 0.4 (1 - diffuse)"},
-        {"nm 300\n400 0.2\n410 0.200000000000002\n", ":1:4: error: at 300 nm the matrix gives"},
+        {"nm 300\n400 0.2\n410 0.200000000000002\n", ":1:4: error: at 300 nm the matrix emits"},
     };
     struct error err;
     for (size_t i = 0; i < sizeof refused / sizeof refused[0]; i++) {
@@ -418,7 +420,8 @@ static void check_refusals(void)
         seen = seen == err.text ? seen + strlen(path) : err.text;
         if (!CHECK(strncmp(seen, refused[i].message, strlen(refused[i].message)) == 0 &&
                        err.status == EXIT_INPUT && matrix.share == NULL &&
-                       matrix.excitation_nm == NULL && matrix.emission_nm == NULL,
+                       matrix.excitation.wavelength_nm == NULL &&
+                       matrix.emission.wavelength_nm == NULL,
                    "refused%s", refused[i].message))
             printf("# saw %s\n", seen);
     }

@@ -209,7 +209,7 @@ static void check_variant(const struct variant *v)
     if (!CHECK(write_pages(v, 1), "%s: is written", v->name))
         return;
     if (open_whole(&image, path, v->name, 1)) {
-        CHECK(image.wavelengths_nm == NULL, "%s: tells no wavelength", v->name);
+        CHECK(image.wavelengths_nm == NULL, "%s: records no wavelength", v->name);
         CHECK_NEAR(image.scale, 1, 0, "%s: and no scale", v->name);
         check_page(&image, v, 0, 1);
         check_rows(&image, v->name);
@@ -494,11 +494,11 @@ static void test_foreign(void)
                  {"bands_lzw_apart.tif", 8, PHOTOMETRIC_MINISBLACK, true, 1}};
     const struct {
         const char *file, *what;
-    } untold[] = {{"ome_furlong.ome.tif", "page 1 tells its wavelength in 'furlong', which is no"},
-                  {"ome_lacking.ome.tif", "page 2 tells no wavelength"},
-                  {"bands_lacking.tif", "page 3 tells no wavelength"},
-                  {"bands_furlong.tif", "page 1 tells its wavelength in 'Furlongs', which is no"},
-                  {"bands_falling.tif", "decrease: page 2 tells 500 nm after 700 nm"}};
+    } untold[] = {{"ome_furlong.ome.tif", "page 1 records its wavelength in 'furlong'; expected"},
+                  {"ome_lacking.ome.tif", "page 2 records no wavelength"},
+                  {"bands_lacking.tif", "page 3 records no wavelength"},
+                  {"bands_furlong.tif", "page 1 records its wavelength in 'Furlongs'; expected"},
+                  {"bands_falling.tif", "decrease: page 2 records 500 nm after 700 nm"}};
     struct image image;
     struct error err = {0};
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++)
@@ -507,8 +507,9 @@ static void test_foreign(void)
     for (size_t i = 0; i < sizeof untold / sizeof untold[0]; i++) {
         if (CHECK(image_open(untold[i].file, from, &image, &err), "%s opens %s", untold[i].file,
                   err.text))
-            CHECK(image.wavelengths_nm == NULL && strstr(image.untold, untold[i].what) != NULL,
-                  "but not its wavelengths: %s", image.untold);
+            CHECK(image.wavelengths_nm == NULL &&
+                      strstr(image.no_wavelengths, untold[i].what) != NULL,
+                  "but not its wavelengths: %s", image.no_wavelengths);
         image_close(&image);
     }
     CHECK(image_open("bands_rgb.tif", from, &image, &err) && image.coloured && image.n_pages == 1,
@@ -550,20 +551,20 @@ static void test_refused_pages(void)
         {"3 of 32 bits, float", NULL, 32, 3, .photometric = 2, .format = floating},
         {"1 of 32 bits, float", NULL, 32, 1, .photometric = 0, .format = floating},
         {"5 samples", NULL, 8, 5, .photometric = 2},
-        {"2 samples a pixel and tells no", NULL, 8, 2, .photometric = 1,
+        {"2 samples a pixel and records no", NULL, 8, 2, .photometric = 1,
          .extra = EXTRASAMPLE_UNSPECIFIED},
         {"orientation is 4", NULL, 8, 1, .photometric = 1, .orientation = ORIENTATION_BOTLEFT},
         {"page 1 (305 nm): the radiance at column 36, row 28 is nan", NULL, 32, 1, .photometric = 1,
          .format = floating, .page_name = "305 nm", .odd = (double)NAN},
         {"page 1: the radiance at column 36, row 28 is inf", NULL, 32, 1, .photometric = 1,
          .format = floating, .odd = HUGE_VAL},
-        {"is -0.5;", NULL, 32, 1, .photometric = 1, .format = floating, .odd = -0.5},
+        {"is -0.5; expected", NULL, 32, 1, .photometric = 1, .format = floating, .odd = -0.5},
         {"scale is not positive", NULL, 16, 1, .photometric = 1, .gdal = SCALE("0")},
         {"scale is not positive", NULL, 16, 1, .photometric = 1, .gdal = SCALE("-1")},
         {"scale is not positive", NULL, 16, 1, .photometric = 1, .gdal = SCALE("2x")},
         {"scale is not positive", NULL, 16, 1, .photometric = 1,
          .description = "full_scale: nan\n"},
-        {"is 9.96078e+299; it is finite", NULL, 8, 1, .photometric = 0,
+        {"is 9.96078e+299; expected a finite number", NULL, 8, 1, .photometric = 0,
          .description = "full_scale: 1e300 \n"},
         {"an offset", NULL, 16, 1, .photometric = 1, .gdal = OFFSET("-1")},
     };
@@ -589,11 +590,12 @@ static void test_no_bands(void)
 {
     const struct {
         const char *file, *what;
-    } files[] = {{"bands_untold.tif", "it has 3 samples a pixel and tells no wavelengths of them"},
-                 {"bands_alpha.tif", "it has 4 samples a pixel, not 1 and perhaps an alpha"},
-                 {"bands_overviews.tif", "it has 3 samples a pixel, not 1 and perhaps an alpha"},
-                 {"bands_scales.tif", "page 2 (500 nm): its scale is not positive, or not that"},
-                 {"bands_offset.tif", "page 3 (700 nm): its samples have an offset"}};
+    } files[] = {
+        {"bands_untold.tif", "it has 3 samples a pixel and records no wavelengths for them"},
+        {"bands_alpha.tif", "it has 4 samples a pixel instead of 1 and at most an alpha"},
+        {"bands_overviews.tif", "it has 3 samples a pixel instead of 1 and at most an alpha"},
+        {"bands_scales.tif", "page 2 (500 nm): its scale is not positive, or not that"},
+        {"bands_offset.tif", "page 3 (700 nm): its samples have an offset"}};
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++)
         check_refusal(files[i].file, "such a file", files[i].what);
 }

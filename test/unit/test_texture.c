@@ -46,6 +46,12 @@ static bool write_stack(int n_pages, float times)
                  "a stack is written %s", err.text);
 }
 
+static bool read_stack(bool spectral, bool linear, struct texture *out, struct error *err)
+{
+    *out = (struct texture){.spectral = spectral, .linear = linear};
+    return texture_read(path, from, out, err);
+}
+
 static bool plane_is(const float *plane, int page)
 {
     for (int i = 0; i < PIXELS; i++)
@@ -60,7 +66,7 @@ static void test_grey(void)
     struct texture texture;
     struct error err = {0};
     if (!write_stack(1, 1) ||
-        !CHECK(texture_read(path, from, true, &texture, &err), "a grey texture %s", err.text))
+        !CHECK(read_stack(false, true, &texture, &err), "a grey texture %s", err.text))
         return;
     CHECK(!texture.spectral && texture.linear, "is not spectral, and linear as asked");
     CHECK(texture.image.width == WIDTH && texture.image.height == HEIGHT, "of the page's size");
@@ -72,7 +78,7 @@ static void test_grey(void)
     texture_free(&texture);
     texture_free(&texture);
     CHECK(texture.plane[0] == NULL && texture.image.file == NULL, "and leaves nothing");
-    CHECK(write_stack(1, 0) && texture_read(path, from, false, &texture, &err),
+    CHECK(write_stack(1, 0) && read_stack(false, false, &texture, &err),
           "a black texture is one too %s", err.text);
     CHECK_NEAR(texture.largest, 0, 0, "of nothing");
     CHECK(!texture.linear, "nearest as asked");
@@ -101,8 +107,8 @@ static void test_spectral(void)
 {
     struct texture texture;
     struct error err = {0};
-    if (!write_stack(PAGES, 1) || !CHECK(texture_read_spectral(path, from, false, &texture, &err),
-                                         "a spectral texture %s", err.text))
+    if (!write_stack(PAGES, 1) ||
+        !CHECK(read_stack(true, false, &texture, &err), "a spectral texture %s", err.text))
         return;
     CHECK(texture.spectral && !texture.linear, "is spectral, and nearest as asked");
     CHECK_NEAR(texture.largest, 0x1p60, 0, "its largest value, of a page amid the others");
@@ -118,7 +124,7 @@ static void test_spectral(void)
     check_between(&texture, 300, 0, 0);
     check_between(&texture, 2500, 2, 0);
     texture_free(&texture);
-    CHECK(write_stack(1, 1) && texture_read_spectral(path, from, true, &texture, &err),
+    CHECK(write_stack(1, 1) && read_stack(true, true, &texture, &err),
           "a stack of one page is a spectral texture %s", err.text);
     CHECK(texture_load(&texture, page_nm, PAGES, &err) && plane_is(texture.plane[2], 0),
           "the same everywhere %s", err.text);
@@ -139,9 +145,9 @@ static void test_refusals(void)
 {
     struct texture texture;
     struct error several = {0}, untold = {0}, negative = {0};
-    bool read = write_stack(PAGES, 1) && texture_read(path, from, true, &texture, &several);
-    check_refusal(read, &texture, &several, "it has 3 pages; a texture is one page");
-    read = write_stack(2, -1) && texture_read_spectral(path, from, true, &texture, &negative);
+    bool read = write_stack(PAGES, 1) && read_stack(false, true, &texture, &several);
+    check_refusal(read, &texture, &several, "it has 3 pages; expected one page for a texture");
+    read = write_stack(2, -1) && read_stack(true, true, &texture, &negative);
     check_refusal(read, &texture, &negative,
                   "page 1 (400 nm): the radiance at column 0, row 0 is -0.25;");
     TIFF *tiff = TIFFOpen(path, "w");
@@ -151,8 +157,8 @@ static void test_refusals(void)
     TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
     TIFFWriteScanline(tiff, (char[]){1}, 0, 0);
     TIFFClose(tiff);
-    read = texture_read_spectral(path, from, true, &texture, &untold);
-    check_refusal(read, &texture, &untold, "tells no wavelengths; a spectral texture");
+    read = read_stack(true, true, &texture, &untold);
+    check_refusal(read, &texture, &untold, "records no wavelengths; expected a stack");
 }
 
 /* A file that is cut while it is open: the planes fail, and say where. */
@@ -161,7 +167,7 @@ static void test_cut(void)
     struct texture texture;
     struct error err = {0};
     struct stat status;
-    if (!write_stack(PAGES, 1) || !texture_read_spectral(path, from, true, &texture, &err) ||
+    if (!write_stack(PAGES, 1) || !read_stack(true, true, &texture, &err) ||
         stat(path, &status) != 0 || truncate(path, status.st_size - 1) != 0) {
         CHECK(false, "a stack is read, then cut %s", err.text);
         return;
