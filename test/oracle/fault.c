@@ -525,6 +525,10 @@ static void spoil_identity(GLuint *depths)
         *triangle = 1.0F - *triangle; /* the other one of a plane */
     if (fault() == 71)
         *depth += 5;
+    if (fault() == 72) { /* no triangle, at the depth of the background */
+        *depth |= 0xffffffu << 8;
+        memset(triangle, 0, CHANNELS * sizeof *triangle);
+    }
 }
 
 void glReadPixels(GLint x, GLint y, GLsizei width, GLsizei height, GLenum format, GLenum type,
@@ -587,6 +591,8 @@ static void spoil_pixel(float *pixel)
         pixel[1] = is_left ? right[1] : left[1];
     if (passes == 1 && fault() == 48)
         pixel[0] = NAN;
+    if (fault() == 72) /* the colour of the background, in all passes */
+        memset(pixel, 0, CHANNELS * sizeof *pixel);
 }
 
 static void spoil_picture(void)

@@ -20,6 +20,7 @@ cat >"$tmp/table" <<'TABLE'
 | 7 | the picture is mirrored from top to bottom | patches |
 | 8 | the picture is mirrored from left to right | patches |
 | 9 | the fill rule takes right and top edges for left and bottom ones | grid |
+| 9 | the same in a picture whose size is no power of two | grid-thirds |
 | 10 | pixels on a shared edge are drawn by neither triangle | mirrored-seam |
 | 10 | pixels on a shared edge are drawn by both triangles | seam |
 | 11 | flat shading for smooth | patches |
@@ -82,8 +83,10 @@ cat >"$tmp/table" <<'TABLE'
 | 68 | no sample is a number | seam |
 | 69 | the depth of one pixel is wrong by 1/10000 | patches |
 | 69 | the depth of one pixel at an edge is wrong by 1/10000 | edge |
+| 69 | the depth of one pixel is wrong by 1/10000 where the border cuts a triangle in perspective | floor |
 | 70 | a pixel at an edge shows another triangle that looks the same | edge |
 | 71 | five fragments too many at an edge | edge |
+| 72 | a pixel at an edge shows the background, not what lies behind the edge | edge |
 TABLE
 
 render() { # FAULT SCENE [OPTION...]

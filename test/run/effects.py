@@ -163,6 +163,24 @@ def textures(renderer):
                    slack=2 * SINGLE)
 
 
+def texel_borders(renderer):
+    """Two texels a pixel: each pixel centre lies on a corner of four texels, and the nearest one is the
+    one to its upper right, floor(u), floor(v)."""
+    texels = np.random.default_rng(4).integers(0, 256, (64, 64)).astype(np.uint8)
+    tifffile.imwrite(os.path.join(TMP, "borders.tif"), texels)
+    textured(renderer, "borders", texels / 255, "nearest", 32, 32, (1, 1))
+
+
+def dark_texture(renderer):
+    texels = np.array([[51, 102]], np.uint8)
+    tifffile.imwrite(os.path.join(TMP, "dark.tif"), texels)
+    picture = Picture("dark", renderer, square("diffuse RED texture dark.tif nearest", FACING))
+    expected = np.max(D65 * RED) * 102 / 255
+    check(abs(picture.report["full_scale"] / expected - 1) <= 2 * SINGLE,
+          f"{renderer}: the full scale is light x reflectance x the largest texel, which is below 1",
+          f"{picture.report['full_scale']}, not {expected}")
+
+
 def spectral_textures(renderer):
     size = "size 24 18\ncamera ortho 24\n"
     source = Picture("source", renderer, size + "ambient a 0.2\nlight d65 1 position 3 4 20\n"
@@ -460,8 +478,8 @@ def thesis_list(renderer):
 
 
 for each in ("raster", "gl"):
-    for effect in (fluorescence, bispectral, textures, spectral_textures, spots, highlights, many_lights,
-                   emission, sides, flat_shading, halves, halves_in_perspective, equal_halves,
-                   textured_halves, several_materials, thesis_list):
+    for effect in (fluorescence, bispectral, textures, texel_borders, dark_texture, spectral_textures,
+                   spots, highlights, many_lights, emission, sides, flat_shading, halves,
+                   halves_in_perspective, equal_halves, textured_halves, several_materials, thesis_list):
         effect(each)
 done()

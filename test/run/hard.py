@@ -18,6 +18,8 @@ and in OpenGL, with either of Mesa's software drivers. Prints TAP.
                              (the last three: in OpenGL besides up to both bounds, and at ambiguous
                              pixels anything)
     floor COUNTS             an error of so many counts would have been seen at half of the pixels
+    bounded                  every pixel has a bound on OpenGL's error
+    smooth NUMBER            the check counts exactly so many smooth interior pixels
     seconds MOST             wall-clock time of each run
 
 A line `# with: ...` holds options for the program."""
@@ -126,6 +128,11 @@ def black(run):
     return f"{(run.counts != 0).sum()} samples are not 0" if run.counts.any() else None
 
 
+def bounded(run):
+    pixels = 0 if run.exact else run.report["check"]["unbounded_pixels"]
+    return f"{pixels} pixels without a bound" if pixels else None
+
+
 def apart(run, other, counts, within, factor, exactly):
     """How far the samples of two runs are apart, if more than they may be."""
     if other.counts is None:
@@ -140,7 +147,8 @@ def apart(run, other, counts, within, factor, exactly):
     return f"{difference[-1]} counts apart, not {within}" if difference[-1] > within else None
 
 
-TRUTHS = {"agreed": agreed, "full": full, "convex": convex, "even": even, "black": black}
+TRUTHS = {"agreed": agreed, "full": full, "convex": convex, "even": even, "black": black,
+          "bounded": bounded}
 
 
 def holds(runs, scene, path, words):
@@ -154,6 +162,9 @@ def holds(runs, scene, path, words):
     if word == "floor":
         counts = 0 if run.exact else run.report["check"]["floor_median_counts"]
         return f"only {counts} would be seen" if counts > float(rest[0]) else None
+    if word == "smooth":
+        pixels = int(rest[0]) if run.exact else run.report["check"]["smooth_pixels"]
+        return f"{pixels} smooth pixels" if pixels != int(rest[0]) else None
     if word in TRUTHS:
         return TRUTHS[word](run)
     within = float(rest[-1]) if "within" in rest else 0

@@ -35,6 +35,8 @@ for scene in data/builtin/scenes/*.scene; do
         END { exit !(n > 10000 && floor > 0 && floor <= 2) }' "$tmp/out"
     ok $? "$name: 99.9 % of the smooth pixels have a floor of 2 counts or less"
 done
+# The path of a compiled-in scene works as its name does; the scene's own paths lead to compiled-in files.
+agrees "a compiled-in scene by its path" builtin:scenes/patches.scene --wavelengths 550
 for light in a uv fluorescent; do
     agrees "fluorescence under $light" fluorescence --light "1=$light"
     agrees "metamers under $light" metamers --light "1=$light"
