@@ -51,7 +51,8 @@ enum {
     CHART_WIDTH = 800,
     CHART_LEFT = 84,
     CHART_TOP = 52,
-    CHART_MARGIN = 28, /* on the right, without an axis there */
+    CHART_MARGIN = 28,     /* on the right, without an axis there */
+    CHART_RIGHT_AXIS = 72, /* on the right, with an axis there */
     CHART_TICK = 5,
     CHART_LEGEND_ROW = 20,
     CHART_TITLE_SIZE = 16,
@@ -59,21 +60,23 @@ enum {
     CHART_TEXT_SIZE = 12
 };
 
+/* The rectangle that the axes enclose. Its left edge is at CHART_LEFT, its top at CHART_TOP. */
+struct chart_area {
+    FILE *to; /* the SVG file */
+    double width;
+    int height;
+};
 /* Draws into an SVG file, allocated; NULL: no memory. */
 char *chart_file(void (*draw)(void *plot, FILE *to), void *plot);
 /* Writes the beginning of a file of this height, with the title. */
 void chart_head(FILE *to, const char *title, int height);
-/* Draws the frame around a plot. */
-void chart_frame(FILE *to, double width, int height);
+/* Draws the frame around the area. */
+void chart_frame(const struct chart_area *area);
 /* Writes at most so many characters of a text, escaped. A character that XML cannot hold becomes
  * U+FFFD. */
 void chart_text(FILE *to, const char *text, int most);
 /* Writes a decimal exponent: ×10 and small digits. */
 void chart_exponent(FILE *to, int exponent);
-/* Begins the x axis's label, `below` the plot; the caller ends its text. */
-void chart_x_label(FILE *to, const char *label, double width, int below);
-/* Writes a label at the middle of an axis that stands at x and is `height` high. */
-void chart_y_label(FILE *to, const char *label, double x, int height);
 /* How many characters fit beside each other, and the width of n characters. */
 int chart_fitting(double width, int size);
 double chart_text_width(int n, int size);
@@ -86,6 +89,37 @@ struct chart_grid {
 /* Makes a grid of n cells, in 1 to 3 columns: as many as let texts of `longest` characters stand
  * beside each other, each behind a sample of this width. */
 struct chart_grid chart_grid(int n, int longest, double sample);
+
+/* ---- Inside this room: axes of all charts, in axis.c ---- */
+
+/* An axis from `low` to `high` on its scale: values over the unit, or decimal logarithms. */
+struct axis {
+    bool logarithmic;
+    double low, high;
+    double unit, step; /* linear: a power of ten; between ticks, in units */
+    int exponent;      /* of the unit; 0: labels are values */
+    int decimals;      /* of a label */
+    bool clipped;      /* logarithmic: smaller values lie at the low end, */
+    double least;      /* which stands for this value */
+};
+/* A linear axis from low to high with about so many steps; from 0 to 1 if low > high. */
+struct axis axis_linear(double low, double high, int steps);
+/* A linear axis that contains 0 and ends at whole steps. */
+struct axis axis_from_zero(double low, double high, int steps);
+/* A logarithmic axis with some room beyond the decimal logarithms low and high; from 0.1 to 1 if
+ * low > high. */
+struct axis axis_logarithmic(double low, double high);
+double decimal_logarithm(double value); /* of a finite value above 0 */
+/* The place of a value in the SVG file. On a logarithmic axis values below its low end, and 0, lie
+ * at that end. */
+double chart_x(const struct chart_area *area, const struct axis *axis, double value);
+double chart_y(const struct chart_area *area, const struct axis *axis, double value);
+/* Draw ticks, their grid lines and labels, and the label of the axis: below the area and a strip of
+ * this height, or on its left or right, where there are no grid lines. */
+void axis_draw_x(const struct chart_area *area, const struct axis *axis, const char *label,
+                 int strip);
+void axis_draw_y(const struct chart_area *area, const struct axis *axis, const char *label,
+                 bool right);
 
 /* ---- Inside this room: places of labels, in labels.c ---- */
 
