@@ -52,11 +52,6 @@ struct chart_segment chart_leader(const struct chart_label *label)
         {label->y, fmax(label->box.top, fmin(label->y, label->box.bottom))}};
 }
 
-static struct chart_box box_around(double x, double y, double width, double height)
-{
-    return (struct chart_box){x - width / 2, y - height / 2, x + width / 2, y + height / 2};
-}
-
 /* ---- places ---- */
 
 /* The rules that a label may break where no other place is left. It never covers points or labels.
@@ -108,26 +103,24 @@ static bool is_free(const struct chart_labels *labels, const struct chart_label 
     return true;
 }
 
-/* The box of a label at a distance beside, above or below its point, or at a corner. */
-static struct chart_box box_beside(const struct chart_label *label, int direction, double distance,
-                                   double width, double height)
+/* Returns the box of a label of this size at a distance from its point: beside, above, below or at
+ * a corner; of a label that a line leads to, in any direction. */
+static struct chart_box box_at(const struct chart_label *label, int direction, double distance,
+                               double width, double height)
 {
     static const double to_x[NEAR_DIRECTIONS] = {1, 1, 1, -1, -1, -1, 0, 0};
     static const double to_y[NEAR_DIRECTIONS] = {-1, 0, 1, -1, 0, 1, -1, 1};
-    const bool corner = to_x[direction] != 0 && to_y[direction] != 0;
-    const double away = distance * (corner ? 0.7 : 1);
-    return box_around(label->x + to_x[direction] * (away + width / 2),
-                      label->y + to_y[direction] * (away + height / 2), width, height);
-}
-
-/* The box of a label farther off, in any direction. */
-static struct chart_box box_off(const struct chart_label *label, int direction, double distance,
-                                double width, double height)
-{
-    double sine, cosine;
-    sine_cosine_of_turn(direction, DIRECTIONS, &sine, &cosine);
-    return box_around(label->x + cosine * (distance + width / 2),
-                      label->y + sine * (distance + height / 2), width, height);
+    double x, y;
+    if (label->led)
+        sine_cosine_of_turn(direction, DIRECTIONS, &y, &x);
+    else {
+        x = to_x[direction];
+        y = to_y[direction];
+        distance *= x != 0 && y != 0 ? 0.7 : 1;
+    }
+    x = label->x + x * (distance + width / 2);
+    y = label->y + y * (distance + height / 2);
+    return (struct chart_box){x - width / 2, y - height / 2, x + width / 2, y + height / 2};
 }
 
 /* Takes the nearest place that is free so far. */
@@ -140,8 +133,7 @@ static bool place_within(struct chart_labels *labels, struct chart_label *label,
         const double distance = label->radius + 2 + ring * RING_STEP;
         label->led = ring > 0;
         for (int i = 0; i < (label->led ? DIRECTIONS : NEAR_DIRECTIONS); i++) {
-            label->box = label->led ? box_off(label, i, distance, width, height)
-                                    : box_beside(label, i, distance, width, height);
+            label->box = box_at(label, i, distance, width, height);
             if (is_free(labels, label, freedom))
                 return label->placed = true;
         }
