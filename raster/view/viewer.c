@@ -11,6 +11,7 @@
 #include <string.h>
 
 #include "data/base/base.h"
+#include "data/catalogue/catalogue.h"
 #include "data/colour/colour.h"
 #include "data/material/material.h"
 #include "data/mesh/mesh.h"
@@ -41,31 +42,19 @@ static void json_matrix(struct json *json, const char *key, double matrix[3][3])
     json_close(json, ']');
 }
 
-/* Puts a spectrum at the picture's wavelengths; null for a spectrum that is absent. */
+/* Puts a spectrum at the picture's wavelengths, unless it is absent. */
 static void put_spectrum(struct page *page, const char *key, const struct spectrum *spectrum,
                          enum spectrum_ends ends)
 {
     const struct plan *plan = page->plan;
+    if (spectrum->kind == SPECTRUM_NONE)
+        return;
     for (int i = 0; i < plan->n_bands; i++)
         page->row[i] = spectrum_at(spectrum, plan->scene->wavelengths_nm[i], ends);
-    if (spectrum->kind == SPECTRUM_NONE)
-        json_string(&page->json, key, NULL);
-    else
-        json_numbers(&page->json, key, page->row, plan->n_bands);
+    json_numbers(&page->json, key, page->row, plan->n_bands);
 }
 
 /* ---- illuminants ---- */
-
-/* Writes the name of a built-in table as a command line has it. Returns false for another file. */
-static bool table_name(const struct builtin_file *file, char *out, size_t capacity)
-{
-    static const char folder[] = "tables/";
-    const char *name = file->name + strlen(folder);
-    if (strncmp(file->name, folder, strlen(folder)) != 0)
-        return false;
-    snprintf(out, capacity, "%.*s", (int)strcspn(name, "."), name);
-    return true;
-}
 
 static bool same_illuminant(const struct spectrum *a, const struct spectrum *b)
 {
@@ -103,22 +92,15 @@ static bool add_builtin(struct page *page, const char *name, struct error *err)
     return true;
 }
 
-/* Finds equal energy, the built-in illuminants, and those of the scene. */
-static bool find_illuminants(struct page *page, struct error *err)
+/* Adds equal energy and the built-in illuminants. */
+static bool add_builtins(struct page *page, struct error *err)
 {
-    const struct scene *scene = page->plan->scene;
     char name[256];
     if (!add_builtin(page, "1", err))
         return false;
     for (size_t i = 0; i < builtin_file_count; i++)
-        if (table_name(&builtin_files[i], name, sizeof name) &&
-            !table_is_detector(&builtin_files[i]) && !add_builtin(page, name, err))
-            return false;
-    for (int i = 0; i < scene->n_ambients; i++)
-        if (find_illuminant(page, &scene->ambients[i].spectrum, err) < 0)
-            return false;
-    for (int i = 0; i < scene->n_lights; i++)
-        if (find_illuminant(page, &scene->lights[i].spectrum, err) < 0)
+        if (table_name(&builtin_files[i], false, name, sizeof name) &&
+            !add_builtin(page, name, err))
             return false;
     return true;
 }
@@ -154,7 +136,7 @@ static bool put_illuminants(struct page *page, struct error *err)
     return done;
 }
 
-/* Puts a light as the scene has it. */
+/* Puts a light as the scene has it, and adds its illuminant to those on offer. */
 static bool put_light(struct page *page, const struct spectrum *spectrum, double intensity,
                       struct error *err)
 {
@@ -189,15 +171,8 @@ static bool put_lights(struct page *page, struct error *err)
 /* ---- surfaces ---- */
 
 /* Puts the luminescence of a material under each illuminant. */
-static bool put_luminescence(struct page *page, const struct shaded_material *shaded,
-                             struct error *err)
+static bool put_luminescence(struct page *page, const struct material *material, struct error *err)
 {
-    const struct material *material = shaded->material;
-    bool fluoresces = material->excitation.kind != SPECTRUM_NONE || material->donaldson;
-    if (!fluoresces) {
-        json_string(&page->json, "luminescence", NULL);
-        return true;
-    }
     json_open(&page->json, "luminescence", '[');
     for (int i = 0; i < page->n_illuminants; i++) {
         if (!material_luminescence(&page->plan->illumination.pages, material, &page->illuminants[i],
@@ -209,28 +184,46 @@ static bool put_luminescence(struct page *page, const struct shaded_material *sh
     return true;
 }
 
+/* Puts the part that each page of a spectral texture has in each band. */
+static bool put_texture(struct page *page, const struct texture *texture, struct error *err)
+{
+    struct spectrum part = {.kind = SPECTRUM_SAMPLED,
+                            .factor = 1,
+                            .count = texture->image.n_pages,
+                            .wavelength_nm = texture->image.wavelengths_nm};
+    part.value = calloc((size_t)part.count, sizeof *part.value);
+    if (!part.value)
+        return error_memory(err);
+    json_open(&page->json, "texture", '[');
+    for (int i = 0; i < part.count; i++) {
+        part.value[i] = 1;
+        put_spectrum(page, NULL, &part, SPECTRUM_HOLD);
+        part.value[i] = 0;
+    }
+    json_close(&page->json, ']');
+    free(part.value);
+    return true;
+}
+
 static bool put_material(struct page *page, const struct shaded_material *shaded, struct error *err)
 {
     static const struct spectrum plastic = {
         .kind = SPECTRUM_CONSTANT, .parameter = {1, 0}, .factor = 1};
-    static const struct spectrum none = {.kind = SPECTRUM_NONE};
     const struct material *material = shaded->material;
-    const struct spectrum *specular =
-        material->specular.kind != SPECTRUM_NONE ? &material->specular : &plastic;
-    struct json *json = &page->json;
-    json_open(json, NULL, '{');
+    const bool spectral = shaded->texture && shaded->texture->spectral;
+    const bool fluoresces = material->excitation.kind != SPECTRUM_NONE || material->donaldson;
+    json_open(&page->json, NULL, '{');
     put_spectrum(page, "diffuse", &material->diffuse, SPECTRUM_HOLD);
-    put_spectrum(page, "specular", material->gloss > 0 ? specular : &none, SPECTRUM_HOLD);
+    if (material->gloss > 0)
+        put_spectrum(page, "specular",
+                     material->specular.kind != SPECTRUM_NONE ? &material->specular : &plastic,
+                     SPECTRUM_HOLD);
     put_spectrum(page, "glow", &material->glow, SPECTRUM_ZERO);
     put_spectrum(page, "excitation", &material->excitation, SPECTRUM_ZERO);
     put_spectrum(page, "emission", &material->emission, SPECTRUM_ZERO);
-    if (shaded->texture && shaded->texture->spectral)
-        json_numbers(json, "texture", shaded->texture->image.wavelengths_nm,
-                     shaded->texture->image.n_pages);
-    else
-        json_string(json, "texture", NULL);
-    bool done = put_luminescence(page, shaded, err);
-    json_close(json, '}');
+    bool done = (!spectral || put_texture(page, shaded->texture, err)) &&
+                (!fluoresces || put_luminescence(page, material, err));
+    json_close(&page->json, '}');
     return done;
 }
 
@@ -238,7 +231,7 @@ static bool put_surfaces(struct page *page, struct error *err)
 {
     const struct plan *plan = page->plan;
     struct json *json = &page->json;
-    json_open(json, "finishes", '[');
+    json_open(json, "shaded_materials", '[');
     for (int i = 0; i < plan->n_materials; i++)
         if (!put_material(page, &plan->materials[i], err))
             return false;
@@ -248,7 +241,7 @@ static bool put_surfaces(struct page *page, struct error *err)
         json_open(json, NULL, '{');
         json_string(json, "name", object_name(plan, i));
         json_string(json, "shape", shape_name(plan->instances[i].object->shape.kind));
-        json_count(json, "finish", (uint64_t)plan->instances[i].shaded);
+        json_count(json, "shaded_material", (uint64_t)plan->instances[i].shaded);
         json_close(json, '}');
     }
     json_close(json, ']');
@@ -289,30 +282,32 @@ static bool put_detectors(struct page *page, struct error *err)
     char name[256];
     json_open(&page->json, "detectors", '[');
     for (size_t i = 0; i < builtin_file_count; i++)
-        if (table_name(&builtin_files[i], name, sizeof name) &&
-            table_is_detector(&builtin_files[i]) && !put_detector(page, name, err))
+        if (table_name(&builtin_files[i], true, name, sizeof name) &&
+            !put_detector(page, name, err))
             return false;
     json_close(&page->json, ']');
     return true;
 }
 
-/* Puts the cone responses in which each kind adapts, and the white to which a complete one leads.
- */
+/* Puts the matrix from XYZ to the cone responses in which each kind adapts, and the matrix from
+ * adapted responses, which are 1 to the white, to XYZ under the display's white. */
 static void put_adaptations(struct json *json)
 {
-    json_numbers(json, "display_white", display_white, 3);
     json_open(json, "adaptations", '[');
     for (int i = ADAPTATION_NONE; i <= ADAPTATION_CAT16; i++) {
         enum adaptation_kind kind = (enum adaptation_kind)i;
-        double cones[3][3], inverse[3][3];
+        double cones[3][3], back[3][3], white[3];
         json_open(json, NULL, '{');
         json_string(json, "name", adaptation_name(kind));
         json_truth(json, "incomplete", kind == ADAPTATION_FAIRCHILD);
         if (kind != ADAPTATION_NONE) {
             adaptation_cones(kind, cones);
-            colour_inverse(cones, inverse);
+            colour_inverse(cones, back);
+            colour_apply(cones, display_white, white);
+            for (int k = 0; k < 9; k++)
+                back[k / 3][k % 3] *= white[k % 3];
             json_matrix(json, "cones", cones);
-            json_matrix(json, "inverse", inverse);
+            json_matrix(json, "from_cones", back);
         }
         json_close(json, '}');
     }
@@ -370,7 +365,7 @@ static bool put_json(struct page *page, const struct planes *planes, const doubl
     json_count(json, "width", (uint64_t)scene->width);
     json_count(json, "height", (uint64_t)scene->height);
     json_numbers(json, "wavelengths", scene->wavelengths_nm, scene->n_wavelengths);
-    if (!find_illuminants(page, err) || !put_lights(page, err) || !put_illuminants(page, err) ||
+    if (!add_builtins(page, err) || !put_lights(page, err) || !put_illuminants(page, err) ||
         !put_surfaces(page, err) || !put_detectors(page, err))
         return false;
     put_adaptations(json);
