@@ -63,11 +63,6 @@ static struct axis error_axis(const struct frontier *frontier)
     return axis;
 }
 
-static double plot_x(const struct plot *plot, double cost)
-{
-    return chart_x(&plot->area, &plot->cost, cost);
-}
-
 /* ---- the frontier ---- */
 
 static int compare_cost(const struct frontier_point *a, const struct frontier_point *b)
@@ -107,12 +102,14 @@ static void find_steps(struct plot *plot)
 
 static void find_bars(struct plot *plot)
 {
-    plot->labels.n_lines = plot->n_steps;
+    plot->labels.n_lines = plot->n_steps + plot->frontier->n;
     for (int i = 0; i < plot->frontier->n; i++) {
         const struct frontier_point *point = &plot->frontier->points[i];
-        plot->labels.lines[plot->labels.n_lines++] =
-            (struct chart_segment){{plot_x(plot, point->cost_low), plot_x(plot, point->cost_high)},
-                                   {plot->labels.label[i].y, plot->labels.label[i].y}};
+        const double y = plot->labels.label[i].y;
+        plot->labels.lines[plot->n_steps + i] =
+            (struct chart_segment){{chart_x(&plot->area, &plot->cost, point->cost_low),
+                                    chart_x(&plot->area, &plot->cost, point->cost_high)},
+                                   {y, y}};
     }
 }
 
@@ -145,12 +142,12 @@ static void draw_point(const struct plot *plot, int index)
 {
     const struct frontier_point *point = &plot->frontier->points[index];
     const struct chart_label *label = &plot->labels.label[index];
+    const struct chart_segment *bar = &plot->labels.lines[plot->n_steps + index];
     fputs("<g><title>", plot->area.to);
     chart_text(plot->area.to, point->name, 200);
     fprintf(plot->area.to,
             "</title><path stroke=\"%s\" stroke-width=\"0.8\" d=\"M%.2f,%.2fH%.2f\"/>",
-            point->best ? strong : pale, plot_x(plot, point->cost_low), label->y,
-            plot_x(plot, point->cost_high));
+            point->best ? strong : pale, bar->x[0], label->y, bar->x[1]);
     draw_marker(plot->area.to, label->x, label->y, point->best, point->uncertain);
     fputs("</g>\n", plot->area.to);
 }
@@ -163,11 +160,6 @@ static int shown_length(const char *name, int most)
     return length < most ? length : most;
 }
 
-static int digits_of(int number)
-{
-    return number < 10 ? 1 : 1 + digits_of(number / 10);
-}
-
 /* The names of the frontier first: they are the largest. What finds no place gets a number. */
 static void place_labels(struct plot *plot)
 {
@@ -178,11 +170,12 @@ static void place_labels(struct plot *plot)
                                CHART_TEXT_SIZE + 2))
             plot->number[index] = ++plot->n_numbers;
     }
-    for (int i = 0; i < plot->frontier->n; i++)
+    for (int i = 0; i < plot->frontier->n; i++) {
+        const int digits = snprintf(NULL, 0, "%d", plot->number[i]);
         if (plot->number[i] > 0)
-            chart_place_label(&plot->labels, i,
-                              chart_text_width(digits_of(plot->number[i]), NUMBER_SIZE) + 2,
+            chart_place_label(&plot->labels, i, chart_text_width(digits, NUMBER_SIZE) + 2,
                               NUMBER_SIZE);
+    }
 }
 
 static void draw_label(const struct plot *plot, int index)
@@ -284,7 +277,7 @@ static void find_places(struct plot *plot)
     for (int i = 0; i < plot->frontier->n; i++) {
         const struct frontier_point *point = &plot->frontier->points[i];
         plot->labels.label[i] =
-            (struct chart_label){.x = plot_x(plot, point->cost),
+            (struct chart_label){.x = chart_x(&plot->area, &plot->cost, point->cost),
                                  .y = chart_y(&plot->area, &plot->error, point->error),
                                  .radius = point->uncertain ? 7
                                            : point->best    ? 5

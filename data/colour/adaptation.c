@@ -17,13 +17,8 @@ enum { KINDS = sizeof names / sizeof names[0] };
 /* From XYZ. Hunt, Pointer and Estevez's, scaled for D65, as the thesis computed with it: it prints
  * the figures rounded, and -0.023 for -0.2263. Bradford's is of ICC.1:2010, annex E; CAT16's of C.
  * Li et al., Comprehensive color solutions, Color Res. Appl. 42, 703-718 (2017). */
-#define HUNT_POINTER_ESTEVEZ                                                                       \
-    {                                                                                              \
-        {0.4002, 0.7076, -0.0808}, {-0.2263, 1.1653, 0.0457}, {0, 0, 0.9182},                      \
-    }
 static const double cones[KINDS][3][3] = {
-    [ADAPTATION_VON_KRIES] = HUNT_POINTER_ESTEVEZ,
-    [ADAPTATION_FAIRCHILD] = HUNT_POINTER_ESTEVEZ,
+    [ADAPTATION_VON_KRIES] = {{0.4002, 0.7076, -0.0808}, {-0.2263, 1.1653, 0.0457}, {0, 0, 0.9182}},
     [ADAPTATION_BRADFORD] = {{0.8951, 0.2664, -0.1614},
                              {-0.7502, 1.7135, 0.0367},
                              {0.0389, -0.0685, 1.0296}},
@@ -102,7 +97,8 @@ static bool check_responses(const struct adaptation *adaptation, const double re
 
 void adaptation_cones(enum adaptation_kind kind, double out[3][3])
 {
-    memcpy(out, cones[kind], sizeof cones[kind]);
+    const bool incomplete = kind == ADAPTATION_FAIRCHILD; /* in the same cones as von Kries */
+    memcpy(out, cones[incomplete ? ADAPTATION_VON_KRIES : kind], sizeof cones[kind]);
 }
 
 /* Equations 19 and 23 multiply by 100 what is here the display's white in cone responses, so that
@@ -118,7 +114,7 @@ bool adaptation_matrix(const struct adaptation *adaptation, const double white[3
                 out[i][j] = i == j;
         return true;
     }
-    memcpy(forward, cones[adaptation->kind], sizeof forward);
+    adaptation_cones(adaptation->kind, forward);
     colour_inverse(forward, back);
     colour_apply(forward, white, of_white);
     colour_apply(forward, display_white, of_display);

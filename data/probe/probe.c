@@ -118,34 +118,30 @@ static bool read_bands(struct cube *cube, struct probe *probe, struct error *err
     return done;
 }
 
-/* Finds whether all pixels of the region show the object; `row` is room for one row of it. */
-static bool same_object(const struct cube *cube, const struct probe *probe, int *row, bool *same,
+/* Finds the number of the object that all pixels of the region show; -1: they show several, or the
+ * stack has no map of objects. `row` is room for one row of the region. */
+static bool find_number(const struct cube *cube, const struct probe *probe, int *row, int *number,
                         struct error *err)
 {
-    int object = -1;
-    *same = true;
-    for (int y = probe->y; *same && y < probe->y + probe->height; y++) {
-        if (!cube_objects(cube, probe->x, y, probe->width, row, err))
+    for (int y = 0; y < probe->height && (y == 0 || *number >= 0); y++) {
+        if (!cube_objects(cube, probe->x, probe->y + y, probe->width, row, err))
             return false;
-        object = y == probe->y ? row[0] : object;
+        *number = y == 0 ? row[0] : *number;
         for (int x = 0; x < probe->width; x++)
-            *same = *same && row[x] == object && object >= 0;
+            *number = row[x] == *number ? *number : -1;
     }
-    row[0] = object;
     return true;
 }
 
 static bool find_object(const struct cube *cube, struct probe *probe, struct error *err)
 {
-    bool same = false;
-    int *row = calloc((size_t)probe->width, sizeof *row);
-    bool done = (row != NULL || error_memory(err)) && same_object(cube, probe, row, &same, err);
-    if (done && same) {
-        probe->object = strdup(row[0] > 0 ? cube->record.objects[row[0] - 1] : "background");
-        done = probe->object != NULL || error_memory(err);
-    }
+    int number = -1, *row = calloc((size_t)probe->width, sizeof *row);
+    bool done = (row != NULL || error_memory(err)) && find_number(cube, probe, row, &number, err);
     free(row);
-    return done;
+    if (!done || number < 0)
+        return done;
+    probe->object = strdup(number > 0 ? cube->record.objects[number - 1] : "background");
+    return probe->object != NULL || error_memory(err);
 }
 
 bool probe_stack(const char *path, const struct probe_options *options, struct probe *out,
