@@ -152,14 +152,6 @@ static double band_low(const struct chart_line *line, int i)
     return fmax(line->y[i] - spread_at(line, i), fmin(line->y[i], 0));
 }
 
-static void include(double value, double *low, double *high)
-{
-    if (!isfinite(value))
-        return;
-    *low = fmin(*low, value);
-    *high = fmax(*high, value);
-}
-
 static void fit_axes(struct plot *plot)
 {
     const struct chart *chart = plot->chart;
@@ -169,9 +161,10 @@ static void fit_axes(struct plot *plot)
         double *y = axis_of(plot, line) == &plot->right ? right : left;
         for (int i = 0; i < line->n; i++)
             if (is_drawn(line, i)) {
-                include(line->x[i], &x[0], &x[1]);
-                include(band_low(line, i), &y[0], &y[1]);
-                include(line->y[i] + spread_at(line, i), &y[0], &y[1]);
+                x[0] = fmin(x[0], line->x[i]);
+                x[1] = fmax(x[1], line->x[i]);
+                y[0] = fmin(y[0], band_low(line, i));
+                y[1] = fmax(y[1], line->y[i] + spread_at(line, i));
             }
     }
     plot->x = axis_linear(x[0], x[1], 10);
