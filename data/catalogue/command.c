@@ -62,9 +62,9 @@ static void list_samplings(void)
 
 static const struct list {
     const char *name;
-    void (*print)(void);         /* NULL: names of built-in files, */
-    const char *folder, *ending; /* which begin and end so */
-    bool detectors;              /* tables of detectors, not of illuminants */
+    void (*print)(void);         /* NULL: the list has the names of built-in files */
+    const char *folder, *ending; /* of these files */
+    bool detectors;              /* the files are tables of detectors */
 } lists[] = {
     {"illuminants", NULL, "tables/", ".csv", false},
     {"observers", NULL, "tables/", ".csv", true},
@@ -101,5 +101,5 @@ bool command_list(struct options *options, struct error *err)
         print_list(&lists[i]);
     }
     words_join(names, N_LISTS, "and", known, sizeof known);
-    return found || error_usage(err, "there is no list of '%s'; there are %s", wanted, known);
+    return found || error_usage(err, "no list is called '%s'; the lists are %s", wanted, known);
 }

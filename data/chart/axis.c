@@ -236,7 +236,7 @@ void axis_draw_x(const struct chart_area *area, const struct axis *axis, const c
     fputs("</text>\n</g>\n", to);
 }
 
-/* Draws the ticks of an axis that stands at x. Ends of labels are at label_x. */
+/* Draws the ticks of an axis that stands at x. Labels end, or on the right begin, at label_x. */
 static void draw_y_ticks(const struct chart_area *area, const struct axis *axis, double x,
                          double label_x)
 {

@@ -11,9 +11,9 @@
 enum {
     PLOT_HEIGHT = 340,
     STRIP = 9,  /* height of the spectral colours */
-    SAMPLE = 36 /* a legend's piece of line */
+    SAMPLE = 36 /* length of a line in the legend */
 };
-/* The width of a character over the font's size: an upper bound for all but the widest. */
+/* The width of a character over the font's size. Few characters are wider. */
 static const double character = 0.6;
 
 /* ---- text ---- */
@@ -146,7 +146,8 @@ static double spread_at(const struct chart_line *line, int i)
     return isfinite(line->y[i] - spread) && isfinite(line->y[i] + spread) ? spread : 0;
 }
 
-/* The band of values that are not negative, such as radiances, ends at 0. */
+/* Returns the lower end of the spread at a point. It is not below 0 if the value is not, because
+ * radiances are not negative. */
 static double band_low(const struct chart_line *line, int i)
 {
     return fmax(line->y[i] - spread_at(line, i), fmin(line->y[i], 0));
@@ -174,8 +175,9 @@ static void fit_axes(struct plot *plot)
 
 /* ---- colours of wavelengths ---- */
 
-/* The colours of monochromatic light from 380 nm in steps of 10: sRGB of the CIE 1931 observer,
- * white added until no channel is negative, the brightest channel of all being 1. */
+/* The colours of monochromatic light from 380 nm in steps of 10 nm, in sRGB, as the CIE 1931
+ * observer sees them. White is added until no channel is negative; the largest channel of all is 1.
+ */
 enum { VISIBLE_FIRST = 380, VISIBLE_STEP = 10, N_VISIBLE = 36 };
 static const unsigned visible[N_VISIBLE] = {
     0x03000a, 0x080019, 0x170033, 0x2d0059, 0x500097, 0x6f00d4, 0x7400ea, 0x6500e9, 0x3d00df,
@@ -206,14 +208,14 @@ static void draw_visible(const struct plot *plot)
 
 /* ---- lines drawn ---- */
 
-/* Those of Okabe and Ito, "Color Universal Design" (2008), but for its yellow, which is too pale on
- * white. With five dashes no two of 35 lines are alike. */
+/* The colours of Okabe and Ito, "Color Universal Design" (2008), without its yellow, which is too
+ * pale on white. With five dashes no two of 35 lines are alike. */
 static const char *const colours[] = {"#000000", "#0072b2", "#d55e00", "#009e73",
                                       "#cc79a7", "#e69f00", "#56b4e9"};
 static const char *const dashes[] = {"", "9 4", "2 3", "9 3 2 3", "5 3"};
 enum { N_COLOURS = 7, N_DASHES = 5 };
 
-/* The first line is the one that the others explain. */
+/* Writes the stroke of a line. The first line is thicker: the others explain it. */
 static void put_stroke(FILE *to, int line)
 {
     fprintf(to, "fill=\"none\" stroke=\"%s\" stroke-width=\"%s\" stroke-linejoin=\"round\"",
@@ -222,7 +224,7 @@ static void put_stroke(FILE *to, int line)
         fprintf(to, " stroke-dasharray=\"%s\"", dashes[line % N_DASHES]);
 }
 
-/* The band of a run of points, from its first to its last and back. */
+/* Draws the spread around a run of points: from its first to its last point and back. */
 static void draw_spread(const struct plot *plot, int index, int first, int end)
 {
     const struct chart_line *line = &plot->chart->lines[index];
@@ -238,7 +240,8 @@ static void draw_spread(const struct plot *plot, int index, int first, int end)
     fputs("Z\"/>\n", plot->area.to);
 }
 
-/* A point without neighbours is a dot, its spread a bar. */
+/* Draws neighbouring points from first to end - 1. A single point is a dot, and its spread a bar.
+ */
 static void draw_run(const struct plot *plot, int index, int first, int end)
 {
     const struct chart_line *line = &plot->chart->lines[index];
@@ -264,7 +267,7 @@ static void draw_run(const struct plot *plot, int index, int first, int end)
     fputs("\"/>\n", plot->area.to);
 }
 
-/* Points that are no numbers interrupt the line. */
+/* Draws a line. Values that are not finite interrupt it. */
 static void draw_line(const struct plot *plot, int index)
 {
     const struct chart_line *line = &plot->chart->lines[index];

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Cost over accuracy: every setting a point between two logarithmic axes, those that nothing
- * cheaper beats joined by steps. Labels find places where they cover nothing. */
+/* Charts of error over cost: each configuration is a point between two logarithmic axes. Steps join
+ * the points of the frontier, which no cheaper point beats. Labels cover neither points nor each
+ * other. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -9,11 +10,11 @@
 enum {
     WIDTH = CHART_WIDTH - CHART_LEFT - CHART_MARGIN, /* of the area */
     HEIGHT = 440,
-    NUMBER_SIZE = 10, /* of the numbers that stand for names */
+    NUMBER_SIZE = 10, /* font size of numbers that stand for names */
     NAME_LENGTH = 40, /* characters of a name in the plot */
-    KEY_LENGTH = 60,  /* and in the key */
-    SAMPLE = 26,      /* a number in the key */
-    PAST_DECADES = 3  /* smaller errors, in parts of the largest, lie on the edge */
+    KEY_LENGTH = 60,  /* characters of a name in the key */
+    SAMPLE = 26,      /* width of a number in the key */
+    PAST_DECADES = 3  /* errors smaller by more decades than this lie on the edge */
 };
 static const char strong[] = "#0072b2", pale[] = "#8a8a8a";
 
@@ -21,11 +22,11 @@ struct plot {
     const struct frontier *frontier;
     struct chart_area area;
     struct axis cost, error;
-    struct chart_labels labels; /* of each point; lines: the steps, then the error bars */
+    struct chart_labels labels; /* a label for each point; lines: the steps, then the cost bars */
     int n_steps;
     int *order; /* points of the frontier, by cost */
     int n_best;
-    int *number; /* in the key; 0: named in the plot */
+    int *number; /* of each point in the key; 0: the plot shows its name */
     int n_numbers;
 };
 
@@ -71,7 +72,7 @@ static int compare_cost(const struct frontier_point *a, const struct frontier_po
                               : (a->error < b->error) - (a->error > b->error);
 }
 
-/* Keeps the points of the frontier by cost, and numbers the others. */
+/* Sorts the points of the frontier by cost, and numbers the others. */
 static void sort_points(struct plot *plot)
 {
     const struct frontier_point *points = plot->frontier->points;
@@ -87,7 +88,7 @@ static void sort_points(struct plot *plot)
     }
 }
 
-/* Lines along the cost, then down to the next point's error. */
+/* Finds the steps: from each point along the cost, then down to the error of the next one. */
 static void find_steps(struct plot *plot)
 {
     for (int i = 0; i + 1 < plot->n_best; i++) {
@@ -100,6 +101,7 @@ static void find_steps(struct plot *plot)
     }
 }
 
+/* Finds the bar of each point, from its lowest to its highest cost. */
 static void find_bars(struct plot *plot)
 {
     plot->labels.n_lines = plot->n_steps + plot->frontier->n;
@@ -160,7 +162,8 @@ static int shown_length(const char *name, int most)
     return length < most ? length : most;
 }
 
-/* The names of the frontier first: they are the largest. What finds no place gets a number. */
+/* Places the names of the frontier first, because they are the largest labels. A name without a
+ * free place becomes a number. */
 static void place_labels(struct plot *plot)
 {
     for (int i = 0; i < plot->n_best; i++) {
@@ -212,7 +215,7 @@ static struct chart_grid key_grid(const struct plot *plot)
     return chart_grid(plot->n_numbers, longest, SAMPLE);
 }
 
-/* The legend of the markers, in one row. */
+/* Draws the legend of the markers, in one row. */
 static void draw_markers(const struct plot *plot, int y)
 {
     static const char *const meaning[] = {"on the frontier", "not on it: see the number",
@@ -269,7 +272,7 @@ static void draw(void *of, FILE *to)
     draw_key(plot, key);
 }
 
-/* Where all points, steps and labels are. */
+/* Finds the places of all points, steps, bars and labels. */
 static void find_places(struct plot *plot)
 {
     plot->cost = cost_axis(plot->frontier);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Places of labels beside their points, where they cover nothing. A label takes the nearest place
- * on rings around its point; off the first ring a line leads to it. */
+/* Finds places for labels beside their points. A label takes the nearest free place on rings around
+ * its point; beyond the first ring a line leads to it. */
 #include <math.h>
 
 #include "data/chart/chart.h"
@@ -9,17 +9,18 @@
 enum {
     RING_STEP = 7, /* between the rings of places around a point */
     NEAR_DIRECTIONS = 8,
-    DIRECTIONS = 32 /* of places farther off */
+    DIRECTIONS = 32 /* beyond the first ring */
 };
 
-/* ---- what meets what ---- */
+/* ---- boxes and segments that meet ---- */
 
 static bool boxes_meet(const struct chart_box *a, const struct chart_box *b)
 {
     return a->left < b->right && b->left < a->right && a->top < b->bottom && b->top < a->bottom;
 }
 
-/* Cuts the rest of a segment, from *first to *last, at two limits. */
+/* Cuts a segment at two limits of one coordinate. *first and *last bound the part, from 0 to 1,
+ * that is left; no part is left if *first >= *last. */
 static void cut(double from, double to, double low, double high, double *first, double *last)
 {
     if (from == to) {
@@ -54,15 +55,15 @@ struct chart_segment chart_leader(const struct chart_label *label)
 
 /* ---- places ---- */
 
-/* The rules that a label may break where no other place is left. It never covers points or labels.
- */
+/* The rules that a label may break if it finds no other place. A label never covers a point or
+ * another label. */
 enum freedom {
     OFF_LINES, /* none */
     ON_LINES,  /* it may cover the chart's lines */
-    ACROSS     /* its own line may cross all, and the lines of others may cross it */
+    ACROSS     /* its own line may cross anything, and lines of other labels may cross it */
 };
 
-/* Returns whether a box lies upon a point, a label or the frame. */
+/* Returns whether a box covers a point, a label or the frame. */
 static bool covers(const struct chart_labels *labels, const struct chart_box *box)
 {
     const struct chart_box *frame = &labels->frame;
@@ -76,7 +77,8 @@ static bool covers(const struct chart_labels *labels, const struct chart_box *bo
     return meets;
 }
 
-/* Returns whether the label's line crosses a point or another label, or another line this label. */
+/* Returns whether the label's line crosses a point or another label, or another label's line
+ * crosses this label. */
 static bool crosses(const struct chart_labels *labels, const struct chart_label *label)
 {
     const struct chart_segment line = chart_leader(label);
@@ -103,8 +105,8 @@ static bool is_free(const struct chart_labels *labels, const struct chart_label 
     return true;
 }
 
-/* Returns the box of a label of this size at a distance from its point: beside, above, below or at
- * a corner; of a label that a line leads to, in any direction. */
+/* Returns the box of a label of this size at a distance from its point. A label without a line
+ * stands beside, above or below the point, or at a corner; a label with a line in any direction. */
 static struct chart_box box_at(const struct chart_label *label, int direction, double distance,
                                double width, double height)
 {
@@ -123,7 +125,7 @@ static struct chart_box box_at(const struct chart_label *label, int direction, d
     return (struct chart_box){x - width / 2, y - height / 2, x + width / 2, y + height / 2};
 }
 
-/* Takes the nearest place that is free so far. */
+/* Takes the nearest place that is free under these rules. Returns false if there is none. */
 static bool place_within(struct chart_labels *labels, struct chart_label *label, double width,
                          double height, enum freedom freedom)
 {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The spectrum of a pixel or of a region of a stack, its colour, and what is printed of both, of a
- * stack or of a scene (raster/inspect/inspect.c). */
+/* Reads the spectrum of a pixel or a region of a stack, computes its colour, and prints both. For a
+ * scene raster/inspect/inspect.c finds the spectrum. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -47,10 +47,11 @@ bool probe_open(struct probe *out, const char *source, const struct probe_option
         return error_memory(err);
     return (out->width >= 1 && out->height >= 1 && out->x >= 0 && out->y >= 0 &&
             out->x <= width - out->width && out->y <= height - out->height) ||
-           error_usage(err,
-                       "%s: the picture is %d x %d pixels; a region of %d x %d from %d,%d is not"
-                       " within it",
-                       source, width, height, out->width, out->height, out->x, out->y);
+           error_usage(
+               err,
+               "%s: the picture has %d x %d pixels; the region of %d x %d pixels from %d,%d "
+               "reaches beyond it",
+               source, width, height, out->width, out->height, out->x, out->y);
 }
 
 bool probe_allocate(struct probe *probe, const double *wavelengths_nm, int n, struct error *err)
@@ -86,7 +87,8 @@ void moments_end(const struct moments *moments, double *mean, double *spread)
 
 /* ---- a stack ---- */
 
-/* Samples that are read at once, but for a row: compressed pages are unpacked as a whole. */
+/* Rows are read in chunks of so many samples, at least a row. Large chunks are better because a
+ * compressed page is unpacked as a whole. */
 enum { CHUNK_SAMPLES = 1 << 22 };
 
 static bool read_band(struct cube *cube, int page, int rows, float *samples, struct probe *probe,
@@ -173,7 +175,7 @@ static void print_colour(const struct probe *probe, FILE *to)
     fprintf(to, "XYZ               %.4f %.4f %.4f\n", xyz[0], xyz[1], xyz[2]);
     fprintf(to, "xy                %.5f %.5f\n", xy[0], xy[1]);
     if (!probe->has_white) {
-        fprintf(to, "Lab               none: there is no white; --white SPECTRUM gives one\n");
+        fprintf(to, "Lab               none: the white is unknown; --white SPECTRUM sets it\n");
         return;
     }
     cielab(xyz, white, lab);
@@ -183,7 +185,7 @@ static void print_colour(const struct probe *probe, FILE *to)
     fprintf(to, "white XYZ         %.4f %.4f %.4f\n", white[0], white[1], white[2]);
 }
 
-/* The pixel or region in words, e.g. "pixel 3,4". */
+/* Writes the pixel or region in words, e.g. "pixel 3,4". */
 static void region_text(const struct probe *probe, char *out, size_t capacity)
 {
     if (probe->width == 1 && probe->height == 1)
@@ -193,7 +195,7 @@ static void region_text(const struct probe *probe, char *out, size_t capacity)
                  probe->y);
 }
 
-/* The first columns of a row of numbers; curves follow. */
+/* The first columns of the table. Those of the curves follow. */
 enum { WAVELENGTH, MEAN, SPREAD, CURVES };
 
 static double column_value(const struct probe *probe, int column, int i)
@@ -219,7 +221,7 @@ void probe_print(const struct probe *probe, FILE *to)
     region_text(probe, text, sizeof text);
     fprintf(to, "region            %s\n", text);
     fprintf(to, "object            %s\n",
-            probe->object != NULL ? probe->object : "not told, or several");
+            probe->object != NULL ? probe->object : "unknown, or several");
     print_colour(probe, to);
     for (int column = 0; column < CURVES + probe->n_curves; column++) {
         column_name(probe, column, text, sizeof text);
@@ -233,7 +235,7 @@ void probe_print(const struct probe *probe, FILE *to)
     }
 }
 
-/* A field of RFC 4180. */
+/* Prints a quoted field (RFC 4180). */
 static void print_field(const char *text, FILE *to)
 {
     putc('"', to);

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* An interactive viewer in one HTML file: the page of data/builtin/viewer.html with its data.
+/* Writes data/builtin/viewer.html with the data of a scene.
  *
- * Local illumination is linear: under any lights, a pixel's radiance is its weights, which depend
- * on geometry only, times spectra of light and material. The page holds the weights as planes of 16
- * bits and the spectra as JSON, and multiplies them itself. Luminescence depends on wavelengths
- * outside the picture, so it is computed here, for every illuminant on offer. */
+ * Local illumination is linear: the radiance of a pixel is a sum of weights times spectra. Weights
+ * depend on geometry only; spectra are products of light and material. The page contains the
+ * weights as planes of 16 bits and the spectra as JSON, and multiplies them itself. Luminescence
+ * depends on wavelengths outside the picture, so it is computed here for every illuminant that the
+ * page offers.
+ */
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
@@ -28,7 +30,7 @@
 struct page {
     const struct plan *plan;
     struct json json;
-    struct spectrum *illuminants; /* on offer; the first ones are owned */
+    struct spectrum *illuminants; /* that the page offers; the first n_owned are owned */
     int n_illuminants, n_owned;
     double *row; /* n_bands; owned */
     struct viewer_result *result;
@@ -64,7 +66,7 @@ static bool same_illuminant(const struct spectrum *a, const struct spectrum *b)
                           memcmp(a->wavelength_nm, b->wavelength_nm, size) == 0));
 }
 
-/* Returns the number of an illuminant, which is added if it is new; -1 after an error. */
+/* Returns the number of an illuminant. Adds it if it is new. Returns -1 after an error. */
 static int find_illuminant(struct page *page, const struct spectrum *spectrum, struct error *err)
 {
     for (int i = 0; i < page->n_illuminants; i++)
@@ -136,7 +138,7 @@ static bool put_illuminants(struct page *page, struct error *err)
     return done;
 }
 
-/* Puts a light as the scene has it, and adds its illuminant to those on offer. */
+/* Puts a light of the scene. Adds its illuminant if that is new. */
 static bool put_light(struct page *page, const struct spectrum *spectrum, double intensity,
                       struct error *err)
 {
@@ -150,7 +152,7 @@ static bool put_light(struct page *page, const struct spectrum *spectrum, double
     return true;
 }
 
-/* A scene without ambient light has one that is off. */
+/* Puts the lights of the scene. A scene without ambient light gets one of intensity 0. */
 static bool put_lights(struct page *page, struct error *err)
 {
     const struct scene *scene = page->plan->scene;
@@ -205,6 +207,7 @@ static bool put_texture(struct page *page, const struct texture *texture, struct
     return true;
 }
 
+/* Puts the spectra of a shaded material. Specular light has the light's own colour by default. */
 static bool put_material(struct page *page, const struct shaded_material *shaded, struct error *err)
 {
     static const struct spectrum plastic = {
@@ -326,7 +329,7 @@ static double code_step(enum display_kind kind, int channel, int code)
     return at;
 }
 
-/* A tone curve is put as its 255 steps. */
+/* Puts the displays. A tone curve is a list of its 255 steps. */
 static void put_displays(struct json *json)
 {
     json_open(json, "displays", '[');
@@ -376,7 +379,8 @@ static bool put_json(struct page *page, const struct planes *planes, const doubl
     return true;
 }
 
-/* Writes JSON into HTML: a "<", which only strings have, might end the script that holds it. */
+/* Writes JSON into HTML. A "<" might end the script element around it, so it is escaped; only
+ * strings contain one. */
 static void write_json(const char *text, FILE *to)
 {
     for (; *text; text++)
@@ -386,7 +390,7 @@ static void write_json(const char *text, FILE *to)
             putc(*text, to);
 }
 
-/* Writes the page's source, with the data in the place of its mark. */
+/* Writes the page's source, with the data in place of the mark. */
 static bool write_page(const char *json, const char *planes, size_t planes_length, const char *path,
                        size_t *bytes, struct error *err)
 {
