@@ -32,7 +32,7 @@ struct page {
     struct json json;
     struct spectrum *illuminants; /* that the page offers; the first n_owned are owned */
     int n_illuminants, n_owned;
-    double *row; /* n_bands; owned */
+    double *row; /* room for three numbers a band; owned */
     struct viewer_result *result;
 };
 
@@ -259,24 +259,23 @@ static bool put_detector(struct page *page, const char *name, struct error *err)
     const double *nm = plan->scene->wavelengths_nm;
     struct detector detector = {.name = NULL};
     struct json *json = &page->json;
-    double lost[3], *weights = malloc(3 * (size_t)plan->n_bands * sizeof *weights);
-    bool done = (weights || error_memory(err)) && detector_read(name, &detector, err);
+    double lost[3];
+    const bool done = detector_read(name, &detector, err);
     if (done) {
-        detector_weights(&detector, nm, plan->n_bands, weights);
+        detector_weights(&detector, nm, plan->n_bands, page->row);
         detector_lost(&detector, nm, plan->n_bands, lost);
         json_open(json, NULL, '{');
         json_string(json, "name", name);
         json_truth(json, "observer", detector.observer);
         json_open(json, "weights", '[');
         for (int i = 0; i < 3; i++)
-            json_numbers(json, NULL, weights + (size_t)i * (size_t)plan->n_bands, plan->n_bands);
+            json_numbers(json, NULL, page->row + (size_t)i * (size_t)plan->n_bands, plan->n_bands);
         json_close(json, ']');
         json_numbers(json, "lost", lost, 3);
         json_close(json, '}');
         page->result->n_detectors++;
     }
     detector_free(&detector);
-    free(weights);
     return done;
 }
 
@@ -458,7 +457,7 @@ bool viewer_write(const struct plan *plan, const char *path, struct viewer_resul
     struct page page = {.plan = plan, .result = out};
     struct planes planes = {.n_pixels = 0};
     *out = (struct viewer_result){.n_objects = plan->n_instances, .n_lights = plan->n_lights};
-    page.row = calloc((size_t)plan->n_bands, sizeof *page.row);
+    page.row = calloc(3 * (size_t)plan->n_bands, sizeof *page.row);
     bool done = (page.row || error_memory(err)) && planes_rasterize(plan, &planes, err) &&
                 make_page(&page, &planes, path, err);
     out->n_illuminants = page.n_illuminants;
