@@ -39,11 +39,9 @@ const char *adaptation_name(enum adaptation_kind kind)
 static bool read_luminance(const char *option, const char *text, double *out, struct error *err)
 {
     struct text line;
-    struct word word;
-    bool done = text_open_string(&line, option, text, err) && text_next_line(&line);
-    done = done && text_expect(&line, &word, "luminance in cd/m2", err) &&
-           word_number(&word, "luminance in cd/m2", 1e-6, 1e12, out, err) &&
-           text_end(&line, "a luminance", err);
+    bool done = text_open_string(&line, option, text, err) && text_next_line(&line) &&
+                text_number(&line, "luminance in cd/m2", 1e-6, 1e12, out, err) &&
+                text_end(&line, "a luminance", err);
     text_free(&line);
     return done;
 }
