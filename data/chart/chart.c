@@ -29,7 +29,7 @@ void chart_text(FILE *to, const char *text, int most)
         else if (length == 0 || (length == 1 && (*at < 0x20 || *at == 0x7f)) ||
                  (*at == 0xef && at[1] == 0xbf && at[2] >= 0xbe))
             fputs("\xef\xbf\xbd", to);
-        else if (strchr("&<>\"", *at) != NULL)
+        else if (strchr("&<>\"", *at))
             fprintf(to, "&#%d;", *at);
         else
             fwrite(at, 1, (size_t)length, to);
@@ -106,7 +106,7 @@ char *chart_file(void (*draw)(void *plot, FILE *to), void *plot)
     char *text = NULL;
     size_t length = 0;
     FILE *to = open_memstream(&text, &length);
-    if (to == NULL)
+    if (!to)
         return NULL;
     draw(plot, to);
     fputs("</svg>\n", to);
@@ -132,7 +132,7 @@ static double plot_x(const struct plot *plot, double x)
 
 static const struct axis *axis_of(const struct plot *plot, const struct chart_line *line)
 {
-    return line->right && plot->chart->right_label != NULL ? &plot->right : &plot->left;
+    return line->right && plot->chart->right_label ? &plot->right : &plot->left;
 }
 
 static bool is_drawn(const struct chart_line *line, int i)
@@ -142,7 +142,7 @@ static bool is_drawn(const struct chart_line *line, int i)
 
 static double spread_at(const struct chart_line *line, int i)
 {
-    const double spread = line->spread != NULL ? line->spread[i] : 0;
+    const double spread = line->spread ? line->spread[i] : 0;
     return isfinite(line->y[i] - spread) && isfinite(line->y[i] + spread) ? spread : 0;
 }
 
@@ -256,7 +256,7 @@ static void draw_run(const struct plot *plot, int index, int first, int end)
                 chart_y(&plot->area, axis, line->y[first]));
         return;
     }
-    if (line->spread != NULL)
+    if (line->spread)
         draw_spread(plot, index, first, end);
     fputs("<path ", plot->area.to);
     put_stroke(plot->area.to, index);
@@ -336,7 +336,7 @@ static void draw(void *of, FILE *to)
         draw_visible(plot);
     axis_draw_x(&plot->area, &plot->x, chart->x_label, chart->wavelengths ? STRIP : 0);
     axis_draw_y(&plot->area, &plot->left, chart->y_label, false);
-    if (chart->right_label != NULL)
+    if (chart->right_label)
         axis_draw_y(&plot->area, &plot->right, chart->right_label, true);
     chart_frame(&plot->area);
     for (int l = chart->n_lines - 1; l >= 0; l--) /* the first one on top */
@@ -348,7 +348,7 @@ char *chart_svg(const struct chart *chart)
 {
     struct plot plot = {.chart = chart, .area = {.height = PLOT_HEIGHT}};
     plot.area.width =
-        CHART_WIDTH - CHART_LEFT - (chart->right_label != NULL ? CHART_RIGHT_AXIS : CHART_MARGIN);
+        CHART_WIDTH - CHART_LEFT - (chart->right_label ? CHART_RIGHT_AXIS : CHART_MARGIN);
     fit_axes(&plot);
     return chart_file(draw, &plot);
 }

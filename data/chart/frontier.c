@@ -305,8 +305,7 @@ char *frontier_svg(const struct frontier *frontier)
     plot.order = calloc(n, sizeof *plot.order);
     plot.number = calloc(n, sizeof *plot.number);
     plot.labels.lines = calloc(3 * n, sizeof *plot.labels.lines);
-    if (plot.labels.label != NULL && plot.order != NULL && plot.number != NULL &&
-        plot.labels.lines != NULL) {
+    if (plot.labels.label && plot.order && plot.number && plot.labels.lines) {
         find_places(&plot);
         text = chart_file(draw, &plot);
     }

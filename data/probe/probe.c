@@ -21,7 +21,7 @@ bool probe_colour(struct probe *probe, const struct cube *cube, const struct pro
     struct detector detector = {.name = NULL};
     double *weights = calloc(3 * (size_t)probe->n, sizeof *weights);
     probe->observer = strdup(options->observer);
-    bool done = (weights != NULL && probe->observer != NULL) || error_memory(err);
+    bool done = (weights && probe->observer) || error_memory(err);
     done = done && observer_read(probe->observer, &detector, err) &&
            cube_weights(cube, &detector, weights, err);
     if (done)
@@ -43,7 +43,7 @@ bool probe_open(struct probe *out, const char *source, const struct probe_option
                           .y = options->y,
                           .width = options->width,
                           .height = options->height};
-    if (out->source == NULL)
+    if (!out->source)
         return error_memory(err);
     return (out->width >= 1 && out->height >= 1 && out->x >= 0 && out->y >= 0 &&
             out->x <= width - out->width && out->y <= height - out->height) ||
@@ -60,7 +60,7 @@ bool probe_allocate(struct probe *probe, const double *wavelengths_nm, int n, st
     probe->wavelengths_nm = calloc((size_t)n, sizeof *probe->wavelengths_nm);
     probe->mean = calloc((size_t)n, sizeof *probe->mean);
     probe->spread = calloc((size_t)n, sizeof *probe->spread);
-    if (probe->wavelengths_nm == NULL || probe->mean == NULL || probe->spread == NULL)
+    if (!probe->wavelengths_nm || !probe->mean || !probe->spread)
         return error_memory(err);
     memcpy(probe->wavelengths_nm, wavelengths_nm, (size_t)n * sizeof *wavelengths_nm);
     return true;
@@ -113,7 +113,7 @@ static bool read_bands(struct cube *cube, struct probe *probe, struct error *err
     const int width = cube->image.width, fitting = CHUNK_SAMPLES / width;
     const int rows = fitting < 1 ? 1 : fitting < probe->height ? fitting : probe->height;
     float *samples = calloc((size_t)rows * (size_t)width, sizeof *samples);
-    bool done = samples != NULL || error_memory(err);
+    bool done = samples || error_memory(err);
     for (int page = 0; done && page < probe->n; page++)
         done = read_band(cube, page, rows, samples, probe, err);
     free(samples);
@@ -138,12 +138,12 @@ static bool find_number(const struct cube *cube, const struct probe *probe, int 
 static bool find_object(const struct cube *cube, struct probe *probe, struct error *err)
 {
     int number = -1, *row = calloc((size_t)probe->width, sizeof *row);
-    bool done = (row != NULL || error_memory(err)) && find_number(cube, probe, row, &number, err);
+    bool done = (row || error_memory(err)) && find_number(cube, probe, row, &number, err);
     free(row);
     if (!done || number < 0)
         return done;
     probe->object = strdup(number > 0 ? cube->record.objects[number - 1] : "background");
-    return probe->object != NULL || error_memory(err);
+    return probe->object || error_memory(err);
 }
 
 bool probe_stack(const char *path, const struct probe_options *options, struct probe *out,
@@ -210,8 +210,8 @@ static void column_name(const struct probe *probe, int column, char *out, size_t
 {
     static const char *const names[] = {"wavelength", "radiance", "standard deviation of radiance"};
     const struct probe_curve *curve = column < CURVES ? NULL : &probe->curves[column - CURVES];
-    const char *of = column == WAVELENGTH ? "nm" : curve != NULL && curve->relative ? "1" : unit;
-    snprintf(out, capacity, "%s (%s)", curve != NULL ? curve->name : names[column], of);
+    const char *of = column == WAVELENGTH ? "nm" : curve && curve->relative ? "1" : unit;
+    snprintf(out, capacity, "%s (%s)", curve ? curve->name : names[column], of);
 }
 
 void probe_print(const struct probe *probe, FILE *to)
@@ -220,8 +220,7 @@ void probe_print(const struct probe *probe, FILE *to)
     fprintf(to, "source            %s\n", probe->source);
     region_text(probe, text, sizeof text);
     fprintf(to, "region            %s\n", text);
-    fprintf(to, "object            %s\n",
-            probe->object != NULL ? probe->object : "unknown, or several");
+    fprintf(to, "object            %s\n", probe->object ? probe->object : "unknown, or several");
     print_colour(probe, to);
     for (int column = 0; column < CURVES + probe->n_curves; column++) {
         column_name(probe, column, text, sizeof text);
@@ -279,8 +278,8 @@ char *probe_svg(const struct probe *probe)
                                            curve->values, NULL,     curve->relative};
     }
     region_text(probe, region, sizeof region);
-    snprintf(title, sizeof title, "%s%s%s: %s", probe->object != NULL ? probe->object : "",
-             probe->object != NULL ? ", " : "", region, probe->source);
+    snprintf(title, sizeof title, "%s%s%s: %s", probe->object ? probe->object : "",
+             probe->object ? ", " : "", region, probe->source);
     const struct chart chart = {.title = title,
                                 .x_label = "wavelength (nm)",
                                 .y_label = "radiance (W sr⁻¹ m⁻² nm⁻¹, relative)",

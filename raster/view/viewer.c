@@ -435,7 +435,7 @@ static bool make_page(struct page *page, const struct planes *planes, const char
     double *scale = calloc((size_t)n_planes, sizeof *scale);
     char *json = NULL, *text = NULL;
     size_t length;
-    bool done = scale != NULL || error_memory(err);
+    bool done = scale || error_memory(err);
     for (int i = 0; done && i < n_planes; i++)
         scale[i] = plane_scale(planes, i);
     if (done && put_json(page, planes, scale, err)) {
