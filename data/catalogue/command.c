@@ -10,49 +10,23 @@
 #include "data/spectra/spectra.h"
 #include "spectral.h"
 
-/* Prints the built-in files that begin with the folder and end with the ending, without both. */
-static void list_folder(const char *folder, const char *ending)
+/* Writes the part of a file's name between a folder and an ending. Returns false if the name does
+ * not begin and end so. */
+static bool name_within(const char *file, const char *folder, const char *ending, char *out,
+                        size_t capacity)
 {
-    size_t before = strlen(folder), after = strlen(ending);
-    for (size_t i = 0; i < builtin_file_count; i++) {
-        const char *name = builtin_files[i].name;
-        size_t length = strlen(name);
-        if (length > before + after && strncmp(name, folder, before) == 0 &&
-            strcmp(name + length - after, ending) == 0)
-            printf("  %.*s\n", (int)(length - before - after), name + before);
-    }
+    const size_t before = strlen(folder), after = strlen(ending), length = strlen(file);
+    if (length <= before + after || strncmp(file, folder, before) != 0 ||
+        strcmp(file + length - after, ending) != 0)
+        return false;
+    snprintf(out, capacity, "%.*s", (int)(length - before - after), file + before);
+    return true;
 }
 
-/* A table of three value columns is an observer, a table of one is an illuminant. */
-static void list_tables(bool observers)
+bool table_name(const struct builtin_file *file, bool detector, char *out, size_t capacity)
 {
-    static const char folder[] = "tables/";
-    const size_t before = strlen(folder);
-    for (size_t i = 0; i < builtin_file_count; i++) {
-        const char *name = builtin_files[i].name, *dot = strrchr(name, '.');
-        if (strncmp(name, folder, before) == 0 && table_is_detector(&builtin_files[i]) == observers)
-            printf("  %.*s\n", (int)((size_t)(dot - name) - before), name + before);
-    }
-}
-
-static void list_illuminants(void)
-{
-    list_tables(false);
-}
-
-static void list_observers(void)
-{
-    list_tables(true);
-}
-
-static void list_materials(void)
-{
-    list_folder("materials/", ".txt");
-}
-
-static void list_scenes(void)
-{
-    list_folder("scenes/", ".scene");
+    return table_is_detector(file) == detector &&
+           name_within(file->name, "tables/", ".csv", out, capacity);
 }
 
 static void list_shapes(void)
@@ -86,14 +60,33 @@ static void list_samplings(void)
         stdout);
 }
 
-static const struct {
+static const struct list {
     const char *name;
-    void (*print)(void);
+    void (*print)(void);         /* NULL: the list has the names of built-in files */
+    const char *folder, *ending; /* of these files */
+    bool detectors;              /* the files are tables of detectors */
 } lists[] = {
-    {"illuminants", list_illuminants}, {"observers", list_observers}, {"materials", list_materials},
-    {"shapes", list_shapes},           {"scenes", list_scenes},       {"samplings", list_samplings},
+    {"illuminants", NULL, "tables/", ".csv", false},
+    {"observers", NULL, "tables/", ".csv", true},
+    {"materials", NULL, "materials/", ".txt", false},
+    {"shapes", list_shapes, NULL, NULL, false},
+    {"scenes", NULL, "scenes/", ".scene", false},
+    {"samplings", list_samplings, NULL, NULL, false},
 };
 enum { N_LISTS = sizeof lists / sizeof lists[0] };
+
+static void print_list(const struct list *list)
+{
+    char name[256];
+    printf("%s\n", list->name);
+    if (list->print)
+        list->print();
+    else
+        for (size_t i = 0; i < builtin_file_count; i++)
+            if (table_is_detector(&builtin_files[i]) == list->detectors &&
+                name_within(builtin_files[i].name, list->folder, list->ending, name, sizeof name))
+                printf("  %s\n", name);
+}
 
 bool command_list(struct options *options, struct error *err)
 {
@@ -105,9 +98,8 @@ bool command_list(struct options *options, struct error *err)
         if (wanted && strcmp(wanted, lists[i].name) != 0)
             continue;
         found = true;
-        printf("%s\n", lists[i].name);
-        lists[i].print();
+        print_list(&lists[i]);
     }
     words_join(names, N_LISTS, "and", known, sizeof known);
-    return found || error_usage(err, "there is no list of '%s'; there are %s", wanted, known);
+    return found || error_usage(err, "no list is called '%s'; the lists are %s", wanted, known);
 }

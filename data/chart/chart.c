@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Plots as SVG 1.1, to be printed: axes in round steps, lines that differ in colour and in dashes,
- * so that they can be told apart by colour-blind eyes and without colours. Numbers are made by
- * rounding to decimals only, so that the bytes are the same everywhere. */
+/* Curves as SVG 1.1, to be printed: lines differ in colour and in dashes, so that colour-blind eyes
+ * and prints without colours keep them apart. Here is also the look that all charts share. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,123 +10,11 @@
 
 enum {
     PLOT_HEIGHT = 340,
-    AXIS_MARGIN = 72, /* on the right, with an axis there */
-    STRIP = 9,        /* height of the spectral colours */
-    SAMPLE = 36       /* a legend's piece of line */
+    STRIP = 9,  /* height of the spectral colours */
+    SAMPLE = 36 /* length of a line in the legend */
 };
-/* The width of a character over the font's size: an upper bound for all but the widest. */
+/* The width of a character over the font's size. Few characters are wider. */
 static const double character = 0.6;
-
-/* ---- axes ---- */
-
-/* A scale in round steps. Positions are counted in `unit`, a power of ten, so that numbers of any
- * size can be written and subtracted. */
-struct axis {
-    double unit, low, high, step;
-    int exponent; /* of the unit; 0: labels are values */
-    int decimals; /* of a label */
-};
-
-static void include(double value, double *low, double *high)
-{
-    if (!isfinite(value))
-        return;
-    *low = fmin(*low, value);
-    *high = fmax(*high, value);
-}
-
-/* A decimal exponent, and the first digit where it is wanted, as rounded by printf. */
-static int decimal_exponent(double value, int *digit)
-{
-    char text[32];
-    snprintf(text, sizeof text, "%.0e", value);
-    *digit = text[0] - '0';
-    return atoi(strchr(text, 'e') + 1);
-}
-
-static double power_of_ten(int exponent)
-{
-    char text[32];
-    snprintf(text, sizeof text, "1e%d", exponent);
-    return strtod(text, NULL);
-}
-
-/* A unit other than 1 for what would need more than five digits before the point, or three zeros
- * behind it. */
-static void choose_unit(struct axis *axis, double largest)
-{
-    int digit, exponent = largest > 0 ? decimal_exponent(largest, &digit) : 0;
-    if (exponent > 4 || exponent < -2)
-        axis->exponent = exponent > -323 ? exponent : -323; /* the least that is no zero */
-    axis->unit = power_of_ten(axis->exponent);
-}
-
-/* 1, 2 or 5 times a power of ten, for about n steps. */
-static void choose_step(struct axis *axis, int n)
-{
-    int digit, exponent = decimal_exponent((axis->high - axis->low) / n, &digit);
-    const int round = digit < 2 ? 1 : digit < 3 ? 2 : digit < 6 ? 5 : 10;
-    axis->step = round * power_of_ten(exponent);
-    exponent += round == 10;
-    axis->decimals = exponent < 0 ? -exponent : 0;
-}
-
-/* Shows low to high, or 0 to 1 where there is nothing to show (low > high). */
-static struct axis axis_make(double low, double high, int steps)
-{
-    struct axis axis = {.exponent = 0};
-    if (low > high) {
-        low = 0;
-        high = 1;
-    }
-    choose_unit(&axis, fmax(fabs(low), fabs(high)));
-    axis.low = low / axis.unit;
-    axis.high = high / axis.unit;
-    const double size = fmax(fabs(axis.low), fabs(axis.high));
-    if (axis.high - axis.low <= 1e-9 * size) { /* one value: with some room around it */
-        axis.low -= size > 0 ? size / 20 : 1;
-        axis.high += size > 0 ? size / 20 : 1;
-    }
-    choose_step(&axis, steps);
-    return axis;
-}
-
-/* An axis that begins at 0 and ends at a whole step. */
-static struct axis axis_from_zero(double low, double high, int steps)
-{
-    if (low <= high) {
-        low = fmin(low, 0);
-        high = fmax(high, 0);
-    }
-    if (low == 0 && high == 0)
-        high = 1;
-    struct axis axis = axis_make(low, high, steps);
-    axis.low = floor(axis.low / axis.step) * axis.step;
-    axis.high = ceil(axis.high / axis.step) * axis.step;
-    return axis;
-}
-
-/* 0 at its low end, 1 at its high one. */
-static double axis_part(const struct axis *axis, double value)
-{
-    return (value / axis->unit - axis->low) / (axis->high - axis->low);
-}
-
-/* Ticks are whole multiples of the step. */
-static long first_tick(const struct axis *axis)
-{
-    return (long)ceil(axis->low / axis->step - 1e-6);
-}
-
-static long last_tick(const struct axis *axis)
-{
-    return (long)floor(axis->high / axis->step + 1e-6);
-}
-
-static double tick_part(const struct axis *axis, long tick)
-{
-    return ((double)tick * axis->step - axis->low) / (axis->high - axis->low);
-}
 
 /* ---- text ---- */
 
@@ -142,7 +29,7 @@ void chart_text(FILE *to, const char *text, int most)
         else if (length == 0 || (length == 1 && (*at < 0x20 || *at == 0x7f)) ||
                  (*at == 0xef && at[1] == 0xbf && at[2] >= 0xbe))
             fputs("\xef\xbf\xbd", to);
-        else if (strchr("&<>\"", *at) != NULL)
+        else if (strchr("&<>\"", *at))
             fprintf(to, "&#%d;", *at);
         else
             fwrite(at, 1, (size_t)length, to);
@@ -197,29 +84,12 @@ void chart_head(FILE *to, const char *title, int height)
     fputs("</text>\n", to);
 }
 
-void chart_frame(FILE *to, double width, int height)
+void chart_frame(const struct chart_area *area)
 {
-    fprintf(to,
+    fprintf(area->to,
             "<rect x=\"%d\" y=\"%d\" width=\"%.2f\" height=\"%d\" fill=\"none\" "
             "stroke=\"#333\"/>\n",
-            CHART_LEFT, CHART_TOP, width, height);
-}
-
-void chart_x_label(FILE *to, const char *label, double width, int below)
-{
-    fprintf(to, "<text x=\"%.2f\" y=\"%d\" font-size=\"%d\">", CHART_LEFT + width / 2,
-            below + CHART_TICK + CHART_TEXT_SIZE + CHART_LABEL_SIZE + 10, CHART_LABEL_SIZE);
-    chart_text(to, label, chart_fitting(width, CHART_LABEL_SIZE));
-}
-
-void chart_y_label(FILE *to, const char *label, double x, int height)
-{
-    fprintf(to,
-            "<text text-anchor=\"middle\" font-size=\"%d\" transform=\"translate(%.2f,%d) "
-            "rotate(-90)\">",
-            CHART_LABEL_SIZE, x, CHART_TOP + height / 2);
-    chart_text(to, label, chart_fitting(height + CHART_TOP, CHART_LABEL_SIZE));
-    fputs("</text>\n", to);
+            CHART_LEFT, CHART_TOP, area->width, area->height);
 }
 
 struct chart_grid chart_grid(int n, int longest, double sample)
@@ -236,7 +106,7 @@ char *chart_file(void (*draw)(void *plot, FILE *to), void *plot)
     char *text = NULL;
     size_t length = 0;
     FILE *to = open_memstream(&text, &length);
-    if (to == NULL)
+    if (!to)
         return NULL;
     draw(plot, to);
     fputs("</svg>\n", to);
@@ -251,24 +121,18 @@ char *chart_file(void (*draw)(void *plot, FILE *to), void *plot)
 
 struct plot {
     const struct chart *chart;
-    FILE *to;
+    struct chart_area area;
     struct axis x, left, right;
-    double width; /* of what the axes enclose */
 };
 
 static double plot_x(const struct plot *plot, double x)
 {
-    return CHART_LEFT + plot->width * axis_part(&plot->x, x);
-}
-
-static double plot_y(const struct axis *axis, double y)
-{
-    return CHART_TOP + PLOT_HEIGHT * (1 - axis_part(axis, y));
+    return chart_x(&plot->area, &plot->x, x);
 }
 
 static const struct axis *axis_of(const struct plot *plot, const struct chart_line *line)
 {
-    return line->right && plot->chart->right_label != NULL ? &plot->right : &plot->left;
+    return line->right && plot->chart->right_label ? &plot->right : &plot->left;
 }
 
 static bool is_drawn(const struct chart_line *line, int i)
@@ -278,11 +142,12 @@ static bool is_drawn(const struct chart_line *line, int i)
 
 static double spread_at(const struct chart_line *line, int i)
 {
-    const double spread = line->spread != NULL ? line->spread[i] : 0;
+    const double spread = line->spread ? line->spread[i] : 0;
     return isfinite(line->y[i] - spread) && isfinite(line->y[i] + spread) ? spread : 0;
 }
 
-/* The band of values that are not negative, such as radiances, ends at 0. */
+/* Returns the lower end of the spread at a point. It is not below 0 if the value is not, because
+ * radiances are not negative. */
 static double band_low(const struct chart_line *line, int i)
 {
     return fmax(line->y[i] - spread_at(line, i), fmin(line->y[i], 0));
@@ -297,69 +162,22 @@ static void fit_axes(struct plot *plot)
         double *y = axis_of(plot, line) == &plot->right ? right : left;
         for (int i = 0; i < line->n; i++)
             if (is_drawn(line, i)) {
-                include(line->x[i], &x[0], &x[1]);
-                include(band_low(line, i), &y[0], &y[1]);
-                include(line->y[i] + spread_at(line, i), &y[0], &y[1]);
+                x[0] = fmin(x[0], line->x[i]);
+                x[1] = fmax(x[1], line->x[i]);
+                y[0] = fmin(y[0], band_low(line, i));
+                y[1] = fmax(y[1], line->y[i] + spread_at(line, i));
             }
     }
-    plot->x = axis_make(x[0], x[1], 10);
+    plot->x = axis_linear(x[0], x[1], 10);
     plot->left = axis_from_zero(left[0], left[1], 6);
     plot->right = axis_from_zero(right[0], right[1], 6);
 }
 
-/* ---- axes drawn ---- */
+/* ---- colours of wavelengths ---- */
 
-static void draw_x_axis(const struct plot *plot)
-{
-    const struct axis *axis = &plot->x;
-    const int bottom = CHART_TOP + PLOT_HEIGHT,
-              below = bottom + (plot->chart->wavelengths ? STRIP : 0);
-    fputs("<g text-anchor=\"middle\">\n", plot->to);
-    for (long i = first_tick(axis); i <= last_tick(axis); i++) {
-        const double x = CHART_LEFT + plot->width * tick_part(axis, i);
-        fprintf(plot->to,
-                "<path d=\"M%.2f,%dV%d\" stroke=\"#e4e4e4\"/><path d=\"M%.2f,%dv%d\" "
-                "stroke=\"#333\"/><text x=\"%.2f\" y=\"%d\">%.*f</text>\n",
-                x, CHART_TOP, bottom, x, below, CHART_TICK, x,
-                below + CHART_TICK + CHART_TEXT_SIZE + 1, axis->decimals, (double)i * axis->step);
-    }
-    chart_x_label(plot->to, plot->chart->x_label, plot->width, below);
-    if (axis->exponent != 0) {
-        putc(' ', plot->to);
-        chart_exponent(plot->to, axis->exponent);
-    }
-    fputs("</text>\n</g>\n", plot->to);
-}
-
-/* `x` is where it stands; `side` points away from the plot: -1 on the left, 1 on the right. */
-static void draw_y_axis(const struct plot *plot, const struct axis *axis, const char *label,
-                        double x, int side)
-{
-    fprintf(plot->to, "<g text-anchor=\"%s\">\n", side < 0 ? "end" : "start");
-    for (long i = first_tick(axis); i <= last_tick(axis); i++) {
-        const double y = CHART_TOP + PLOT_HEIGHT * (1 - tick_part(axis, i));
-        if (side < 0)
-            fprintf(plot->to, "<path d=\"M%.2f,%.2fh%.2f\" stroke=\"#e4e4e4\"/>", x, y,
-                    plot->width);
-        fprintf(plot->to,
-                "<path d=\"M%.2f,%.2fh%d\" stroke=\"#333\"/><text x=\"%.2f\" y=\"%.2f\">%.*f"
-                "</text>\n",
-                x, y, side * CHART_TICK, x + side * (CHART_TICK + 4), y + 0.35 * CHART_TEXT_SIZE,
-                axis->decimals, (double)i * axis->step);
-    }
-    if (axis->exponent != 0) {
-        fprintf(plot->to, "<text x=\"%.2f\" y=\"%d\">", x + side * (CHART_TICK + 4),
-                CHART_TOP - 10);
-        chart_exponent(plot->to, axis->exponent);
-        fputs("</text>\n", plot->to);
-    }
-    chart_y_label(plot->to, label, x + side * (side < 0 ? CHART_LEFT - 20 : AXIS_MARGIN - 14),
-                  PLOT_HEIGHT);
-    fputs("</g>\n", plot->to);
-}
-
-/* The colours of monochromatic light from 380 nm in steps of 10: sRGB of the CIE 1931 observer,
- * white added until no channel is negative, the brightest channel of all being 1. */
+/* The colours of monochromatic light from 380 nm in steps of 10 nm, in sRGB, as the CIE 1931
+ * observer sees them. White is added until no channel is negative; the largest channel of all is 1.
+ */
 enum { VISIBLE_FIRST = 380, VISIBLE_STEP = 10, N_VISIBLE = 36 };
 static const unsigned visible[N_VISIBLE] = {
     0x03000a, 0x080019, 0x170033, 0x2d0059, 0x500097, 0x6f00d4, 0x7400ea, 0x6500e9, 0x3d00df,
@@ -372,17 +190,17 @@ static void draw_visible(const struct plot *plot)
 {
     const double end = VISIBLE_FIRST + VISIBLE_STEP * (N_VISIBLE - 1);
     const double left = fmax(plot_x(plot, VISIBLE_FIRST), CHART_LEFT);
-    const double right = fmin(plot_x(plot, end), CHART_LEFT + plot->width);
+    const double right = fmin(plot_x(plot, end), CHART_LEFT + plot->area.width);
     if (right <= left)
         return;
-    fprintf(plot->to,
+    fprintf(plot->area.to,
             "<defs><linearGradient id=\"visible\" gradientUnits=\"userSpaceOnUse\" x1=\"%.2f\" "
             "y1=\"0\" x2=\"%.2f\" y2=\"0\">\n",
             plot_x(plot, VISIBLE_FIRST), plot_x(plot, end));
     for (int i = 0; i < N_VISIBLE; i++)
-        fprintf(plot->to, "<stop offset=\"%.4f\" stop-color=\"#%06x\"/>\n", i / (N_VISIBLE - 1.0),
-                visible[i]);
-    fprintf(plot->to,
+        fprintf(plot->area.to, "<stop offset=\"%.4f\" stop-color=\"#%06x\"/>\n",
+                i / (N_VISIBLE - 1.0), visible[i]);
+    fprintf(plot->area.to,
             "</linearGradient></defs>\n<rect x=\"%.2f\" y=\"%d\" width=\"%.2f\" height=\"%d\" "
             "fill=\"url(#visible)\"/>\n",
             left, CHART_TOP + PLOT_HEIGHT, right - left, STRIP);
@@ -390,14 +208,14 @@ static void draw_visible(const struct plot *plot)
 
 /* ---- lines drawn ---- */
 
-/* Those of Okabe and Ito, "Color Universal Design" (2008), but for its yellow, which is too pale on
- * white. With five dashes no two of 35 lines are alike. */
+/* The colours of Okabe and Ito, "Color Universal Design" (2008), without its yellow, which is too
+ * pale on white. With five dashes no two of 35 lines are alike. */
 static const char *const colours[] = {"#000000", "#0072b2", "#d55e00", "#009e73",
                                       "#cc79a7", "#e69f00", "#56b4e9"};
 static const char *const dashes[] = {"", "9 4", "2 3", "9 3 2 3", "5 3"};
 enum { N_COLOURS = 7, N_DASHES = 5 };
 
-/* The first line is the one that the others explain. */
+/* Writes the stroke of a line. The first line is thicker: the others explain it. */
 static void put_stroke(FILE *to, int line)
 {
     fprintf(to, "fill=\"none\" stroke=\"%s\" stroke-width=\"%s\" stroke-linejoin=\"round\"",
@@ -406,53 +224,56 @@ static void put_stroke(FILE *to, int line)
         fprintf(to, " stroke-dasharray=\"%s\"", dashes[line % N_DASHES]);
 }
 
-/* The band of a run of points, from its first to its last and back. */
+/* Draws the spread around a run of points: from its first to its last point and back. */
 static void draw_spread(const struct plot *plot, int index, int first, int end)
 {
     const struct chart_line *line = &plot->chart->lines[index];
     const struct axis *axis = axis_of(plot, line);
-    fprintf(plot->to, "<path fill=\"%s\" fill-opacity=\"0.18\" d=\"", colours[index % N_COLOURS]);
+    fprintf(plot->area.to, "<path fill=\"%s\" fill-opacity=\"0.18\" d=\"",
+            colours[index % N_COLOURS]);
     for (int i = first; i < end; i++)
-        fprintf(plot->to, "%c%.2f,%.2f", i == first ? 'M' : 'L', plot_x(plot, line->x[i]),
-                plot_y(axis, line->y[i] + spread_at(line, i)));
+        fprintf(plot->area.to, "%c%.2f,%.2f", i == first ? 'M' : 'L', plot_x(plot, line->x[i]),
+                chart_y(&plot->area, axis, line->y[i] + spread_at(line, i)));
     for (int i = end - 1; i >= first; i--)
-        fprintf(plot->to, "L%.2f,%.2f", plot_x(plot, line->x[i]), plot_y(axis, band_low(line, i)));
-    fputs("Z\"/>\n", plot->to);
+        fprintf(plot->area.to, "L%.2f,%.2f", plot_x(plot, line->x[i]),
+                chart_y(&plot->area, axis, band_low(line, i)));
+    fputs("Z\"/>\n", plot->area.to);
 }
 
-/* A point without neighbours is a dot, its spread a bar. */
+/* Draws neighbouring points from first to end - 1. A single point is a dot, and its spread a bar.
+ */
 static void draw_run(const struct plot *plot, int index, int first, int end)
 {
     const struct chart_line *line = &plot->chart->lines[index];
     const struct axis *axis = axis_of(plot, line);
     const double x = plot_x(plot, line->x[first]), spread = spread_at(line, first);
     if (end - first == 1) {
-        fprintf(plot->to,
+        fprintf(plot->area.to,
                 "<path stroke=\"%s\" d=\"M%.2f,%.2fV%.2f\"/><circle fill=\"%s\" cx=\"%.2f\" "
                 "cy=\"%.2f\" r=\"4\"/>\n",
-                colours[index % N_COLOURS], x, plot_y(axis, band_low(line, first)),
-                plot_y(axis, line->y[first] + spread), colours[index % N_COLOURS], x,
-                plot_y(axis, line->y[first]));
+                colours[index % N_COLOURS], x, chart_y(&plot->area, axis, band_low(line, first)),
+                chart_y(&plot->area, axis, line->y[first] + spread), colours[index % N_COLOURS], x,
+                chart_y(&plot->area, axis, line->y[first]));
         return;
     }
-    if (line->spread != NULL)
+    if (line->spread)
         draw_spread(plot, index, first, end);
-    fputs("<path ", plot->to);
-    put_stroke(plot->to, index);
-    fputs(" d=\"", plot->to);
+    fputs("<path ", plot->area.to);
+    put_stroke(plot->area.to, index);
+    fputs(" d=\"", plot->area.to);
     for (int i = first; i < end; i++)
-        fprintf(plot->to, "%c%.2f,%.2f", i == first ? 'M' : 'L', plot_x(plot, line->x[i]),
-                plot_y(axis, line->y[i]));
-    fputs("\"/>\n", plot->to);
+        fprintf(plot->area.to, "%c%.2f,%.2f", i == first ? 'M' : 'L', plot_x(plot, line->x[i]),
+                chart_y(&plot->area, axis, line->y[i]));
+    fputs("\"/>\n", plot->area.to);
 }
 
-/* Points that are no numbers interrupt the line. */
+/* Draws a line. Values that are not finite interrupt it. */
 static void draw_line(const struct plot *plot, int index)
 {
     const struct chart_line *line = &plot->chart->lines[index];
-    fputs("<g><title>", plot->to);
-    chart_text(plot->to, line->name, 200);
-    fputs("</title>\n", plot->to);
+    fputs("<g><title>", plot->area.to);
+    chart_text(plot->area.to, line->name, 200);
+    fputs("</title>\n", plot->area.to);
     for (int first = 0, end; first < line->n; first = end) {
         for (end = first; is_drawn(line, end);)
             end++;
@@ -461,7 +282,7 @@ static void draw_line(const struct plot *plot, int index)
         else
             end++;
     }
-    fputs("</g>\n", plot->to);
+    fputs("</g>\n", plot->area.to);
 }
 
 /* ---- legend ---- */
@@ -489,14 +310,14 @@ static void draw_legend(const struct plot *plot, int top)
         const char *note = legend_note(plot, l);
         const double x = CHART_LEFT + grid.column * (l / grid.rows);
         const double y = top + CHART_LEGEND_ROW * (l % grid.rows);
-        fprintf(plot->to, "<path ");
-        put_stroke(plot->to, l);
-        fprintf(plot->to, " d=\"M%.2f,%.2fh%d\"/><text x=\"%.2f\" y=\"%.2f\">", x, y, SAMPLE,
+        fprintf(plot->area.to, "<path ");
+        put_stroke(plot->area.to, l);
+        fprintf(plot->area.to, " d=\"M%.2f,%.2fh%d\"/><text x=\"%.2f\" y=\"%.2f\">", x, y, SAMPLE,
                 x + SAMPLE + 8, y + 0.35 * CHART_TEXT_SIZE);
-        chart_text(plot->to, plot->chart->lines[l].name,
+        chart_text(plot->area.to, plot->chart->lines[l].name,
                    chart_fitting(grid.column - SAMPLE - 16, CHART_TEXT_SIZE) -
                        chart_text_length(note));
-        fprintf(plot->to, "%s</text>\n", note);
+        fprintf(plot->area.to, "%s</text>\n", note);
     }
 }
 
@@ -509,15 +330,15 @@ static void draw(void *of, FILE *to)
     const int legend =
         CHART_TOP + PLOT_HEIGHT + STRIP + CHART_TICK + CHART_TEXT_SIZE + CHART_LABEL_SIZE + 44;
     const int height = legend + CHART_LEGEND_ROW * legend_grid(plot).rows;
-    plot->to = to;
+    plot->area.to = to;
     chart_head(to, chart->title, height);
     if (chart->wavelengths)
         draw_visible(plot);
-    draw_x_axis(plot);
-    draw_y_axis(plot, &plot->left, chart->y_label, CHART_LEFT, -1);
-    if (chart->right_label != NULL)
-        draw_y_axis(plot, &plot->right, chart->right_label, CHART_LEFT + plot->width, 1);
-    chart_frame(to, plot->width, PLOT_HEIGHT);
+    axis_draw_x(&plot->area, &plot->x, chart->x_label, chart->wavelengths ? STRIP : 0);
+    axis_draw_y(&plot->area, &plot->left, chart->y_label, false);
+    if (chart->right_label)
+        axis_draw_y(&plot->area, &plot->right, chart->right_label, true);
+    chart_frame(&plot->area);
     for (int l = chart->n_lines - 1; l >= 0; l--) /* the first one on top */
         draw_line(plot, l);
     draw_legend(plot, legend);
@@ -525,9 +346,9 @@ static void draw(void *of, FILE *to)
 
 char *chart_svg(const struct chart *chart)
 {
-    struct plot plot = {.chart = chart};
-    plot.width =
-        CHART_WIDTH - CHART_LEFT - (chart->right_label != NULL ? AXIS_MARGIN : CHART_MARGIN);
+    struct plot plot = {.chart = chart, .area = {.height = PLOT_HEIGHT}};
+    plot.area.width =
+        CHART_WIDTH - CHART_LEFT - (chart->right_label ? CHART_RIGHT_AXIS : CHART_MARGIN);
     fit_axes(&plot);
     return chart_file(draw, &plot);
 }

@@ -12,15 +12,15 @@ struct chart_line {
     const char *name;
     int n;
     const double *x, *y;
-    const double *spread; /* drawn as a band of y - spread to y + spread; where y >= 0 the part
-                             below 0 is cut off; NULL: none */
-    bool right;           /* belongs to the axis on the right, e.g. a reflectance */
+    const double *spread; /* shaded from y - spread to y + spread, but not below 0 if y >= 0; NULL:
+                             none */
+    bool right;           /* uses the axis on the right, e.g. a reflectance */
 };
 struct chart {
     const char *title, *x_label, *y_label, *right_label; /* right_label NULL: no such axis */
     const struct chart_line *lines;
     int n_lines;
-    bool wavelengths; /* x is in nm: the visible range is shown in its colours */
+    bool wavelengths; /* x is in nm: a strip shows the colours of the visible range */
 };
 /* Returns a whole SVG 1.1 file, allocated; NULL: no memory. */
 char *chart_svg(const struct chart *chart);
@@ -32,26 +32,28 @@ struct frontier_point {
     double cost, cost_low, cost_high; /* above 0 */
     double error;                     /* 0 or more */
     bool best;                        /* on the frontier */
-    bool uncertain;                   /* within noise of being on it or not */
+    bool uncertain;                   /* noise might move it onto the frontier, or off it */
 };
 struct frontier {
     const char *title, *cost_label, *error_label;
     const struct frontier_point *points;
     int n;
 };
-/* Returns a whole SVG 1.1 file, allocated; NULL: no memory. Both axes are logarithmic; errors below
- * 1/1000 of the largest, or 0, lie on the lower edge, which says so. All points are labelled; those
- * of the frontier have their names and are joined by steps, the others are pale. */
+/* Returns a whole SVG 1.1 file, allocated; NULL: no memory. Both axes are logarithmic. Errors below
+ * 1/1000 of the largest, and 0, lie on the lower edge, which has a label that says so. Each point
+ * has a label. Points of the frontier have their names, and steps join them; the others are pale.
+ */
 char *frontier_svg(const struct frontier *frontier);
 
 /* ---- Inside this room: how all charts look, in chart.c ---- */
 
-/* In SVG's pixels, 96 an inch. */
+/* Lengths in SVG's pixels, 96 an inch. */
 enum {
     CHART_WIDTH = 800,
     CHART_LEFT = 84,
     CHART_TOP = 52,
-    CHART_MARGIN = 28, /* on the right, without an axis there */
+    CHART_MARGIN = 28,     /* on the right, without an axis there */
+    CHART_RIGHT_AXIS = 72, /* on the right, with an axis there */
     CHART_TICK = 5,
     CHART_LEGEND_ROW = 20,
     CHART_TITLE_SIZE = 16,
@@ -59,33 +61,65 @@ enum {
     CHART_TEXT_SIZE = 12
 };
 
-/* Draws into an SVG file, allocated; NULL: no memory. */
+/* The rectangle that the axes enclose. Its left edge is at CHART_LEFT, its top at CHART_TOP. */
+struct chart_area {
+    FILE *to; /* the SVG file */
+    double width;
+    int height;
+};
+/* Returns the SVG file that `draw` writes, allocated; NULL: no memory. */
 char *chart_file(void (*draw)(void *plot, FILE *to), void *plot);
 /* Writes the beginning of a file of this height, with the title. */
 void chart_head(FILE *to, const char *title, int height);
-/* Draws the frame around a plot. */
-void chart_frame(FILE *to, double width, int height);
-/* Writes at most so many characters of a text, escaped. A character that XML cannot hold becomes
- * U+FFFD. */
+void chart_frame(const struct chart_area *area); /* draws its border */
+/* Writes a text, escaped. The last of more than `most` characters becomes an ellipsis. A character
+ * that XML cannot hold becomes U+FFFD. */
 void chart_text(FILE *to, const char *text, int most);
-/* Writes a decimal exponent: ×10 and small digits. */
+/* Writes a decimal exponent: ×10 and raised digits. */
 void chart_exponent(FILE *to, int exponent);
-/* Begins the x axis's label, `below` the plot; the caller ends its text. */
-void chart_x_label(FILE *to, const char *label, double width, int below);
-/* Writes a label at the middle of an axis that stands at x and is `height` high. */
-void chart_y_label(FILE *to, const char *label, double x, int height);
-/* How many characters fit beside each other, and the width of n characters. */
+/* Return the number of characters that fit into a width, and the width of n characters. */
 int chart_fitting(double width, int size);
 double chart_text_width(int n, int size);
-int chart_text_length(const char *text);
+int chart_text_length(const char *text); /* in characters of UTF-8 */
 /* Cells of a legend, filled column by column. */
 struct chart_grid {
     int rows;
     double column; /* width */
 };
-/* Makes a grid of n cells, in 1 to 3 columns: as many as let texts of `longest` characters stand
- * beside each other, each behind a sample of this width. */
+/* Makes a grid of n cells in 1 to 3 columns. Each cell has room for a sample of this width and a
+ * text of `longest` characters, unless there is one column only. */
 struct chart_grid chart_grid(int n, int longest, double sample);
+
+/* ---- Inside this room: axes of all charts, in axis.c ---- */
+
+/* An axis from `low` to `high` on its scale: values over the unit, or decimal logarithms. */
+struct axis {
+    bool logarithmic;
+    double low, high;
+    double unit, step; /* linear: the unit is a power of ten; the step between ticks is in units */
+    int exponent;      /* of the unit; 0: labels are values */
+    int decimals;      /* of a label */
+    bool clipped;      /* logarithmic: smaller values lie at the low end, */
+    double least;      /* whose value is this one */
+};
+/* Makes a linear axis from low to high with about so many steps; from 0 to 1 if low > high. */
+struct axis axis_linear(double low, double high, int steps);
+/* Makes a linear axis that contains 0 and ends at whole steps. */
+struct axis axis_from_zero(double low, double high, int steps);
+/* Makes a logarithmic axis with some room beyond the decimal logarithms low and high; from 0.1 to 1
+ * if low > high. */
+struct axis axis_logarithmic(double low, double high);
+double decimal_logarithm(double value); /* of a finite value above 0 */
+/* Return the place of a value in the SVG file. On a logarithmic axis values below its low end, and
+ * 0, lie at that end. */
+double chart_x(const struct chart_area *area, const struct axis *axis, double value);
+double chart_y(const struct chart_area *area, const struct axis *axis, double value);
+/* Draw the ticks of an axis, their grid lines and labels, and the label of the axis. The x axis
+ * lies below the area and a strip of this height. A y axis on the right has no grid lines. */
+void axis_draw_x(const struct chart_area *area, const struct axis *axis, const char *label,
+                 int strip);
+void axis_draw_y(const struct chart_area *area, const struct axis *axis, const char *label,
+                 bool right);
 
 /* ---- Inside this room: places of labels, in labels.c ---- */
 
@@ -96,9 +130,9 @@ struct chart_segment {
     double x[2], y[2];
 };
 struct chart_label {
-    double x, y, radius;  /* of the marker of its point */
+    double x, y, radius;  /* marker of its point */
     struct chart_box box; /* its place, if it has one */
-    bool placed, led;     /* led: by a line from the point */
+    bool placed, led;     /* led: a line leads to it from its point */
 };
 /* The labels of a chart. They never cover the frame, a marker, or each other. */
 struct chart_labels {
@@ -108,9 +142,9 @@ struct chart_labels {
     struct chart_segment *lines; /* covered by labels only where no other place is left */
     int n_lines;
 };
-/* Finds the place of a label of this size. Returns false where there is none. */
+/* Finds a free place for a label of this size. Returns false if there is none. */
 bool chart_place_label(struct chart_labels *labels, int index, double width, double height);
-/* The line from a point to the nearest place of its label. */
+/* Returns the line from a point to the nearest place of its label. */
 struct chart_segment chart_leader(const struct chart_label *label);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Places of labels beside their points, where they cover nothing. A label takes the nearest place
- * on rings around its point; off the first ring a line leads to it. */
+/* Finds places for labels beside their points. A label takes the nearest free place on rings around
+ * its point; beyond the first ring a line leads to it. */
 #include <math.h>
 
 #include "data/chart/chart.h"
@@ -9,17 +9,18 @@
 enum {
     RING_STEP = 7, /* between the rings of places around a point */
     NEAR_DIRECTIONS = 8,
-    DIRECTIONS = 32 /* of places farther off */
+    DIRECTIONS = 32 /* beyond the first ring */
 };
 
-/* ---- what meets what ---- */
+/* ---- boxes and segments that meet ---- */
 
 static bool boxes_meet(const struct chart_box *a, const struct chart_box *b)
 {
     return a->left < b->right && b->left < a->right && a->top < b->bottom && b->top < a->bottom;
 }
 
-/* Cuts the rest of a segment, from *first to *last, at two limits. */
+/* Cuts a segment at two limits of one coordinate. *first and *last bound the part, from 0 to 1,
+ * that is left; no part is left if *first >= *last. */
 static void cut(double from, double to, double low, double high, double *first, double *last)
 {
     if (from == to) {
@@ -52,22 +53,17 @@ struct chart_segment chart_leader(const struct chart_label *label)
         {label->y, fmax(label->box.top, fmin(label->y, label->box.bottom))}};
 }
 
-static struct chart_box box_around(double x, double y, double width, double height)
-{
-    return (struct chart_box){x - width / 2, y - height / 2, x + width / 2, y + height / 2};
-}
-
 /* ---- places ---- */
 
-/* The rules that a label may break where no other place is left. It never covers points or labels.
- */
+/* The rules that a label may break if it finds no other place. A label never covers a point or
+ * another label. */
 enum freedom {
     OFF_LINES, /* none */
     ON_LINES,  /* it may cover the chart's lines */
-    ACROSS     /* its own line may cross all, and the lines of others may cross it */
+    ACROSS     /* its own line may cross anything, and lines of other labels may cross it */
 };
 
-/* Returns whether a box lies upon a point, a label or the frame. */
+/* Returns whether a box covers a point, a label or the frame. */
 static bool covers(const struct chart_labels *labels, const struct chart_box *box)
 {
     const struct chart_box *frame = &labels->frame;
@@ -81,7 +77,8 @@ static bool covers(const struct chart_labels *labels, const struct chart_box *bo
     return meets;
 }
 
-/* Returns whether the label's line crosses a point or another label, or another line this label. */
+/* Returns whether the label's line crosses a point or another label, or another label's line
+ * crosses this label. */
 static bool crosses(const struct chart_labels *labels, const struct chart_label *label)
 {
     const struct chart_segment line = chart_leader(label);
@@ -108,29 +105,27 @@ static bool is_free(const struct chart_labels *labels, const struct chart_label 
     return true;
 }
 
-/* The box of a label at a distance beside, above or below its point, or at a corner. */
-static struct chart_box box_beside(const struct chart_label *label, int direction, double distance,
-                                   double width, double height)
+/* Returns the box of a label of this size at a distance from its point. A label without a line
+ * stands beside, above or below the point, or at a corner; a label with a line in any direction. */
+static struct chart_box box_at(const struct chart_label *label, int direction, double distance,
+                               double width, double height)
 {
     static const double to_x[NEAR_DIRECTIONS] = {1, 1, 1, -1, -1, -1, 0, 0};
     static const double to_y[NEAR_DIRECTIONS] = {-1, 0, 1, -1, 0, 1, -1, 1};
-    const bool corner = to_x[direction] != 0 && to_y[direction] != 0;
-    const double away = distance * (corner ? 0.7 : 1);
-    return box_around(label->x + to_x[direction] * (away + width / 2),
-                      label->y + to_y[direction] * (away + height / 2), width, height);
+    double x, y;
+    if (label->led)
+        sine_cosine_of_turn(direction, DIRECTIONS, &y, &x);
+    else {
+        x = to_x[direction];
+        y = to_y[direction];
+        distance *= x != 0 && y != 0 ? 0.7 : 1;
+    }
+    x = label->x + x * (distance + width / 2);
+    y = label->y + y * (distance + height / 2);
+    return (struct chart_box){x - width / 2, y - height / 2, x + width / 2, y + height / 2};
 }
 
-/* The box of a label farther off, in any direction. */
-static struct chart_box box_off(const struct chart_label *label, int direction, double distance,
-                                double width, double height)
-{
-    double sine, cosine;
-    sine_cosine_of_turn(direction, DIRECTIONS, &sine, &cosine);
-    return box_around(label->x + cosine * (distance + width / 2),
-                      label->y + sine * (distance + height / 2), width, height);
-}
-
-/* Takes the nearest place that is free so far. */
+/* Takes the nearest place that is free under these rules. Returns false if there is none. */
 static bool place_within(struct chart_labels *labels, struct chart_label *label, double width,
                          double height, enum freedom freedom)
 {
@@ -140,8 +135,7 @@ static bool place_within(struct chart_labels *labels, struct chart_label *label,
         const double distance = label->radius + 2 + ring * RING_STEP;
         label->led = ring > 0;
         for (int i = 0; i < (label->led ? DIRECTIONS : NEAR_DIRECTIONS); i++) {
-            label->box = label->led ? box_off(label, i, distance, width, height)
-                                    : box_beside(label, i, distance, width, height);
+            label->box = box_at(label, i, distance, width, height);
             if (is_free(labels, label, freedom))
                 return label->placed = true;
         }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Chromatic adaptation: cone responses to a light, each divided by that to the white. */
+/* Chromatic adaptation: each cone response to a colour is divided by the response to the white. */
 #include <string.h>
 
 #include "data/colour/colour.h"
@@ -14,16 +14,13 @@ static const char *const names[] = {
 };
 enum { KINDS = sizeof names / sizeof names[0] };
 
-/* From XYZ. Hunt, Pointer and Estevez's, scaled for D65, as the thesis computed with it: it prints
- * the figures rounded, and -0.023 for -0.2263. Bradford's is of ICC.1:2010, annex E; CAT16's of C.
- * Li et al., Comprehensive color solutions, Color Res. Appl. 42, 703-718 (2017). */
-#define HUNT_POINTER_ESTEVEZ                                                                       \
-    {                                                                                              \
-        {0.4002, 0.7076, -0.0808}, {-0.2263, 1.1653, 0.0457}, {0, 0, 0.9182},                      \
-    }
+/* Matrices from XYZ. Von Kries: Hunt, Pointer and Estevez's, scaled for D65, with the figures of
+ * the thesis's program; the thesis prints them rounded, and -0.023 for -0.2263. Bradford:
+ * ICC.1:2010, annex E. CAT16: C. Li et al., Comprehensive color solutions, Color Res. Appl. 42,
+ * 703-718 (2017).
+ */
 static const double cones[KINDS][3][3] = {
-    [ADAPTATION_VON_KRIES] = HUNT_POINTER_ESTEVEZ,
-    [ADAPTATION_FAIRCHILD] = HUNT_POINTER_ESTEVEZ,
+    [ADAPTATION_VON_KRIES] = {{0.4002, 0.7076, -0.0808}, {-0.2263, 1.1653, 0.0457}, {0, 0, 0.9182}},
     [ADAPTATION_BRADFORD] = {{0.8951, 0.2664, -0.1614},
                              {-0.7502, 1.7135, 0.0367},
                              {0.0389, -0.0685, 1.0296}},
@@ -42,11 +39,9 @@ const char *adaptation_name(enum adaptation_kind kind)
 static bool read_luminance(const char *option, const char *text, double *out, struct error *err)
 {
     struct text line;
-    struct word word;
-    bool done = text_open_string(&line, option, text, err) && text_next_line(&line);
-    done = done && text_expect(&line, &word, "luminance in cd/m2", err) &&
-           word_number(&word, "luminance in cd/m2", 1e-6, 1e12, out, err) &&
-           text_end(&line, "a luminance", err);
+    bool done = text_open_string(&line, option, text, err) && text_next_line(&line) &&
+                text_number(&line, "luminance in cd/m2", 1e-6, 1e12, out, err) &&
+                text_end(&line, "a luminance", err);
     text_free(&line);
     return done;
 }
@@ -66,14 +61,14 @@ bool adaptation_read(const char *option, const char *text, struct adaptation *ou
         return read_luminance(option, text + strlen(prefix), &out->luminance, err);
     }
     return error_usage(err,
-                       "%s is none, von-kries, fairchild, fairchild:LUMINANCE, bradford or cat16, "
-                       "not '%.100s'",
+                       "%s: expected none, von-kries, fairchild, fairchild:LUMINANCE, bradford or "
+                       "cat16, found '%.100s'",
                        option, text);
 }
 
 /* ---- matrices ---- */
 
-/* Equations 21 and 22: how far each kind of cones adapts, 1 to a white of equal energy. */
+/* Computes how far each kind of cones adapts (equations 21 and 22): 1 under equal energy. */
 static void incompleteness(const double white[3], const double equal[3], double luminance,
                            double out[3])
 {
@@ -87,26 +82,30 @@ static void incompleteness(const double white[3], const double equal[3], double 
     }
 }
 
-/* Responses of zero or less have no ratio to adapt by: of deep spectral colours, for instance. */
+/* Refuses a white with a response of 0 or less, to which no ratio exists. Deep spectral colours
+ * have such responses. */
 static bool check_responses(const struct adaptation *adaptation, const double response[3],
                             struct error *err)
 {
     for (int i = 0; i < 3; i++)
         if (!(response[i] > 0))
-            return error_usage(err,
-                               "%s adaptation needs a white to which all cones respond; this one "
-                               "has %.6g, %.6g, %.6g",
-                               names[adaptation->kind], response[0], response[1], response[2]);
+            return error_usage(
+                err,
+                "%s adaptation needs a white with cone responses above 0; this white "
+                "has %.6g, %.6g, %.6g",
+                names[adaptation->kind], response[0], response[1], response[2]);
     return true;
 }
 
 void adaptation_cones(enum adaptation_kind kind, double out[3][3])
 {
-    memcpy(out, cones[kind], sizeof cones[kind]);
+    const bool incomplete = kind == ADAPTATION_FAIRCHILD; /* adapts in von Kries's cones */
+    memcpy(out, cones[incomplete ? ADAPTATION_VON_KRIES : kind], sizeof cones[kind]);
 }
 
-/* Equations 19 and 23 multiply by 100 what is here the display's white in cone responses, so that
- * white comes out as just that; with Hunt, Pointer and Estevez's they differ by 3e-5. */
+/* Equations 19 and 23 multiply responses by 100. Here the factor is the response to the display's
+ * white, so that white becomes exactly the display's white. With Hunt, Pointer and Estevez's matrix
+ * the two factors differ by 3e-5. */
 bool adaptation_matrix(const struct adaptation *adaptation, const double white[3],
                        const double equal[3], double out[3][3], struct error *err)
 {
@@ -118,7 +117,7 @@ bool adaptation_matrix(const struct adaptation *adaptation, const double white[3
                 out[i][j] = i == j;
         return true;
     }
-    memcpy(forward, cones[adaptation->kind], sizeof forward);
+    adaptation_cones(adaptation->kind, forward);
     colour_inverse(forward, back);
     colour_apply(forward, white, of_white);
     colour_apply(forward, display_white, of_display);

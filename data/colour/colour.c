@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Colours: chromaticities, CIELAB and CIELUV, and three formulas for how much two differ. */
+/* Colours: chromaticities, CIELAB, CIELUV, and three formulas for the difference of two colours. */
 #include <math.h>
 
 #include "data/colour/colour.h"
@@ -16,7 +16,8 @@ void colour_product(double a[3][3], double b[3][3], double out[3][3])
             out[i][j] = a[i][0] * b[0][j] + a[i][1] * b[1][j] + a[i][2] * b[2][j];
 }
 
-/* The adjugate over the determinant. Indices that go round make the cofactors' signs. */
+/* The inverse is the adjugate over the determinant. Cyclic indices give the cofactors their signs.
+ */
 void colour_inverse(double m[3][3], double out[3][3])
 {
     double determinant = 0;
@@ -47,8 +48,9 @@ void chromaticity(const double xyz[3], double out[2])
         out[i] = sum != 0 ? xyz[i] / sum : 0;
 }
 
-/* The cube root, and the line that touches it below (6/29)^3. What is more than `most` times the
- * white, which may have next to none of X, Y or Z, counts as just that: no difference overflows. */
+/* Returns the cube root of value / white; below (6/29)^3 its tangent. The white may have almost
+ * none of X, Y or Z. A ratio above `most` therefore counts as `most`, so that no difference
+ * overflows. */
 static double compressed(double value, double white)
 {
     const double most = 1e100;
@@ -66,7 +68,7 @@ void cielab(const double xyz[3], const double white[3], double out[3])
     out[2] = 200 * (f[1] - f[2]);
 }
 
-/* u' and v' of CIE 1976; 0 where they are not defined, as of black. */
+/* Computes u' and v' of CIE 1976. Both are 0 if they are not defined, e.g. for black. */
 static void uniform_chromaticity(const double xyz[3], double out[2])
 {
     const double sum = xyz[0] + 15 * xyz[1] + 3 * xyz[2];
@@ -112,7 +114,8 @@ double cie94_difference(const double standard[3], const double sample[3])
                 fmax(0, hue_squared) / square(1 + 0.015 * c));
 }
 
-/* sqrt(c^7 / (c^7 + 25^7)), which grows from 0 to 1 about a chroma of 25; 1 from far below 1e40. */
+/* Returns sqrt(c^7 / (c^7 + 25^7)), which grows from 0 to 1 around a chroma of 25. It rounds to 1
+ * far below the limit of 1e40, which keeps c^7 finite. */
 static double saturation(double c)
 {
     const double c7 = power(fmin(c, 1e40), 7);
@@ -133,7 +136,8 @@ static double sine_of(double degrees)
     return sine;
 }
 
-/* CIELAB with a stretched, as in CIEDE2000. Hues are in degrees, 0 to 360; a grey has hue 0. */
+/* A colour in CIELAB with a stretched a axis, as in CIEDE2000. Hues are in degrees, 0 to 360; a
+ * grey has hue 0. */
 struct hued {
     double a, b, chroma, hue;
 };
@@ -147,8 +151,9 @@ static struct hued hued(double a, double b)
     return out;
 }
 
-/* How far to turn from one hue to the other, the short way; from the colours themselves, so that
- * opposite hues are told exactly. 0 if one is grey. */
+/* Returns the turn from one hue to the other in degrees, the shorter way. Its direction follows
+ * from the colours, not from the rounded hues, so that opposite hues are recognised exactly. The
+ * turn is 0 if one colour is grey. */
 static double turn(struct hued one, struct hued two)
 {
     const double both = one.chroma * two.chroma;
@@ -159,7 +164,7 @@ static double turn(struct hued one, struct hued two)
     return cross > 0 || (cross == 0 && two.hue > one.hue) ? size : -size;
 }
 
-/* The mean hue, 0 to 360; if one colour is grey the other's. */
+/* Returns the mean hue, 0 to 360. If one colour is grey, it is the hue of the other. */
 static double mean_hue(struct hued one, struct hued two)
 {
     if (!(one.chroma * two.chroma > 0))

@@ -7,21 +7,21 @@
 
 /* ---- colour.c: tristimulus values and colour differences ---- */
 
-/* The white of displays, D65: x = 0.3127, y = 0.3290 (IEC 61966-2-1), Y = 100. */
+/* XYZ of the white of displays, D65: x = 0.3127, y = 0.3290 (IEC 61966-2-1), Y = 100. */
 extern const double display_white[3];
-/* Matrices have three rows and act on columns of tristimulus values. colour_product applies a after
- * b; colour_inverse takes a matrix that is not singular. out must be none of the inputs. */
+/* Matrices have three rows and act on columns of tristimulus values. colour_product applies b, then
+ * a. colour_inverse needs a matrix that is not singular. out must not be an input. */
 void colour_product(double a[3][3], double b[3][3], double out[3][3]);
 void colour_inverse(double m[3][3], double out[3][3]);
 void colour_apply(double m[3][3], const double xyz[3], double out[3]);
 
-/* x and y; 0, 0 of black. */
+/* Computes x and y; 0, 0 for black. */
 void chromaticity(const double xyz[3], double out[2]);
-/* L*, a*, b* and L*, u*, v* relative to a white (CIE 15:2018, 8.2.1 and 8.2.2). XYZ may be
- * negative. Where X, Y or Z of the white is 0, that value of the colour counts as 0. */
+/* Compute L*, a*, b* and L*, u*, v* relative to a white (CIE 15:2018, 8.2.1 and 8.2.2). XYZ may be
+ * negative. If X, Y or Z of the white is 0, that value of the colour counts as 0. */
 void cielab(const double xyz[3], const double white[3], double out[3]);
 void cieluv(const double xyz[3], const double white[3], double out[3]);
-/* The difference of two colours in CIELAB. CIE 94 takes the first for the standard, with the
+/* Return the difference of two colours in CIELAB. CIE 94 takes the first as the standard, with the
  * weights of graphic arts (kL = kC = kH = 1, K1 = 0.045, K2 = 0.015; CIE 116-1995). CIEDE2000 is
  * ISO/CIE 11664-6 with kL = kC = kH = 1. */
 double cie76_difference(const double a[3], const double b[3]);
@@ -33,25 +33,25 @@ double ciede2000_difference(const double a[3], const double b[3]);
 enum adaptation_kind {
     ADAPTATION_NONE,
     ADAPTATION_VON_KRIES, /* complete, in Hunt-Pointer-Estevez cone responses: eqs. 17 to 20 */
-    ADAPTATION_FAIRCHILD, /* incomplete, the less the dimmer the light: equations 21 to 23 */
+    ADAPTATION_FAIRCHILD, /* incomplete, more so under dimmer light: equations 21 to 23 */
     ADAPTATION_BRADFORD,  /* complete, linear (ICC.1:2010, annex E) */
     ADAPTATION_CAT16      /* complete (CIE 248:2022) */
 };
 struct adaptation {
     enum adaptation_kind kind;
-    double luminance; /* of the adapting light, cd/m2, for Fairchild; 0: 10 x the intensity of the
-                         lights, as the thesis takes it */
+    double luminance; /* Fairchild: of the adapting light, cd/m2; 0: 10 x the intensity of the
+                         lights, as in the thesis */
 };
 /* Reads none, von-kries, fairchild, fairchild:LUMINANCE, bradford or cat16. Messages name
  * `option`. */
 bool adaptation_read(const char *option, const char *text, struct adaptation *out,
                      struct error *err);
 const char *adaptation_name(enum adaptation_kind kind);
-/* The matrix from XYZ to the cone responses in which a kind adapts; all 0 for none. */
+/* Writes the matrix from XYZ to the cone responses in which a kind adapts; all 0 for none. */
 void adaptation_cones(enum adaptation_kind kind, double out[3][3]);
-/* The matrix from XYZ to adapted XYZ; the identity for none. A complete adaptation maps the white
- * to display_white. `equal` is the XYZ of a radiance of 1 everywhere. Refuses a white without
- * positive cone responses. The luminance is taken as it is: a caller replaces 0 before. */
+/* Writes the matrix from XYZ to adapted XYZ; the identity for none. A complete adaptation maps the
+ * white to display_white. `equal` is the XYZ of a radiance of 1 at all wavelengths. Fairchild's
+ * kind needs a luminance above 0. Refuses a white with a cone response of 0 or less. */
 bool adaptation_matrix(const struct adaptation *adaptation, const double white[3],
                        const double equal[3], double out[3][3], struct error *err);
 
@@ -59,17 +59,17 @@ bool adaptation_matrix(const struct adaptation *adaptation, const double white[3
 
 enum display_kind {
     DISPLAY_SRGB,   /* IEC 61966-2-1 */
-    DISPLAY_MONITOR /* the thesis's: equations 13 and 14 */
+    DISPLAY_MONITOR /* monitor of the thesis: equations 13 and 14 */
 };
 /* Reads srgb or monitor. Messages name `option`. */
 bool display_read(const char *option, const char *text, enum display_kind *out, struct error *err);
 const char *display_name(enum display_kind kind);
-/* The matrix from XYZ (Y = 100: white) to linear red, green and blue from 0 to 1. */
+/* Writes the matrix from XYZ, with Y = 100 for white, to linear red, green and blue from 0 to 1. */
 void display_matrix(enum display_kind kind, double out[3][3]);
-/* The value, 0 to 1, that makes the display show a linear value of channel 0, 1 or 2. Values beyond
- * are clipped. */
+/* Returns the value, 0 to 1, that makes the display show a linear value of channel 0, 1 or 2. Clips
+ * values that the display cannot show. */
 double display_encode(enum display_kind kind, int channel, double linear);
-/* The largest linear value of a channel that is not clipped: 1 for sRGB. */
+/* Returns the largest linear value of a channel that is not clipped: 1 for sRGB. */
 double display_largest(enum display_kind kind, int channel);
 
 /* ---- profile.c: ICC profiles (ICC.1:2010, version 4.3) ---- */
@@ -80,8 +80,8 @@ size_t profile_write(enum display_kind kind, unsigned char out[LARGEST_PROFILE])
 
 /* ---- Inside this room ---- */
 
-/* A display's value becomes a linear one: linear = (gain x value + offset)^exponent, and below
- * `from` linear = slope x value. */
+/* The tone curve of a display: linear = (gain x value + offset)^exponent; for values below `from`
+ * linear = slope x value. */
 struct display_curve {
     double exponent, gain, offset, slope, from;
 };

@@ -10,8 +10,8 @@
 static const char *const names[] = {[DISPLAY_SRGB] = "srgb", [DISPLAY_MONITOR] = "monitor"};
 enum { KINDS = sizeof names / sizeof names[0] };
 
-/* The thesis's, as its program had it: the text prints figures rounded, and equation 14 with the
- * inverse exponent and with offsets that were not used. */
+/* The monitor with the figures of the thesis's program. The text of the thesis prints them rounded,
+ * and prints equation 14 with the inverse exponent and with offsets that were not used. */
 static const double monitor[3][3] = {
     {0.03426, -0.01633, -0.005365}, {-0.01026, 0.01911, 0.0002522}, {0.000529, -0.001811, 0.00867}};
 static const struct display_curve monitor_curves[3] = {
@@ -25,7 +25,7 @@ bool display_read(const char *option, const char *text, enum display_kind *out, 
             *out = (enum display_kind)kind;
             return true;
         }
-    return error_usage(err, "%s is srgb or monitor, not '%.100s'", option, text);
+    return error_usage(err, "%s: expected srgb or monitor, found '%.100s'", option, text);
 }
 
 const char *display_name(enum display_kind kind)
@@ -33,8 +33,9 @@ const char *display_name(enum display_kind kind)
     return names[kind];
 }
 
-/* From the chromaticities of sRGB's primaries (ITU-R BT.709), in amounts that add up to the white.
- * The standard's own figures are these rounded to four decimals, and inverted after that. */
+/* Computes the matrix from the chromaticities of sRGB's primaries (ITU-R BT.709), whose amounts add
+ * up to the white. The standard rounds the inverse of this matrix to four decimals, and inverts
+ * that. */
 static void srgb_matrix(double out[3][3])
 {
     double primaries[3][3] = {{0.64, 0.30, 0.15},

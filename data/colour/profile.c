@@ -8,12 +8,12 @@
 
 enum { HEADER = 128, TAGS = 10, TAG_ENTRY = 12 };
 
-/* The illuminant of the profile connection space, D50 (7.2.16). */
+/* XYZ of the illuminant of the profile connection space, D50 (7.2.16). */
 static const double d50[3] = {0.9642, 1, 0.8249};
 
 struct profile {
     unsigned char *bytes; /* zeroed before */
-    size_t at, end;       /* where the next byte is put, and the next tag's data */
+    size_t at, end;       /* places of the next byte and of the next tag's data */
     int n_tags;
 };
 
@@ -25,14 +25,14 @@ static void put(struct profile *to, int n_bytes, uint32_t value)
         to->bytes[to->at++] = (unsigned char)(value >> 8 * i);
 }
 
-/* A signature of four characters. */
+/* Puts a signature of four characters. */
 static void put_name(struct profile *to, const char *name)
 {
     for (int i = 0; i < 4; i++)
         put(to, 1, (unsigned char)name[i]);
 }
 
-/* s15Fixed16Number */
+/* Puts an s15Fixed16Number. */
 static void put_fixed(struct profile *to, double value)
 {
     put(to, 4, (uint32_t)(int32_t)floor(value * 65536 + 0.5));
@@ -40,7 +40,7 @@ static void put_fixed(struct profile *to, double value)
 
 /* ---- tags ---- */
 
-/* Puts the tag into the table behind the header; its data follow, on a multiple of 4. */
+/* Puts a tag into the table behind the header, and begins its data at a multiple of 4. */
 static void begin_tag(struct profile *to, const char *name, const char *type, size_t size)
 {
     to->at = (size_t)(HEADER + 4 + TAG_ENTRY * to->n_tags++);
@@ -53,7 +53,7 @@ static void begin_tag(struct profile *to, const char *name, const char *type, si
     put(to, 4, 0);
 }
 
-/* multiLocalizedUnicodeType (10.13) of one text in ASCII. */
+/* Puts a multiLocalizedUnicodeType (10.13) with one text in ASCII. */
 static void put_text(struct profile *to, const char *name, const char *text)
 {
     const size_t length = 2 * strlen(text);
@@ -81,8 +81,8 @@ static void put_matrix(struct profile *to, const char *name, double matrix[3][3]
         put_fixed(to, matrix[i / 3][i % 3]);
 }
 
-/* parametricCurveType (10.15), of function 3, or of function 0 where the curve is a power alone:
- * the largest value is 1, whatever the gain. */
+/* Puts a parametricCurveType (10.15): function 3, or function 0 if the curve is a power alone. The
+ * gain is left out there, because the largest value of a profile is 1. */
 static void put_curve(struct profile *to, const char *name, struct display_curve curve)
 {
     const bool plain = curve.from == 0 && curve.offset == 0;
@@ -97,7 +97,7 @@ static void put_curve(struct profile *to, const char *name, struct display_curve
 
 /* ---- the profile ---- */
 
-/* Columns are XYZ of the primaries at their largest, together of Y = 1. */
+/* Writes XYZ of the primaries at their largest value as columns. Their sum has Y = 1. */
 static void colorants(enum display_kind kind, double out[3][3])
 {
     double from_xyz[3][3], y = 0;
@@ -112,8 +112,8 @@ static void colorants(enum display_kind kind, double out[3][3])
         out[i / 3][i % 3] /= y;
 }
 
-/* Bradford's matrix from the display's own white to D50, by way of D65. The whites are positive, so
- * that no adaptation fails. */
+/* Writes Bradford's matrix from the display's own white to D50, by way of D65. No adaptation fails,
+ * because the whites are positive. */
 static void to_d50(double of_display[3][3], double out[3][3])
 {
     static const struct adaptation bradford = {.kind = ADAPTATION_BRADFORD};
@@ -127,7 +127,7 @@ static void to_d50(double of_display[3][3], double out[3][3])
     colour_product(back, to_d65, out);
 }
 
-/* Its date is fixed, so that the same bytes come whenever it is made. */
+/* Puts the header. The date is fixed, so that each run writes the same bytes. */
 static void put_header(struct profile *to)
 {
     to->at = 0;

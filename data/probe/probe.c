@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The spectrum of a pixel or of a region of a stack, its colour, and what is printed of both, of a
- * stack or of a scene (raster/inspect/inspect.c). */
+/* Reads the spectrum of a pixel or a region of a stack, computes its colour, and prints both. For a
+ * scene raster/inspect/inspect.c finds the spectrum. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -21,7 +21,7 @@ bool probe_colour(struct probe *probe, const struct cube *cube, const struct pro
     struct detector detector = {.name = NULL};
     double *weights = calloc(3 * (size_t)probe->n, sizeof *weights);
     probe->observer = strdup(options->observer);
-    bool done = (weights != NULL && probe->observer != NULL) || error_memory(err);
+    bool done = (weights && probe->observer) || error_memory(err);
     done = done && observer_read(probe->observer, &detector, err) &&
            cube_weights(cube, &detector, weights, err);
     if (done)
@@ -43,14 +43,15 @@ bool probe_open(struct probe *out, const char *source, const struct probe_option
                           .y = options->y,
                           .width = options->width,
                           .height = options->height};
-    if (out->source == NULL)
+    if (!out->source)
         return error_memory(err);
     return (out->width >= 1 && out->height >= 1 && out->x >= 0 && out->y >= 0 &&
             out->x <= width - out->width && out->y <= height - out->height) ||
-           error_usage(err,
-                       "%s: the picture is %d x %d pixels; a region of %d x %d from %d,%d is not"
-                       " within it",
-                       source, width, height, out->width, out->height, out->x, out->y);
+           error_usage(
+               err,
+               "%s: the picture has %d x %d pixels; the region of %d x %d pixels from %d,%d "
+               "reaches beyond it",
+               source, width, height, out->width, out->height, out->x, out->y);
 }
 
 bool probe_allocate(struct probe *probe, const double *wavelengths_nm, int n, struct error *err)
@@ -59,7 +60,7 @@ bool probe_allocate(struct probe *probe, const double *wavelengths_nm, int n, st
     probe->wavelengths_nm = calloc((size_t)n, sizeof *probe->wavelengths_nm);
     probe->mean = calloc((size_t)n, sizeof *probe->mean);
     probe->spread = calloc((size_t)n, sizeof *probe->spread);
-    if (probe->wavelengths_nm == NULL || probe->mean == NULL || probe->spread == NULL)
+    if (!probe->wavelengths_nm || !probe->mean || !probe->spread)
         return error_memory(err);
     memcpy(probe->wavelengths_nm, wavelengths_nm, (size_t)n * sizeof *wavelengths_nm);
     return true;
@@ -86,7 +87,8 @@ void moments_end(const struct moments *moments, double *mean, double *spread)
 
 /* ---- a stack ---- */
 
-/* Samples that are read at once, but for a row: compressed pages are unpacked as a whole. */
+/* Rows are read in chunks of so many samples, at least a row. Large chunks are better because a
+ * compressed page is unpacked as a whole. */
 enum { CHUNK_SAMPLES = 1 << 22 };
 
 static bool read_band(struct cube *cube, int page, int rows, float *samples, struct probe *probe,
@@ -111,41 +113,37 @@ static bool read_bands(struct cube *cube, struct probe *probe, struct error *err
     const int width = cube->image.width, fitting = CHUNK_SAMPLES / width;
     const int rows = fitting < 1 ? 1 : fitting < probe->height ? fitting : probe->height;
     float *samples = calloc((size_t)rows * (size_t)width, sizeof *samples);
-    bool done = samples != NULL || error_memory(err);
+    bool done = samples || error_memory(err);
     for (int page = 0; done && page < probe->n; page++)
         done = read_band(cube, page, rows, samples, probe, err);
     free(samples);
     return done;
 }
 
-/* Finds whether all pixels of the region show the object; `row` is room for one row of it. */
-static bool same_object(const struct cube *cube, const struct probe *probe, int *row, bool *same,
+/* Finds the number of the object that all pixels of the region show; -1: they show several, or the
+ * stack has no map of objects. `row` is room for one row of the region. */
+static bool find_number(const struct cube *cube, const struct probe *probe, int *row, int *number,
                         struct error *err)
 {
-    int object = -1;
-    *same = true;
-    for (int y = probe->y; *same && y < probe->y + probe->height; y++) {
-        if (!cube_objects(cube, probe->x, y, probe->width, row, err))
+    for (int y = 0; y < probe->height && (y == 0 || *number >= 0); y++) {
+        if (!cube_objects(cube, probe->x, probe->y + y, probe->width, row, err))
             return false;
-        object = y == probe->y ? row[0] : object;
+        *number = y == 0 ? row[0] : *number;
         for (int x = 0; x < probe->width; x++)
-            *same = *same && row[x] == object && object >= 0;
+            *number = row[x] == *number ? *number : -1;
     }
-    row[0] = object;
     return true;
 }
 
 static bool find_object(const struct cube *cube, struct probe *probe, struct error *err)
 {
-    bool same = false;
-    int *row = calloc((size_t)probe->width, sizeof *row);
-    bool done = (row != NULL || error_memory(err)) && same_object(cube, probe, row, &same, err);
-    if (done && same) {
-        probe->object = strdup(row[0] > 0 ? cube->record.objects[row[0] - 1] : "background");
-        done = probe->object != NULL || error_memory(err);
-    }
+    int number = -1, *row = calloc((size_t)probe->width, sizeof *row);
+    bool done = (row || error_memory(err)) && find_number(cube, probe, row, &number, err);
     free(row);
-    return done;
+    if (!done || number < 0)
+        return done;
+    probe->object = strdup(number > 0 ? cube->record.objects[number - 1] : "background");
+    return probe->object || error_memory(err);
 }
 
 bool probe_stack(const char *path, const struct probe_options *options, struct probe *out,
@@ -177,7 +175,7 @@ static void print_colour(const struct probe *probe, FILE *to)
     fprintf(to, "XYZ               %.4f %.4f %.4f\n", xyz[0], xyz[1], xyz[2]);
     fprintf(to, "xy                %.5f %.5f\n", xy[0], xy[1]);
     if (!probe->has_white) {
-        fprintf(to, "Lab               none: there is no white; --white SPECTRUM gives one\n");
+        fprintf(to, "Lab               none: the white is unknown; --white SPECTRUM sets it\n");
         return;
     }
     cielab(xyz, white, lab);
@@ -187,7 +185,7 @@ static void print_colour(const struct probe *probe, FILE *to)
     fprintf(to, "white XYZ         %.4f %.4f %.4f\n", white[0], white[1], white[2]);
 }
 
-/* The pixel or region in words, e.g. "pixel 3,4". */
+/* Writes the pixel or region in words, e.g. "pixel 3,4". */
 static void region_text(const struct probe *probe, char *out, size_t capacity)
 {
     if (probe->width == 1 && probe->height == 1)
@@ -197,7 +195,7 @@ static void region_text(const struct probe *probe, char *out, size_t capacity)
                  probe->y);
 }
 
-/* The first columns of a row of numbers; curves follow. */
+/* The first columns of the table. Those of the curves follow. */
 enum { WAVELENGTH, MEAN, SPREAD, CURVES };
 
 static double column_value(const struct probe *probe, int column, int i)
@@ -212,8 +210,8 @@ static void column_name(const struct probe *probe, int column, char *out, size_t
 {
     static const char *const names[] = {"wavelength", "radiance", "standard deviation of radiance"};
     const struct probe_curve *curve = column < CURVES ? NULL : &probe->curves[column - CURVES];
-    const char *of = column == WAVELENGTH ? "nm" : curve != NULL && curve->relative ? "1" : unit;
-    snprintf(out, capacity, "%s (%s)", curve != NULL ? curve->name : names[column], of);
+    const char *of = column == WAVELENGTH ? "nm" : curve && curve->relative ? "1" : unit;
+    snprintf(out, capacity, "%s (%s)", curve ? curve->name : names[column], of);
 }
 
 void probe_print(const struct probe *probe, FILE *to)
@@ -222,8 +220,7 @@ void probe_print(const struct probe *probe, FILE *to)
     fprintf(to, "source            %s\n", probe->source);
     region_text(probe, text, sizeof text);
     fprintf(to, "region            %s\n", text);
-    fprintf(to, "object            %s\n",
-            probe->object != NULL ? probe->object : "not told, or several");
+    fprintf(to, "object            %s\n", probe->object ? probe->object : "unknown, or several");
     print_colour(probe, to);
     for (int column = 0; column < CURVES + probe->n_curves; column++) {
         column_name(probe, column, text, sizeof text);
@@ -237,7 +234,7 @@ void probe_print(const struct probe *probe, FILE *to)
     }
 }
 
-/* A field of RFC 4180. */
+/* Prints a quoted field (RFC 4180). */
 static void print_field(const char *text, FILE *to)
 {
     putc('"', to);
@@ -281,8 +278,8 @@ char *probe_svg(const struct probe *probe)
                                            curve->values, NULL,     curve->relative};
     }
     region_text(probe, region, sizeof region);
-    snprintf(title, sizeof title, "%s%s%s: %s", probe->object != NULL ? probe->object : "",
-             probe->object != NULL ? ", " : "", region, probe->source);
+    snprintf(title, sizeof title, "%s%s%s: %s", probe->object ? probe->object : "",
+             probe->object ? ", " : "", region, probe->source);
     const struct chart chart = {.title = title,
                                 .x_label = "wavelength (nm)",
                                 .y_label = "radiance (W sr⁻¹ m⁻² nm⁻¹, relative)",

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* spectral view: an interactive viewer in one HTML file. */
+/* spectral view: writes an interactive viewer in one HTML file. */
 #include <stdio.h>
 #include <stdlib.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Writes an interactive viewer of a scene: one HTML page with the weights of each pixel, from which
- * it computes any light, material and detector by itself. It may not know OpenGL, nor stacks. */
+/* The room "view": an interactive viewer of a scene in one HTML page. The page contains the weights
+ * of each pixel, and computes the picture for any lights, detector and display by itself. */
 #ifndef VIEW_H
 #define VIEW_H
 
@@ -22,12 +22,13 @@ bool viewer_write(const struct plan *plan, const char *path, struct viewer_resul
 
 /* ---- command.c: spectral view ---- */
 
-/* Writes the page of a scene, and prints what it offers. */
+/* Writes the page of a scene, and prints its numbers of objects, lights and detectors. */
 bool command_view(struct options *options, struct error *err);
 
 /* ---- inside this room ---- */
 
-/* Browsers refuse longer texts and larger canvases. */
+/* The largest sample of a plane, and the most pixels: browsers refuse longer texts and larger
+ * canvases. */
 enum { LARGEST_SAMPLE = 65535, LARGEST_PAGE = 1 << 24 };
 
 /* Planes of one value a pixel: the weight of the constant term, then the diffuse and the specular

@@ -1,16 +1,19 @@
 /* SPDX-License-Identifier: MIT */
-/* An interactive viewer in one HTML file: the page of data/builtin/viewer.html with its data.
+/* Writes data/builtin/viewer.html with the data of a scene.
  *
- * Local illumination is linear: under any lights, a pixel's radiance is its weights, which depend
- * on geometry only, times spectra of light and material. The page holds the weights as planes of 16
- * bits and the spectra as JSON, and multiplies them itself. Luminescence depends on wavelengths
- * outside the picture, so it is computed here, for every illuminant on offer. */
+ * Local illumination is linear: the radiance of a pixel is a sum of weights times spectra. Weights
+ * depend on geometry only; spectra are products of light and material. The page contains the
+ * weights as planes of 16 bits and the spectra as JSON, and multiplies them itself. Luminescence
+ * depends on wavelengths outside the picture, so it is computed here for every illuminant that the
+ * page offers.
+ */
 #include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "data/base/base.h"
+#include "data/catalogue/catalogue.h"
 #include "data/colour/colour.h"
 #include "data/material/material.h"
 #include "data/mesh/mesh.h"
@@ -27,9 +30,9 @@
 struct page {
     const struct plan *plan;
     struct json json;
-    struct spectrum *illuminants; /* on offer; the first ones are owned */
+    struct spectrum *illuminants; /* that the page offers; the first n_owned are owned */
     int n_illuminants, n_owned;
-    double *row; /* n_bands; owned */
+    double *row; /* room for three numbers a band; owned */
     struct viewer_result *result;
 };
 
@@ -41,31 +44,19 @@ static void json_matrix(struct json *json, const char *key, double matrix[3][3])
     json_close(json, ']');
 }
 
-/* Puts a spectrum at the picture's wavelengths; null for a spectrum that is absent. */
+/* Puts a spectrum at the picture's wavelengths, unless it is absent. */
 static void put_spectrum(struct page *page, const char *key, const struct spectrum *spectrum,
                          enum spectrum_ends ends)
 {
     const struct plan *plan = page->plan;
+    if (spectrum->kind == SPECTRUM_NONE)
+        return;
     for (int i = 0; i < plan->n_bands; i++)
         page->row[i] = spectrum_at(spectrum, plan->scene->wavelengths_nm[i], ends);
-    if (spectrum->kind == SPECTRUM_NONE)
-        json_string(&page->json, key, NULL);
-    else
-        json_numbers(&page->json, key, page->row, plan->n_bands);
+    json_numbers(&page->json, key, page->row, plan->n_bands);
 }
 
 /* ---- illuminants ---- */
-
-/* Writes the name of a built-in table as a command line has it. Returns false for another file. */
-static bool table_name(const struct builtin_file *file, char *out, size_t capacity)
-{
-    static const char folder[] = "tables/";
-    const char *name = file->name + strlen(folder);
-    if (strncmp(file->name, folder, strlen(folder)) != 0)
-        return false;
-    snprintf(out, capacity, "%.*s", (int)strcspn(name, "."), name);
-    return true;
-}
 
 static bool same_illuminant(const struct spectrum *a, const struct spectrum *b)
 {
@@ -75,7 +66,7 @@ static bool same_illuminant(const struct spectrum *a, const struct spectrum *b)
                           memcmp(a->wavelength_nm, b->wavelength_nm, size) == 0));
 }
 
-/* Returns the number of an illuminant, which is added if it is new; -1 after an error. */
+/* Returns the number of an illuminant. Adds it if it is new. Returns -1 after an error. */
 static int find_illuminant(struct page *page, const struct spectrum *spectrum, struct error *err)
 {
     for (int i = 0; i < page->n_illuminants; i++)
@@ -103,22 +94,15 @@ static bool add_builtin(struct page *page, const char *name, struct error *err)
     return true;
 }
 
-/* Finds equal energy, the built-in illuminants, and those of the scene. */
-static bool find_illuminants(struct page *page, struct error *err)
+/* Adds equal energy and the built-in illuminants. */
+static bool add_builtins(struct page *page, struct error *err)
 {
-    const struct scene *scene = page->plan->scene;
     char name[256];
     if (!add_builtin(page, "1", err))
         return false;
     for (size_t i = 0; i < builtin_file_count; i++)
-        if (table_name(&builtin_files[i], name, sizeof name) &&
-            !table_is_detector(&builtin_files[i]) && !add_builtin(page, name, err))
-            return false;
-    for (int i = 0; i < scene->n_ambients; i++)
-        if (find_illuminant(page, &scene->ambients[i].spectrum, err) < 0)
-            return false;
-    for (int i = 0; i < scene->n_lights; i++)
-        if (find_illuminant(page, &scene->lights[i].spectrum, err) < 0)
+        if (table_name(&builtin_files[i], false, name, sizeof name) &&
+            !add_builtin(page, name, err))
             return false;
     return true;
 }
@@ -154,7 +138,7 @@ static bool put_illuminants(struct page *page, struct error *err)
     return done;
 }
 
-/* Puts a light as the scene has it. */
+/* Puts a light of the scene. Adds its illuminant if that is new. */
 static bool put_light(struct page *page, const struct spectrum *spectrum, double intensity,
                       struct error *err)
 {
@@ -168,7 +152,7 @@ static bool put_light(struct page *page, const struct spectrum *spectrum, double
     return true;
 }
 
-/* A scene without ambient light has one that is off. */
+/* Puts the lights of the scene. A scene without ambient light gets one of intensity 0. */
 static bool put_lights(struct page *page, struct error *err)
 {
     const struct scene *scene = page->plan->scene;
@@ -189,15 +173,8 @@ static bool put_lights(struct page *page, struct error *err)
 /* ---- surfaces ---- */
 
 /* Puts the luminescence of a material under each illuminant. */
-static bool put_luminescence(struct page *page, const struct shaded_material *shaded,
-                             struct error *err)
+static bool put_luminescence(struct page *page, const struct material *material, struct error *err)
 {
-    const struct material *material = shaded->material;
-    bool fluoresces = material->excitation.kind != SPECTRUM_NONE || material->donaldson;
-    if (!fluoresces) {
-        json_string(&page->json, "luminescence", NULL);
-        return true;
-    }
     json_open(&page->json, "luminescence", '[');
     for (int i = 0; i < page->n_illuminants; i++) {
         if (!material_luminescence(&page->plan->illumination.pages, material, &page->illuminants[i],
@@ -209,28 +186,47 @@ static bool put_luminescence(struct page *page, const struct shaded_material *sh
     return true;
 }
 
+/* Puts the part that each page of a spectral texture has in each band. */
+static bool put_texture(struct page *page, const struct texture *texture, struct error *err)
+{
+    struct spectrum part = {.kind = SPECTRUM_SAMPLED,
+                            .factor = 1,
+                            .count = texture->image.n_pages,
+                            .wavelength_nm = texture->image.wavelengths_nm};
+    part.value = calloc((size_t)part.count, sizeof *part.value);
+    if (!part.value)
+        return error_memory(err);
+    json_open(&page->json, "texture", '[');
+    for (int i = 0; i < part.count; i++) {
+        part.value[i] = 1;
+        put_spectrum(page, NULL, &part, SPECTRUM_HOLD);
+        part.value[i] = 0;
+    }
+    json_close(&page->json, ']');
+    free(part.value);
+    return true;
+}
+
+/* Puts the spectra of a shaded material. Specular light has the light's own colour by default. */
 static bool put_material(struct page *page, const struct shaded_material *shaded, struct error *err)
 {
     static const struct spectrum plastic = {
         .kind = SPECTRUM_CONSTANT, .parameter = {1, 0}, .factor = 1};
-    static const struct spectrum none = {.kind = SPECTRUM_NONE};
     const struct material *material = shaded->material;
-    const struct spectrum *specular =
-        material->specular.kind != SPECTRUM_NONE ? &material->specular : &plastic;
-    struct json *json = &page->json;
-    json_open(json, NULL, '{');
+    const bool spectral = shaded->texture && shaded->texture->spectral;
+    const bool fluoresces = material->excitation.kind != SPECTRUM_NONE || material->donaldson;
+    json_open(&page->json, NULL, '{');
     put_spectrum(page, "diffuse", &material->diffuse, SPECTRUM_HOLD);
-    put_spectrum(page, "specular", material->gloss > 0 ? specular : &none, SPECTRUM_HOLD);
+    if (material->gloss > 0)
+        put_spectrum(page, "specular",
+                     material->specular.kind != SPECTRUM_NONE ? &material->specular : &plastic,
+                     SPECTRUM_HOLD);
     put_spectrum(page, "glow", &material->glow, SPECTRUM_ZERO);
     put_spectrum(page, "excitation", &material->excitation, SPECTRUM_ZERO);
     put_spectrum(page, "emission", &material->emission, SPECTRUM_ZERO);
-    if (shaded->texture && shaded->texture->spectral)
-        json_numbers(json, "texture", shaded->texture->image.wavelengths_nm,
-                     shaded->texture->image.n_pages);
-    else
-        json_string(json, "texture", NULL);
-    bool done = put_luminescence(page, shaded, err);
-    json_close(json, '}');
+    bool done = (!spectral || put_texture(page, shaded->texture, err)) &&
+                (!fluoresces || put_luminescence(page, material, err));
+    json_close(&page->json, '}');
     return done;
 }
 
@@ -238,7 +234,7 @@ static bool put_surfaces(struct page *page, struct error *err)
 {
     const struct plan *plan = page->plan;
     struct json *json = &page->json;
-    json_open(json, "finishes", '[');
+    json_open(json, "shaded_materials", '[');
     for (int i = 0; i < plan->n_materials; i++)
         if (!put_material(page, &plan->materials[i], err))
             return false;
@@ -248,7 +244,7 @@ static bool put_surfaces(struct page *page, struct error *err)
         json_open(json, NULL, '{');
         json_string(json, "name", object_name(plan, i));
         json_string(json, "shape", shape_name(plan->instances[i].object->shape.kind));
-        json_count(json, "finish", (uint64_t)plan->instances[i].shaded);
+        json_count(json, "shaded_material", (uint64_t)plan->instances[i].shaded);
         json_close(json, '}');
     }
     json_close(json, ']');
@@ -263,24 +259,23 @@ static bool put_detector(struct page *page, const char *name, struct error *err)
     const double *nm = plan->scene->wavelengths_nm;
     struct detector detector = {.name = NULL};
     struct json *json = &page->json;
-    double lost[3], *weights = malloc(3 * (size_t)plan->n_bands * sizeof *weights);
-    bool done = (weights || error_memory(err)) && detector_read(name, &detector, err);
+    double lost[3];
+    const bool done = detector_read(name, &detector, err);
     if (done) {
-        detector_weights(&detector, nm, plan->n_bands, weights);
+        detector_weights(&detector, nm, plan->n_bands, page->row);
         detector_lost(&detector, nm, plan->n_bands, lost);
         json_open(json, NULL, '{');
         json_string(json, "name", name);
         json_truth(json, "observer", detector.observer);
         json_open(json, "weights", '[');
         for (int i = 0; i < 3; i++)
-            json_numbers(json, NULL, weights + (size_t)i * (size_t)plan->n_bands, plan->n_bands);
+            json_numbers(json, NULL, page->row + (size_t)i * (size_t)plan->n_bands, plan->n_bands);
         json_close(json, ']');
         json_numbers(json, "lost", lost, 3);
         json_close(json, '}');
         page->result->n_detectors++;
     }
     detector_free(&detector);
-    free(weights);
     return done;
 }
 
@@ -289,30 +284,32 @@ static bool put_detectors(struct page *page, struct error *err)
     char name[256];
     json_open(&page->json, "detectors", '[');
     for (size_t i = 0; i < builtin_file_count; i++)
-        if (table_name(&builtin_files[i], name, sizeof name) &&
-            table_is_detector(&builtin_files[i]) && !put_detector(page, name, err))
+        if (table_name(&builtin_files[i], true, name, sizeof name) &&
+            !put_detector(page, name, err))
             return false;
     json_close(&page->json, ']');
     return true;
 }
 
-/* Puts the cone responses in which each kind adapts, and the white to which a complete one leads.
- */
+/* Puts the matrix from XYZ to the cone responses in which each kind adapts, and the matrix from
+ * adapted responses, which are 1 to the white, to XYZ under the display's white. */
 static void put_adaptations(struct json *json)
 {
-    json_numbers(json, "display_white", display_white, 3);
     json_open(json, "adaptations", '[');
     for (int i = ADAPTATION_NONE; i <= ADAPTATION_CAT16; i++) {
         enum adaptation_kind kind = (enum adaptation_kind)i;
-        double cones[3][3], inverse[3][3];
+        double cones[3][3], back[3][3], white[3];
         json_open(json, NULL, '{');
         json_string(json, "name", adaptation_name(kind));
         json_truth(json, "incomplete", kind == ADAPTATION_FAIRCHILD);
         if (kind != ADAPTATION_NONE) {
             adaptation_cones(kind, cones);
-            colour_inverse(cones, inverse);
+            colour_inverse(cones, back);
+            colour_apply(cones, display_white, white);
+            for (int k = 0; k < 9; k++)
+                back[k / 3][k % 3] *= white[k % 3];
             json_matrix(json, "cones", cones);
-            json_matrix(json, "inverse", inverse);
+            json_matrix(json, "from_cones", back);
         }
         json_close(json, '}');
     }
@@ -331,7 +328,7 @@ static double code_step(enum display_kind kind, int channel, int code)
     return at;
 }
 
-/* A tone curve is put as its 255 steps. */
+/* Puts the displays. A tone curve is a list of its 255 steps. */
 static void put_displays(struct json *json)
 {
     json_open(json, "displays", '[');
@@ -370,7 +367,7 @@ static bool put_json(struct page *page, const struct planes *planes, const doubl
     json_count(json, "width", (uint64_t)scene->width);
     json_count(json, "height", (uint64_t)scene->height);
     json_numbers(json, "wavelengths", scene->wavelengths_nm, scene->n_wavelengths);
-    if (!find_illuminants(page, err) || !put_lights(page, err) || !put_illuminants(page, err) ||
+    if (!add_builtins(page, err) || !put_lights(page, err) || !put_illuminants(page, err) ||
         !put_surfaces(page, err) || !put_detectors(page, err))
         return false;
     put_adaptations(json);
@@ -381,7 +378,8 @@ static bool put_json(struct page *page, const struct planes *planes, const doubl
     return true;
 }
 
-/* Writes JSON into HTML: a "<", which only strings have, might end the script that holds it. */
+/* Writes JSON into HTML. A "<" might end the script element around it, so it is escaped; only
+ * strings contain one. */
 static void write_json(const char *text, FILE *to)
 {
     for (; *text; text++)
@@ -391,7 +389,7 @@ static void write_json(const char *text, FILE *to)
             putc(*text, to);
 }
 
-/* Writes the page's source, with the data in the place of its mark. */
+/* Writes the page's source, with the data in place of the mark. */
 static bool write_page(const char *json, const char *planes, size_t planes_length, const char *path,
                        size_t *bytes, struct error *err)
 {
@@ -437,7 +435,7 @@ static bool make_page(struct page *page, const struct planes *planes, const char
     double *scale = calloc((size_t)n_planes, sizeof *scale);
     char *json = NULL, *text = NULL;
     size_t length;
-    bool done = scale != NULL || error_memory(err);
+    bool done = scale || error_memory(err);
     for (int i = 0; done && i < n_planes; i++)
         scale[i] = plane_scale(planes, i);
     if (done && put_json(page, planes, scale, err)) {
@@ -459,7 +457,7 @@ bool viewer_write(const struct plan *plan, const char *path, struct viewer_resul
     struct page page = {.plan = plan, .result = out};
     struct planes planes = {.n_pixels = 0};
     *out = (struct viewer_result){.n_objects = plan->n_instances, .n_lights = plan->n_lights};
-    page.row = calloc((size_t)plan->n_bands, sizeof *page.row);
+    page.row = calloc(3 * (size_t)plan->n_bands, sizeof *page.row);
     bool done = (page.row || error_memory(err)) && planes_rasterize(plan, &planes, err) &&
                 make_page(&page, &planes, path, err);
     out->n_illuminants = page.n_illuminants;

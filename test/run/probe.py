@@ -96,8 +96,8 @@ def test_foreign():
     check(seen["wavelength"].tolist() == [450, 550, 650] and seen["radiance"].tolist() == [0.5, 1.5, 2.5]
           and not seen["standard deviation of radiance"].any(),
           "a stack of another program; equal pixels have no deviation")
-    check(lines["Lab"].startswith("none") and lines["object"].startswith("not told"),
-          "it tells neither white nor object", lines)
+    check(lines["Lab"].startswith("none") and lines["object"].startswith("unknown"),
+          "its white and objects are unknown", lines)
     check(re.fullmatch(r"[-.\d]+ [-.\d]+ [-.\d]+", told(path, 0, 0, "--white", "d65")["Lab"]),
           "--white gives one")
 
@@ -175,7 +175,7 @@ object plane 1 2 material dye translate 1 0 0
     check(not background["radiance"].any() and set(background) == set(red) - {"reflectance"},
           "the background is black, and has lights only", list(background))
     check(set(both) == set(background), "so has a region of two objects", list(both))
-    check(told(scene, 20, 1)["object"] == "background" and told(scene, 10, 20, 21, 1)["object"].startswith("not told"),
+    check(told(scene, 20, 1)["object"] == "background" and told(scene, 10, 20, 21, 1)["object"].startswith("unknown"),
           "as the text says")
     return scene
 
@@ -241,7 +241,7 @@ def test_refusals(path, scene):
         width, height = map(int, size.split(" x "))
         for region in ((width, 0), (0, height), (width - 1, 0, 2, 1), (0, height - 1, 1, 2), (2147483647, 0),
                        (1, 1, 2147483647, 1)):
-            refused(f"the picture is {size} pixels", source, *region)
+            refused(f"the picture has {size} pixels", source, *region)
     refused("records no wavelengths", os.path.relpath("data/builtin/textures/bark.tif"), 0, 0)
     rgb, gauss = os.path.join(TMP, "rgb.tif"), os.path.join(TMP, "gauss.tif")
     for out, sampling in (rgb, "rgb"), (gauss, "gauss:6"):

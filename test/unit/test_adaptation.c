@@ -185,7 +185,7 @@ static void check_names(void)
               display_read("--display", "monitor", &display, &err) && display == DISPLAY_MONITOR,
           "both displays are read");
     CHECK(!display_read("--display", "sRGB", &display, &err), "no other");
-    CHECK_TEXT(err.text, "error: --display is srgb or monitor, not 'sRGB'",
+    CHECK_TEXT(err.text, "error: --display: expected srgb or monitor, found 'sRGB'",
                "and the message says so");
 }
 
