@@ -188,7 +188,7 @@ static bool check_detector(const struct weights_maker *maker, struct error *err)
     const struct detector *detector = maker->detector;
     const struct develop_options *options = maker->options;
     /* A recorded response was checked; components of a black scene have 0. */
-    bool sees = maker->cube->record.n_response > 0;
+    bool sees = maker->cube->record.response.n > 0;
     for (int i = 0; i < 3 * image->n_pages; i++)
         sees = sees || maker->weights[i] != 0;
     if (!sees)
@@ -239,7 +239,7 @@ static void fold(double m[3][3], int n, double *weights)
 static bool adapt(const struct weights_maker *maker, double adapted[3], struct error *err)
 {
     const struct develop_options *options = maker->options;
-    const double recorded = maker->cube->record.illumination;
+    const double recorded = record_illumination(&maker->cube->record);
     const int n = maker->cube->image.n_pages;
     struct adaptation *adaptation = &maker->result->adaptation;
     double m[3][3];
@@ -270,7 +270,7 @@ static void begin_result(const struct weights_maker *maker)
     const struct image *image = &cube->image;
     struct develop_result *out = maker->result;
     const struct record *record = &cube->record;
-    const double half_cell = 0.5, *range = record->range_nm;
+    const double half_cell = 0.5, *range = record->range_nm.value;
     *out = (struct develop_result){.width = image->width,
                                    .height = image->height,
                                    .n_pages = image->n_pages,

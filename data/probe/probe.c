@@ -141,7 +141,7 @@ static bool find_object(const struct cube *cube, struct probe *probe, struct err
     int *row = calloc((size_t)probe->width, sizeof *row);
     bool done = (row != NULL || error_memory(err)) && same_object(cube, probe, row, &same, err);
     if (done && same) {
-        probe->object = strdup(row[0] > 0 ? cube->record.objects[row[0] - 1] : "background");
+        probe->object = strdup(row[0] > 0 ? cube->record.objects.text[row[0] - 1] : "background");
         done = probe->object != NULL || error_memory(err);
     }
     free(row);

@@ -23,7 +23,7 @@ static bool map_is_whole(const struct cube *cube)
     const struct record *record = &cube->record;
     const uint64_t pixels = (uint64_t)cube->image.width * (uint64_t)cube->image.height;
     const uint64_t bytes = pixels * (uint64_t)record->map_bytes;
-    return record->n_objects > 0 && bytes <= cube->image.bytes &&
+    return record->objects.n > 0 && bytes <= cube->image.bytes &&
            record->map_offset == cube->image.bytes - bytes;
 }
 
@@ -100,12 +100,12 @@ bool cube_weights(const struct cube *cube, const struct detector *detector, doub
 {
     const struct record *record = &cube->record;
     const struct image *image = &cube->image;
-    if (record->n_response > 0 && !is_for(cube, detector, err))
+    if (record->response.n > 0 && !is_for(cube, detector, err))
         return false;
-    if (record->n_response > 0)
-        memcpy(out, record->response, (size_t)record->n_response * sizeof *out);
-    else if (record->n_segments > 0)
-        sampling_weights(detector, image->wavelengths_nm, (double(*)[2])record->segments,
+    if (record->response.n > 0)
+        memcpy(out, record->response.value, (size_t)record->response.n * sizeof *out);
+    else if (record->segments.n > 0)
+        sampling_weights(detector, image->wavelengths_nm, (double(*)[2])record->segments.value,
                          image->n_pages, out);
     else
         detector_weights(detector, image->wavelengths_nm, image->n_pages, out);
@@ -115,11 +115,11 @@ bool cube_weights(const struct cube *cube, const struct detector *detector, doub
 void cube_lost(const struct cube *cube, const struct detector *detector, double out[3])
 {
     const struct record *record = &cube->record;
-    if (record->n_response > 0)
-        detector_lost_outside(detector, record->range_nm[0], record->range_nm[1], out);
-    else if (record->n_segments > 0)
-        detector_lost_outside(detector, record->segments[0],
-                              record->segments[record->n_segments - 1], out);
+    if (record->response.n > 0)
+        detector_lost_outside(detector, record->range_nm.value[0], record->range_nm.value[1], out);
+    else if (record->segments.n > 0)
+        detector_lost_outside(detector, record->segments.value[0],
+                              record->segments.value[record->segments.n - 1], out);
     else
         detector_lost(detector, cube->image.wavelengths_nm, cube->image.n_pages, out);
 }
@@ -129,14 +129,14 @@ void cube_lost(const struct cube *cube, const struct detector *detector, double 
 static bool respond_finely(const struct record *record, const struct detector *detector,
                            const struct spectrum *spectrum, double out[3], struct error *err)
 {
-    const int n = (int)floor(record->range_nm[1] - record->range_nm[0] + 0.5);
+    const int n = (int)floor(record->range_nm.value[1] - record->range_nm.value[0] + 0.5);
     const size_t count = n > 0 ? (size_t)n : 1;
     double *nm = calloc(5 * count, sizeof *nm);
     if (nm == NULL)
         return error_memory(err);
     double *radiance = nm + count, *weights = radiance + count;
     for (int j = 0; j < n; j++) {
-        nm[j] = record->range_nm[0] + 0.5 + j;
+        nm[j] = record->range_nm.value[0] + 0.5 + j;
         radiance[j] = spectrum != NULL ? spectrum_at(spectrum, nm[j], SPECTRUM_ZERO) : 1;
     }
     detector_weights(detector, nm, n, weights);
@@ -148,7 +148,7 @@ static bool respond_finely(const struct record *record, const struct detector *d
 bool cube_equal_response(const struct cube *cube, const struct detector *detector,
                          const double *weights, double out[3], struct error *err)
 {
-    if (cube->record.n_response > 0)
+    if (cube->record.response.n > 0)
         return respond_finely(&cube->record, detector, NULL, out, err);
     detector_response(weights, NULL, cube->image.n_pages, out);
     return true;
@@ -181,14 +181,14 @@ static double mean_within(const struct spectrum *spectrum, const double limits[2
 
 static bool has_boxes(const struct record *record)
 {
-    return record->n_segments > 0 && sampling_takes_means(record->sampling);
+    return record->segments.n > 0 && sampling_takes_means(record->sampling);
 }
 
 static bool white_of_option(const struct cube *cube, const char *value, double *out,
                             struct error *err)
 {
     const bool boxes = has_boxes(&cube->record);
-    const double *segments = cube->record.segments;
+    const double *segments = cube->record.segments.value;
     struct text text = {.path = NULL};
     struct spectrum spectrum = {.kind = SPECTRUM_NONE};
     const bool good = spectrum_of_option(value, &text, &spectrum, err);
@@ -223,10 +223,10 @@ bool cube_white(const struct cube *cube, const char *spectrum, double *out, stru
 {
     if (!cube_needs_radiance(cube, "a white", err))
         return false;
-    if (spectrum == NULL && cube->record.n_white == 0)
+    if (spectrum == NULL && cube->record.white.n == 0)
         return refuse_no_white(cube, err);
     if (spectrum == NULL)
-        memcpy(out, cube->record.white, (size_t)cube->image.n_pages * sizeof *out);
+        memcpy(out, cube->record.white.value, (size_t)cube->image.n_pages * sizeof *out);
     else if (!white_of_option(cube, spectrum, out, err))
         return false;
     return white_shines(cube, out, cube->image.n_pages, err);
@@ -252,11 +252,11 @@ static bool white_of_fixed(const struct cube *cube, const struct white_request *
                            bool *found, double out[3], struct error *err)
 {
     const struct record *record = &cube->record;
-    *found = request->spectrum != NULL || record->has_white_response;
+    *found = request->spectrum != NULL || record->white_response.n > 0;
     if (!*found)
         return !request->needed || refuse_no_white(cube, err);
     if (request->spectrum == NULL)
-        memcpy(out, record->white_response, sizeof record->white_response);
+        memcpy(out, record->white_response.value, 3 * sizeof *out);
     else if (!option_respond(cube, request->spectrum, out, err))
         return false;
     return white_shines(cube, out, 3, err);
@@ -280,7 +280,7 @@ static bool white_of_pages(const struct cube *cube, const struct white_request *
 bool cube_white_response(const struct cube *cube, const struct white_request *request,
                          const double *weights, bool *found, double out[3], struct error *err)
 {
-    const bool done = cube->record.n_response > 0
+    const bool done = cube->record.response.n > 0
                           ? white_of_fixed(cube, request, found, out, err)
                           : white_of_pages(cube, request, weights, found, out, err);
     for (int channel = 0; done && *found && channel < 3; channel++)
@@ -302,10 +302,10 @@ bool cube_objects(const struct cube *cube, int x, int y, int n, int *out, struct
                                         count * length, out, err))
         return false;
     for (size_t i = count; i-- > 0;) { /* from the end: a number takes more room than its bytes */
-        int number = length > 0 ? bytes[i * length] : record->n_objects + 1;
+        int number = length > 0 ? bytes[i * length] : record->objects.n + 1;
         if (length > 1)
             number += 256 * bytes[i * length + 1];
-        out[i] = number <= record->n_objects ? number : -1;
+        out[i] = number <= record->objects.n ? number : -1;
     }
     return true;
 }

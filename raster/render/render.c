@@ -286,12 +286,12 @@ const char *render_stored(const struct plan *plan, const struct render_result *r
 /* Lists the names behind the numbers of the object map; none where there is no map. */
 static bool list_objects(const struct plan *plan, struct record *record, struct error *err)
 {
-    record->objects = calloc((size_t)plan->n_instances + 1, sizeof *record->objects);
-    if (!record->objects)
+    const char **names = calloc((size_t)plan->n_instances + 1, sizeof *names);
+    if (!names)
         return error_memory(err);
-    record->n_objects = plan->map_bytes > 0 ? plan->n_instances : 0;
-    for (int i = 0; i < record->n_objects; i++)
-        record->objects[i] = object_name(plan, i);
+    record->objects = (struct texts){names, plan->map_bytes > 0 ? plan->n_instances : 0};
+    for (int i = 0; i < record->objects.n; i++)
+        names[i] = object_name(plan, i);
     return true;
 }
 
