@@ -26,7 +26,7 @@ static bool render_sampled(const char *name, const char *size, enum kept kept, c
 {
     struct sampling_method method;
     struct scene scene = {.path = NULL};
-    struct sampling taken = {.n = 0};
+    struct sampling taken = {.detector = NULL};
     struct plan plan = {.scene = NULL};
     struct plan_options options = {.store_raster = kept == REFERENCE,
                                    .use_gl = kept != REFERENCE,

@@ -59,34 +59,29 @@ static void add_weight(const struct image *image, double nm, const double *weigh
     }
 }
 
+/* Folds the weights of a sampling's pages into those of the stack's. */
 static void fold_sampling(const struct image *image, const struct sampling *sampling, double *out)
 {
-    for (int i = 0; i < sampling->n; i++) {
-        const double *means = sampling->light_mean != NULL
-                                  ? sampling->light_mean + (size_t)i * (size_t)sampling->n_nm
-                                  : NULL;
-        if (means == NULL)
-            add_weight(image, sampling->wavelength_nm[i], sampling->weights + i, sampling->n, 1,
-                       out);
-        for (int j = 0; means != NULL && j < sampling->n_nm; j++)
-            if (means[j] != 0)
-                add_weight(image, sampling->first_nm + j, sampling->weights + i, sampling->n,
-                           means[j], out);
-    }
+    const struct spectral_pages *pages = &sampling->pages;
+    const double *mean = pages->analysis;
+    for (int i = 0; i < pages->n && !mean; i++)
+        add_weight(image, pages->wavelength_nm[i], sampling->weights + i, pages->n, 1, out);
+    for (int i = 0; i < pages->n && mean; i++, mean += pages->n_nm)
+        for (int j = 0; j < pages->n_nm; j++)
+            if (mean[j] != 0)
+                add_weight(image, sampling->fine.nm[j], sampling->weights + i, pages->n, mean[j],
+                           out);
 }
 
 /* Folds the weights of the detector itself, at every nm, into those of the white. */
-static bool fold_detector(struct weights_maker *maker, const struct sampling *sampling,
+static bool fold_detector(struct weights_maker *maker, const struct fine_detector *fine,
                           struct error *err)
 {
-    const struct image *image = &maker->cube->image;
-    maker->of_white = calloc(3 * (size_t)image->n_pages, sizeof *maker->of_white);
-    if (maker->of_white == NULL)
-        return error_memory(err);
-    for (int j = 0; j < sampling->n_nm; j++)
-        add_weight(image, sampling->first_nm + j, sampling->detector_weights + j, sampling->n_nm, 1,
+    maker->of_white = calloc(3 * (size_t)maker->cube->image.n_pages, sizeof *maker->of_white);
+    for (int j = 0; maker->of_white && j < fine->n; j++)
+        add_weight(&maker->cube->image, fine->nm[j], fine->weights + j, fine->n, 1,
                    maker->of_white);
-    return true;
+    return maker->of_white || error_memory(err);
 }
 
 /* Refuses to sample a stack's spectra where that cannot be done. */
@@ -159,18 +154,18 @@ static bool sampled_weights(struct weights_maker *maker, struct error *err)
     double *lost = maker->result->lost;
     const double first = image->wavelengths_nm[0], last = image->wavelengths_nm[image->n_pages - 1];
     struct fine_spectra spectra = {.first_nm = first};
-    struct sampling sampling = {.n = 0};
+    struct sampling sampling = {.detector = NULL};
     if (!check_sampling(maker->cube, options->sampling, err))
         return false;
     spectra.n_nm = (int)floor(last - first + 1e-9) + 1;
     const bool done =
         white_finely(maker, &spectra, err) &&
         sampling_make(options->sampling, options->detector, &spectra, &sampling, err) &&
-        (!sampling.fixed || fold_detector(maker, &sampling, err));
+        (!sampling.fixed || fold_detector(maker, &sampling.fine, err));
     if (done) {
         fold_sampling(image, &sampling, maker->weights);
         if (sampling.segment_nm == NULL && !sampling.fixed)
-            detector_lost(maker->detector, sampling.wavelength_nm, sampling.n, lost);
+            detector_lost(maker->detector, sampling.pages.wavelength_nm, sampling.pages.n, lost);
         else
             detector_lost_outside(maker->detector, first - 0.5, first + spectra.n_nm - 0.5, lost);
         tell_sampling(&sampling, maker->result);

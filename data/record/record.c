@@ -143,7 +143,7 @@ static bool add_numbers(struct numbers *out, const double *numbers, int n, struc
 static bool record_white(const struct scene *scene, const struct sampling *sampling,
                          struct record *out, struct error *err)
 {
-    const struct spectral_pages pages = sampling ? sampling_pages(sampling) : scene_pages(scene);
+    const struct spectral_pages pages = sampling ? sampling->pages : scene_pages(scene);
     double *white = calloc((size_t)pages.n, sizeof *white);
     if (!white)
         return error_memory(err);
@@ -159,27 +159,38 @@ static bool record_white(const struct scene *scene, const struct sampling *sampl
 static bool record_white_response(const struct scene *scene, const struct sampling *sampling,
                                   struct record *out, struct error *err)
 {
-    double white[3], illumination;
-    if (!sampling_white(sampling, scene, white, &illumination, err))
-        return false;
-    if (!(illumination > 0))
+    const struct fine_detector *fine = &sampling->fine;
+    const struct spectral_pages pages = {.n = fine->n, .wavelength_nm = fine->nm};
+    double *white = calloc((size_t)fine->n, sizeof *white), response[3];
+    if (!white)
+        return error_memory(err);
+    const double illumination = scene_white(scene, &pages, white);
+    detector_response(fine->weights, white, fine->n, response);
+    free(white);
+    bool seen = false, finite = true;
+    for (int channel = 0; channel < 3; channel++) {
+        seen = seen || response[channel] > 0;
+        finite = finite && fabs(response[channel]) <= DBL_MAX;
+    }
+    if (!(illumination > 0 && seen && finite))
         return true;
     free(out->illumination.value);
     return add_numbers(&out->illumination, &illumination, 1, err) &&
-           add_numbers(&out->white_response, white, 3, err);
+           add_numbers(&out->white_response, response, 3, err);
 }
 
 /* Records how the pages become channels. */
 static bool record_sampling(const struct sampling *sampling, struct record *out, struct error *err)
 {
-    const double range_nm[] = {sampling->first_nm - 0.5, sampling->first_nm + sampling->n_nm - 0.5};
+    const double first_nm = sampling->pages.first_nm;
+    const double range_nm[] = {first_nm - 0.5, first_nm + sampling->fine.n - 0.5};
     out->sampling_detector = sampling->detector;
     out->components = sampling->spectral ? NULL : "yes";
     if (sampling->fixed)
         return add_numbers(&out->range_nm, range_nm, 2, err) &&
-               add_numbers(&out->response, sampling->weights, 3 * sampling->n, err);
+               add_numbers(&out->response, sampling->weights, 3 * sampling->pages.n, err);
     return !sampling->segment_nm ||
-           add_numbers(&out->segments, sampling->segment_nm[0], 2 * sampling->n, err);
+           add_numbers(&out->segments, sampling->segment_nm[0], 2 * sampling->pages.n, err);
 }
 
 bool record_scene(const struct scene *scene, const struct sampling *sampling, struct record *out,

@@ -18,21 +18,23 @@ struct segment {
     int from, to, nodes;
 };
 struct adaptive {
-    const struct sampling *sampling;
+    struct sampling *sampling;
     const struct fine_spectra *spectra;
-    double tolerance;   /* for each segment alone, of its part of what the detector sees */
-    int n_spectra;      /* lights, then products */
-    double *scale;      /* of each: the response that its errors are parts of */
-    double *total;      /* of each and each channel: the error of all segments */
-    double *seen;       /* up to each cell, what the detector sees of the range; n_nm + 1 */
-    bool *cut, *summit; /* whether a segment begins with a cell; whether it is a peak's summit */
-    struct segment *segments, *best; /* now, and of the fewest pages that keep the tolerance */
+    double tolerance; /* for each segment alone, of its part of what the detector sees */
+    int n_spectra;    /* lights, then products */
+    double *scale; /* [spectrum]: the response that its errors are parts of; owned, with total and
+                      seen behind it */
+    double *total; /* [3 * spectrum + channel]: the error of all segments */
+    double *seen;  /* [cell]: what the detector sees of the range before it; n_nm + 1 */
+    bool *cut;     /* [cell]: a segment begins with it; owned */
+    struct segment *segments; /* now; owned, with the best behind them */
+    struct segment *best;     /* of the fewest pages that keep the tolerance */
     int n, n_best, fewest;
 };
 
 static const double *spectrum_row(const struct adaptive *a, int i)
 {
-    const size_t n_nm = (size_t)a->sampling->n_nm;
+    const size_t n_nm = (size_t)a->spectra->n_nm;
     return i < a->spectra->n_lights
                ? a->spectra->lights + (size_t)i * n_nm
                : a->spectra->products + (size_t)(i - a->spectra->n_lights) * n_nm;
@@ -75,30 +77,44 @@ static int foot_of(const double *row, int n, int j, int step)
     return j;
 }
 
-static void find_peaks(struct adaptive *a)
+/* Cuts the range around the peaks of a light. Marks their summits. */
+static void cut_at_peaks(struct adaptive *a, const double *row, bool *summit)
 {
-    const int n = a->sampling->n_nm;
-    a->cut[0] = true;
-    for (int i = 0; i < a->spectra->n_lights; i++) {
-        const double *row = spectrum_row(a, i), threshold = least_excess * mean_of(row, n);
-        for (int j = 0; j < n; j++)
-            if (is_summit(row, n, j, threshold)) {
-                const int behind = foot_of(row, n, j, 1) + 1;
-                a->summit[j] = a->cut[j] = a->cut[foot_of(row, n, j, -1)] = true;
-                if (behind < n)
-                    a->cut[behind] = true;
-            }
+    const int n = a->spectra->n_nm;
+    const double threshold = least_excess * mean_of(row, n);
+    for (int j = 0; j < n; j++)
+        if (is_summit(row, n, j, threshold)) {
+            summit[j] = a->cut[j] = a->cut[foot_of(row, n, j, -1)] = true;
+            a->cut[foot_of(row, n, j, 1) + 1] = true;
+        }
+}
+
+static bool find_peaks(struct adaptive *a, struct error *err)
+{
+    struct sampling *out = a->sampling;
+    const int n = a->spectra->n_nm;
+    bool *summit = calloc((size_t)n, sizeof *summit);
+    out->peak_nm = sampling_numbers((size_t)n, err);
+    if (!summit || !out->peak_nm) {
+        free(summit);
+        return error_memory(err);
     }
+    for (int i = 0; i < a->spectra->n_lights; i++)
+        cut_at_peaks(a, spectrum_row(a, i), summit);
+    for (int j = 0; j < n; j++)
+        if (summit[j])
+            out->peak_nm[out->n_peaks++] = out->fine.nm[j];
+    free(summit);
+    return true;
 }
 
 /* ---- what errors are measured by ---- */
 
 static double largest_response(const struct adaptive *a, int i)
 {
-    const int n = a->sampling->n_nm;
-    const double *row = spectrum_row(a, i);
+    const struct fine_detector *fine = &a->sampling->fine;
     double response[3];
-    detector_response(a->sampling->detector_weights, row, n, response);
+    detector_response(fine->weights, spectrum_row(a, i), fine->n, response);
     return fmax(fabs(response[0]), fmax(fabs(response[1]), fabs(response[2])));
 }
 
@@ -110,72 +126,72 @@ static bool is_below(const double *a, const double *b, int n)
     return j == n;
 }
 
-/* A product's light is the dimmest that is nowhere below it; without one it is its own. */
+/* Errors of a light are parts of its own response, those of a product of its light's. That is the
+ * dimmest light nowhere below the product; without one it is the product itself. */
 static void find_scales(struct adaptive *a)
 {
-    const int lights = a->spectra->n_lights;
+    const int lights = a->spectra->n_lights, n_nm = a->spectra->n_nm;
     for (int i = 0; i < a->n_spectra; i++) {
         bool found = i < lights;
         a->scale[i] = largest_response(a, i);
         for (int light = 0; light < lights && i >= lights; light++)
-            if (is_below(spectrum_row(a, i), spectrum_row(a, light), a->sampling->n_nm)) {
+            if (is_below(spectrum_row(a, i), spectrum_row(a, light), n_nm)) {
                 a->scale[i] = found ? fmin(a->scale[i], a->scale[light]) : a->scale[light];
                 found = true;
             }
     }
-    for (int j = 0; j < a->sampling->n_nm; j++)
+    for (int j = 0; j < n_nm; j++)
         a->seen[j + 1] = a->seen[j] + sampling_seen(a->sampling, j);
 }
 
 /* ---- the fewest nodes ---- */
 
-/* Legendre's nodes, each at the nearest cell; what they count in each channel. */
 enum { MOST_NODES = 8 };
-struct weighed {
+struct nodes {
     double nm[MOST_NODES];
-    int at[MOST_NODES]; /* the cell */
-    double weight[3][MOST_NODES];
+    int cell[MOST_NODES];
+    double weight[3][MOST_NODES]; /* in each channel */
 };
-/* False: two nodes would be the same. */
-static bool place_nodes(const struct sampling *sampling, const struct segment *s,
-                        struct weighed *out)
-{
-    struct quadrature rule;
-    bool distinct = true;
-    quadrature_legendre(s->from, s->to, s->nodes, &rule);
-    for (int i = 0; i < s->nodes; i++) {
-        out->at[i] = (int)floor(rule.node[i]);
-        out->nm[i] = sampling_grid(sampling, out->at[i]);
-        distinct = distinct && (i == 0 || out->at[i] > out->at[i - 1]);
-    }
-    return distinct;
-}
 
-static void weigh(const struct adaptive *a, const struct segment *s, struct weighed *out)
+static void weigh_nodes(const struct adaptive *a, const struct segment *s, struct nodes *out)
 {
-    const struct sampling *sampling = a->sampling;
+    const struct fine_detector *fine = &a->sampling->fine;
     for (int i = 0; i < s->nodes; i++) {
         out->weight[0][i] = out->weight[1][i] = out->weight[2][i] = 0;
         for (int j = s->from; j < s->to; j++) {
-            const double part =
-                quadrature_lagrange(out->nm, s->nodes, i, sampling_grid(sampling, j));
+            const double part = quadrature_lagrange(out->nm, s->nodes, i, fine->nm[j]);
             for (int channel = 0; channel < 3; channel++)
-                out->weight[channel][i] +=
-                    part * sampling->detector_weights[channel * sampling->n_nm + j];
+                out->weight[channel][i] += part * fine->weights[channel * fine->n + j];
         }
     }
 }
 
-static void errors_of(const struct adaptive *a, const struct segment *s, const struct weighed *w,
+/* Places nodes at the cells nearest to Legendre's. Returns false if two would be the same. */
+static bool place_nodes(const struct adaptive *a, const struct segment *s, struct nodes *out)
+{
+    struct quadrature rule;
+    quadrature_legendre(s->from, s->to, s->nodes, &rule);
+    for (int i = 0; i < s->nodes; i++) {
+        out->cell[i] = (int)floor(rule.node[i]);
+        out->nm[i] = a->sampling->fine.nm[out->cell[i]];
+        if (i > 0 && out->cell[i] <= out->cell[i - 1])
+            return false;
+    }
+    weigh_nodes(a, s, out);
+    return true;
+}
+
+/* Finds the error that a segment adds to each channel of a spectrum. */
+static void errors_of(const struct adaptive *a, const struct segment *s, const struct nodes *nodes,
                       int spectrum, double out[3])
 {
-    const struct sampling *sampling = a->sampling;
+    const struct fine_detector *fine = &a->sampling->fine;
     const double *row = spectrum_row(a, spectrum);
     for (int channel = 0; channel < 3; channel++) {
-        const double *weights = sampling->detector_weights + channel * sampling->n_nm;
+        const double *weights = fine->weights + channel * fine->n;
         out[channel] = 0;
         for (int i = 0; i < s->nodes; i++)
-            out[channel] += w->weight[channel][i] * row[w->at[i]];
+            out[channel] += nodes->weight[channel][i] * row[nodes->cell[i]];
         for (int j = s->from; j < s->to; j++)
             out[channel] -= weights[j] * row[j];
     }
@@ -183,14 +199,13 @@ static void errors_of(const struct adaptive *a, const struct segment *s, const s
 
 static bool fits(const struct adaptive *a, const struct segment *s)
 {
-    struct weighed w;
-    const double part = (a->seen[s->to] - a->seen[s->from]) / a->seen[a->sampling->n_nm];
-    if (!place_nodes(a->sampling, s, &w))
+    struct nodes nodes;
+    const double part = (a->seen[s->to] - a->seen[s->from]) / a->seen[a->spectra->n_nm];
+    if (!place_nodes(a, s, &nodes))
         return false;
-    weigh(a, s, &w);
     for (int i = 0; i < a->n_spectra; i++) {
         double error[3];
-        errors_of(a, s, &w, i, error);
+        errors_of(a, s, &nodes, i, error);
         for (int channel = 0; channel < 3; channel++)
             if (fabs(error[channel]) > a->tolerance * part * a->scale[i])
                 return false;
@@ -224,7 +239,7 @@ static int divide(struct adaptive *a, int from, int to)
 
 static void divide_all(struct adaptive *a)
 {
-    const int n = a->sampling->n_nm;
+    const int n = a->spectra->n_nm;
     a->n = 0;
     for (int from = 0, to; from < n; from = to) {
         to = from + 1;
@@ -261,18 +276,16 @@ static int pages_of(const struct adaptive *a)
     return n;
 }
 
-/* True if all segments together keep the tolerance. */
+/* Returns whether all segments together keep the tolerance. */
 static bool is_within(struct adaptive *a, double tolerance)
 {
-    for (int i = 0; i < 3 * a->n_spectra; i++)
-        a->total[i] = 0;
+    memset(a->total, 0, 3 * (size_t)a->n_spectra * sizeof *a->total);
     for (int s = 0; s < a->n; s++) {
-        struct weighed w;
-        place_nodes(a->sampling, &a->segments[s], &w);
-        weigh(a, &a->segments[s], &w);
+        struct nodes nodes;
+        place_nodes(a, &a->segments[s], &nodes);
         for (int i = 0; i < a->n_spectra; i++) {
             double error[3];
-            errors_of(a, &a->segments[s], &w, i, error);
+            errors_of(a, &a->segments[s], &nodes, i, error);
             for (int channel = 0; channel < 3; channel++)
                 a->total[3 * i + channel] += error[channel];
         }
@@ -307,47 +320,33 @@ static void find_segments(struct adaptive *a, double tolerance)
 
 /* ---- the sampling ---- */
 
-static bool adaptive_room(struct adaptive *a, struct error *err)
+static bool make_room(struct adaptive *a, struct error *err)
 {
-    const size_t n_nm = (size_t)a->sampling->n_nm, count = (size_t)a->n_spectra;
-    a->scale = calloc(count + 1, sizeof *a->scale);
-    a->total = calloc(3 * count + 1, sizeof *a->total);
-    a->seen = calloc(n_nm + 1, sizeof *a->seen);
-    a->cut = calloc(n_nm, sizeof *a->cut);
-    a->summit = calloc(n_nm, sizeof *a->summit);
-    a->segments = calloc(n_nm, sizeof *a->segments);
-    a->best = calloc(n_nm, sizeof *a->best);
-    return (a->scale != NULL && a->total != NULL && a->seen != NULL && a->cut != NULL &&
-            a->summit != NULL && a->segments != NULL && a->best != NULL) ||
-           error_memory(err);
-}
-
-static bool set_peaks(const struct adaptive *a, struct sampling *out, struct error *err)
-{
-    out->peak_nm = calloc((size_t)out->n_nm, sizeof *out->peak_nm);
-    if (out->peak_nm == NULL)
+    const size_t n_nm = (size_t)a->spectra->n_nm, count = (size_t)a->n_spectra;
+    a->scale = sampling_numbers(4 * count + n_nm + 1, err);
+    a->cut = calloc(n_nm + 1, sizeof *a->cut);
+    a->segments = calloc(2 * n_nm, sizeof *a->segments);
+    if (!a->scale || !a->cut || !a->segments)
         return error_memory(err);
-    for (int j = 0; j < out->n_nm; j++)
-        if (a->summit[j])
-            out->peak_nm[out->n_peaks++] = sampling_grid(out, j);
+    a->total = a->scale + count;
+    a->seen = a->total + 3 * count;
+    a->best = a->segments + n_nm;
     return true;
 }
 
 static bool set_pages(const struct adaptive *a, struct sampling *out, struct error *err)
 {
     int n = 0;
-    if (!sampling_room(out, a->fewest, true, true, err))
+    if (!sampling_room(out, a->fewest, true, err))
         return false;
     for (int s = 0; s < a->n_best; s++) {
         const struct segment *segment = &a->best[s];
-        const double first = sampling_grid(out, segment->from) - 0.5;
-        const double last = sampling_grid(out, segment->to) - 0.5;
-        struct weighed nodes;
-        place_nodes(out, segment, &nodes);
+        struct nodes nodes;
+        place_nodes(a, segment, &nodes);
         for (int i = 0; i < segment->nodes; i++, n++) {
-            out->wavelength_nm[n] = nodes.nm[i];
-            out->segment_nm[n][0] = first;
-            out->segment_nm[n][1] = last;
+            out->pages.wavelength_nm[n] = nodes.nm[i];
+            out->segment_nm[n][0] = out->pages.first_nm + segment->from - 0.5;
+            out->segment_nm[n][1] = out->pages.first_nm + segment->to - 0.5;
         }
     }
     return true;
@@ -359,24 +358,14 @@ bool sample_adaptive(const struct sampling_task *task, struct error *err)
     struct adaptive a = {.sampling = out,
                          .spectra = task->spectra,
                          .n_spectra = task->spectra->n_lights + task->spectra->n_products};
-    bool done = adaptive_room(&a, err);
+    bool done = make_room(&a, err) && find_peaks(&a, err);
     if (done) {
-        find_peaks(&a);
         find_scales(&a);
-        find_segments(&a, task->method->tolerance);
-        done = set_peaks(&a, out, err) && set_pages(&a, out, err);
+        find_segments(&a, out->method.tolerance);
+        done = set_pages(&a, out, err);
     }
     free(a.scale);
-    free(a.total);
-    free(a.seen);
     free(a.cut);
-    free(a.summit);
     free(a.segments);
-    free(a.best);
-    if (!done)
-        return false;
-    sampling_weights(task->detector, out->wavelength_nm, out->segment_nm, out->n, out->weights);
-    sampling_linear(out);
-    out->spectral = true;
-    return true;
+    return done;
 }

@@ -124,24 +124,24 @@ void cube_lost(const struct cube *cube, const struct detector *detector, double 
         detector_lost(detector, cube->image.wavelengths_nm, cube->image.n_pages, out);
 }
 
-/* The channels of a fixed stack's detector for a spectrum, sampled at every nm; NULL stands for 1
- * everywhere. */
+/* Finds the response of a detector to a spectrum, at every nm of the range of a fixed stack. NULL
+ * stands for 1 everywhere. */
 static bool respond_finely(const struct record *record, const struct detector *detector,
                            const struct spectrum *spectrum, double out[3], struct error *err)
 {
-    const int n = (int)floor(record->range_nm.value[1] - record->range_nm.value[0] + 0.5);
-    const size_t count = n > 0 ? (size_t)n : 1;
-    double *nm = calloc(5 * count, sizeof *nm);
-    if (nm == NULL)
-        return error_memory(err);
-    double *radiance = nm + count, *weights = radiance + count;
-    for (int j = 0; j < n; j++) {
-        nm[j] = record->range_nm.value[0] + 0.5 + j;
-        radiance[j] = spectrum != NULL ? spectrum_at(spectrum, nm[j], SPECTRUM_ZERO) : 1;
+    const double *range = record->range_nm.value;
+    struct fine_detector fine;
+    if (!fine_detector_make(detector, range[0] + 0.5,
+                            (int)fmax(1, floor(range[1] - range[0] + 0.5)), &fine, err))
+        return false;
+    for (int channel = 0; channel < 3; channel++) {
+        const double *weights = fine.weights + channel * fine.n;
+        out[channel] = 0;
+        for (int j = 0; j < fine.n; j++)
+            out[channel] +=
+                weights[j] * (spectrum ? spectrum_at(spectrum, fine.nm[j], SPECTRUM_ZERO) : 1);
     }
-    detector_weights(detector, nm, n, weights);
-    detector_response(weights, radiance, n, out);
-    free(nm);
+    fine_detector_free(&fine);
     return true;
 }
 

@@ -335,12 +335,12 @@ static bool allocate_samples(struct render_state *state, struct error *err)
 static const char **make_labels(const struct sampling *sampling, struct error *err)
 {
     typedef char label_text[24];
-    size_t n = (size_t)sampling->n;
+    size_t n = (size_t)sampling->pages.n;
     const char **labels = calloc(n, sizeof *labels + sizeof(label_text));
     label_text *text = (label_text *)(labels + n);
     if (!labels)
         error_memory(err);
-    for (int i = 0; labels && i < sampling->n; i++) {
+    for (int i = 0; labels && i < sampling->pages.n; i++) {
         sampling_label(sampling, i, text[i]);
         labels[i] = text[i];
     }
