@@ -13,20 +13,23 @@
 #include "data/spectra/spectra.h"
 #include "spectral.h"
 
-/* Cells from..to - 1 of the grid. */
+/* Cells from..to - 1 of the grid, and the nodes that stand for them. */
+enum { MOST_NODES = 8 };
 struct segment {
-    int from, to, nodes;
+    int from, to, n;
+    double nm[MOST_NODES];
+    int cell[MOST_NODES];
+    double weight[3][MOST_NODES]; /* in each channel */
 };
 struct adaptive {
     struct sampling *sampling;
     const struct fine_spectra *spectra;
     double tolerance; /* for each segment alone, of its part of what the detector sees */
     int n_spectra;    /* lights, then products */
-    double *scale; /* [spectrum]: the response that its errors are parts of; owned, with total and
-                      seen behind it */
-    double *total; /* [3 * spectrum + channel]: the error of all segments */
-    double *seen;  /* [cell]: what the detector sees of the range before it; n_nm + 1 */
-    bool *cut;     /* [cell]: a segment begins with it; owned */
+    double *scale;    /* [spectrum]: the response that its errors are parts of; owned, with `seen`
+                         behind it */
+    double *seen;     /* [cell]: what the detector sees of the range before it; n_nm + 1 */
+    bool *cut;        /* [cell]: a segment begins with it; n_nm + 1; owned */
     struct segment *segments; /* now; owned, with the best behind them */
     struct segment *best;     /* of the fewest pages that keep the tolerance */
     int n, n_best, fewest;
@@ -146,86 +149,86 @@ static void find_scales(struct adaptive *a)
 
 /* ---- the fewest nodes ---- */
 
-enum { MOST_NODES = 8 };
-struct nodes {
-    double nm[MOST_NODES];
-    int cell[MOST_NODES];
-    double weight[3][MOST_NODES]; /* in each channel */
-};
-
-static void weigh_nodes(const struct adaptive *a, const struct segment *s, struct nodes *out)
+static void weigh_nodes(const struct adaptive *a, struct segment *s)
 {
     const struct fine_detector *fine = &a->sampling->fine;
-    for (int i = 0; i < s->nodes; i++) {
-        out->weight[0][i] = out->weight[1][i] = out->weight[2][i] = 0;
+    for (int i = 0; i < s->n; i++) {
+        s->weight[0][i] = s->weight[1][i] = s->weight[2][i] = 0;
         for (int j = s->from; j < s->to; j++) {
-            const double part = quadrature_lagrange(out->nm, s->nodes, i, fine->nm[j]);
+            const double part = quadrature_lagrange(s->nm, s->n, i, fine->nm[j]);
             for (int channel = 0; channel < 3; channel++)
-                out->weight[channel][i] += part * fine->weights[channel * fine->n + j];
+                s->weight[channel][i] += part * fine->weights[channel * fine->n + j];
         }
     }
 }
 
 /* Places nodes at the cells nearest to Legendre's. Returns false if two would be the same. */
-static bool place_nodes(const struct adaptive *a, const struct segment *s, struct nodes *out)
+static bool place_nodes(const struct adaptive *a, struct segment *s)
 {
     struct quadrature rule;
-    quadrature_legendre(s->from, s->to, s->nodes, &rule);
-    for (int i = 0; i < s->nodes; i++) {
-        out->cell[i] = (int)floor(rule.node[i]);
-        out->nm[i] = a->sampling->fine.nm[out->cell[i]];
-        if (i > 0 && out->cell[i] <= out->cell[i - 1])
+    quadrature_legendre(s->from, s->to, s->n, &rule);
+    for (int i = 0; i < s->n; i++) {
+        s->cell[i] = (int)floor(rule.node[i]);
+        s->nm[i] = a->sampling->fine.nm[s->cell[i]];
+        if (i > 0 && s->cell[i] <= s->cell[i - 1])
             return false;
     }
-    weigh_nodes(a, s, out);
+    weigh_nodes(a, s);
     return true;
 }
 
 /* Finds the error that a segment adds to each channel of a spectrum. */
-static void errors_of(const struct adaptive *a, const struct segment *s, const struct nodes *nodes,
-                      int spectrum, double out[3])
+static void errors_of(const struct adaptive *a, const struct segment *s, int spectrum,
+                      double out[3])
 {
     const struct fine_detector *fine = &a->sampling->fine;
     const double *row = spectrum_row(a, spectrum);
     for (int channel = 0; channel < 3; channel++) {
         const double *weights = fine->weights + channel * fine->n;
         out[channel] = 0;
-        for (int i = 0; i < s->nodes; i++)
-            out[channel] += nodes->weight[channel][i] * row[nodes->cell[i]];
+        for (int i = 0; i < s->n; i++)
+            out[channel] += s->weight[channel][i] * row[s->cell[i]];
         for (int j = s->from; j < s->to; j++)
             out[channel] -= weights[j] * row[j];
     }
 }
 
-static bool fits(const struct adaptive *a, const struct segment *s)
+static bool is_small(const double error[3], double limit)
 {
-    struct nodes nodes;
+    return !(fabs(error[0]) > limit || fabs(error[1]) > limit || fabs(error[2]) > limit);
+}
+
+static bool fits(const struct adaptive *a, struct segment *s)
+{
     const double part = (a->seen[s->to] - a->seen[s->from]) / a->seen[a->spectra->n_nm];
-    if (!place_nodes(a, s, &nodes))
-        return false;
-    for (int i = 0; i < a->n_spectra; i++) {
+    bool good = place_nodes(a, s);
+    for (int i = 0; good && i < a->n_spectra; i++) {
         double error[3];
-        errors_of(a, s, &nodes, i, error);
-        for (int channel = 0; channel < 3; channel++)
-            if (fabs(error[channel]) > a->tolerance * part * a->scale[i])
-                return false;
+        errors_of(a, s, i, error);
+        good = is_small(error, a->tolerance * part * a->scale[i]);
     }
-    return true;
+    return good;
 }
 
-/* Fewer than `limit` with which the cells fit; 0: there are none. */
-static int fewest_nodes(const struct adaptive *a, int from, int to, int limit)
+/* Finds the fewest nodes, fewer than `limit`, with which the cells fit. Returns their number; 0:
+ * there are none. */
+static int fewest_nodes(const struct adaptive *a, int from, int to, int limit, struct segment *out)
 {
-    struct segment s = {from, to, 1};
-    while (s.nodes < limit && s.nodes <= MOST_NODES && !fits(a, &s))
-        s.nodes++;
-    return s.nodes < limit && s.nodes <= MOST_NODES ? s.nodes : 0;
+    for (int n = 1; n < limit && n <= MOST_NODES; n++) {
+        *out = (struct segment){.from = from, .to = to, .n = n};
+        if (fits(a, out))
+            return n;
+    }
+    return 0;
 }
 
-/* As one segment, or in halves if these have fewer nodes; a cell is exact. Returns how many. */
+/* Makes one segment of the cells, or divides them in halves if these have fewer nodes; a cell alone
+ * is exact. Returns the number of nodes. */
 static int divide(struct adaptive *a, int from, int to)
 {
-    const int before = a->n, whole = to - from == 1 ? 1 : fewest_nodes(a, from, to, to - from);
+    struct segment segment;
+    const int before = a->n, cells = to - from;
+    const int whole = fewest_nodes(a, from, to, cells > 1 ? cells : 2, &segment);
     if (whole == 0 || whole > 2) {
         const int middle = (from + to) / 2;
         const int halves = divide(a, from, middle) + divide(a, middle, to);
@@ -233,7 +236,7 @@ static int divide(struct adaptive *a, int from, int to)
             return halves;
     }
     a->n = before;
-    a->segments[a->n++] = (struct segment){from, to, whole};
+    a->segments[a->n++] = segment;
     return whole;
 }
 
@@ -249,20 +252,19 @@ static void divide_all(struct adaptive *a)
     }
 }
 
-/* Neighbours become one where that has fewer nodes, until there are none. */
+/* Joins neighbours where one segment has fewer nodes, until there are none. */
 static void join_all(struct adaptive *a)
 {
     for (int before = 0; before != a->n;) {
         int n = 1;
         before = a->n;
         for (int i = 1; i < before; i++) {
-            struct segment *last = &a->segments[n - 1];
-            const struct segment next = a->segments[i];
-            const int nodes = fewest_nodes(a, last->from, next.to, last->nodes + next.nodes);
-            if (nodes > 0)
-                *last = (struct segment){last->from, next.to, nodes};
+            struct segment joined, *last = &a->segments[n - 1];
+            const struct segment *next = &a->segments[i];
+            if (fewest_nodes(a, last->from, next->to, last->n + next->n, &joined) > 0)
+                *last = joined;
             else
-                a->segments[n++] = next;
+                a->segments[n++] = *next;
         }
         a->n = n;
     }
@@ -272,28 +274,24 @@ static int pages_of(const struct adaptive *a)
 {
     int n = 0;
     for (int s = 0; s < a->n; s++)
-        n += a->segments[s].nodes;
+        n += a->segments[s].n;
     return n;
 }
 
 /* Returns whether all segments together keep the tolerance. */
-static bool is_within(struct adaptive *a, double tolerance)
+static bool is_within(const struct adaptive *a, double tolerance)
 {
-    memset(a->total, 0, 3 * (size_t)a->n_spectra * sizeof *a->total);
-    for (int s = 0; s < a->n; s++) {
-        struct nodes nodes;
-        place_nodes(a, &a->segments[s], &nodes);
-        for (int i = 0; i < a->n_spectra; i++) {
-            double error[3];
-            errors_of(a, &a->segments[s], &nodes, i, error);
+    bool good = true;
+    for (int i = 0; good && i < a->n_spectra; i++) {
+        double total[3] = {0}, error[3];
+        for (int s = 0; s < a->n; s++) {
+            errors_of(a, &a->segments[s], i, error);
             for (int channel = 0; channel < 3; channel++)
-                a->total[3 * i + channel] += error[channel];
+                total[channel] += error[channel];
         }
+        good = is_small(total, tolerance * a->scale[i]);
     }
-    for (int i = 0; i < 3 * a->n_spectra; i++)
-        if (fabs(a->total[i]) > tolerance * a->scale[i / 3])
-            return false;
-    return true;
+    return good;
 }
 
 static void keep_fewest(struct adaptive *a, double tolerance)
@@ -323,13 +321,12 @@ static void find_segments(struct adaptive *a, double tolerance)
 static bool make_room(struct adaptive *a, struct error *err)
 {
     const size_t n_nm = (size_t)a->spectra->n_nm, count = (size_t)a->n_spectra;
-    a->scale = sampling_numbers(4 * count + n_nm + 1, err);
+    a->scale = sampling_numbers(count + n_nm + 1, err);
     a->cut = calloc(n_nm + 1, sizeof *a->cut);
     a->segments = calloc(2 * n_nm, sizeof *a->segments);
     if (!a->scale || !a->cut || !a->segments)
         return error_memory(err);
-    a->total = a->scale + count;
-    a->seen = a->total + 3 * count;
+    a->seen = a->scale + count;
     a->best = a->segments + n_nm;
     return true;
 }
@@ -341,10 +338,8 @@ static bool set_pages(const struct adaptive *a, struct sampling *out, struct err
         return false;
     for (int s = 0; s < a->n_best; s++) {
         const struct segment *segment = &a->best[s];
-        struct nodes nodes;
-        place_nodes(a, segment, &nodes);
-        for (int i = 0; i < segment->nodes; i++, n++) {
-            out->pages.wavelength_nm[n] = nodes.nm[i];
+        for (int i = 0; i < segment->n; i++, n++) {
+            out->pages.wavelength_nm[n] = segment->nm[i];
             out->segment_nm[n][0] = out->pages.first_nm + segment->from - 0.5;
             out->segment_nm[n][1] = out->pages.first_nm + segment->to - 0.5;
         }
