@@ -62,20 +62,21 @@ void orthogonal_rows(double *row, int rows, int n)
  * negative coordinate: c' = c + shear (axis . c). */
 struct components {
     const struct fine_spectra *spectra;
-    int n, rank;
-    double *direction;   /* [component][nm]; of all products, as they were turned; owned */
-    double *coordinates; /* [component] of one product; owned, with axis and shear behind it */
-    double *axis, *shear;
+    int n, rank, n_units;
+    double *direction; /* [component][nm]; of all products, as they were turned; owned */
+    double *axis;      /* [component]; owned, with shear and units behind it */
+    double *shear;
+    double *units; /* [unit][component]: coordinates of products, as unit vectors */
 };
-
-static const double *product_row(const struct components *c, int product)
-{
-    return c->spectra->products + (size_t)product * (size_t)c->spectra->n_nm;
-}
 
 static double *direction_row(const struct components *c, int component)
 {
     return c->direction + (size_t)component * (size_t)c->spectra->n_nm;
+}
+
+static double *unit_row(const struct components *c, int unit)
+{
+    return c->units + (size_t)unit * (size_t)c->n;
 }
 
 static const double rank_limit = 1e-12;
@@ -88,8 +89,7 @@ static double largest_of(const double *values, size_t n)
     return largest;
 }
 
-/* Turns the products, scaled to a largest value of 1, so that no square is too large or too small.
- */
+/* Turns the products, scaled to a largest value of 1: no square is too large or too small. */
 static bool turn_products(struct components *out, struct error *err)
 {
     const int n = out->spectra->n_products, n_nm = out->spectra->n_nm;
@@ -114,30 +114,31 @@ static bool turn_products(struct components *out, struct error *err)
     return true;
 }
 
-/* Finds the coordinates of a product, as a unit vector. Returns false if it has (nearly) none. */
-static bool unit_coordinates(const struct components *c, int product)
+/* Adds the coordinates of a product, as a unit vector, unless it has (nearly) none. */
+static void add_unit(struct components *c, const double *product)
 {
     const int n_nm = c->spectra->n_nm;
-    const double *row = product_row(c, product), largest = largest_of(row, (size_t)n_nm);
-    double length = 0;
+    const double largest = largest_of(product, (size_t)n_nm);
+    double *unit = unit_row(c, c->n_units), length = 0;
     for (int k = 0; k < c->n && largest > 0; k++) {
         const double *direction = direction_row(c, k);
-        double sum = 0;
+        unit[k] = 0;
         for (int j = 0; j < n_nm; j++)
-            sum += row[j] / largest * direction[j];
-        c->coordinates[k] = sum;
-        length += sum * sum;
+            unit[k] += product[j] / largest * direction[j];
+        length += unit[k] * unit[k];
     }
     length = sqrt(length);
-    for (int k = 0; k < c->n && length > rank_limit; k++)
-        c->coordinates[k] /= length;
-    return length > rank_limit;
+    if (!(length > rank_limit))
+        return;
+    for (int k = 0; k < c->n; k++)
+        unit[k] /= length;
+    c->n_units++;
 }
 
-static void add_to_axis(struct components *c)
+static void add_to_axis(struct components *c, const double *unit)
 {
     for (int k = 0; k < c->n; k++)
-        c->axis[k] += c->coordinates[k];
+        c->axis[k] += unit[k];
 }
 
 /* Adds those that are not, by this cosine, on the positive side of the axis, until all are: the
@@ -148,45 +149,71 @@ static bool lean_axis(struct components *c, double cosine)
     bool good = false;
     for (int round = 0; round < MOST && !good; round++) {
         good = true;
-        for (int i = 0; i < c->spectra->n_products; i++) {
+        for (int i = 0; i < c->n_units; i++) {
             const double least = cosine * sqrt(dot(c->axis, c->axis, c->n));
-            if (unit_coordinates(c, i) && !(dot(c->axis, c->coordinates, c->n) > least)) {
+            if (!(dot(c->axis, unit_row(c, i), c->n) > least)) {
                 good = false;
-                add_to_axis(c);
+                add_to_axis(c, unit_row(c, i));
             }
         }
     }
     return good;
 }
 
-/* An axis that all products are on the positive side of: their mean direction, as a rule. Those far
- * from it are sheared far, which magnifies what is rounded off: so it is drawn near them. */
+/* Finds an axis with all products on its positive side: their mean direction, as a rule. Products
+ * far from the axis are sheared far, which magnifies what is rounded off: so the axis is drawn near
+ * them. */
 static bool find_axis(struct components *c)
 {
-    for (int i = 0; i < c->spectra->n_products; i++)
-        if (unit_coordinates(c, i))
-            add_to_axis(c);
+    for (int i = 0; i < c->n_units; i++)
+        add_to_axis(c, unit_row(c, i));
     for (double cosine = 0.125; cosine > 1e-6; cosine /= 2)
         if (lean_axis(c, cosine))
             return true;
     return false;
 }
 
+/* Turns component k round, so that the axis is not negative. */
+static void turn_round(struct components *c, int k)
+{
+    c->axis[k] = -c->axis[k];
+    for (int j = 0; j < c->spectra->n_nm; j++)
+        direction_row(c, k)[j] *= -1;
+    for (int i = 0; i < c->n_units; i++)
+        unit_row(c, i)[k] *= -1;
+}
+
 static void find_shear(struct components *c)
 {
     for (int k = 0; k < c->n; k++)
-        if (c->axis[k] < 0) {
-            c->axis[k] = -c->axis[k];
-            for (int j = 0; j < c->spectra->n_nm; j++)
-                direction_row(c, k)[j] *= -1;
-        }
-    for (int i = 0; i < c->spectra->n_products; i++) {
-        if (!unit_coordinates(c, i))
-            continue;
-        const double y = dot(c->axis, c->coordinates, c->n);
+        if (c->axis[k] < 0)
+            turn_round(c, k);
+    for (int i = 0; i < c->n_units; i++) {
+        const double *unit = unit_row(c, i), y = dot(c->axis, unit, c->n);
         for (int k = 0; k < c->n; k++)
-            c->shear[k] = fmax(c->shear[k], -c->coordinates[k] / y);
+            c->shear[k] = fmax(c->shear[k], -unit[k] / y);
     }
+}
+
+static bool find_components(const struct sampling_task *task, struct components *c,
+                            struct error *err)
+{
+    const struct fine_spectra *spectra = c->spectra;
+    if (!turn_products(c, err))
+        return false;
+    c->n = task->out->method.count < c->rank ? task->out->method.count : c->rank;
+    c->axis = sampling_numbers((2 + (size_t)spectra->n_products) * (size_t)c->n + 1, err);
+    if (!c->axis)
+        return false;
+    c->shear = c->axis + c->n;
+    c->units = c->shear + c->n;
+    for (int i = 0; i < spectra->n_products; i++)
+        add_unit(c, spectra->products + (size_t)i * (size_t)spectra->n_nm);
+    if (!find_axis(c))
+        return error_usage(err, "%s leaves no coordinates that are not negative; take more",
+                           task->name);
+    find_shear(c);
+    return true;
 }
 
 /* Sets analysis and synthesis. The inverse is c = c' - shear (axis . c') / (1 + axis . shear). */
@@ -224,24 +251,6 @@ static void set_weights(struct sampling *out)
         }
 }
 
-static bool find_components(const struct sampling_task *task, struct components *c,
-                            struct error *err)
-{
-    if (!turn_products(c, err))
-        return false;
-    c->n = task->out->method.count < c->rank ? task->out->method.count : c->rank;
-    c->coordinates = sampling_numbers(3 * (size_t)c->n + 1, err);
-    if (!c->coordinates)
-        return false;
-    c->axis = c->coordinates + c->n;
-    c->shear = c->axis + c->n;
-    if (!find_axis(c))
-        return error_usage(err, "%s leaves no coordinates that are not negative; take more",
-                           task->name);
-    find_shear(c);
-    return true;
-}
-
 /* A scene that is all black has one page of zeros. */
 static bool set_pages(const struct components *c, struct sampling *out, struct error *err)
 {
@@ -264,6 +273,6 @@ bool sample_basis(const struct sampling_task *task, struct error *err)
     struct components c = {.spectra = task->spectra};
     const bool done = find_components(task, &c, err) && set_pages(&c, task->out, err);
     free(c.direction);
-    free(c.coordinates);
+    free(c.axis);
     return done;
 }
