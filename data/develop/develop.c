@@ -23,27 +23,6 @@ enum {
     BLOCK_PIXELS = 1024     /* that a thread adds up at once */
 };
 
-struct development {
-    const struct develop_options *options;
-    struct develop_result *result;
-    struct cube cube;
-    double *weights; /* [channel][page] */
-    double white[3]; /* as adapted, of observers */
-    int rows;        /* of a chunk */
-    int threads;
-    size_t n_pixels; /* of a chunk */
-    float *radiance; /* [page of the batch][pixel] */
-    double *sums;    /* [channel][pixel] */
-    void *samples;   /* as picture_write takes them */
-};
-
-static bool prepare_weights(struct development *of, struct error *err)
-{
-    of->weights = calloc(3 * (size_t)of->cube.image.n_pages, sizeof *of->weights);
-    return (of->weights != NULL || error_memory(err)) &&
-           develop_weights(&of->cube, of->options, of->result, of->weights, of->white, err);
-}
-
 static size_t sample_bytes(const struct develop_options *options)
 {
     return options->values != DEVELOP_RGB ? sizeof(float) : (size_t)options->bits / 8;
@@ -332,11 +311,13 @@ bool develop(const char *stack, const char *output, const struct develop_options
              struct develop_result *out, struct error *err)
 {
     struct development of = {.options = options, .result = out};
-    bool done = cube_open(stack, &of.cube, err) && prepare_weights(&of, err) &&
+    bool done = cube_open(stack, &of.cube, err) && develop_weights(&of, err) &&
                 prepare_chunk(&of, err) && (options->exposure > 0 || find_exposure(&of, err)) &&
                 write_picture(&of, output, err);
     cube_close(&of.cube);
+    detector_free(&of.detector);
     free(of.weights);
+    free(of.of_white);
     free(of.radiance);
     free(of.sums);
     free(of.samples);

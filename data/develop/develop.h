@@ -6,6 +6,8 @@
 #include "data/colour/colour.h"
 #include "data/method/method.h"
 #include "data/options/options.h"
+#include "data/spectra/spectra.h"
+#include "data/stack/stack.h"
 #include "spectral.h"
 
 enum develop_values { DEVELOP_RGB, DEVELOP_XYZ, DEVELOP_LAB };
@@ -55,13 +57,26 @@ bool develop_accepts_exposure(const char *option, const char *value, struct erro
 
 /* ---- Inside this room ---- */
 
-struct cube; /* data/stack/stack.h */
-/* Finds the weights that take the pages of a stack to linear display channels, or to XYZ (also for
- * CIELAB), at exposure 1: out[channel * n_pages + page]. Fills in the result but for what the
- * pixels decide. `adapted` becomes the white that an observer has adapted to. Refuses a detector
- * that sees none of the wavelengths. In weights.c. */
-bool develop_weights(const struct cube *cube, const struct develop_options *options,
-                     struct develop_result *result, double *out, double adapted[3],
-                     struct error *err);
+/* A stack that is being developed. */
+struct development {
+    const struct develop_options *options;
+    struct develop_result *result;
+    struct cube cube;
+    struct detector detector;
+    double *weights;  /* of the stack's pages: [channel * n_pages + page]; owned */
+    double *of_white; /* of the white's pages, if they differ from those; owned */
+    double equal[3];  /* the detector's response to a radiance of 1 everywhere */
+    double white[3];  /* that an observer has adapted to */
+    int rows;         /* of a chunk */
+    int threads;
+    size_t n_pixels; /* of a chunk */
+    float *radiance; /* [page of the batch][pixel]; owned */
+    double *sums;    /* [channel][pixel]; owned */
+    void *samples;   /* as picture_write takes them; owned */
+};
+/* Finds the weights that take the pages of the cube to linear display channels, or to XYZ (also for
+ * CIELAB), at exposure 1. Fills in the result but for what the pixels decide, and the white.
+ * Refuses a detector that sees none of the wavelengths. In weights.c. */
+bool develop_weights(struct development *of, struct error *err);
 
 #endif

@@ -36,31 +36,33 @@ static bool number_pages(struct image *image, struct error *err)
     return image->wavelengths_nm != NULL || error_memory(err);
 }
 
-bool cube_open(const char *path, struct cube *out, struct error *err)
+static bool open_cube(const char *path, struct cube *out, struct error *err)
 {
+    struct image *image = &out->image;
     struct error foreign = {0};
-    *out = (struct cube){.record = {.text = NULL}};
-    if (!image_open(path, nowhere, &out->image, err))
+    if (!image_open(path, nowhere, image, err))
         return false;
-    const bool own = record_read(&out->image, &out->record, &foreign);
-    out->components = out->record.components && !out->image.coloured;
-    if (out->components && !number_pages(&out->image, err)) {
-        cube_close(out);
+    const bool own = record_read(image, &out->record, &foreign);
+    out->components = out->record.components && !image->coloured;
+    if (out->components && !number_pages(image, err))
         return false;
-    }
-    if (out->image.coloured || out->image.wavelengths_nm == NULL) {
-        error_usage(
-            err,
-            "%s: %s; expected a stack of grey pages, one page or one GDAL band a wavelength,"
-            " that tell increasing ones as OME-XML, GDAL_METADATA or page names such as"
-            " \"305 nm\"",
-            path, out->image.coloured ? "its pages are RGB" : out->image.untold);
-        cube_close(out);
-        return false;
-    }
     if (own && !map_is_whole(out))
         out->record.map_bytes = 0;
-    return true;
+    return (!image->coloured && image->wavelengths_nm) ||
+           error_usage(err,
+                       "%s: %s; expected a stack of grey pages, one page or one GDAL band a"
+                       " wavelength, that tell increasing ones as OME-XML, GDAL_METADATA or page"
+                       " names such as \"305 nm\"",
+                       path, image->coloured ? "its pages are RGB" : image->untold);
+}
+
+bool cube_open(const char *path, struct cube *out, struct error *err)
+{
+    *out = (struct cube){.record = {.text = NULL}};
+    const bool done = open_cube(path, out, err);
+    if (!done)
+        cube_close(out);
+    return done;
 }
 
 bool cube_needs_radiance(const struct cube *cube, const char *what, struct error *err)
@@ -156,17 +158,20 @@ bool cube_equal_response(const struct cube *cube, const struct detector *detecto
 
 /* ---- the white ---- */
 
-/* The whole text is one word, blanks and all. */
-static bool spectrum_of_option(const char *value, struct text *text, struct spectrum *out,
-                               struct error *err)
+/* Reads the spectrum that --white names. The whole value is one word, blanks and all. */
+static bool read_white(const char *value, struct spectrum *out, struct error *err)
 {
-    if (!text_open_string(text, "--white", value, err))
-        return false;
-    if (!text_next_line(text) || strchr(value, '\n') != NULL)
-        return error_at(err, text_place(text), "expected one line, not '%s'", value);
-    const struct word word = {
-        .start = text->at, .length = strlen(value), .place = {text->path, text->line, 1}};
-    return spectrum_read(&word, 0, HUGE_VAL, out, err);
+    struct text text = {.path = NULL};
+    bool good = text_open_string(&text, "--white", value, err);
+    if (good && (!text_next_line(&text) || strchr(value, '\n')))
+        good = error_at(err, text_place(&text), "expected one line, not '%s'", value);
+    if (good) {
+        const struct word word = {
+            .start = text.at, .length = strlen(value), .place = {text.path, text.line, 1}};
+        good = spectrum_read(&word, 0, HUGE_VAL, out, err);
+    }
+    text_free(&text);
+    return good;
 }
 
 /* The mean over a box, by cells of 1 nm that begin at `origin`. */
@@ -179,24 +184,18 @@ static double mean_within(const struct spectrum *spectrum, const double limits[2
     return sum / (limits[1] - limits[0]);
 }
 
-static bool has_boxes(const struct record *record)
-{
-    return record->segments.n > 0 && sampling_takes_means(record->sampling);
-}
-
 static bool white_of_option(const struct cube *cube, const char *value, double *out,
                             struct error *err)
 {
-    const bool boxes = has_boxes(&cube->record);
-    const double *segments = cube->record.segments.value;
-    struct text text = {.path = NULL};
+    const struct record *record = &cube->record;
+    const bool boxes = record->segments.n > 0 && sampling_takes_means(record->sampling);
+    const double *segments = record->segments.value;
     struct spectrum spectrum = {.kind = SPECTRUM_NONE};
-    const bool good = spectrum_of_option(value, &text, &spectrum, err);
+    const bool good = read_white(value, &spectrum, err);
     for (int i = 0; good && i < cube->image.n_pages; i++)
         out[i] = boxes ? mean_within(&spectrum, segments + 2 * i, segments[0])
                        : spectrum_at(&spectrum, cube->image.wavelengths_nm[i], SPECTRUM_ZERO);
     spectrum_free(&spectrum);
-    text_free(&text);
     return good;
 }
 
@@ -232,19 +231,17 @@ bool cube_white(const struct cube *cube, const char *spectrum, double *out, stru
     return white_shines(cube, out, cube->image.n_pages, err);
 }
 
-/* By the detector of a fixed stack. */
+/* Finds the response of a fixed stack's detector to the spectrum that --white names. */
 static bool option_respond(const struct cube *cube, const char *value, double out[3],
                            struct error *err)
 {
-    struct text text = {.path = NULL};
     struct spectrum spectrum = {.kind = SPECTRUM_NONE};
     struct detector detector = {.name = NULL};
     const bool good = detector_read(cube->record.sampling_detector, &detector, err) &&
-                      spectrum_of_option(value, &text, &spectrum, err) &&
+                      read_white(value, &spectrum, err) &&
                       respond_finely(&cube->record, &detector, &spectrum, out, err);
     detector_free(&detector);
     spectrum_free(&spectrum);
-    text_free(&text);
     return good;
 }
 
