@@ -18,29 +18,12 @@
 
 /* ---- as if it were sampled ---- */
 
-/* Returns the page before a wavelength. *part: how far it lies towards the next page, 0 to 1.
- * Beyond the ends the end page stands for it. */
-static int page_before(const struct image *image, double nm, double *part)
-{
-    const double *page_nm = image->wavelengths_nm;
-    int before = 0, behind = image->n_pages - 1;
-    *part = 0;
-    if (behind == 0)
-        return 0;
-    while (behind - before > 1) {
-        const int middle = before + (behind - before) / 2;
-        *(nm < page_nm[middle] ? &behind : &before) = middle;
-    }
-    *part = fmax(0, fmin((nm - page_nm[before]) / (page_nm[behind] - page_nm[before]), 1));
-    return before;
-}
-
 /* Adds the weights of the radiance at nm, channels `stride` apart, to those of the pages. */
 static void add_weight(const struct image *image, double nm, const double *weights, int stride,
                        double factor, double *out)
 {
     double part;
-    const int n = image->n_pages, page = page_before(image, nm, &part);
+    const int n = image->n_pages, page = wavelength_before(image->wavelengths_nm, n, nm, &part);
     for (int channel = 0; channel < 3; channel++) {
         const double weight = factor * weights[channel * stride];
         out[channel * n + page] += (1 - part) * weight;
@@ -112,7 +95,8 @@ static bool white_finely(const struct development *of, struct fine_spectra *out,
         out->n_lights = out->n_products = 1;
         for (int j = 0; j < out->n_nm; j++) {
             double part;
-            const int page = page_before(image, out->first_nm + j, &part);
+            const int page =
+                wavelength_before(image->wavelengths_nm, image->n_pages, out->first_nm + j, &part);
             out->lights[j] =
                 part > 0 ? (1 - part) * white[page] + part * white[page + 1] : white[page];
         }

@@ -97,26 +97,35 @@ double sampling_seen(const struct sampling *sampling, int j)
            fabs(fine->weights[2 * fine->n + j]);
 }
 
-/* Makes a synthesis that is linear between the wavelengths, and constant beyond the ends. */
-static bool make_linear_synthesis(struct sampling *out, struct error *err)
+/* ---- between wavelengths ---- */
+
+int wavelength_before(const double *wavelength_nm, int n, double nm, double *part)
 {
-    const int n = out->pages.n;
-    const double *nm = out->pages.wavelength_nm;
-    out->synthesis = sampling_numbers((size_t)n * (size_t)out->fine.n, err);
-    for (int j = 0; out->synthesis && j < out->fine.n; j++) {
-        const double x = out->fine.nm[j];
-        double *row = out->synthesis + (size_t)j * (size_t)n;
-        int right = 0;
-        while (right < n && nm[right] < x)
-            right++;
-        if (right == 0 || right == n) {
-            row[right == 0 ? 0 : n - 1] = 1;
-        } else {
-            row[right] = (x - nm[right - 1]) / (nm[right] - nm[right - 1]);
-            row[right - 1] = 1 - row[right];
-        }
+    int before = 0, behind = n - 1;
+    *part = 0;
+    if (behind == 0)
+        return 0;
+    while (behind - before > 1) {
+        const int middle = before + (behind - before) / 2;
+        *(nm < wavelength_nm[middle] ? &behind : &before) = middle;
     }
-    return out->synthesis != NULL;
+    const double step = wavelength_nm[behind] - wavelength_nm[before];
+    *part = fmax(0, fmin((nm - wavelength_nm[before]) / step, 1));
+    return before;
+}
+
+double *linear_synthesis(const double *wavelength_nm, int n, double first_nm, int n_nm,
+                         struct error *err)
+{
+    double *out = sampling_numbers((size_t)n * (size_t)n_nm, err), part;
+    for (int j = 0; out && j < n_nm; j++) {
+        double *row = out + (size_t)j * (size_t)n;
+        const int before = wavelength_before(wavelength_nm, n, first_nm + j, &part);
+        row[before] = 1 - part;
+        if (part > 0)
+            row[before + 1] = part;
+    }
+    return out;
 }
 
 /* ---- weights ---- */
@@ -207,7 +216,10 @@ static bool complete(const struct sampling_task *task, struct error *err)
     if (out->segment_nm)
         sampling_weights(task->detector, wavelength_nm, out->segment_nm, out->pages.n,
                          out->weights);
-    return out->pages.analysis || make_linear_synthesis(out, err);
+    if (!out->pages.analysis)
+        out->synthesis =
+            linear_synthesis(wavelength_nm, out->pages.n, out->pages.first_nm, out->fine.n, err);
+    return out->synthesis || out->pages.analysis;
 }
 
 bool sampling_make(const struct sampling_method *method, const char *detector,
