@@ -100,38 +100,25 @@ bool stack_finish(struct stack_writer *writer, const char *verdict, struct error
 
 /* ---- two stacks ---- */
 
-/* Reads up to `capacity` bytes; less only at the end of the file. -1: see errno. */
-static ssize_t read_at(int descriptor, char *bytes, size_t capacity, uint64_t offset)
-{
-    size_t length = 0;
-    ssize_t got = 1;
-    while (length < capacity && got > 0) {
-        got = pread(descriptor, bytes + length, capacity - length, (off_t)(offset + length));
-        if (got < 0)
-            return -1;
-        length += (size_t)got;
-    }
-    return (ssize_t)length;
-}
-
-/* The offset of the first byte that is not the same, UINT64_MAX where there is none. */
+/* Finds the offset of the first byte that differs; UINT64_MAX: none does. Returns false where a
+ * file cannot be read: see errno. */
 static bool first_difference(int one, int other, uint64_t *out)
 {
     char a[65536], b[sizeof a];
-    ssize_t n_a, n_b;
-    *out = 0;
-    do {
-        n_a = read_at(one, a, sizeof a, *out);
-        n_b = read_at(other, b, sizeof b, *out);
+    ssize_t n = 1;
+    for (*out = 0; n > 0;) {
+        const ssize_t n_a = pread(one, a, sizeof a, (off_t)*out);
+        const ssize_t n_b = pread(other, b, sizeof b, (off_t)*out);
         if (n_a < 0 || n_b < 0)
             return false;
         ssize_t same = 0;
-        while (same < n_a && same < n_b && a[same] == b[same])
+        n = n_a < n_b ? n_a : n_b;
+        while (same < n && a[same] == b[same])
             same++;
         *out += (uint64_t)same;
-        if (same < n_a || same < n_b)
+        if (same < n || (n == 0 && n_a != n_b))
             return true;
-    } while (n_a > 0);
+    }
     *out = UINT64_MAX;
     return true;
 }
