@@ -119,7 +119,7 @@ static void test_mean(void)
     CHECK_TEXT(cube.record.lights.text[0], "lamp.csv*3", "the first light");
     CHECK_TEXT(cube.record.lights.text[1], "0.25*2*1", "the second, whose spectrum has a factor");
     CHECK_TEXT(cube.record.ambients.text[0], "2*4", "the ambient one");
-    check_no_white(&cube, "0", "the white is 0 at all of its wavelengths");
+    check_no_white(&cube, "0", "the white is 0 at all of the stack's wavelengths");
     check_no_white(&cube, "no such light", "--white:1:1: error: ");
     check_no_white(&cube, "", "expected one line");
     check_no_white(&cube, "-1", "--white:1:1: error: ");
@@ -156,7 +156,7 @@ static void test_dark(void)
         CHECK(cube.record.white.n == 0 && record_illumination(&cube.record) == 0,
               "what does not shine makes no white");
         CHECK(cube.record.lights.n == (i > 0), "even where there is a light");
-        check_no_white(&cube, NULL, "tells no white");
+        check_no_white(&cube, NULL, "records no white");
         check_white(&cube, "1", &one, "one of the command line");
         cube_close(&cube);
     }
@@ -423,7 +423,7 @@ static void test_foreign(void)
     CHECK(write_pages(16, 1, whole, rising) && cube_open(path, &cube, &err),
           "a stack of others opens %s", err.text);
     CHECK(cube.record.text == NULL && object_at(&cube, 0, 0) == -1, "it tells no objects");
-    check_no_white(&cube, NULL, "tells no white");
+    check_no_white(&cube, NULL, "records no white");
     cube_close(&cube);
     CHECK(write_pages(16, 1, whole, NULL), "pages without names are written");
     check_refusal("a plain TIFF", "tells no wavelengths; expected a stack of grey pages");
@@ -620,7 +620,7 @@ static void test_huge(void)
     err = (struct error){0};
     cube.record.response.value[3] = -1e300;
     CHECK(!cube_weights(&cube, &detector, weights, &err) &&
-              strstr(err.text, "weight -1e+300 of page 4 is of no use") != NULL,
+              strstr(err.text, "weight -1e+300 of page 4 cannot be used") != NULL,
           "a weight of -1e300 is refused %s", err.text);
     detector_free(&detector);
     cube_close(&cube);
@@ -654,12 +654,12 @@ static void test_unseen(void)
               "%s: ultraviolet light makes no white %s", samplings[i], err.text);
         CHECK(!cube_white_response(&cube, &(struct white_request){NULL, true}, weights, &found,
                                    white, &err) &&
-                  strstr(err.text, "tells no white") != NULL,
+                  strstr(err.text, "records no white") != NULL,
               "%s: and none where it is needed %s", samplings[i], err.text);
         err = (struct error){0};
         CHECK(!cube_white_response(&cube, &(struct white_request){"lamp.csv", true}, weights,
                                    &found, white, &err) &&
-                  strstr(err.text, "0 at all of its wavelengths") != NULL,
+                  strstr(err.text, "0 at all of the stack's wavelengths") != NULL,
               "%s: nor as an option %s", samplings[i], err.text);
         cube_close(&cube);
     }

@@ -140,7 +140,7 @@ static void check_refused(const char *description, const char *what)
     char *copy = strdup(description);
     image.description = copy;
     CHECK(!record_read(&image, &record, &err) && err.status == EXIT_INPUT &&
-              strstr(err.text, "forged.tif: does not tell how it was made") && !record.text,
+              strstr(err.text, "forged.tif: has no record of how it was made") && !record.text,
           "%s is refused", what);
     free(copy);
 }

@@ -702,7 +702,7 @@ static void test_refusals(void)
     check_refusal(&stage, "gauss:6,acc", "dcs200-camera", "needs an observer");
     check_refusal(&stage, "box:402", "cie1931", "401 nm");
     check_refusal(&dark, "gauss:60,open", "cie1931", "50 nm");
-    check_refusal(&blue, "rgb", "cie1931", "not all three are above 0 from 380 to 429 nm");
+    check_refusal(&blue, "rgb", "cie1931", "not all above 0 from 380 to 429 nm");
     check_refusal(&stage, "riemann:500", "cie1931", "400 nm long");
     check_refusal(&stage, "gauss:8", "no-such-detector", "no-such-detector");
     for (int i = 0; i < ALL; i++)
@@ -826,24 +826,24 @@ static void test_print(void)
 {
     struct stage stage = chart("gaussian:546,4", 380, 401);
     check_print(&stage, "riemann:50",
-                "riemann:50 for cie1931: 9 wavelengths; tells only these wavelengths\n", "");
+                "riemann:50 for cie1931: 9 wavelengths; radiances at these wavelengths only\n", "");
     check_print(&stage, "gauss:8",
                 "gauss:8 for cie1931: 8 wavelengths, 3 of 24 weights negative (-1.1 %);"
-                " tells only these wavelengths\n",
+                " radiances at these wavelengths only\n",
                 "");
     check_print(&stage, "adaptive:0.1",
                 "adaptive:0.1 for cie1931: 5 wavelengths, 1 emission peak (546 nm);"
-                " tells only these wavelengths\n",
+                " radiances at these wavelengths only\n",
                 "");
     check_print(
         &stage, "rgb",
-        "rgb for cie1931: 3 components; no spectra, and no fluorescence; only cie1931 can be"
-        " served\n",
+        "rgb for cie1931: 3 components; no spectra, and no fluorescence; for no detector but"
+        " cie1931\n",
         "green");
     check_print(
         &stage, "xyz",
-        "xyz for cie1931: 3 components; no spectra, and no fluorescence; only cie1931 can be"
-        " served\n",
+        "xyz for cie1931: 3 components; no spectra, and no fluorescence; for no detector but"
+        " cie1931\n",
         "Y");
     clear(&stage);
 }

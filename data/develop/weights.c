@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The weights that develop a stack: the detector, adaptation and display are linear, and so become
- * three numbers a page. */
+/* Finds the weights that develop a stack. Detector, adaptation and display are linear: together
+ * they become three numbers a page. */
 #include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
@@ -16,7 +16,7 @@
 #include "data/tiff/tiff.h"
 #include "spectral.h"
 
-/* ---- as if it were sampled ---- */
+/* ---- by a sampling of the stack's spectra ---- */
 
 /* Adds the weights of the radiance at nm, channels `stride` apart, to those of the pages. */
 static void add_weight(const struct image *image, double nm, const double *weights, int stride,
@@ -46,7 +46,7 @@ static void fold_sampling(const struct image *image, const struct sampling *samp
                            out);
 }
 
-/* Folds the weights of the detector itself, at every nm, into those of the white. */
+/* Folds the weights of the detector at every nm into those for the white. */
 static bool fold_detector(struct development *of, const struct fine_detector *fine,
                           struct error *err)
 {
@@ -56,7 +56,7 @@ static bool fold_detector(struct development *of, const struct fine_detector *fi
     return of->of_white || error_memory(err);
 }
 
-/* Refuses to sample a stack's spectra where that cannot be done. */
+/* Refuses a stack that was sampled, or a method that needs more than its spectra. */
 static bool check_sampling(const struct cube *cube, const struct sampling_method *method,
                            struct error *err)
 {
@@ -65,20 +65,22 @@ static bool check_sampling(const struct cube *cube, const struct sampling_method
     if (cube->record.sampling != NULL)
         return error_usage(
             err,
-            "%s: was sampled itself, by %s; --sampling needs a stack that was rendered"
-            " without",
+            "%s: was sampled when it was rendered, by %s; --sampling needs a stack that was"
+            " rendered without",
             image->path, cube->record.sampling);
     if (method->kind >= SAMPLING_BASIS)
-        return error_usage(
-            err, "--sampling basis, rgb and xyz need lights and reflectances apart, which a"
-                 " stack has multiplied already; expected one of the others, or render"
-                 " --sampling");
+        return error_usage(err,
+                           "--sampling basis, rgb and xyz need lights and reflectances apart, and a"
+                           " stack holds their products; expected another method, or render"
+                           " --sampling");
     return image->wavelengths_nm[image->n_pages - 1] <= longest_nm ||
            error_usage(err, "%s: its wavelengths reach %.10g nm; --sampling goes up to %.10g nm",
                        image->path, image->wavelengths_nm[image->n_pages - 1], longest_nm);
 }
 
-/* The white at every nm is all that is known of the light; adaptive sampling needs it. */
+/* Makes the white at every nm the only light and the only product. Only adaptive sampling needs
+ * one.
+ */
 static bool white_finely(const struct development *of, struct fine_spectra *out, struct error *err)
 {
     const struct image *image = &of->cube.image;
@@ -107,7 +109,7 @@ static bool white_finely(const struct development *of, struct fine_spectra *out,
 }
 
 /* Describes the sampling in one line. */
-static void tell_sampling(const struct sampling *sampling, struct develop_result *result)
+static void describe_sampling(const struct sampling *sampling, struct develop_result *result)
 {
     FILE *to = fmemopen(result->sampling, sizeof result->sampling - 1, "w");
     if (to == NULL)
@@ -117,8 +119,8 @@ static void tell_sampling(const struct sampling *sampling, struct develop_result
     result->sampling[strcspn(result->sampling, "\n")] = '\0';
 }
 
-/* Finds both weights as if the spectra of the pages were sampled. A fixed sampling takes the white
- * as it is. */
+/* Finds both weights as if the spectra of the pages were sampled. With a fixed sampling the white
+ * is not sampled. */
 static bool sampled_weights(struct development *of, struct error *err)
 {
     const struct image *image = &of->cube.image;
@@ -140,7 +142,7 @@ static bool sampled_weights(struct development *of, struct error *err)
             detector_lost(&of->detector, sampling.pages.wavelength_nm, sampling.pages.n, lost);
         else
             detector_lost_outside(&of->detector, first - 0.5, first + spectra.n_nm - 0.5, lost);
-        tell_sampling(&sampling, of->result);
+        describe_sampling(&sampling, of->result);
     }
     sampling_free(&sampling);
     fine_spectra_free(&spectra);
@@ -154,7 +156,7 @@ static bool check_detector(const struct development *of, struct error *err)
     const struct image *image = &of->cube.image;
     const struct detector *detector = &of->detector;
     const struct develop_options *options = of->options;
-    /* A recorded response was checked; components of a black scene have 0. */
+    /* Rendering checked a recorded response; that of a black scene is 0. */
     bool sees = of->cube.record.response.n > 0;
     for (int i = 0; i < 3 * image->n_pages; i++)
         sees = sees || of->weights[i] != 0;
@@ -181,8 +183,8 @@ static bool balance(const struct development *of, struct error *err)
     for (int channel = 0; channel < 3; channel++) {
         if (!(white[channel] > 0))
             return error_usage(err,
-                               "channel %d of %s has %.6g of the white, by which it is to be"
-                               " divided; expected one that all three channels see",
+                               "channel %d of %s responds to the white with %.6g, and cannot be"
+                               " divided by that; expected a white that all three channels see",
                                channel + 1, of->detector.name, white[channel]);
         for (int i = 0; i < n; i++)
             of->weights[channel * n + i] /= white[channel];
@@ -201,8 +203,8 @@ static void fold(double m[3][3], int n, double *weights)
     }
 }
 
-/* Adapts the weights, and the white. The thesis takes the luminance that a
- * light adapts to for ten times its intensity. */
+/* Adapts the weights, and the white. As in the thesis, the luminance of
+ * Fairchild's adaptation is ten times the light's intensity. */
 static bool adapt(struct development *of, struct error *err)
 {
     const struct develop_options *options = of->options;
@@ -223,7 +225,7 @@ static bool adapt(struct development *of, struct error *err)
     return true;
 }
 
-/* Where no white is needed the result still reports the recorded one. */
+/* The result reports a recorded white even where none is needed. */
 static bool needs_white(const struct development *of)
 {
     return !of->detector.observer || of->options->adaptation.kind != ADAPTATION_NONE ||
@@ -254,7 +256,8 @@ static void begin_result(const struct development *of)
     if (record->sampling != NULL)
         snprintf(out->sampling, sizeof out->sampling, "%s for %s (recorded)", record->sampling,
                  record->sampling_detector);
-    for (char *at = out->sampling; *at != '\0'; at++) /* words of a file: they drive no terminal */
+    for (char *at = out->sampling; *at != '\0';
+         at++) /* a control character of a file could drive the terminal */
         *at = iscntrl((unsigned char)*at) ? '?' : *at;
     cube_lost(cube, &of->detector, out->lost);
 }

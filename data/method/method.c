@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Methods of sampling as words. */
+/* Reads and writes methods of sampling as words. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -41,7 +41,7 @@ static bool read_number(const struct word *number, struct sampling_method *out, 
     return done;
 }
 
-/* Returns the index of a name of so many bytes; n: there is none. */
+/* Returns the index of a name of `length` bytes, or n if it is unknown. */
 static int find_name(const char *const *names, int n, const char *name, size_t length)
 {
     int i = 0;

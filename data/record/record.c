@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A stack's record of how it was made, so that it can be made again: lines in the description of
- * its first page, behind those of its scale. */
+/* Writes and reads a stack's record of how it was made, by which it can be made again: lines in the
+ * description of its first page, behind the lines of its scale. */
 #include <ctype.h>
 #include <float.h>
 #include <limits.h>
@@ -267,7 +267,7 @@ char *record_text(const struct record *record)
 
 /* ---- reading ---- */
 
-/* Replaces, in place, those of XML's five predefined entities that data/stack/tags.c writes. */
+/* Replaces, in place, the entities of XML that data/stack/tags.c writes. */
 static void unescape(char *text)
 {
     static const struct {
@@ -289,7 +289,8 @@ static void unescape(char *text)
     *to = '\0';
 }
 
-/* The text of the OME-XML's element Description, unescaped; allocated. NULL: none, or no memory. */
+/* Returns the text of the OME-XML's element Description, unescaped; allocated. NULL: there is none,
+ * or no memory. */
 static char *description_text(const char *xml)
 {
     static const char begin[] = "<Description>";
@@ -303,7 +304,7 @@ static char *description_text(const char *xml)
     return text;
 }
 
-/* Each %XX becomes its byte. In place. */
+/* Replaces each %XX by its byte, in place. */
 static void decode(char *text)
 {
     char *to = text;
@@ -319,8 +320,8 @@ static void decode(char *text)
     *to = '\0';
 }
 
-/* Reads finite numbers, one blank between them, behind those that a line before had. A field of a
- * fixed number of them begins anew. */
+/* Reads finite numbers, one blank between them, and adds them to those of earlier lines. A field of
+ * a fixed count begins anew. */
 static bool keep_numbers(struct numbers *out, const struct field *field, const char *value,
                          struct error *err)
 {
@@ -340,7 +341,7 @@ static bool keep_numbers(struct numbers *out, const struct field *field, const c
     return field->count == 0 || out->n == field->count;
 }
 
-/* Returns false where the value is malformed, or one too many. */
+/* Keeps a value. Returns false if it is malformed, or one too many. */
 static bool keep_value(struct record *record, const struct field *field, char *value,
                        struct error *err)
 {
@@ -361,7 +362,7 @@ static bool keep_value(struct record *record, const struct field *field, char *v
     }
 }
 
-/* Other programs may add lines: an unknown key is no fault. */
+/* Keeps the value of a known key. Other programs may add lines: an unknown key is not an error. */
 static bool keep_line(struct record *record, const char *key, char *value, struct error *err)
 {
     for (int i = 0; i < FIELDS; i++)
@@ -390,7 +391,7 @@ static bool keep_lines(struct record *record, struct error *err)
            record->scale != NULL;
 }
 
-/* Reads "OFFSET BYTES_PER_PIXEL". A record without a map is good. */
+/* Reads "OFFSET BYTES_PER_PIXEL". Returns true for a record without a map. */
 static bool read_map(struct record *record)
 {
     const char *map = record->object_map;
@@ -466,8 +467,8 @@ bool record_read(const struct image *image, struct record *out, struct error *er
         return true;
     record_free(out);
     return error_usage(err,
-                       "%s: does not tell how it was made; only stacks of spectral 0.2.0 or later"
-                       " do",
+                       "%s: has no record of how it was made; expected a stack of spectral 0.2.0"
+                       " or later",
                        image->path);
 }
 

@@ -38,16 +38,17 @@ struct record {
     /* Two limits a page, which lies between them. They rise without overlap, and at most
      * LARGEST_QUADRATURE pages share one segment. */
     struct numbers segments;
-    /* Of a fixed sampling: its weights; the two limits between which these hold, in cells of 1 nm;
-     * the three numbers with which its detector responds to the white there, if it sees it. */
+    /* A fixed sampling has a response: its weights. They hold for the cells of 1 nm between the two
+     * limits in range_nm. white_response is the detector's response to the white there: three
+     * numbers, or none if it does not see the white. */
     struct numbers response, range_nm, white_response;
     struct texts objects; /* by their numbers in the object map, from 1; 0 is the background */
-    /* Only of record_read: how samples become radiances; the object map, "OFFSET BYTES_PER_PIXEL",
-     * and both numbers, 0 where there is none. */
+    /* Only record_read sets these: how samples become radiances; the object map, "OFFSET
+     * BYTES_PER_PIXEL", and both of its numbers, 0 where there is no map. */
     const char *full_scale, *scale, *object_map;
     uint64_t map_offset;
     int map_bytes;
-    char *text; /* lights, ambients and, of record_read, all strings point into it; owned */
+    char *text; /* lights, ambients and, after record_read, all strings point into it; owned */
 };
 /* Returns how many decimal digits of a number read back as the same double. */
 int exact_digits(double number);
@@ -58,8 +59,8 @@ bool record_scene(const struct scene *scene, const struct sampling *sampling, st
 /* Writes lines "KEY: VALUE" into an allocated text; NULL: no memory. In values, control characters,
  * bytes that are no UTF-8, and '%' become %XX, as in a URL. */
 char *record_text(const struct record *record);
-/* Reads the record in the description of a stack's first page. Refuses, as no stack of this
- * program, an image without a record or with one that contradicts itself. */
+/* Reads the record in the description of a stack's first page. Refuses an image without a record,
+ * or with a record that contradicts itself. */
 bool record_read(const struct image *image, struct record *out, struct error *err);
 /* Returns the sum of the lights' intensities; 0: no white is recorded. */
 double record_illumination(const struct record *record);

@@ -46,8 +46,9 @@ static const double *spectrum_row(const struct adaptive *a, int i)
 /* ---- emission peaks ---- */
 
 /* A sample is a summit if it is the largest up to some distance of at most 10 nm, and above the
- * mean of its neighbours there by half of the spectrum's mean. Daylight (d65) is nowhere above by a
- * sixth, smooth spectra by less. Lines between two nm of the grid are not seen. */
+ * mean of its neighbours there by half of the spectrum's mean. Daylight (d65) exceeds its
+ * neighbours by less than a sixth, smooth spectra by less. Lines between two nm of the grid are not
+ * seen. */
 enum { FARTHEST_NEIGHBOUR = 10 };
 static const double least_excess = 0.5;
 
@@ -70,8 +71,8 @@ static bool is_summit(const double *row, int n, int j, double threshold)
     return false;
 }
 
-/* From a summit, which may be flat, downwards: the foot is where it falls no more, by a hundredth
- * of its height. */
+/* Walks down from a summit, which may be flat. Returns the foot: the cell from which the next step
+ * falls by less than a hundredth of the summit. */
 static int foot_of(const double *row, int n, int j, int step)
 {
     const double slope = row[j] / 100;
@@ -111,7 +112,7 @@ static bool find_peaks(struct adaptive *a, struct error *err)
     return true;
 }
 
-/* ---- what errors are measured by ---- */
+/* ---- scales of errors ---- */
 
 static double largest_response(const struct adaptive *a, int i)
 {
@@ -303,8 +304,9 @@ static void keep_fewest(struct adaptive *a, double tolerance)
     }
 }
 
-/* Errors of segments cancel: so each is first allowed far more than its part. With no more than
- * that the sum is within the tolerance, but for rounding; and cells alone are exact. */
+/* Errors of segments cancel: so each segment is first allowed far more than its part of the
+ * tolerance. If none exceeds its part, the sum is within the tolerance, but for rounding; single
+ * cells are exact. */
 static void find_segments(struct adaptive *a, double tolerance)
 {
     for (double slack = 64; slack >= 1 || a->fewest == 0; slack *= 0.75) {

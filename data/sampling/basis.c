@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A linear model: the principal components of a scene's spectra. */
+/* Sampling by a linear model: the principal components of a scene's spectra. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -16,7 +16,8 @@ static double dot(const double *a, const double *b, int n)
 
 /* ---- Jacobi's method on one side ---- */
 
-/* Rows that are orthogonal to this, or that are this small beside the longest, are left alone. */
+/* Two rows stay as they are if their cosine is at most n times this, or if both are no longer than
+ * this part of the longest row. */
 static const double negligible = 1e-15;
 
 /* Turns two rows until they are orthogonal; the longer becomes the first. (J. Demmel and K.
@@ -39,7 +40,7 @@ static bool turn(double *p, double *q, int n, double smallest)
     return true;
 }
 
-/* Convergence is quadratic; the number of sweeps is a limit that is not reached. */
+/* Convergence is quadratic: sixty sweeps are never needed. */
 void orthogonal_rows(double *row, int rows, int n)
 {
     double longest = 0;
@@ -141,8 +142,8 @@ static void add_to_axis(struct components *c, const double *unit)
         c->axis[k] += unit[k];
 }
 
-/* Adds those that are not, by this cosine, on the positive side of the axis, until all are: the
- * perceptron, which ends where there is such an axis. */
+/* Adds to the axis the products whose cosine with it is too small, until there are none: the
+ * perceptron, which ends if such an axis exists. */
 static bool lean_axis(struct components *c, double cosine)
 {
     enum { MOST = 100 };
@@ -161,7 +162,7 @@ static bool lean_axis(struct components *c, double cosine)
 }
 
 /* Finds an axis with all products on its positive side: their mean direction, as a rule. Products
- * far from the axis are sheared far, which magnifies what is rounded off: so the axis is drawn near
+ * far from the axis are sheared far, which magnifies rounding errors: so the axis is drawn near
  * them. */
 static bool find_axis(struct components *c)
 {
@@ -210,7 +211,7 @@ static bool find_components(const struct sampling_task *task, struct components 
     for (int i = 0; i < spectra->n_products; i++)
         add_unit(c, spectra->products + (size_t)i * (size_t)spectra->n_nm);
     if (!find_axis(c))
-        return error_usage(err, "%s leaves no coordinates that are not negative; take more",
+        return error_usage(err, "%s would have negative coordinates; take more components",
                            task->name);
     find_shear(c);
     return true;
@@ -251,7 +252,7 @@ static void set_weights(struct sampling *out)
         }
 }
 
-/* A scene that is all black has one page of zeros. */
+/* A black scene has one page of zeros. */
 static bool set_pages(const struct components *c, struct sampling *out, struct error *err)
 {
     if (!sampling_room(out, c->n > 0 ? c->n : 1, false, err))

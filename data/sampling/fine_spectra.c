@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The spectra of a scene's lights and terms at every nm, which methods of sampling look at.
- * Textures do not count: a spectral texture is taken at the wavelength of each page. */
+/* Finds the spectra of a scene's lights and terms at every nm, from which samplings are made.
+ * Textures do not count: a spectral texture is read at the wavelength of each page. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,9 +13,9 @@
 #include "data/terms/terms.h"
 #include "spectral.h"
 
-/* As wide as a stack of every nm may be. */
+/* A stack of every nm has no more pages. */
 enum { WIDEST_RANGE = 65535 };
-/* Sums over the range times a detector's sensitivities, and 100 of an observer, are finite. */
+/* With this limit, sums over the range times a detector's sensitivities are finite. */
 static const double largest_radiance = 1e290;
 
 /* A scene at every nm, with pages of their own wavelengths. */
@@ -94,8 +94,8 @@ static bool check_row(const struct rows *rows, const double *row, struct place p
 {
     for (int i = 0; i < rows->n_nm; i++)
         if (!(row[i] <= largest_radiance))
-            return error_at(err, place, "radiance %g cannot be sampled; it is at most %g", row[i],
-                            largest_radiance);
+            return error_at(err, place, "radiance %g cannot be sampled; expected %g at most",
+                            row[i], largest_radiance);
     return true;
 }
 

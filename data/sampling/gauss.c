@@ -63,12 +63,12 @@ bool sample_gauss_detector(const struct sampling_task *task, struct error *err)
 struct functions {
     const struct sampling *sampling;
     double *row;        /* [function * n + j]; owned */
-    bool first_is_best; /* takes all nodes that remain, not one more than the others */
+    bool first_is_best; /* the first function takes all nodes that remain, not only one */
     double back[3][3];
     struct quadrature rule[3];
 };
 
-/* Finds by how much of each orthogonal row the rows add up to the channels. */
+/* Finds the matrix that makes the channels of the orthogonal rows. */
 static void project(const double *channels, const double *rows, int n, double out[3][3])
 {
     for (int channel = 0; channel < 3; channel++)
@@ -115,7 +115,7 @@ static bool solve(struct functions *of, int n)
     return found;
 }
 
-/* The nearest number, up to 6 away, that has a solution; 0: none. */
+/* Returns the nearest number, up to 6 away, that has a solution; 0: none has. */
 static int solvable(struct functions *of, int n)
 {
     for (int away = 1; away <= 6; away++)
@@ -138,8 +138,9 @@ static bool refuse_unsolvable(const struct sampling_task *task, struct functions
         return error_usage(err,
                            "%s has no solution for functions such as %s's; %d samples have one",
                            task->name, task->out->detector, other);
-    return error_usage(err, "%s has no solution for functions such as %s's, nor have numbers near",
-                       task->name, task->out->detector);
+    return error_usage(
+        err, "%s has no solution for functions such as %s's, and numbers near it have none",
+        task->name, task->out->detector);
 }
 
 /* A node and its function. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Samplings: making them, what they make of spectra, and what they tell of themselves. */
+/* Makes samplings, samples scenes, and describes samplings in words. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -15,19 +15,21 @@
 
 /* ---- kinds ---- */
 
-/* All that a method decides beside the pages that its maker makes. */
+/* A kind of sampling: the function that makes its pages, and all else that differs between kinds.
+ */
 struct kind {
     bool (*make)(const struct sampling_task *task, struct error *err);
     const char *page, *pages, *limit; /* as sampling_print words them */
     bool needs_observer;
     bool any_detector; /* the pages are chosen without looking at the detector */
     bool fixed, components;
-    const char *labels[3]; /* of components; NULL: they have numbers */
+    const char *labels[3]; /* of components; NULL: "component 1" and so on */
 };
-#define WAVELENGTHS "wavelength", "wavelengths", "tells only these wavelengths"
+#define WAVELENGTHS "wavelength", "wavelengths", "radiances at these wavelengths only"
 #define THREE_NUMBERS "component", "components", "no spectra, and no fluorescence"
 static const struct kind kinds[] = {
-    [SAMPLING_BOX] = {sample_box, "box", "boxes", "tells only these means", .needs_observer = true},
+    [SAMPLING_BOX] = {sample_box, "box", "boxes", "means of these boxes only",
+                      .needs_observer = true},
     [SAMPLING_RIEMANN] = {sample_riemann, WAVELENGTHS, .any_detector = true},
     [SAMPLING_ADAPTIVE] = {sample_adaptive, WAVELENGTHS},
     [SAMPLING_BASIS] = {sample_basis, "component", "components", "no radiances at wavelengths",
@@ -138,11 +140,11 @@ static bool sees(const struct detector *detector, double nm)
     return seen;
 }
 
-/* A file may claim any segment; no detector sees as far as this. */
+/* No detector sees as far as this, but a file may claim any segment. */
 enum { MOST_CELLS = 1000000 };
 
-/* Weights of the pages of one segment, at nm[0] to nm[pages - 1]; out[channel * n + i]. Cells are
- * weighed one by one: that needs no memory. */
+/* Finds the weights of the pages of one segment, at nm[0] to nm[pages - 1]; out[channel * n + i].
+ * Cells are weighed one by one, which needs no memory. */
 static void weigh_segment(const struct detector *detector, const double *nm,
                           const double segment[2], int pages, int n, double *out)
 {
@@ -203,7 +205,7 @@ static bool prepare(const struct sampling_task *task, struct error *err)
            check_detector(task, err);
 }
 
-/* Adds what follows from the pages. */
+/* Completes the sampling by what follows from its pages and segments. */
 static bool complete(const struct sampling_task *task, struct error *err)
 {
     struct sampling *out = task->out;
@@ -341,7 +343,7 @@ static void print_peaks(const struct sampling *sampling, FILE *to)
         fputs(sampling->n_peaks > MOST ? ", ... nm)" : " nm)", to);
 }
 
-/* Components have negative weights as a matter of course. */
+/* Most components have negative weights, which are therefore not reported. */
 void sampling_print(const struct sampling *sampling, FILE *to)
 {
     char name[SAMPLING_NAME];
@@ -357,7 +359,7 @@ void sampling_print(const struct sampling *sampling, FILE *to)
         print_negative(sampling, to);
     fprintf(to, "; %s", kind->limit);
     if (sampling->fixed)
-        fprintf(to, "; only %s can be served", sampling->detector);
+        fprintf(to, "; for no detector but %s", sampling->detector);
     fputc('\n', to);
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "sampling": how a spectrum becomes a few numbers. */
+/* The room "sampling": few pages stand for a whole spectrum. */
 #ifndef SAMPLING_H
 #define SAMPLING_H
 
@@ -13,8 +13,8 @@
 
 /* ---- sampling.c, fine_spectra.c: samplings of a scene ---- */
 
-/* The spectra of a scene at first_nm, first_nm + 1, ... nm: as finely as they are ever looked at.
- * The cells of 1 nm around these cover the range that a sampling samples. */
+/* The spectra of a scene at first_nm, first_nm + 1, ... nm. The cells of 1 nm around these cover
+ * the range that a sampling samples. */
 struct fine_spectra {
     double first_nm;
     int n_nm;
@@ -34,7 +34,7 @@ struct fine_detector {
     double *nm;      /* owned, with the weights behind them */
     double *weights; /* detector_weights there: [channel * n + j] */
 };
-/* Refuses nothing but a lack of memory. n is at least 1. */
+/* Makes a fine detector of n >= 1 nm. Fails only where memory runs out. */
 bool fine_detector_make(const struct detector *detector, double first_nm, int n,
                         struct fine_detector *out, struct error *err);
 void fine_detector_free(struct fine_detector *detector);
@@ -73,8 +73,8 @@ bool scene_sample(struct scene *scene, const struct sampling_method *method, con
                   struct sampling *out, struct error *err);
 /* Returns the sampling, or NULL for a zeroed one: functions take NULL for no sampling. */
 const struct sampling *sampling_or_none(const struct sampling *sampling);
-/* Weights of any detector at n wavelengths that stand for segments: out[channel * n + i] = the sum
- * over cells of 1 nm of detector x polynomial, scaled as detector_weights scales. */
+/* Finds the weights of any detector at n wavelengths that stand for segments: out[channel * n + i]
+ * = the sum over cells of 1 nm of detector x polynomial, scaled as detector_weights scales. */
 void sampling_weights(const struct detector *detector, const double *wavelength_nm,
                       double (*segment_nm)[2], int n, double *out);
 /* Finds the wavelength before nm, of n >= 1 increasing ones. *part: how far nm lies towards the
@@ -104,7 +104,7 @@ struct sampling_task {
 bool sampling_room(struct sampling *out, int n, bool segments, struct error *err);
 /* Returns a zeroed array; NULL after an error. */
 double *sampling_numbers(size_t count, struct error *err);
-/* The magnitude of the detector's sensitivities at nm j of the grid. */
+/* Returns the sum of the magnitudes of the detector's weights at nm j of the grid. */
 double sampling_seen(const struct sampling *sampling, int j);
 /* Refuses more pages than `most` nm. In uniform.c, as the next. */
 bool sampling_refuse(const struct sampling_task *task, int most, struct error *err);

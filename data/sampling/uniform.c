@@ -17,7 +17,7 @@ bool sampling_refuse(const struct sampling_task *task, int most, struct error *e
 
 /* ---- steps ---- */
 
-/* A single wavelength would stand for 1 nm alone. */
+/* A step may not exceed the range: a single wavelength would stand for 1 nm alone. */
 bool sample_riemann(const struct sampling_task *task, struct error *err)
 {
     struct sampling *out = task->out;
@@ -68,7 +68,8 @@ static void cut_boxes(struct sampling *out, int first, int last)
     }
 }
 
-/* Hall found his boxes by trial; these have equal areas under the detector's functions. Cells at
+/* Unlike Hall's boxes, which he found by trying, these have equal areas under the detector's
+ * functions. Cells at
  * the ends that the detector does not see belong to none. */
 bool sample_box(const struct sampling_task *task, struct error *err)
 {
@@ -124,8 +125,8 @@ static bool divide_by_d65(const struct sampling_task *task, struct error *err)
     }
     spectrum_free(&d65);
     return good || error_usage(err,
-                               "%s divides by what d65 has of each number, and not all three are "
-                               "above 0 from %.6g to %.6g nm; take a wider range",
+                               "%s divides by the three numbers of d65, which are not all above 0 "
+                               "from %.6g to %.6g nm; take a wider range",
                                task->name, out->fine.nm[0], out->fine.nm[n - 1]);
 }
 

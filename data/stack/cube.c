@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A spectral stack to be read, with what it says of itself where it is one of our own. */
+/* Reads a spectral stack, with its record if this program wrote it. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -16,8 +16,8 @@
 
 static const struct place nowhere = {0};
 
-/* The map is the last thing in the file, and every object has a name. A stack of which that is not
- * true was written by others, or cut. */
+/* Returns whether the object map ends where the file ends, and objects have names. If not, another
+ * program changed the stack, or it was cut. */
 static bool map_is_whole(const struct cube *cube)
 {
     const struct record *record = &cube->record;
@@ -27,7 +27,7 @@ static bool map_is_whole(const struct cube *cube)
            record->map_offset == cube->image.bytes - bytes;
 }
 
-/* Stands for the wavelengths that components do not have. */
+/* Numbers the pages of components, which have no wavelengths. */
 static bool number_pages(struct image *image, struct error *err)
 {
     image->wavelengths_nm = calloc((size_t)image->n_pages, sizeof *image->wavelengths_nm);
@@ -49,11 +49,12 @@ static bool open_cube(const char *path, struct cube *out, struct error *err)
     if (own && !map_is_whole(out))
         out->record.map_bytes = 0;
     return (!image->coloured && image->wavelengths_nm) ||
-           error_usage(err,
-                       "%s: %s; expected a stack of grey pages, one page or one GDAL band a"
-                       " wavelength, that tell increasing ones as OME-XML, GDAL_METADATA or page"
-                       " names such as \"305 nm\"",
-                       path, image->coloured ? "its pages are RGB" : image->untold);
+           error_usage(
+               err,
+               "%s: %s; expected a stack of grey pages, one page or one GDAL band a"
+               " wavelength, that record increasing wavelengths as OME-XML, GDAL_METADATA or page"
+               " names such as \"305 nm\"",
+               path, image->coloured ? "its pages are RGB" : image->untold);
 }
 
 bool cube_open(const char *path, struct cube *out, struct error *err)
@@ -85,15 +86,16 @@ static bool is_for(const struct cube *cube, const struct detector *detector, str
                        record->sampling_detector, detector->name);
 }
 
-/* The limit of weights and whites, so that no sum of them is infinite. */
+/* Weights and whites have this limit: no sum of them is infinite. */
 static const double largest_number = (double)FLT_MAX;
 
 static bool weights_are_finite(const struct cube *cube, const double *weights, struct error *err)
 {
     for (int i = 0; i < 3 * cube->image.n_pages; i++)
         if (!(fabs(weights[i]) <= largest_number))
-            return error_usage(err, "%s: weight %g of page %d is of no use", cube->image.path,
-                               weights[i], i % cube->image.n_pages + 1);
+            return error_usage(err, "%s: weight %g of page %d cannot be used; expected %g at most",
+                               cube->image.path, weights[i], i % cube->image.n_pages + 1,
+                               largest_number);
     return true;
 }
 
@@ -174,7 +176,7 @@ static bool read_white(const char *value, struct spectrum *out, struct error *er
     return good;
 }
 
-/* The mean over a box, by cells of 1 nm that begin at `origin`. */
+/* Returns the mean over a box, by cells of 1 nm that begin at `origin`. */
 static double mean_within(const struct spectrum *spectrum, const double limits[2], double origin)
 {
     double sum = 0;
@@ -202,8 +204,8 @@ static bool white_of_option(const struct cube *cube, const char *value, double *
 static bool refuse_no_white(const struct cube *cube, struct error *err)
 {
     return error_usage(err,
-                       "%s: tells no white, as stacks of scenes with lights do since spectral"
-                       " 0.3.0; expected --white SPECTRUM",
+                       "%s: records no white, as stacks of scenes with lights do since spectral"
+                       " 0.3.0; name one by --white SPECTRUM",
                        cube->image.path);
 }
 
@@ -212,10 +214,11 @@ static bool white_shines(const struct cube *cube, const double *white, int n, st
     bool shines = false;
     for (int i = 0; i < n; i++)
         shines = shines || white[i] > 0;
-    return shines || error_usage(err,
-                                 "%s: the white is 0 at all of its wavelengths; expected one that"
-                                 " shines at some",
-                                 cube->image.path);
+    return shines ||
+           error_usage(err,
+                       "%s: the white is 0 at all of the stack's wavelengths; expected one that"
+                       " is above 0 at some",
+                       cube->image.path);
 }
 
 bool cube_white(const struct cube *cube, const char *spectrum, double *out, struct error *err)
@@ -282,8 +285,8 @@ bool cube_white_response(const struct cube *cube, const struct white_request *re
                           : white_of_pages(cube, request, weights, found, out, err);
     for (int channel = 0; done && *found && channel < 3; channel++)
         if (!(fabs(out[channel]) <= largest_number))
-            return error_usage(err, "%s: the white has %g in channel %d, which is of no use",
-                               cube->image.path, out[channel], channel + 1);
+            return error_usage(err, "%s: the white has %g in channel %d; expected %g at most",
+                               cube->image.path, out[channel], channel + 1, largest_number);
     return done;
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Writes the spectral stack: a multi-page TIFF, one page a wavelength or component. Behind the last
- * page lies the object map, of which only the record tells: a reader of TIFF never gets there. */
+/* Writes the spectral stack: a multi-page TIFF, one page a wavelength or component. The object map
+ * lies behind the last page. Only the record says where: a reader of TIFF never gets there. */
 #include <assert.h>
 #include <float.h>
 #include <string.h>
@@ -19,11 +19,12 @@ static bool check_options(const struct stack_options *options, struct error *err
     int n_pages = options->n_wavelengths, width = options->width, height = options->height;
     if (n_pages < 1 || n_pages > most_pages || width < 1 || height < 1)
         return error_usage(err,
-                           "a stack of %d wavelengths of %dx%d pixels is impossible; it has"
-                           " 1 to %d of at least 1x1",
+                           "a stack of %d wavelengths of %dx%d pixels cannot be written; expected"
+                           " 1 to %d wavelengths of at least 1x1",
                            n_pages, width, height, most_pages);
     if (!(options->full_scale > 0 && options->full_scale <= DBL_MAX))
-        return error_usage(err, "a full scale of %g is impossible; it is a positive radiance",
+        return error_usage(err,
+                           "a full scale of %g cannot be written; expected a positive radiance",
                            options->full_scale);
     for (int page = 0; options->labels == NULL && page < n_pages; page++) {
         /* Tag 65000 takes floats. Labels have 10 digits: closer wavelengths could share one. */
@@ -59,7 +60,7 @@ bool stack_open(struct stack_writer *out, const char *path, const struct stack_o
     return pages_open(&out->pages, path, tags_set, out, err);
 }
 
-/* Bytes of a sample of a page, or of the object map, whose number follows the last page's. */
+/* Returns the bytes of a sample of a page. The object map is the page after the last one. */
 static size_t sample_bytes(const struct stack_options *options, int page)
 {
     if (page == options->n_wavelengths)
@@ -86,8 +87,8 @@ bool stack_write(struct stack_writer *writer, const struct stack_rectangle *to, 
     return true;
 }
 
-/* A verdict fills its room with blanks, so that the size of the file does not depend on it. What is
- * no printable ASCII becomes '?'; what is too long loses its tail. */
+/* Blanks fill the room behind the verdict, so that the size of the file does not depend on it.
+ * Bytes that are not printable ASCII become '?', and a verdict that is too long loses its tail. */
 bool stack_finish(struct stack_writer *writer, const char *verdict, struct error *err)
 {
     char room[STACK_VERDICT];
