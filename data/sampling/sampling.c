@@ -15,36 +15,54 @@
 
 /* ---- kinds ---- */
 
+/* The words of sampling_print for one page, for several, and for the limits of a kind. */
+struct words {
+    const char *page, *pages, *limit;
+};
+static const struct words boxes = {"box", "boxes", "means of these boxes only"};
+static const struct words wavelengths = {"wavelength", "wavelengths",
+                                         "radiances at these wavelengths only"};
+static const struct words components = {"component", "components", "no radiances at wavelengths"};
+static const struct words three_numbers = {"component", "components",
+                                           "no spectra, and no fluorescence"};
+
 /* A kind of sampling: the function that makes its pages, and all else that differs between kinds.
  */
 struct kind {
     bool (*make)(const struct sampling_task *task, struct error *err);
-    const char *page, *pages, *limit; /* as sampling_print words them */
+    const struct words *words;
     bool needs_observer;
     bool any_detector; /* the pages are chosen without looking at the detector */
     bool fixed, components;
     const char *labels[3]; /* of components; NULL: "component 1" and so on */
 };
-#define WAVELENGTHS "wavelength", "wavelengths", "radiances at these wavelengths only"
-#define THREE_NUMBERS "component", "components", "no spectra, and no fluorescence"
 static const struct kind kinds[] = {
-    [SAMPLING_BOX] = {sample_box, "box", "boxes", "means of these boxes only",
-                      .needs_observer = true},
-    [SAMPLING_RIEMANN] = {sample_riemann, WAVELENGTHS, .any_detector = true},
-    [SAMPLING_ADAPTIVE] = {sample_adaptive, WAVELENGTHS},
-    [SAMPLING_BASIS] = {sample_basis, "component", "components", "no radiances at wavelengths",
-                        .fixed = true, .components = true},
-    [SAMPLING_RGB] = {sample_tristimulus, THREE_NUMBERS, .needs_observer = true, .fixed = true,
-                      .components = true, .labels = {"red", "green", "blue"}},
-    [SAMPLING_XYZ] = {sample_tristimulus, THREE_NUMBERS, .needs_observer = true, .fixed = true,
-                      .components = true, .labels = {"X", "Y", "Z"}},
+    [SAMPLING_BOX] = {.make = sample_box, .words = &boxes, .needs_observer = true},
+    [SAMPLING_RIEMANN] = {.make = sample_riemann, .words = &wavelengths, .any_detector = true},
+    [SAMPLING_ADAPTIVE] = {.make = sample_adaptive, .words = &wavelengths},
+    [SAMPLING_BASIS] = {.make = sample_basis,
+                        .words = &components,
+                        .fixed = true,
+                        .components = true},
+    [SAMPLING_RGB] = {.make = sample_tristimulus,
+                      .words = &three_numbers,
+                      .needs_observer = true,
+                      .fixed = true,
+                      .components = true,
+                      .labels = {"red", "green", "blue"}},
+    [SAMPLING_XYZ] = {.make = sample_tristimulus,
+                      .words = &three_numbers,
+                      .needs_observer = true,
+                      .fixed = true,
+                      .components = true,
+                      .labels = {"X", "Y", "Z"}},
 };
 static const struct kind gauss[] = {
-    [FUNCTIONS_DETECTOR] = {sample_gauss_detector, WAVELENGTHS},
-    [FUNCTIONS_OPEN] = {sample_gauss_open, WAVELENGTHS, .any_detector = true},
+    [FUNCTIONS_DETECTOR] = {.make = sample_gauss_detector, .words = &wavelengths},
+    [FUNCTIONS_OPEN] = {.make = sample_gauss_open, .words = &wavelengths, .any_detector = true},
 };
-static const struct kind gauss_of_functions = {sample_gauss_functions, WAVELENGTHS,
-                                               .needs_observer = true, .fixed = true};
+static const struct kind gauss_of_functions = {
+    .make = sample_gauss_functions, .words = &wavelengths, .needs_observer = true, .fixed = true};
 
 static const struct kind *kind_of(const struct sampling_method *method)
 {
@@ -350,14 +368,14 @@ void sampling_print(const struct sampling *sampling, FILE *to)
     const struct kind *kind = kind_of(&sampling->method);
     sampling_name(&sampling->method, name);
     fprintf(to, "%s for %s: %d %s", name, sampling->detector, sampling->pages.n,
-            sampling->pages.n == 1 ? kind->page : kind->pages);
+            sampling->pages.n == 1 ? kind->words->page : kind->words->pages);
     if (sampling->method.kind == SAMPLING_BASIS)
         fprintf(to, " of rank %d", sampling->rank);
     if (sampling->method.kind == SAMPLING_ADAPTIVE)
         print_peaks(sampling, to);
     if (sampling->spectral)
         print_negative(sampling, to);
-    fprintf(to, "; %s", kind->limit);
+    fprintf(to, "; %s", kind->words->limit);
     if (sampling->fixed)
         fprintf(to, "; for no detector but %s", sampling->detector);
     fputc('\n', to);
