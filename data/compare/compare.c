@@ -307,9 +307,9 @@ static bool check_samplings(const struct cube *a, const struct cube *b, struct e
         return true;
     const bool alike = strcmp(of_a->sampling, of_b->sampling) == 0 &&
                        strcmp(of_a->sampling_detector, of_b->sampling_detector) == 0;
-    return (alike && of_a->n_response == of_b->n_response &&
-            memcmp(of_a->response, of_b->response,
-                   (size_t)of_a->n_response * sizeof *of_a->response) == 0) ||
+    return (alike && of_a->response.n == of_b->response.n &&
+            memcmp(of_a->response.value, of_b->response.value,
+                   (size_t)of_a->response.n * sizeof *of_a->response.value) == 0) ||
            error_usage(err,
                        "%s and %s hold components that cannot be compared: of %s for %s, and of %s"
                        " for %s%s",

@@ -39,7 +39,7 @@ bool develop_accepts_exposure(const char *option, const char *value, struct erro
     return exposure_read(option, value, &exposure, err);
 }
 
-/* The method is stored at `method`, where *out points to it. */
+/* Stores the sampling method in *method; out->sampling points to it. */
 static bool read_options(const struct options *options, struct sampling_method *method,
                          struct develop_options *out, struct error *err)
 {

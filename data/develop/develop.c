@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Develops a spectral stack: pages become pixels of a picture, by three weights a page. The stack
- * is read in chunks of rows, a few pages at a time; each pixel is summed in the order of the pages,
- * whatever the chunks and threads. */
+/* Develops a spectral stack: three weights a page make pixels of pages. The stack is read in chunks
+ * of rows, a few pages at a time. Each pixel is summed in the order of the pages, so that chunks
+ * and threads do not change its bits. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -15,34 +15,13 @@
 #include "data/tiff/tiff.h"
 #include "spectral.h"
 
-/* ---- a stack being developed ---- */
+/* ---- sums of pages ---- */
 
 enum {
     BATCH = 8,              /* pages that are read before they are added up */
-    CHUNK_PIXELS = 1 << 21, /* at most, but a row: 64 MB of a batch, 48 MB of sums */
-    BLOCK_PIXELS = 1024     /* that a thread adds up at once */
+    CHUNK_PIXELS = 1 << 21, /* at most, or one row: 64 MB of a batch, 48 MB of sums */
+    BLOCK_PIXELS = 1024     /* added up at once by a thread */
 };
-
-struct development {
-    const struct develop_options *options;
-    struct develop_result *result;
-    struct cube cube;
-    double *weights; /* [channel][page] */
-    double white[3]; /* as adapted, of observers */
-    int rows;        /* of a chunk */
-    int threads;
-    size_t n_pixels; /* of a chunk */
-    float *radiance; /* [page of the batch][pixel] */
-    double *sums;    /* [channel][pixel] */
-    void *samples;   /* as picture_write takes them */
-};
-
-static bool prepare_weights(struct development *of, struct error *err)
-{
-    of->weights = calloc(3 * (size_t)of->cube.image.n_pages, sizeof *of->weights);
-    return (of->weights != NULL || error_memory(err)) &&
-           develop_weights(&of->cube, of->options, of->result, of->weights, of->white, err);
-}
 
 static size_t sample_bytes(const struct develop_options *options)
 {
@@ -81,7 +60,7 @@ static void add_block(const float *restrict radiance, size_t stride, double weig
     }
 }
 
-/* Pages that are missing in the last batch have weight 0. */
+/* Pages missing in the last batch have weight 0. */
 static void add_batch(struct development *of, int first, size_t n)
 {
     const int n_pages = of->cube.image.n_pages;
@@ -96,7 +75,7 @@ static void add_batch(struct development *of, int first, size_t n)
                   of->sums + i);
 }
 
-/* Develops the chunk that begins with row y. */
+/* Returns the number of rows of the chunk that begins with row y. */
 static int rows_at(const struct development *of, int y)
 {
     const int left = of->cube.image.height - y;
@@ -153,7 +132,7 @@ static bool find_exposure(struct development *of, struct error *err)
 
 /* ---- pixels ---- */
 
-/* The largest float stands for what is beyond. */
+/* A value beyond the largest float becomes that float. */
 static float stored(double value)
 {
     return (float)fmax(-(double)FLT_MAX, fmin(value, (double)FLT_MAX));
@@ -170,7 +149,8 @@ static void store_floats(const struct development *of, size_t pixel, const doubl
             stored(of->options->values == DEVELOP_LAB ? lab[channel] : values[channel]);
 }
 
-/* Tells whether a channel was clipped; by less than 1e-6 it may be by rounding, as a white is. */
+/* Stores a pixel. Returns whether a channel was clipped; by less than 1e-6 does not count, since
+ * rounding may clip a white by that. */
 static bool store_rgb(const struct development *of, size_t pixel, const double values[3])
 {
     const double slack = 1e-6;
@@ -227,7 +207,7 @@ static void print_white(const struct develop_options *options, const struct deve
     }
 }
 
-/* All that decides a developed picture, but for the stack. */
+/* Prints all that decides a developed picture, except the stack. */
 static void print_settings(const struct develop_options *options,
                            const struct develop_result *result, FILE *to)
 {
@@ -267,7 +247,8 @@ void develop_print(const struct develop_options *options, const struct develop_r
 
 /* ---- the picture ---- */
 
-/* ASCII: what else names hold becomes '?'. NULL: no memory. */
+/* Returns the description of the picture, in ASCII: other bytes of names become '?'. Allocated;
+ * NULL: no memory. */
 static char *description(const struct development *of)
 {
     char *text = NULL;
@@ -332,11 +313,13 @@ bool develop(const char *stack, const char *output, const struct develop_options
              struct develop_result *out, struct error *err)
 {
     struct development of = {.options = options, .result = out};
-    bool done = cube_open(stack, &of.cube, err) && prepare_weights(&of, err) &&
+    bool done = cube_open(stack, &of.cube, err) && develop_weights(&of, err) &&
                 prepare_chunk(&of, err) && (options->exposure > 0 || find_exposure(&of, err)) &&
                 write_picture(&of, output, err);
     cube_close(&of.cube);
+    detector_free(&of.detector);
     free(of.weights);
+    free(of.of_white);
     free(of.radiance);
     free(of.sums);
     free(of.samples);

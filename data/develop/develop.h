@@ -6,6 +6,8 @@
 #include "data/colour/colour.h"
 #include "data/method/method.h"
 #include "data/options/options.h"
+#include "data/spectra/spectra.h"
+#include "data/stack/stack.h"
 #include "spectral.h"
 
 enum develop_values { DEVELOP_RGB, DEVELOP_XYZ, DEVELOP_LAB };
@@ -19,16 +21,15 @@ struct develop_options {
     enum develop_values values;
     int bits;                               /* of RGB: 8 or 16 */
     int threads;                            /* 0: as many as OpenMP offers */
-    const struct sampling_method *sampling; /* develops the stack's spectra, linear between pages,
-                                               as if they were sampled so; NULL: as they are.
-                                               Refused for stacks that were sampled, and for basis,
-                                               rgb and xyz, which need lights and reflectances
-                                               apart */
+    const struct sampling_method *sampling; /* samples the stack's spectra, linear between pages,
+                                               before they are developed; NULL: no. Refused for
+                                               stacks that were sampled, and for basis, rgb and
+                                               xyz, which need lights and reflectances apart */
 };
 struct develop_result {
     int width, height, n_pages;
     double first_nm, last_nm; /* of pages, or of the range of components */
-    char sampling[512];       /* in a line, of the stack or as if; "": none */
+    char sampling[512];       /* of the stack, or by options.sampling, in a line; "": none */
     bool components, observer;
     struct adaptation adaptation; /* as used: with its luminance */
     double lost[3];               /* detector_lost */
@@ -48,20 +49,34 @@ void develop_print(const struct develop_options *options, const struct develop_r
 
 /* Writes the picture of a stack that a detector sees. */
 bool command_develop(struct options *options, struct error *err);
-/* Refuse a value that --adaptation, --display or --exposure cannot use; `option` is blamed. */
+/* Refuse a value that --adaptation, --display or --exposure cannot use. Messages name `option`. */
 bool develop_accepts_adaptation(const char *option, const char *value, struct error *err);
 bool develop_accepts_display(const char *option, const char *value, struct error *err);
 bool develop_accepts_exposure(const char *option, const char *value, struct error *err);
 
 /* ---- Inside this room ---- */
 
-struct cube; /* data/stack/stack.h */
-/* Finds the weights that take the pages of a stack to linear display channels, or to XYZ (also for
- * CIELAB), at exposure 1: out[channel * n_pages + page]. Fills in the result but for what the
- * pixels decide. `adapted` becomes the white that an observer has adapted to. Refuses a detector
- * that sees none of the wavelengths. In weights.c. */
-bool develop_weights(const struct cube *cube, const struct develop_options *options,
-                     struct develop_result *result, double *out, double adapted[3],
-                     struct error *err);
+/* A stack that is being developed. */
+struct development {
+    const struct develop_options *options;
+    struct develop_result *result;
+    struct cube cube;
+    struct detector detector;
+    double *weights;  /* of the stack's pages: [channel * n_pages + page]; owned */
+    double *of_white; /* of the white's pages, if they differ from those; owned */
+    double equal[3];  /* the detector's response to a radiance of 1 everywhere */
+    double white[3];  /* to which an observer has adapted */
+    int rows;         /* of a chunk */
+    int threads;
+    size_t n_pixels; /* of a chunk */
+    float *radiance; /* [page of the batch][pixel]; owned */
+    double *sums;    /* [channel][pixel]; owned */
+    void *samples;   /* as picture_write takes them; owned */
+};
+/* Finds the weights that take the pages of the cube to linear display channels, or to XYZ (also for
+ * CIELAB), at exposure 1. Fills in the white, and all members
+ * of the result that pixels do not decide.
+ * Refuses a detector that sees none of the wavelengths. In weights.c. */
+bool develop_weights(struct development *of, struct error *err);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The weights that develop a stack: the detector, adaptation and display are linear, and so become
- * three numbers a page. */
+/* Finds the weights that develop a stack. Detector, adaptation and display are linear: together
+ * they become three numbers a page. */
 #include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
@@ -16,41 +16,14 @@
 #include "data/tiff/tiff.h"
 #include "spectral.h"
 
-struct weights_maker {
-    const struct cube *cube;
-    const struct develop_options *options;
-    const struct detector *detector;
-    struct develop_result *result;
-    double *weights;  /* of the pages: [channel * n_pages + page] */
-    double *of_white; /* of the white's pages, if they differ from those; owned */
-    double equal[3];  /* the detector's response to radiance 1 everywhere */
-};
-
-/* ---- as if it were sampled ---- */
-
-/* Returns the page before a wavelength. *part: how far it lies towards the next page, 0 to 1.
- * Beyond the ends the end page stands for it. */
-static int page_before(const struct image *image, double nm, double *part)
-{
-    const double *page_nm = image->wavelengths_nm;
-    int before = 0, behind = image->n_pages - 1;
-    *part = 0;
-    if (behind == 0)
-        return 0;
-    while (behind - before > 1) {
-        const int middle = before + (behind - before) / 2;
-        *(nm < page_nm[middle] ? &behind : &before) = middle;
-    }
-    *part = fmax(0, fmin((nm - page_nm[before]) / (page_nm[behind] - page_nm[before]), 1));
-    return before;
-}
+/* ---- by a sampling of the stack's spectra ---- */
 
 /* Adds the weights of the radiance at nm, channels `stride` apart, to those of the pages. */
 static void add_weight(const struct image *image, double nm, const double *weights, int stride,
                        double factor, double *out)
 {
     double part;
-    const int n = image->n_pages, page = page_before(image, nm, &part);
+    const int n = image->n_pages, page = wavelength_before(image->wavelengths_nm, n, nm, &part);
     for (int channel = 0; channel < 3; channel++) {
         const double weight = factor * weights[channel * stride];
         out[channel * n + page] += (1 - part) * weight;
@@ -59,37 +32,31 @@ static void add_weight(const struct image *image, double nm, const double *weigh
     }
 }
 
+/* Folds the weights of a sampling's pages into those of the stack's. */
 static void fold_sampling(const struct image *image, const struct sampling *sampling, double *out)
 {
-    for (int i = 0; i < sampling->n; i++) {
-        const double *means = sampling->light_mean != NULL
-                                  ? sampling->light_mean + (size_t)i * (size_t)sampling->n_nm
-                                  : NULL;
-        if (means == NULL)
-            add_weight(image, sampling->wavelength_nm[i], sampling->weights + i, sampling->n, 1,
-                       out);
-        for (int j = 0; means != NULL && j < sampling->n_nm; j++)
-            if (means[j] != 0)
-                add_weight(image, sampling->first_nm + j, sampling->weights + i, sampling->n,
-                           means[j], out);
-    }
+    const struct spectral_pages *pages = &sampling->pages;
+    const double *mean = pages->analysis;
+    for (int i = 0; i < pages->n && !mean; i++)
+        add_weight(image, pages->wavelength_nm[i], sampling->weights + i, pages->n, 1, out);
+    for (int i = 0; i < pages->n && mean; i++, mean += pages->n_nm)
+        for (int j = 0; j < pages->n_nm; j++)
+            if (mean[j] != 0)
+                add_weight(image, sampling->fine.nm[j], sampling->weights + i, pages->n, mean[j],
+                           out);
 }
 
-/* Folds the weights of the detector itself, at every nm, into those of the white. */
-static bool fold_detector(struct weights_maker *maker, const struct sampling *sampling,
+/* Folds the weights of the detector at every nm into those for the white. */
+static bool fold_detector(struct development *of, const struct fine_detector *fine,
                           struct error *err)
 {
-    const struct image *image = &maker->cube->image;
-    maker->of_white = calloc(3 * (size_t)image->n_pages, sizeof *maker->of_white);
-    if (maker->of_white == NULL)
-        return error_memory(err);
-    for (int j = 0; j < sampling->n_nm; j++)
-        add_weight(image, sampling->first_nm + j, sampling->detector_weights + j, sampling->n_nm, 1,
-                   maker->of_white);
-    return true;
+    of->of_white = calloc(3 * (size_t)of->cube.image.n_pages, sizeof *of->of_white);
+    for (int j = 0; of->of_white && j < fine->n; j++)
+        add_weight(&of->cube.image, fine->nm[j], fine->weights + j, fine->n, 1, of->of_white);
+    return of->of_white || error_memory(err);
 }
 
-/* Refuses to sample a stack's spectra where that cannot be done. */
+/* Refuses a stack that was sampled, or a method that needs more than its spectra. */
 static bool check_sampling(const struct cube *cube, const struct sampling_method *method,
                            struct error *err)
 {
@@ -98,38 +65,40 @@ static bool check_sampling(const struct cube *cube, const struct sampling_method
     if (cube->record.sampling != NULL)
         return error_usage(
             err,
-            "%s: was sampled itself, by %s; --sampling needs a stack that was rendered"
-            " without",
+            "%s: was sampled when it was rendered, by %s; --sampling needs a stack that was"
+            " rendered without",
             image->path, cube->record.sampling);
     if (method->kind >= SAMPLING_BASIS)
-        return error_usage(
-            err, "--sampling basis, rgb and xyz need lights and reflectances apart, which a"
-                 " stack has multiplied already; expected one of the others, or render"
-                 " --sampling");
+        return error_usage(err,
+                           "--sampling basis, rgb and xyz need lights and reflectances apart, and a"
+                           " stack holds their products; expected another method, or render"
+                           " --sampling");
     return image->wavelengths_nm[image->n_pages - 1] <= longest_nm ||
            error_usage(err, "%s: its wavelengths reach %.10g nm; --sampling goes up to %.10g nm",
                        image->path, image->wavelengths_nm[image->n_pages - 1], longest_nm);
 }
 
-/* The white at every nm is all that is known of the light; adaptive sampling needs it. */
-static bool white_finely(const struct weights_maker *maker, struct fine_spectra *out,
-                         struct error *err)
+/* Makes the white at every nm the only light and the only product. Only adaptive sampling needs
+ * one.
+ */
+static bool white_finely(const struct development *of, struct fine_spectra *out, struct error *err)
 {
-    const struct image *image = &maker->cube->image;
+    const struct image *image = &of->cube.image;
     struct error ignored = {0};
     double *white = calloc((size_t)image->n_pages, sizeof *white);
     out->lights = calloc((size_t)out->n_nm, sizeof *out->lights);
     out->products = calloc((size_t)out->n_nm, sizeof *out->products);
-    const bool needed = maker->options->sampling->kind == SAMPLING_ADAPTIVE;
+    const bool needed = of->options->sampling->kind == SAMPLING_ADAPTIVE;
     const bool done =
         (white != NULL && out->lights != NULL && out->products != NULL) || error_memory(err);
     const bool found =
-        done && cube_white(maker->cube, maker->options->white, white, needed ? err : &ignored);
+        done && cube_white(&of->cube, of->options->white, white, needed ? err : &ignored);
     if (found) {
         out->n_lights = out->n_products = 1;
         for (int j = 0; j < out->n_nm; j++) {
             double part;
-            const int page = page_before(image, out->first_nm + j, &part);
+            const int page =
+                wavelength_before(image->wavelengths_nm, image->n_pages, out->first_nm + j, &part);
             out->lights[j] =
                 part > 0 ? (1 - part) * white[page] + part * white[page + 1] : white[page];
         }
@@ -140,7 +109,7 @@ static bool white_finely(const struct weights_maker *maker, struct fine_spectra 
 }
 
 /* Describes the sampling in one line. */
-static void tell_sampling(const struct sampling *sampling, struct develop_result *result)
+static void describe_sampling(const struct sampling *sampling, struct develop_result *result)
 {
     FILE *to = fmemopen(result->sampling, sizeof result->sampling - 1, "w");
     if (to == NULL)
@@ -150,30 +119,30 @@ static void tell_sampling(const struct sampling *sampling, struct develop_result
     result->sampling[strcspn(result->sampling, "\n")] = '\0';
 }
 
-/* Finds both weights as if the spectra of the pages were sampled. A fixed sampling takes the white
- * as it is. */
-static bool sampled_weights(struct weights_maker *maker, struct error *err)
+/* Finds both weights as if the spectra of the pages were sampled. With a fixed sampling the white
+ * is not sampled. */
+static bool sampled_weights(struct development *of, struct error *err)
 {
-    const struct image *image = &maker->cube->image;
-    const struct develop_options *options = maker->options;
-    double *lost = maker->result->lost;
+    const struct image *image = &of->cube.image;
+    const struct develop_options *options = of->options;
+    double *lost = of->result->lost;
     const double first = image->wavelengths_nm[0], last = image->wavelengths_nm[image->n_pages - 1];
     struct fine_spectra spectra = {.first_nm = first};
-    struct sampling sampling = {.n = 0};
-    if (!check_sampling(maker->cube, options->sampling, err))
+    struct sampling sampling = {.detector = NULL};
+    if (!check_sampling(&of->cube, options->sampling, err))
         return false;
     spectra.n_nm = (int)floor(last - first + 1e-9) + 1;
     const bool done =
-        white_finely(maker, &spectra, err) &&
+        white_finely(of, &spectra, err) &&
         sampling_make(options->sampling, options->detector, &spectra, &sampling, err) &&
-        (!sampling.fixed || fold_detector(maker, &sampling, err));
+        (!sampling.fixed || fold_detector(of, &sampling.fine, err));
     if (done) {
-        fold_sampling(image, &sampling, maker->weights);
+        fold_sampling(image, &sampling, of->weights);
         if (sampling.segment_nm == NULL && !sampling.fixed)
-            detector_lost(maker->detector, sampling.wavelength_nm, sampling.n, lost);
+            detector_lost(&of->detector, sampling.pages.wavelength_nm, sampling.pages.n, lost);
         else
-            detector_lost_outside(maker->detector, first - 0.5, first + spectra.n_nm - 0.5, lost);
-        tell_sampling(&sampling, maker->result);
+            detector_lost_outside(&of->detector, first - 0.5, first + spectra.n_nm - 0.5, lost);
+        describe_sampling(&sampling, of->result);
     }
     sampling_free(&sampling);
     fine_spectra_free(&spectra);
@@ -182,18 +151,18 @@ static bool sampled_weights(struct weights_maker *maker, struct error *err)
 
 /* ---- weights ---- */
 
-static bool check_detector(const struct weights_maker *maker, struct error *err)
+static bool check_detector(const struct development *of, struct error *err)
 {
-    const struct image *image = &maker->cube->image;
-    const struct detector *detector = maker->detector;
-    const struct develop_options *options = maker->options;
-    /* A recorded response was checked; components of a black scene have 0. */
-    bool sees = maker->cube->record.n_response > 0;
+    const struct image *image = &of->cube.image;
+    const struct detector *detector = &of->detector;
+    const struct develop_options *options = of->options;
+    /* Rendering checked a recorded response; that of a black scene is 0. */
+    bool sees = of->cube.record.response.n > 0;
     for (int i = 0; i < 3 * image->n_pages; i++)
-        sees = sees || maker->weights[i] != 0;
+        sees = sees || of->weights[i] != 0;
     if (!sees)
         return error_usage(err, "%s: %s sees nothing from %.10g to %.10g nm", image->path,
-                           detector->name, maker->result->first_nm, maker->result->last_nm);
+                           detector->name, of->result->first_nm, of->result->last_nm);
     if (!detector->observer && options->adaptation.kind != ADAPTATION_NONE)
         return error_usage(err,
                            "%s is a camera or film, which does not adapt but is balanced to the"
@@ -207,18 +176,18 @@ static bool check_detector(const struct weights_maker *maker, struct error *err)
 }
 
 /* Divides each channel by the white's. */
-static bool balance(const struct weights_maker *maker, struct error *err)
+static bool balance(const struct development *of, struct error *err)
 {
-    const double *white = maker->result->white;
-    const int n = maker->cube->image.n_pages;
+    const double *white = of->result->white;
+    const int n = of->cube.image.n_pages;
     for (int channel = 0; channel < 3; channel++) {
         if (!(white[channel] > 0))
             return error_usage(err,
-                               "channel %d of %s has %.6g of the white, by which it is to be"
-                               " divided; expected one that all three channels see",
-                               channel + 1, maker->detector->name, white[channel]);
+                               "channel %d of %s responds to the white with %.6g, and cannot be"
+                               " divided by that; expected a white that all three channels see",
+                               channel + 1, of->detector.name, white[channel]);
         for (int i = 0; i < n; i++)
-            maker->weights[channel * n + i] /= white[channel];
+            of->weights[channel * n + i] /= white[channel];
     }
     return true;
 }
@@ -234,52 +203,52 @@ static void fold(double m[3][3], int n, double *weights)
     }
 }
 
-/* Adapts the weights. `adapted` becomes the white after that. The thesis takes the luminance that a
- * light adapts to for ten times its intensity. */
-static bool adapt(const struct weights_maker *maker, double adapted[3], struct error *err)
+/* Adapts the weights, and the white. As in the thesis, the luminance of
+ * Fairchild's adaptation is ten times the light's intensity. */
+static bool adapt(struct development *of, struct error *err)
 {
-    const struct develop_options *options = maker->options;
-    const double recorded = maker->cube->record.illumination;
-    const int n = maker->cube->image.n_pages;
-    struct adaptation *adaptation = &maker->result->adaptation;
+    const struct develop_options *options = of->options;
+    const double recorded = record_illumination(&of->cube.record);
+    const int n = of->cube.image.n_pages;
+    struct adaptation *adaptation = &of->result->adaptation;
     double m[3][3];
     if (adaptation->kind == ADAPTATION_FAIRCHILD && !(adaptation->luminance > 0))
         adaptation->luminance = 10 * (recorded > 0 ? recorded : 1);
-    if (!adaptation_matrix(adaptation, maker->result->white, maker->equal, m, err))
+    if (!adaptation_matrix(adaptation, of->result->white, of->equal, m, err))
         return false;
-    fold(m, n, maker->weights);
-    colour_apply(m, maker->result->white, adapted);
+    fold(m, n, of->weights);
+    colour_apply(m, of->result->white, of->white);
     if (options->values == DEVELOP_RGB) {
         display_matrix(options->display, m);
-        fold(m, n, maker->weights);
+        fold(m, n, of->weights);
     }
     return true;
 }
 
-/* Where no white is needed the result still reports the recorded one. */
-static bool needs_white(const struct weights_maker *maker)
+/* The result reports a recorded white even where none is needed. */
+static bool needs_white(const struct development *of)
 {
-    return !maker->detector->observer || maker->options->adaptation.kind != ADAPTATION_NONE ||
-           maker->options->values == DEVELOP_LAB;
+    return !of->detector.observer || of->options->adaptation.kind != ADAPTATION_NONE ||
+           of->options->values == DEVELOP_LAB;
 }
 
 /* Describes the stack, and the sampling that it records. */
-static void begin_result(const struct weights_maker *maker)
+static void begin_result(const struct development *of)
 {
-    const struct cube *cube = maker->cube;
+    const struct cube *cube = &of->cube;
     const struct image *image = &cube->image;
-    struct develop_result *out = maker->result;
+    struct develop_result *out = of->result;
     const struct record *record = &cube->record;
-    const double half_cell = 0.5, *range = record->range_nm;
+    const double half_cell = 0.5, *range = record->range_nm.value;
     *out = (struct develop_result){.width = image->width,
                                    .height = image->height,
                                    .n_pages = image->n_pages,
                                    .first_nm = image->wavelengths_nm[0],
                                    .last_nm = image->wavelengths_nm[image->n_pages - 1],
                                    .components = cube->components,
-                                   .observer = maker->detector->observer,
-                                   .adaptation = maker->options->adaptation,
-                                   .exposure = maker->options->exposure};
+                                   .observer = of->detector.observer,
+                                   .adaptation = of->options->adaptation,
+                                   .exposure = of->options->exposure};
     if (cube->components) {
         out->first_nm = range[0] + half_cell;
         out->last_nm = range[1] - half_cell;
@@ -287,40 +256,35 @@ static void begin_result(const struct weights_maker *maker)
     if (record->sampling != NULL)
         snprintf(out->sampling, sizeof out->sampling, "%s for %s (recorded)", record->sampling,
                  record->sampling_detector);
-    for (char *at = out->sampling; *at != '\0'; at++) /* words of a file: they drive no terminal */
+    for (char *at = out->sampling; *at != '\0';
+         at++) /* a control character of a file could drive the terminal */
         *at = iscntrl((unsigned char)*at) ? '?' : *at;
-    cube_lost(cube, maker->detector, out->lost);
+    cube_lost(cube, &of->detector, out->lost);
 }
 
 /* Finds the weights that take pages to the detector's channels, and the response to the white and
  * to radiance 1 everywhere. */
-static bool channel_weights(struct weights_maker *maker, struct error *err)
+static bool channel_weights(struct development *of, struct error *err)
 {
-    const struct cube *cube = maker->cube;
-    const struct white_request request = {maker->options->white, needs_white(maker)};
-    struct develop_result *result = maker->result;
-    if (!(maker->options->sampling != NULL
-              ? sampled_weights(maker, err)
-              : cube_weights(cube, maker->detector, maker->weights, err)) ||
-        !check_detector(maker, err))
+    const struct cube *cube = &of->cube;
+    const struct white_request request = {of->options->white, needs_white(of)};
+    struct develop_result *result = of->result;
+    if (!(of->options->sampling != NULL ? sampled_weights(of, err)
+                                        : cube_weights(cube, &of->detector, of->weights, err)) ||
+        !check_detector(of, err))
         return false;
-    const double *of_white = maker->of_white != NULL ? maker->of_white : maker->weights;
+    const double *of_white = of->of_white != NULL ? of->of_white : of->weights;
     return cube_white_response(cube, &request, of_white, &result->has_white, result->white, err) &&
-           cube_equal_response(cube, maker->detector, of_white, maker->equal, err);
+           cube_equal_response(cube, &of->detector, of_white, of->equal, err);
 }
 
-bool develop_weights(const struct cube *cube, const struct develop_options *options,
-                     struct develop_result *result, double *out, double adapted[3],
-                     struct error *err)
+bool develop_weights(struct development *of, struct error *err)
 {
-    struct detector detector;
-    struct weights_maker maker = {cube, options, &detector, result, .weights = out};
-    if (!detector_read(options->detector, &detector, err))
+    of->weights = calloc(3 * (size_t)of->cube.image.n_pages, sizeof *of->weights);
+    if (!of->weights)
+        return error_memory(err);
+    if (!detector_read(of->options->detector, &of->detector, err))
         return false;
-    begin_result(&maker);
-    const bool done = channel_weights(&maker, err) &&
-                      (detector.observer ? adapt(&maker, adapted, err) : balance(&maker, err));
-    free(maker.of_white);
-    detector_free(&detector);
-    return done;
+    begin_result(of);
+    return channel_weights(of, err) && (of->detector.observer ? adapt(of, err) : balance(of, err));
 }

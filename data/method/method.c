@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Methods of sampling as words. */
+/* Reads and writes methods of sampling as words. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -28,26 +28,26 @@ static bool refuse_name(const char *option, const char *text, struct error *err)
                        option, text);
 }
 
-static bool read_count(const struct word *number, long most, int *out, struct error *err)
+static bool read_number(const struct word *number, struct sampling_method *out, struct error *err)
 {
-    long value = 0;
-    const bool done = word_integer(number, "number of samples", 1, most, &value, err);
-    *out = (int)value;
+    const long most = out->kind == SAMPLING_GAUSS ? LARGEST_QUADRATURE : 10000;
+    long count = 0;
+    if (out->kind == SAMPLING_RIEMANN)
+        return word_number(number, "step in nm", 1, 10000, &out->step_nm, err);
+    if (out->kind == SAMPLING_ADAPTIVE)
+        return word_number(number, "tolerance", 1e-9, 1, &out->tolerance, err);
+    const bool done = word_integer(number, "number of samples", 1, most, &count, err);
+    out->count = (int)count;
     return done;
 }
 
-static bool read_number(const struct word *number, struct sampling_method *out, struct error *err)
+/* Returns the index of a name of `length` bytes, or n if it is unknown. */
+static int find_name(const char *const *names, int n, const char *name, size_t length)
 {
-    switch (out->kind) {
-    case SAMPLING_RIEMANN:
-        return word_number(number, "step in nm", 1, 10000, &out->step_nm, err);
-    case SAMPLING_ADAPTIVE:
-        return word_number(number, "tolerance", 1e-9, 1, &out->tolerance, err);
-    case SAMPLING_GAUSS:
-        return read_count(number, LARGEST_QUADRATURE, &out->count, err);
-    default:
-        return read_count(number, 10000, &out->count, err);
-    }
+    int i = 0;
+    while (i < n && (strlen(names[i]) != length || strncmp(names[i], name, length) != 0))
+        i++;
+    return i;
 }
 
 bool sampling_read(const char *option, const char *text, struct sampling_method *out,
@@ -55,31 +55,28 @@ bool sampling_read(const char *option, const char *text, struct sampling_method 
 {
     const size_t kind_length = strcspn(text, ":");
     const bool has_number = text[kind_length] != '\0';
-    int kind = 0, functions = FUNCTIONS_DETECTOR;
-    while (kind < KINDS &&
-           (strlen(kinds[kind]) != kind_length || strncmp(text, kinds[kind], kind_length) != 0))
-        kind++;
+    const int kind = find_name(kinds, KINDS, text, kind_length);
     *out = (struct sampling_method){.kind = (enum sampling_kind)kind};
     if (kind == KINDS || has_number == (kind == SAMPLING_RGB || kind == SAMPLING_XYZ))
         return refuse_name(option, text, err);
     if (!has_number)
         return true;
-    const char *number = text + kind_length + 1, *comma = strchr(number, ',');
-    const size_t length = comma != NULL ? (size_t)(comma - number) : strlen(number);
-    if (comma != NULL) {
-        functions = FUNCTIONS_OPEN;
-        while (functions < FUNCTIONS && strcmp(comma + 1, function_names[functions]) != 0)
-            functions++;
-    }
-    if (length == 0 || functions == FUNCTIONS || (comma != NULL && kind != SAMPLING_GAUSS))
+    const char *number = text + kind_length + 1, *end = number + strcspn(number, ",");
+    int functions = FUNCTIONS_DETECTOR;
+    if (*end == ',')
+        functions =
+            FUNCTIONS_OPEN + find_name(function_names + FUNCTIONS_OPEN, FUNCTIONS - FUNCTIONS_OPEN,
+                                       end + 1, strlen(end + 1));
+    if (end == number || functions == FUNCTIONS || (*end == ',' && kind != SAMPLING_GAUSS))
         return refuse_name(option, text, err);
     out->functions = (enum sampling_functions)functions;
-    const struct word word = {
-        .start = number, .length = length, .place = {option, 1, (int)kind_length + 2}};
+    const struct word word = {.start = number,
+                              .length = (size_t)(end - number),
+                              .place = {option, 1, (int)kind_length + 2}};
     return read_number(&word, out, err);
 }
 
-/* As few digits as tell the number, but 10 rather than 1e+01. */
+/* Writes as few digits as read back as the same number, but 10 rather than 1e+01. */
 static void shortest(double number, char *out, size_t capacity)
 {
     for (int digits = 1; digits <= 17; digits++) {
@@ -91,25 +88,15 @@ static void shortest(double number, char *out, size_t capacity)
 
 void sampling_name(const struct sampling_method *method, char out[SAMPLING_NAME])
 {
-    char number[32] = "";
-    switch (method->kind) {
-    case SAMPLING_RIEMANN:
-        shortest(method->step_nm, number, sizeof number);
-        break;
-    case SAMPLING_ADAPTIVE:
-        shortest(method->tolerance, number, sizeof number);
-        break;
-    case SAMPLING_BOX:
-    case SAMPLING_GAUSS:
-    case SAMPLING_BASIS:
-        snprintf(number, sizeof number, "%d", method->count);
-        break;
-    default:
-        break;
-    }
-    const char *functions = method->kind == SAMPLING_GAUSS ? function_names[method->functions] : "";
-    snprintf(out, SAMPLING_NAME, "%s%s%s%s%s", kinds[method->kind], number[0] != '\0' ? ":" : "",
-             number, functions[0] != '\0' ? "," : "", functions);
+    const char *functions = function_names[method->functions];
+    const double number = method->kind == SAMPLING_RIEMANN    ? method->step_nm
+                          : method->kind == SAMPLING_ADAPTIVE ? method->tolerance
+                                                              : method->count;
+    char digits[32] = "";
+    if (number > 0)
+        shortest(number, digits, sizeof digits);
+    snprintf(out, SAMPLING_NAME, "%s%s%s%s%s", kinds[method->kind], number > 0 ? ":" : "", digits,
+             functions[0] != '\0' ? "," : "", functions);
 }
 
 bool sampling_takes_means(const char *name)

@@ -142,7 +142,7 @@ static bool find_object(const struct cube *cube, struct probe *probe, struct err
     free(row);
     if (!done || number < 0)
         return done;
-    probe->object = strdup(number > 0 ? cube->record.objects[number - 1] : "background");
+    probe->object = strdup(number > 0 ? cube->record.objects.text[number - 1] : "background");
     return probe->object || error_memory(err);
 }
 

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* A stack's record of how it was made, so that it can be made again: lines in the description of
- * its first page, behind those of its scale. */
+/* Writes and reads a stack's record of how it was made, by which it can be made again: lines in the
+ * description of its first page, behind the lines of its scale. */
 #include <ctype.h>
 #include <float.h>
 #include <limits.h>
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -15,6 +16,57 @@
 #include "data/terms/terms.h"
 #include "data/text/text.h"
 #include "spectral.h"
+
+/* ---- the fields ---- */
+
+/* A field is a line "KEY: VALUE"; of texts and options, a line each. Lines of full_scale, scale and
+ * object_map are written by data/stack/tags.c. */
+enum field_kind {
+    FIELD_TEXT,   /* const char *; NULL: none */
+    FIELD_TEXTS,  /* struct texts */
+    FIELD_OPTION, /* one of record.options */
+    FIELD_NUMBERS /* struct numbers */
+};
+struct field {
+    const char *key;
+    enum field_kind kind;
+    size_t offset; /* in struct record */
+    double lowest; /* of numbers */
+    int count;     /* of numbers; 0: any */
+};
+#define AT(member) offsetof(struct record, member)
+static const struct field fields[] = {
+    {"program", FIELD_TEXT, AT(program), 0, 0},
+    {"scene", FIELD_TEXT, AT(scene), 0, 0},
+    {"scene_sha256", FIELD_TEXT, AT(scene_sha256), 0, 0},
+    {"option", FIELD_OPTION, AT(options), 0, 0},
+    {"renderer", FIELD_TEXT, AT(renderer), 0, 0},
+    {"light", FIELD_TEXTS, AT(lights), 0, 0},
+    {"ambient", FIELD_TEXTS, AT(ambients), 0, 0},
+    {"illumination", FIELD_NUMBERS, AT(illumination), 0, 1},
+    {"white", FIELD_NUMBERS, AT(white), 0, 0},
+    {"sampling", FIELD_TEXT, AT(sampling), 0, 0},
+    {"sampling_detector", FIELD_TEXT, AT(sampling_detector), 0, 0},
+    {"components", FIELD_TEXT, AT(components), 0, 0},
+    {"segments", FIELD_NUMBERS, AT(segments), -HUGE_VAL, 0},
+    {"response_range", FIELD_NUMBERS, AT(range_nm), -HUGE_VAL, 2},
+    {"response", FIELD_NUMBERS, AT(response), -HUGE_VAL, 0},
+    {"white_response", FIELD_NUMBERS, AT(white_response), -HUGE_VAL, 3},
+    {"object", FIELD_TEXTS, AT(objects), 0, 0},
+    {"full_scale", FIELD_TEXT, AT(full_scale), 0, 0},
+    {"scale", FIELD_TEXT, AT(scale), 0, 0},
+    {"object_map", FIELD_TEXT, AT(object_map), 0, 0}};
+enum { FIELDS = sizeof fields / sizeof fields[0] };
+
+static bool add_text(struct texts *list, const char *text, struct error *err)
+{
+    const char **more = array_more(list->text, list->n, sizeof *more, err);
+    if (!more)
+        return false;
+    list->text = more;
+    more[list->n++] = text;
+    return true;
+}
 
 /* ---- of a scene ---- */
 
@@ -34,119 +86,123 @@ static void put_source(FILE *stream, const struct spectrum *spectrum, double int
     fprintf(stream, "%s*%.*g%c", spectrum->name, exact_digits(intensity), intensity, '\0');
 }
 
-/* The lights, then the ambient lights, then the name of the sampling, each ended by a NUL;
+/* Returns the lights, then the ambient lights, then the name of the sampling, each ended by a NUL;
  * allocated. NULL: no memory. */
-static char *source_texts(const struct scene *scene, const char *sampling)
+static char *source_texts(const struct scene *scene, const struct sampling *sampling)
 {
-    char *text = NULL;
+    char *text = NULL, name[SAMPLING_NAME] = "";
     size_t length = 0;
     FILE *stream = open_memstream(&text, &length);
-    if (stream == NULL)
+    if (!stream)
         return NULL;
     for (int i = 0; i < scene->n_lights; i++)
         put_source(stream, &scene->lights[i].spectrum, scene->lights[i].intensity);
     for (int i = 0; i < scene->n_ambients; i++)
         put_source(stream, &scene->ambients[i].spectrum, scene->ambients[i].intensity);
-    fprintf(stream, "%s%c", sampling, '\0');
+    if (sampling)
+        sampling_name(&sampling->method, name);
+    fprintf(stream, "%s%c", name, '\0');
     if (fclose(stream) == 0)
         return text;
     free(text);
     return NULL;
 }
 
-/* An array of the next n texts; *at moves behind them. */
-static const char **list_texts(const char **at, int n)
+/* Adds the next n texts; *at moves behind them. */
+static bool add_texts(struct texts *list, const char **at, int n, struct error *err)
 {
-    const char **list = calloc((size_t)n + 1, sizeof *list);
-    for (int i = 0; list != NULL && i < n; i++) {
-        list[i] = *at;
-        *at += strlen(*at) + 1;
-    }
-    return list;
-}
-
-/* The white's response where the response of the pages is fixed. */
-static bool record_white_response(const struct scene *scene, const struct sampling *sampling,
-                                  struct record *out, struct error *err)
-{
-    double illumination;
-    if (!sampling_white(sampling, scene, out->white_response, &illumination, err))
-        return false;
-    out->has_white_response = illumination > 0;
-    if (out->has_white_response)
-        out->illumination = illumination;
+    for (int i = 0; i < n; i++, *at += strlen(*at) + 1)
+        if (!add_text(list, *at, err))
+            return false;
     return true;
 }
 
-static bool copy_numbers(double **out, const double *numbers, size_t n, struct error *err)
+static bool record_sources(const struct scene *scene, const struct sampling *sampling,
+                           struct record *out, struct error *err)
 {
-    *out = calloc(n, sizeof **out);
-    if (*out == NULL)
+    const char *at = out->text = source_texts(scene, sampling);
+    if (!at)
         return error_memory(err);
-    memcpy(*out, numbers, n * sizeof **out);
+    const bool done = add_texts(&out->lights, &at, scene->n_lights, err) &&
+                      add_texts(&out->ambients, &at, scene->n_ambients, err);
+    out->sampling = sampling ? at : NULL;
+    return done;
+}
+
+static bool add_numbers(struct numbers *out, const double *numbers, int n, struct error *err)
+{
+    out->value = calloc((size_t)n, sizeof *out->value);
+    if (!out->value)
+        return error_memory(err);
+    out->n = n;
+    memcpy(out->value, numbers, (size_t)n * sizeof *numbers);
     return true;
 }
 
-static bool record_sampling(const struct sampling_description *sampling, struct record *out,
-                            struct error *err)
-{
-    const size_t n = (size_t)sampling->n;
-    out->sampling_detector = sampling->detector;
-    out->components = sampling->components;
-    if (sampling->response != NULL) {
-        memcpy(out->range_nm, sampling->range_nm, sizeof out->range_nm);
-        out->n_response = 3 * sampling->n;
-        return copy_numbers(&out->response, sampling->response, 3 * n, err);
-    }
-    if (sampling->segment_nm == NULL)
-        return true;
-    out->n_segments = 2 * sampling->n;
-    return copy_numbers(&out->segments, sampling->segment_nm[0], 2 * n, err);
-}
-
-/* The white of the pages; components have none. */
+/* Records the white of the pages, if something shines there. */
 static bool record_white(const struct scene *scene, const struct sampling *sampling,
                          struct record *out, struct error *err)
 {
-    const struct spectral_pages pages =
-        sampling != NULL ? sampling_pages(sampling) : scene_pages(scene);
-    out->white = calloc((size_t)pages.n, sizeof *out->white);
-    if (out->white == NULL)
+    const struct spectral_pages pages = sampling ? sampling->pages : scene_pages(scene);
+    double *white = calloc((size_t)pages.n, sizeof *white);
+    if (!white)
         return error_memory(err);
-    out->illumination = scene_white(scene, &pages, out->white);
-    out->n_white = out->illumination > 0 ? pages.n : 0;
-    return true;
+    const double illumination = scene_white(scene, &pages, white);
+    const bool done =
+        !(illumination > 0) || (add_numbers(&out->white, white, pages.n, err) &&
+                                add_numbers(&out->illumination, &illumination, 1, err));
+    free(white);
+    return done;
 }
 
-/* `sampling` is a name; "": none. */
-static bool record_sources(const struct scene *scene, const char *sampling, struct record *out,
-                           struct error *err)
+/* Records how a detector responds to the white, if it sees one. */
+static bool record_white_response(const struct scene *scene, const struct sampling *sampling,
+                                  struct record *out, struct error *err)
 {
-    const char *at = out->text = source_texts(scene, sampling);
-    if (at == NULL)
+    const struct fine_detector *fine = &sampling->fine;
+    const struct spectral_pages pages = {.n = fine->n, .wavelength_nm = fine->nm};
+    double *white = calloc((size_t)fine->n, sizeof *white), response[3];
+    if (!white)
         return error_memory(err);
-    out->lights = list_texts(&at, scene->n_lights);
-    out->ambients = list_texts(&at, scene->n_ambients);
-    out->sampling = *at != '\0' ? at : NULL;
-    return (out->lights != NULL && out->ambients != NULL) || error_memory(err);
+    const double illumination = scene_white(scene, &pages, white);
+    detector_response(fine->weights, white, fine->n, response);
+    free(white);
+    bool seen = false, finite = true;
+    for (int channel = 0; channel < 3; channel++) {
+        seen = seen || response[channel] > 0;
+        finite = finite && fabs(response[channel]) <= DBL_MAX;
+    }
+    if (!(illumination > 0 && seen && finite))
+        return true;
+    free(out->illumination.value);
+    return add_numbers(&out->illumination, &illumination, 1, err) &&
+           add_numbers(&out->white_response, response, 3, err);
+}
+
+/* Records how the pages become channels. */
+static bool record_sampling(const struct sampling *sampling, struct record *out, struct error *err)
+{
+    const double first_nm = sampling->pages.first_nm;
+    const double range_nm[] = {first_nm - 0.5, first_nm + sampling->fine.n - 0.5};
+    out->sampling_detector = sampling->detector;
+    out->components = sampling->spectral ? NULL : "yes";
+    if (sampling->fixed)
+        return add_numbers(&out->range_nm, range_nm, 2, err) &&
+               add_numbers(&out->response, sampling->weights, 3 * sampling->pages.n, err);
+    return !sampling->segment_nm ||
+           add_numbers(&out->segments, sampling->segment_nm[0], 2 * sampling->pages.n, err);
 }
 
 bool record_scene(const struct scene *scene, const struct sampling *sampling, struct record *out,
                   struct error *err)
 {
-    *out = (struct record){.scene = scene->path,
-                           .scene_sha256 = scene->sha256,
-                           .n_lights = scene->n_lights,
-                           .n_ambients = scene->n_ambients};
-    struct sampling_description description = {.method = ""};
-    if (sampling != NULL)
-        sampling_describe(sampling, &description);
-    const bool done = record_sources(scene, description.method, out, err) &&
-                      record_white(scene, sampling, out, err) &&
-                      record_sampling(&description, out, err) &&
-                      (out->n_response == 0 || record_white_response(scene, sampling, out, err));
-    if (out->components)
-        out->n_white = 0;
+    *out = (struct record){.scene = scene->path, .scene_sha256 = scene->sha256};
+    bool done = record_sources(scene, sampling, out, err);
+    if (!sampling || sampling->spectral)
+        done = done && record_white(scene, sampling, out, err);
+    if (sampling)
+        done = done && record_sampling(sampling, out, err) &&
+               (!sampling->fixed || record_white_response(scene, sampling, out, err));
     if (!done)
         record_free(out);
     return done;
@@ -170,34 +226,28 @@ static void put_line(FILE *stream, const char *key, const char *value)
     putc('\n', stream);
 }
 
-static void put_numbers(FILE *stream, const char *key, const double *numbers, int n)
+static void put_numbers(FILE *stream, const char *key, const struct numbers *numbers)
 {
     fprintf(stream, "%s:", key);
-    for (int i = 0; i < n; i++)
-        fprintf(stream, " %.*g", exact_digits(numbers[i]), numbers[i]);
+    for (int i = 0; i < numbers->n; i++)
+        fprintf(stream, " %.*g", exact_digits(numbers->value[i]), numbers->value[i]);
     putc('\n', stream);
 }
 
-static void put_lines(FILE *stream, const char *key, const char **values, int n)
+static void put_field(FILE *stream, const struct record *record, const struct field *field)
 {
-    for (int i = 0; i < n; i++)
-        put_line(stream, key, values[i]);
-}
-
-static void put_sampling(FILE *stream, const struct record *record)
-{
-    put_line(stream, "sampling", record->sampling);
-    put_line(stream, "sampling_detector", record->sampling_detector);
-    if (record->components)
-        put_line(stream, "components", "yes");
-    if (record->n_segments > 0)
-        put_numbers(stream, "segments", record->segments, record->n_segments);
-    if (record->n_response > 0) {
-        put_numbers(stream, "response_range", record->range_nm, 2);
-        put_numbers(stream, "response", record->response, record->n_response);
-    }
-    if (record->has_white_response)
-        put_numbers(stream, "white_response", record->white_response, 3);
+    const void *member = (const char *)record + field->offset;
+    const char *const *text = member;
+    const struct texts *texts = member;
+    const struct numbers *numbers = member;
+    if (field->kind == FIELD_TEXT && *text)
+        put_line(stream, field->key, *text);
+    for (int i = 0; field->kind == FIELD_TEXTS && i < texts->n; i++)
+        put_line(stream, field->key, texts->text[i]);
+    for (int i = 0; field->kind == FIELD_OPTION && i < record->n_options; i++)
+        put_line(stream, field->key, record->options[i]);
+    if (field->kind == FIELD_NUMBERS && numbers->n > 0)
+        put_numbers(stream, field->key, numbers);
 }
 
 char *record_text(const struct record *record)
@@ -205,23 +255,10 @@ char *record_text(const struct record *record)
     char *text = NULL;
     size_t length = 0;
     FILE *stream = open_memstream(&text, &length);
-    if (stream == NULL)
+    if (!stream)
         return NULL;
-    put_line(stream, "program", record->program);
-    put_line(stream, "scene", record->scene);
-    put_line(stream, "scene_sha256", record->scene_sha256);
-    for (int i = 0; i < record->n_options; i++)
-        put_line(stream, "option", record->options[i]);
-    put_line(stream, "renderer", record->renderer);
-    put_lines(stream, "light", record->lights, record->n_lights);
-    put_lines(stream, "ambient", record->ambients, record->n_ambients);
-    if (record->n_white > 0 || record->has_white_response)
-        put_numbers(stream, "illumination", &record->illumination, 1);
-    if (record->n_white > 0)
-        put_numbers(stream, "white", record->white, record->n_white);
-    if (record->sampling != NULL)
-        put_sampling(stream, record);
-    put_lines(stream, "object", record->objects, record->n_objects);
+    for (int i = 0; i < FIELDS; i++)
+        put_field(stream, record, &fields[i]);
     if (fclose(stream) == 0)
         return text;
     free(text);
@@ -230,7 +267,7 @@ char *record_text(const struct record *record)
 
 /* ---- reading ---- */
 
-/* Replaces, in place, those of XML's five predefined entities that data/stack/tags.c writes. */
+/* Replaces, in place, the entities of XML that data/stack/tags.c writes. */
 static void unescape(char *text)
 {
     static const struct {
@@ -252,12 +289,13 @@ static void unescape(char *text)
     *to = '\0';
 }
 
-/* The text of the OME-XML's element Description, unescaped; allocated. NULL: none, or no memory. */
+/* Returns the text of the OME-XML's element Description, unescaped; allocated. NULL: there is none,
+ * or no memory. */
 static char *description_text(const char *xml)
 {
     static const char begin[] = "<Description>";
     const char *from = strstr(xml, begin), *to = from != NULL ? strstr(from, "</") : NULL;
-    if (to == NULL)
+    if (!to)
         return NULL;
     from += strlen(begin);
     char *text = strndup(from, (size_t)(to - from));
@@ -266,7 +304,7 @@ static char *description_text(const char *xml)
     return text;
 }
 
-/* Each %XX becomes its byte. In place. */
+/* Replaces each %XX by its byte, in place. */
 static void decode(char *text)
 {
     char *to = text;
@@ -282,125 +320,54 @@ static void decode(char *text)
     *to = '\0';
 }
 
-/* Adds finite numbers from `lowest` on, with one blank between them. */
-static bool keep_numbers(double **numbers, int *n, double lowest, const char *value,
+/* Reads finite numbers, one blank between them, and adds them to those of earlier lines. A field of
+ * a fixed count begins anew. */
+static bool keep_numbers(struct numbers *out, const struct field *field, const char *value,
                          struct error *err)
 {
     struct error ignored = {0};
+    if (field->count > 0)
+        out->n = 0;
     for (const char *at = value, *end; *at != '\0'; at = *end != '\0' ? end + 1 : end) {
         end = at + strcspn(at, " ");
         const struct word word = {.start = at, .length = (size_t)(end - at)};
-        double *more = array_more(*numbers, *n, sizeof *more, err);
-        if (more == NULL)
+        double *more = array_more(out->value, out->n, sizeof *more, err);
+        if (!more)
             return false;
-        *numbers = more;
-        if (!word_number(&word, "it", lowest, HUGE_VAL, &more[(*n)++], &ignored))
+        out->value = more;
+        if (!word_number(&word, "it", field->lowest, HUGE_VAL, &more[out->n++], &ignored))
             return false;
     }
-    return true;
+    return field->count == 0 || out->n == field->count;
 }
 
-/* As many numbers as there is room for. */
-static bool keep_few(double *out, int room, double lowest, const char *value, struct error *err)
+/* Keeps a value. Returns false if it is malformed, or one too many. */
+static bool keep_value(struct record *record, const struct field *field, char *value,
+                       struct error *err)
 {
-    double *numbers = NULL;
-    int n = 0;
-    const bool good = keep_numbers(&numbers, &n, lowest, value, err) && n == room;
-    if (good)
-        memcpy(out, numbers, (size_t)n * sizeof *out);
-    free(numbers);
-    return good;
+    void *member = (char *)record + field->offset;
+    switch (field->kind) {
+    case FIELD_TEXT:
+        *(const char **)member = value;
+        return true;
+    case FIELD_TEXTS:
+        return add_text(member, value, err);
+    case FIELD_OPTION:
+        if (record->n_options == MAX_RECORDED)
+            return false;
+        record->options[record->n_options++] = value;
+        return true;
+    default:
+        return keep_numbers(member, field, value, err);
+    }
 }
 
-/* "OFFSET BYTES_PER_PIXEL" */
-static bool keep_map(struct record *record, const char *value)
-{
-    const size_t length = strcspn(value, " ");
-    const struct word offset = {.start = value, .length = length};
-    const char *bytes = value + length;
-    struct error ignored = {0};
-    long at;
-    if (!word_integer(&offset, "it", 1, LONG_MAX, &at, &ignored) ||
-        (strcmp(bytes, " 1") != 0 && strcmp(bytes, " 2") != 0))
-        return false;
-    record->map_offset = (uint64_t)at;
-    record->map_bytes = bytes[1] - '0';
-    return true;
-}
-
-static bool keep_value(const char ***list, int *n, const char *value, struct error *err)
-{
-    const char **more = array_more(*list, *n, sizeof *more, err);
-    if (more == NULL)
-        return false;
-    *list = more;
-    more[(*n)++] = value;
-    return true;
-}
-
-/* Texts of which there is one. */
-static void keep_text(struct record *record, const char *key, const char *value)
-{
-    const struct {
-        const char *key, **place;
-    } texts[] = {
-        {"program", &record->program},           {"scene", &record->scene},
-        {"scene_sha256", &record->scene_sha256}, {"renderer", &record->renderer},
-        {"full_scale", &record->full_scale},     {"scale", &record->scale},
-        {"sampling", &record->sampling},         {"sampling_detector", &record->sampling_detector}};
-    for (size_t i = 0; i < sizeof texts / sizeof texts[0]; i++)
-        if (strcmp(key, texts[i].key) == 0)
-            *texts[i].place = value;
-}
-
-/* Texts and numbers of which there are any number. Returns false where they are malformed. */
-static bool keep_list(struct record *record, const char *key, const char *value, struct error *err)
-{
-    const struct {
-        const char *key;
-        const char ***texts;
-        int *n;
-    } lists[] = {{"light", &record->lights, &record->n_lights},
-                 {"ambient", &record->ambients, &record->n_ambients},
-                 {"object", &record->objects, &record->n_objects}};
-    const struct {
-        const char *key;
-        double **numbers;
-        int *n;
-        double lowest;
-    } arrays[] = {{"white", &record->white, &record->n_white, 0},
-                  {"segments", &record->segments, &record->n_segments, -HUGE_VAL},
-                  {"response", &record->response, &record->n_response, -HUGE_VAL}};
-    for (size_t i = 0; i < sizeof lists / sizeof lists[0]; i++)
-        if (strcmp(key, lists[i].key) == 0)
-            return keep_value(lists[i].texts, lists[i].n, value, err);
-    for (size_t i = 0; i < sizeof arrays / sizeof arrays[0]; i++)
-        if (strcmp(key, arrays[i].key) == 0)
-            return keep_numbers(arrays[i].numbers, arrays[i].n, arrays[i].lowest, value, err);
-    return true;
-}
-
-/* Returns false where the value is malformed, or one too many. Other programs may add lines: a key
- * that is unknown is no fault. */
+/* Keeps the value of a known key. Other programs may add lines: an unknown key is not an error. */
 static bool keep_line(struct record *record, const char *key, char *value, struct error *err)
 {
-    keep_text(record, key, value);
-    if (strcmp(key, "illumination") == 0)
-        return keep_few(&record->illumination, 1, 0, value, err);
-    if (strcmp(key, "response_range") == 0)
-        return keep_few(record->range_nm, 2, -HUGE_VAL, value, err);
-    if (strcmp(key, "white_response") == 0)
-        return record->has_white_response =
-                   keep_few(record->white_response, 3, -HUGE_VAL, value, err);
-    if (strcmp(key, "components") == 0)
-        return record->components = strcmp(value, "yes") == 0;
-    if (strcmp(key, "object_map") == 0)
-        return keep_map(record, value);
-    if (strcmp(key, "option") != 0)
-        return keep_list(record, key, value, err);
-    if (record->n_options == MAX_RECORDED)
-        return false;
-    record->options[record->n_options++] = value;
+    for (int i = 0; i < FIELDS; i++)
+        if (strcmp(key, fields[i].key) == 0)
+            return keep_value(record, &fields[i], value, err);
     return true;
 }
 
@@ -413,7 +380,7 @@ static bool keep_lines(struct record *record, struct error *err)
         next = line + strcspn(line, "\n");
         if (*next != '\0')
             *next++ = '\0';
-        if (colon == NULL || colon >= next)
+        if (!colon || colon >= next)
             continue;
         *colon = '\0';
         decode(colon + 2);
@@ -424,19 +391,38 @@ static bool keep_lines(struct record *record, struct error *err)
            record->scale != NULL;
 }
 
-/* Limits of what a sum over cells of 1 nm takes: the scene language's longest wavelength. */
+/* Reads "OFFSET BYTES_PER_PIXEL". Returns true for a record without a map. */
+static bool read_map(struct record *record)
+{
+    const char *map = record->object_map;
+    if (!map)
+        return true;
+    const struct word offset = {.start = map, .length = strcspn(map, " ")};
+    const char *bytes = map + offset.length;
+    struct error ignored = {0};
+    long at;
+    if (!word_integer(&offset, "it", 1, LONG_MAX, &at, &ignored) ||
+        (strcmp(bytes, " 1") != 0 && strcmp(bytes, " 2") != 0))
+        return false;
+    record->map_offset = (uint64_t)at;
+    record->map_bytes = bytes[1] - '0';
+    return true;
+}
+
+/* Returns whether these are two limits that a sum over cells of 1 nm can take: at most the scene
+ * language's longest wavelength. */
 static bool is_range(const double limits[2])
 {
     return limits[0] >= -1 && limits[1] > limits[0] && limits[1] <= 1e6 + 1;
 }
 
-/* Those of one segment follow each other, no more than a quadrature has; each lies in its own, but
- * for the digits in which pages tell their wavelengths. */
+/* Pages of one segment follow each other, no more than a quadrature has; each lies in its segment,
+ * but for the digits in which pages record their wavelengths. */
 static bool segments_agree(const struct record *record, const struct image *image)
 {
-    const double slack = 1e-9, *nm = image->wavelengths_nm, *own = record->segments;
+    const double slack = 1e-9, *nm = image->wavelengths_nm, *own = record->segments.value;
     int together = 0;
-    for (int i = 0; nm != NULL && i < image->n_pages; i++, own += 2) {
+    for (int i = 0; nm && i < image->n_pages; i++, own += 2) {
         const bool joins = i > 0 && own[0] == own[-2] && own[1] == own[-1];
         together = joins ? together + 1 : 1;
         if (!is_range(own) || together > LARGEST_QUADRATURE ||
@@ -447,45 +433,54 @@ static bool segments_agree(const struct record *record, const struct image *imag
     return nm != NULL;
 }
 
-/* How pages become channels is told in one way, and of all pages. */
+/* Returns whether the record describes in one way, and for all pages, how they become channels. */
 static bool sampling_agrees(const struct record *record, const struct image *image)
 {
-    const int n = image->n_pages;
-    const bool agrees =
-        (record->sampling != NULL) == (record->sampling_detector != NULL) &&
-        (record->n_segments == 0 ||
-         (record->n_segments == 2 * n && segments_agree(record, image))) &&
-        (record->n_response == 0 || (record->n_response == 3 * n && is_range(record->range_nm))) &&
-        (record->n_response == 0 || record->n_segments == 0) &&
-        (record->sampling != NULL || record->n_segments + record->n_response == 0);
-    return agrees &&
-           (record->n_response > 0 || !(record->components || record->has_white_response)) &&
-           !(record->components && (image->wavelengths_nm != NULL || record->n_white > 0));
+    const int n_segments = record->segments.n, n_response = record->response.n;
+    if (!record->sampling != !record->sampling_detector)
+        return false;
+    if (n_response == 0 && (record->components || record->white_response.n > 0))
+        return false;
+    if (n_segments + n_response > 0 && (!record->sampling || (n_segments > 0 && n_response > 0)))
+        return false;
+    if (n_segments > 0 && !(n_segments == 2 * image->n_pages && segments_agree(record, image)))
+        return false;
+    if (n_response > 0 && !(n_response == 3 * image->n_pages && record->range_nm.n == 2 &&
+                            is_range(record->range_nm.value)))
+        return false;
+    return !record->components || (strcmp(record->components, "yes") == 0 &&
+                                   !image->wavelengths_nm && record->white.n == 0);
+}
+
+double record_illumination(const struct record *record)
+{
+    return record->illumination.n > 0 ? record->illumination.value[0] : 0;
 }
 
 bool record_read(const struct image *image, struct record *out, struct error *err)
 {
     *out = (struct record){.text = description_text(image->description)};
-    if (out->text != NULL && keep_lines(out, err) &&
-        (out->n_white == 0 || out->n_white == image->n_pages) &&
-        (out->illumination > 0 || (out->n_white == 0 && !out->has_white_response)) &&
+    if (out->text != NULL && keep_lines(out, err) && read_map(out) &&
+        (out->white.n == 0 || out->white.n == image->n_pages) &&
+        (record_illumination(out) > 0 || out->white.n + out->white_response.n == 0) &&
         sampling_agrees(out, image))
         return true;
     record_free(out);
     return error_usage(err,
-                       "%s: does not tell how it was made; only stacks of spectral 0.2.0 or later"
-                       " do",
+                       "%s: has no record of how it was made; expected a stack of spectral 0.2.0"
+                       " or later",
                        image->path);
 }
 
 void record_free(struct record *record)
 {
     free(record->text);
-    free(record->lights);
-    free(record->ambients);
-    free(record->objects);
-    free(record->white);
-    free(record->segments);
-    free(record->response);
+    for (int i = 0; i < FIELDS; i++) {
+        void *member = (char *)record + fields[i].offset;
+        if (fields[i].kind == FIELD_TEXTS)
+            free(((struct texts *)member)->text);
+        if (fields[i].kind == FIELD_NUMBERS)
+            free(((struct numbers *)member)->value);
+    }
     *record = (struct record){.text = NULL};
 }

@@ -9,8 +9,16 @@
 #include "data/tiff/tiff.h"
 #include "spectral.h"
 
+struct texts {
+    const char **text; /* the array is owned, the texts are not */
+    int n;
+};
+struct numbers {
+    double *value; /* owned */
+    int n;
+};
 /* Everything that decides the bytes of a stack, except the files that its scene names, and OpenGL.
- */
+ * A member is a row in `fields` of record.c, by which it is written, read and freed. */
 struct record {
     const char *program; /* name and version */
     const char *scene;   /* as the command line named it */
@@ -18,37 +26,29 @@ struct record {
     const char *renderer;        /* "raster", or OpenGL's GL_RENDERER */
     char *options[MAX_RECORDED]; /* each one word: "--size=300x200"; not owned */
     int n_options;
-    /* The lights of the scene, each as SPECTRUM*INTENSITY; the arrays are owned. */
-    const char **lights, **ambients;
-    int n_lights, n_ambients;
-    /* scene_white, at each wavelength; owned. NULL and 0 where nothing shines, or in a stack
+    struct texts lights, ambients; /* of the scene, each as SPECTRUM*INTENSITY */
+    /* scene_white, on each page; none where nothing shines, in pages of components, or in a stack
      * without this record. */
-    double *white;
-    int n_white;
-    double illumination;
-    /* How its spectra were sampled: as sampling_name and for which detector; NULL: at the
-     * wavelengths. Segments are two limits a page, which lies between them; they rise without
-     * overlap, and at most LARGEST_QUADRATURE pages share one. The response is the weights of a
-     * fixed sampling, which hold for the cells of 1 nm in range_nm, and white_response is the
-     * detector's response to the white there, if it sees it; owned. n_* are numbers in each array.
-     */
+    struct numbers white;
+    struct numbers illumination; /* one: the sum of the lights' intensities, if there is a white */
+    /* How the spectra were sampled: as sampling_name, and for which detector; NULL: at the
+     * wavelengths. */
     const char *sampling, *sampling_detector;
-    double *segments, *response;
-    int n_segments, n_response;
-    double range_nm[2];
-    double white_response[3];
-    bool has_white_response;
-    bool components; /* pages are no radiances at wavelengths */
-    /* The objects that the numbers of the object map stand for, from 1; 0 is the background. The
-     * array is owned. */
-    const char **objects;
-    int n_objects;
-    /* Only of record_read: how samples become radiances, and the offset of the object map with its
-     * bytes a pixel; 0: there is none. */
-    const char *full_scale, *scale;
+    const char *components; /* "yes": pages have no wavelengths; NULL: they are radiances */
+    /* Two limits a page, which lies between them. They rise without overlap, and at most
+     * LARGEST_QUADRATURE pages share one segment. */
+    struct numbers segments;
+    /* A fixed sampling has a response: its weights. They hold for the cells of 1 nm between the two
+     * limits in range_nm. white_response is the detector's response to the white there: three
+     * numbers, or none if it does not see the white. */
+    struct numbers response, range_nm, white_response;
+    struct texts objects; /* by their numbers in the object map, from 1; 0 is the background */
+    /* Only record_read sets these: how samples become radiances; the object map, "OFFSET
+     * BYTES_PER_PIXEL", and both of its numbers, 0 where there is no map. */
+    const char *full_scale, *scale, *object_map;
     uint64_t map_offset;
     int map_bytes;
-    char *text; /* lights, ambients and, of record_read, all strings point into it; owned */
+    char *text; /* lights, ambients and, after record_read, all strings point into it; owned */
 };
 /* Returns how many decimal digits of a number read back as the same double. */
 int exact_digits(double number);
@@ -59,9 +59,11 @@ bool record_scene(const struct scene *scene, const struct sampling *sampling, st
 /* Writes lines "KEY: VALUE" into an allocated text; NULL: no memory. In values, control characters,
  * bytes that are no UTF-8, and '%' become %XX, as in a URL. */
 char *record_text(const struct record *record);
-/* Reads the record in the description of a stack's first page. Refuses, as no stack of this
- * program, an image without a record or with one that contradicts itself. */
+/* Reads the record in the description of a stack's first page. Refuses an image without a record,
+ * or with a record that contradicts itself. */
 bool record_read(const struct image *image, struct record *out, struct error *err);
+/* Returns the sum of the lights' intensities; 0: no white is recorded. */
+double record_illumination(const struct record *record);
 void record_free(struct record *record);
 
 #endif

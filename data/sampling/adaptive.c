@@ -13,26 +13,31 @@
 #include "data/spectra/spectra.h"
 #include "spectral.h"
 
-/* Cells from..to - 1 of the grid. */
+/* Cells from..to - 1 of the grid, and the nodes that stand for them. */
+enum { MOST_NODES = 8 };
 struct segment {
-    int from, to, nodes;
+    int from, to, n;
+    double nm[MOST_NODES];
+    int cell[MOST_NODES];
+    double weight[3][MOST_NODES]; /* in each channel */
 };
 struct adaptive {
-    const struct sampling *sampling;
+    struct sampling *sampling;
     const struct fine_spectra *spectra;
-    double tolerance;   /* for each segment alone, of its part of what the detector sees */
-    int n_spectra;      /* lights, then products */
-    double *scale;      /* of each: the response that its errors are parts of */
-    double *total;      /* of each and each channel: the error of all segments */
-    double *seen;       /* up to each cell, what the detector sees of the range; n_nm + 1 */
-    bool *cut, *summit; /* whether a segment begins with a cell; whether it is a peak's summit */
-    struct segment *segments, *best; /* now, and of the fewest pages that keep the tolerance */
+    double tolerance; /* for each segment alone, of its part of what the detector sees */
+    int n_spectra;    /* lights, then products */
+    double *scale;    /* [spectrum]: the response that its errors are parts of; owned, with `seen`
+                         behind it */
+    double *seen;     /* [cell]: what the detector sees of the range before it; n_nm + 1 */
+    bool *cut;        /* [cell]: a segment begins with it; n_nm + 1; owned */
+    struct segment *segments; /* now; owned, with the best behind them */
+    struct segment *best;     /* of the fewest pages that keep the tolerance */
     int n, n_best, fewest;
 };
 
 static const double *spectrum_row(const struct adaptive *a, int i)
 {
-    const size_t n_nm = (size_t)a->sampling->n_nm;
+    const size_t n_nm = (size_t)a->spectra->n_nm;
     return i < a->spectra->n_lights
                ? a->spectra->lights + (size_t)i * n_nm
                : a->spectra->products + (size_t)(i - a->spectra->n_lights) * n_nm;
@@ -41,8 +46,9 @@ static const double *spectrum_row(const struct adaptive *a, int i)
 /* ---- emission peaks ---- */
 
 /* A sample is a summit if it is the largest up to some distance of at most 10 nm, and above the
- * mean of its neighbours there by half of the spectrum's mean. Daylight (d65) is nowhere above by a
- * sixth, smooth spectra by less. Lines between two nm of the grid are not seen. */
+ * mean of its neighbours there by half of the spectrum's mean. Daylight (d65) exceeds its
+ * neighbours by less than a sixth, smooth spectra by less. Lines between two nm of the grid are not
+ * seen. */
 enum { FARTHEST_NEIGHBOUR = 10 };
 static const double least_excess = 0.5;
 
@@ -65,8 +71,8 @@ static bool is_summit(const double *row, int n, int j, double threshold)
     return false;
 }
 
-/* From a summit, which may be flat, downwards: the foot is where it falls no more, by a hundredth
- * of its height. */
+/* Walks down from a summit, which may be flat. Returns the foot: the cell from which the next step
+ * falls by less than a hundredth of the summit. */
 static int foot_of(const double *row, int n, int j, int step)
 {
     const double slope = row[j] / 100;
@@ -75,30 +81,44 @@ static int foot_of(const double *row, int n, int j, int step)
     return j;
 }
 
-static void find_peaks(struct adaptive *a)
+/* Cuts the range around the peaks of a light. Marks their summits. */
+static void cut_at_peaks(struct adaptive *a, const double *row, bool *summit)
 {
-    const int n = a->sampling->n_nm;
-    a->cut[0] = true;
-    for (int i = 0; i < a->spectra->n_lights; i++) {
-        const double *row = spectrum_row(a, i), threshold = least_excess * mean_of(row, n);
-        for (int j = 0; j < n; j++)
-            if (is_summit(row, n, j, threshold)) {
-                const int behind = foot_of(row, n, j, 1) + 1;
-                a->summit[j] = a->cut[j] = a->cut[foot_of(row, n, j, -1)] = true;
-                if (behind < n)
-                    a->cut[behind] = true;
-            }
-    }
+    const int n = a->spectra->n_nm;
+    const double threshold = least_excess * mean_of(row, n);
+    for (int j = 0; j < n; j++)
+        if (is_summit(row, n, j, threshold)) {
+            summit[j] = a->cut[j] = a->cut[foot_of(row, n, j, -1)] = true;
+            a->cut[foot_of(row, n, j, 1) + 1] = true;
+        }
 }
 
-/* ---- what errors are measured by ---- */
+static bool find_peaks(struct adaptive *a, struct error *err)
+{
+    struct sampling *out = a->sampling;
+    const int n = a->spectra->n_nm;
+    bool *summit = calloc((size_t)n, sizeof *summit);
+    out->peak_nm = sampling_numbers((size_t)n, err);
+    if (!summit || !out->peak_nm) {
+        free(summit);
+        return error_memory(err);
+    }
+    for (int i = 0; i < a->spectra->n_lights; i++)
+        cut_at_peaks(a, spectrum_row(a, i), summit);
+    for (int j = 0; j < n; j++)
+        if (summit[j])
+            out->peak_nm[out->n_peaks++] = out->fine.nm[j];
+    free(summit);
+    return true;
+}
+
+/* ---- scales of errors ---- */
 
 static double largest_response(const struct adaptive *a, int i)
 {
-    const int n = a->sampling->n_nm;
-    const double *row = spectrum_row(a, i);
+    const struct fine_detector *fine = &a->sampling->fine;
     double response[3];
-    detector_response(a->sampling->detector_weights, row, n, response);
+    detector_response(fine->weights, spectrum_row(a, i), fine->n, response);
     return fmax(fabs(response[0]), fmax(fabs(response[1]), fabs(response[2])));
 }
 
@@ -110,107 +130,106 @@ static bool is_below(const double *a, const double *b, int n)
     return j == n;
 }
 
-/* A product's light is the dimmest that is nowhere below it; without one it is its own. */
+/* Errors of a light are parts of its own response, those of a product of its light's. That is the
+ * dimmest light nowhere below the product; without one it is the product itself. */
 static void find_scales(struct adaptive *a)
 {
-    const int lights = a->spectra->n_lights;
+    const int lights = a->spectra->n_lights, n_nm = a->spectra->n_nm;
     for (int i = 0; i < a->n_spectra; i++) {
         bool found = i < lights;
         a->scale[i] = largest_response(a, i);
         for (int light = 0; light < lights && i >= lights; light++)
-            if (is_below(spectrum_row(a, i), spectrum_row(a, light), a->sampling->n_nm)) {
+            if (is_below(spectrum_row(a, i), spectrum_row(a, light), n_nm)) {
                 a->scale[i] = found ? fmin(a->scale[i], a->scale[light]) : a->scale[light];
                 found = true;
             }
     }
-    for (int j = 0; j < a->sampling->n_nm; j++)
+    for (int j = 0; j < n_nm; j++)
         a->seen[j + 1] = a->seen[j] + sampling_seen(a->sampling, j);
 }
 
 /* ---- the fewest nodes ---- */
 
-/* Legendre's nodes, each at the nearest cell; what they count in each channel. */
-enum { MOST_NODES = 8 };
-struct weighed {
-    double nm[MOST_NODES];
-    int at[MOST_NODES]; /* the cell */
-    double weight[3][MOST_NODES];
-};
-/* False: two nodes would be the same. */
-static bool place_nodes(const struct sampling *sampling, const struct segment *s,
-                        struct weighed *out)
+static void weigh_nodes(const struct adaptive *a, struct segment *s)
 {
-    struct quadrature rule;
-    bool distinct = true;
-    quadrature_legendre(s->from, s->to, s->nodes, &rule);
-    for (int i = 0; i < s->nodes; i++) {
-        out->at[i] = (int)floor(rule.node[i]);
-        out->nm[i] = sampling_grid(sampling, out->at[i]);
-        distinct = distinct && (i == 0 || out->at[i] > out->at[i - 1]);
-    }
-    return distinct;
-}
-
-static void weigh(const struct adaptive *a, const struct segment *s, struct weighed *out)
-{
-    const struct sampling *sampling = a->sampling;
-    for (int i = 0; i < s->nodes; i++) {
-        out->weight[0][i] = out->weight[1][i] = out->weight[2][i] = 0;
+    const struct fine_detector *fine = &a->sampling->fine;
+    for (int i = 0; i < s->n; i++) {
+        s->weight[0][i] = s->weight[1][i] = s->weight[2][i] = 0;
         for (int j = s->from; j < s->to; j++) {
-            const double part =
-                quadrature_lagrange(out->nm, s->nodes, i, sampling_grid(sampling, j));
+            const double part = quadrature_lagrange(s->nm, s->n, i, fine->nm[j]);
             for (int channel = 0; channel < 3; channel++)
-                out->weight[channel][i] +=
-                    part * sampling->detector_weights[channel * sampling->n_nm + j];
+                s->weight[channel][i] += part * fine->weights[channel * fine->n + j];
         }
     }
 }
 
-static void errors_of(const struct adaptive *a, const struct segment *s, const struct weighed *w,
-                      int spectrum, double out[3])
+/* Places nodes at the cells nearest to Legendre's. Returns false if two would be the same. */
+static bool place_nodes(const struct adaptive *a, struct segment *s)
 {
-    const struct sampling *sampling = a->sampling;
+    struct quadrature rule;
+    quadrature_legendre(s->from, s->to, s->n, &rule);
+    for (int i = 0; i < s->n; i++) {
+        s->cell[i] = (int)floor(rule.node[i]);
+        s->nm[i] = a->sampling->fine.nm[s->cell[i]];
+        if (i > 0 && s->cell[i] <= s->cell[i - 1])
+            return false;
+    }
+    weigh_nodes(a, s);
+    return true;
+}
+
+/* Finds the error that a segment adds to each channel of a spectrum. */
+static void errors_of(const struct adaptive *a, const struct segment *s, int spectrum,
+                      double out[3])
+{
+    const struct fine_detector *fine = &a->sampling->fine;
     const double *row = spectrum_row(a, spectrum);
     for (int channel = 0; channel < 3; channel++) {
-        const double *weights = sampling->detector_weights + channel * sampling->n_nm;
+        const double *weights = fine->weights + channel * fine->n;
         out[channel] = 0;
-        for (int i = 0; i < s->nodes; i++)
-            out[channel] += w->weight[channel][i] * row[w->at[i]];
+        for (int i = 0; i < s->n; i++)
+            out[channel] += s->weight[channel][i] * row[s->cell[i]];
         for (int j = s->from; j < s->to; j++)
             out[channel] -= weights[j] * row[j];
     }
 }
 
-static bool fits(const struct adaptive *a, const struct segment *s)
+static bool is_small(const double error[3], double limit)
 {
-    struct weighed w;
-    const double part = (a->seen[s->to] - a->seen[s->from]) / a->seen[a->sampling->n_nm];
-    if (!place_nodes(a->sampling, s, &w))
-        return false;
-    weigh(a, s, &w);
-    for (int i = 0; i < a->n_spectra; i++) {
+    return !(fabs(error[0]) > limit || fabs(error[1]) > limit || fabs(error[2]) > limit);
+}
+
+static bool fits(const struct adaptive *a, struct segment *s)
+{
+    const double part = (a->seen[s->to] - a->seen[s->from]) / a->seen[a->spectra->n_nm];
+    bool good = place_nodes(a, s);
+    for (int i = 0; good && i < a->n_spectra; i++) {
         double error[3];
-        errors_of(a, s, &w, i, error);
-        for (int channel = 0; channel < 3; channel++)
-            if (fabs(error[channel]) > a->tolerance * part * a->scale[i])
-                return false;
+        errors_of(a, s, i, error);
+        good = is_small(error, a->tolerance * part * a->scale[i]);
     }
-    return true;
+    return good;
 }
 
-/* Fewer than `limit` with which the cells fit; 0: there are none. */
-static int fewest_nodes(const struct adaptive *a, int from, int to, int limit)
+/* Finds the fewest nodes, fewer than `limit`, with which the cells fit. Returns their number; 0:
+ * there are none. */
+static int fewest_nodes(const struct adaptive *a, int from, int to, int limit, struct segment *out)
 {
-    struct segment s = {from, to, 1};
-    while (s.nodes < limit && s.nodes <= MOST_NODES && !fits(a, &s))
-        s.nodes++;
-    return s.nodes < limit && s.nodes <= MOST_NODES ? s.nodes : 0;
+    for (int n = 1; n < limit && n <= MOST_NODES; n++) {
+        *out = (struct segment){.from = from, .to = to, .n = n};
+        if (fits(a, out))
+            return n;
+    }
+    return 0;
 }
 
-/* As one segment, or in halves if these have fewer nodes; a cell is exact. Returns how many. */
+/* Makes one segment of the cells, or divides them in halves if these have fewer nodes; a cell alone
+ * is exact. Returns the number of nodes. */
 static int divide(struct adaptive *a, int from, int to)
 {
-    const int before = a->n, whole = to - from == 1 ? 1 : fewest_nodes(a, from, to, to - from);
+    struct segment segment;
+    const int before = a->n, cells = to - from;
+    const int whole = fewest_nodes(a, from, to, cells > 1 ? cells : 2, &segment);
     if (whole == 0 || whole > 2) {
         const int middle = (from + to) / 2;
         const int halves = divide(a, from, middle) + divide(a, middle, to);
@@ -218,13 +237,13 @@ static int divide(struct adaptive *a, int from, int to)
             return halves;
     }
     a->n = before;
-    a->segments[a->n++] = (struct segment){from, to, whole};
+    a->segments[a->n++] = segment;
     return whole;
 }
 
 static void divide_all(struct adaptive *a)
 {
-    const int n = a->sampling->n_nm;
+    const int n = a->spectra->n_nm;
     a->n = 0;
     for (int from = 0, to; from < n; from = to) {
         to = from + 1;
@@ -234,20 +253,19 @@ static void divide_all(struct adaptive *a)
     }
 }
 
-/* Neighbours become one where that has fewer nodes, until there are none. */
+/* Joins neighbours where one segment has fewer nodes, until there are none. */
 static void join_all(struct adaptive *a)
 {
     for (int before = 0; before != a->n;) {
         int n = 1;
         before = a->n;
         for (int i = 1; i < before; i++) {
-            struct segment *last = &a->segments[n - 1];
-            const struct segment next = a->segments[i];
-            const int nodes = fewest_nodes(a, last->from, next.to, last->nodes + next.nodes);
-            if (nodes > 0)
-                *last = (struct segment){last->from, next.to, nodes};
+            struct segment joined, *last = &a->segments[n - 1];
+            const struct segment *next = &a->segments[i];
+            if (fewest_nodes(a, last->from, next->to, last->n + next->n, &joined) > 0)
+                *last = joined;
             else
-                a->segments[n++] = next;
+                a->segments[n++] = *next;
         }
         a->n = n;
     }
@@ -257,30 +275,24 @@ static int pages_of(const struct adaptive *a)
 {
     int n = 0;
     for (int s = 0; s < a->n; s++)
-        n += a->segments[s].nodes;
+        n += a->segments[s].n;
     return n;
 }
 
-/* True if all segments together keep the tolerance. */
-static bool is_within(struct adaptive *a, double tolerance)
+/* Returns whether all segments together keep the tolerance. */
+static bool is_within(const struct adaptive *a, double tolerance)
 {
-    for (int i = 0; i < 3 * a->n_spectra; i++)
-        a->total[i] = 0;
-    for (int s = 0; s < a->n; s++) {
-        struct weighed w;
-        place_nodes(a->sampling, &a->segments[s], &w);
-        weigh(a, &a->segments[s], &w);
-        for (int i = 0; i < a->n_spectra; i++) {
-            double error[3];
-            errors_of(a, &a->segments[s], &w, i, error);
+    bool good = true;
+    for (int i = 0; good && i < a->n_spectra; i++) {
+        double total[3] = {0}, error[3];
+        for (int s = 0; s < a->n; s++) {
+            errors_of(a, &a->segments[s], i, error);
             for (int channel = 0; channel < 3; channel++)
-                a->total[3 * i + channel] += error[channel];
+                total[channel] += error[channel];
         }
+        good = is_small(total, tolerance * a->scale[i]);
     }
-    for (int i = 0; i < 3 * a->n_spectra; i++)
-        if (fabs(a->total[i]) > tolerance * a->scale[i / 3])
-            return false;
-    return true;
+    return good;
 }
 
 static void keep_fewest(struct adaptive *a, double tolerance)
@@ -292,8 +304,9 @@ static void keep_fewest(struct adaptive *a, double tolerance)
     }
 }
 
-/* Errors of segments cancel: so each is first allowed far more than its part. With no more than
- * that the sum is within the tolerance, but for rounding; and cells alone are exact. */
+/* Errors of segments cancel: so each segment is first allowed far more than its part of the
+ * tolerance. If none exceeds its part, the sum is within the tolerance, but for rounding; single
+ * cells are exact. */
 static void find_segments(struct adaptive *a, double tolerance)
 {
     for (double slack = 64; slack >= 1 || a->fewest == 0; slack *= 0.75) {
@@ -307,47 +320,30 @@ static void find_segments(struct adaptive *a, double tolerance)
 
 /* ---- the sampling ---- */
 
-static bool adaptive_room(struct adaptive *a, struct error *err)
+static bool make_room(struct adaptive *a, struct error *err)
 {
-    const size_t n_nm = (size_t)a->sampling->n_nm, count = (size_t)a->n_spectra;
-    a->scale = calloc(count + 1, sizeof *a->scale);
-    a->total = calloc(3 * count + 1, sizeof *a->total);
-    a->seen = calloc(n_nm + 1, sizeof *a->seen);
-    a->cut = calloc(n_nm, sizeof *a->cut);
-    a->summit = calloc(n_nm, sizeof *a->summit);
-    a->segments = calloc(n_nm, sizeof *a->segments);
-    a->best = calloc(n_nm, sizeof *a->best);
-    return (a->scale != NULL && a->total != NULL && a->seen != NULL && a->cut != NULL &&
-            a->summit != NULL && a->segments != NULL && a->best != NULL) ||
-           error_memory(err);
-}
-
-static bool set_peaks(const struct adaptive *a, struct sampling *out, struct error *err)
-{
-    out->peak_nm = calloc((size_t)out->n_nm, sizeof *out->peak_nm);
-    if (out->peak_nm == NULL)
+    const size_t n_nm = (size_t)a->spectra->n_nm, count = (size_t)a->n_spectra;
+    a->scale = sampling_numbers(count + n_nm + 1, err);
+    a->cut = calloc(n_nm + 1, sizeof *a->cut);
+    a->segments = calloc(2 * n_nm, sizeof *a->segments);
+    if (!a->scale || !a->cut || !a->segments)
         return error_memory(err);
-    for (int j = 0; j < out->n_nm; j++)
-        if (a->summit[j])
-            out->peak_nm[out->n_peaks++] = sampling_grid(out, j);
+    a->seen = a->scale + count;
+    a->best = a->segments + n_nm;
     return true;
 }
 
 static bool set_pages(const struct adaptive *a, struct sampling *out, struct error *err)
 {
     int n = 0;
-    if (!sampling_room(out, a->fewest, true, true, err))
+    if (!sampling_room(out, a->fewest, true, err))
         return false;
     for (int s = 0; s < a->n_best; s++) {
         const struct segment *segment = &a->best[s];
-        const double first = sampling_grid(out, segment->from) - 0.5;
-        const double last = sampling_grid(out, segment->to) - 0.5;
-        struct weighed nodes;
-        place_nodes(out, segment, &nodes);
-        for (int i = 0; i < segment->nodes; i++, n++) {
-            out->wavelength_nm[n] = nodes.nm[i];
-            out->segment_nm[n][0] = first;
-            out->segment_nm[n][1] = last;
+        for (int i = 0; i < segment->n; i++, n++) {
+            out->pages.wavelength_nm[n] = segment->nm[i];
+            out->segment_nm[n][0] = out->pages.first_nm + segment->from - 0.5;
+            out->segment_nm[n][1] = out->pages.first_nm + segment->to - 0.5;
         }
     }
     return true;
@@ -359,24 +355,14 @@ bool sample_adaptive(const struct sampling_task *task, struct error *err)
     struct adaptive a = {.sampling = out,
                          .spectra = task->spectra,
                          .n_spectra = task->spectra->n_lights + task->spectra->n_products};
-    bool done = adaptive_room(&a, err);
+    bool done = make_room(&a, err) && find_peaks(&a, err);
     if (done) {
-        find_peaks(&a);
         find_scales(&a);
-        find_segments(&a, task->method->tolerance);
-        done = set_peaks(&a, out, err) && set_pages(&a, out, err);
+        find_segments(&a, out->method.tolerance);
+        done = set_pages(&a, out, err);
     }
     free(a.scale);
-    free(a.total);
-    free(a.seen);
     free(a.cut);
-    free(a.summit);
     free(a.segments);
-    free(a.best);
-    if (!done)
-        return false;
-    sampling_weights(task->detector, out->wavelength_nm, out->segment_nm, out->n, out->weights);
-    sampling_linear(out);
-    out->spectral = true;
-    return true;
+    return done;
 }

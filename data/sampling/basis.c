@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A linear model: the principal components of a scene's spectra. */
+/* Sampling by a linear model: the principal components of a scene's spectra. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -16,7 +16,8 @@ static double dot(const double *a, const double *b, int n)
 
 /* ---- Jacobi's method on one side ---- */
 
-/* Rows that are orthogonal to this, or that are this small beside the longest, are left alone. */
+/* Two rows stay as they are if their cosine is at most n times this, or if both are no longer than
+ * this part of the longest row. */
 static const double negligible = 1e-15;
 
 /* Turns two rows until they are orthogonal; the longer becomes the first. (J. Demmel and K.
@@ -39,7 +40,7 @@ static bool turn(double *p, double *q, int n, double smallest)
     return true;
 }
 
-/* Convergence is quadratic; the number of sweeps is a limit that is not reached. */
+/* Convergence is quadratic: sixty sweeps are never needed. */
 void orthogonal_rows(double *row, int rows, int n)
 {
     double longest = 0;
@@ -61,182 +62,218 @@ void orthogonal_rows(double *row, int rows, int n)
 /* The first n directions of the products, of length 1, and the shear that leaves no product a
  * negative coordinate: c' = c + shear (axis . c). */
 struct components {
-    int n, rank, n_nm, n_products;
-    const double *products;
-    double *direction;   /* [component][nm]; of all products, as they were turned; owned */
-    double *coordinates; /* [component] of one product; owned, as are: */
-    double *axis, *shear;
+    const struct fine_spectra *spectra;
+    int n, rank, n_units;
+    double *direction; /* [component][nm]; of all products, as they were turned; owned */
+    double *axis;      /* [component]; owned, with shear and units behind it */
+    double *shear;
+    double *units; /* [unit][component]: coordinates of products, as unit vectors */
 };
+
+static double *direction_row(const struct components *c, int component)
+{
+    return c->direction + (size_t)component * (size_t)c->spectra->n_nm;
+}
+
+static double *unit_row(const struct components *c, int unit)
+{
+    return c->units + (size_t)unit * (size_t)c->n;
+}
 
 static const double rank_limit = 1e-12;
 
-/* Scaled to a largest value of 1, so that no square is too large or too small. */
+static double largest_of(const double *values, size_t n)
+{
+    double largest = 0;
+    for (size_t i = 0; i < n; i++)
+        largest = fmax(largest, values[i]);
+    return largest;
+}
+
+/* Turns the products, scaled to a largest value of 1: no square is too large or too small. */
 static bool turn_products(struct components *out, struct error *err)
 {
-    const size_t count = (size_t)out->n_products * (size_t)out->n_nm;
-    double largest = 0, longest = 0;
-    out->direction = calloc(count > 0 ? count : 1, sizeof *out->direction);
-    if (out->direction == NULL)
-        return error_memory(err);
-    for (size_t i = 0; i < count; i++)
-        largest = fmax(largest, out->products[i]);
+    const int n = out->spectra->n_products, n_nm = out->spectra->n_nm;
+    const size_t count = (size_t)n * (size_t)n_nm;
+    const double largest = largest_of(out->spectra->products, count);
+    double longest = 0;
+    out->direction = sampling_numbers(count > 0 ? count : 1, err);
+    if (!out->direction)
+        return false;
     for (size_t i = 0; i < count && largest > 0; i++)
-        out->direction[i] = out->products[i] / largest;
-    orthogonal_rows(out->direction, out->n_products, out->n_nm);
-    for (int k = 0; k < out->n_products; k++) {
-        double *row = out->direction + (size_t)k * (size_t)out->n_nm;
-        const double length = sqrt(dot(row, row, out->n_nm));
+        out->direction[i] = out->spectra->products[i] / largest;
+    orthogonal_rows(out->direction, n, n_nm);
+    for (; out->rank < n; out->rank++) {
+        double *row = direction_row(out, out->rank);
+        const double length = sqrt(dot(row, row, n_nm));
         longest = fmax(longest, length);
         if (!(length > rank_limit * longest))
             break;
-        out->rank++;
-        for (int j = 0; j < out->n_nm; j++)
+        for (int j = 0; j < n_nm; j++)
             row[j] /= length;
     }
     return true;
 }
 
-/* The coordinates of a product, as a unit vector; false: it has (nearly) none. */
-static bool unit_coordinates(const struct components *c, int product)
+/* Adds the coordinates of a product, as a unit vector, unless it has (nearly) none. */
+static void add_unit(struct components *c, const double *product)
 {
-    const double *row = c->products + (size_t)product * (size_t)c->n_nm;
-    double largest = 0, length = 0;
-    for (int j = 0; j < c->n_nm; j++)
-        largest = fmax(largest, row[j]);
+    const int n_nm = c->spectra->n_nm;
+    const double largest = largest_of(product, (size_t)n_nm);
+    double *unit = unit_row(c, c->n_units), length = 0;
     for (int k = 0; k < c->n && largest > 0; k++) {
-        double sum = 0;
-        for (int j = 0; j < c->n_nm; j++)
-            sum += row[j] / largest * c->direction[(size_t)k * (size_t)c->n_nm + (size_t)j];
-        c->coordinates[k] = sum;
-        length += sum * sum;
+        const double *direction = direction_row(c, k);
+        unit[k] = 0;
+        for (int j = 0; j < n_nm; j++)
+            unit[k] += product[j] / largest * direction[j];
+        length += unit[k] * unit[k];
     }
     length = sqrt(length);
-    for (int k = 0; k < c->n && length > rank_limit; k++)
-        c->coordinates[k] /= length;
-    return length > rank_limit;
+    if (!(length > rank_limit))
+        return;
+    for (int k = 0; k < c->n; k++)
+        unit[k] /= length;
+    c->n_units++;
 }
 
-static void add_to_axis(struct components *c)
+static void add_to_axis(struct components *c, const double *unit)
 {
     for (int k = 0; k < c->n; k++)
-        c->axis[k] += c->coordinates[k];
+        c->axis[k] += unit[k];
 }
 
-/* Adds those that are not, by this cosine, on the positive side of the axis, until all are: the
- * perceptron, which ends where there is such an axis. */
+/* Adds to the axis the products whose cosine with it is too small, until there are none: the
+ * perceptron, which ends if such an axis exists. */
 static bool lean_axis(struct components *c, double cosine)
 {
     enum { MOST = 100 };
     bool good = false;
     for (int round = 0; round < MOST && !good; round++) {
         good = true;
-        for (int i = 0; i < c->n_products; i++) {
+        for (int i = 0; i < c->n_units; i++) {
             const double least = cosine * sqrt(dot(c->axis, c->axis, c->n));
-            if (unit_coordinates(c, i) && !(dot(c->axis, c->coordinates, c->n) > least)) {
+            if (!(dot(c->axis, unit_row(c, i), c->n) > least)) {
                 good = false;
-                add_to_axis(c);
+                add_to_axis(c, unit_row(c, i));
             }
         }
     }
     return good;
 }
 
-/* An axis that all products are on the positive side of: their mean direction, as a rule. Those far
- * from it are sheared far, which magnifies what is rounded off: so it is drawn near them. */
+/* Finds an axis with all products on its positive side: their mean direction, as a rule. Products
+ * far from the axis are sheared far, which magnifies rounding errors: so the axis is drawn near
+ * them. */
 static bool find_axis(struct components *c)
 {
-    for (int i = 0; i < c->n_products; i++)
-        if (unit_coordinates(c, i))
-            add_to_axis(c);
+    for (int i = 0; i < c->n_units; i++)
+        add_to_axis(c, unit_row(c, i));
     for (double cosine = 0.125; cosine > 1e-6; cosine /= 2)
         if (lean_axis(c, cosine))
             return true;
     return false;
 }
 
+/* Turns component k round, so that the axis is not negative. */
+static void turn_round(struct components *c, int k)
+{
+    c->axis[k] = -c->axis[k];
+    for (int j = 0; j < c->spectra->n_nm; j++)
+        direction_row(c, k)[j] *= -1;
+    for (int i = 0; i < c->n_units; i++)
+        unit_row(c, i)[k] *= -1;
+}
+
 static void find_shear(struct components *c)
 {
     for (int k = 0; k < c->n; k++)
-        if (c->axis[k] < 0) {
-            c->axis[k] = -c->axis[k];
-            for (int j = 0; j < c->n_nm; j++)
-                c->direction[(size_t)k * (size_t)c->n_nm + (size_t)j] *= -1;
-        }
-    for (int i = 0; i < c->n_products; i++) {
-        if (!unit_coordinates(c, i))
-            continue;
-        const double y = dot(c->axis, c->coordinates, c->n);
+        if (c->axis[k] < 0)
+            turn_round(c, k);
+    for (int i = 0; i < c->n_units; i++) {
+        const double *unit = unit_row(c, i), y = dot(c->axis, unit, c->n);
         for (int k = 0; k < c->n; k++)
-            c->shear[k] = fmax(c->shear[k], -c->coordinates[k] / y);
+            c->shear[k] = fmax(c->shear[k], -unit[k] / y);
     }
-}
-
-/* The inverse: c = c' - shear (axis . c') / (1 + axis . shear). */
-static void set_matrices(const struct components *c, struct sampling *out)
-{
-    const double divisor = 1 + dot(c->axis, c->shear, c->n);
-    for (int j = 0; j < c->n_nm; j++) {
-        double along = 0, sheared = 0;
-        for (int k = 0; k < c->n; k++) {
-            const double direction = c->direction[(size_t)k * (size_t)c->n_nm + (size_t)j];
-            along += c->axis[k] * direction;
-            sheared += c->shear[k] * direction;
-        }
-        for (int k = 0; k < c->n; k++) {
-            const size_t at = (size_t)k * (size_t)c->n_nm + (size_t)j;
-            out->analysis[at] = c->direction[at] + c->shear[k] * along;
-            out->synthesis[(size_t)j * (size_t)c->n + (size_t)k] =
-                c->direction[at] - c->axis[k] * sheared / divisor;
-        }
-    }
-}
-
-static bool component_room(struct components *c, struct error *err)
-{
-    const size_t n = (size_t)c->n + 1;
-    c->coordinates = calloc(n, sizeof *c->coordinates);
-    c->axis = calloc(n, sizeof *c->axis);
-    c->shear = calloc(n, sizeof *c->shear);
-    return (c->coordinates != NULL && c->axis != NULL && c->shear != NULL) || error_memory(err);
 }
 
 static bool find_components(const struct sampling_task *task, struct components *c,
                             struct error *err)
 {
+    const struct fine_spectra *spectra = c->spectra;
     if (!turn_products(c, err))
         return false;
-    c->n = task->method->count < c->rank ? task->method->count : c->rank;
-    if (!component_room(c, err))
+    c->n = task->out->method.count < c->rank ? task->out->method.count : c->rank;
+    c->axis = sampling_numbers((2 + (size_t)spectra->n_products) * (size_t)c->n + 1, err);
+    if (!c->axis)
         return false;
+    c->shear = c->axis + c->n;
+    c->units = c->shear + c->n;
+    for (int i = 0; i < spectra->n_products; i++)
+        add_unit(c, spectra->products + (size_t)i * (size_t)spectra->n_nm);
     if (!find_axis(c))
-        return error_usage(err, "%s leaves no coordinates that are not negative; take more",
+        return error_usage(err, "%s would have negative coordinates; take more components",
                            task->name);
     find_shear(c);
     return true;
 }
 
-/* All black: one page of zeros. */
+/* Sets analysis and synthesis. The inverse is c = c' - shear (axis . c') / (1 + axis . shear). */
+static void set_matrices(const struct components *c, struct sampling *out)
+{
+    const int n_nm = c->spectra->n_nm;
+    const double divisor = 1 + dot(c->axis, c->shear, c->n);
+    for (int j = 0; j < n_nm; j++) {
+        double along = 0, sheared = 0;
+        for (int k = 0; k < c->n; k++) {
+            along += c->axis[k] * direction_row(c, k)[j];
+            sheared += c->shear[k] * direction_row(c, k)[j];
+        }
+        for (int k = 0; k < c->n; k++) {
+            const double direction = direction_row(c, k)[j];
+            out->pages.analysis[(size_t)k * (size_t)n_nm + (size_t)j] =
+                direction + c->shear[k] * along;
+            out->synthesis[(size_t)j * (size_t)c->n + (size_t)k] =
+                direction - c->axis[k] * sheared / divisor;
+        }
+    }
+}
+
+/* Sets the detector's response to each component. */
+static void set_weights(struct sampling *out)
+{
+    const int n = out->pages.n, n_nm = out->fine.n;
+    for (int channel = 0; channel < 3; channel++)
+        for (int page = 0; page < n; page++) {
+            double sum = 0;
+            for (int j = 0; j < n_nm; j++)
+                sum += out->fine.weights[channel * n_nm + j] *
+                       out->synthesis[(size_t)j * (size_t)n + (size_t)page];
+            out->weights[channel * n + page] = sum;
+        }
+}
+
+/* A black scene has one page of zeros. */
+static bool set_pages(const struct components *c, struct sampling *out, struct error *err)
+{
+    if (!sampling_room(out, c->n > 0 ? c->n : 1, false, err))
+        return false;
+    const size_t cells = (size_t)out->pages.n * (size_t)out->fine.n;
+    out->pages.analysis = sampling_numbers(cells, err);
+    out->synthesis = sampling_numbers(cells, err);
+    if (!out->pages.analysis || !out->synthesis)
+        return false;
+    set_matrices(c, out);
+    set_weights(out);
+    out->pages.of_products = true;
+    out->rank = c->rank;
+    return true;
+}
+
 bool sample_basis(const struct sampling_task *task, struct error *err)
 {
-    struct sampling *out = task->out;
-    struct components c = {.n_nm = out->n_nm,
-                           .n_products = task->spectra->n_products,
-                           .products = task->spectra->products};
-    bool done =
-        find_components(task, &c, err) && sampling_room(out, c.n > 0 ? c.n : 1, false, true, err);
-    out->analysis = done ? calloc((size_t)out->n * (size_t)out->n_nm, sizeof *out->analysis) : NULL;
-    done = done && (out->analysis != NULL || error_memory(err));
-    if (done) {
-        set_matrices(&c, out);
-        sampling_respond(out);
-        for (int page = 0; page < out->n; page++)
-            out->wavelength_nm[page] = page + 1;
-        out->rank = c.rank;
-        out->fixed = true;
-    }
+    struct components c = {.spectra = task->spectra};
+    const bool done = find_components(task, &c, err) && set_pages(&c, task->out, err);
     free(c.direction);
-    free(c.coordinates);
     free(c.axis);
-    free(c.shear);
     return done;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The spectra of a scene's lights and terms at every nm, which methods of sampling look at.
- * Textures do not count: a spectral texture is taken at the wavelength of each page. */
+/* Finds the spectra of a scene's lights and terms at every nm, from which samplings are made.
+ * Textures do not count: a spectral texture is read at the wavelength of each page. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,12 +13,12 @@
 #include "data/terms/terms.h"
 #include "spectral.h"
 
-/* As wide as a stack of every nm may be. */
+/* A stack of every nm has no more pages. */
 enum { WIDEST_RANGE = 65535 };
-/* Sums over the range times a detector's sensitivities, and 100 of an observer, are finite. */
+/* With this limit, sums over the range times a detector's sensitivities are finite. */
 static const double largest_radiance = 1e290;
 
-/* The scene at every nm: pages of their own wavelengths. */
+/* A scene at every nm, with pages of their own wavelengths. */
 struct fine_scene {
     double *nm; /* owned */
     struct illumination illumination;
@@ -28,30 +28,21 @@ struct fine_scene {
 
 /* ---- terms at every nm ---- */
 
-static bool read_range(const struct scene *scene, double *first_nm, int *n_nm, struct error *err)
-{
-    const double last = scene->wavelengths_nm[scene->n_wavelengths - 1];
-    *first_nm = scene->wavelengths_nm[0];
-    const double n = floor(last - *first_nm + 1e-9) + 1;
-    *n_nm = (int)fmin(n, WIDEST_RANGE);
-    return n <= WIDEST_RANGE ||
-           error_at(err, scene->wavelengths_place,
-                    "wavelengths from %.10g to %.10g nm; a sampling takes up to %d nm", *first_nm,
-                    last, WIDEST_RANGE);
-}
-
 static bool make_illumination(const struct scene *scene, struct fine_scene *out, struct error *err)
 {
-    double first_nm;
-    int n;
-    if (!read_range(scene, &first_nm, &n, err))
-        return false;
-    out->nm = calloc((size_t)n, sizeof *out->nm);
+    const double first = scene->wavelengths_nm[0];
+    const double last = scene->wavelengths_nm[scene->n_wavelengths - 1];
+    const double n = floor(last - first + 1e-9) + 1;
+    if (n > WIDEST_RANGE)
+        return error_at(err, scene->wavelengths_place,
+                        "wavelengths from %.10g to %.10g nm; a sampling takes up to %d nm", first,
+                        last, WIDEST_RANGE);
+    out->nm = sampling_numbers((size_t)n, err);
     if (!out->nm)
-        return error_memory(err);
-    for (int i = 0; i < n; i++)
-        out->nm[i] = first_nm + i;
-    const struct spectral_pages pages = {.n = n, .wavelength_nm = out->nm};
+        return false;
+    for (int i = 0; i < (int)n; i++)
+        out->nm[i] = first + i;
+    const struct spectral_pages pages = {.n = (int)n, .wavelength_nm = out->nm};
     return illumination_make(scene, &pages, false, &out->illumination, err);
 }
 
@@ -87,7 +78,7 @@ struct rows {
     int *n, n_nm;
 };
 
-/* A zeroed row more; NULL after an error. */
+/* Adds a zeroed row. Returns NULL after an error. */
 static double *add_row(const struct rows *rows, struct error *err)
 {
     const size_t n_nm = (size_t)rows->n_nm;
@@ -103,8 +94,8 @@ static bool check_row(const struct rows *rows, const double *row, struct place p
 {
     for (int i = 0; i < rows->n_nm; i++)
         if (!(row[i] <= largest_radiance))
-            return error_at(err, place, "radiance %g cannot be sampled; it is at most %g", row[i],
-                            largest_radiance);
+            return error_at(err, place, "radiance %g cannot be sampled; expected %g at most",
+                            row[i], largest_radiance);
     return true;
 }
 
@@ -117,6 +108,7 @@ static bool add_light(const struct rows *rows, const struct fine_scene *fine,
     return row && check_row(rows, row, spectrum->place, err);
 }
 
+/* Adds the luminescence of a material under a light of intensity 1. */
 static bool add_luminescence(const struct rows *rows, const struct fine_scene *fine,
                              const struct material *material, const struct spectrum *light,
                              struct error *err)
@@ -126,43 +118,40 @@ static bool add_luminescence(const struct rows *rows, const struct fine_scene *f
            check_row(rows, row, material->place, err);
 }
 
-/* Adds what a material emits: its own light, and its luminescence under each other light. */
-static bool add_emission(const struct rows *rows, const struct fine_scene *fine,
-                         const struct material_terms *terms, struct error *err)
+/* Adds every light and ambient light, or the luminescence of a material (NULL: none) under it.
+ * Lights of one spectrum are one. */
+static bool add_lights(const struct rows *rows, const struct fine_scene *fine,
+                       const struct material *material, struct error *err)
 {
     const struct illumination *illumination = &fine->illumination;
     const struct scene *scene = illumination->scene;
-    const struct material *material = terms->material;
-    if (terms->emits && !add_light(rows, fine, &material->glow, 1, err))
-        return false;
-    for (int i = 0; terms->fluoresces && i < illumination->n_lights; i++)
-        if (illumination->lights[i].first == i &&
-            !add_luminescence(rows, fine, material, &illumination->lights[i].light->spectrum, err))
-            return false;
-    for (int i = 0; terms->fluoresces && i < scene->n_ambients; i++)
-        if (!add_luminescence(rows, fine, material, &scene->ambients[i].spectrum, err))
-            return false;
-    return true;
+    bool done = true;
+    for (int i = 0; done && i < illumination->n_lights + scene->n_ambients; i++) {
+        const int ambient = i - illumination->n_lights;
+        const struct light *light = ambient < 0 ? illumination->lights[i].light : NULL;
+        const struct spectrum *spectrum =
+            light ? &light->spectrum : &scene->ambients[ambient].spectrum;
+        const double intensity = light ? light->intensity : scene->ambients[ambient].intensity;
+        if (light && illumination->lights[i].first != i)
+            continue;
+        done = material ? add_luminescence(rows, fine, material, spectrum, err)
+                        : add_light(rows, fine, spectrum, intensity, err);
+    }
+    return done;
 }
 
-/* Lights of one spectrum are one. */
-static bool add_lights(const struct rows *rows, const struct fine_scene *fine, struct error *err)
+/* Adds what shines: lights, then the own light and the luminescence of each material. */
+static bool add_sources(const struct rows *rows, const struct fine_scene *fine, struct error *err)
 {
-    const struct illumination *illumination = &fine->illumination;
-    const struct scene *scene = illumination->scene;
-    for (int i = 0; i < illumination->n_lights; i++) {
-        const struct light *light = illumination->lights[i].light;
-        if (illumination->lights[i].first == i &&
-            !add_light(rows, fine, &light->spectrum, light->intensity, err))
-            return false;
+    bool done = add_lights(rows, fine, NULL, err);
+    for (int i = 0; done && i < fine->n; i++) {
+        const struct material_terms *terms = &fine->materials[i];
+        if (terms->emits)
+            done = add_light(rows, fine, &terms->material->glow, 1, err);
+        if (terms->fluoresces)
+            done = done && add_lights(rows, fine, terms->material, err);
     }
-    for (int i = 0; i < scene->n_ambients; i++)
-        if (!add_light(rows, fine, &scene->ambients[i].spectrum, scene->ambients[i].intensity, err))
-            return false;
-    for (int i = 0; i < fine->n; i++)
-        if (!add_emission(rows, fine, &fine->materials[i], err))
-            return false;
-    return true;
+    return done;
 }
 
 static bool add_products(const struct rows *rows, const struct fine_scene *fine, struct error *err)
@@ -170,11 +159,12 @@ static bool add_products(const struct rows *rows, const struct fine_scene *fine,
     const size_t n_nm = (size_t)rows->n_nm;
     for (int i = 0; i < fine->n; i++)
         for (int t = 0; t < fine->materials[i].n; t++) {
-            const double *spectrum = fine->materials[i].spectra + (size_t)t * n_nm;
             double *row = add_row(rows, err);
-            if (!row || !check_row(rows, spectrum, fine->materials[i].material->place, err))
+            if (!row)
                 return false;
-            memcpy(row, spectrum, n_nm * sizeof *row);
+            memcpy(row, fine->materials[i].spectra + (size_t)t * n_nm, n_nm * sizeof *row);
+            if (!check_row(rows, row, fine->materials[i].material->place, err))
+                return false;
         }
     return true;
 }
@@ -189,7 +179,7 @@ bool scene_spectra(const struct scene *scene, struct fine_spectra *out, struct e
         out->n_nm = fine.illumination.pages.n;
         const struct rows lights = {&out->lights, &out->n_lights, out->n_nm};
         const struct rows products = {&out->products, &out->n_products, out->n_nm};
-        done = add_lights(&lights, &fine, err) && add_products(&products, &fine, err);
+        done = add_sources(&lights, &fine, err) && add_products(&products, &fine, err);
     }
     fine_scene_free(&fine);
     if (!done)

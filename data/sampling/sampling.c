@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Samplings: making them, what they make of spectra, and what they tell of themselves. */
+/* Makes samplings, samples scenes, and describes samplings in words. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -13,68 +13,139 @@
 #include "data/terms/terms.h"
 #include "spectral.h"
 
-/* ---- what all kinds need ---- */
+/* ---- kinds ---- */
 
-static bool numbers(double **out, size_t count, struct error *err)
+/* The words of sampling_print for one page, for several, and for the limits of a kind. */
+struct words {
+    const char *page, *pages, *limit;
+};
+static const struct words boxes = {"box", "boxes", "means of these boxes only"};
+static const struct words wavelengths = {"wavelength", "wavelengths",
+                                         "radiances at these wavelengths only"};
+static const struct words components = {"component", "components", "no radiances at wavelengths"};
+static const struct words three_numbers = {"component", "components",
+                                           "no spectra, and no fluorescence"};
+
+/* A kind of sampling: the function that makes its pages, and all else that differs between kinds.
+ */
+struct kind {
+    bool (*make)(const struct sampling_task *task, struct error *err);
+    const struct words *words;
+    bool needs_observer;
+    bool any_detector; /* the pages are chosen without looking at the detector */
+    bool fixed, components;
+    const char *labels[3]; /* of components; NULL: "component 1" and so on */
+};
+static const struct kind kinds[] = {
+    [SAMPLING_BOX] = {.make = sample_box, .words = &boxes, .needs_observer = true},
+    [SAMPLING_RIEMANN] = {.make = sample_riemann, .words = &wavelengths, .any_detector = true},
+    [SAMPLING_ADAPTIVE] = {.make = sample_adaptive, .words = &wavelengths},
+    [SAMPLING_BASIS] = {.make = sample_basis,
+                        .words = &components,
+                        .fixed = true,
+                        .components = true},
+    [SAMPLING_RGB] = {.make = sample_tristimulus,
+                      .words = &three_numbers,
+                      .needs_observer = true,
+                      .fixed = true,
+                      .components = true,
+                      .labels = {"red", "green", "blue"}},
+    [SAMPLING_XYZ] = {.make = sample_tristimulus,
+                      .words = &three_numbers,
+                      .needs_observer = true,
+                      .fixed = true,
+                      .components = true,
+                      .labels = {"X", "Y", "Z"}},
+};
+static const struct kind gauss[] = {
+    [FUNCTIONS_DETECTOR] = {.make = sample_gauss_detector, .words = &wavelengths},
+    [FUNCTIONS_OPEN] = {.make = sample_gauss_open, .words = &wavelengths, .any_detector = true},
+};
+static const struct kind gauss_of_functions = {
+    .make = sample_gauss_functions, .words = &wavelengths, .needs_observer = true, .fixed = true};
+
+static const struct kind *kind_of(const struct sampling_method *method)
 {
-    *out = calloc(count, sizeof **out);
-    return *out != NULL || error_memory(err);
+    if (method->kind != SAMPLING_GAUSS)
+        return &kinds[method->kind];
+    return method->functions <= FUNCTIONS_OPEN ? &gauss[method->functions] : &gauss_of_functions;
 }
 
-bool sampling_room(struct sampling *out, int n, bool segments, bool synthesis, struct error *err)
+/* ---- arrays ---- */
+
+double *sampling_numbers(size_t count, struct error *err)
 {
-    const size_t pages = (size_t)n;
-    out->n = n;
-    if (segments) {
-        out->segment_nm = calloc(pages, sizeof *out->segment_nm);
-        if (out->segment_nm == NULL)
-            return error_memory(err);
-    }
-    return numbers(&out->wavelength_nm, pages, err) && numbers(&out->weights, 3 * pages, err) &&
-           (!synthesis || numbers(&out->synthesis, pages * (size_t)out->n_nm, err));
+    double *numbers = calloc(count, sizeof *numbers);
+    if (!numbers)
+        error_memory(err);
+    return numbers;
 }
 
-double sampling_grid(const struct sampling *sampling, int j)
+bool sampling_room(struct sampling *out, int n, bool segments, struct error *err)
 {
-    return sampling->first_nm + j;
+    out->pages.n = n;
+    out->segment_nm = segments ? calloc((size_t)n, sizeof *out->segment_nm) : NULL;
+    out->pages.wavelength_nm = sampling_numbers((size_t)n, err);
+    out->weights = sampling_numbers(3 * (size_t)n, err);
+    return (out->pages.wavelength_nm && out->weights && (out->segment_nm || !segments)) ||
+           error_memory(err);
+}
+
+bool fine_detector_make(const struct detector *detector, double first_nm, int n,
+                        struct fine_detector *out, struct error *err)
+{
+    *out = (struct fine_detector){n, .nm = sampling_numbers(4 * (size_t)n, err)};
+    if (!out->nm)
+        return false;
+    out->weights = out->nm + n;
+    for (int j = 0; j < n; j++)
+        out->nm[j] = first_nm + j;
+    detector_weights(detector, out->nm, n, out->weights);
+    return true;
+}
+
+void fine_detector_free(struct fine_detector *detector)
+{
+    free(detector->nm);
+    *detector = (struct fine_detector){0};
 }
 
 double sampling_seen(const struct sampling *sampling, int j)
 {
-    double sum = 0;
-    for (int channel = 0; channel < 3; channel++)
-        sum += fabs(sampling->detector_weights[channel * sampling->n_nm + j]);
-    return sum;
+    const struct fine_detector *fine = &sampling->fine;
+    return fabs(fine->weights[j]) + fabs(fine->weights[fine->n + j]) +
+           fabs(fine->weights[2 * fine->n + j]);
 }
 
-void sampling_linear(struct sampling *out)
+/* ---- between wavelengths ---- */
+
+int wavelength_before(const double *wavelength_nm, int n, double nm, double *part)
 {
-    const double *nm = out->wavelength_nm;
-    for (int j = 0; j < out->n_nm; j++) {
-        const double x = sampling_grid(out, j);
-        double *row = out->synthesis + (size_t)j * (size_t)out->n;
-        int right = 0;
-        while (right < out->n && nm[right] < x)
-            right++;
-        if (right == 0 || right == out->n) {
-            row[right == 0 ? 0 : out->n - 1] = 1;
-        } else {
-            row[right] = (x - nm[right - 1]) / (nm[right] - nm[right - 1]);
-            row[right - 1] = 1 - row[right];
-        }
+    int before = 0, behind = n - 1;
+    *part = 0;
+    if (behind == 0)
+        return 0;
+    while (behind - before > 1) {
+        const int middle = before + (behind - before) / 2;
+        *(nm < wavelength_nm[middle] ? &behind : &before) = middle;
     }
+    const double step = wavelength_nm[behind] - wavelength_nm[before];
+    *part = fmax(0, fmin((nm - wavelength_nm[before]) / step, 1));
+    return before;
 }
 
-void sampling_respond(struct sampling *out)
+double *linear_synthesis(const double *wavelength_nm, int n, double first_nm, int n_nm,
+                         struct error *err)
 {
-    for (int channel = 0; channel < 3; channel++)
-        for (int page = 0; page < out->n; page++) {
-            double sum = 0;
-            for (int j = 0; j < out->n_nm; j++)
-                sum += out->detector_weights[channel * out->n_nm + j] *
-                       out->synthesis[(size_t)j * (size_t)out->n + (size_t)page];
-            out->weights[channel * out->n + page] = sum;
-        }
+    double *out = sampling_numbers((size_t)n * (size_t)n_nm, err), part;
+    for (int j = 0; out && j < n_nm; j++) {
+        double *row = out + (size_t)j * (size_t)n;
+        const int before = wavelength_before(wavelength_nm, n, first_nm + j, &part);
+        row[before] = 1 - part;
+        if (part > 0)
+            row[before + 1] = part;
+    }
+    return out;
 }
 
 /* ---- weights ---- */
@@ -87,11 +158,11 @@ static bool sees(const struct detector *detector, double nm)
     return seen;
 }
 
-/* A file may claim any segment; no detector sees as far as this. */
+/* No detector sees as far as this, but a file may claim any segment. */
 enum { MOST_CELLS = 1000000 };
 
-/* Weights of the pages of one segment, at nm[0] to nm[pages - 1]; out[channel * n + i]. Cells are
- * weighed one by one: that needs no memory. */
+/* Finds the weights of the pages of one segment, at nm[0] to nm[pages - 1]; out[channel * n + i].
+ * Cells are weighed one by one, which needs no memory. */
 static void weigh_segment(const struct detector *detector, const double *nm,
                           const double segment[2], int pages, int n, double *out)
 {
@@ -125,104 +196,65 @@ void sampling_weights(const struct detector *detector, const double *wavelength_
     }
 }
 
-/* Channels that see nothing, or as much negative as positive, have no parts. */
-static void count_negative(struct sampling *out)
-{
-    for (int channel = 0; channel < 3; channel++) {
-        const double *weights = out->weights + channel * out->n;
-        double sum = 0, least = 0;
-        for (int page = 0; page < out->n; page++) {
-            sum += weights[page];
-            least = fmin(least, weights[page]);
-            out->n_negative += weights[page] < 0;
-        }
-        if (sum > 0)
-            out->most_negative = fmin(out->most_negative, least / sum);
-    }
-}
-
 /* ---- making ---- */
-
-/* Is the detector what the pages are chosen by, so that another would see nothing of them? */
-static bool is_open(const struct sampling_method *method)
-{
-    return method->kind == SAMPLING_RIEMANN ||
-           (method->kind == SAMPLING_GAUSS && method->functions == FUNCTIONS_OPEN);
-}
-
-static bool needs_observer(const struct sampling_method *method)
-{
-    return method->kind == SAMPLING_BOX || method->kind == SAMPLING_RGB ||
-           method->kind == SAMPLING_XYZ ||
-           (method->kind == SAMPLING_GAUSS && method->functions >= FUNCTIONS_XYZ);
-}
 
 static bool check_detector(const struct sampling_task *task, struct error *err)
 {
     const struct sampling *out = task->out;
-    double sum = 0;
-    for (int j = 0; j < out->n_nm; j++)
-        sum += sampling_seen(out, j);
-    if (needs_observer(task->method) && !task->detector->observer)
+    const struct kind *kind = kind_of(&out->method);
+    bool sees = kind->any_detector;
+    for (int j = 0; j < out->fine.n; j++)
+        sees = sees || sampling_seen(out, j) > 0;
+    if (kind->needs_observer && !task->detector->observer)
         return error_usage(err, "%s needs an observer; %s is a camera or film", task->name,
                            out->detector);
-    return sum > 0 || is_open(task->method) ||
-           error_usage(err, "%s: %s sees nothing from %.6g to %.6g nm", task->name, out->detector,
-                       out->first_nm, sampling_grid(out, out->n_nm - 1));
+    return sees || error_usage(err, "%s: %s sees nothing from %.6g to %.6g nm", task->name,
+                               out->detector, out->fine.nm[0], out->fine.nm[out->fine.n - 1]);
 }
 
 static bool prepare(const struct sampling_task *task, struct error *err)
 {
+    const struct fine_spectra *spectra = task->spectra;
     struct sampling *out = task->out;
-    const size_t n_nm = (size_t)task->spectra->n_nm;
-    double *grid = NULL;
-    out->first_nm = task->spectra->first_nm;
-    out->n_nm = task->spectra->n_nm;
-    out->detector = strdup(task->detector->name);
-    if (out->detector == NULL)
-        return error_memory(err);
-    if (!numbers(&out->detector_weights, 3 * n_nm, err) || !numbers(&grid, n_nm, err))
-        return false;
-    for (int j = 0; j < out->n_nm; j++)
-        grid[j] = sampling_grid(out, j);
-    detector_weights(task->detector, grid, out->n_nm, out->detector_weights);
-    free(grid);
-    return check_detector(task, err);
+    out->pages.first_nm = spectra->first_nm;
+    out->pages.n_nm = spectra->n_nm;
+    return string_copy(task->detector->name, &out->detector, err) &&
+           fine_detector_make(task->detector, spectra->first_nm, spectra->n_nm, &out->fine, err) &&
+           check_detector(task, err);
 }
 
-static bool make(const struct sampling_task *task, struct error *err)
+/* Completes the sampling by what follows from its pages and segments. */
+static bool complete(const struct sampling_task *task, struct error *err)
 {
-    switch (task->method->kind) {
-    case SAMPLING_BOX:
-        return sample_box(task, err);
-    case SAMPLING_RIEMANN:
-        return sample_riemann(task, err);
-    case SAMPLING_GAUSS:
-        return sample_gauss(task, err);
-    case SAMPLING_ADAPTIVE:
-        return sample_adaptive(task, err);
-    case SAMPLING_BASIS:
-        return sample_basis(task, err);
-    default:
-        return sample_tristimulus(task, err);
-    }
+    struct sampling *out = task->out;
+    double *wavelength_nm = out->pages.wavelength_nm;
+    const struct kind *kind = kind_of(&out->method);
+    out->spectral = !kind->components;
+    out->fixed = kind->fixed;
+    for (int page = 0; kind->components && page < out->pages.n; page++)
+        wavelength_nm[page] = page + 1;
+    if (out->segment_nm)
+        sampling_weights(task->detector, wavelength_nm, out->segment_nm, out->pages.n,
+                         out->weights);
+    if (!out->pages.analysis)
+        out->synthesis =
+            linear_synthesis(wavelength_nm, out->pages.n, out->pages.first_nm, out->fine.n, err);
+    return out->synthesis || out->pages.analysis;
 }
 
 bool sampling_make(const struct sampling_method *method, const char *detector,
                    const struct fine_spectra *spectra, struct sampling *out, struct error *err)
 {
     struct detector sees;
-    struct sampling_task task = {
-        .method = method, .detector = &sees, .spectra = spectra, .out = out};
+    struct sampling_task task = {.detector = &sees, .spectra = spectra, .out = out};
     *out = (struct sampling){.method = *method};
     sampling_name(method, task.name);
     if (!detector_read(detector, &sees, err))
         return false;
-    const bool done = prepare(&task, err) && make(&task, err);
+    const bool done =
+        prepare(&task, err) && kind_of(method)->make(&task, err) && complete(&task, err);
     detector_free(&sees);
-    if (done)
-        count_negative(out);
-    else
+    if (!done)
         sampling_free(out);
     return done;
 }
@@ -253,14 +285,14 @@ static bool refuse_textures(const struct scene *scene, const struct sampling *sa
 static bool replace_wavelengths(struct scene *scene, const struct sampling *sampling,
                                 struct error *err)
 {
-    const size_t n = (size_t)sampling->n;
-    double *wavelengths_nm = malloc(n * sizeof *wavelengths_nm);
-    if (wavelengths_nm == NULL)
-        return error_memory(err);
-    memcpy(wavelengths_nm, sampling->wavelength_nm, n * sizeof *wavelengths_nm);
+    const size_t n = (size_t)sampling->pages.n;
+    double *wavelengths_nm = sampling_numbers(n, err);
+    if (!wavelengths_nm)
+        return false;
+    memcpy(wavelengths_nm, sampling->pages.wavelength_nm, n * sizeof *wavelengths_nm);
     free(scene->wavelengths_nm);
     scene->wavelengths_nm = wavelengths_nm;
-    scene->n_wavelengths = sampling->n;
+    scene->n_wavelengths = sampling->pages.n;
     return true;
 }
 
@@ -268,7 +300,7 @@ bool scene_sample(struct scene *scene, const struct sampling_method *method, con
                   struct sampling *out, struct error *err)
 {
     struct fine_spectra spectra = {.n_nm = 0};
-    *out = (struct sampling){.n = 0};
+    *out = (struct sampling){.detector = NULL};
     const bool done = scene_spectra(scene, &spectra, err) &&
                       sampling_make(method, detector, &spectra, out, err) &&
                       (out->spectral || refuse_textures(scene, out, err)) &&
@@ -281,71 +313,42 @@ bool scene_sample(struct scene *scene, const struct sampling_method *method, con
 
 const struct sampling *sampling_or_none(const struct sampling *sampling)
 {
-    return sampling->n > 0 ? sampling : NULL;
-}
-
-struct spectral_pages sampling_pages(const struct sampling *sampling)
-{
-    return (struct spectral_pages){.n = sampling->n,
-                                   .wavelength_nm = sampling->wavelength_nm,
-                                   .first_nm = sampling->first_nm,
-                                   .n_nm = sampling->n_nm,
-                                   .light_mean = sampling->light_mean,
-                                   .reflectance_mean = sampling->reflectance_mean,
-                                   .analysis = sampling->analysis,
-                                   .clips = sampling->clips,
-                                   .no_luminescence =
-                                       !sampling->spectral && sampling->analysis == NULL};
-}
-
-/* ---- what a stack records ---- */
-
-void sampling_describe(const struct sampling *sampling, struct sampling_description *out)
-{
-    *out = (struct sampling_description){
-        .detector = sampling->detector, .components = !sampling->spectral, .n = sampling->n};
-    sampling_name(&sampling->method, out->method);
-    if (sampling->fixed) {
-        out->response = sampling->weights;
-        out->range_nm[0] = sampling->first_nm - 0.5;
-        out->range_nm[1] = sampling->first_nm + sampling->n_nm - 0.5;
-    } else
-        out->segment_nm = sampling->segment_nm;
-}
-
-bool sampling_white(const struct sampling *sampling, const struct scene *scene, double out[3],
-                    double *illumination, struct error *err)
-{
-    const int n = sampling->n_nm;
-    double *nm = calloc(2 * (size_t)n, sizeof *nm), *white = nm + n;
-    if (nm == NULL)
-        return error_memory(err);
-    for (int j = 0; j < n; j++)
-        nm[j] = sampling_grid(sampling, j);
-    const struct spectral_pages pages = {.n = n, .wavelength_nm = nm};
-    *illumination = scene_white(scene, &pages, white);
-    detector_response(sampling->detector_weights, white, n, out);
-    free(nm);
-    bool seen = false, finite = true;
-    for (int channel = 0; channel < 3; channel++) {
-        seen = seen || out[channel] > 0;
-        finite = finite && fabs(out[channel]) <= DBL_MAX;
-    }
-    if (!(seen && finite))
-        *illumination = 0;
-    return true;
+    return sampling->pages.n > 0 ? sampling : NULL;
 }
 
 /* ---- in words ---- */
 
 void sampling_label(const struct sampling *sampling, int page, char out[24])
 {
-    static const char *const rgb[] = {"red", "green", "blue"}, *const xyz[] = {"X", "Y", "Z"};
+    const struct kind *kind = kind_of(&sampling->method);
     out[0] = '\0';
-    if (sampling->method.kind == SAMPLING_BASIS)
+    if (kind->labels[0])
+        snprintf(out, 24, "%s", kind->labels[page]);
+    else if (kind->components)
         snprintf(out, 24, "component %d", page + 1);
-    else if (!sampling->spectral)
-        snprintf(out, 24, "%s", (sampling->method.kind == SAMPLING_RGB ? rgb : xyz)[page]);
+}
+
+/* Prints how many weights are negative, and the least one in parts of its channel's sum. Channels
+ * that see nothing, or as much negative as positive, have no parts. */
+static void print_negative(const struct sampling *sampling, FILE *to)
+{
+    const int n = sampling->pages.n;
+    double most_negative = 0;
+    int n_negative = 0;
+    for (int channel = 0; channel < 3; channel++) {
+        const double *weights = sampling->weights + channel * n;
+        double sum = 0, least = 0;
+        for (int page = 0; page < n; page++) {
+            sum += weights[page];
+            least = fmin(least, weights[page]);
+            n_negative += weights[page] < 0;
+        }
+        if (sum > 0)
+            most_negative = fmin(most_negative, least / sum);
+    }
+    if (n_negative > 0)
+        fprintf(to, ", %d of %d weights negative (%.2g %%)", n_negative, 3 * n,
+                100 * most_negative);
 }
 
 static void print_peaks(const struct sampling *sampling, FILE *to)
@@ -358,58 +361,36 @@ static void print_peaks(const struct sampling *sampling, FILE *to)
         fputs(sampling->n_peaks > MOST ? ", ... nm)" : " nm)", to);
 }
 
-static const char *limit_of(const struct sampling_method *method)
-{
-    switch (method->kind) {
-    case SAMPLING_BOX:
-        return "tells only these means";
-    case SAMPLING_BASIS:
-        return "no radiances at wavelengths";
-    case SAMPLING_RGB:
-    case SAMPLING_XYZ:
-        return "no spectra, and no fluorescence";
-    default:
-        return "tells only these wavelengths";
-    }
-}
-
-/* Components have negative weights as a matter of course. */
+/* Most components have negative weights, which are therefore not reported. */
 void sampling_print(const struct sampling *sampling, FILE *to)
 {
     char name[SAMPLING_NAME];
-    const enum sampling_kind kind = sampling->method.kind;
-    const char *pages = !sampling->spectral    ? "component"
-                        : kind == SAMPLING_BOX ? "box"
-                                               : "wavelength";
+    const struct kind *kind = kind_of(&sampling->method);
     sampling_name(&sampling->method, name);
-    fprintf(to, "%s for %s: %d %s%s", name, sampling->detector, sampling->n, pages,
-            sampling->n == 1       ? ""
-            : kind == SAMPLING_BOX ? "es"
-                                   : "s");
-    if (kind == SAMPLING_BASIS)
+    fprintf(to, "%s for %s: %d %s", name, sampling->detector, sampling->pages.n,
+            sampling->pages.n == 1 ? kind->words->page : kind->words->pages);
+    if (sampling->method.kind == SAMPLING_BASIS)
         fprintf(to, " of rank %d", sampling->rank);
-    if (kind == SAMPLING_ADAPTIVE)
+    if (sampling->method.kind == SAMPLING_ADAPTIVE)
         print_peaks(sampling, to);
-    if (sampling->spectral && sampling->n_negative > 0)
-        fprintf(to, ", %d of %d weights negative (%.2g %%)", sampling->n_negative, 3 * sampling->n,
-                100 * sampling->most_negative);
-    fprintf(to, "; %s", limit_of(&sampling->method));
+    if (sampling->spectral)
+        print_negative(sampling, to);
+    fprintf(to, "; %s", kind->words->limit);
     if (sampling->fixed)
-        fprintf(to, "; only %s can be served", sampling->detector);
+        fprintf(to, "; for no detector but %s", sampling->detector);
     fputc('\n', to);
 }
 
 void sampling_free(struct sampling *sampling)
 {
     free(sampling->detector);
-    free(sampling->wavelength_nm);
+    free(sampling->pages.wavelength_nm);
+    free(sampling->pages.analysis);
+    free(sampling->pages.reflectance_analysis);
     free(sampling->segment_nm);
     free(sampling->weights);
-    free(sampling->detector_weights);
-    free(sampling->light_mean);
-    free(sampling->reflectance_mean);
-    free(sampling->analysis);
+    fine_detector_free(&sampling->fine);
     free(sampling->synthesis);
     free(sampling->peak_nm);
-    *sampling = (struct sampling){0};
+    *sampling = (struct sampling){.detector = NULL};
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "sampling": how a spectrum becomes a few numbers. */
+/* The room "sampling": few pages stand for a whole spectrum. */
 #ifndef SAMPLING_H
 #define SAMPLING_H
 
@@ -13,8 +13,8 @@
 
 /* ---- sampling.c, fine_spectra.c: samplings of a scene ---- */
 
-/* The spectra of a scene at first_nm, first_nm + 1, ... nm: as finely as they are ever looked at.
- * The cells of 1 nm around these cover the range that a sampling samples. */
+/* The spectra of a scene at first_nm, first_nm + 1, ... nm. The cells of 1 nm around these cover
+ * the range that a sampling samples. */
 struct fine_spectra {
     double first_nm;
     int n_nm;
@@ -28,107 +28,98 @@ struct fine_spectra {
 bool scene_spectra(const struct scene *scene, struct fine_spectra *out, struct error *err);
 void fine_spectra_free(struct fine_spectra *spectra);
 
-/* How the spectra of a scene become pages, and pages the channels of a detector. */
+/* A detector at first_nm, first_nm + 1, ... nm. */
+struct fine_detector {
+    int n;
+    double *nm;      /* owned, with the weights behind them */
+    double *weights; /* detector_weights there: [channel * n + j] */
+};
+/* Makes a fine detector of n >= 1 nm. Fails only where memory runs out. */
+bool fine_detector_make(const struct detector *detector, double first_nm, int n,
+                        struct fine_detector *out, struct error *err);
+void fine_detector_free(struct fine_detector *detector);
+
+/* How spectra become pages (`pages`), and pages the channels of a detector (`weights`). */
 struct sampling {
     struct sampling_method method;
-    char *detector;          /* its channels result from `weights`; owned */
-    int n;                   /* pages */
-    bool spectral;           /* pages are radiances at wavelengths (of box: their means); otherwise
-                                components, which are no stack of wavelengths */
-    double *wavelength_nm;   /* of each page, increasing; 1, 2, ... if not spectral; owned */
-    double (*segment_nm)[2]; /* between which limits a page, with all others of the same limits,
-                                stands for the radiance: a polynomial through them, of one page a
-                                constant. NULL: there are none (riemann, and if `fixed`); owned */
-    double *weights;         /* [channel * n + page]; owned */
-    bool fixed;              /* wavelengths and segments do not determine the weights, which hold
-                                for this detector only */
-    /* On the grid of fine_spectra; owned, NULL where there is none: */
-    double first_nm;
-    int n_nm;
-    double *detector_weights; /* [channel * n_nm + j]: detector_weights there */
-    double *light_mean;       /* [page * n_nm + j]: a page's mean of a light; NULL: its value */
-    double *reflectance_mean; /* the same of a reflectance */
-    double *analysis;         /* basis, [page * n_nm + j]: the component of a product; none is
-                                 negative for the scene's products, but by rounding */
-    double *synthesis;        /* [j * n + page]: the radiance at j that the pages stand for (between
-                                 wavelengths linear, of box constant); NULL: there is none */
-    bool clips;               /* negative page values of a spectrum become 0 (rgb) */
-    int rank;                 /* basis: of the products; n is no more than that, but at least 1 */
-    int n_peaks;              /* adaptive */
-    double *peak_nm;          /* owned */
-    int n_negative;           /* weights below 0 */
-    double most_negative;     /* the least weight, in parts of its channel's sum; 0: none */
+    struct spectral_pages pages; /* its arrays are owned. Wavelengths increase; components have 1,
+                                    2, ... instead */
+    bool spectral;               /* pages are radiances at wavelengths, or means of radiances;
+                                    otherwise components */
+    char *detector;              /* its channels result from the weights; owned */
+    double *weights;             /* [channel * n + page]; owned */
+    bool fixed;                  /* the weights hold for this detector only: neither wavelengths nor
+                                    segments determine them */
+    double (*segment_nm)[2];     /* between which limits a page, with all others of the same limits,
+                                    stands for the radiance: a polynomial through them, of one page
+                                    a constant. NULL: there are none (riemann, and if `fixed`);
+                                    owned */
+    struct fine_detector fine;   /* the detector on the grid of the fine_spectra */
+    double *synthesis;           /* [j * n + page]: the radiance at fine.nm[j] that the pages stand
+                                    for; NULL: they determine none; owned */
+    int rank;                    /* of basis: of the products; n is at most the rank, at least 1 */
+    int n_peaks;                 /* of adaptive */
+    double *peak_nm;             /* owned */
 };
 /* Refuses, with the reason: a detector that sees none of the range; more pages than nm; a gauss
  * without a solution (and says for which n there is one); box, gauss of xyz, lms or acc, rgb and
- * xyz without an observer; more than memory holds. A K above the rank becomes the rank. Never gives
- * NaN or infinity. */
+ * xyz without an observer; more than memory holds. A K above the rank becomes the rank. Never
+ * makes NaN or infinity. */
 bool sampling_make(const struct sampling_method *method, const char *detector,
                    const struct fine_spectra *spectra, struct sampling *out, struct error *err);
 /* Makes a sampling of a scene's spectra; its wavelengths, or numbers of components, replace the
  * scene's. Refuses what sampling_make refuses, and spectral textures under basis, rgb and xyz. */
 bool scene_sample(struct scene *scene, const struct sampling_method *method, const char *detector,
                   struct sampling *out, struct error *err);
-/* The sampling, or NULL of a zeroed one: functions that take a sampling take NULL for none. */
+/* Returns the sampling, or NULL for a zeroed one: functions take NULL for no sampling. */
 const struct sampling *sampling_or_none(const struct sampling *sampling);
-/* How the pages are made of spectra. Valid as long as the sampling. */
-struct spectral_pages sampling_pages(const struct sampling *sampling);
-/* Weights of any detector at wavelengths that stand for segments: out[channel * n + i] = the sum
- * over cells of 1 nm of detector x polynomial, scaled as detector_weights scales. */
+/* Finds the weights of any detector at n wavelengths that stand for segments: out[channel * n + i]
+ * = the sum over cells of 1 nm of detector x polynomial, scaled as detector_weights scales. */
 void sampling_weights(const struct detector *detector, const double *wavelength_nm,
                       double (*segment_nm)[2], int n, double *out);
-/* "red", "Y", "component 3"; "" of a wavelength. */
+/* Finds the wavelength before nm, of n >= 1 increasing ones. *part: how far nm lies towards the
+ * next, 0 to 1; 0 if there is no next. Beyond the ends the end's wavelength stands for nm. */
+int wavelength_before(const double *wavelength_nm, int n, double nm, double *part);
+/* Makes the radiance at first_nm, first_nm + 1, ... of the radiances at n wavelengths: linear
+ * between them, constant beyond the ends. [j * n + i], allocated; NULL after an error. */
+double *linear_synthesis(const double *wavelength_nm, int n, double first_nm, int n_nm,
+                         struct error *err);
+/* Writes the name of a component: "red", "Y", "component 3"; "" for a wavelength. */
 void sampling_label(const struct sampling *sampling, int page, char out[24]);
 /* Prints one line: name, number of pages, negative weights, peaks, rank, limits. */
 void sampling_print(const struct sampling *sampling, FILE *to);
 void sampling_free(struct sampling *sampling);
 
-/* A stack records this of its sampling, so that any reader can weigh its pages. */
-struct sampling_description {
-    char method[SAMPLING_NAME]; /* as sampling_name */
-    const char *detector;       /* the sampling's, as are the arrays */
-    bool components;            /* pages have no wavelengths */
-    int n;                      /* pages */
-    double (*segment_nm)[2];    /* NULL: none is needed */
-    const double *response;     /* [channel * n + page]: the weights of a fixed sampling; or NULL */
-    double range_nm[2];         /* where the response holds */
-};
-void sampling_describe(const struct sampling *sampling, struct sampling_description *out);
-/* The response of the sampling's detector to the scene's white at every nm. Returns false after an
- * error. *illumination becomes the sum of the lights' intensities; 0: no such white is seen. */
-bool sampling_white(const struct sampling *sampling, const struct scene *scene, double out[3],
-                    double *illumination, struct error *err);
-
 /* ---- Inside this room ---- */
 
-/* The input of a sampling; out has the grid, its detector's name and its weights there. */
+/* The input of a maker; `out` has the method, the detector's name and the fine detector. */
 struct sampling_task {
-    const struct sampling_method *method;
     char name[SAMPLING_NAME];
     const struct detector *detector;
     const struct fine_spectra *spectra;
     struct sampling *out;
 };
 
-/* Room for n pages; `segments` and `synthesis` too, if wanted. */
-bool sampling_room(struct sampling *out, int n, bool segments, bool synthesis, struct error *err);
-/* Synthesis that is linear between the wavelengths, and held at the ends. */
-void sampling_linear(struct sampling *out);
-/* The weights of the fixed response that follows from synthesis. */
-void sampling_respond(struct sampling *out);
-/* Wavelength j of the grid, and the magnitude of the detector's sensitivities there. */
-double sampling_grid(const struct sampling *sampling, int j);
+/* Makes room for n pages, with segments if wanted. */
+bool sampling_room(struct sampling *out, int n, bool segments, struct error *err);
+/* Returns a zeroed array; NULL after an error. */
+double *sampling_numbers(size_t count, struct error *err);
+/* Returns the sum of the magnitudes of the detector's weights at nm j of the grid. */
 double sampling_seen(const struct sampling *sampling, int j);
 /* Refuses more pages than `most` nm. In uniform.c, as the next. */
 bool sampling_refuse(const struct sampling_task *task, int most, struct error *err);
 /* Combines three rows of n numbers by a matrix. */
 void sampling_transform(double m[3][3], const double *rows, int n, double *out);
 
-/* Makers of task->out, in uniform.c, gauss.c, adaptive.c and basis.c. */
+/* Makers, in uniform.c, gauss.c, adaptive.c and basis.c. Each makes room for pages and sets their
+ * wavelengths, or their analysis and synthesis (which is otherwise linear between wavelengths), and
+ * their segments, or weights where these do not follow from segments. */
 bool sample_box(const struct sampling_task *task, struct error *err);
 bool sample_riemann(const struct sampling_task *task, struct error *err);
 bool sample_tristimulus(const struct sampling_task *task, struct error *err); /* rgb and xyz */
-bool sample_gauss(const struct sampling_task *task, struct error *err);
+bool sample_gauss_detector(const struct sampling_task *task, struct error *err);
+bool sample_gauss_open(const struct sampling_task *task, struct error *err);
+bool sample_gauss_functions(const struct sampling_task *task, struct error *err);
 bool sample_adaptive(const struct sampling_task *task, struct error *err);
 bool sample_basis(const struct sampling_task *task, struct error *err);
 /* In basis.c. Turns rows of n numbers (finite, with squares that are) among themselves until they

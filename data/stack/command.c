@@ -33,13 +33,13 @@ static void print_scene(const struct record *record)
     for (int i = 0; i < record->n_options; i++)
         print_fact("option", record->options[i]);
     print_fact("renderer", record->renderer);
-    for (int i = 0; i < record->n_lights; i++)
-        print_fact("light", record->lights[i]);
-    for (int i = 0; i < record->n_ambients; i++)
-        print_fact("ambient light", record->ambients[i]);
+    for (int i = 0; i < record->lights.n; i++)
+        print_fact("light", record->lights.text[i]);
+    for (int i = 0; i < record->ambients.n; i++)
+        print_fact("ambient light", record->ambients.text[i]);
     if (record->sampling) {
         print_fact("sampling", record->sampling);
-        print_fact(record->n_response > 0 ? "sampled only for" : "sampled for",
+        print_fact(record->response.n > 0 ? "sampled only for" : "sampled for",
                    record->sampling_detector);
     }
 }
@@ -47,14 +47,14 @@ static void print_scene(const struct record *record)
 static void print_pages(const struct image *image, const struct record *record)
 {
     if (record->map_bytes > 0)
-        printf("objects           %d\n", record->n_objects);
+        printf("objects           %d\n", record->objects.n);
     printf("pages             %d of %d x %d pixels\n", image->n_pages, image->width, image->height);
     if (image->wavelengths_nm)
         printf("wavelengths       %.10g to %.10g nm\n", image->wavelengths_nm[0],
                image->wavelengths_nm[image->n_pages - 1]);
     if (record->components)
-        printf("components        of %.10g to %.10g nm\n", record->range_nm[0] + 0.5,
-               record->range_nm[1] - 0.5);
+        printf("components        of %.10g to %.10g nm\n", record->range_nm.value[0] + 0.5,
+               record->range_nm.value[1] - 0.5);
     print_fact("full scale", record->full_scale);
     print_fact("scale", record->scale);
     print_fact("verdict", image->verdict);

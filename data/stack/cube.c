@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* A spectral stack to be read, with what it says of itself where it is one of our own. */
+/* Reads a spectral stack, with its record if this program wrote it. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -16,18 +16,18 @@
 
 static const struct place nowhere = {0};
 
-/* The map is the last thing in the file, and every object has a name. A stack of which that is not
- * true was written by others, or cut. */
+/* Returns whether the object map ends where the file ends, and objects have names. If not, another
+ * program changed the stack, or it was cut. */
 static bool map_is_whole(const struct cube *cube)
 {
     const struct record *record = &cube->record;
     const uint64_t pixels = (uint64_t)cube->image.width * (uint64_t)cube->image.height;
     const uint64_t bytes = pixels * (uint64_t)record->map_bytes;
-    return record->n_objects > 0 && bytes <= cube->image.bytes &&
+    return record->objects.n > 0 && bytes <= cube->image.bytes &&
            record->map_offset == cube->image.bytes - bytes;
 }
 
-/* Stands for the wavelengths that components do not have. */
+/* Numbers the pages of components, which have no wavelengths. */
 static bool number_pages(struct image *image, struct error *err)
 {
     image->wavelengths_nm = calloc((size_t)image->n_pages, sizeof *image->wavelengths_nm);
@@ -36,31 +36,34 @@ static bool number_pages(struct image *image, struct error *err)
     return image->wavelengths_nm != NULL || error_memory(err);
 }
 
-bool cube_open(const char *path, struct cube *out, struct error *err)
+static bool open_cube(const char *path, struct cube *out, struct error *err)
 {
+    struct image *image = &out->image;
     struct error foreign = {0};
-    *out = (struct cube){.record = {.text = NULL}};
-    if (!image_open(path, nowhere, &out->image, err))
+    if (!image_open(path, nowhere, image, err))
         return false;
-    const bool own = record_read(&out->image, &out->record, &foreign);
-    out->components = out->record.components && !out->image.coloured;
-    if (out->components && !number_pages(&out->image, err)) {
-        cube_close(out);
+    const bool own = record_read(image, &out->record, &foreign);
+    out->components = out->record.components && !image->coloured;
+    if (out->components && !number_pages(image, err))
         return false;
-    }
-    if (out->image.coloured || out->image.wavelengths_nm == NULL) {
-        error_usage(
-            err,
-            "%s: %s; expected a stack of grey pages, one page or one GDAL band a wavelength,"
-            " that tell increasing ones as OME-XML, GDAL_METADATA or page names such as"
-            " \"305 nm\"",
-            path, out->image.coloured ? "its pages are RGB" : out->image.no_wavelengths);
-        cube_close(out);
-        return false;
-    }
     if (own && !map_is_whole(out))
         out->record.map_bytes = 0;
-    return true;
+    return (!image->coloured && image->wavelengths_nm) ||
+           error_usage(
+               err,
+               "%s: %s; expected a stack of grey pages, one page or one GDAL band a"
+               " wavelength, that record increasing wavelengths as OME-XML, GDAL_METADATA or page"
+               " names such as \"305 nm\"",
+               path, image->coloured ? "its pages are RGB" : image->no_wavelengths);
+}
+
+bool cube_open(const char *path, struct cube *out, struct error *err)
+{
+    *out = (struct cube){.record = {.text = NULL}};
+    const bool done = open_cube(path, out, err);
+    if (!done)
+        cube_close(out);
+    return done;
 }
 
 bool cube_needs_radiance(const struct cube *cube, const char *what, struct error *err)
@@ -83,15 +86,16 @@ static bool is_for(const struct cube *cube, const struct detector *detector, str
                        record->sampling_detector, detector->name);
 }
 
-/* The limit of weights and whites, so that no sum of them is infinite. */
+/* Weights and whites have this limit: no sum of them is infinite. */
 static const double largest_number = (double)FLT_MAX;
 
 static bool weights_are_finite(const struct cube *cube, const double *weights, struct error *err)
 {
     for (int i = 0; i < 3 * cube->image.n_pages; i++)
         if (!(fabs(weights[i]) <= largest_number))
-            return error_usage(err, "%s: weight %g of page %d is of no use", cube->image.path,
-                               weights[i], i % cube->image.n_pages + 1);
+            return error_usage(err, "%s: weight %g of page %d cannot be used; expected %g at most",
+                               cube->image.path, weights[i], i % cube->image.n_pages + 1,
+                               largest_number);
     return true;
 }
 
@@ -100,12 +104,12 @@ bool cube_weights(const struct cube *cube, const struct detector *detector, doub
 {
     const struct record *record = &cube->record;
     const struct image *image = &cube->image;
-    if (record->n_response > 0 && !is_for(cube, detector, err))
+    if (record->response.n > 0 && !is_for(cube, detector, err))
         return false;
-    if (record->n_response > 0)
-        memcpy(out, record->response, (size_t)record->n_response * sizeof *out);
-    else if (record->n_segments > 0)
-        sampling_weights(detector, image->wavelengths_nm, (double(*)[2])record->segments,
+    if (record->response.n > 0)
+        memcpy(out, record->response.value, (size_t)record->response.n * sizeof *out);
+    else if (record->segments.n > 0)
+        sampling_weights(detector, image->wavelengths_nm, (double(*)[2])record->segments.value,
                          image->n_pages, out);
     else
         detector_weights(detector, image->wavelengths_nm, image->n_pages, out);
@@ -115,40 +119,40 @@ bool cube_weights(const struct cube *cube, const struct detector *detector, doub
 void cube_lost(const struct cube *cube, const struct detector *detector, double out[3])
 {
     const struct record *record = &cube->record;
-    if (record->n_response > 0)
-        detector_lost_outside(detector, record->range_nm[0], record->range_nm[1], out);
-    else if (record->n_segments > 0)
-        detector_lost_outside(detector, record->segments[0],
-                              record->segments[record->n_segments - 1], out);
+    if (record->response.n > 0)
+        detector_lost_outside(detector, record->range_nm.value[0], record->range_nm.value[1], out);
+    else if (record->segments.n > 0)
+        detector_lost_outside(detector, record->segments.value[0],
+                              record->segments.value[record->segments.n - 1], out);
     else
         detector_lost(detector, cube->image.wavelengths_nm, cube->image.n_pages, out);
 }
 
-/* The channels of a fixed stack's detector for a spectrum, sampled at every nm; NULL stands for 1
- * everywhere. */
+/* Finds the response of a detector to a spectrum, at every nm of the range of a fixed stack. NULL
+ * stands for 1 everywhere. */
 static bool respond_finely(const struct record *record, const struct detector *detector,
                            const struct spectrum *spectrum, double out[3], struct error *err)
 {
-    const int n = (int)floor(record->range_nm[1] - record->range_nm[0] + 0.5);
-    const size_t count = n > 0 ? (size_t)n : 1;
-    double *nm = calloc(5 * count, sizeof *nm);
-    if (nm == NULL)
-        return error_memory(err);
-    double *radiance = nm + count, *weights = radiance + count;
-    for (int j = 0; j < n; j++) {
-        nm[j] = record->range_nm[0] + 0.5 + j;
-        radiance[j] = spectrum != NULL ? spectrum_at(spectrum, nm[j], SPECTRUM_ZERO) : 1;
+    const double *range = record->range_nm.value;
+    struct fine_detector fine;
+    if (!fine_detector_make(detector, range[0] + 0.5,
+                            (int)fmax(1, floor(range[1] - range[0] + 0.5)), &fine, err))
+        return false;
+    for (int channel = 0; channel < 3; channel++) {
+        const double *weights = fine.weights + channel * fine.n;
+        out[channel] = 0;
+        for (int j = 0; j < fine.n; j++)
+            out[channel] +=
+                weights[j] * (spectrum ? spectrum_at(spectrum, fine.nm[j], SPECTRUM_ZERO) : 1);
     }
-    detector_weights(detector, nm, n, weights);
-    detector_response(weights, radiance, n, out);
-    free(nm);
+    fine_detector_free(&fine);
     return true;
 }
 
 bool cube_equal_response(const struct cube *cube, const struct detector *detector,
                          const double *weights, double out[3], struct error *err)
 {
-    if (cube->record.n_response > 0)
+    if (cube->record.response.n > 0)
         return respond_finely(&cube->record, detector, NULL, out, err);
     detector_response(weights, NULL, cube->image.n_pages, out);
     return true;
@@ -156,18 +160,21 @@ bool cube_equal_response(const struct cube *cube, const struct detector *detecto
 
 /* ---- the white ---- */
 
-/* The whole text is one word, blanks and all. */
-static bool spectrum_of_option(const char *value, struct text *text, struct spectrum *out,
-                               struct error *err)
+/* Reads the spectrum that --white names. The whole value is one word, blanks and all. */
+static bool read_white(const char *value, struct spectrum *out, struct error *err)
 {
-    if (!text_open_line(text, "--white", value, err))
-        return false;
-    const struct word word = {
-        .start = text->at, .length = strlen(value), .place = {text->path, text->line, 1}};
-    return spectrum_read(&word, 0, HUGE_VAL, out, err);
+    struct text text;
+    bool good = text_open_line(&text, "--white", value, err);
+    if (good) {
+        const struct word word = {
+            .start = text.at, .length = strlen(value), .place = {text.path, text.line, 1}};
+        good = spectrum_read(&word, 0, HUGE_VAL, out, err);
+    }
+    text_free(&text);
+    return good;
 }
 
-/* The mean over a box, by cells of 1 nm that begin at `origin`. */
+/* Returns the mean over a box, by cells of 1 nm that begin at `origin`. */
 static double mean_within(const struct spectrum *spectrum, const double limits[2], double origin)
 {
     double sum = 0;
@@ -177,32 +184,26 @@ static double mean_within(const struct spectrum *spectrum, const double limits[2
     return sum / (limits[1] - limits[0]);
 }
 
-static bool has_boxes(const struct record *record)
-{
-    return record->n_segments > 0 && sampling_takes_means(record->sampling);
-}
-
 static bool white_of_option(const struct cube *cube, const char *value, double *out,
                             struct error *err)
 {
-    const bool boxes = has_boxes(&cube->record);
-    const double *segments = cube->record.segments;
-    struct text text = {.path = NULL};
+    const struct record *record = &cube->record;
+    const bool boxes = record->segments.n > 0 && sampling_takes_means(record->sampling);
+    const double *segments = record->segments.value;
     struct spectrum spectrum = {.kind = SPECTRUM_NONE};
-    const bool good = spectrum_of_option(value, &text, &spectrum, err);
+    const bool good = read_white(value, &spectrum, err);
     for (int i = 0; good && i < cube->image.n_pages; i++)
         out[i] = boxes ? mean_within(&spectrum, segments + 2 * i, segments[0])
                        : spectrum_at(&spectrum, cube->image.wavelengths_nm[i], SPECTRUM_ZERO);
     spectrum_free(&spectrum);
-    text_free(&text);
     return good;
 }
 
 static bool refuse_no_white(const struct cube *cube, struct error *err)
 {
     return error_usage(err,
-                       "%s: tells no white, as stacks of scenes with lights do since spectral"
-                       " 0.3.0; expected --white SPECTRUM",
+                       "%s: records no white, as stacks of scenes with lights do since spectral"
+                       " 0.3.0; name one by --white SPECTRUM",
                        cube->image.path);
 }
 
@@ -211,38 +212,37 @@ static bool white_shines(const struct cube *cube, const double *white, int n, st
     bool shines = false;
     for (int i = 0; i < n; i++)
         shines = shines || white[i] > 0;
-    return shines || error_usage(err,
-                                 "%s: the white is 0 at all of its wavelengths; expected one that"
-                                 " shines at some",
-                                 cube->image.path);
+    return shines ||
+           error_usage(err,
+                       "%s: the white is 0 at all of the stack's wavelengths; expected one that"
+                       " is above 0 at some",
+                       cube->image.path);
 }
 
 bool cube_white(const struct cube *cube, const char *spectrum, double *out, struct error *err)
 {
     if (!cube_needs_radiance(cube, "a white", err))
         return false;
-    if (spectrum == NULL && cube->record.n_white == 0)
+    if (spectrum == NULL && cube->record.white.n == 0)
         return refuse_no_white(cube, err);
     if (spectrum == NULL)
-        memcpy(out, cube->record.white, (size_t)cube->image.n_pages * sizeof *out);
+        memcpy(out, cube->record.white.value, (size_t)cube->image.n_pages * sizeof *out);
     else if (!white_of_option(cube, spectrum, out, err))
         return false;
     return white_shines(cube, out, cube->image.n_pages, err);
 }
 
-/* By the detector of a fixed stack. */
+/* Finds the response of a fixed stack's detector to the spectrum that --white names. */
 static bool option_respond(const struct cube *cube, const char *value, double out[3],
                            struct error *err)
 {
-    struct text text = {.path = NULL};
     struct spectrum spectrum = {.kind = SPECTRUM_NONE};
     struct detector detector = {.name = NULL};
     const bool good = detector_read(cube->record.sampling_detector, &detector, err) &&
-                      spectrum_of_option(value, &text, &spectrum, err) &&
+                      read_white(value, &spectrum, err) &&
                       respond_finely(&cube->record, &detector, &spectrum, out, err);
     detector_free(&detector);
     spectrum_free(&spectrum);
-    text_free(&text);
     return good;
 }
 
@@ -250,11 +250,11 @@ static bool white_of_fixed(const struct cube *cube, const struct white_request *
                            bool *found, double out[3], struct error *err)
 {
     const struct record *record = &cube->record;
-    *found = request->spectrum != NULL || record->has_white_response;
+    *found = request->spectrum != NULL || record->white_response.n > 0;
     if (!*found)
         return !request->needed || refuse_no_white(cube, err);
     if (request->spectrum == NULL)
-        memcpy(out, record->white_response, sizeof record->white_response);
+        memcpy(out, record->white_response.value, 3 * sizeof *out);
     else if (!option_respond(cube, request->spectrum, out, err))
         return false;
     return white_shines(cube, out, 3, err);
@@ -278,13 +278,13 @@ static bool white_of_pages(const struct cube *cube, const struct white_request *
 bool cube_white_response(const struct cube *cube, const struct white_request *request,
                          const double *weights, bool *found, double out[3], struct error *err)
 {
-    const bool done = cube->record.n_response > 0
+    const bool done = cube->record.response.n > 0
                           ? white_of_fixed(cube, request, found, out, err)
                           : white_of_pages(cube, request, weights, found, out, err);
     for (int channel = 0; done && *found && channel < 3; channel++)
         if (!(fabs(out[channel]) <= largest_number))
-            return error_usage(err, "%s: the white has %g in channel %d, which is of no use",
-                               cube->image.path, out[channel], channel + 1);
+            return error_usage(err, "%s: the white has %g in channel %d; expected %g at most",
+                               cube->image.path, out[channel], channel + 1, largest_number);
     return done;
 }
 
@@ -300,10 +300,10 @@ bool cube_objects(const struct cube *cube, int x, int y, int n, int *out, struct
                                         count * length, out, err))
         return false;
     for (size_t i = count; i-- > 0;) { /* from the end: a number takes more room than its bytes */
-        int number = length > 0 ? bytes[i * length] : record->n_objects + 1;
+        int number = length > 0 ? bytes[i * length] : record->objects.n + 1;
         if (length > 1)
             number += 256 * bytes[i * length + 1];
-        out[i] = number <= record->n_objects ? number : -1;
+        out[i] = number <= record->objects.n ? number : -1;
     }
     return true;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Writes the spectral stack: a multi-page TIFF, one page a wavelength or component. Behind the last
- * page lies the object map, of which only the record tells: a reader of TIFF never gets there. */
+/* Writes the spectral stack: a multi-page TIFF, one page a wavelength or component. The object map
+ * lies behind the last page. Only the record says where: a reader of TIFF never gets there. */
 #include <assert.h>
 #include <float.h>
 #include <string.h>
@@ -19,11 +19,12 @@ static bool check_options(const struct stack_options *options, struct error *err
     int n_pages = options->n_wavelengths, width = options->width, height = options->height;
     if (n_pages < 1 || n_pages > most_pages || width < 1 || height < 1)
         return error_usage(err,
-                           "a stack of %d wavelengths of %dx%d pixels is impossible; it has"
-                           " 1 to %d of at least 1x1",
+                           "a stack of %d wavelengths of %dx%d pixels cannot be written; expected"
+                           " 1 to %d wavelengths of at least 1x1",
                            n_pages, width, height, most_pages);
     if (!(options->full_scale > 0 && options->full_scale <= DBL_MAX))
-        return error_usage(err, "a full scale of %g is impossible; it is a positive radiance",
+        return error_usage(err,
+                           "a full scale of %g cannot be written; expected a positive radiance",
                            options->full_scale);
     for (int page = 0; options->labels == NULL && page < n_pages; page++) {
         /* Tag 65000 takes floats. Labels have 10 digits: closer wavelengths could share one. */
@@ -59,7 +60,7 @@ bool stack_open(struct stack_writer *out, const char *path, const struct stack_o
     return pages_open(&out->pages, path, tags_set, out, err);
 }
 
-/* Bytes of a sample of a page, or of the object map, whose number follows the last page's. */
+/* Returns the bytes of a sample of a page. The object map is the page after the last one. */
 static size_t sample_bytes(const struct stack_options *options, int page)
 {
     if (page == options->n_wavelengths)
@@ -86,8 +87,8 @@ bool stack_write(struct stack_writer *writer, const struct stack_rectangle *to, 
     return true;
 }
 
-/* A verdict fills its room with blanks, so that the size of the file does not depend on it. What is
- * no printable ASCII becomes '?'; what is too long loses its tail. */
+/* Blanks fill the room behind the verdict, so that the size of the file does not depend on it.
+ * Bytes that are not printable ASCII become '?', and a verdict that is too long loses its tail. */
 bool stack_finish(struct stack_writer *writer, const char *verdict, struct error *err)
 {
     char room[STACK_VERDICT];
@@ -100,38 +101,25 @@ bool stack_finish(struct stack_writer *writer, const char *verdict, struct error
 
 /* ---- two stacks ---- */
 
-/* Reads up to `capacity` bytes; less only at the end of the file. -1: see errno. */
-static ssize_t read_at(int descriptor, char *bytes, size_t capacity, uint64_t offset)
-{
-    size_t length = 0;
-    ssize_t got = 1;
-    while (length < capacity && got > 0) {
-        got = pread(descriptor, bytes + length, capacity - length, (off_t)(offset + length));
-        if (got < 0)
-            return -1;
-        length += (size_t)got;
-    }
-    return (ssize_t)length;
-}
-
-/* The offset of the first byte that is not the same, UINT64_MAX where there is none. */
+/* Finds the offset of the first byte that differs; UINT64_MAX: none does. Returns false where a
+ * file cannot be read: see errno. */
 static bool first_difference(int one, int other, uint64_t *out)
 {
     char a[65536], b[sizeof a];
-    ssize_t n_a, n_b;
-    *out = 0;
-    do {
-        n_a = read_at(one, a, sizeof a, *out);
-        n_b = read_at(other, b, sizeof b, *out);
+    ssize_t n = 1;
+    for (*out = 0; n > 0;) {
+        const ssize_t n_a = pread(one, a, sizeof a, (off_t)*out);
+        const ssize_t n_b = pread(other, b, sizeof b, (off_t)*out);
         if (n_a < 0 || n_b < 0)
             return false;
         ssize_t same = 0;
-        while (same < n_a && same < n_b && a[same] == b[same])
+        n = n_a < n_b ? n_a : n_b;
+        while (same < n && a[same] == b[same])
             same++;
         *out += (uint64_t)same;
-        if (same < n_a || same < n_b)
+        if (same < n || (n == 0 && n_a != n_b))
             return true;
-    } while (n_a > 0);
+    }
     *out = UINT64_MAX;
     return true;
 }

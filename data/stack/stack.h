@@ -22,7 +22,7 @@ struct stack_options {
     int map_bytes;          /* of a pixel's number in the object map: 1 or 2; 0: there is no map */
     const char *const *labels; /* of the pages, which then have no wavelengths; NULL: they have */
 };
-/* A stack being written: laid out at once, then filled rectangle by rectangle in any order. */
+/* A stack that is being written: laid out at once, then filled in rectangles of any order. */
 struct stack_writer {
     struct pages pages; /* and behind them the object map */
     struct stack_options options;
@@ -43,12 +43,13 @@ bool stack_write(struct stack_writer *writer, const struct stack_rectangle *to, 
  * stack_open left for it, and reads all directories again to see that they are whole. */
 enum { STACK_VERDICT = 512 };
 bool stack_finish(struct stack_writer *writer, const char *verdict, struct error *err);
-/* The first byte in which a finished stack and a file differ. */
+/* The first byte in which two stacks differ. */
 struct stack_difference {
     bool compared, found;
     bool in_map;    /* at x, y of the object map, which is no page */
     int page, x, y; /* page -1: outside the pages */
 };
+/* Compares a finished stack, not committed yet, with a file. Refuses a file that cannot be read. */
 bool stack_compare(const struct stack_writer *writer, const char *path,
                    struct stack_difference *out, struct error *err);
 /* Lets a finished stack appear under its name. */
@@ -58,9 +59,8 @@ const char *stack_library(void);                 /* name and version of the libt
 
 /* ---- cube.c: a spectral stack to be read ---- */
 
-/* Grey pages, or bands, of increasing wavelengths: a stack of this program, or any TIFF that
- * records its wavelengths as OME-XML, GDAL_METADATA or page names. Or a stack of components of this
- * program. */
+/* A stack of this program, of wavelengths or of components; or any TIFF of grey pages or bands that
+ * records increasing wavelengths as OME-XML, GDAL_METADATA or page names. */
 struct cube {
     struct image image;
     struct record record; /* zeroed in a stack of another program; map_bytes is 0 where no object
@@ -69,33 +69,33 @@ struct cube {
 };
 /* Reads no samples. Messages name the path; their status is EXIT_INPUT. */
 bool cube_open(const char *path, struct cube *out, struct error *err);
-/* Refuses a cube of components where radiances are needed: "WHAT needs ...". */
+/* Refuses a cube of components: "WHAT needs radiances ...". */
 bool cube_needs_radiance(const struct cube *cube, const char *what, struct error *err);
-/* The weights of the pages in each channel: out[channel * n_pages + page]. They follow from the
- * sampling that the stack records, otherwise from detector_weights. Refuses another detector than
- * that of a fixed sampling. */
+/* Finds the weights of the pages in each channel: out[channel * n_pages + page]. They follow from
+ * the sampling that the stack records, otherwise from detector_weights. Refuses weights too large
+ * to compute with, and, for a fixed sampling, any detector but its own. */
 bool cube_weights(const struct cube *cube, const struct detector *detector, double *out,
                   struct error *err);
-/* The response of such weights to a radiance that is 1 everywhere. */
+/* Finds the response of such weights to a radiance of 1 everywhere. Fails where memory runs out. */
 bool cube_equal_response(const struct cube *cube, const struct detector *detector,
                          const double *weights, double out[3], struct error *err);
-/* detector_lost, of the range that the pages stand for. */
+/* Finds the part of each sensitivity outside the range of the pages, as detector_lost. */
 void cube_lost(const struct cube *cube, const struct detector *detector, double out[3]);
-/* The white's radiance at each page's wavelength (of box the mean), n_pages values. The white is
- * the SPECTRUM that the word of a command line names, or, where that is NULL, the one that the
- * stack records. Refuses a stack that records none, and a white that is 0 everywhere. */
+/* Finds the white's radiance at each page's wavelength (for box its mean), n_pages values. The
+ * white is the SPECTRUM that the word of a command line names; NULL: the one that the stack
+ * records. Refuses a stack that records none, and a white that is 0 everywhere. */
 bool cube_white(const struct cube *cube, const char *spectrum, double *out, struct error *err);
 struct white_request {
     const char *spectrum; /* as cube_white takes it */
-    bool needed;          /* if not, and it has no name, there may be none */
+    bool needed;          /* refuse a stack without a white, even if `spectrum` is NULL */
 };
-/* The response of weights (cube_weights) to a white; in a fixed stack its detector's response to
- * the white at every nm. *found: there is a white. Refuses its absence if it is needed or was
- * named, and always a white that is too large to compute with. */
+/* Finds the response of weights (cube_weights) to a white; in a fixed stack, the response of its
+ * detector to the white at every nm. *found: there is a white. Refuses a missing white that is
+ * needed or named, and a white too large to compute with. */
 bool cube_white_response(const struct cube *cube, const struct white_request *request,
                          const double *weights, bool *found, double out[3], struct error *err);
-/* The numbers of the objects at n pixels of a row, from 1, with names in record.objects; 0 is the
- * background, -1 every pixel of a stack without an object map. */
+/* Reads the numbers of the objects at n pixels of a row, from 1, with names in record.objects. 0 is
+ * the background; -1 means an unknown number, or a stack without an object map. */
 bool cube_objects(const struct cube *cube, int x, int y, int n, int *out, struct error *err);
 void cube_close(struct cube *cube);
 
@@ -109,7 +109,7 @@ bool record_open(const char *path, struct image *image, struct record *out, stru
 
 /* ---- Inside this room ---- */
 
-/* Until the stack is whole its verdict is this, padded to STACK_VERDICT bytes. */
+/* The verdict of a stack that is not whole yet, padded to STACK_VERDICT bytes. */
 #define STACK_UNFINISHED "not finished"
 
 /* tags.c: sets all tags of the current directory but those of its format. It is the page_tags of a

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The tags that describe each page, for readers that look in different places: OME-XML
+/* Sets the tags that describe each page, for readers that look in different places: OME-XML
  * 2016-06 for tifffile and Bio-Formats, GDAL_METADATA as in the GTiff driver, IJMetadata as in
  * ImageJ's TiffEncoder, 65000 and 65111 as in the ODSI-DB of retinal images, the rest TIFF 6.0. */
 #include <inttypes.h>
@@ -41,7 +41,7 @@ static int largest_count(const struct stack_options *options)
     return options->bits == 8 ? 255 : 65535;
 }
 
-/* How samples become radiances, or the components that labels name. */
+/* Writes how samples become radiances, or the components that labels name. */
 static void scale_lines(const struct stack_options *options, char text[TEXT_SIZE])
 {
     char value[40] = "sample";
@@ -92,8 +92,8 @@ static void put_channel(FILE *stream, const struct stack_options *options, int p
     fputs("/>\n", stream);
 }
 
-/* The first page tells of the whole stack. It begins with < and ends with >: readers know OME-XML
- * by that. */
+/* The first page describes the whole stack. Its text begins with < and ends with >, by which
+ * readers recognize OME-XML. */
 static void put_description(FILE *stream, const struct stack_writer *writer, int page)
 {
     const struct stack_options *options = &writer->options;
@@ -135,7 +135,7 @@ static void put_description(FILE *stream, const struct stack_writer *writer, int
     fputs("</Pixels></Image></OME>", stream);
 }
 
-/* A page's width is the mean of the distances to its neighbours; alone it has none. */
+/* The width of a page is the mean distance to its neighbours; a single page has no width. */
 static void put_gdal_wavelength(FILE *stream, const struct stack_options *options, int page)
 {
     const double *nm = options->wavelengths_nm;
@@ -175,7 +175,7 @@ static void put_gdal(FILE *stream, const struct stack_writer *writer, int page)
     fputs("</GDALMetadata>\n", stream);
 }
 
-/* ImageJ's strings: how samples become radiances (page -1), then the label of each page. */
+/* Writes a string for ImageJ: the lines of the scale (page -1), or the label of a page. */
 static size_t imagej_string(const struct stack_options *options, int page, char text[TEXT_SIZE])
 {
     if (page < 0)
@@ -185,7 +185,8 @@ static size_t imagej_string(const struct stack_options *options, int page, char 
     return strlen(text);
 }
 
-/* In UTF-16 without terminators, behind "IJIJ" and how many there are of "info" and "labl". */
+/* Writes the strings in UTF-16 without terminators, behind "IJIJ" and the numbers of strings of the
+ * kinds "info" and "labl". */
 static void put_imagej_texts(FILE *stream, const struct stack_writer *writer, int page)
 {
     const struct stack_options *options = &writer->options;
@@ -200,7 +201,7 @@ static void put_imagej_texts(FILE *stream, const struct stack_writer *writer, in
     }
 }
 
-/* In bytes, of the header of five numbers and of each string. */
+/* Writes the sizes in bytes: of the header of five numbers, and of each string. */
 static void put_imagej_sizes(FILE *stream, const struct stack_writer *writer, int page)
 {
     const struct stack_options *options = &writer->options;
@@ -220,7 +221,7 @@ static void put_wavelengths(FILE *stream, const struct stack_writer *writer, int
         fwrite(&(float){(float)options->wavelengths_nm[page]}, sizeof(float), 1, stream);
 }
 
-/* Sets a tag to what `put` prints. */
+/* Sets a tag to the bytes that `put` prints. */
 static bool set_printed(TIFF *tiff, uint32_t tag, const struct stack_writer *writer, int page,
                         void (*put)(FILE *, const struct stack_writer *, int), struct error *err)
 {

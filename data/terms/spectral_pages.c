@@ -13,19 +13,14 @@ struct spectral_pages scene_pages(const struct scene *scene)
                                    .wavelength_nm = scene->wavelengths_nm};
 }
 
-static bool looks_at_grid(const struct spectral_pages *pages)
-{
-    return pages->light_mean || pages->analysis;
-}
-
 int pages_looked_at(const struct spectral_pages *pages)
 {
-    return looks_at_grid(pages) ? pages->n_nm : pages->n;
+    return pages->analysis ? pages->n_nm : pages->n;
 }
 
 double pages_looked_at_nm(const struct spectral_pages *pages, int i)
 {
-    return looks_at_grid(pages) ? pages->first_nm + i : pages->wavelength_nm[i];
+    return pages->analysis ? pages->first_nm + i : pages->wavelength_nm[i];
 }
 
 bool pages_show(const struct spectral_pages *pages, const struct spectrum *light)
@@ -39,12 +34,13 @@ bool pages_show(const struct spectral_pages *pages, const struct spectrum *light
 double page_value(const struct spectral_pages *pages, const struct spectrum *spectrum, int page,
                   enum spectrum_ends ends)
 {
-    const double *mean = ends == SPECTRUM_HOLD ? pages->reflectance_mean : pages->light_mean;
-    if (!mean)
+    const bool is_reflectance = ends == SPECTRUM_HOLD && pages->reflectance_analysis;
+    const double *analysis = is_reflectance ? pages->reflectance_analysis : pages->analysis;
+    if (!analysis || pages->of_products)
         return spectrum_at(spectrum, pages->wavelength_nm[page], ends);
     double sum = 0;
     for (int j = 0; j < pages->n_nm; j++) {
-        double weight = mean[(size_t)page * (size_t)pages->n_nm + (size_t)j];
+        double weight = analysis[(size_t)page * (size_t)pages->n_nm + (size_t)j];
         sum += weight != 0 ? weight * spectrum_at(spectrum, pages->first_nm + j, ends) : 0;
     }
     return pages->clips ? fmax(sum, 0) : sum;

@@ -29,14 +29,14 @@ struct terms_maker {
 /* Values that a product has: one a page, or one a nm for components. */
 static int product_length(const struct spectral_pages *pages)
 {
-    return pages->analysis ? pages->n_nm : pages->n;
+    return pages->of_products ? pages->n_nm : pages->n;
 }
 
 static double factor_at(const struct spectral_pages *pages, const struct spectrum *spectrum, int i,
                         enum spectrum_ends ends)
 {
-    return pages->analysis ? spectrum_at(spectrum, pages_looked_at_nm(pages, i), ends)
-                           : page_value(pages, spectrum, i, ends);
+    return pages->of_products ? spectrum_at(spectrum, pages_looked_at_nm(pages, i), ends)
+                              : page_value(pages, spectrum, i, ends);
 }
 
 /* Adds factor x spectrum x reflectance (NULL: 1) to a row; returns whether that is above 0. */
@@ -63,7 +63,7 @@ static bool open_luminescence(const struct spectral_pages *pages, const struct m
 {
     struct donaldson *matrix = &out->matrix;
     *out = (struct luminescence){.pages = pages, .material = material};
-    if (pages->no_luminescence)
+    if (pages->reflectance_analysis)
         return true;
     out->glows =
         material->excitation.kind != SPECTRUM_NONE && pages_show(pages, &material->emission);
@@ -217,9 +217,10 @@ static bool allocate(struct terms_maker *maker, struct error *err)
     size_t most = 1 + 2 * (size_t)maker->illumination->n_lights;
     out->terms = calloc(most, sizeof *out->terms);
     out->spectra = calloc(most * (size_t)pages->n, sizeof *out->spectra);
-    if (pages->analysis)
+    if (pages->of_products)
         maker->fine = calloc((size_t)pages->n_nm, sizeof *maker->fine);
-    return (out->terms && out->spectra && (maker->fine || !pages->analysis)) || error_memory(err);
+    return (out->terms && out->spectra && (maker->fine || !pages->of_products)) ||
+           error_memory(err);
 }
 
 bool material_terms_make(const struct illumination *illumination, const struct material *material,

@@ -12,18 +12,18 @@
 /* ---- data/terms/spectral_pages.c: pages made of spectra ---- */
 
 /* How a picture's pages are made of spectra. The arrays belong to others. A page holds a spectrum's
- * value at the page's wavelength, unless the means or the analysis are set. These lie on the grid
- * first_nm, first_nm + 1, ... nm. */
+ * value at the page's wavelength, or, if there is an analysis, the sum of the spectrum times the
+ * page's row of it, over the grid first_nm, first_nm + 1, ... nm. */
 struct spectral_pages {
-    int n;                       /* pages */
-    const double *wavelength_nm; /* of each page */
+    int n; /* pages */
+    double *wavelength_nm;
     double first_nm;
     int n_nm;
-    const double *light_mean;       /* [page * n_nm + j]: the weights of a page's mean of a light */
-    const double *reflectance_mean; /* the same of a reflectance; both NULL: no means */
-    const double *analysis;         /* [page * n_nm + j]: pages are components of whole products */
-    bool clips;                     /* a mean below 0 becomes 0 */
-    bool no_luminescence;           /* pages show lights times reflectances, and no fluorescence */
+    double *analysis;             /* [page * n_nm + j]; NULL: values at wavelengths */
+    double *reflectance_analysis; /* of reflectances alone, whose pages then multiply those of
+                                     lights, and show no fluorescence; NULL: as of lights */
+    bool of_products;             /* light times reflectance is analysed, not each by itself */
+    bool clips;                   /* a sum below 0 becomes 0 */
 };
 /* The pages of a scene that is not sampled: one a wavelength. Valid as long as the scene. */
 struct spectral_pages scene_pages(const struct scene *scene);

@@ -124,26 +124,6 @@ static void conclude(struct comparer *comparer, struct accuracy *out)
 
 /* ---- radiances of a stack ---- */
 
-/* Returns how the radiance at each nm follows from the pages of a stack without sampling: linearly
- * between its wavelengths, and held at the ends. [nm][page], allocated; NULL: no memory. */
-static double *interpolation(const struct scene *scene, const struct standard *standard)
-{
-    const int n = scene->n_wavelengths;
-    double *out = calloc((size_t)standard->n_nm * (size_t)n, sizeof *out);
-    for (int j = 0, page = 0; out && j < standard->n_nm; j++) {
-        const double nm = standard->first_nm + j, *at = scene->wavelengths_nm;
-        double *row = out + (size_t)j * (size_t)n;
-        while (page + 1 < n && at[page + 1] <= nm)
-            page++;
-        const double part =
-            page + 1 < n && nm > at[page] ? (nm - at[page]) / (at[page + 1] - at[page]) : 0;
-        row[page] = 1 - part;
-        if (part > 0)
-            row[page + 1] = part;
-    }
-    return out;
-}
-
 /* Adds to squares[0] the squares of a pixel's errors, and to squares[1] those of its radiances. */
 static void add_squares(const double *synthesis, int n_pages, const float *pages,
                         const double *spectrum, int n_nm, double squares[2])
@@ -209,9 +189,11 @@ static bool compare_spectra(struct comparer *comparer, const struct accuracy_sta
     if (stack->sampling)
         return !stack->sampling->synthesis ||
                compare_radiances(comparer, stack->sampling->synthesis, out, err);
-    double *synthesis = interpolation(stack->scene, comparer->standard);
-    const bool done =
-        synthesis ? compare_radiances(comparer, synthesis, out, err) : error_memory(err);
+    const struct scene *scene = stack->scene;
+    const struct standard *standard = comparer->standard;
+    double *synthesis = linear_synthesis(scene->wavelengths_nm, scene->n_wavelengths,
+                                         standard->first_nm, standard->n_nm, err);
+    const bool done = synthesis && compare_radiances(comparer, synthesis, out, err);
     free(synthesis);
     return done;
 }

@@ -162,7 +162,7 @@ static bool report(const struct options *options, const struct cost *cost, doubl
 static bool check_files(struct options *options, struct error *err)
 {
     struct scene scene = {.path = NULL};
-    struct sampling sampling = {.n = 0};
+    struct sampling sampling = {.detector = NULL};
     const char *csv = options->csv_file, *svg = options->svg_file;
     bool done = cost_read(options, NULL, &scene, &sampling, err) &&
                 scene_spared(csv, &scene, err) && scene_spared(svg, &scene, err) &&

@@ -73,7 +73,7 @@ static bool read_sampling(const struct options *options, const char *method, str
 static void survey_spectra(const struct options *options, struct survey *out)
 {
     struct error ignored = {.status = EXIT_AGREED};
-    struct sampling sampling = {.n = 0};
+    struct sampling sampling = {.detector = NULL};
     out->n_peaks = -1;
     if (read_sampling(options, "adaptive:0.01", &sampling, &ignored)) {
         out->n_peaks = sampling.n_peaks < MAX_SURVEY_PEAKS ? sampling.n_peaks : MAX_SURVEY_PEAKS;
@@ -92,7 +92,7 @@ static bool survey(void *context, void *result, struct error *err)
     const struct options *options = *(const struct options **)context;
     struct survey *out = result;
     struct scene scene = {.path = NULL};
-    struct sampling sampling = {.n = 0};
+    struct sampling sampling = {.detector = NULL};
     bool glossy = false;
     const bool done = cost_read(options, NULL, &scene, &sampling, err);
     if (done) {

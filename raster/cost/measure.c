@@ -105,7 +105,7 @@ static bool render_reference(void *context, void *out, struct error *err)
     const struct task *task = context;
     const struct measurement *measurement = task->measurement;
     struct scene scene = {.path = NULL};
-    struct sampling sampling = {.n = 0};
+    struct sampling sampling = {.detector = NULL};
     const bool done =
         cost_read(measurement->options, task->entry, &scene, &sampling, err) &&
         standard_render(&scene, measurement->survey.observer, measurement->options->threads,
@@ -120,7 +120,7 @@ static bool measure_stack(void *context, void *out, struct error *err)
     const struct task *task = context;
     const struct measurement *measurement = task->measurement;
     struct scene scene = {.path = NULL};
-    struct sampling sampling = {.n = 0};
+    struct sampling sampling = {.detector = NULL};
     bool done = cost_read(measurement->options, task->entry, &scene, &sampling, err);
     const struct accuracy_stack stack = {measurement->stack, &scene, sampling_or_none(&sampling),
                                          measurement->survey.observer};

@@ -203,12 +203,13 @@ static bool add_colour(struct probe *probe, const struct scene *scene,
     struct cube cube = {.image = {.path = scene->path,
                                   .n_pages = scene->n_wavelengths,
                                   .wavelengths_nm = scene->wavelengths_nm}};
-    cube.record.white = calloc((size_t)probe->n, sizeof *cube.record.white);
-    if (!cube.record.white)
+    double *white = calloc((size_t)probe->n, sizeof *white);
+    if (!white)
         return error_memory(err);
-    cube.record.n_white = scene_white(scene, &pages, cube.record.white) > 0 ? probe->n : 0;
+    cube.record.white =
+        (struct numbers){white, scene_white(scene, &pages, white) > 0 ? probe->n : 0};
     bool done = probe_colour(probe, &cube, options, err);
-    free(cube.record.white);
+    free(white);
     return done;
 }
 

@@ -13,7 +13,7 @@ bool command_plan(struct options *options, struct error *err)
 {
     const struct plan_options plan_options = {.check = false};
     struct scene scene = {.path = NULL};
-    struct sampling sampling = {.n = 0};
+    struct sampling sampling = {.detector = NULL};
     struct plan plan = {.scene = NULL};
     bool done = scene_read_sampled(options, &scene, &sampling, err) &&
                 plan_make(&scene, sampling_or_none(&sampling), &plan_options, &plan, err);

@@ -147,7 +147,7 @@ static const char *other_shading(const struct scene *scene)
 static const char *why_no_luminescence(const struct plan *plan, int able, const char *none_able)
 {
     return able == 0                                  ? none_able
-           : plan->illumination.pages.no_luminescence ? "rgb and xyz cannot show it"
+           : plan->illumination.pages.reflectance_analysis ? "rgb and xyz cannot show it"
                                                       : "nothing is excited and shown";
 }
 

@@ -182,7 +182,7 @@ static bool plan_allocate(struct plan *plan, struct error *err)
 bool plan_make(const struct scene *scene, const struct sampling *sampling,
                const struct plan_options *options, struct plan *out, struct error *err)
 {
-    const struct spectral_pages pages = sampling ? sampling_pages(sampling) : scene_pages(scene);
+    const struct spectral_pages pages = sampling ? sampling->pages : scene_pages(scene);
     struct camera camera = scene->camera;
     *out = (struct plan){
         .scene = scene, .sampling = sampling, .options = *options, .unit = eye_unit(&camera)};

@@ -170,7 +170,7 @@ bool render_with_options(const struct options *options, const struct render_outp
                          const struct record *made, struct error *err)
 {
     struct scene scene = {.path = NULL};
-    struct sampling sampling = {.n = 0};
+    struct sampling sampling = {.detector = NULL};
     struct plan plan = {.scene = NULL};
     struct plan_options plan_options = plan_options_of(options);
     struct render_seconds seconds = {.read = 0};

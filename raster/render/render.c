@@ -286,12 +286,12 @@ const char *render_stored(const struct plan *plan, const struct render_result *r
 /* Lists the names behind the numbers of the object map; none where there is no map. */
 static bool list_objects(const struct plan *plan, struct record *record, struct error *err)
 {
-    record->objects = calloc((size_t)plan->n_instances + 1, sizeof *record->objects);
-    if (!record->objects)
+    const char **names = calloc((size_t)plan->n_instances + 1, sizeof *names);
+    if (!names)
         return error_memory(err);
-    record->n_objects = plan->map_bytes > 0 ? plan->n_instances : 0;
-    for (int i = 0; i < record->n_objects; i++)
-        record->objects[i] = object_name(plan, i);
+    record->objects = (struct texts){names, plan->map_bytes > 0 ? plan->n_instances : 0};
+    for (int i = 0; i < record->objects.n; i++)
+        names[i] = object_name(plan, i);
     return true;
 }
 
@@ -335,12 +335,12 @@ static bool allocate_samples(struct render_state *state, struct error *err)
 static const char **make_labels(const struct sampling *sampling, struct error *err)
 {
     typedef char label_text[24];
-    size_t n = (size_t)sampling->n;
+    size_t n = (size_t)sampling->pages.n;
     const char **labels = calloc(n, sizeof *labels + sizeof(label_text));
     label_text *text = (label_text *)(labels + n);
     if (!labels)
         error_memory(err);
-    for (int i = 0; labels && i < sampling->n; i++) {
+    for (int i = 0; labels && i < sampling->pages.n; i++) {
         sampling_label(sampling, i, text[i]);
         labels[i] = text[i];
     }

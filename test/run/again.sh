@@ -144,7 +144,7 @@ exits 2 "a scene beside --again" "$SPECTRAL" render patches --again "$tmp/gl.tif
 exits 2 "another size" "$SPECTRAL" render --again "$tmp/gl.tif" --size 4x4
 says 'takes no --size=4x4' "is refused by name"
 exits 2 "a TIFF file of others" "$SPECTRAL" info data/builtin/textures/bark.tif
-says 'does not tell how it was made' "is told to be one"
+says 'has no record of how it was made' "is told to be one"
 exits 2 "what is no TIFF file" "$SPECTRAL" render --again README.md
 exits 2 "info without a stack" "$SPECTRAL" info
 # A record may say nothing but what makes the picture: never where to write.

@@ -250,7 +250,7 @@ def test_refusals():
     bad[2, 3, 4] = np.nan
     refused(A, stack("nan.tif", bad, NM), "nan.tif")
     refused(A, A, "dcs200-camera.* no tristimulus values", "--detector", "dcs200-camera")
-    refused(A, A, "tells no white", "--tolerance", "1dE00")
+    refused(A, A, "records no white", "--tolerance", "1dE00")
     for tolerance in "", "x", "1e", "-1", "%", "dE00", "1dE", "1%%", "inf", "nan":
         refused(A, A, "--tolerance", "--tolerance", tolerance)
     told = Told(compare(A, stack("some.tif", PIXELS + 1, NM)).stdout)

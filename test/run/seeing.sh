@@ -60,7 +60,7 @@ exits 0 "a foreign stack is developed" "$SPECTRAL" develop "$tmp/foreign.ome.tif
 exits 0 "with a white, adapted too" "$SPECTRAL" develop "$tmp/foreign.ome.tif" --white a \
     --adaptation cat16 -o "$tmp/foreign.tif"
 "$SPECTRAL" render patches --size 9x9 --wavelengths 600:700:20 --light 1=uv -o "$tmp/dark.tif" --quiet
-refused "adaptation to a light beyond the wavelengths" 'tells no white' develop "$tmp/dark.tif" \
+refused "adaptation to a light beyond the wavelengths" 'records no white' develop "$tmp/dark.tif" \
     --adaptation cat16 -o "$tmp/none"
 exits 0 "develop tells what it did" "$SPECTRAL" develop "$stack" -o "$tmp/seen.tif"
 prints '^detector +cie1931' "the detector"

@@ -26,7 +26,7 @@ static bool render_sampled(const char *name, const char *size, enum kept kept, c
 {
     struct sampling_method method;
     struct scene scene = {.path = NULL};
-    struct sampling taken = {.n = 0};
+    struct sampling taken = {.detector = NULL};
     struct plan plan = {.scene = NULL};
     struct plan_options options = {.store_raster = kept == REFERENCE,
                                    .use_gl = kept != REFERENCE,
@@ -114,12 +114,12 @@ static void test_mean(void)
         return;
     check_white(&cube, NULL, mean, "two lights and an ambient one");
     check_white(&cube, "lamp.csv*2", lamp, "a spectrum of the command line");
-    CHECK_NEAR(cube.record.illumination, 8, 0, "their intensities add up");
-    CHECK(cube.record.n_lights == 2 && cube.record.n_ambients == 1, "and are told apart");
-    CHECK_TEXT(cube.record.lights[0], "lamp.csv*3", "the first light");
-    CHECK_TEXT(cube.record.lights[1], "0.25*2*1", "the second, whose spectrum has a factor");
-    CHECK_TEXT(cube.record.ambients[0], "2*4", "the ambient one");
-    check_no_white(&cube, "0", "the white is 0 at all of its wavelengths");
+    CHECK_NEAR(record_illumination(&cube.record), 8, 0, "their intensities add up");
+    CHECK(cube.record.lights.n == 2 && cube.record.ambients.n == 1, "and are told apart");
+    CHECK_TEXT(cube.record.lights.text[0], "lamp.csv*3", "the first light");
+    CHECK_TEXT(cube.record.lights.text[1], "0.25*2*1", "the second, whose spectrum has a factor");
+    CHECK_TEXT(cube.record.ambients.text[0], "2*4", "the ambient one");
+    check_no_white(&cube, "0", "the white is 0 at all of the stack's wavelengths");
     check_no_white(&cube, "no such light", "--white:1:1: error: ");
     check_no_white(&cube, "", "expected one line");
     check_no_white(&cube, "-1", "--white:1:1: error: ");
@@ -153,10 +153,10 @@ static void test_dark(void)
         struct cube cube;
         if (!open_scene(scenes[i], REFERENCE, &cube))
             return;
-        CHECK(cube.record.white == NULL && cube.record.illumination == 0,
+        CHECK(cube.record.white.n == 0 && record_illumination(&cube.record) == 0,
               "what does not shine makes no white");
-        CHECK(cube.record.n_lights == (i > 0), "even where there is a light");
-        check_no_white(&cube, NULL, "tells no white");
+        CHECK(cube.record.lights.n == (i > 0), "even where there is a light");
+        check_no_white(&cube, NULL, "records no white");
         check_white(&cube, "1", &one, "one of the command line");
         cube_close(&cube);
     }
@@ -197,10 +197,11 @@ static void test_squares(enum kept kept)
           : kept == CHECKED_GL ? "OpenGL is checked"
                                : "nobody checks OpenGL, and then tells nothing",
           wrong);
-    CHECK(cube.record.n_objects == (kept == UNCHECKED_GL ? 0 : 3), "with every object");
-    if (cube.record.n_objects == 3) {
-        CHECK_TEXT(cube.record.objects[1], "blue", "whose name is its material's");
-        CHECK_TEXT(cube.record.objects[2], cube.record.objects[0], "which others may share");
+    CHECK(cube.record.objects.n == (kept == UNCHECKED_GL ? 0 : 3), "with every object");
+    if (cube.record.objects.n == 3) {
+        CHECK_TEXT(cube.record.objects.text[1], "blue", "whose name is its material's");
+        CHECK_TEXT(cube.record.objects.text[2], cube.record.objects.text[0],
+                   "which others may share");
     }
     cube_close(&cube);
 }
@@ -226,7 +227,7 @@ static void test_many(void)
         wrong += row[i % COLUMNS] != i + 1;
     }
     CHECK(wrong == 0, "%d objects are told apart: %d wrong", COLUMNS * ROWS, wrong);
-    CHECK(cube.record.n_objects == COLUMNS * ROWS && cube.record.map_bytes == 2,
+    CHECK(cube.record.objects.n == COLUMNS * ROWS && cube.record.map_bytes == 2,
           "by numbers of two bytes");
     cube_close(&cube);
 }
@@ -244,7 +245,7 @@ static void test_patches(void)
         wrong += object_at(&cube, 25 + 50 * (i % 6), 25 + 50 * (i / 6)) != i + 1;
     CHECK(wrong == 0, "the centre of each patch shows it: %d wrong", wrong);
     CHECK(object_at(&cube, 50, 50) == 0, "and between them is background");
-    CHECK_TEXT(cube.record.objects[18], "19-white", "the 19th is the white one");
+    CHECK_TEXT(cube.record.objects.text[18], "19-white", "the 19th is the white one");
     cube_close(&cube);
 }
 
@@ -324,7 +325,7 @@ static void check_forged(const char *from, const char *to, int longer, bool own)
                   cube_open("forged.tif", &cube, &err),
               "'%.13s' made '%.13s', %d bytes more: it opens %s", from, to, longer, err.text)) {
         CHECK(object_at(&cube, 1, 1) == -1, "but tells no objects");
-        CHECK((cube.record.text != NULL) == own && (cube.record.n_white > 0) == own, "and is %s",
+        CHECK((cube.record.text != NULL) == own && (cube.record.white.n > 0) == own, "and is %s",
               own ? "still our own" : "one of others");
         CHECK(image_read(&cube.image, 1, 1, 1, row, &err) && cube.image.scale > 0,
               "its pixels can be read %s", err.text);
@@ -422,7 +423,7 @@ static void test_foreign(void)
     CHECK(write_pages(16, 1, whole, rising) && cube_open(path, &cube, &err),
           "a stack of others opens %s", err.text);
     CHECK(cube.record.text == NULL && object_at(&cube, 0, 0) == -1, "it tells no objects");
-    check_no_white(&cube, NULL, "tells no white");
+    check_no_white(&cube, NULL, "records no white");
     cube_close(&cube);
     CHECK(write_pages(16, 1, whole, NULL), "pages without names are written");
     check_refusal("a plain TIFF", "records no wavelengths; expected a stack of grey pages");
@@ -452,7 +453,7 @@ static void test_cuts(void)
     const off_t pixels = (off_t)cube.record.map_offset;
     cube_close(&cube);
     CHECK(truncate(path, pixels) == 0 && cube_open(path, &cube, &err), "it opens without its map");
-    CHECK(object_at(&cube, 1, 1) == -1 && cube.record.n_white == 4, "which is all that it lacks");
+    CHECK(object_at(&cube, 1, 1) == -1 && cube.record.white.n == 4, "which is all that it lacks");
     cube_close(&cube);
     CHECK(truncate(path, pixels - 1) == 0, "a byte of its pixels is cut off");
     check_refusal("cut within pixels",
@@ -518,7 +519,7 @@ static void check_response(const struct cube *cube, const char *spectrum, double
         CHECK_NEAR(white[channel], expected[channel], tolerance * expected[channel],
                    "%s: the white in channel %d", name, channel + 1);
     const bool open = cube_weights(cube, &other, weights, &err);
-    CHECK(open == (cube->record.n_response == 0) &&
+    CHECK(open == (cube->record.response.n == 0) &&
               (open || strstr(err.text, "expected --detector cie1931") != NULL),
           "%s: another detector is served where it is not fixed %s", name, err.text);
     detector_free(&detector);
@@ -546,7 +547,7 @@ static void test_sampled(void)
         const char *name = samplings[i].sampling;
         CHECK_TEXT(cube.record.sampling, name, "%s: recorded", name);
         CHECK(cube.components == samplings[i].components &&
-                  (cube.record.n_response > 0) == samplings[i].fixed &&
+                  (cube.record.response.n > 0) == samplings[i].fixed &&
                   cube_needs_radiance(&cube, "this", &err) == !samplings[i].components,
               "%s: fixed and components as they should be %s", name, err.text);
         check_response(&cube, NULL, samplings[i].tolerance, name);
@@ -612,15 +613,15 @@ static void test_huge(void)
     if (!open_sampled("gauss:9,xyz", &cube) ||
         !CHECK(detector_read("cie1931", &detector, &err), "there is an observer"))
         return;
-    cube.record.white_response[1] = 1e300;
+    cube.record.white_response.value[1] = 1e300;
     CHECK(!cube_white_response(&cube, &(struct white_request){NULL, true}, weights, &found, white,
                                &err) &&
               strstr(err.text, "the white has 1e+300 in channel 2") != NULL,
           "a white of 1e300 is refused %s", err.text);
     err = (struct error){0};
-    cube.record.response[3] = -1e300;
+    cube.record.response.value[3] = -1e300;
     CHECK(!cube_weights(&cube, &detector, weights, &err) &&
-              strstr(err.text, "weight -1e+300 of page 4 is of no use") != NULL,
+              strstr(err.text, "weight -1e+300 of page 4 cannot be used") != NULL,
           "a weight of -1e300 is refused %s", err.text);
     detector_free(&detector);
     cube_close(&cube);
@@ -654,12 +655,12 @@ static void test_unseen(void)
               "%s: ultraviolet light makes no white %s", samplings[i], err.text);
         CHECK(!cube_white_response(&cube, &(struct white_request){NULL, true}, weights, &found,
                                    white, &err) &&
-                  strstr(err.text, "tells no white") != NULL,
+                  strstr(err.text, "records no white") != NULL,
               "%s: and none where it is needed %s", samplings[i], err.text);
         err = (struct error){0};
         CHECK(!cube_white_response(&cube, &(struct white_request){"lamp.csv", true}, weights,
                                    &found, white, &err) &&
-                  strstr(err.text, "0 at all of its wavelengths") != NULL,
+                  strstr(err.text, "0 at all of the stack's wavelengths") != NULL,
               "%s: nor as an option %s", samplings[i], err.text);
         cube_close(&cube);
     }

@@ -48,15 +48,11 @@ static void check_round_trip(const char *path)
     struct image image;
     struct error err = {0};
     made.renderer = "<none>";
-    made.lights = (const char *[]){"d65*1", strange};
-    made.n_lights = 2;
-    made.ambients = (const char *[]){"0.5*0.1"};
-    made.n_ambients = 1;
-    made.illumination = 0.1 + 0.2; /* takes 17 digits */
-    made.white = (double[]){1.0 / 3};
-    made.n_white = 1;
-    made.objects = (const char *[]){"", strange, "object_map: 1 1"};
-    made.n_objects = 3;
+    made.lights = (struct texts){(const char *[]){"d65*1", strange}, 2};
+    made.ambients = (struct texts){(const char *[]){"0.5*0.1"}, 1};
+    made.illumination = (struct numbers){(double[]){0.1 + 0.2}, 1}; /* takes 17 digits */
+    made.white = (struct numbers){(double[]){1.0 / 3}, 1};
+    made.objects = (struct texts){(const char *[]){"", strange, "object_map: 1 1"}, 3};
     made.n_options = MAX_RECORDED;
     for (int i = 0; i < MAX_RECORDED; i++)
         made.options[i] = strange;
@@ -70,17 +66,17 @@ static void check_round_trip(const char *path)
     CHECK_TEXT(read.full_scale, "2.5", "the full scale");
     CHECK(read.n_options == MAX_RECORDED, "all options: %d", read.n_options);
     CHECK_TEXT(read.options[MAX_RECORDED - 1], strange, "the last as the first");
-    CHECK(read.n_lights == 2 && read.n_ambients == 1 && read.n_objects == 3,
+    CHECK(read.lights.n == 2 && read.ambients.n == 1 && read.objects.n == 3,
           "lights, ambient lights and objects");
-    CHECK_TEXT(read.lights[0], "d65*1", "the first light");
-    CHECK_TEXT(read.lights[1], strange, "the second");
-    CHECK_TEXT(read.ambients[0], "0.5*0.1", "the ambient one");
-    CHECK_TEXT(read.objects[0], "", "an object without a name");
-    CHECK_TEXT(read.objects[1], strange, "one with a strange one");
-    CHECK_TEXT(read.objects[2], "object_map: 1 1", "one that looks like a line");
+    CHECK_TEXT(read.lights.text[0], "d65*1", "the first light");
+    CHECK_TEXT(read.lights.text[1], strange, "the second");
+    CHECK_TEXT(read.ambients.text[0], "0.5*0.1", "the ambient one");
+    CHECK_TEXT(read.objects.text[0], "", "an object without a name");
+    CHECK_TEXT(read.objects.text[1], strange, "one with a strange one");
+    CHECK_TEXT(read.objects.text[2], "object_map: 1 1", "one that looks like a line");
     CHECK(read.map_bytes == 0, "which is none");
-    CHECK(read.n_white == 1 && read.white[0] == 1.0 / 3, "the white, to the bit");
-    CHECK(read.illumination == 0.1 + 0.2, "the illumination, to the bit");
+    CHECK(read.white.n == 1 && read.white.value[0] == 1.0 / 3, "the white, to the bit");
+    CHECK(record_illumination(&read) == 0.1 + 0.2, "the illumination, to the bit");
     CHECK_TEXT(image.verdict, "a verdict", "the verdict, without blanks");
     CHECK_NEAR(image.scale, 2.5, 0, "no name is taken for the scale");
     record_free(&read);
@@ -108,28 +104,27 @@ static bool sampled(const char *path, struct record *made, struct record *read)
 static void check_samplings(const char *path)
 {
     double third = 1.0 / 3, segments[] = {0.1 + 0.2, 600}, response[] = {-third, 0, 1e-300};
-    struct record open = {.segments = segments, .n_segments = 2}, read;
-    struct record fixed = {.response = response,
-                           .n_response = 3,
-                           .range_nm = {379.5, 730.5},
-                           .illumination = 2,
-                           .white_response = {third, -third, 0},
-                           .has_white_response = true,
-                           .components = true};
+    double range_nm[] = {379.5, 730.5}, white[] = {third, -third, 0};
+    struct record open = {.segments = {segments, 2}}, read;
+    struct record fixed = {.response = {response, 3},
+                           .range_nm = {range_nm, 2},
+                           .illumination = {(double[]){2}, 1},
+                           .white_response = {white, 3},
+                           .components = "yes"};
     if (sampled(path, &open, &read)) {
-        CHECK(read.n_segments == 2 && memcmp(read.segments, segments, sizeof segments) == 0 &&
-                  read.n_response == 0 && !read.components && !read.has_white_response,
+        CHECK(read.segments.n == 2 && memcmp(read.segments.value, segments, sizeof segments) == 0 &&
+                  read.response.n == 0 && !read.components && read.white_response.n == 0,
               "segments, to the bit, and nothing else");
         record_free(&read);
     }
     if (sampled(path, &fixed, &read)) {
-        CHECK(read.n_response == 3 && memcmp(read.response, response, sizeof response) == 0 &&
-                  read.n_segments == 0,
+        CHECK(read.response.n == 3 && memcmp(read.response.value, response, sizeof response) == 0 &&
+                  read.segments.n == 0,
               "the response, to the bit and with its signs");
-        CHECK(read.components && read.has_white_response && read.illumination == 2 &&
-                  memcmp(read.white_response, fixed.white_response, sizeof read.white_response) ==
-                      0 &&
-                  memcmp(read.range_nm, fixed.range_nm, sizeof read.range_nm) == 0,
+        CHECK(read.components && read.white_response.n == 3 && record_illumination(&read) == 2 &&
+                  memcmp(read.white_response.value, white, sizeof white) == 0 &&
+                  read.range_nm.n == 2 &&
+                  memcmp(read.range_nm.value, range_nm, sizeof range_nm) == 0,
               "what it makes of the white, its range, and that it has components");
         record_free(&read);
     }
@@ -145,7 +140,7 @@ static void check_refused(const char *description, const char *what)
     char *copy = strdup(description);
     image.description = copy;
     CHECK(!record_read(&image, &record, &err) && err.status == EXIT_INPUT &&
-              strstr(err.text, "forged.tif: does not tell how it was made") && !record.text,
+              strstr(err.text, "forged.tif: has no record of how it was made") && !record.text,
           "%s is refused", what);
     free(copy);
 }

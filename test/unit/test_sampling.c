@@ -101,7 +101,7 @@ static struct sampling sampling_of(const struct stage *stage, const char *text,
                                    const char *detector, struct error *err)
 {
     struct sampling_method method;
-    struct sampling out = {0};
+    struct sampling out = {.detector = NULL};
     *err = (struct error){0};
     if (sampling_read("--sampling", text, &method, err))
         sampling_make(&method, detector, &stage->fine, &out, err);
@@ -113,7 +113,7 @@ static struct sampling made(const struct stage *stage, const char *text)
     struct error err;
     struct sampling out =
         sampling_of(stage, text, stage->detector != NULL ? stage->detector : "cie1931", &err);
-    if (out.n == 0)
+    if (out.pages.n == 0)
         printf("# %s\n", err.text);
     return out;
 }
@@ -121,13 +121,14 @@ static struct sampling made(const struct stage *stage, const char *text)
 /* A surface in the light: the page values of both, or the components of the product. */
 static double page_of(const struct stage *stage, const struct sampling *s, int surface, int page)
 {
-    const struct spectral_pages pages = sampling_pages(s);
+    const struct spectral_pages pages = s->pages;
     double sum = 0;
-    if (s->analysis == NULL)
+    if (!s->pages.of_products)
         return page_value(&pages, &stage->light, page, SPECTRUM_ZERO) *
                page_value(&pages, &stage->surface[surface], page, SPECTRUM_HOLD);
-    for (int j = 0; j < s->n_nm; j++)
-        sum += s->analysis[page * s->n_nm + j] * stage->fine.products[surface * s->n_nm + j];
+    for (int j = 0; j < s->fine.n; j++)
+        sum +=
+            s->pages.analysis[page * s->fine.n + j] * stage->fine.products[surface * s->fine.n + j];
     return sum;
 }
 
@@ -135,15 +136,15 @@ static void channels_of(const struct stage *stage, const struct sampling *s, int
                         double out[3])
 {
     double pages[MOST_PAGES];
-    for (int page = 0; page < s->n; page++)
+    for (int page = 0; page < s->pages.n; page++)
         pages[page] = page_of(stage, s, surface, page);
-    detector_response(s->weights, pages, s->n, out);
+    detector_response(s->weights, pages, s->pages.n, out);
 }
 
 static void truth_of(const struct stage *stage, const struct sampling *s, int surface,
                      double out[3])
 {
-    detector_response(s->detector_weights, stage->fine.products + surface * s->n_nm, s->n_nm, out);
+    detector_response(s->fine.weights, stage->fine.products + surface * s->fine.n, s->fine.n, out);
 }
 
 /* Errors of all channels of all surfaces, in parts of the light's largest response. */
@@ -154,9 +155,9 @@ static struct errors errors_of(const struct stage *stage, const struct sampling 
 {
     struct errors out = {0, 0};
     double light[3];
-    if (s->n == 0)
+    if (s->pages.n == 0)
         return (struct errors){HUGE_VAL, HUGE_VAL};
-    detector_response(s->detector_weights, stage->fine.lights, s->n_nm, light);
+    detector_response(s->fine.weights, stage->fine.lights, s->fine.n, light);
     const double scale = fmax(light[0], fmax(light[1], light[2]));
     for (int i = 0; i < stage->n; i++) {
         double seen[3], truth[3];
@@ -176,7 +177,7 @@ static struct errors error_of(const struct stage *stage, const char *text)
 {
     struct sampling s = made(stage, text);
     const struct errors out = errors_of(stage, &s);
-    printf("# %s: %d pages, rms %.3g, worst %.3g\n", text, s.n, out.rms, out.worst);
+    printf("# %s: %d pages, rms %.3g, worst %.3g\n", text, s.pages.n, out.rms, out.worst);
     sampling_free(&s);
     return out;
 }
@@ -184,7 +185,7 @@ static struct errors error_of(const struct stage *stage, const char *text)
 static int pages_of(const struct stage *stage, const char *text)
 {
     struct sampling s = made(stage, text);
-    const int n = s.n;
+    const int n = s.pages.n;
     sampling_free(&s);
     return n;
 }
@@ -293,7 +294,7 @@ static void test_tolerances(const char *light, int n_peaks)
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         struct sampling s = made(&stage, names[i]);
         within = within && errors_of(&stage, &s).worst <= s.method.tolerance;
-        most = s.n > most ? s.n : most;
+        most = s.pages.n > most ? s.pages.n : most;
         if (i == 0 && n_peaks >= 0)
             CHECK(s.n_peaks == n_peaks, "%s has %d emission peaks", light, n_peaks);
         sampling_free(&s);
@@ -372,11 +373,11 @@ static void test_basis(void)
         snprintf(name, sizeof name, "basis:%d", k);
         struct sampling s = made(&stage, name);
         for (int i = 0; i < stage.n; i++)
-            for (int j = 0; j < s.n_nm; j++) {
+            for (int j = 0; j < s.fine.n; j++) {
                 double value = 0;
-                for (int page = 0; page < s.n; page++)
-                    value += s.synthesis[j * s.n + page] * page_of(&stage, &s, i, page);
-                value -= stage.fine.products[i * s.n_nm + j];
+                for (int page = 0; page < s.pages.n; page++)
+                    value += s.synthesis[j * s.pages.n + page] * page_of(&stage, &s, i, page);
+                value -= stage.fine.products[i * s.fine.n + j];
                 sum += value * value;
             }
         falls = falls && sqrt(sum) < before;
@@ -398,7 +399,7 @@ static void test_coordinates(const char *light)
         snprintf(name, sizeof name, "basis:%d", k);
         struct sampling s = made(&stage, name);
         for (int i = 0; i < stage.n; i++)
-            for (int page = 0; page < s.n; page++) {
+            for (int page = 0; page < s.pages.n; page++) {
                 const double value = page_of(&stage, &s, i, page);
                 least = fmin(least, value);
                 largest = fmax(largest, value);
@@ -415,14 +416,14 @@ static void check_magnified(const struct stage *stage, const char *name, double 
     struct sampling s = made(stage, name);
     double largest_page = 0, largest = 0, worst = 0;
     for (int i = 0; i < stage->n; i++)
-        for (int page = 0; page < s.n; page++)
+        for (int page = 0; page < s.pages.n; page++)
             largest_page = fmax(largest_page, page_of(stage, &s, i, page));
-    for (int i = 0; i < stage->n * s.n_nm; i++)
+    for (int i = 0; i < stage->n * s.fine.n; i++)
         largest = fmax(largest, stage->fine.products[i]);
-    for (int j = 0; j < s.n_nm; j++) {
+    for (int j = 0; j < s.fine.n; j++) {
         double sum = 0;
-        for (int page = 0; page < s.n; page++)
-            sum += fabs(s.synthesis[j * s.n + page]);
+        for (int page = 0; page < s.pages.n; page++)
+            sum += fabs(s.synthesis[j * s.pages.n + page]);
         worst = fmax(worst, sum * largest_page / largest);
     }
     printf("# %s magnifies by %.3g\n", name, worst);
@@ -466,7 +467,7 @@ static void test_three_numbers(void)
     }
     CHECK_NEAR(worst, 0, 1e-10, "under d65 rgb is exact where nothing is clipped");
     CHECK_NEAR(error_of(&stage, "xyz").worst, 0, 1e-12, "and xyz everywhere");
-    const struct spectral_pages pages = sampling_pages(&rgb);
+    const struct spectral_pages pages = rgb.pages;
     struct spectrum white = spectrum_of("1"), green = spectrum_of("gaussian:510,5");
     CHECK_NEAR(page_value(&pages, &white, 1, SPECTRUM_HOLD), 1, 1e-14,
                "a reflectance of 1 has 1 of each");
@@ -483,15 +484,15 @@ static void test_three_numbers(void)
 static void check_polynomials(const struct stage *stage, const char *text, int degree)
 {
     struct sampling s = made(stage, text);
-    double worst = s.n > 0 ? 0 : HUGE_VAL;
+    double worst = s.pages.n > 0 ? 0 : HUGE_VAL;
     for (int k = 0; k <= degree; k++)
         for (int channel = 0; channel < 3; channel++) {
             double truth = 0, seen = 0;
-            for (int j = 0; j < s.n_nm; j++)
-                truth +=
-                    s.detector_weights[channel * s.n_nm + j] * power((s.first_nm + j) / 800, k);
-            for (int page = 0; page < s.n; page++)
-                seen += s.weights[channel * s.n + page] * power(s.wavelength_nm[page] / 800, k);
+            for (int j = 0; j < s.fine.n; j++)
+                truth += s.fine.weights[channel * s.fine.n + j] * power(s.fine.nm[j] / 800, k);
+            for (int page = 0; page < s.pages.n; page++)
+                seen += s.weights[channel * s.pages.n + page] *
+                        power(s.pages.wavelength_nm[page] / 800, k);
             worst = fmax(worst, fabs(seen - truth));
         }
     CHECK_NEAR(worst, 0, 1e-9, "%s is exact for polynomials of degree %d", text, degree);
@@ -561,12 +562,13 @@ static bool finite_all(const double *values, size_t count)
 
 static bool is_sound(const struct sampling *s)
 {
-    const size_t pages = (size_t)s->n, cells = pages * (size_t)s->n_nm;
-    bool good = s->n >= 1 && finite_all(s->weights, 3 * pages) && finite_all(s->analysis, cells) &&
-                finite_all(s->synthesis, cells) && finite_all(s->light_mean, cells) &&
-                finite_all(s->reflectance_mean, cells) && finite_all(s->wavelength_nm, pages);
-    for (int i = 1; i < s->n; i++)
-        good = good && s->wavelength_nm[i] > s->wavelength_nm[i - 1];
+    const size_t pages = (size_t)s->pages.n, cells = pages * (size_t)s->fine.n;
+    bool good = s->pages.n >= 1 && finite_all(s->weights, 3 * pages) &&
+                finite_all(s->pages.analysis, cells) && finite_all(s->synthesis, cells) &&
+                finite_all(s->pages.reflectance_analysis, cells) &&
+                finite_all(s->pages.wavelength_nm, pages);
+    for (int i = 1; i < s->pages.n; i++)
+        good = good && s->pages.wavelength_nm[i] > s->pages.wavelength_nm[i - 1];
     return good;
 }
 
@@ -593,7 +595,7 @@ static void test_black(void)
         CHECK(is_sound(&s) && seen[0] == 0 && seen[1] == 0 && seen[2] == 0,
               "%s: an all-black scene is black", all[i]);
         if (s.method.kind == SAMPLING_BASIS)
-            CHECK(s.n == 1 && s.rank == 0, "of one component, rank 0");
+            CHECK(s.pages.n == 1 && s.rank == 0, "of one component, rank 0");
         sampling_free(&s);
     }
     clear(&stage);
@@ -608,7 +610,7 @@ static void test_line(void)
     struct sampling s = made(&stage, "adaptive:0.001"), basis = made(&stage, "basis:9");
     CHECK(s.n_peaks == 1 && s.peak_nm[0] == 555, "a light of a single sample is a peak");
     CHECK_NEAR(errors_of(&stage, &s).worst, 0, 1e-3, "and adaptive sees it");
-    CHECK(basis.rank == 1 && basis.n == 1, "its products have rank 1");
+    CHECK(basis.rank == 1 && basis.pages.n == 1, "its products have rank 1");
     CHECK_NEAR(errors_of(&stage, &basis).worst, 0, 1e-12, "of which one component is exact");
     check_all("a single line", &stage);
     sampling_free(&s);
@@ -623,7 +625,7 @@ static void test_identical(void)
     for (int i = 0; i < 9; i++)
         put_surface(&stage, i % 2 == 0 ? "0.5" : "0.25");
     struct sampling s = made(&stage, "basis:7");
-    CHECK(s.n == 1 && s.rank == 1, "spectra that are alike but for a factor have rank 1");
+    CHECK(s.pages.n == 1 && s.rank == 1, "spectra that are alike but for a factor have rank 1");
     CHECK_NEAR(errors_of(&stage, &s).worst, 0, 1e-13, "and are exact with it");
     sampling_free(&s);
     check_all("identical spectra", &stage);
@@ -636,7 +638,7 @@ static void test_rank(void)
     put_surface(&stage, "gaussian:450,100*1e-10");
     put_surface(&stage, "gaussian:650,100*1e-14");
     struct sampling s = made(&stage, "basis:3");
-    CHECK(s.rank == 2 && s.n == 2, "rank counts what is above 1e-12 of the largest");
+    CHECK(s.rank == 2 && s.pages.n == 2, "rank counts what is above 1e-12 of the largest");
     sampling_free(&s);
     clear(&stage);
 }
@@ -665,14 +667,14 @@ static void test_one_wavelength(void)
     struct stage stage = single("d65", "0.5", 555, 1);
     for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
         struct sampling s = made(&stage, good[i]);
-        CHECK(s.n == 1 && is_sound(&s), "one wavelength: %s has one page", good[i]);
+        CHECK(s.pages.n == 1 && is_sound(&s), "one wavelength: %s has one page", good[i]);
         CHECK_NEAR(errors_of(&stage, &s).worst, 0, 1e-14, "which is exact");
         sampling_free(&s);
     }
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         struct error err;
         const struct sampling s = sampling_of(&stage, bad[i], "cie1931", &err);
-        CHECK(s.n == 0 && s.weights == NULL && err.status == EXIT_INPUT,
+        CHECK(s.pages.n == 0 && s.weights == NULL && err.status == EXIT_INPUT,
               "one wavelength: %s is refused", bad[i]);
     }
     clear(&stage);
@@ -683,7 +685,7 @@ static void check_refusal(const struct stage *stage, const char *text, const cha
 {
     struct error err;
     struct sampling s = sampling_of(stage, text, detector, &err);
-    CHECK(s.n == 0 && err.status == EXIT_INPUT && strstr(err.text, reason) != NULL,
+    CHECK(s.pages.n == 0 && err.status == EXIT_INPUT && strstr(err.text, reason) != NULL,
           "%s for %s: '%s'", text, detector, reason);
     if (strstr(err.text, reason) == NULL)
         printf("# %s\n", err.text);
@@ -700,14 +702,15 @@ static void test_refusals(void)
     check_refusal(&stage, "gauss:6,acc", "dcs200-camera", "needs an observer");
     check_refusal(&stage, "box:402", "cie1931", "401 nm");
     check_refusal(&dark, "gauss:60,open", "cie1931", "50 nm");
-    check_refusal(&blue, "rgb", "cie1931", "not all three are above 0 from 380 to 429 nm");
+    check_refusal(&blue, "rgb", "cie1931", "not all above 0 from 380 to 429 nm");
     check_refusal(&stage, "riemann:500", "cie1931", "400 nm long");
     check_refusal(&stage, "gauss:8", "no-such-detector", "no-such-detector");
     for (int i = 0; i < ALL; i++)
         if (strcmp(all[i], "riemann:10") != 0 && strcmp(all[i], "gauss:8,open") != 0)
             check_refusal(&dark, all[i], "cie1931", "sees nothing");
     struct sampling open = made(&dark, "gauss:8,open"), steps = made(&dark, "riemann:10");
-    CHECK(open.n == 8 && steps.n == 5, "what leaves the detector open needs none that sees");
+    CHECK(open.pages.n == 8 && steps.pages.n == 5,
+          "what leaves the detector open needs none that sees");
     sampling_free(&open);
     sampling_free(&steps);
     clear(&stage);
@@ -726,11 +729,11 @@ static void test_unsolvable(void)
         snprintf(text, sizeof text, "gauss:%d,acc", n);
         struct sampling s = sampling_of(&stage, text, "cie1931", &err);
         const char *number = strrchr(err.text, ';');
-        if (s.n == 0 && number != NULL) {
+        if (s.pages.n == 0 && number != NULL) {
             refused++;
             snprintf(text, sizeof text, "gauss:%d,acc", atoi(number + 1));
             struct sampling other = made(&stage, text);
-            solved += other.n > 0;
+            solved += other.pages.n > 0;
             sampling_free(&other);
         }
         sampling_free(&s);
@@ -760,11 +763,11 @@ static void test_recorded(void)
     detector_response(truth, NULL, 400, white);
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         struct sampling s = made(&stage, names[i]);
-        sampling_weights(&own, s.wavelength_nm, s.segment_nm, s.n, again);
-        CHECK(memcmp(again, s.weights, 3 * (size_t)s.n * sizeof again[0]) == 0,
+        sampling_weights(&own, s.pages.wavelength_nm, s.segment_nm, s.pages.n, again);
+        CHECK(memcmp(again, s.weights, 3 * (size_t)s.pages.n * sizeof again[0]) == 0,
               "%s: segments give the same weights again", names[i]);
-        sampling_weights(&other, s.wavelength_nm, s.segment_nm, s.n, again);
-        detector_response(again, NULL, s.n, seen);
+        sampling_weights(&other, s.pages.wavelength_nm, s.segment_nm, s.pages.n, again);
+        detector_response(again, NULL, s.pages.n, seen);
         if (s.method.kind != SAMPLING_BOX)
             CHECK_NEAR(seen[1], white[1], 1e-9 * white[1], "%s: a camera sees white as it is",
                        names[i]);
@@ -784,15 +787,15 @@ static void test_synthesis(void)
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         struct sampling s = made(&stage, names[i]);
         double sums = 0, line = 0;
-        for (int j = 0; j < s.n_nm; j++) {
-            const double x = s.first_nm + j, last = s.wavelength_nm[s.n - 1];
+        for (int j = 0; j < s.fine.n; j++) {
+            const double x = s.fine.nm[j], last = s.pages.wavelength_nm[s.pages.n - 1];
             double sum = 0, value = 0;
-            for (int page = 0; page < s.n; page++) {
-                sum += s.synthesis[j * s.n + page];
-                value += s.synthesis[j * s.n + page] * s.wavelength_nm[page];
+            for (int page = 0; page < s.pages.n; page++) {
+                sum += s.synthesis[j * s.pages.n + page];
+                value += s.synthesis[j * s.pages.n + page] * s.pages.wavelength_nm[page];
             }
             sums = fmax(sums, fabs(sum - 1));
-            line = fmax(line, fabs(value - fmin(fmax(x, s.wavelength_nm[0]), last)));
+            line = fmax(line, fabs(value - fmin(fmax(x, s.pages.wavelength_nm[0]), last)));
         }
         CHECK_NEAR(sums, 0, 1e-15, "%s: a constant radiance is told as it is", names[i]);
         if (s.method.kind != SAMPLING_BOX)
@@ -823,24 +826,24 @@ static void test_print(void)
 {
     struct stage stage = chart("gaussian:546,4", 380, 401);
     check_print(&stage, "riemann:50",
-                "riemann:50 for cie1931: 9 wavelengths; tells only these wavelengths\n", "");
+                "riemann:50 for cie1931: 9 wavelengths; radiances at these wavelengths only\n", "");
     check_print(&stage, "gauss:8",
                 "gauss:8 for cie1931: 8 wavelengths, 3 of 24 weights negative (-1.1 %);"
-                " tells only these wavelengths\n",
+                " radiances at these wavelengths only\n",
                 "");
     check_print(&stage, "adaptive:0.1",
                 "adaptive:0.1 for cie1931: 5 wavelengths, 1 emission peak (546 nm);"
-                " tells only these wavelengths\n",
+                " radiances at these wavelengths only\n",
                 "");
     check_print(
         &stage, "rgb",
-        "rgb for cie1931: 3 components; no spectra, and no fluorescence; only cie1931 can be"
-        " served\n",
+        "rgb for cie1931: 3 components; no spectra, and no fluorescence; for no detector but"
+        " cie1931\n",
         "green");
     check_print(
         &stage, "xyz",
-        "xyz for cie1931: 3 components; no spectra, and no fluorescence; only cie1931 can be"
-        " served\n",
+        "xyz for cie1931: 3 components; no spectra, and no fluorescence; for no detector but"
+        " cie1931\n",
         "Y");
     clear(&stage);
 }
