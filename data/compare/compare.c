@@ -58,7 +58,7 @@ static bool distribution_open(struct distribution *out, struct error *err)
 {
     out->count = calloc(N_BINS, sizeof *out->count);
     out->largest = calloc(N_BINS, sizeof *out->largest);
-    return (out->count != NULL && out->largest != NULL) || error_memory(err);
+    return (out->count && out->largest) || error_memory(err);
 }
 
 static void distribution_add(struct distribution *to, struct pixel_difference *difference,
@@ -123,11 +123,9 @@ static double spectral_angle(const double *a, const double *b, int n)
 struct comparer {
     const struct compare_options *options;
     struct comparison *out;
-    struct cube a, b;
-    double *weights; /* of X, Y and Z */
-    double white[3];
-    int threads, rows;             /* of a chunk */
-    float *samples_a, *samples_b;  /* [band][row][x] */
+    struct stack_rows a, b;
+    struct sight sight; /* of A; it holds for B too */
+    int threads;
     double *spectra;               /* [row][a, b][band]: the pixel at hand */
     struct band_difference *bands; /* [row][band]; rms: sum of squares so far */
     double *largest_a;             /* [row] */
@@ -145,10 +143,10 @@ static void compare_colours(const struct comparer *comparer, const double *a, co
 {
     const int n = comparer->out->n;
     double xyz[3], lab_a[3], lab_b[3];
-    detector_response(comparer->weights, a, n, xyz);
-    cielab(xyz, comparer->white, lab_a);
-    detector_response(comparer->weights, b, n, xyz);
-    cielab(xyz, comparer->white, lab_b);
+    detector_response(comparer->sight.weights, a, n, xyz);
+    cielab(xyz, comparer->sight.white, lab_a);
+    detector_response(comparer->sight.weights, b, n, xyz);
+    cielab(xyz, comparer->sight.white, lab_b);
     for (int i = 0; i < COLOUR_FORMULAS; i++)
         out[i] = formulas[i](lab_a, lab_b);
 }
@@ -171,10 +169,10 @@ static double compare_bands(const double *a, const double *b, int n, int x, int 
     return largest;
 }
 
-static void compare_row(struct comparer *comparer, int row, int first_row)
+static void compare_row(struct comparer *comparer, int row)
 {
     const int n = comparer->out->n, width = comparer->out->width;
-    const size_t plane = (size_t)comparer->rows * (size_t)width;
+    const size_t stride = comparer->a.stride;
     struct band_difference *bands = comparer->bands + (size_t)row * (size_t)n;
     double *a = comparer->spectra + (size_t)row * 2 * (size_t)n, *b = a + n;
     memset(bands, 0, (size_t)n * sizeof *bands);
@@ -182,11 +180,11 @@ static void compare_row(struct comparer *comparer, int row, int first_row)
     for (int x = 0; x < width; x++) {
         const size_t at = (size_t)row * (size_t)width + (size_t)x;
         for (int band = 0; band < n; band++) {
-            a[band] = (double)comparer->samples_a[(size_t)band * plane + at];
-            b[band] = (double)comparer->samples_b[(size_t)band * plane + at];
+            a[band] = (double)comparer->a.samples[(size_t)band * stride + at];
+            b[band] = (double)comparer->b.samples[(size_t)band * stride + at];
             comparer->largest_a[row] = fmax(comparer->largest_a[row], a[band]);
         }
-        const double largest = compare_bands(a, b, n, x, first_row + row, bands);
+        const double largest = compare_bands(a, b, n, x, comparer->a.first + row, bands);
         comparer->angle[at] = largest > 0 ? spectral_angle(a, b, n) : 0;
         double *colour = comparer->colour + at * COLOUR_FORMULAS;
         memset(colour, 0, COLOUR_FORMULAS * sizeof *colour);
@@ -200,8 +198,9 @@ static void compare_row(struct comparer *comparer, int row, int first_row)
 
 /* ---- all rows ---- */
 
-static void add_row(struct comparer *comparer, int row, int y)
+static void add_row(struct comparer *comparer, int row)
 {
+    const int y = comparer->a.first + row;
     struct comparison *out = comparer->out;
     const struct band_difference *bands = comparer->bands + (size_t)row * (size_t)out->n;
     for (int band = 0; band < out->n; band++) {
@@ -220,22 +219,19 @@ static void add_row(struct comparer *comparer, int row, int y)
     }
 }
 
-static bool compare_chunk(struct comparer *comparer, int y, int rows, struct error *err)
+static bool compare_chunk(struct comparer *comparer, int first, struct error *err)
 {
-    const size_t plane = (size_t)comparer->rows * (size_t)comparer->out->width;
-    for (int band = 0; band < comparer->out->n; band++)
-        if (!image_read(&comparer->a.image, band, y, rows,
-                        comparer->samples_a + (size_t)band * plane, err) ||
-            !image_read(&comparer->b.image, band, y, rows,
-                        comparer->samples_b + (size_t)band * plane, err))
-            return false;
+    if (output_interrupted())
+        return error_system(err, "interrupted; nothing was written");
+    if (!rows_read(&comparer->a, first, err) || !rows_read(&comparer->b, first, err))
+        return false;
 #pragma omp parallel for schedule(dynamic) num_threads(comparer->threads)
-    for (int row = 0; row < rows; row++)
-        compare_row(comparer, row, y);
-    for (int row = 0; row < rows; row++)
-        add_row(comparer, row, y + row);
-    return comparer->options->map == NULL ||
-           picture_write(&comparer->picture, comparer->map, rows, err);
+    for (int row = 0; row < comparer->a.n; row++)
+        compare_row(comparer, row);
+    for (int row = 0; row < comparer->a.n; row++)
+        add_row(comparer, row);
+    return !comparer->options->map ||
+           picture_write(&comparer->picture, comparer->map, comparer->a.n, err);
 }
 
 /* Sums become root mean squares. */
@@ -258,16 +254,11 @@ static void conclude(struct comparer *comparer)
         distribution_end(&comparer->colours[i], n_pixels, &out->colour[i]);
 }
 
-static bool compare_rows(struct comparer *comparer, struct error *err)
+static bool compare_chunks(struct comparer *comparer, struct error *err)
 {
-    const int height = comparer->out->height;
-    for (int y = 0; y < height; y += comparer->rows) {
-        const int left = height - y;
-        if (output_interrupted())
-            return error_system(err, "interrupted; nothing was written");
-        if (!compare_chunk(comparer, y, left < comparer->rows ? left : comparer->rows, err))
+    for (int y = 0; y < comparer->out->height; y += comparer->a.most)
+        if (!compare_chunk(comparer, y, err))
             return false;
-    }
     conclude(comparer);
     return true;
 }
@@ -319,43 +310,36 @@ static bool check_samplings(const struct cube *a, const struct cube *b, struct e
 
 static bool prepare_colour(struct comparer *comparer, struct error *err)
 {
-    struct detector detector = {.name = NULL};
+    const struct compare_options *options = comparer->options;
+    const struct white_request white = {options->white, options->tolerance.unit >= TOLERANCE_CIE76};
     struct comparison *out = comparer->out;
-    const struct white_request request = {comparer->options->white,
-                                          comparer->options->tolerance.unit >= TOLERANCE_CIE76};
-    out->observer = strdup(comparer->options->observer);
-    comparer->weights = calloc(3 * (size_t)out->n, sizeof *comparer->weights);
-    if (out->observer == NULL || comparer->weights == NULL)
-        return error_memory(err);
-    const bool done = observer_read(out->observer, &detector, err) &&
-                      cube_weights(&comparer->a, &detector, comparer->weights, err) &&
-                      cube_white_response(&comparer->a, &request, comparer->weights,
-                                          &out->has_white, comparer->white, err);
-    detector_free(&detector);
+    out->observer = strdup(options->observer);
+    const bool done =
+        out->observer ? sight_make(&comparer->a.cube, out->observer, &white, &comparer->sight, err)
+                      : error_memory(err);
+    out->has_white = comparer->sight.has_white;
     return done;
 }
 
-/* Samples of a chunk, of both stacks: 128 MiB at most, but for a row. */
-static const size_t chunk_samples = (size_t)32 << 20;
+/* Samples of a chunk of each stack: 64 MiB at most, but for a row. */
+static const size_t chunk_samples = (size_t)16 << 20;
 
 static bool prepare_chunk(struct comparer *comparer, struct error *err)
 {
-    const size_t n = (size_t)comparer->out->n, width = (size_t)comparer->out->width;
-    const size_t height = (size_t)comparer->out->height, fitting = chunk_samples / (2 * n * width);
-    const size_t rows = fitting < 1 ? 1 : fitting < height ? fitting : height;
-    comparer->rows = (int)rows;
+    if (!rows_allocate(&comparer->a, chunk_samples, err) ||
+        !rows_allocate(&comparer->b, chunk_samples, err))
+        return false;
+    const size_t n = (size_t)comparer->out->n, rows = (size_t)comparer->a.most,
+                 pixels = comparer->a.stride;
     comparer->threads = threads_start(comparer->options->threads);
-    comparer->samples_a = calloc(n * rows * width, sizeof *comparer->samples_a);
-    comparer->samples_b = calloc(n * rows * width, sizeof *comparer->samples_b);
     comparer->spectra = calloc(2 * n * rows, sizeof *comparer->spectra);
     comparer->bands = calloc(n * rows, sizeof *comparer->bands);
     comparer->largest_a = calloc(rows, sizeof *comparer->largest_a);
-    comparer->angle = calloc(rows * width, sizeof *comparer->angle);
-    comparer->colour = calloc(COLOUR_FORMULAS * rows * width, sizeof *comparer->colour);
-    comparer->map = calloc(3 * rows * width, sizeof *comparer->map);
-    return (comparer->samples_a != NULL && comparer->samples_b != NULL &&
-            comparer->spectra != NULL && comparer->bands != NULL && comparer->largest_a != NULL &&
-            comparer->angle != NULL && comparer->colour != NULL && comparer->map != NULL) ||
+    comparer->angle = calloc(pixels, sizeof *comparer->angle);
+    comparer->colour = calloc(COLOUR_FORMULAS * pixels, sizeof *comparer->colour);
+    comparer->map = calloc(3 * pixels, sizeof *comparer->map);
+    return (comparer->spectra && comparer->bands && comparer->largest_a && comparer->angle &&
+            comparer->colour && comparer->map) ||
            error_memory(err);
 }
 
@@ -369,20 +353,20 @@ static bool open_distributions(struct comparer *comparer, struct error *err)
 
 static bool prepare(struct comparer *comparer, struct error *err)
 {
-    const struct image *image = &comparer->a.image;
+    const struct image *image = &comparer->a.cube.image;
     struct comparison *out = comparer->out;
     const size_t n = (size_t)image->n_pages;
     *out = (struct comparison){.n = image->n_pages,
                                .width = image->width,
                                .height = image->height,
-                               .components = comparer->a.components};
+                               .components = comparer->a.cube.components};
     out->wavelengths_nm = calloc(n, sizeof *out->wavelengths_nm);
     out->bands = calloc(n, sizeof *out->bands);
-    if (out->wavelengths_nm == NULL || out->bands == NULL)
+    if (!out->wavelengths_nm || !out->bands)
         return error_memory(err);
     memcpy(out->wavelengths_nm, image->wavelengths_nm, n * sizeof *out->wavelengths_nm);
-    return check_samplings(&comparer->a, &comparer->b, err) &&
-           check_sizes(image, &comparer->b.image, err) && prepare_colour(comparer, err) &&
+    return check_samplings(&comparer->a.cube, &comparer->b.cube, err) &&
+           check_sizes(image, &comparer->b.cube.image, err) && prepare_colour(comparer, err) &&
            prepare_chunk(comparer, err) && open_distributions(comparer, err);
 }
 
@@ -398,7 +382,7 @@ static bool open_map(struct comparer *comparer, struct error *err)
                      components ? "component angle in degrees" : "spectral angle in degrees",
                      "CIEDE2000"},
         .description = "How two spectral stacks differ"};
-    return comparer->options->map == NULL ||
+    return !comparer->options->map ||
            picture_open(&comparer->picture, comparer->options->map, &options, err);
 }
 
@@ -406,14 +390,12 @@ static bool open_map(struct comparer *comparer, struct error *err)
 
 static void comparer_free(struct comparer *comparer)
 {
-    cube_close(&comparer->a);
-    cube_close(&comparer->b);
+    rows_close(&comparer->a);
+    rows_close(&comparer->b);
+    sight_free(&comparer->sight);
     distribution_free(&comparer->angles);
     for (int i = 0; i < COLOUR_FORMULAS; i++)
         distribution_free(&comparer->colours[i]);
-    free(comparer->weights);
-    free(comparer->samples_a);
-    free(comparer->samples_b);
     free(comparer->spectra);
     free(comparer->bands);
     free(comparer->largest_a);
@@ -427,12 +409,12 @@ bool compare(const char *a, const char *b, const struct compare_options *options
 {
     struct comparer comparer = {.options = options, .out = out};
     *out = (struct comparison){.n = 0};
-    bool done =
-        cube_open(a, &comparer.a, err) && cube_open(b, &comparer.b, err) && prepare(&comparer, err);
+    bool done = cube_open(a, &comparer.a.cube, err) && cube_open(b, &comparer.b.cube, err) &&
+                prepare(&comparer, err);
     const bool opened = done && open_map(&comparer, err);
-    done = opened && compare_rows(&comparer, err) &&
-           (options->map == NULL || picture_commit(&comparer.picture, err));
-    if (opened && options->map != NULL)
+    done = opened && compare_chunks(&comparer, err) &&
+           (!options->map || picture_commit(&comparer.picture, err));
+    if (opened && options->map)
         picture_discard(&comparer.picture); /* what was committed stays */
     comparer_free(&comparer);
     return done;

@@ -4,7 +4,10 @@
 #define COMPARE_H
 
 #include "data/options/options.h"
+#include "data/stack/stack.h"
 #include "spectral.h"
+
+/* ---- compare.c: the differences of two stacks ---- */
 
 enum colour_formula { CIE76, CIE94, CIEDE2000, COLOUR_FORMULAS };
 enum tolerance_unit { /* the last three in the order of formulas */
@@ -59,6 +62,32 @@ bool compare(const char *a, const char *b, const struct compare_options *options
 bool comparison_is_within(const struct comparison *comparison, const struct tolerance *tolerance);
 void comparison_print(const struct comparison *comparison, FILE *to);
 void comparison_free(struct comparison *comparison);
+
+/* ---- rows.c: a stack in chunks of rows, as an observer sees it ---- */
+
+struct stack_rows {
+    struct cube cube;
+    int most;       /* rows in a chunk */
+    int first, n;   /* the rows of the current chunk */
+    size_t stride;  /* samples from one page to the next */
+    float *samples; /* [page][row of the chunk][x]; owned */
+};
+/* Allocates chunks of at most so many samples, but at least one row. The cube is open. */
+bool rows_allocate(struct stack_rows *rows, size_t most_samples, struct error *err);
+/* Reads the chunk that begins with row `first`. The last chunk may have fewer rows. */
+bool rows_read(struct stack_rows *rows, int first, struct error *err);
+void rows_close(struct stack_rows *rows); /* and the cube */
+
+/* How an observer sees a stack. */
+struct sight {
+    double *weights; /* of X, Y and Z, as cube_weights; owned */
+    double white[3]; /* XYZ */
+    bool has_white;
+};
+/* Refuses what observer_read, cube_weights and cube_white_response refuse. */
+bool sight_make(const struct cube *cube, const char *observer, const struct white_request *white,
+                struct sight *out, struct error *err);
+void sight_free(struct sight *sight);
 
 /* ---- command.c: spectral compare ---- */
 

@@ -69,6 +69,9 @@ bool sampling_make(const struct sampling_method *method, const char *detector,
  * scene's. Refuses what sampling_make refuses, and spectral textures under basis, rgb and xyz. */
 bool scene_sample(struct scene *scene, const struct sampling_method *method, const char *detector,
                   struct sampling *out, struct error *err);
+/* Fills in the synthesis, which is all 0, from n, wavelength_nm and the grid: linear between the
+ * wavelengths, and held at the ends. */
+void sampling_linear(struct sampling *out);
 /* The sampling, or NULL of a zeroed one: functions that take a sampling take NULL for none. */
 const struct sampling *sampling_or_none(const struct sampling *sampling);
 /* How the pages are made of spectra. Valid as long as the sampling. */
@@ -112,8 +115,6 @@ struct sampling_task {
 
 /* Room for n pages; `segments` and `synthesis` too, if wanted. */
 bool sampling_room(struct sampling *out, int n, bool segments, bool synthesis, struct error *err);
-/* Synthesis that is linear between the wavelengths, and held at the ends. */
-void sampling_linear(struct sampling *out);
 /* The weights of the fixed response that follows from synthesis. */
 void sampling_respond(struct sampling *out);
 /* Wavelength j of the grid, and the magnitude of the detector's sensitivities there. */

@@ -58,26 +58,11 @@ bool cost_read(const struct options *options, const struct cost_entry *entry, st
 
 /* ---- report ---- */
 
-/* Returns the table as CSV, allocated; NULL: no memory. */
-static char *csv_text(const struct cost *cost)
-{
-    char *table = NULL;
-    size_t length = 0;
-    FILE *stream = open_memstream(&table, &length);
-    if (!stream)
-        return NULL;
-    cost_print_csv(cost, stream);
-    if (fclose(stream) == 0 && length > 0)
-        return table;
-    free(table);
-    return NULL;
-}
-
 /* Writes the files that are not NULL; none unless there is memory for all. */
 static bool write_files(const struct cost *cost, const char *csv, const char *svg,
                         struct error *err)
 {
-    char *table = csv ? csv_text(cost) : NULL, *chart = svg ? cost_svg(cost) : NULL;
+    char *table = csv ? cost_csv(cost) : NULL, *chart = svg ? cost_svg(cost) : NULL;
     bool done = (!csv || table) && (!svg || chart) ? true : error_memory(err);
     done = done && (!csv || file_write(csv, table, strlen(table), err)) &&
            (!svg || file_write(svg, chart, strlen(chart), err));
