@@ -45,7 +45,7 @@ bool tolerance_read(const char *option, const char *text, struct tolerance *out,
 
 /* ---- statistics of pixels ---- */
 
-/* The values of all pixels, binned by the first 10 binary digits of a float's mantissa. As a
+/* A measure of all pixels, binned by the first 10 binary digits of a float's mantissa. As a
  * quantile the largest value of its bin is given: too high by less than 1/1024. */
 enum { MANTISSA_LEFT_OUT = 13, N_BINS = 1 << 18 };
 struct distribution {
@@ -126,20 +126,17 @@ struct comparer {
     struct stack_rows a, b;
     struct sight sight; /* of A; it holds for B too */
     int threads;
-    double *spectra;               /* [row][a, b][band]: the pixel at hand */
-    struct band_difference *bands; /* [row][band]; rms: sum of squares so far */
-    double *largest_a;             /* [row] */
-    double *angle, *colour;        /* [row][x], and of each formula */
-    float *map;                    /* [row][x][3] */
-    struct distribution angles, colours[COLOUR_FORMULAS];
+    double *spectra;                    /* [row][a, b][band]: the pixel at hand */
+    struct band_difference *bands;      /* [row][band]; rms: sum of squares so far */
+    double *largest_a;                  /* [row] */
+    double (*measures)[PIXEL_MEASURES]; /* [row][x] */
+    float (*map)[3];                    /* [row][x] */
+    struct distribution distributions[PIXEL_MEASURES];
     struct picture_writer picture;
 };
 
-static double (*const formulas[])(const double a[3], const double b[3]) = {
-    [CIE76] = cie76_difference, [CIE94] = cie94_difference, [CIEDE2000] = ciede2000_difference};
-
 static void compare_colours(const struct comparer *comparer, const double *a, const double *b,
-                            double out[COLOUR_FORMULAS])
+                            double out[PIXEL_MEASURES])
 {
     const int n = comparer->out->n;
     double xyz[3], lab_a[3], lab_b[3];
@@ -147,8 +144,9 @@ static void compare_colours(const struct comparer *comparer, const double *a, co
     cielab(xyz, comparer->sight.white, lab_a);
     detector_response(comparer->sight.weights, b, n, xyz);
     cielab(xyz, comparer->sight.white, lab_b);
-    for (int i = 0; i < COLOUR_FORMULAS; i++)
-        out[i] = formulas[i](lab_a, lab_b);
+    out[CIE76] = cie76_difference(lab_a, lab_b);
+    out[CIE94] = cie94_difference(lab_a, lab_b);
+    out[CIEDE2000] = ciede2000_difference(lab_a, lab_b);
 }
 
 /* Notes where the spectra of a pixel differ; returns by how much at most. */
@@ -185,14 +183,15 @@ static void compare_row(struct comparer *comparer, int row)
             comparer->largest_a[row] = fmax(comparer->largest_a[row], a[band]);
         }
         const double largest = compare_bands(a, b, n, x, comparer->a.first + row, bands);
-        comparer->angle[at] = largest > 0 ? spectral_angle(a, b, n) : 0;
-        double *colour = comparer->colour + at * COLOUR_FORMULAS;
-        memset(colour, 0, COLOUR_FORMULAS * sizeof *colour);
+        double *measures = comparer->measures[at];
+        memset(measures, 0, sizeof comparer->measures[at]);
+        if (largest > 0)
+            measures[SPECTRAL_ANGLE] = spectral_angle(a, b, n);
         if (largest > 0 && comparer->out->has_white)
-            compare_colours(comparer, a, b, colour);
-        comparer->map[3 * at] = (float)largest;
-        comparer->map[3 * at + 1] = (float)comparer->angle[at];
-        comparer->map[3 * at + 2] = (float)fmin(colour[CIEDE2000], (double)FLT_MAX);
+            compare_colours(comparer, a, b, measures);
+        comparer->map[at][0] = (float)largest;
+        comparer->map[at][1] = (float)measures[SPECTRAL_ANGLE];
+        comparer->map[at][2] = (float)fmin(measures[CIEDE2000], (double)FLT_MAX);
     }
 }
 
@@ -212,10 +211,9 @@ static void add_row(struct comparer *comparer, int row)
     out->largest_radiance = fmax(out->largest_radiance, comparer->largest_a[row]);
     for (int x = 0; x < out->width; x++) {
         const size_t at = (size_t)row * (size_t)out->width + (size_t)x;
-        distribution_add(&comparer->angles, &out->angle, comparer->angle[at], x, y);
-        for (int i = 0; i < COLOUR_FORMULAS; i++)
-            distribution_add(&comparer->colours[i], &out->colour[i],
-                             comparer->colour[at * COLOUR_FORMULAS + (size_t)i], x, y);
+        for (int i = 0; i < PIXEL_MEASURES; i++)
+            distribution_add(&comparer->distributions[i], &out->pixels[i],
+                             comparer->measures[at][i], x, y);
     }
 }
 
@@ -249,9 +247,8 @@ static void conclude(struct comparer *comparer)
         out->bands[band].rms = sqrt(out->bands[band].rms / (double)n_pixels);
     }
     out->all.rms = sqrt(sum / (double)n_pixels / out->n);
-    distribution_end(&comparer->angles, n_pixels, &out->angle);
-    for (int i = 0; i < COLOUR_FORMULAS; i++)
-        distribution_end(&comparer->colours[i], n_pixels, &out->colour[i]);
+    for (int i = 0; i < PIXEL_MEASURES; i++)
+        distribution_end(&comparer->distributions[i], n_pixels, &out->pixels[i]);
 }
 
 static bool compare_chunks(struct comparer *comparer, struct error *err)
@@ -335,20 +332,14 @@ static bool prepare_chunk(struct comparer *comparer, struct error *err)
     comparer->spectra = calloc(2 * n * rows, sizeof *comparer->spectra);
     comparer->bands = calloc(n * rows, sizeof *comparer->bands);
     comparer->largest_a = calloc(rows, sizeof *comparer->largest_a);
-    comparer->angle = calloc(pixels, sizeof *comparer->angle);
-    comparer->colour = calloc(COLOUR_FORMULAS * pixels, sizeof *comparer->colour);
-    comparer->map = calloc(3 * pixels, sizeof *comparer->map);
-    return (comparer->spectra && comparer->bands && comparer->largest_a && comparer->angle &&
-            comparer->colour && comparer->map) ||
-           error_memory(err);
-}
-
-static bool open_distributions(struct comparer *comparer, struct error *err)
-{
-    for (int i = 0; i < COLOUR_FORMULAS; i++)
-        if (!distribution_open(&comparer->colours[i], err))
+    comparer->measures = calloc(pixels, sizeof *comparer->measures);
+    comparer->map = calloc(pixels, sizeof *comparer->map);
+    for (int i = 0; i < PIXEL_MEASURES; i++)
+        if (!distribution_open(&comparer->distributions[i], err))
             return false;
-    return distribution_open(&comparer->angles, err);
+    return (comparer->spectra && comparer->bands && comparer->largest_a && comparer->measures &&
+            comparer->map) ||
+           error_memory(err);
 }
 
 static bool prepare(struct comparer *comparer, struct error *err)
@@ -367,7 +358,7 @@ static bool prepare(struct comparer *comparer, struct error *err)
     memcpy(out->wavelengths_nm, image->wavelengths_nm, n * sizeof *out->wavelengths_nm);
     return check_samplings(&comparer->a.cube, &comparer->b.cube, err) &&
            check_sizes(image, &comparer->b.cube.image, err) && prepare_colour(comparer, err) &&
-           prepare_chunk(comparer, err) && open_distributions(comparer, err);
+           prepare_chunk(comparer, err);
 }
 
 static bool open_map(struct comparer *comparer, struct error *err)
@@ -393,14 +384,12 @@ static void comparer_free(struct comparer *comparer)
     rows_close(&comparer->a);
     rows_close(&comparer->b);
     sight_free(&comparer->sight);
-    distribution_free(&comparer->angles);
-    for (int i = 0; i < COLOUR_FORMULAS; i++)
-        distribution_free(&comparer->colours[i]);
+    for (int i = 0; i < PIXEL_MEASURES; i++)
+        distribution_free(&comparer->distributions[i]);
     free(comparer->spectra);
     free(comparer->bands);
     free(comparer->largest_a);
-    free(comparer->angle);
-    free(comparer->colour);
+    free(comparer->measures);
     free(comparer->map);
 }
 
@@ -422,12 +411,12 @@ bool compare(const char *a, const char *b, const struct compare_options *options
 
 bool comparison_is_within(const struct comparison *comparison, const struct tolerance *tolerance)
 {
-    const int formula = (int)tolerance->unit - TOLERANCE_CIE76;
-    const double seen =
-        formula >= 0 ? comparison->colour[formula].largest : comparison->all.largest;
-    return seen <=
-           tolerance->value *
-               (tolerance->unit == TOLERANCE_PERCENT ? comparison->largest_radiance / 100 : 1);
+    if (tolerance->unit >= TOLERANCE_CIE76)
+        return comparison->pixels[CIE76 + tolerance->unit - TOLERANCE_CIE76].largest <=
+               tolerance->value;
+    const double unit =
+        tolerance->unit == TOLERANCE_PERCENT ? comparison->largest_radiance / 100 : 1;
+    return comparison->all.largest <= tolerance->value * unit;
 }
 
 /* Where the largest difference is, if there is any. */
@@ -452,12 +441,17 @@ static void print_bands(const struct comparison *comparison, FILE *to)
     }
 }
 
-static void print_pixels(const char *name, const struct pixel_difference *difference, FILE *to)
+static void print_pixels(const struct comparison *comparison, FILE *to)
 {
-    char pixel[32];
-    pixel_text(difference->largest, difference->x, difference->y, pixel);
-    fprintf(to, "%s %.6g (mean), %.6g (95th percentile), %.6g (largest, at pixel %s)\n", name,
-            difference->mean, difference->quantile_95, difference->largest, pixel);
+    const char *const names[] = {comparison->components ? "component angle" : "spectral angle",
+                                 "CIE76", "CIE94", "CIEDE2000"};
+    for (int i = 0; i < (comparison->has_white ? PIXEL_MEASURES : 1); i++) {
+        const struct pixel_difference *difference = &comparison->pixels[i];
+        char pixel[32];
+        pixel_text(difference->largest, difference->x, difference->y, pixel);
+        fprintf(to, "%-17s %.6g (mean), %.6g (95th percentile), %.6g (largest, at pixel %s)\n",
+                names[i], difference->mean, difference->quantile_95, difference->largest, pixel);
+    }
 }
 
 void comparison_print(const struct comparison *comparison, FILE *to)
@@ -475,15 +469,11 @@ void comparison_print(const struct comparison *comparison, FILE *to)
             components ? "" : " nm", pixel);
     fprintf(to, "RMS               %.6g%s\n", all->rms, unit);
     fprintf(to, "largest of A      %.6g%s\n", comparison->largest_radiance, unit);
-    print_pixels(components ? "component angle  " : "spectral angle   ", &comparison->angle, to);
-    if (!comparison->has_white)
-        fprintf(to, "colour            none: there is no white; --white SPECTRUM gives one\n");
-    else {
-        print_pixels("CIE76            ", &comparison->colour[CIE76], to);
-        print_pixels("CIE94            ", &comparison->colour[CIE94], to);
-        print_pixels("CIEDE2000        ", &comparison->colour[CIEDE2000], to);
+    print_pixels(comparison, to);
+    if (comparison->has_white)
         fprintf(to, "observer          %s\n", comparison->observer);
-    }
+    else
+        fprintf(to, "colour            none: there is no white; --white SPECTRUM gives one\n");
 }
 
 void comparison_free(struct comparison *comparison)

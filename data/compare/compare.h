@@ -9,8 +9,10 @@
 
 /* ---- compare.c: the differences of two stacks ---- */
 
-enum colour_formula { CIE76, CIE94, CIEDE2000, COLOUR_FORMULAS };
-enum tolerance_unit { /* the last three in the order of formulas */
+/* Measures of the difference of two pixels: the angle between their spectra in degrees, and colour
+ * differences. A is the standard of CIE94. */
+enum pixel_measure { SPECTRAL_ANGLE, CIE76, CIE94, CIEDE2000, PIXEL_MEASURES };
+enum tolerance_unit { /* the last three in the order of colour differences */
                       TOLERANCE_RADIANCE,
                       TOLERANCE_PERCENT,
                       TOLERANCE_CIE76,
@@ -34,7 +36,7 @@ struct band_difference {
     int x, y;       /* of the first pixel that has it */
     double rms;
 };
-/* Over all pixels: of spectral angles in degrees, or of a colour formula. */
+/* A measure over all pixels. */
 struct pixel_difference {
     double mean, largest;
     double quantile_95; /* 95 % of the pixels do not exceed it; too high by less than 1/1024 */
@@ -46,11 +48,11 @@ struct comparison {
     double *wavelengths_nm;        /* owned */
     struct band_difference *bands; /* of each; owned */
     struct band_difference all;
-    int largest_band;                                       /* the band that has all.largest */
-    double largest_radiance;                                /* of A */
-    struct pixel_difference angle, colour[COLOUR_FORMULAS]; /* A is the standard of CIE 94 */
-    bool has_white;                                         /* without, there are no colours */
-    char *observer;                                         /* owned */
+    int largest_band;        /* the band that has all.largest */
+    double largest_radiance; /* of A */
+    struct pixel_difference pixels[PIXEL_MEASURES];
+    bool has_white; /* without, there are no colours */
+    char *observer; /* owned */
 };
 /* Compares stack A with stack B. Refuses stacks of different size or wavelengths (EXIT_INPUT),
  * components of different samplings, and a tolerance of colours without a white. Colours are by the

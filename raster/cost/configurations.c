@@ -20,28 +20,23 @@
 
 /* ---- the scene ---- */
 
-static bool material_fluoresces(const struct material *material)
+/* A material that is a metamer is looked at together with its partner. */
+static void survey_material(const struct material *material, struct survey *out, bool *glossy)
 {
-    return material->excitation.kind != SPECTRUM_NONE || material->donaldson ||
-           (material->partner && material_fluoresces(material->partner));
-}
-
-static void survey_materials(const struct scene *scene, struct survey *out, bool *glossy)
-{
-    for (int i = 0; i < scene->n_materials; i++) {
-        const struct material *material = &scene->materials[i];
-        out->fluorescent = out->fluorescent || material_fluoresces(material);
-        out->spectral_texture = out->spectral_texture || material->spectral_texture ||
-                                (material->partner && material->partner->spectral_texture);
-        *glossy =
-            *glossy || material->gloss > 0 || (material->partner && material->partner->gloss > 0);
+    for (; material; material = material->partner) {
+        out->fluorescent =
+            out->fluorescent || material->excitation.kind != SPECTRUM_NONE || material->donaldson;
+        out->spectral_texture = out->spectral_texture || material->spectral_texture;
+        *glossy = *glossy || material->gloss > 0;
     }
 }
 
 /* On flat shapes without highlights directional light is the same everywhere. */
-static void survey_shapes(const struct scene *scene, bool glossy, struct survey *out)
+static void survey_picture(const struct scene *scene, struct survey *out)
 {
-    bool varied = glossy;
+    bool varied = false;
+    for (int i = 0; i < scene->n_materials; i++)
+        survey_material(&scene->materials[i], out, &varied);
     for (int i = 0; i < scene->n_lights; i++)
         varied = varied || !scene->lights[i].directional;
     for (int i = 0; i < scene->n_objects; i++) {
@@ -92,16 +87,17 @@ static bool survey(void *context, void *result, struct error *err)
     struct survey *out = result;
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.n = 0};
-    bool glossy = false;
-    const bool done = cost_read(options, NULL, &scene, &sampling, err);
+    struct detector observer = {.name = NULL};
+    const bool done = observer_read(out->observer, &observer, err) &&
+                      cost_read(options, NULL, &scene, &sampling, err);
     if (done) {
         snprintf(out->scene, sizeof out->scene, "%s", scene.path);
         out->width = scene.width;
         out->height = scene.height;
-        survey_materials(&scene, out, &glossy);
-        survey_shapes(&scene, glossy, out);
+        survey_picture(&scene, out);
         survey_spectra(options, out);
     }
+    detector_free(&observer);
     sampling_free(&sampling);
     scene_free(&scene);
     return done;

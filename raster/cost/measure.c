@@ -14,13 +14,15 @@
 #include "raster/cost/cost.h"
 #include "spectral.h"
 
-enum { DEFAULT_RUNS = 5 };
+/* A longer name of the folder is refused: Linux takes no longer one. */
+enum { DEFAULT_RUNS = 5, FOLDER_LENGTH = 4096 };
 
 struct measurement {
     const struct options *options;
     struct progress_line line;
-    bool shown;                     /* the line of progress */
-    char *folder, *stack, *summary; /* temporary, and files in it */
+    bool shown;                                                  /* the line of progress */
+    char folder[FOLDER_LENGTH];                                  /* temporary; "": there is none */
+    char stack[FOLDER_LENGTH + 16], summary[FOLDER_LENGTH + 16]; /* files in it */
     long steps, all_steps;
     struct cost *cost;
 };
@@ -34,52 +36,34 @@ static void step(struct measurement *measurement, long steps)
 
 /* ---- the temporary folder ---- */
 
-/* Returns folder/name, allocated; NULL: no memory. */
-static char *path_in(const char *folder, const char *name)
-{
-    const size_t length = strlen(folder) + strlen(name) + 2;
-    char *out = malloc(length);
-    if (out)
-        snprintf(out, length, "%s/%s", folder, name);
-    return out;
-}
-
 static bool open_folder(struct measurement *measurement, struct error *err)
 {
-    const char *parent = getenv("TMPDIR");
-    if (!parent || !parent[0])
-        parent = "/tmp";
-    measurement->folder = path_in(parent, "spectral-cost.XXXXXX");
-    if (!measurement->folder)
-        return error_memory(err);
-    if (!mkdtemp(measurement->folder)) {
-        error_system(err, "cannot make a temporary folder in %s", parent);
-        free(measurement->folder);
-        measurement->folder = NULL;
-        return false;
+    const char *given = getenv("TMPDIR"), *parent = given && given[0] ? given : "/tmp";
+    char *folder = measurement->folder;
+    snprintf(folder, sizeof measurement->folder, "%s/spectral-cost.XXXXXX", parent);
+    if (!mkdtemp(folder)) {
+        folder[0] = '\0';
+        return error_system(err, "cannot make a temporary folder in %s", parent);
     }
-    measurement->stack = path_in(measurement->folder, "stack.tif");
-    measurement->summary = path_in(measurement->folder, "standard");
-    return (measurement->stack && measurement->summary) || error_memory(err);
+    snprintf(measurement->stack, sizeof measurement->stack, "%s/stack.tif", folder);
+    snprintf(measurement->summary, sizeof measurement->summary, "%s/standard", folder);
+    return true;
 }
 
 /* Deletes the folder with all that an interrupted run left there. */
-static void close_folder(struct measurement *measurement)
+static void close_folder(const struct measurement *measurement)
 {
-    DIR *folder = measurement->folder ? opendir(measurement->folder) : NULL;
-    for (struct dirent *entry; folder && (entry = readdir(folder));) {
-        char *path = path_in(measurement->folder, entry->d_name);
-        if (path && strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0)
+    char path[FOLDER_LENGTH + 257];
+    DIR *folder = measurement->folder[0] ? opendir(measurement->folder) : NULL;
+    if (!folder)
+        return;
+    for (struct dirent *entry; (entry = readdir(folder));) {
+        snprintf(path, sizeof path, "%s/%s", measurement->folder, entry->d_name);
+        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0)
             unlink(path);
-        free(path);
     }
-    if (folder)
-        closedir(folder);
-    if (measurement->folder)
-        rmdir(measurement->folder);
-    free(measurement->folder);
-    free(measurement->stack);
-    free(measurement->summary);
+    closedir(folder);
+    rmdir(measurement->folder);
 }
 
 /* ---- jobs for processes of their own ---- */
