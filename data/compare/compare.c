@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Where and by how much two stacks differ. Both are read in chunks of rows; rows are compared in
- * parallel and added up in their order, so that nothing depends on chunks or threads. */
+/* Finds where and by how much two stacks differ. Both are read in chunks of rows. Rows are compared
+ * in parallel and added up in their order, so that no result depends on chunks or threads. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -45,8 +45,8 @@ bool tolerance_read(const char *option, const char *text, struct tolerance *out,
 
 /* ---- statistics of pixels ---- */
 
-/* A measure of all pixels, binned by the first 10 binary digits of a float's mantissa. As a
- * quantile the largest value of its bin is given: too high by less than 1/1024. */
+/* A measure of all pixels, in bins that share the first 10 binary digits of a float's mantissa. A
+ * quantile is the largest value of its bin, which is too high by less than 1/1024. */
 enum { MANTISSA_LEFT_OUT = 13, N_BINS = 1 << 18 };
 struct distribution {
     uint64_t *count;
@@ -66,7 +66,7 @@ static void distribution_add(struct distribution *to, struct pixel_difference *d
 {
     const float rounded = (float)fmin(value, (double)FLT_MAX);
     uint32_t bits;
-    memcpy(&bits, &rounded, sizeof bits); /* a value that is not negative: below 2^31 */
+    memcpy(&bits, &rounded, sizeof bits); /* below 2^31: the value is not negative */
     const uint32_t bin = bits >> MANTISSA_LEFT_OUT;
     to->count[bin]++;
     to->largest[bin] = fmax(to->largest[bin], value);
@@ -78,7 +78,7 @@ static void distribution_add(struct distribution *to, struct pixel_difference *d
     }
 }
 
-/* The least value that at least 95 % of the pixels do not exceed. */
+/* Finds the mean, and the least value that at least 95 % of the pixels do not exceed. */
 static void distribution_end(const struct distribution *of, uint64_t n_pixels,
                              struct pixel_difference *out)
 {
@@ -99,8 +99,9 @@ static void distribution_free(struct distribution *distribution)
 
 /* ---- a pixel ---- */
 
-/* In degrees; 0 where both are black, 90 where one is. b is parted into a multiple of a and the
- * rest, which is at right angles: with that as sine small angles keep their digits. */
+/* Returns the angle in degrees: 0 if both are black, 90 if one is. b is the sum of a multiple of a
+ * and of a rest at right angles to a. The rest gives the sine, so that small angles keep their
+ * digits. */
 static double spectral_angle(const double *a, const double *b, int n)
 {
     double aa = 0, bb = 0, ab = 0, rest = 0;
@@ -149,7 +150,7 @@ static void compare_colours(const struct comparer *comparer, const double *a, co
     out[CIEDE2000] = ciede2000_difference(lab_a, lab_b);
 }
 
-/* Notes where the spectra of a pixel differ; returns by how much at most. */
+/* Adds the differences of a pixel in each band. Returns the largest. */
 static double compare_bands(const double *a, const double *b, int n, int x, int y,
                             struct band_difference *bands)
 {
@@ -232,7 +233,7 @@ static bool compare_chunk(struct comparer *comparer, int first, struct error *er
            picture_write(&comparer->picture, comparer->map, comparer->a.n, err);
 }
 
-/* Sums become root mean squares. */
+/* Turns sums into means and root mean squares. */
 static void conclude(struct comparer *comparer)
 {
     struct comparison *out = comparer->out;
@@ -262,7 +263,7 @@ static bool compare_chunks(struct comparer *comparer, struct error *err)
 
 /* ---- preparations ---- */
 
-/* Wavelengths that differ by less are the same: a file may hold them rounded. */
+/* Wavelengths that differ by less count as the same, since a file may hold them rounded. */
 static const double same_nm = 1e-6;
 
 static bool check_sizes(const struct image *a, const struct image *b, struct error *err)
@@ -281,8 +282,8 @@ static bool check_sizes(const struct image *a, const struct image *b, struct err
     return true;
 }
 
-/* Components have a meaning only by how they were sampled, which the response tells: a basis is
- * that of its scene. */
+/* Refuses components of different samplings: the same number means something else in each. A basis
+ * belongs to its scene, so the responses are compared, too. */
 static bool check_samplings(const struct cube *a, const struct cube *b, struct error *err)
 {
     const struct record *of_a = &a->record, *of_b = &b->record;
@@ -298,11 +299,10 @@ static bool check_samplings(const struct cube *a, const struct cube *b, struct e
     return (alike && of_a->n_response == of_b->n_response &&
             memcmp(of_a->response, of_b->response,
                    (size_t)of_a->n_response * sizeof *of_a->response) == 0) ||
-           error_usage(err,
-                       "%s and %s hold components that cannot be compared: of %s for %s, and of %s"
-                       " for %s%s",
-                       a->image.path, b->image.path, of_a->sampling, of_a->sampling_detector,
-                       of_b->sampling, of_b->sampling_detector, alike ? " of other spectra" : "");
+           error_usage(
+               err, "%s and %s hold components of different samplings: %s for %s, and %s for %s%s",
+               a->image.path, b->image.path, of_a->sampling, of_a->sampling_detector,
+               of_b->sampling, of_b->sampling_detector, alike ? " of other spectra" : "");
 }
 
 static bool prepare_colour(struct comparer *comparer, struct error *err)
@@ -377,7 +377,7 @@ static bool open_map(struct comparer *comparer, struct error *err)
            picture_open(&comparer->picture, comparer->options->map, &options, err);
 }
 
-/* ---- the whole ---- */
+/* ---- the comparison ---- */
 
 static void comparer_free(struct comparer *comparer)
 {
@@ -404,7 +404,7 @@ bool compare(const char *a, const char *b, const struct compare_options *options
     done = opened && compare_chunks(&comparer, err) &&
            (!options->map || picture_commit(&comparer.picture, err));
     if (opened && options->map)
-        picture_discard(&comparer.picture); /* what was committed stays */
+        picture_discard(&comparer.picture); /* a committed picture stays */
     comparer_free(&comparer);
     return done;
 }
@@ -419,7 +419,7 @@ bool comparison_is_within(const struct comparison *comparison, const struct tole
     return comparison->all.largest <= tolerance->value * unit;
 }
 
-/* Where the largest difference is, if there is any. */
+/* Writes the pixel of the largest difference, or "none". */
 static void pixel_text(double largest, int x, int y, char out[32])
 {
     if (largest > 0)

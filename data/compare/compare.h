@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "compare": where and by how much two stacks differ. */
+/* The room "compare": finds where and by how much two stacks differ. */
 #ifndef COMPARE_H
 #define COMPARE_H
 
@@ -21,7 +21,7 @@ enum tolerance_unit { /* the last three in the order of colour differences */
 };
 struct tolerance {
     double value;
-    enum tolerance_unit unit; /* per cent are of A's largest radiance */
+    enum tolerance_unit unit; /* of per cent, 100 is A's largest radiance */
 };
 /* Reads "0.01", "0.1%", "0.5dE00", "0.5dE94" or "0.5dE76". Messages name `option`. */
 bool tolerance_read(const char *option, const char *text, struct tolerance *out, struct error *err);
@@ -33,18 +33,18 @@ struct compare_options {
 };
 struct band_difference {
     double largest; /* |A - B|, in radiance */
-    int x, y;       /* of the first pixel that has it */
+    int x, y;       /* the first pixel with this difference */
     double rms;
 };
 /* A measure over all pixels. */
 struct pixel_difference {
     double mean, largest;
     double quantile_95; /* 95 % of the pixels do not exceed it; too high by less than 1/1024 */
-    int x, y;           /* of the largest */
+    int x, y;           /* the pixel of the largest */
 };
 struct comparison {
     int n, width, height;
-    bool components;               /* of both: wavelengths_nm is 1, 2, ... */
+    bool components;               /* in both stacks: wavelengths_nm is 1, 2, ... */
     double *wavelengths_nm;        /* owned */
     struct band_difference *bands; /* of each; owned */
     struct band_difference all;
@@ -55,10 +55,10 @@ struct comparison {
     char *observer; /* owned */
 };
 /* Compares stack A with stack B. Refuses stacks of different size or wavelengths (EXIT_INPUT),
- * components of different samplings, and a tolerance of colours without a white. Colours are by the
- * weights of A's sampling. The map has three float samples a pixel: the largest |A - B| of all
+ * components of different samplings, and a tolerance of colours without a white. The weights of A's
+ * sampling give the colours. The map has three float samples a pixel: the largest |A - B| of all
  * pages, the angle between the spectra or components in degrees, CIEDE2000 (0 without a white). It
- * is written whatever the difference. */
+ * is written even if the stacks differ. */
 bool compare(const char *a, const char *b, const struct compare_options *options,
              struct comparison *out, struct error *err);
 bool comparison_is_within(const struct comparison *comparison, const struct tolerance *tolerance);

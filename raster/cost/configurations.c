@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Chooses the configurations of render that make sense for a scene: one axis after the other, then
- * the best of each together. */
+/* Chooses the configurations of render that make sense for a scene. First one property varies at a
+ * time (sampling, shading, renderer, depth); then the best values are combined. */
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
@@ -20,7 +20,7 @@
 
 /* ---- the scene ---- */
 
-/* A material that is a metamer is looked at together with its partner. */
+/* Surveys a material and, of a metamer, its partner. */
 static void survey_material(const struct material *material, struct survey *out, bool *glossy)
 {
     for (; material; material = material->partner) {
@@ -31,7 +31,8 @@ static void survey_material(const struct material *material, struct survey *out,
     }
 }
 
-/* On flat shapes without highlights directional light is the same everywhere. */
+/* Finds whether shadings differ. They do not on flat shapes without highlights under directional
+ * lights, whose light is the same at every point of a shape. */
 static void survey_picture(const struct scene *scene, struct survey *out)
 {
     bool varied = false;
@@ -63,7 +64,7 @@ static bool read_sampling(const struct options *options, const char *method, str
     return done;
 }
 
-/* Peaks and rank are found by samplings; one that refuses the scene finds nothing. */
+/* Finds peaks and rank by making two samplings. A sampling that refuses the scene finds nothing. */
 static void survey_spectra(const struct options *options, struct survey *out)
 {
     struct error ignored = {.status = EXIT_AGREED};
@@ -168,7 +169,8 @@ bool configuration_entry(const struct configuration *configuration, const char *
 static const struct configuration every_nm = {
     .sampling = "riemann:1", .shading = SHADING_PHONG, .tessellation = 4, .renderer = BY_RASTER};
 
-/* Float pages hold the same radiances at any full scale. One that is given is never refused. */
+/* Float pages hold the same radiances at any full scale. Without --full-scale, render refuses phong
+ * shading where it finds no largest radiance. */
 bool configuration_standard(const char *observer, struct cost_entry *out, struct error *err)
 {
     struct configuration configuration = every_nm;
@@ -227,7 +229,8 @@ static bool add_bases(struct cost *cost, struct error *err)
     return true;
 }
 
-/* Smooth light calls for more of gauss, emission lines for more of adaptive. */
+/* Samplings to measure. Smooth light needs more numbers of gauss, emission lines more tolerances of
+ * adaptive. */
 enum lights { ANY_LIGHT, SMOOTH_LIGHT, LINES };
 static const struct {
     const char *name;
@@ -261,9 +264,10 @@ bool configurations_samplings(struct cost *cost, struct error *err)
             (cost->survey.rank == 0 || add_bases(cost, err)));
 }
 
-/* ---- shading, renderer and arithmetic, with a sampling that is good enough not to matter ---- */
+/* ---- shadings, renderers and depths, with a sampling whose own error is small ---- */
 
-enum content { ANY_PAGES, RADIANCES, WAVELENGTHS }; /* of pages, at least */
+/* The least that pages must hold: anything; what determines radiances; radiances at wavelengths. */
+enum content { ANY_PAGES, RADIANCES, WAVELENGTHS };
 
 static bool has_content(const struct cost_entry *entry, enum content content)
 {
@@ -271,8 +275,8 @@ static bool has_content(const struct cost_entry *entry, enum content content)
                                   : content == ANY_PAGES || !isnan(entry->accuracy.radiance);
 }
 
-/* Returns the sampling of the fewest pages within a colour difference; where none is within it, the
- * closest. */
+/* Returns the sampling with the fewest pages among those within a colour difference. If none is
+ * within it, returns the most accurate one. */
 static const char *leanest(const struct cost *cost, double tolerance, enum content content)
 {
     const struct configuration axis = finest(cost);
@@ -298,7 +302,7 @@ static const char *good_sampling(const struct cost *cost)
     return leanest(cost, 0.1, RADIANCES);
 }
 
-/* About in the order of what they cost. */
+/* Roughly in the order of their time, the fastest first. */
 static const struct configuration shadings[] = {
     {.shading = SHADING_FLAT, .tessellation = 1},   {.shading = SHADING_SMOOTH, .tessellation = 1},
     {.shading = SHADING_PHONG, .tessellation = 1},  {.shading = SHADING_FLAT, .tessellation = 2},
@@ -315,7 +319,7 @@ static bool is_on_axis(const struct survey *survey, const struct configuration *
 
 static const struct configuration opengl = {.tessellation = 1, .renderer = BY_LLVMPIPE};
 
-/* OpenGL lights vertices only: smooth. */
+/* Adds OpenGL's renderers, with smooth shading: OpenGL lights vertices only. */
 static bool add_renderers(struct cost *cost, const char *sampling, struct error *err)
 {
     struct configuration eight = opengl, sixteen = opengl, checked = opengl, softpipe = opengl;
@@ -344,7 +348,7 @@ bool configurations_pictures(struct cost *cost, struct error *err)
 
 /* ---- combinations ---- */
 
-/* Adds a sampling with each shading that is closer than all listed before it. */
+/* Adds a sampling with each shading that is more accurate than all faster ones in the list. */
 static bool combine(struct cost *cost, const char *sampling, struct error *err)
 {
     const char *good = good_sampling(cost);
@@ -393,13 +397,14 @@ bool survey_notes(struct cost *cost, struct error *err)
         bool holds;
         const char *note;
     } notes[] = {
-        {survey->fluorescent, "materials fluoresce: rgb and xyz cannot show it"},
+        {survey->fluorescent, "materials fluoresce: rgb and xyz cannot show this"},
         {survey->spectral_texture,
          "spectral textures leave out basis, rgb and xyz: they have radiances at wavelengths"},
-        {!survey->shaded,
-         "shadings do not differ: nothing curved, no highlights, and no light that is near"},
-        {!survey->tessellated, "no shape has slices or stacks: there is no --tessellation"},
-        {!gl_is_built(), "this program was built without OpenGL: raster renders all"}};
+        {!survey->shaded, "all shadings are the same: nothing is curved, there are no highlights, "
+                          "and no light is near"},
+        {!survey->tessellated,
+         "no shape has slices or stacks, so that --tessellation changes nothing"},
+        {!gl_is_built(), "this program was built without OpenGL: raster renders all settings"}};
     bool done = note_lights(cost, err);
     for (size_t i = 0; i < sizeof notes / sizeof notes[0]; i++)
         done = done && (!notes[i].holds || cost_note(cost, err, "%s", notes[i].note));

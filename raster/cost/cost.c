@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Conclusions from what was measured: the frontier, recommendations, tables and the chart. */
+/* Draws conclusions from measurements: the frontier, recommendations, tables and the chart. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -46,15 +46,15 @@ bool cost_note(struct cost *cost, struct error *err, const char *format, ...)
 
 /* ---- the frontier ---- */
 
-/* Returns whether one configuration is better than another in seconds or error, and in neither
- * worse. */
+/* Returns whether one configuration is better than another in seconds or error, and not worse in
+ * the other. */
 static bool dominates(double seconds, double error, double other_seconds, double other_error)
 {
     return seconds <= other_seconds && error <= other_error &&
            (seconds < other_seconds || error < other_error);
 }
 
-/* The time that an entry is taken to have: its median, or an extreme. */
+/* Chooses one of an entry's times: the median, the fastest, or the slowest. */
 enum luck { NO_LUCK, GOOD_LUCK, BAD_LUCK };
 
 static double seconds_with(const struct cost_entry *entry, enum luck luck)
@@ -86,7 +86,7 @@ void cost_mark(struct cost *cost)
     }
 }
 
-/* Entries are in the order of their seconds: the first of equals is the faster. */
+/* Entries are sorted by seconds, so the first match is the fastest. */
 const struct cost_entry *cost_within(const struct cost *cost, double tolerance, bool spectral)
 {
     for (int i = 0; i < cost->n; i++)
@@ -145,13 +145,13 @@ void cost_print(const struct cost *cost, FILE *to)
         100 * (1 - ldexp(2, -cost->runs)));
     fputs("dE00 is CIEDE2000 over the pixels that show an object: mean, 95 %, largest; radiance is "
           "the\n"
-          "rms error of radiances at every nm, relative to theirs, - where pages tell none\n",
+          "rms error of radiances at every nm, relative to theirs, - where pages determine none\n",
           to);
     for (int i = 0; i < cost->n_notes; i++)
         fprintf(to, "%s- %s\n", i == 0 ? "\n" : "", cost->notes[i]);
 }
 
-/* Quotes as RFC 4180 does. Only an option that names a file can have a quotation mark. */
+/* Doubles quotation marks (RFC 4180). Only a file name in an option can have one. */
 static void print_quoted(const char *text, FILE *to)
 {
     for (; *text; text++) {

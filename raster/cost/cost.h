@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Measures what each degree of accuracy costs in time, for one scene. It renders the scene in many
  * configurations, each as a user's command line would and in a process of its own, and measures the
- * accuracy of their stacks. It may know of render only its options and its stacks, so that no
- * configuration gains anything that a user would not. */
+ * accuracy of their stacks. It uses only the options and the stacks of render, so that no
+ * configuration gets an advantage that a user would not get. */
 #ifndef COST_H
 #define COST_H
 
@@ -20,7 +20,7 @@ bool command_cost(struct options *options, struct error *err);
 /* ---- inside this room ---- */
 
 enum { MAX_SURVEY_PEAKS = 16, COST_WORDS = 8, MAX_CONFIGURATIONS = 80 };
-/* The properties of a scene that decide which configurations make sense, and who sees it. */
+/* The properties of a scene that decide which configurations make sense, and the observer. */
 struct survey {
     char scene[256];
     const char *observer;
@@ -42,8 +42,9 @@ struct configuration {
     int buffer_bits, bits; /* 0: the default */
 };
 
-/* How far a stack is off from the standard: in CIEDE2000, over the pixels in which either picture
- * shows an object (0 where there are none); and in radiance at every nm, rms relative to rms. */
+/* The difference of a stack from the standard: in CIEDE2000, over the pixels in which either
+ * picture shows an object (0 if there are none); and in radiance at every nm, rms relative to rms.
+ */
 struct accuracy {
     int n_pages;
     bool spectral; /* pages are radiances at wavelengths */
@@ -60,7 +61,7 @@ struct cost_entry {
     struct accuracy accuracy; /* of 0 pages until it has been measured */
     double *run_seconds;      /* of each run: the whole render, in a process of its own; owned */
     double seconds, fastest, slowest; /* median and extremes of the runs */
-    bool best, uncertain; /* on the frontier of seconds and quantile_95; within noise of that */
+    bool best, uncertain; /* on the frontier of seconds and quantile_95; within noise of it */
 };
 struct cost {
     struct survey survey;
@@ -78,7 +79,7 @@ void cost_entry_free(struct cost_entry *entry);
 void cost_free(struct cost *cost);
 /* Adds a note, in printf's format. */
 bool cost_note(struct cost *cost, struct error *err, const char *format, ...) PRINTF_LIKE(3, 4);
-/* Finds out which entries are on the frontier, and which are within noise of that. */
+/* Marks the entries on the frontier, and those within noise of it. */
 void cost_mark(struct cost *cost);
 /* Return the fastest entry of at most the tolerance in quantile_95, and the most accurate entry of
  * at most so many seconds; NULL: none. spectral: only entries whose pages are radiances count. */
@@ -91,7 +92,7 @@ char *cost_svg(const struct cost *cost);
 
 /* ---- command.c: configurations as command lines ---- */
 
-/* Renders to a stack what `options` say, with the words of the entry. */
+/* Renders the scene of the options, with the words of the entry, to a stack. */
 bool cost_render(const struct options *options, const struct cost_entry *entry, const char *output,
                  struct error *err);
 /* Reads and samples the scene as cost_render would; without a sampling, *sampling stays zeroed. The
@@ -106,14 +107,13 @@ bool cost_measure(const struct options *options, struct cost *out, struct error 
 
 /* ---- process.c ---- */
 
-/* Runs a job in a copy of this process, and waits for it. The job's `size` bytes at `out` come
- * back, and the seconds from fork to its end (NULL: not wanted). An interruption ends the job at
- * once. This process may never start a thread or OpenGL: a copy of a process with OpenMP's threads
- * hangs. */
+/* Runs a job in a copy of this process, and waits for it. Returns the job's `size` bytes at `out`,
+ * and the seconds from fork to its end (NULL: not wanted). An interruption ends the job. This
+ * process may start no thread and no OpenGL: a copy of a process with OpenMP's threads hangs. */
 bool process_run(bool (*job)(void *context, void *out, struct error *err), void *context, void *out,
                  size_t size, double *seconds, struct error *err);
 
-/* ---- standard.c: the picture at every nm, and how far stacks are off from it ---- */
+/* ---- standard.c: the picture at every nm, and the differences of stacks from it ---- */
 
 struct standard_request {
     const char *stack, *summary; /* files: a stack; what is kept of the standard */
@@ -137,7 +137,7 @@ bool survey_notes(struct cost *cost, struct error *err);
 /* Fills in a zeroed entry, which the caller always frees. */
 bool configuration_entry(const struct configuration *configuration, const char *observer,
                          struct cost_entry *out, struct error *err);
-/* The same of the standard: every nm, with the finest shading, as floats. */
+/* Fills in the entry of the standard: every nm, the finest shading, pages of floats. */
 bool configuration_standard(const char *observer, struct cost_entry *out, struct error *err);
 /* Adds every sampling, with the finest shading. */
 bool configurations_samplings(struct cost *cost, struct error *err);

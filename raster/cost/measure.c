@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Runs configurations of render, each many times and in a process of its own, and measures the
- * accuracy of their stacks. */
+/* Runs each configuration of render several times, each time in a process of its own, and measures
+ * the accuracy of its stack. */
 #include <dirent.h>
 #include <errno.h>
 #include <stdlib.h>
@@ -14,7 +14,7 @@
 #include "raster/cost/cost.h"
 #include "spectral.h"
 
-/* A longer name of the folder is refused: Linux takes no longer one. */
+/* Linux takes no longer name of a folder. */
 enum { DEFAULT_RUNS = 5, FOLDER_LENGTH = 4096 };
 
 struct measurement {
@@ -50,7 +50,7 @@ static bool open_folder(struct measurement *measurement, struct error *err)
     return true;
 }
 
-/* Deletes the folder with all that an interrupted run left there. */
+/* Deletes the folder and all files in it. An interrupted run leaves some. */
 static void close_folder(const struct measurement *measurement)
 {
     char path[FOLDER_LENGTH + 257];
@@ -117,7 +117,7 @@ static bool render_entry(const struct measurement *measurement, const struct cos
 
 /* ---- configurations ---- */
 
-/* Returns the message without the word that begins it. */
+/* Returns a message without "error: ". */
 static const char *reason(const struct error *err)
 {
     static const char prefix[] = "error: ";
@@ -146,8 +146,8 @@ static bool make_standard(struct measurement *measurement, bool *lit, struct err
     return done;
 }
 
-/* Runs a configuration once without counting its time, and measures its stack. A configuration that
- * fails becomes a note. */
+/* Runs a configuration once, without taking its time, and measures its stack. A failure becomes a
+ * note. */
 static bool warm_up(struct measurement *measurement, struct cost_entry *entry, struct error *err)
 {
     struct task task = {measurement, entry};
@@ -168,7 +168,7 @@ static bool warm_up(struct measurement *measurement, struct cost_entry *entry, s
     return entry->run_seconds || error_memory(err);
 }
 
-/* `add` adds configurations, whose choice may depend on the errors so far. */
+/* Adds configurations and warms them up. `add` may choose by the errors measured before. */
 static bool warm_up_more(struct measurement *measurement,
                          bool (*add)(struct cost *cost, struct error *err), struct error *err)
 {
@@ -182,7 +182,7 @@ static bool warm_up_more(struct measurement *measurement,
     return true;
 }
 
-/* All configurations in turn, so that a machine that slows down does so for all of them. */
+/* Runs all configurations in turn, so that a slow moment of the machine meets all of them. */
 static bool run_round(struct measurement *measurement, int round, struct error *err)
 {
     for (int i = 0; i < measurement->cost->n; i++) {
@@ -197,7 +197,7 @@ static bool run_round(struct measurement *measurement, int round, struct error *
     return true;
 }
 
-/* For the progress until all configurations are known. */
+/* Progress assumes so many configurations until all are known. */
 enum { LIKELY_CONFIGURATIONS = 60 };
 
 static long steps_of(const struct measurement *measurement, int n_attempts)
@@ -242,7 +242,7 @@ static void take_seconds(struct cost_entry *entry, int runs)
     entry->slowest = entry->run_seconds[n - 1];
 }
 
-/* Drops the entries that could not be rendered, and sorts the others. */
+/* Removes the entries that failed, and sorts the others. */
 static bool conclude(struct cost *cost, struct error *err)
 {
     int n = 0;
@@ -287,9 +287,8 @@ static bool describe(struct measurement *measurement, bool lit, struct error *er
     cost->runs = measurement->options->runs ? measurement->options->runs : DEFAULT_RUNS;
     cost->entries = calloc(MAX_CONFIGURATIONS, sizeof *cost->entries);
     return ((cost->scene && cost->entries) || error_memory(err)) && survey_notes(cost, err) &&
-           (lit || cost_note(cost, err,
-                             "no light that the observer sees shines: colours are beside a "
-                             "radiance of 1"));
+           (lit ||
+            cost_note(cost, err, "the observer sees no light: the white is a radiance of 1"));
 }
 
 static bool measure(struct measurement *measurement, struct error *err)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Runs a job in a process of its own. Its result comes back through a pipe. */
+/* Runs a job in a process of its own, which sends its result through a pipe. */
 #include <errno.h>
 #include <poll.h>
 #include <signal.h>
@@ -12,16 +12,16 @@
 #include "raster/cost/cost.h"
 #include "spectral.h"
 
-/* The first bytes in the pipe; the job's own follow. */
+/* The job sends this first, then its own bytes. */
 struct reply {
     bool done;
     struct error err;
 };
 
-/* Signals are held back, so an interruption is looked for this often while a job runs. */
+/* Signals are held back, so the wait for a job looks for one this often. */
 enum { LOOK_MS = 50 };
 
-/* Reads all bytes. Fails where the pipe ends before, or after an interruption. */
+/* Reads all bytes. Fails if the pipe ends before the last one, or at an interruption. */
 static bool read_all(int from, void *bytes, size_t length)
 {
     for (size_t got = 0; got < length;) {
@@ -38,7 +38,7 @@ static bool read_all(int from, void *bytes, size_t length)
     return true;
 }
 
-/* Takes the job's result, and waits for its end. */
+/* Reads the job's result, and waits until its process ends. */
 static bool await(pid_t child, int from, void *out, size_t size, struct error *err)
 {
     struct reply reply;
