@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* spectral compare: where and by how much two stacks differ. */
+/* spectral compare: prints where and by how much two stacks differ. */
 #include <stdio.h>
 
 #include "data/base/base.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Where and by how much two stacks differ. Both are read in chunks of rows; rows are compared in
- * parallel and added up in their order, so that nothing depends on chunks or threads. */
+/* Finds where and by how much two stacks differ. Both are read in chunks of rows. Rows are compared
+ * in parallel and added up in their order, so that no result depends on chunks or threads. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -45,8 +45,8 @@ bool tolerance_read(const char *option, const char *text, struct tolerance *out,
 
 /* ---- statistics of pixels ---- */
 
-/* The values of all pixels, binned by the first 10 binary digits of a float's mantissa. As a
- * quantile the largest value of its bin is given: too high by less than 1/1024. */
+/* A measure of all pixels, in bins that share the first 10 binary digits of a float's mantissa. A
+ * quantile is the largest value of its bin, which is too high by less than 1/1024. */
 enum { MANTISSA_LEFT_OUT = 13, N_BINS = 1 << 18 };
 struct distribution {
     uint64_t *count;
@@ -58,7 +58,7 @@ static bool distribution_open(struct distribution *out, struct error *err)
 {
     out->count = calloc(N_BINS, sizeof *out->count);
     out->largest = calloc(N_BINS, sizeof *out->largest);
-    return (out->count != NULL && out->largest != NULL) || error_memory(err);
+    return (out->count && out->largest) || error_memory(err);
 }
 
 static void distribution_add(struct distribution *to, struct pixel_difference *difference,
@@ -66,7 +66,7 @@ static void distribution_add(struct distribution *to, struct pixel_difference *d
 {
     const float rounded = (float)fmin(value, (double)FLT_MAX);
     uint32_t bits;
-    memcpy(&bits, &rounded, sizeof bits); /* a value that is not negative: below 2^31 */
+    memcpy(&bits, &rounded, sizeof bits); /* below 2^31: the value is not negative */
     const uint32_t bin = bits >> MANTISSA_LEFT_OUT;
     to->count[bin]++;
     to->largest[bin] = fmax(to->largest[bin], value);
@@ -78,7 +78,7 @@ static void distribution_add(struct distribution *to, struct pixel_difference *d
     }
 }
 
-/* The least value that at least 95 % of the pixels do not exceed. */
+/* Finds the mean, and the least value that at least 95 % of the pixels do not exceed. */
 static void distribution_end(const struct distribution *of, uint64_t n_pixels,
                              struct pixel_difference *out)
 {
@@ -99,8 +99,9 @@ static void distribution_free(struct distribution *distribution)
 
 /* ---- a pixel ---- */
 
-/* In degrees; 0 where both are black, 90 where one is. b is parted into a multiple of a and the
- * rest, which is at right angles: with that as sine small angles keep their digits. */
+/* Returns the angle in degrees: 0 if both are black, 90 if one is. b is the sum of a multiple of a
+ * and of a rest at right angles to a. The rest gives the sine, so that small angles keep their
+ * digits. */
 static double spectral_angle(const double *a, const double *b, int n)
 {
     double aa = 0, bb = 0, ab = 0, rest = 0;
@@ -123,37 +124,33 @@ static double spectral_angle(const double *a, const double *b, int n)
 struct comparer {
     const struct compare_options *options;
     struct comparison *out;
-    struct cube a, b;
-    double *weights; /* of X, Y and Z */
-    double white[3];
-    int threads, rows;             /* of a chunk */
-    float *samples_a, *samples_b;  /* [band][row][x] */
-    double *spectra;               /* [row][a, b][band]: the pixel at hand */
-    struct band_difference *bands; /* [row][band]; rms: sum of squares so far */
-    double *largest_a;             /* [row] */
-    double *angle, *colour;        /* [row][x], and of each formula */
-    float *map;                    /* [row][x][3] */
-    struct distribution angles, colours[COLOUR_FORMULAS];
+    struct stack_rows a, b;
+    struct sight sight; /* of A; it holds for B too */
+    int threads;
+    double *spectra;                    /* [row][a, b][band]: the pixel at hand */
+    struct band_difference *bands;      /* [row][band]; rms: sum of squares so far */
+    double *largest_a;                  /* [row] */
+    double (*measures)[PIXEL_MEASURES]; /* [row][x] */
+    float (*map)[3];                    /* [row][x] */
+    struct distribution distributions[PIXEL_MEASURES];
     struct picture_writer picture;
 };
 
-static double (*const formulas[])(const double a[3], const double b[3]) = {
-    [CIE76] = cie76_difference, [CIE94] = cie94_difference, [CIEDE2000] = ciede2000_difference};
-
 static void compare_colours(const struct comparer *comparer, const double *a, const double *b,
-                            double out[COLOUR_FORMULAS])
+                            double out[PIXEL_MEASURES])
 {
     const int n = comparer->out->n;
     double xyz[3], lab_a[3], lab_b[3];
-    detector_response(comparer->weights, a, n, xyz);
-    cielab(xyz, comparer->white, lab_a);
-    detector_response(comparer->weights, b, n, xyz);
-    cielab(xyz, comparer->white, lab_b);
-    for (int i = 0; i < COLOUR_FORMULAS; i++)
-        out[i] = formulas[i](lab_a, lab_b);
+    detector_response(comparer->sight.weights, a, n, xyz);
+    cielab(xyz, comparer->sight.white, lab_a);
+    detector_response(comparer->sight.weights, b, n, xyz);
+    cielab(xyz, comparer->sight.white, lab_b);
+    out[CIE76] = cie76_difference(lab_a, lab_b);
+    out[CIE94] = cie94_difference(lab_a, lab_b);
+    out[CIEDE2000] = ciede2000_difference(lab_a, lab_b);
 }
 
-/* Notes where the spectra of a pixel differ; returns by how much at most. */
+/* Adds the differences of a pixel in each band. Returns the largest. */
 static double compare_bands(const double *a, const double *b, int n, int x, int y,
                             struct band_difference *bands)
 {
@@ -171,10 +168,10 @@ static double compare_bands(const double *a, const double *b, int n, int x, int 
     return largest;
 }
 
-static void compare_row(struct comparer *comparer, int row, int first_row)
+static void compare_row(struct comparer *comparer, int row)
 {
     const int n = comparer->out->n, width = comparer->out->width;
-    const size_t plane = (size_t)comparer->rows * (size_t)width;
+    const size_t stride = comparer->a.stride;
     struct band_difference *bands = comparer->bands + (size_t)row * (size_t)n;
     double *a = comparer->spectra + (size_t)row * 2 * (size_t)n, *b = a + n;
     memset(bands, 0, (size_t)n * sizeof *bands);
@@ -182,26 +179,28 @@ static void compare_row(struct comparer *comparer, int row, int first_row)
     for (int x = 0; x < width; x++) {
         const size_t at = (size_t)row * (size_t)width + (size_t)x;
         for (int band = 0; band < n; band++) {
-            a[band] = (double)comparer->samples_a[(size_t)band * plane + at];
-            b[band] = (double)comparer->samples_b[(size_t)band * plane + at];
+            a[band] = (double)comparer->a.samples[(size_t)band * stride + at];
+            b[band] = (double)comparer->b.samples[(size_t)band * stride + at];
             comparer->largest_a[row] = fmax(comparer->largest_a[row], a[band]);
         }
-        const double largest = compare_bands(a, b, n, x, first_row + row, bands);
-        comparer->angle[at] = largest > 0 ? spectral_angle(a, b, n) : 0;
-        double *colour = comparer->colour + at * COLOUR_FORMULAS;
-        memset(colour, 0, COLOUR_FORMULAS * sizeof *colour);
+        const double largest = compare_bands(a, b, n, x, comparer->a.first + row, bands);
+        double *measures = comparer->measures[at];
+        memset(measures, 0, sizeof comparer->measures[at]);
+        if (largest > 0)
+            measures[SPECTRAL_ANGLE] = spectral_angle(a, b, n);
         if (largest > 0 && comparer->out->has_white)
-            compare_colours(comparer, a, b, colour);
-        comparer->map[3 * at] = (float)largest;
-        comparer->map[3 * at + 1] = (float)comparer->angle[at];
-        comparer->map[3 * at + 2] = (float)fmin(colour[CIEDE2000], (double)FLT_MAX);
+            compare_colours(comparer, a, b, measures);
+        comparer->map[at][0] = (float)largest;
+        comparer->map[at][1] = (float)measures[SPECTRAL_ANGLE];
+        comparer->map[at][2] = (float)fmin(measures[CIEDE2000], (double)FLT_MAX);
     }
 }
 
 /* ---- all rows ---- */
 
-static void add_row(struct comparer *comparer, int row, int y)
+static void add_row(struct comparer *comparer, int row)
 {
+    const int y = comparer->a.first + row;
     struct comparison *out = comparer->out;
     const struct band_difference *bands = comparer->bands + (size_t)row * (size_t)out->n;
     for (int band = 0; band < out->n; band++) {
@@ -213,32 +212,28 @@ static void add_row(struct comparer *comparer, int row, int y)
     out->largest_radiance = fmax(out->largest_radiance, comparer->largest_a[row]);
     for (int x = 0; x < out->width; x++) {
         const size_t at = (size_t)row * (size_t)out->width + (size_t)x;
-        distribution_add(&comparer->angles, &out->angle, comparer->angle[at], x, y);
-        for (int i = 0; i < COLOUR_FORMULAS; i++)
-            distribution_add(&comparer->colours[i], &out->colour[i],
-                             comparer->colour[at * COLOUR_FORMULAS + (size_t)i], x, y);
+        for (int i = 0; i < PIXEL_MEASURES; i++)
+            distribution_add(&comparer->distributions[i], &out->pixels[i],
+                             comparer->measures[at][i], x, y);
     }
 }
 
-static bool compare_chunk(struct comparer *comparer, int y, int rows, struct error *err)
+static bool compare_chunk(struct comparer *comparer, int first, struct error *err)
 {
-    const size_t plane = (size_t)comparer->rows * (size_t)comparer->out->width;
-    for (int band = 0; band < comparer->out->n; band++)
-        if (!image_read(&comparer->a.image, band, y, rows,
-                        comparer->samples_a + (size_t)band * plane, err) ||
-            !image_read(&comparer->b.image, band, y, rows,
-                        comparer->samples_b + (size_t)band * plane, err))
-            return false;
+    if (output_interrupted())
+        return error_system(err, "interrupted; nothing was written");
+    if (!rows_read(&comparer->a, first, err) || !rows_read(&comparer->b, first, err))
+        return false;
 #pragma omp parallel for schedule(dynamic) num_threads(comparer->threads)
-    for (int row = 0; row < rows; row++)
-        compare_row(comparer, row, y);
-    for (int row = 0; row < rows; row++)
-        add_row(comparer, row, y + row);
-    return comparer->options->map == NULL ||
-           picture_write(&comparer->picture, comparer->map, rows, err);
+    for (int row = 0; row < comparer->a.n; row++)
+        compare_row(comparer, row);
+    for (int row = 0; row < comparer->a.n; row++)
+        add_row(comparer, row);
+    return !comparer->options->map ||
+           picture_write(&comparer->picture, comparer->map, comparer->a.n, err);
 }
 
-/* Sums become root mean squares. */
+/* Turns sums into means and root mean squares. */
 static void conclude(struct comparer *comparer)
 {
     struct comparison *out = comparer->out;
@@ -253,28 +248,22 @@ static void conclude(struct comparer *comparer)
         out->bands[band].rms = sqrt(out->bands[band].rms / (double)n_pixels);
     }
     out->all.rms = sqrt(sum / (double)n_pixels / out->n);
-    distribution_end(&comparer->angles, n_pixels, &out->angle);
-    for (int i = 0; i < COLOUR_FORMULAS; i++)
-        distribution_end(&comparer->colours[i], n_pixels, &out->colour[i]);
+    for (int i = 0; i < PIXEL_MEASURES; i++)
+        distribution_end(&comparer->distributions[i], n_pixels, &out->pixels[i]);
 }
 
-static bool compare_rows(struct comparer *comparer, struct error *err)
+static bool compare_chunks(struct comparer *comparer, struct error *err)
 {
-    const int height = comparer->out->height;
-    for (int y = 0; y < height; y += comparer->rows) {
-        const int left = height - y;
-        if (output_interrupted())
-            return error_system(err, "interrupted; nothing was written");
-        if (!compare_chunk(comparer, y, left < comparer->rows ? left : comparer->rows, err))
+    for (int y = 0; y < comparer->out->height; y += comparer->a.most)
+        if (!compare_chunk(comparer, y, err))
             return false;
-    }
     conclude(comparer);
     return true;
 }
 
 /* ---- preparations ---- */
 
-/* Wavelengths that differ by less are the same: a file may hold them rounded. */
+/* Wavelengths that differ by less count as the same, since a file may hold them rounded. */
 static const double same_nm = 1e-6;
 
 static bool check_sizes(const struct image *a, const struct image *b, struct error *err)
@@ -293,8 +282,8 @@ static bool check_sizes(const struct image *a, const struct image *b, struct err
     return true;
 }
 
-/* Components have a meaning only by how they were sampled, which the response tells: a basis is
- * that of its scene. */
+/* Refuses components of different samplings: the same number means something else in each. A basis
+ * belongs to its scene, so the responses are compared, too. */
 static bool check_samplings(const struct cube *a, const struct cube *b, struct error *err)
 {
     const struct record *of_a = &a->record, *of_b = &b->record;
@@ -310,80 +299,66 @@ static bool check_samplings(const struct cube *a, const struct cube *b, struct e
     return (alike && of_a->response.n == of_b->response.n &&
             memcmp(of_a->response.value, of_b->response.value,
                    (size_t)of_a->response.n * sizeof *of_a->response.value) == 0) ||
-           error_usage(err,
-                       "%s and %s hold components that cannot be compared: of %s for %s, and of %s"
-                       " for %s%s",
-                       a->image.path, b->image.path, of_a->sampling, of_a->sampling_detector,
-                       of_b->sampling, of_b->sampling_detector, alike ? " of other spectra" : "");
+           error_usage(
+               err, "%s and %s hold components of different samplings: %s for %s, and %s for %s%s",
+               a->image.path, b->image.path, of_a->sampling, of_a->sampling_detector,
+               of_b->sampling, of_b->sampling_detector, alike ? " of other spectra" : "");
 }
 
 static bool prepare_colour(struct comparer *comparer, struct error *err)
 {
-    struct detector detector = {.name = NULL};
+    const struct compare_options *options = comparer->options;
+    const struct white_request white = {options->white, options->tolerance.unit >= TOLERANCE_CIE76};
     struct comparison *out = comparer->out;
-    const struct white_request request = {comparer->options->white,
-                                          comparer->options->tolerance.unit >= TOLERANCE_CIE76};
-    out->observer = strdup(comparer->options->observer);
-    comparer->weights = calloc(3 * (size_t)out->n, sizeof *comparer->weights);
-    if (out->observer == NULL || comparer->weights == NULL)
-        return error_memory(err);
-    const bool done = observer_read(out->observer, &detector, err) &&
-                      cube_weights(&comparer->a, &detector, comparer->weights, err) &&
-                      cube_white_response(&comparer->a, &request, comparer->weights,
-                                          &out->has_white, comparer->white, err);
-    detector_free(&detector);
+    out->observer = strdup(options->observer);
+    const bool done =
+        out->observer ? sight_make(&comparer->a.cube, out->observer, &white, &comparer->sight, err)
+                      : error_memory(err);
+    out->has_white = comparer->sight.has_white;
     return done;
 }
 
-/* Samples of a chunk, of both stacks: 128 MiB at most, but for a row. */
-static const size_t chunk_samples = (size_t)32 << 20;
+/* Samples of a chunk of each stack: 64 MiB at most, but for a row. */
+static const size_t chunk_samples = (size_t)16 << 20;
 
 static bool prepare_chunk(struct comparer *comparer, struct error *err)
 {
-    const size_t n = (size_t)comparer->out->n, width = (size_t)comparer->out->width;
-    const size_t height = (size_t)comparer->out->height, fitting = chunk_samples / (2 * n * width);
-    const size_t rows = fitting < 1 ? 1 : fitting < height ? fitting : height;
-    comparer->rows = (int)rows;
+    if (!rows_allocate(&comparer->a, chunk_samples, err) ||
+        !rows_allocate(&comparer->b, chunk_samples, err))
+        return false;
+    const size_t n = (size_t)comparer->out->n, rows = (size_t)comparer->a.most,
+                 pixels = comparer->a.stride;
     comparer->threads = threads_start(comparer->options->threads);
-    comparer->samples_a = calloc(n * rows * width, sizeof *comparer->samples_a);
-    comparer->samples_b = calloc(n * rows * width, sizeof *comparer->samples_b);
     comparer->spectra = calloc(2 * n * rows, sizeof *comparer->spectra);
     comparer->bands = calloc(n * rows, sizeof *comparer->bands);
     comparer->largest_a = calloc(rows, sizeof *comparer->largest_a);
-    comparer->angle = calloc(rows * width, sizeof *comparer->angle);
-    comparer->colour = calloc(COLOUR_FORMULAS * rows * width, sizeof *comparer->colour);
-    comparer->map = calloc(3 * rows * width, sizeof *comparer->map);
-    return (comparer->samples_a != NULL && comparer->samples_b != NULL &&
-            comparer->spectra != NULL && comparer->bands != NULL && comparer->largest_a != NULL &&
-            comparer->angle != NULL && comparer->colour != NULL && comparer->map != NULL) ||
-           error_memory(err);
-}
-
-static bool open_distributions(struct comparer *comparer, struct error *err)
-{
-    for (int i = 0; i < COLOUR_FORMULAS; i++)
-        if (!distribution_open(&comparer->colours[i], err))
+    comparer->measures = calloc(pixels, sizeof *comparer->measures);
+    comparer->map = calloc(pixels, sizeof *comparer->map);
+    for (int i = 0; i < PIXEL_MEASURES; i++)
+        if (!distribution_open(&comparer->distributions[i], err))
             return false;
-    return distribution_open(&comparer->angles, err);
+    return (comparer->spectra && comparer->bands && comparer->largest_a && comparer->measures &&
+            comparer->map) ||
+           error_memory(err);
 }
 
 static bool prepare(struct comparer *comparer, struct error *err)
 {
-    const struct image *image = &comparer->a.image;
+    const struct image *image = &comparer->a.cube.image;
     struct comparison *out = comparer->out;
     const size_t n = (size_t)image->n_pages;
     *out = (struct comparison){.n = image->n_pages,
                                .width = image->width,
                                .height = image->height,
-                               .components = comparer->a.components};
+                               .components = comparer->a.cube.components};
     out->wavelengths_nm = calloc(n, sizeof *out->wavelengths_nm);
     out->bands = calloc(n, sizeof *out->bands);
-    if (out->wavelengths_nm == NULL || out->bands == NULL)
+    if (!out->wavelengths_nm || !out->bands)
         return error_memory(err);
     memcpy(out->wavelengths_nm, image->wavelengths_nm, n * sizeof *out->wavelengths_nm);
-    return check_samplings(&comparer->a, &comparer->b, err) &&
-           check_sizes(image, &comparer->b.image, err) && prepare_colour(comparer, err) &&
-           prepare_chunk(comparer, err) && open_distributions(comparer, err);
+    return check_samplings(&comparer->a.cube, &comparer->b.cube, err) &&
+           check_sizes(image, &comparer->b.cube.image, err) && prepare_colour(comparer, err) &&
+           prepare_chunk(comparer, err);
 }
 
 static bool open_map(struct comparer *comparer, struct error *err)
@@ -398,27 +373,23 @@ static bool open_map(struct comparer *comparer, struct error *err)
                      components ? "component angle in degrees" : "spectral angle in degrees",
                      "CIEDE2000"},
         .description = "How two spectral stacks differ"};
-    return comparer->options->map == NULL ||
+    return !comparer->options->map ||
            picture_open(&comparer->picture, comparer->options->map, &options, err);
 }
 
-/* ---- the whole ---- */
+/* ---- the comparison ---- */
 
 static void comparer_free(struct comparer *comparer)
 {
-    cube_close(&comparer->a);
-    cube_close(&comparer->b);
-    distribution_free(&comparer->angles);
-    for (int i = 0; i < COLOUR_FORMULAS; i++)
-        distribution_free(&comparer->colours[i]);
-    free(comparer->weights);
-    free(comparer->samples_a);
-    free(comparer->samples_b);
+    rows_close(&comparer->a);
+    rows_close(&comparer->b);
+    sight_free(&comparer->sight);
+    for (int i = 0; i < PIXEL_MEASURES; i++)
+        distribution_free(&comparer->distributions[i]);
     free(comparer->spectra);
     free(comparer->bands);
     free(comparer->largest_a);
-    free(comparer->angle);
-    free(comparer->colour);
+    free(comparer->measures);
     free(comparer->map);
 }
 
@@ -427,28 +398,28 @@ bool compare(const char *a, const char *b, const struct compare_options *options
 {
     struct comparer comparer = {.options = options, .out = out};
     *out = (struct comparison){.n = 0};
-    bool done =
-        cube_open(a, &comparer.a, err) && cube_open(b, &comparer.b, err) && prepare(&comparer, err);
+    bool done = cube_open(a, &comparer.a.cube, err) && cube_open(b, &comparer.b.cube, err) &&
+                prepare(&comparer, err);
     const bool opened = done && open_map(&comparer, err);
-    done = opened && compare_rows(&comparer, err) &&
-           (options->map == NULL || picture_commit(&comparer.picture, err));
-    if (opened && options->map != NULL)
-        picture_discard(&comparer.picture); /* what was committed stays */
+    done = opened && compare_chunks(&comparer, err) &&
+           (!options->map || picture_commit(&comparer.picture, err));
+    if (opened && options->map)
+        picture_discard(&comparer.picture); /* a committed picture stays */
     comparer_free(&comparer);
     return done;
 }
 
 bool comparison_is_within(const struct comparison *comparison, const struct tolerance *tolerance)
 {
-    const int formula = (int)tolerance->unit - TOLERANCE_CIE76;
-    const double seen =
-        formula >= 0 ? comparison->colour[formula].largest : comparison->all.largest;
-    return seen <=
-           tolerance->value *
-               (tolerance->unit == TOLERANCE_PERCENT ? comparison->largest_radiance / 100 : 1);
+    if (tolerance->unit >= TOLERANCE_CIE76)
+        return comparison->pixels[CIE76 + tolerance->unit - TOLERANCE_CIE76].largest <=
+               tolerance->value;
+    const double unit =
+        tolerance->unit == TOLERANCE_PERCENT ? comparison->largest_radiance / 100 : 1;
+    return comparison->all.largest <= tolerance->value * unit;
 }
 
-/* Where the largest difference is, if there is any. */
+/* Writes the pixel of the largest difference, or "none". */
 static void pixel_text(double largest, int x, int y, char out[32])
 {
     if (largest > 0)
@@ -470,12 +441,17 @@ static void print_bands(const struct comparison *comparison, FILE *to)
     }
 }
 
-static void print_pixels(const char *name, const struct pixel_difference *difference, FILE *to)
+static void print_pixels(const struct comparison *comparison, FILE *to)
 {
-    char pixel[32];
-    pixel_text(difference->largest, difference->x, difference->y, pixel);
-    fprintf(to, "%s %.6g (mean), %.6g (95th percentile), %.6g (largest, at pixel %s)\n", name,
-            difference->mean, difference->quantile_95, difference->largest, pixel);
+    const char *const names[] = {comparison->components ? "component angle" : "spectral angle",
+                                 "CIE76", "CIE94", "CIEDE2000"};
+    for (int i = 0; i < (comparison->has_white ? PIXEL_MEASURES : 1); i++) {
+        const struct pixel_difference *difference = &comparison->pixels[i];
+        char pixel[32];
+        pixel_text(difference->largest, difference->x, difference->y, pixel);
+        fprintf(to, "%-17s %.6g (mean), %.6g (95th percentile), %.6g (largest, at pixel %s)\n",
+                names[i], difference->mean, difference->quantile_95, difference->largest, pixel);
+    }
 }
 
 void comparison_print(const struct comparison *comparison, FILE *to)
@@ -493,15 +469,11 @@ void comparison_print(const struct comparison *comparison, FILE *to)
             components ? "" : " nm", pixel);
     fprintf(to, "RMS               %.6g%s\n", all->rms, unit);
     fprintf(to, "largest of A      %.6g%s\n", comparison->largest_radiance, unit);
-    print_pixels(components ? "component angle  " : "spectral angle   ", &comparison->angle, to);
-    if (!comparison->has_white)
-        fprintf(to, "colour            none: there is no white; --white SPECTRUM gives one\n");
-    else {
-        print_pixels("CIE76            ", &comparison->colour[CIE76], to);
-        print_pixels("CIE94            ", &comparison->colour[CIE94], to);
-        print_pixels("CIEDE2000        ", &comparison->colour[CIEDE2000], to);
+    print_pixels(comparison, to);
+    if (comparison->has_white)
         fprintf(to, "observer          %s\n", comparison->observer);
-    }
+    else
+        fprintf(to, "colour            none: there is no white; --white SPECTRUM gives one\n");
 }
 
 void comparison_free(struct comparison *comparison)

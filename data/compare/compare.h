@@ -1,13 +1,18 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "compare": where and by how much two stacks differ. */
+/* The room "compare": finds where and by how much two stacks differ. */
 #ifndef COMPARE_H
 #define COMPARE_H
 
 #include "data/options/options.h"
+#include "data/stack/stack.h"
 #include "spectral.h"
 
-enum colour_formula { CIE76, CIE94, CIEDE2000, COLOUR_FORMULAS };
-enum tolerance_unit { /* the last three in the order of formulas */
+/* ---- compare.c: the differences of two stacks ---- */
+
+/* Measures of the difference of two pixels: the angle between their spectra in degrees, and colour
+ * differences. A is the standard of CIE94. */
+enum pixel_measure { SPECTRAL_ANGLE, CIE76, CIE94, CIEDE2000, PIXEL_MEASURES };
+enum tolerance_unit { /* the last three in the order of colour differences */
                       TOLERANCE_RADIANCE,
                       TOLERANCE_PERCENT,
                       TOLERANCE_CIE76,
@@ -16,7 +21,7 @@ enum tolerance_unit { /* the last three in the order of formulas */
 };
 struct tolerance {
     double value;
-    enum tolerance_unit unit; /* per cent are of A's largest radiance */
+    enum tolerance_unit unit; /* of per cent, 100 is A's largest radiance */
 };
 /* Reads "0.01", "0.1%", "0.5dE00", "0.5dE94" or "0.5dE76". Messages name `option`. */
 bool tolerance_read(const char *option, const char *text, struct tolerance *out, struct error *err);
@@ -28,37 +33,63 @@ struct compare_options {
 };
 struct band_difference {
     double largest; /* |A - B|, in radiance */
-    int x, y;       /* of the first pixel that has it */
+    int x, y;       /* the first pixel with this difference */
     double rms;
 };
-/* Over all pixels: of spectral angles in degrees, or of a colour formula. */
+/* A measure over all pixels. */
 struct pixel_difference {
     double mean, largest;
     double quantile_95; /* 95 % of the pixels do not exceed it; too high by less than 1/1024 */
-    int x, y;           /* of the largest */
+    int x, y;           /* the pixel of the largest */
 };
 struct comparison {
     int n, width, height;
-    bool components;               /* of both: wavelengths_nm is 1, 2, ... */
+    bool components;               /* in both stacks: wavelengths_nm is 1, 2, ... */
     double *wavelengths_nm;        /* owned */
     struct band_difference *bands; /* of each; owned */
     struct band_difference all;
-    int largest_band;                                       /* the band that has all.largest */
-    double largest_radiance;                                /* of A */
-    struct pixel_difference angle, colour[COLOUR_FORMULAS]; /* A is the standard of CIE 94 */
-    bool has_white;                                         /* without, there are no colours */
-    char *observer;                                         /* owned */
+    int largest_band;        /* the band that has all.largest */
+    double largest_radiance; /* of A */
+    struct pixel_difference pixels[PIXEL_MEASURES];
+    bool has_white; /* without, there are no colours */
+    char *observer; /* owned */
 };
 /* Compares stack A with stack B. Refuses stacks of different size or wavelengths (EXIT_INPUT),
- * components of different samplings, and a tolerance of colours without a white. Colours are by the
- * weights of A's sampling. The map has three float samples a pixel: the largest |A - B| of all
+ * components of different samplings, and a tolerance of colours without a white. The weights of A's
+ * sampling give the colours. The map has three float samples a pixel: the largest |A - B| of all
  * pages, the angle between the spectra or components in degrees, CIEDE2000 (0 without a white). It
- * is written whatever the difference. */
+ * is written even if the stacks differ. */
 bool compare(const char *a, const char *b, const struct compare_options *options,
              struct comparison *out, struct error *err);
 bool comparison_is_within(const struct comparison *comparison, const struct tolerance *tolerance);
 void comparison_print(const struct comparison *comparison, FILE *to);
 void comparison_free(struct comparison *comparison);
+
+/* ---- rows.c: a stack in chunks of rows, as an observer sees it ---- */
+
+struct stack_rows {
+    struct cube cube;
+    int most;       /* rows in a chunk */
+    int first, n;   /* the rows of the current chunk */
+    size_t stride;  /* samples from one page to the next */
+    float *samples; /* [page][row of the chunk][x]; owned */
+};
+/* Allocates chunks of at most so many samples, but at least one row. The cube is open. */
+bool rows_allocate(struct stack_rows *rows, size_t most_samples, struct error *err);
+/* Reads the chunk that begins with row `first`. The last chunk may have fewer rows. */
+bool rows_read(struct stack_rows *rows, int first, struct error *err);
+void rows_close(struct stack_rows *rows); /* and the cube */
+
+/* How an observer sees a stack. */
+struct sight {
+    double *weights; /* of X, Y and Z, as cube_weights; owned */
+    double white[3]; /* XYZ */
+    bool has_white;
+};
+/* Refuses what observer_read, cube_weights and cube_white_response refuse. */
+bool sight_make(const struct cube *cube, const char *observer, const struct white_request *white,
+                struct sight *out, struct error *err);
+void sight_free(struct sight *sight);
 
 /* ---- command.c: spectral compare ---- */
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* spectral cost: what accuracy costs in time. Each configuration is a command line of render. */
+/* spectral cost: measures what accuracy costs in time. Each configuration is a command line of
+ * render. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -58,26 +59,11 @@ bool cost_read(const struct options *options, const struct cost_entry *entry, st
 
 /* ---- report ---- */
 
-/* Returns the table as CSV, allocated; NULL: no memory. */
-static char *csv_text(const struct cost *cost)
-{
-    char *table = NULL;
-    size_t length = 0;
-    FILE *stream = open_memstream(&table, &length);
-    if (!stream)
-        return NULL;
-    cost_print_csv(cost, stream);
-    if (fclose(stream) == 0 && length > 0)
-        return table;
-    free(table);
-    return NULL;
-}
-
-/* Writes the files that are not NULL; none unless there is memory for all. */
+/* Writes the files that are not NULL. Writes none if memory does not suffice for all. */
 static bool write_files(const struct cost *cost, const char *csv, const char *svg,
                         struct error *err)
 {
-    char *table = csv ? csv_text(cost) : NULL, *chart = svg ? cost_svg(cost) : NULL;
+    char *table = csv ? cost_csv(cost) : NULL, *chart = svg ? cost_svg(cost) : NULL;
     bool done = (!csv || table) && (!svg || chart) ? true : error_memory(err);
     done = done && (!csv || file_write(csv, table, strlen(table), err)) &&
            (!svg || file_write(svg, chart, strlen(chart), err));
@@ -113,8 +99,8 @@ static void print_entry(const struct options *options, const char *what,
     fputc('\n', to);
 }
 
-/* Names the best entry and, if its pages are no radiances, the best entry with radiances, too.
- * Fails with EXIT_DIFFERENT where no entry is within the limit. */
+/* Prints the best entry. If its pages are not radiances, also prints the best entry with radiances.
+ * best NULL: fails with EXIT_DIFFERENT. */
 static bool recommend(const struct options *options, const char *what,
                       const struct cost_entry *best, const struct cost_entry *spectral, FILE *to,
                       struct error *err)
@@ -158,7 +144,8 @@ static bool report(const struct options *options, const struct cost *cost, doubl
 
 /* ---- the command ---- */
 
-/* Refuses a scene or an output that would make the measurement useless, before it begins. */
+/* Refuses a broken scene, and an output that cannot be written. A measurement takes minutes, so
+ * these mistakes must be found before it begins. */
 static bool check_files(struct options *options, struct error *err)
 {
     struct scene scene = {.path = NULL};
@@ -170,10 +157,10 @@ static bool check_files(struct options *options, struct error *err)
     sampling_free(&sampling);
     scene_free(&scene);
     return done && (!csv || !svg || strcmp(csv, svg) != 0 ||
-                    error_usage(err, "--csv and --svg are written to different files"));
+                    error_usage(err, "--csv and --svg name the same file; expected two files"));
 }
 
-/* Reads a limit that may be absent. */
+/* Reads the value of an option; 0 where the option is not given. */
 static bool limit_read(const char *option, const char *value, double highest, double *out,
                        struct error *err)
 {

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Chooses the configurations of render that make sense for a scene: one axis after the other, then
- * the best of each together. */
+/* Chooses the configurations of render that make sense for a scene. First one property varies at a
+ * time (sampling, shading, renderer, depth); then the best values are combined. */
 #include <limits.h>
 #include <math.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,28 +20,24 @@
 
 /* ---- the scene ---- */
 
-static bool material_fluoresces(const struct material *material)
+/* Surveys a material and, of a metamer, its partner. */
+static void survey_material(const struct material *material, struct survey *out, bool *glossy)
 {
-    return material->excitation.kind != SPECTRUM_NONE || material->donaldson ||
-           (material->partner && material_fluoresces(material->partner));
-}
-
-static void survey_materials(const struct scene *scene, struct survey *out, bool *glossy)
-{
-    for (int i = 0; i < scene->n_materials; i++) {
-        const struct material *material = &scene->materials[i];
-        out->fluorescent = out->fluorescent || material_fluoresces(material);
-        out->spectral_texture = out->spectral_texture || material->spectral_texture ||
-                                (material->partner && material->partner->spectral_texture);
-        *glossy =
-            *glossy || material->gloss > 0 || (material->partner && material->partner->gloss > 0);
+    for (; material; material = material->partner) {
+        out->fluorescent =
+            out->fluorescent || material->excitation.kind != SPECTRUM_NONE || material->donaldson;
+        out->spectral_texture = out->spectral_texture || material->spectral_texture;
+        *glossy = *glossy || material->gloss > 0;
     }
 }
 
-/* On flat shapes without highlights directional light is the same everywhere. */
-static void survey_shapes(const struct scene *scene, bool glossy, struct survey *out)
+/* Finds whether shadings differ. They do not on flat shapes without highlights under directional
+ * lights, whose light is the same at every point of a shape. */
+static void survey_picture(const struct scene *scene, struct survey *out)
 {
-    bool varied = glossy;
+    bool varied = false;
+    for (int i = 0; i < scene->n_materials; i++)
+        survey_material(&scene->materials[i], out, &varied);
     for (int i = 0; i < scene->n_lights; i++)
         varied = varied || !scene->lights[i].directional;
     for (int i = 0; i < scene->n_objects; i++) {
@@ -69,7 +64,7 @@ static bool read_sampling(const struct options *options, const char *method, str
     return done;
 }
 
-/* Peaks and rank are found by samplings; one that refuses the scene finds nothing. */
+/* Finds peaks and rank by making two samplings. A sampling that refuses the scene finds nothing. */
 static void survey_spectra(const struct options *options, struct survey *out)
 {
     struct error ignored = {.status = EXIT_AGREED};
@@ -93,16 +88,17 @@ static bool survey(void *context, void *result, struct error *err)
     struct survey *out = result;
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.detector = NULL};
-    bool glossy = false;
-    const bool done = cost_read(options, NULL, &scene, &sampling, err);
+    struct detector observer = {.name = NULL};
+    const bool done = observer_read(out->observer, &observer, err) &&
+                      cost_read(options, NULL, &scene, &sampling, err);
     if (done) {
         snprintf(out->scene, sizeof out->scene, "%s", scene.path);
         out->width = scene.width;
         out->height = scene.height;
-        survey_materials(&scene, out, &glossy);
-        survey_shapes(&scene, glossy, out);
+        survey_picture(&scene, out);
         survey_spectra(options, out);
     }
+    detector_free(&observer);
     sampling_free(&sampling);
     scene_free(&scene);
     return done;
@@ -116,16 +112,16 @@ bool survey_scene(const struct options *options, struct survey *out, struct erro
 
 /* ---- a configuration in words ---- */
 
-static const char *const shading_names[] = {
-    [SHADING_SMOOTH] = "smooth", [SHADING_FLAT] = "flat", [SHADING_PHONG] = "phong"};
-static const char *const renderer_names[] = {[BY_RASTER] = "raster",
-                                             [BY_LLVMPIPE] = "llvmpipe",
-                                             [BY_CHECKED_LLVMPIPE] = "llvmpipe",
-                                             [BY_SOFTPIPE] = "softpipe"};
-
-static bool add_word(struct cost_entry *entry, struct error *err, const char *option,
-                     const char *value)
+/* Adds an option to the words of an entry (NULL: none), and its value to the name behind `prefix`
+ * (NULL: the name leaves it out). */
+static bool say(struct cost_entry *entry, const char *prefix, const char *option, const char *value,
+                struct error *err)
 {
+    const size_t named = strlen(entry->name);
+    if (prefix)
+        snprintf(entry->name + named, sizeof entry->name - named, "%s%s", prefix, value);
+    if (!option)
+        return true;
     const size_t length = strlen(option) + strlen(value) + 1;
     char *word = malloc(length);
     if (!word)
@@ -135,97 +131,106 @@ static bool add_word(struct cost_entry *entry, struct error *err, const char *op
     return true;
 }
 
-static bool add_words(const struct configuration *configuration, const char *observer,
-                      struct cost_entry *out, struct error *err)
+static bool say_sampling(const struct configuration *configuration, const char *observer,
+                         struct cost_entry *out, struct error *err)
 {
-    char tessellation[16];
-    snprintf(tessellation, sizeof tessellation, "%d", configuration->tessellation);
-    return (!configuration->sampling[0] ||
-            add_word(out, err, "--sampling=", configuration->sampling)) &&
-           (!configuration->sampling[0] || strcmp(observer, "cie1931") == 0 ||
-            add_word(out, err, "--detector=", observer)) &&
-           add_word(out, err, "--shading=", shading_names[configuration->shading]) &&
-           (configuration->tessellation == 1 ||
-            add_word(out, err, "--tessellation=", tessellation)) &&
-           add_word(out, err, "--renderer=", renderer_names[configuration->renderer]) &&
-           (configuration->renderer == BY_CHECKED_LLVMPIPE ||
-            add_word(out, err, "--no-check", "")) &&
-           (configuration->buffer_bits == 0 ||
-            add_word(out, err, "--buffer=", configuration->buffer_bits == 8 ? "8" : "16")) &&
-           (configuration->bits == 0 ||
-            add_word(out, err, "--depth=", configuration->bits == 8 ? "8" : "32f"));
+    if (!configuration->sampling[0])
+        return say(out, "", NULL, "own wavelengths", err);
+    return say(out, "", "--sampling=", configuration->sampling, err) &&
+           (strcmp(observer, "cie1931") == 0 || say(out, NULL, "--detector=", observer, err));
 }
 
 bool configuration_entry(const struct configuration *configuration, const char *observer,
                          struct cost_entry *out, struct error *err)
 {
-    char finer[16] = "", buffer[24] = "";
-    if (configuration->tessellation > 1)
-        snprintf(finer, sizeof finer, " x%d", configuration->tessellation);
-    if (configuration->buffer_bits > 0)
-        snprintf(buffer, sizeof buffer, " buffer %d", configuration->buffer_bits);
-    snprintf(out->name, sizeof out->name, "%s %s%s%s%s%s%s%s",
-             configuration->sampling[0] ? configuration->sampling : "own wavelengths",
-             shading_names[configuration->shading], finer,
-             configuration->renderer == BY_RASTER ? "" : " ",
-             configuration->renderer == BY_RASTER ? "" : renderer_names[configuration->renderer],
-             configuration->renderer == BY_CHECKED_LLVMPIPE ? " checked" : "", buffer,
-             configuration->bits == 0   ? ""
-             : configuration->bits == 8 ? " depth 8"
-                                        : " depth 32f");
-    return add_words(configuration, observer, out, err);
+    static const char *const shading[] = {
+        [SHADING_SMOOTH] = "smooth", [SHADING_FLAT] = "flat", [SHADING_PHONG] = "phong"};
+    static const char *const renderer[] = {[BY_RASTER] = "raster",
+                                           [BY_LLVMPIPE] = "llvmpipe",
+                                           [BY_CHECKED_LLVMPIPE] = "llvmpipe",
+                                           [BY_SOFTPIPE] = "softpipe"};
+    const char *const buffer = configuration->buffer_bits == 8 ? "8" : "16";
+    const char *const depth = configuration->bits == 8 ? "8" : "32f";
+    char factor[16];
+    snprintf(factor, sizeof factor, "%d", configuration->tessellation);
+    out->configuration = *configuration;
+    return say_sampling(configuration, observer, out, err) &&
+           say(out, " ", "--shading=", shading[configuration->shading], err) &&
+           (configuration->tessellation == 1 || say(out, " x", "--tessellation=", factor, err)) &&
+           say(out, configuration->renderer == BY_RASTER ? NULL : " ",
+               "--renderer=", renderer[configuration->renderer], err) &&
+           (configuration->renderer == BY_CHECKED_LLVMPIPE
+                ? say(out, " checked", NULL, "", err)
+                : say(out, NULL, "--no-check", "", err)) &&
+           (configuration->buffer_bits == 0 || say(out, " buffer ", "--buffer=", buffer, err)) &&
+           (configuration->bits == 0 || say(out, " depth ", "--depth=", depth, err));
+}
+
+static const struct configuration every_nm = {
+    .sampling = "riemann:1", .shading = SHADING_PHONG, .tessellation = 4, .renderer = BY_RASTER};
+
+/* Float pages hold the same radiances at any full scale. Without --full-scale, render refuses phong
+ * shading where it finds no largest radiance. */
+bool configuration_standard(const char *observer, struct cost_entry *out, struct error *err)
+{
+    struct configuration configuration = every_nm;
+    configuration.bits = 32;
+    return configuration_entry(&configuration, observer, out, err) &&
+           say(out, NULL, "--full-scale=", "65535", err);
 }
 
 /* ---- one axis after the other ---- */
 
-const struct configuration reference_configuration = {
-    .sampling = "riemann:1", .shading = SHADING_PHONG, .tessellation = 4, .renderer = BY_RASTER};
-
-static bool same_configuration(const struct configuration *a, const struct configuration *b)
+/* Returns the entry of a configuration with a sampling; NULL: there is none. */
+static const struct cost_entry *
+find(const struct cost *cost, const struct configuration *configuration, const char *sampling)
 {
-    return strcmp(a->sampling, b->sampling) == 0 && a->shading == b->shading &&
-           a->tessellation == b->tessellation && a->renderer == b->renderer &&
-           a->buffer_bits == b->buffer_bits && a->bits == b->bits;
+    for (int i = 0; i < cost->n; i++) {
+        const struct configuration *other = &cost->entries[i].configuration;
+        if (strcmp(other->sampling, sampling) == 0 && other->shading == configuration->shading &&
+            other->tessellation == configuration->tessellation &&
+            other->renderer == configuration->renderer &&
+            other->buffer_bits == configuration->buffer_bits && other->bits == configuration->bits)
+            return &cost->entries[i];
+    }
+    return NULL;
 }
 
-/* Leaves out a configuration that is there already, or finds no room. */
-static bool add(const struct survey *survey, struct attempts *attempts,
-                struct configuration configuration, const char *sampling, struct error *err)
+/* Adds a configuration with a sampling, unless it is there already, or there is no room. */
+static bool add(struct cost *cost, struct configuration configuration, const char *sampling,
+                struct error *err)
 {
-    snprintf(configuration.sampling, sizeof configuration.sampling, "%s", sampling);
-    for (int i = 0; i < attempts->n; i++)
-        if (same_configuration(&attempts->attempt[i].configuration, &configuration))
-            return true;
-    if (attempts->n == MAX_CONFIGURATIONS)
+    if (find(cost, &configuration, sampling) || cost->n == MAX_CONFIGURATIONS)
         return true;
-    struct attempt *attempt = &attempts->attempt[attempts->n++];
-    *attempt = (struct attempt){.configuration = configuration};
-    return configuration_entry(&configuration, survey->observer, &attempt->entry, err);
+    snprintf(configuration.sampling, sizeof configuration.sampling, "%s", sampling);
+    return configuration_entry(&configuration, cost->survey.observer, &cost->entries[cost->n++],
+                               err);
 }
 
-/* The configuration that samplings, and then shadings, are tried with. */
-static struct configuration finest(const struct survey *survey)
+/* Returns the configuration that samplings, and then shadings, are tried with. */
+static struct configuration finest(const struct cost *cost)
 {
-    struct configuration configuration = reference_configuration;
-    configuration.tessellation = survey->tessellated ? configuration.tessellation : 1;
+    struct configuration configuration = every_nm;
+    configuration.tessellation = cost->survey.tessellated ? every_nm.tessellation : 1;
     return configuration;
 }
 
 /* Adds bases of the first few components, and of all. */
-static bool add_bases(const struct survey *survey, struct attempts *out, struct error *err)
+static bool add_bases(struct cost *cost, struct error *err)
 {
     static const int counts[] = {1, 2, 4, 8, INT_MAX};
+    const int rank = cost->survey.rank;
     char name[SAMPLING_NAME];
-    for (int i = 0; i < 5 && (i == 0 || counts[i - 1] < survey->rank); i++) {
-        snprintf(name, sizeof name, "basis:%d",
-                 counts[i] < survey->rank ? counts[i] : survey->rank);
-        if (!add(survey, out, finest(survey), name, err))
+    for (int i = 0; i < 5 && (i == 0 || counts[i - 1] < rank); i++) {
+        snprintf(name, sizeof name, "basis:%d", counts[i] < rank ? counts[i] : rank);
+        if (!add(cost, finest(cost), name, err))
             return false;
     }
     return true;
 }
 
-/* Smooth light calls for more of gauss, emission lines for more of adaptive. */
+/* Samplings to measure. Smooth light needs more numbers of gauss, emission lines more tolerances of
+ * adaptive. */
 enum lights { ANY_LIGHT, SMOOTH_LIGHT, LINES };
 static const struct {
     const char *name;
@@ -248,33 +253,21 @@ static const struct {
                  {"adaptive:0.01", ANY_LIGHT},
                  {"adaptive:0.001", LINES}};
 
-bool configurations_samplings(const struct survey *survey, struct attempts *out, struct error *err)
+bool configurations_samplings(struct cost *cost, struct error *err)
 {
-    const enum lights other = survey->n_peaks > 0 ? SMOOTH_LIGHT : LINES;
+    const enum lights other = cost->survey.n_peaks > 0 ? SMOOTH_LIGHT : LINES;
     for (size_t i = 0; i < sizeof samplings / sizeof samplings[0]; i++)
-        if (samplings[i].under != other &&
-            !add(survey, out, finest(survey), samplings[i].name, err))
+        if (samplings[i].under != other && !add(cost, finest(cost), samplings[i].name, err))
             return false;
-    return survey->spectral_texture || (add(survey, out, finest(survey), "rgb", err) &&
-                                        add(survey, out, finest(survey), "xyz", err) &&
-                                        (survey->rank == 0 || add_bases(survey, out, err)));
+    return cost->survey.spectral_texture ||
+           (add(cost, finest(cost), "rgb", err) && add(cost, finest(cost), "xyz", err) &&
+            (cost->survey.rank == 0 || add_bases(cost, err)));
 }
 
-/* ---- shading, renderer and arithmetic, with a sampling that is good enough not to matter ---- */
+/* ---- shadings, renderers and depths, with a sampling whose own error is small ---- */
 
-/* Returns the attempt of a configuration with a sampling; NULL: none that could be rendered. */
-static const struct attempt *find(const struct attempts *attempts,
-                                  struct configuration configuration, const char *sampling)
-{
-    snprintf(configuration.sampling, sizeof configuration.sampling, "%s", sampling);
-    for (int i = 0; i < attempts->n; i++)
-        if (same_configuration(&attempts->attempt[i].configuration, &configuration) &&
-            attempts->attempt[i].entry.accuracy.n_pages > 0)
-            return &attempts->attempt[i];
-    return NULL;
-}
-
-enum content { ANY_PAGES, RADIANCES, WAVELENGTHS }; /* of pages, at least */
+/* The least that pages must hold: anything; what determines radiances; radiances at wavelengths. */
+enum content { ANY_PAGES, RADIANCES, WAVELENGTHS };
 
 static bool has_content(const struct cost_entry *entry, enum content content)
 {
@@ -282,32 +275,34 @@ static bool has_content(const struct cost_entry *entry, enum content content)
                                   : content == ANY_PAGES || !isnan(entry->accuracy.radiance);
 }
 
-/* Returns the sampling of the fewest pages within a colour difference; where none is within it, the
- * closest. */
-static const char *leanest(const struct survey *survey, const struct attempts *attempts,
-                           double tolerance, enum content content)
+/* Returns the sampling with the fewest pages among those within a colour difference. If none is
+ * within it, returns the most accurate one. */
+static const char *leanest(const struct cost *cost, double tolerance, enum content content)
 {
-    const struct attempt *best = NULL;
-    for (int i = 0; i < attempts->n; i++) {
-        const struct attempt *attempt = &attempts->attempt[i];
-        const double error = fmax(attempt->entry.accuracy.quantile_95, tolerance);
-        if (find(attempts, finest(survey), attempt->configuration.sampling) != attempt ||
-            !has_content(&attempt->entry, content))
+    const struct configuration axis = finest(cost);
+    const struct cost_entry *best = NULL;
+    double least = HUGE_VAL;
+    for (int i = 0; i < cost->n; i++) {
+        const struct cost_entry *entry = &cost->entries[i];
+        const double error = fmax(entry->accuracy.quantile_95, tolerance);
+        if (entry->accuracy.n_pages == 0 || !has_content(entry, content) ||
+            find(cost, &axis, entry->configuration.sampling) != entry)
             continue;
-        const double least = best ? fmax(best->entry.accuracy.quantile_95, tolerance) : HUGE_VAL;
-        if (error < least ||
-            (error <= least && attempt->entry.accuracy.n_pages < best->entry.accuracy.n_pages))
-            best = attempt;
+        if (!best || error < least ||
+            (error <= least && entry->accuracy.n_pages < best->accuracy.n_pages)) {
+            best = entry;
+            least = error;
+        }
     }
     return best ? best->configuration.sampling : "";
 }
 
-static const char *good_sampling(const struct survey *survey, const struct attempts *attempts)
+static const char *good_sampling(const struct cost *cost)
 {
-    return leanest(survey, attempts, 0.1, RADIANCES);
+    return leanest(cost, 0.1, RADIANCES);
 }
 
-/* About in the order of what they cost. */
+/* Roughly in the order of their time, the fastest first. */
 static const struct configuration shadings[] = {
     {.shading = SHADING_FLAT, .tessellation = 1},   {.shading = SHADING_SMOOTH, .tessellation = 1},
     {.shading = SHADING_PHONG, .tessellation = 1},  {.shading = SHADING_FLAT, .tessellation = 2},
@@ -322,94 +317,64 @@ static bool is_on_axis(const struct survey *survey, const struct configuration *
            (survey->shaded || shading->shading == SHADING_SMOOTH);
 }
 
-static bool add_shadings(const struct survey *survey, struct attempts *out, struct error *err)
-{
-    for (int i = 0; i < N_SHADINGS; i++)
-        if (is_on_axis(survey, &shadings[i]) &&
-            !add(survey, out, shadings[i], good_sampling(survey, out), err))
-            return false;
-    return true;
-}
-
 static const struct configuration opengl = {.tessellation = 1, .renderer = BY_LLVMPIPE};
 
-/* OpenGL lights vertices only: smooth. */
-static bool add_renderers(const struct survey *survey, struct attempts *out, struct error *err)
+/* Adds OpenGL's renderers, with smooth shading: OpenGL lights vertices only. */
+static bool add_renderers(struct cost *cost, const char *sampling, struct error *err)
 {
-    const char *sampling = good_sampling(survey, out);
     struct configuration eight = opengl, sixteen = opengl, checked = opengl, softpipe = opengl;
     eight.buffer_bits = 8;
     sixteen.buffer_bits = 16;
     checked.renderer = BY_CHECKED_LLVMPIPE;
     softpipe.renderer = BY_SOFTPIPE;
     return !gl_is_built() ||
-           (add(survey, out, opengl, sampling, err) && add(survey, out, sixteen, sampling, err) &&
-            add(survey, out, eight, sampling, err) && add(survey, out, checked, sampling, err) &&
-            add(survey, out, softpipe, sampling, err));
+           (add(cost, opengl, sampling, err) && add(cost, sixteen, sampling, err) &&
+            add(cost, eight, sampling, err) && add(cost, checked, sampling, err) &&
+            add(cost, softpipe, sampling, err));
 }
 
-static bool add_depths(const struct survey *survey, struct attempts *out, struct error *err)
+bool configurations_pictures(struct cost *cost, struct error *err)
 {
-    struct configuration bytes = finest(survey), floats = finest(survey);
+    const char *sampling = good_sampling(cost);
+    struct configuration bytes = finest(cost), floats = finest(cost);
     bytes.bits = 8;
     floats.bits = 32;
-    return add(survey, out, bytes, good_sampling(survey, out), err) &&
-           add(survey, out, floats, good_sampling(survey, out), err);
-}
-
-bool configurations_pictures(const struct survey *survey, struct attempts *out, struct error *err)
-{
-    return add_shadings(survey, out, err) && add_renderers(survey, out, err) &&
-           add_depths(survey, out, err);
+    for (int i = 0; i < N_SHADINGS; i++)
+        if (is_on_axis(&cost->survey, &shadings[i]) && !add(cost, shadings[i], sampling, err))
+            return false;
+    return add_renderers(cost, sampling, err) && add(cost, bytes, sampling, err) &&
+           add(cost, floats, sampling, err);
 }
 
 /* ---- combinations ---- */
 
-/* Adds a sampling with each shading that is closer than all listed before it. */
-static bool combine(const struct survey *survey, const char *sampling, struct attempts *attempts,
-                    struct error *err)
+/* Adds a sampling with each shading that is more accurate than all faster ones in the list. */
+static bool combine(struct cost *cost, const char *sampling, struct error *err)
 {
+    const char *good = good_sampling(cost);
     double best = HUGE_VAL;
     for (int i = 0; i < N_SHADINGS; i++) {
-        const struct attempt *attempt =
-            find(attempts, shadings[i], good_sampling(survey, attempts));
-        if (!attempt || attempt->entry.accuracy.quantile_95 >= best)
+        const struct cost_entry *entry = find(cost, &shadings[i], good);
+        if (!entry || entry->accuracy.n_pages == 0 || entry->accuracy.quantile_95 >= best)
             continue;
-        best = attempt->entry.accuracy.quantile_95;
-        if (!add(survey, attempts, shadings[i], sampling, err))
+        best = entry->accuracy.quantile_95;
+        if (!add(cost, shadings[i], sampling, err))
             return false;
     }
-    return !gl_is_built() || add(survey, attempts, opengl, sampling, err);
+    return !gl_is_built() || add(cost, opengl, sampling, err);
 }
 
-bool configurations_combined(const struct survey *survey, struct attempts *attempts,
-                             struct error *err)
+bool configurations_combined(struct cost *cost, struct error *err)
 {
-    char colours[SAMPLING_NAME], spectra[SAMPLING_NAME];
-    snprintf(colours, sizeof colours, "%s", leanest(survey, attempts, 0.5, ANY_PAGES));
-    snprintf(spectra, sizeof spectra, "%s", leanest(survey, attempts, 0.5, WAVELENGTHS));
-    return combine(survey, colours, attempts, err) && combine(survey, spectra, attempts, err);
+    const char *colours = leanest(cost, 0.5, ANY_PAGES), *spectra = leanest(cost, 0.5, WAVELENGTHS);
+    return combine(cost, colours, err) && combine(cost, spectra, err);
 }
 
 /* ---- notes ---- */
 
-bool cost_note(struct cost *cost, struct error *err, const char *format, ...)
+static bool note_lights(struct cost *cost, struct error *err)
 {
-    char text[1024];
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(text, sizeof text, format, arguments);
-    va_end(arguments);
-    char **notes = array_more(cost->notes, cost->n_notes, sizeof *notes, err);
-    if (!notes)
-        return false;
-    cost->notes = notes;
-    notes[cost->n_notes] = strdup(text);
-    return notes[cost->n_notes++] || error_memory(err);
-}
-
-static bool note_lights(const struct survey *survey, struct cost *cost, struct error *err)
-{
+    const struct survey *survey = &cost->survey;
     char list[16 * MAX_SURVEY_PEAKS] = "";
     if (survey->n_peaks < 0)
         return true;
@@ -425,21 +390,23 @@ static bool note_lights(const struct survey *survey, struct cost *cost, struct e
         list);
 }
 
-bool survey_notes(const struct survey *survey, struct cost *cost, struct error *err)
+bool survey_notes(struct cost *cost, struct error *err)
 {
-    return note_lights(survey, cost, err) &&
-           (!survey->fluorescent ||
-            cost_note(cost, err, "materials fluoresce: rgb and xyz cannot show it")) &&
-           (!survey->spectral_texture ||
-            cost_note(cost, err,
-                      "spectral textures leave out basis, rgb and xyz: they have "
-                      "radiances at wavelengths")) &&
-           (survey->shaded ||
-            cost_note(cost, err,
-                      "shadings do not differ: nothing curved, no highlights, and no "
-                      "light that is near")) &&
-           (survey->tessellated ||
-            cost_note(cost, err, "no shape has slices or stacks: there is no --tessellation")) &&
-           (gl_is_built() ||
-            cost_note(cost, err, "this program was built without OpenGL: raster renders all"));
+    const struct survey *survey = &cost->survey;
+    const struct {
+        bool holds;
+        const char *note;
+    } notes[] = {
+        {survey->fluorescent, "materials fluoresce: rgb and xyz cannot show this"},
+        {survey->spectral_texture,
+         "spectral textures leave out basis, rgb and xyz: they have radiances at wavelengths"},
+        {!survey->shaded, "all shadings are the same: nothing is curved, there are no highlights, "
+                          "and no light is near"},
+        {!survey->tessellated,
+         "no shape has slices or stacks, so that --tessellation changes nothing"},
+        {!gl_is_built(), "this program was built without OpenGL: raster renders all settings"}};
+    bool done = note_lights(cost, err);
+    for (size_t i = 0; i < sizeof notes / sizeof notes[0]; i++)
+        done = done && (!notes[i].holds || cost_note(cost, err, "%s", notes[i].note));
+    return done;
 }

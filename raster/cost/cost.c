@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Conclusions from what was measured: the frontier, recommendations, tables and the chart. */
+/* Draws conclusions from measurements: the frontier, recommendations, tables and the chart. */
 #include <math.h>
+#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/base/base.h"
 #include "data/chart/chart.h"
 #include "raster/cost/cost.h"
 
@@ -11,7 +13,8 @@ void cost_entry_free(struct cost_entry *entry)
 {
     for (int i = 0; i < entry->n_words; i++)
         free(entry->words[i]);
-    entry->n_words = 0;
+    free(entry->run_seconds);
+    *entry = (struct cost_entry){.n_words = 0};
 }
 
 void cost_free(struct cost *cost)
@@ -23,21 +26,35 @@ void cost_free(struct cost *cost)
     free(cost->entries);
     free(cost->notes);
     free(cost->scene);
-    free(cost->observer);
     *cost = (struct cost){.scene = NULL};
+}
+
+bool cost_note(struct cost *cost, struct error *err, const char *format, ...)
+{
+    char text[1024];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(text, sizeof text, format, arguments);
+    va_end(arguments);
+    char **notes = array_more(cost->notes, cost->n_notes, sizeof *notes, err);
+    if (!notes)
+        return false;
+    cost->notes = notes;
+    notes[cost->n_notes] = strdup(text);
+    return notes[cost->n_notes++] || error_memory(err);
 }
 
 /* ---- the frontier ---- */
 
-/* Returns whether one configuration is better than another in seconds or error, and in neither
- * worse. */
+/* Returns whether one configuration is better than another in seconds or error, and not worse in
+ * the other. */
 static bool dominates(double seconds, double error, double other_seconds, double other_error)
 {
     return seconds <= other_seconds && error <= other_error &&
            (seconds < other_seconds || error < other_error);
 }
 
-/* The time that an entry is taken to have: its median, or an extreme. */
+/* Chooses one of an entry's times: the median, the fastest, or the slowest. */
 enum luck { NO_LUCK, GOOD_LUCK, BAD_LUCK };
 
 static double seconds_with(const struct cost_entry *entry, enum luck luck)
@@ -69,7 +86,7 @@ void cost_mark(struct cost *cost)
     }
 }
 
-/* Entries are in the order of their seconds: the first of equals is the faster. */
+/* Entries are sorted by seconds, so the first match is the fastest. */
 const struct cost_entry *cost_within(const struct cost *cost, double tolerance, bool spectral)
 {
     for (int i = 0; i < cost->n; i++)
@@ -113,7 +130,7 @@ void cost_print(const struct cost *cost, FILE *to)
         "in a\n"
         "                  process of its own; seconds are the median, fastest and slowest\n"
         "reference         every nm, phong shading, tessellation 4, in double: %.3g s\n\n",
-        cost->scene, cost->width, cost->height, cost->observer, cost->runs,
+        cost->scene, cost->survey.width, cost->survey.height, cost->survey.observer, cost->runs,
         cost->reference_seconds);
     fprintf(to, "   %-40s %8s  %16s %8s %8s %8s %9s\n", "setting", "seconds", "fastest..slowest",
             "dE00", "95 %", "largest", "radiance");
@@ -128,13 +145,13 @@ void cost_print(const struct cost *cost, FILE *to)
         100 * (1 - ldexp(2, -cost->runs)));
     fputs("dE00 is CIEDE2000 over the pixels that show an object: mean, 95 %, largest; radiance is "
           "the\n"
-          "rms error of radiances at every nm, relative to theirs, - where pages tell none\n",
+          "rms error of radiances at every nm, relative to theirs, - where pages determine none\n",
           to);
     for (int i = 0; i < cost->n_notes; i++)
         fprintf(to, "%s- %s\n", i == 0 ? "\n" : "", cost->notes[i]);
 }
 
-/* Quotes as RFC 4180 does. Only an option that names a file can have a quotation mark. */
+/* Doubles quotation marks (RFC 4180). Only a file name in an option can have one. */
 static void print_quoted(const char *text, FILE *to)
 {
     for (; *text; text++) {
@@ -158,13 +175,22 @@ static void print_csv_entry(const struct cost_entry *entry, FILE *to)
     fprintf(to, ",%d,%d\n", entry->best, entry->uncertain);
 }
 
-void cost_print_csv(const struct cost *cost, FILE *to)
+char *cost_csv(const struct cost *cost)
 {
+    char *table = NULL;
+    size_t length = 0;
+    FILE *stream = open_memstream(&table, &length);
+    if (!stream)
+        return NULL;
     fputs("name,options,seconds,fastest,slowest,dE00_mean,dE00_95,dE00_largest,radiance_error,"
           "frontier,within_noise\n",
-          to);
+          stream);
     for (int i = 0; i < cost->n; i++)
-        print_csv_entry(&cost->entries[i], to);
+        print_csv_entry(&cost->entries[i], stream);
+    if (fclose(stream) == 0)
+        return table;
+    free(table);
+    return NULL;
 }
 
 /* ---- the chart ---- */
@@ -183,8 +209,8 @@ char *cost_svg(const struct cost *cost)
                                             .best = entry->best,
                                             .uncertain = entry->uncertain};
     }
-    snprintf(title, sizeof title, "%s, %d x %d pixels, %s", cost->scene, cost->width, cost->height,
-             cost->observer);
+    snprintf(title, sizeof title, "%s, %d x %d pixels, %s", cost->scene, cost->survey.width,
+             cost->survey.height, cost->survey.observer);
     const struct frontier frontier = {title, "seconds", "CIEDE2000, 95 % of the pixels", points,
                                       cost->n};
     char *svg = points ? frontier_svg(&frontier) : NULL;

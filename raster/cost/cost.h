@@ -1,92 +1,26 @@
 /* SPDX-License-Identifier: MIT */
 /* Measures what each degree of accuracy costs in time, for one scene. It renders the scene in many
  * configurations, each as a user's command line would and in a process of its own, and measures the
- * accuracy of their stacks. It may know of render only its options and its stacks, so that no
- * configuration gains anything that a user would not. */
+ * accuracy of their stacks. It uses only the options and the stacks of render, so that no
+ * configuration gets an advantage that a user would not get. */
 #ifndef COST_H
 #define COST_H
 
-#include "data/method/method.h"
 #include "data/options/options.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
-#include "raster/accuracy/accuracy.h"
 #include "spectral.h"
 
 /* ---- command.c: spectral cost ---- */
 
-/* Measures configurations of render and names the best. Fails with EXIT_DIFFERENT where none is
- * within the tolerance or the budget. */
+/* Measures configurations of render and names the best. Fails with EXIT_DIFFERENT if none is within
+ * the tolerance or the budget. */
 bool command_cost(struct options *options, struct error *err);
 
 /* ---- inside this room ---- */
 
-/* ---- cost.c: conclusions and tables ---- */
-
-/* A configuration in words, and what was measured of it. */
-enum { COST_WORDS = 8 };
-struct cost_entry {
-    char name[128];
-    char *words[COST_WORDS]; /* options of render, e.g. "--sampling=gauss:8"; owned */
-    int n_words;
-    double seconds, fastest, slowest; /* median and extremes of the runs: the whole render, in a
-                                         process of its own */
-    struct accuracy accuracy;
-    bool best, uncertain; /* on the frontier of seconds and quantile_95; within noise of that */
-};
-struct cost {
-    char *scene, *observer; /* owned */
-    int width, height, runs, n;
-    struct cost_entry *entries; /* by seconds; owned */
-    char **notes; /* what the scene suggests, and why some configurations are missing; owned */
-    int n_notes;
-    double reference_seconds;
-};
-void cost_entry_free(struct cost_entry *entry);
-void cost_free(struct cost *cost);
-/* Adds a note, in printf's format. */
-bool cost_note(struct cost *cost, struct error *err, const char *format, ...) PRINTF_LIKE(3, 4);
-/* Finds out which entries are on the frontier, and which are within noise of that. */
-void cost_mark(struct cost *cost);
-/* Returns the fastest entry of at most the tolerance in quantile_95; NULL: none. spectral: only
- * entries whose pages are radiances count. */
-const struct cost_entry *cost_within(const struct cost *cost, double tolerance, bool spectral);
-/* Returns the most accurate entry of at most so many seconds, likewise. */
-const struct cost_entry *cost_affordable(const struct cost *cost, double seconds, bool spectral);
-/* Print the table, as text and as CSV; cost_svg returns the chart, allocated; NULL: no memory. */
-void cost_print(const struct cost *cost, FILE *to);
-void cost_print_csv(const struct cost *cost, FILE *to);
-char *cost_svg(const struct cost *cost);
-
-/* ---- command.c: configurations as command lines ---- */
-
-/* Renders to a stack what `options` say, with the words of the entry. */
-bool cost_render(const struct options *options, const struct cost_entry *entry, const char *output,
-                 struct error *err);
-/* Reads the scene as cost_render would, and samples it; *sampling stays zeroed where the words ask
- * for none. The caller frees both, also after a failure. entry NULL: without further words. */
-bool cost_read(const struct options *options, const struct cost_entry *entry, struct scene *scene,
-               struct sampling *sampling, struct error *err);
-
-/* ---- measure.c ---- */
-
-/* Runs all configurations that make sense for the scene of the options. The caller frees *out, also
- * after a failure. */
-bool cost_measure(const struct options *options, struct cost *out, struct error *err);
-
-/* ---- process.c ---- */
-
-/* Runs a job in a process of its own, a copy of this one, and waits for it. The job fills `size`
- * bytes at `out`, which come back. This process never starts a thread or OpenGL, so that the copies
- * can: a copy of a process with OpenMP's threads hangs. An interruption ends the job at once.
- * Seconds are from fork to its end; NULL: not wanted. */
-bool process_run(bool (*job)(void *context, void *out, struct error *err), void *context, void *out,
-                 size_t size, double *seconds, struct error *err);
-
-/* ---- configurations.c ---- */
-
-/* The properties of a scene that decide which configurations make sense, and who sees it. */
-enum { MAX_SURVEY_PEAKS = 16 };
+enum { MAX_SURVEY_PEAKS = 16, COST_WORDS = 8, MAX_CONFIGURATIONS = 80 };
+/* The properties of a scene that decide which configurations make sense, and the observer. */
 struct survey {
     char scene[256];
     const char *observer;
@@ -98,10 +32,6 @@ struct survey {
     double peak_nm[MAX_SURVEY_PEAKS];
     int rank; /* of lights x reflectances; 0: a basis was refused */
 };
-/* Surveys the scene of the options, in a process of its own. */
-bool survey_scene(const struct options *options, struct survey *out, struct error *err);
-/* Adds notes on what the scene suggests. */
-bool survey_notes(const struct survey *survey, struct cost *cost, struct error *err);
 
 enum cost_renderer { BY_RASTER, BY_LLVMPIPE, BY_CHECKED_LLVMPIPE, BY_SOFTPIPE };
 struct configuration {
@@ -111,30 +41,110 @@ struct configuration {
     enum cost_renderer renderer;
     int buffer_bits, bits; /* 0: the default */
 };
-extern const struct configuration reference_configuration; /* on a scene with all axes */
-/* Fills in the name and the words of an entry; cost_entry_free frees the words. */
+
+/* The difference of a stack from the standard: in CIEDE2000, over the pixels in which either
+ * picture shows an object (0 if there are none); and in radiance at every nm, rms relative to rms.
+ */
+struct accuracy {
+    int n_pages;
+    bool spectral; /* pages are radiances at wavelengths */
+    double mean, quantile_95, largest;
+    double radiance; /* NaN: the pages determine no radiances */
+};
+
+/* A configuration, and its measurement. */
+struct cost_entry {
+    struct configuration configuration;
+    char name[128];
+    char *words[COST_WORDS]; /* options of render, e.g. "--sampling=gauss:8"; owned */
+    int n_words;
+    struct accuracy accuracy; /* of 0 pages until it has been measured */
+    double *run_seconds;      /* of each run: the whole render, in a process of its own; owned */
+    double seconds, fastest, slowest; /* median and extremes of the runs */
+    bool best, uncertain; /* on the frontier of seconds and quantile_95; within noise of it */
+};
+struct cost {
+    struct survey survey;
+    char *scene; /* its name with the changes of the command line; owned */
+    int runs, n;
+    struct cost_entry *entries; /* room for MAX_CONFIGURATIONS; by seconds in the end; owned */
+    char **notes;               /* on the scene, and on configurations that failed; owned */
+    int n_notes;
+    double reference_seconds;
+};
+
+/* ---- cost.c: conclusions and tables ---- */
+
+void cost_entry_free(struct cost_entry *entry);
+void cost_free(struct cost *cost);
+/* Adds a note, in printf's format. */
+bool cost_note(struct cost *cost, struct error *err, const char *format, ...) PRINTF_LIKE(3, 4);
+/* Marks the entries on the frontier, and those within noise of it. */
+void cost_mark(struct cost *cost);
+/* Return the fastest entry of at most the tolerance in quantile_95, and the most accurate entry of
+ * at most so many seconds; NULL: none. spectral: only entries whose pages are radiances count. */
+const struct cost_entry *cost_within(const struct cost *cost, double tolerance, bool spectral);
+const struct cost_entry *cost_affordable(const struct cost *cost, double seconds, bool spectral);
+void cost_print(const struct cost *cost, FILE *to);
+/* Return the table as CSV, and the chart; allocated. NULL: no memory. */
+char *cost_csv(const struct cost *cost);
+char *cost_svg(const struct cost *cost);
+
+/* ---- command.c: configurations as command lines ---- */
+
+/* Renders the scene of the options, with the words of the entry, to a stack. */
+bool cost_render(const struct options *options, const struct cost_entry *entry, const char *output,
+                 struct error *err);
+/* Reads and samples the scene as cost_render would; without a sampling, *sampling stays zeroed. The
+ * caller always frees both. entry NULL: no words. */
+bool cost_read(const struct options *options, const struct cost_entry *entry, struct scene *scene,
+               struct sampling *sampling, struct error *err);
+
+/* ---- measure.c ---- */
+
+/* Measures all configurations that make sense for the scene. The caller always frees *out. */
+bool cost_measure(const struct options *options, struct cost *out, struct error *err);
+
+/* ---- process.c ---- */
+
+/* Runs a job in a copy of this process, and waits for it. Returns the job's `size` bytes at `out`,
+ * and the seconds from fork to its end (NULL: not wanted). An interruption ends the job. This
+ * process may start no thread and no OpenGL: a copy of a process with OpenMP's threads hangs. */
+bool process_run(bool (*job)(void *context, void *out, struct error *err), void *context, void *out,
+                 size_t size, double *seconds, struct error *err);
+
+/* ---- standard.c: the picture at every nm, and the differences of stacks from it ---- */
+
+struct standard_request {
+    const char *stack, *summary; /* files: a stack; what is kept of the standard */
+    const char *observer;
+    const struct sampling *sampling; /* zeroed: none */
+    int threads;
+};
+/* Writes the summary of the standard's stack. *lit: the observer sees some light. */
+bool standard_summarize(const struct standard_request *request, bool *lit, struct error *err);
+/* Measures a stack of the standard's size. */
+bool standard_compare(const struct standard_request *request, struct accuracy *out,
+                      struct error *err);
+
+/* ---- configurations.c ---- */
+
+/* Surveys the scene in a process of its own. */
+bool survey_scene(const struct options *options, struct survey *out, struct error *err);
+/* Adds notes on what the scene suggests. */
+bool survey_notes(struct cost *cost, struct error *err);
+
+/* Fills in a zeroed entry, which the caller always frees. */
 bool configuration_entry(const struct configuration *configuration, const char *observer,
                          struct cost_entry *out, struct error *err);
-/* A configuration and what was measured of it. */
-struct attempt {
-    struct configuration configuration;
-    struct cost_entry entry; /* of 0 pages where it could not be rendered */
-    double *seconds;         /* of each run; owned */
-};
-enum { MAX_CONFIGURATIONS = 80 };
-struct attempts {
-    int n;
-    struct attempt attempt[MAX_CONFIGURATIONS];
-};
+/* Fills in the entry of the standard: every nm, the finest shading, pages of floats. */
+bool configuration_standard(const char *observer, struct cost_entry *out, struct error *err);
 /* Adds every sampling, with the finest shading. */
-bool configurations_samplings(const struct survey *survey, struct attempts *attempts,
-                              struct error *err);
-/* Adds shadings, renderers and depths, with a good one of the samplings. The choice depends on the
- * errors measured so far, not on seconds: the same scene always has the same configurations. */
-bool configurations_pictures(const struct survey *survey, struct attempts *attempts,
-                             struct error *err);
+bool configurations_samplings(struct cost *cost, struct error *err);
+/* Adds shadings, renderers and depths, with a good sampling. The choice depends on errors, not on
+ * seconds: a scene always has the same configurations. */
+bool configurations_pictures(struct cost *cost, struct error *err);
 /* Adds the best samplings with the best shadings, chosen likewise. */
-bool configurations_combined(const struct survey *survey, struct attempts *attempts,
-                             struct error *err);
+bool configurations_combined(struct cost *cost, struct error *err);
 
 #endif

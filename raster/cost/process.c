@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Runs a job in a process of its own. Its result comes back through a pipe. */
+/* Runs a job in a process of its own, which sends its result through a pipe. */
 #include <errno.h>
 #include <poll.h>
 #include <signal.h>
@@ -12,69 +12,53 @@
 #include "raster/cost/cost.h"
 #include "spectral.h"
 
-/* The first bytes in the pipe; the job's own follow. */
+/* The job sends this first, then its own bytes. */
 struct reply {
     bool done;
     struct error err;
 };
 
-/* Signals are held back, so an interruption is looked for this often while a job runs. */
+/* Signals are held back, so the wait for a job looks for one this often. */
 enum { LOOK_MS = 50 };
 
-/* Reads until the job's end closes the pipe; returns how many bytes came, -1 if interrupted. */
-static ssize_t read_reply(int from, char *bytes, size_t length)
+/* Reads all bytes. Fails if the pipe ends before the last one, or at an interruption. */
+static bool read_all(int from, void *bytes, size_t length)
 {
-    size_t got = 0;
-    for (;;) {
+    for (size_t got = 0; got < length;) {
         struct pollfd ready = {.fd = from, .events = POLLIN};
         if (output_interrupted())
-            return -1;
+            return false;
         if (poll(&ready, 1, LOOK_MS) <= 0)
             continue;
-        const ssize_t more = read(from, bytes + got, length - got);
-        if (more == 0)
-            return (ssize_t)got;
-        if (more > 0)
-            got += (size_t)more;
-        else if (errno != EINTR)
-            return 0;
+        const ssize_t more = read(from, (char *)bytes + got, length - got);
+        if (more == 0 || (more < 0 && errno != EINTR))
+            return false;
+        got += more > 0 ? (size_t)more : 0;
     }
+    return true;
 }
 
-/* Takes the reply of a finished job; status is of waitpid. */
-static bool take_reply(const char *bytes, ssize_t got, int status, void *out, size_t size,
-                       struct error *err)
-{
-    struct reply reply;
-    errno = 0;
-    if (got < 0)
-        return error_system(err, "interrupted; nothing was written");
-    if ((size_t)got != sizeof reply + size)
-        return error_system(err, "a run ended without a result%s%s",
-                            WIFSIGNALED(status) ? ": " : "",
-                            WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "");
-    memcpy(&reply, bytes, sizeof reply);
-    if (size > 0)
-        memcpy(out, bytes + sizeof reply, size);
-    if (!reply.done)
-        *err = reply.err;
-    return reply.done;
-}
-
-/* One byte more is asked for than comes, so that the end of the pipe is seen. */
+/* Reads the job's result, and waits until its process ends. */
 static bool await(pid_t child, int from, void *out, size_t size, struct error *err)
 {
+    struct reply reply;
     int status = 0;
-    const size_t length = sizeof(struct reply) + size + 1;
-    char *bytes = malloc(length);
-    const ssize_t got = bytes ? read_reply(from, bytes, length) : -1;
-    if (got < 0)
+    const bool whole = read_all(from, &reply, sizeof reply) && read_all(from, out, size);
+    const bool interrupted = !whole && output_interrupted();
+    if (interrupted)
         kill(child, SIGKILL);
     while (waitpid(child, &status, 0) < 0 && errno == EINTR)
         continue;
-    const bool done = bytes ? take_reply(bytes, got, status, out, size, err) : error_memory(err);
-    free(bytes);
-    return done;
+    errno = 0;
+    if (interrupted)
+        return error_system(err, "interrupted; nothing was written");
+    if (!whole)
+        return error_system(err, "a run ended without a result%s%s",
+                            WIFSIGNALED(status) ? ": " : "",
+                            WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "");
+    if (!reply.done)
+        *err = reply.err;
+    return reply.done;
 }
 
 bool process_run(bool (*job)(void *context, void *out, struct error *err), void *context, void *out,

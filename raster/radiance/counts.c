@@ -108,7 +108,9 @@ void expect_counts(const struct plan *plan, const struct run *run, int band, dou
         expect_steps(plan, run->n, expected, bound);
 }
 
-size_t run_length(const int32_t *surface, size_t first, size_t last)
+/* Returns how many pixels from `first` on, at most BLOCK and none from `last` on, show the same
+ * surface. */
+static size_t run_length(const int32_t *surface, size_t first, size_t last)
 {
     size_t n = 1;
     while (n < BLOCK && first + n < last && surface[first + n] == surface[first])

@@ -40,8 +40,6 @@ struct run {
     const float *errors; /* NULL: no bounds are wanted */
     size_t stride, n;
 };
-/* How many pixels from `first` on, at most BLOCK and none from `last` on, show the same surface. */
-size_t run_length(const int32_t *surface, size_t first, size_t last);
 /* Counts of a run in one band, before rounding, and bounds on OpenGL's error where errors are
  * given. A pixel without a finite bound gets -1, which explains nothing. */
 void expect_counts(const struct plan *plan, const struct run *run, int band, double full_scale,

@@ -215,8 +215,9 @@ def components():
         subprocess.run([SPECTRAL, "render", os.path.join(TMP, source), "--sampling", "basis:1", "--renderer", "raster",
                         "--quiet", "-o", bases[-1]], check=True)
     check(compare(bases[0], bases[0]).returncode == 0, "a basis is the same as itself")
-    refused(*bases, "cannot be compared: of basis:1 for cie1931, and of basis:1 for cie1931 of other spectra")
-    refused(one, xyz, "cannot be compared: of rgb for cie1931, and of xyz for cie1931$")
+    refused(*bases, "hold components of different samplings: basis:1 for cie1931, and basis:1 for cie1931 of other "
+            "spectra")
+    refused(one, xyz, "hold components of different samplings: rgb for cie1931, and xyz for cie1931$")
     refused(one, A, "one.tif holds the components of rgb, .*a.tif radiances")
     refused(A, one, "one.tif holds the components of rgb, .*a.tif radiances")
     refused(one, other, "expected --detector cie1931", "--detector", "cie1964")

@@ -32,7 +32,7 @@ ROOMS = """
     data/pages data/material data/scene data/terms data/method data/sampling data/invocation
     data/record data/stack data/chart data/develop data/compare data/probe data/catalogue
     raster/reference raster/plan raster/driver raster/bounds raster/candidates raster/radiance
-    raster/gl raster/check raster/render raster/inspect raster/accuracy raster/cost raster/view
+    raster/gl raster/check raster/render raster/inspect raster/cost raster/view
     """.split()
 CORE = "raster/reference"
 CORE_MAY_INCLUDE = {CORE, "data/maths"}
@@ -67,6 +67,7 @@ REASONS = (
 
 # Functions that only their own file and tests use, each with the reason why a test needs it by itself.
 FOR_TESTS = {
+    "configuration_entry": "the name and the words of a configuration are compared with their text",
 }
 
 Finding = collections.namedtuple("Finding", "path line says")

@@ -92,10 +92,11 @@ static void words(void)
     CHECK_TEXT(seen.name, "gauss:8,open smooth x2 llvmpipe checked buffer 16 depth 32f",
                "its name tells them all");
     cost_entry_free(&seen);
-    seen = (struct cost_entry){.n_words = 0};
-    CHECK(configuration_entry(&reference_configuration, "cie1931", &seen, &err) &&
-              seen.n_words == 5,
+    CHECK(configuration_standard("cie1931", &seen, &err) && seen.n_words == 7,
           "the default observer is no word");
+    CHECK_TEXT(seen.words[6], "--full-scale=65535",
+               "the standard has a full scale, so that phong "
+               "shading is never refused");
     cost_entry_free(&seen);
 }
 
@@ -106,12 +107,8 @@ static void csv(void)
     struct cost cost = {.entries = entries, .n = 1};
     struct error err = {.status = EXIT_AGREED};
     const struct configuration configuration = {.sampling = "rgb", .tessellation = 1};
-    char *text = NULL;
-    size_t length;
-    FILE *stream = open_memstream(&text, &length);
     configuration_entry(&configuration, "a \"film\".csv", &entries[0], &err);
-    cost_print_csv(&cost, stream);
-    fclose(stream);
+    char *text = cost_csv(&cost);
     CHECK_TEXT(strchr(text, '\n') + 1,
                "\"rgb smooth\",\"--sampling=rgb --detector=a \"\"film\"\".csv --shading=smooth "
                "--renderer=raster --no-check\",2,1,3,0.05,0.1,0.2,,0,0\n",

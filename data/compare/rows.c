@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: MIT */
+/* Reads a stack in chunks of rows, and finds how an observer weighs its pages. */
+#include <stdlib.h>
+
+#include "data/base/base.h"
+#include "data/compare/compare.h"
+#include "data/spectra/spectra.h"
+#include "data/stack/stack.h"
+#include "data/tiff/tiff.h"
+#include "spectral.h"
+
+bool rows_allocate(struct stack_rows *rows, size_t most_samples, struct error *err)
+{
+    const size_t n_pages = (size_t)rows->cube.image.n_pages;
+    const size_t width = (size_t)rows->cube.image.width, height = (size_t)rows->cube.image.height;
+    const size_t fitting = most_samples / (n_pages * width);
+    const size_t n = fitting < 1 ? 1 : fitting < height ? fitting : height;
+    rows->most = (int)n;
+    rows->stride = n * width;
+    rows->samples = calloc(n_pages * rows->stride, sizeof *rows->samples);
+    return rows->samples || error_memory(err);
+}
+
+bool rows_read(struct stack_rows *rows, int first, struct error *err)
+{
+    const int left = rows->cube.image.height - first;
+    rows->first = first;
+    rows->n = left < rows->most ? left : rows->most;
+    for (int page = 0; page < rows->cube.image.n_pages; page++)
+        if (!image_read(&rows->cube.image, page, first, rows->n,
+                        rows->samples + (size_t)page * rows->stride, err))
+            return false;
+    return true;
+}
+
+void rows_close(struct stack_rows *rows)
+{
+    cube_close(&rows->cube);
+    free(rows->samples);
+    rows->samples = NULL;
+}
+
+bool sight_make(const struct cube *cube, const char *observer, const struct white_request *white,
+                struct sight *out, struct error *err)
+{
+    struct detector detector = {.name = NULL};
+    out->weights = calloc(3 * (size_t)cube->image.n_pages, sizeof *out->weights);
+    if (!out->weights)
+        return error_memory(err);
+    const bool done =
+        observer_read(observer, &detector, err) &&
+        cube_weights(cube, &detector, out->weights, err) &&
+        cube_white_response(cube, white, out->weights, &out->has_white, out->white, err);
+    detector_free(&detector);
+    return done;
+}
+
+void sight_free(struct sight *sight)
+{
+    free(sight->weights);
+    sight->weights = NULL;
+}

@@ -1,0 +1,351 @@
+/* SPDX-License-Identifier: MIT */
+/* The standard, and the difference of a configuration's stack from it.
+ *
+ * render draws the standard as it draws any configuration: a stack of floats with a page at every
+ * nm. That stack is too large to be read again for each measurement, so a summary is kept in a file
+ * instead: a struct standard; a struct standard_pixel of each pixel, row by row; and the radiances
+ * at every nm of a lattice of pixels, again row by row. The lattice is every step-th pixel of every
+ * step-th row.
+ *
+ * A float is off by up to 6e-8 of a radiance, which moves L*, a* and b* by some 1e-6. Only errors
+ * of that size, of stacks of floats, are measured less exactly by this. */
+#include <errno.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/colour/colour.h"
+#include "data/compare/compare.h"
+#include "data/sampling/sampling.h"
+#include "data/spectra/spectra.h"
+#include "data/stack/stack.h"
+#include "raster/cost/cost.h"
+#include "spectral.h"
+
+/* The lattice has about so many points. */
+static const double lattice_pixels = 2500;
+
+/* Samples of a chunk of rows: 8 MiB. */
+static const size_t chunk_samples = (size_t)1 << 21;
+
+struct standard {
+    int width, height;
+    double white[3]; /* XYZ of the lights, or of a radiance of 1 where the observer sees none */
+    double first_nm;
+    int n_nm;
+    int step, columns; /* of the lattice */
+};
+struct standard_pixel {
+    double lab[3];
+    bool shown; /* an object; not the background */
+};
+
+/* Reads a stack, and writes or reads the summary beside it. */
+struct walk {
+    const struct standard_request *request;
+    struct standard standard;
+    struct stack_rows rows;
+    struct sight sight;
+    FILE *summary;
+    bool writes; /* writes the summary; otherwise reads it */
+    int threads;
+    struct standard_pixel *pixels; /* of a chunk */
+    float *lattice;                /* [column][nm]: of a row of the lattice */
+    float *pages;                  /* [column][page]: the same of the stack */
+    /* While a stack is compared: */
+    double *linear;          /* synthesis of a stack without sampling */
+    const double *synthesis; /* radiances at every nm from pages, [nm][page]; NULL: there is none */
+    double (*squares)[2];    /* [column]: of the errors of radiances, and of radiances */
+    double error, all;       /* the sums of these squares */
+    float *differences;      /* of the pixels so far in which either picture shows an object */
+    size_t n_differences;
+};
+
+static bool open_walk(struct walk *walk, struct error *err)
+{
+    const struct standard_request *request = walk->request;
+    const struct white_request white = {NULL, false};
+    walk->threads = threads_start(request->threads);
+    if (!cube_open(request->stack, &walk->rows.cube, err) ||
+        !rows_allocate(&walk->rows, chunk_samples, err) ||
+        !sight_make(&walk->rows.cube, request->observer, &white, &walk->sight, err))
+        return false;
+    errno = 0;
+    walk->summary = fopen(request->summary, walk->writes ? "wb" : "rb");
+    return walk->summary || error_system(err, "cannot open %s", request->summary);
+}
+
+/* Writes n elements to the summary, or reads them. */
+static bool pass(const struct walk *walk, void *elements, size_t size, size_t n, struct error *err)
+{
+    errno = 0;
+    const size_t passed = walk->writes ? fwrite(elements, size, n, walk->summary)
+                                       : fread(elements, size, n, walk->summary);
+    return passed == n || error_system(err, "cannot %s %s", walk->writes ? "write" : "read",
+                                       walk->request->summary);
+}
+
+static bool pass_pixels(const struct walk *walk, struct error *err)
+{
+    return pass(walk, walk->pixels, sizeof *walk->pixels,
+                (size_t)walk->rows.n * (size_t)walk->standard.width, err);
+}
+
+static bool pass_lattice(const struct walk *walk, struct error *err)
+{
+    return pass(walk, walk->lattice, sizeof *walk->lattice,
+                (size_t)walk->standard.columns * (size_t)walk->standard.n_nm, err);
+}
+
+/* Passes the struct standard, which holds the sizes of the arrays. */
+static bool allocate(struct walk *walk, struct error *err)
+{
+    struct standard *standard = &walk->standard;
+    if (!pass(walk, standard, sizeof *standard, 1, err))
+        return false;
+    const size_t columns = (size_t)standard->columns, n_nm = (size_t)standard->n_nm;
+    const size_t n_pages = (size_t)walk->rows.cube.image.n_pages;
+    const size_t n_pixels = (size_t)standard->width * (size_t)standard->height;
+    walk->pixels = calloc(walk->rows.stride, sizeof *walk->pixels);
+    walk->lattice = calloc(columns * n_nm, sizeof *walk->lattice);
+    walk->pages = calloc(columns * n_pages, sizeof *walk->pages);
+    walk->squares = calloc(columns, sizeof *walk->squares);
+    walk->differences = calloc(n_pixels, sizeof *walk->differences);
+    return (walk->pixels && walk->lattice && walk->pages && walk->squares && walk->differences) ||
+           error_memory(err);
+}
+
+static bool close_walk(struct walk *walk, struct error *err)
+{
+    errno = 0;
+    const bool closed = !walk->summary || fclose(walk->summary) == 0;
+    rows_close(&walk->rows);
+    sight_free(&walk->sight);
+    free(walk->pixels);
+    free(walk->lattice);
+    free(walk->pages);
+    free(walk->linear);
+    free(walk->squares);
+    free(walk->differences);
+    return closed || error_system(err, "cannot write %s", walk->request->summary);
+}
+
+/* Calls a function for each chunk of rows, and then one for each row of the lattice. */
+static bool walk_rows(struct walk *walk, bool (*chunk)(struct walk *walk, struct error *err),
+                      bool (*lattice_row)(struct walk *walk, struct error *err), struct error *err)
+{
+    for (int y = 0; y < walk->standard.height; y += walk->rows.most)
+        if (!rows_read(&walk->rows, y, err) || !chunk(walk, err))
+            return false;
+    walk->rows.most = 1;
+    for (int y = 0; y < walk->standard.height; y += walk->standard.step)
+        if (!rows_read(&walk->rows, y, err) || !lattice_row(walk, err))
+            return false;
+    return true;
+}
+
+/* Finds XYZ of a pixel of the chunk. Returns whether any of X, Y and Z is not 0. */
+static bool find_xyz(const struct walk *walk, size_t pixel, double xyz[3])
+{
+    const size_t n_pages = (size_t)walk->rows.cube.image.n_pages;
+    const float *sample = walk->rows.samples + pixel;
+    xyz[0] = xyz[1] = xyz[2] = 0;
+    for (size_t page = 0; page < n_pages; page++, sample += walk->rows.stride)
+        for (size_t c = 0; c < 3; c++)
+            xyz[c] += walk->sight.weights[c * n_pages + page] * (double)*sample;
+    return fabs(xyz[0]) > 0 || fabs(xyz[1]) > 0 || fabs(xyz[2]) > 0;
+}
+
+/* Copies the samples of the lattice's pixels in the current row: out[column * n_pages + page]. */
+static void copy_lattice(const struct walk *walk, float *out)
+{
+    for (int x = 0; x < walk->standard.width; x += walk->standard.step)
+        for (int page = 0; page < walk->rows.cube.image.n_pages; page++)
+            *out++ = walk->rows.samples[(size_t)page * walk->rows.stride + (size_t)x];
+}
+
+/* ---- the summary ---- */
+
+static bool find_shown(struct walk *walk, struct error *err)
+{
+    struct standard_pixel *pixel = walk->pixels;
+    const int width = walk->standard.width;
+    int *objects = calloc((size_t)width, sizeof *objects);
+    bool done = objects || error_memory(err);
+    for (int row = 0; done && row < walk->rows.n; row++) {
+        done = cube_objects(&walk->rows.cube, 0, walk->rows.first + row, width, objects, err);
+        for (int x = 0; x < width; x++, pixel++)
+            pixel->shown = objects[x] > 0;
+    }
+    free(objects);
+    return done;
+}
+
+static bool summarize_chunk(struct walk *walk, struct error *err)
+{
+    const int n_pixels = walk->rows.n * walk->standard.width;
+    if (!find_shown(walk, err))
+        return false;
+#pragma omp parallel for num_threads(walk->threads)
+    for (int i = 0; i < n_pixels; i++) {
+        struct standard_pixel *pixel = &walk->pixels[i];
+        double xyz[3];
+        pixel->shown = find_xyz(walk, (size_t)i, xyz) || pixel->shown;
+        cielab(xyz, walk->standard.white, pixel->lab);
+    }
+    return pass_pixels(walk, err);
+}
+
+static bool summarize_lattice(struct walk *walk, struct error *err)
+{
+    copy_lattice(walk, walk->lattice);
+    return pass_lattice(walk, err);
+}
+
+/* Returns whether the observer sees some light. */
+static bool describe(struct walk *walk)
+{
+    const struct image *image = &walk->rows.cube.image;
+    const double pixels = (double)image->width * (double)image->height;
+    const int step = (int)ceil(sqrt(pixels / lattice_pixels));
+    const double *white = walk->sight.white;
+    const bool lit = walk->sight.has_white && (white[0] > 0 || white[1] > 0 || white[2] > 0);
+    walk->standard = (struct standard){.width = image->width,
+                                       .height = image->height,
+                                       .first_nm = image->wavelengths_nm[0],
+                                       .n_nm = image->n_pages,
+                                       .step = step,
+                                       .columns = (image->width + step - 1) / step};
+    detector_response(walk->sight.weights, NULL, image->n_pages, walk->standard.white);
+    if (lit)
+        memcpy(walk->standard.white, white, sizeof walk->standard.white);
+    return lit;
+}
+
+bool standard_summarize(const struct standard_request *request, bool *lit, struct error *err)
+{
+    struct walk walk = {.request = request, .writes = true};
+    bool done = open_walk(&walk, err);
+    *lit = done && describe(&walk);
+    done =
+        done && allocate(&walk, err) && walk_rows(&walk, summarize_chunk, summarize_lattice, err);
+    return close_walk(&walk, err) && done;
+}
+
+/* ---- the difference of a stack ---- */
+
+/* Returns CIEDE2000 at a pixel of the chunk; -1: neither picture shows an object. */
+static float difference_at(const struct walk *walk, size_t pixel)
+{
+    double xyz[3], lab[3];
+    if (!find_xyz(walk, pixel, xyz) && !walk->pixels[pixel].shown)
+        return -1;
+    cielab(xyz, walk->standard.white, lab);
+    return (float)ciede2000_difference(walk->pixels[pixel].lab, lab);
+}
+
+/* Keeps the differences of pixels that show an object. */
+static bool compare_chunk(struct walk *walk, struct error *err)
+{
+    const int n_pixels = walk->rows.n * walk->standard.width;
+    float *differences = walk->differences + walk->n_differences;
+    size_t n = 0;
+    if (!pass_pixels(walk, err))
+        return false;
+#pragma omp parallel for num_threads(walk->threads)
+    for (int i = 0; i < n_pixels; i++)
+        differences[i] = difference_at(walk, (size_t)i);
+    for (int i = 0; i < n_pixels; i++)
+        if (differences[i] >= 0)
+            differences[n++] = differences[i];
+    walk->n_differences += n;
+    return true;
+}
+
+/* Sums up squares at a pixel of the lattice, over every nm. */
+static void square(const struct walk *walk, int column)
+{
+    const int n_pages = walk->rows.cube.image.n_pages, n_nm = walk->standard.n_nm;
+    const double *synthesis = walk->synthesis;
+    const float *pages = walk->pages + (size_t)column * (size_t)n_pages;
+    const float *expected = walk->lattice + (size_t)column * (size_t)n_nm;
+    double *squares = walk->squares[column];
+    squares[0] = squares[1] = 0;
+    for (int j = 0; j < n_nm; j++, synthesis += n_pages) {
+        double radiance = 0;
+        for (int page = 0; page < n_pages; page++)
+            radiance += synthesis[page] * (double)pages[page];
+        const double error = radiance - (double)expected[j];
+        squares[0] += error * error;
+        squares[1] += (double)expected[j] * (double)expected[j];
+    }
+}
+
+/* Adds the sums in the order of the columns, so that the number of threads does not matter. */
+static bool compare_lattice(struct walk *walk, struct error *err)
+{
+    const int columns = walk->standard.columns;
+    if (!walk->synthesis)
+        return true;
+    if (!pass_lattice(walk, err))
+        return false;
+    copy_lattice(walk, walk->pages);
+#pragma omp parallel for num_threads(walk->threads)
+    for (int column = 0; column < columns; column++)
+        square(walk, column);
+    for (int column = 0; column < columns; column++) {
+        walk->error += walk->squares[column][0];
+        walk->all += walk->squares[column][1];
+    }
+    return true;
+}
+
+/* Without a sampling, radiances are linear between the wavelengths of the stack. */
+static bool find_synthesis(struct walk *walk, struct error *err)
+{
+    const struct image *image = &walk->rows.cube.image;
+    const struct sampling *sampling = sampling_or_none(walk->request->sampling);
+    if (!sampling)
+        walk->linear = linear_synthesis(image->wavelengths_nm, image->n_pages,
+                                        walk->standard.first_nm, walk->standard.n_nm, err);
+    walk->synthesis = sampling ? sampling->synthesis : walk->linear;
+    return sampling || walk->linear;
+}
+
+static int by_size(const void *a, const void *b)
+{
+    const float one = *(const float *)a, two = *(const float *)b;
+    return (one > two) - (one < two);
+}
+
+/* Computes the mean, the quantile and the errors. A black picture of a black scene has no error. */
+static void conclude(const struct walk *walk, struct accuracy *out)
+{
+    const struct cube *cube = &walk->rows.cube;
+    const size_t n = walk->n_differences;
+    double sum = 0;
+    qsort(walk->differences, n, sizeof *walk->differences, by_size);
+    for (size_t i = 0; i < n; i++)
+        sum += (double)walk->differences[i];
+    *out = (struct accuracy){.n_pages = cube->image.n_pages, .spectral = !cube->components};
+    if (n > 0) {
+        out->mean = sum / (double)n;
+        out->quantile_95 = (double)walk->differences[n - n / 20 - 1];
+        out->largest = (double)walk->differences[n - 1];
+    }
+    out->radiance = !walk->synthesis  ? (double)NAN
+                    : walk->error > 0 ? sqrt(walk->error / walk->all)
+                                      : 0;
+}
+
+bool standard_compare(const struct standard_request *request, struct accuracy *out,
+                      struct error *err)
+{
+    struct walk walk = {.request = request};
+    const bool done = open_walk(&walk, err) && allocate(&walk, err) && find_synthesis(&walk, err) &&
+                      walk_rows(&walk, compare_chunk, compare_lattice, err);
+    if (done)
+        conclude(&walk, out);
+    return close_walk(&walk, err) && done;
+}
