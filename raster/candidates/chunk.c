@@ -440,44 +440,6 @@ static bool find_candidates(const struct lit_scene *lit, const struct rectangle 
     return done;
 }
 
-int chunk_count(const struct rectangle *tile)
-{
-    return (tile->height + CHUNK_ROWS - 1) / CHUNK_ROWS;
-}
-
-struct rectangle chunk_rows(const struct rectangle *tile, int index)
-{
-    struct rectangle rows = *tile;
-    rows.y += index * CHUNK_ROWS;
-    rows.height = tile->height - index * CHUNK_ROWS;
-    if (rows.height > CHUNK_ROWS)
-        rows.height = CHUNK_ROWS;
-    return rows;
-}
-
-bool chunks_each(const struct rectangle *tile, int threads,
-                 bool (*work)(void *context, const struct rectangle *tile, int index,
-                              struct error *err),
-                 void *context, struct error *err)
-{
-    const int n = chunk_count(tile);
-    bool failed = false;
-    (void)threads; /* without OpenMP */
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-    for (int i = 0; i < n; i++) {
-        struct error own = {.status = EXIT_AGREED};
-        if (work(context, tile, i, &own))
-            continue;
-#pragma omp critical
-        {
-            if (!failed)
-                *err = own;
-            failed = true;
-        }
-    }
-    return !failed;
-}
-
 bool chunk_draw(const struct lit_scene *lit, const struct rectangle *tile, int index,
                 struct chunk *out, struct error *err)
 {

@@ -23,8 +23,6 @@ struct region {
     struct plan plan; /* the caller's, but with samples that are radiances */
     struct lit_scene lit;
     double full_scale;
-    struct chunk *chunks; /* of the current tile */
-    int n_chunks;
     float *samples;          /* of a chunk */
     struct moments *moments; /* of each band */
     struct probe *probe;
@@ -42,30 +40,23 @@ static void note_surface(struct region *region, int surface)
     region->several = region->several || surface != region->surface;
 }
 
-static bool rasterize_chunks(struct region *region, const struct rectangle *tile, struct error *err)
+static void note_surfaces(struct region *region, const struct tile *tile)
 {
-    region->n_chunks = chunk_count(tile);
-    region->chunks = calloc((size_t)region->n_chunks, sizeof *region->chunks);
-    if (!region->chunks)
-        return error_memory(err);
-    for (int i = 0; i < region->n_chunks; i++) {
-        struct chunk *chunk = &region->chunks[i];
-        if (!chunk_draw(&region->lit, tile, i, chunk, err))
-            return false;
-        for (int pixel = 0; pixel < chunk->picture.at.width * chunk->picture.at.height; pixel++)
-            note_surface(region, chunk->picture.surface[pixel]);
+    for (int i = 0; i < tile->n_chunks; i++) {
+        const struct picture *picture = &tile->chunks[i].picture;
+        for (int pixel = 0; pixel < picture->at.width * picture->at.height; pixel++)
+            note_surface(region, picture->surface[pixel]);
     }
-    return true;
 }
 
-static bool add_band(struct region *region, int band, struct error *err)
+static bool add_band(struct region *region, const struct tile *tile, int band, struct error *err)
 {
-    for (int i = 0; i < region->n_chunks; i++) {
-        const struct chunk *chunk = &region->chunks[i];
-        const size_t n = (size_t)chunk->picture.at.width * (size_t)chunk->picture.at.height;
+    for (int i = 0; i < tile->n_chunks; i++) {
+        const struct picture *picture = &tile->chunks[i].picture;
+        const size_t n = (size_t)picture->at.width * (size_t)picture->at.height;
         const struct stored_band stored = {&region->plan, band, region->full_scale,
                                            region->samples};
-        const struct odd_samples odd = store_reference(&stored, &region->lit, &chunk->picture);
+        const struct odd_samples odd = store_reference(&stored, &region->lit, picture);
         if (odd.undefined > 0)
             return error_usage(err, "%s: a radiance there is not finite", region->probe->source);
         moments_add(&region->moments[band], region->samples, n);
@@ -73,34 +64,23 @@ static bool add_band(struct region *region, int band, struct error *err)
     return true;
 }
 
-static void free_chunks(struct region *region)
+static bool inspect_tile(void *context, const struct tile *tile, struct error *err)
 {
-    for (int i = 0; region->chunks && i < region->n_chunks; i++)
-        chunk_free(&region->chunks[i]);
-    free(region->chunks);
-    region->chunks = NULL;
+    struct region *region = context;
+    note_surfaces(region, tile);
+    for (int band = 0; band < region->plan.n_bands; band++)
+        if ((band % BANDS_PER_PASS == 0 && !plan_load_textures(&region->plan, band, err)) ||
+            !add_band(region, tile, band, err))
+            return false;
+    return true;
 }
 
-static bool inspect_tile(struct region *region, const struct rectangle *tile, struct error *err)
-{
-    bool done = rasterize_chunks(region, tile, err);
-    for (int band = 0; done && band < region->plan.n_bands; band++)
-        done = (band % BANDS_PER_PASS != 0 || plan_load_textures(&region->plan, band, err)) &&
-               add_band(region, band, err);
-    free_chunks(region);
-    return done;
-}
-
-/* Tiles are no larger than the plan's, which bound the memory. */
-static bool inspect_tiles(struct region *region, struct error *err)
+static bool inspect_pixels(struct region *region, struct error *err)
 {
     const struct probe *probe = region->probe;
     const struct rectangle whole = {probe->x, probe->y, probe->width, probe->height};
-    for (int i = 0; i < plan_tiles(&region->plan, &whole); i++) {
-        const struct rectangle tile = plan_tile(&region->plan, &whole, i);
-        if (!inspect_tile(region, &tile, err))
-            return false;
-    }
+    if (!tiles_each(&region->lit, &whole, inspect_tile, region, err))
+        return false;
     for (int band = 0; band < probe->n; band++)
         moments_end(&region->moments[band], &probe->mean[band], &probe->spread[band]);
     return true;
@@ -226,7 +206,7 @@ static bool inspect(struct region *region, struct error *err)
         return error_memory(err);
     return lit_make(plan, driver_of(NULL), &region->lit, &work, err) &&
            find_full_scale(&region->lit, &region->full_scale, &clips, err) &&
-           inspect_tiles(region, err) && add_curves(region, err);
+           inspect_pixels(region, err) && add_curves(region, err);
 }
 
 bool probe_scene(const struct plan *plan, const struct probe_options *options, struct probe *out,

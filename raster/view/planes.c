@@ -65,24 +65,21 @@ static void put_pixel(const struct lit_scene *lit, const struct picture *picture
         planes->place[i][to] = *weight;
 }
 
-struct painting {
-    const struct lit_scene *lit;
-    struct planes *planes;
-};
-
-static bool put_chunk(void *context, const struct rectangle *tile, int index, struct error *err)
+static bool put_tile(void *context, const struct tile *tile, struct error *err)
 {
-    const struct painting *of = context;
-    struct chunk chunk;
-    bool done = chunk_draw(of->lit, tile, index, &chunk, err);
-    const struct rectangle *at = &chunk.picture.at;
-    for (int y = 0; done && y < at->height; y++)
-        for (int x = 0; x < at->width; x++)
-            put_pixel(
-                of->lit, &chunk.picture, (size_t)y * (size_t)at->width + (size_t)x, of->planes,
-                (size_t)(at->y + y) * (size_t)of->lit->plan->scene->width + (size_t)(at->x + x));
-    chunk_free(&chunk);
-    return done;
+    const struct plan *plan = tile->lit->plan;
+    struct planes *planes = context;
+    (void)err;
+#pragma omp parallel for schedule(dynamic) num_threads(plan->options.threads)
+    for (int i = 0; i < tile->n_chunks; i++) {
+        const struct picture *picture = &tile->chunks[i].picture;
+        const struct rectangle *at = &picture->at;
+        for (int y = 0; y < at->height; y++)
+            for (int x = 0; x < at->width; x++)
+                put_pixel(tile->lit, picture, (size_t)y * (size_t)at->width + (size_t)x, planes,
+                          (size_t)(at->y + y) * (size_t)plan->scene->width + (size_t)(at->x + x));
+    }
+    return true;
 }
 
 /* Puts the values of one texture at its own wavelengths into the pixels that show it. */
@@ -107,13 +104,9 @@ static bool put_texture(const struct plan *plan, struct texture *texture, struct
 static bool put_picture(const struct lit_scene *lit, struct planes *planes, struct error *err)
 {
     const struct plan *plan = lit->plan;
-    struct painting of = {lit, planes};
     const struct rectangle picture = plan_picture(plan);
-    for (int i = 0; i < plan_tiles(plan, &picture); i++) {
-        const struct rectangle tile = plan_tile(plan, &picture, i);
-        if (!chunks_each(&tile, plan->options.threads, put_chunk, &of, err))
-            return false;
-    }
+    if (!tiles_each(lit, &picture, put_tile, planes, err))
+        return false;
     for (int i = 0; i < plan->n_textures; i++)
         if (plan->textures[i].spectral && !put_texture(plan, &plan->textures[i], planes, err))
             return false;
