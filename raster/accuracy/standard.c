@@ -87,33 +87,23 @@ struct renderer {
     struct standard *standard;
     double *weights; /* of the observer, at each nm */
     int file;
-    double *spectra;      /* of the lattice */
-    struct chunk *chunks; /* of the current tile, and XYZ of each pixel */
+    double *spectra;         /* of the lattice */
+    const struct tile *tile; /* the current one, and XYZ of the pixels of its chunks */
     double (**xyz)[3];
-    int n_chunks;
 };
 
-static bool rasterize_chunk(void *context, const struct rectangle *tile, int index,
-                            struct error *err)
+static bool allocate_colours(struct renderer *renderer, struct error *err)
 {
-    struct renderer *renderer = context;
-    struct chunk *chunk = &renderer->chunks[index];
-    if (!chunk_draw(&renderer->lit, tile, index, chunk, err))
-        return false;
-    const size_t n = (size_t)chunk->picture.at.width * (size_t)chunk->picture.at.height;
-    renderer->xyz[index] = calloc(n, sizeof *renderer->xyz[index]);
-    return renderer->xyz[index] || error_memory(err);
-}
-
-static bool rasterize_tile(struct renderer *renderer, const struct rectangle *tile,
-                           struct error *err)
-{
-    renderer->n_chunks = chunk_count(tile);
-    renderer->chunks = calloc((size_t)renderer->n_chunks, sizeof *renderer->chunks);
-    renderer->xyz = calloc((size_t)renderer->n_chunks, sizeof *renderer->xyz);
-    if (!renderer->chunks || !renderer->xyz)
-        return error_memory(err);
-    return chunks_each(tile, renderer->plan.options.threads, rasterize_chunk, renderer, err);
+    const struct tile *tile = renderer->tile;
+    renderer->xyz = calloc((size_t)tile->n_chunks, sizeof *renderer->xyz);
+    for (int i = 0; renderer->xyz && i < tile->n_chunks; i++) {
+        const struct rectangle *at = &tile->chunks[i].picture.at;
+        const size_t n = (size_t)at->width * (size_t)at->height;
+        renderer->xyz[i] = calloc(n, sizeof *renderer->xyz[i]);
+        if (!renderer->xyz[i])
+            return error_memory(err);
+    }
+    return renderer->xyz || error_memory(err);
 }
 
 /* Adds the radiances of a run of pixels in a band to XYZ of these pixels, and keeps those on the
@@ -122,7 +112,7 @@ static void add_radiances(struct renderer *renderer, int index, size_t at, size_
                           const double *radiance)
 {
     const struct standard *standard = renderer->standard;
-    const struct rectangle *rows = &renderer->chunks[index].picture.at;
+    const struct rectangle *rows = &renderer->tile->chunks[index].picture.at;
     const double *weight = renderer->weights + band;
     double(*xyz)[3] = renderer->xyz[index] + at;
     for (size_t i = 0; i < n; i++)
@@ -140,7 +130,7 @@ static void add_radiances(struct renderer *renderer, int index, size_t at, size_
 /* At this full scale counts are radiances. */
 static void add_band(struct renderer *renderer, int index, int band)
 {
-    const struct chunk *chunk = &renderer->chunks[index];
+    const struct chunk *chunk = &renderer->tile->chunks[index];
     const size_t n_pixels = (size_t)chunk->picture.at.width * (size_t)chunk->picture.at.height;
     double radiance[BLOCK];
     for (size_t at = 0, n; at < n_pixels; at += n) {
@@ -161,7 +151,7 @@ static bool add_bands(struct renderer *renderer, struct error *err)
         if (!plan_load_textures(&renderer->plan, first, err))
             return false;
 #pragma omp parallel for schedule(dynamic) num_threads(renderer->plan.options.threads)
-        for (int i = 0; i < renderer->n_chunks; i++)
+        for (int i = 0; i < renderer->tile->n_chunks; i++)
             for (int band = first; band < first + BANDS_PER_PASS && band < renderer->plan.n_bands;
                  band++)
                 add_band(renderer, i, band);
@@ -173,7 +163,7 @@ static bool add_bands(struct renderer *renderer, struct error *err)
 static bool store_chunk(struct renderer *renderer, int index)
 {
     const struct standard *standard = renderer->standard;
-    const struct chunk *chunk = &renderer->chunks[index];
+    const struct chunk *chunk = &renderer->tile->chunks[index];
     const size_t width = (size_t)chunk->picture.at.width;
     unsigned char *shown = calloc(width, 1);
     bool done = shown != NULL;
@@ -199,36 +189,20 @@ static bool store_chunks(struct renderer *renderer, struct error *err)
     bool done = true;
 #pragma omp parallel for schedule(dynamic) num_threads(renderer->plan.options.threads) \
     reduction(&& : done)
-    for (int i = 0; i < renderer->n_chunks; i++)
+    for (int i = 0; i < renderer->tile->n_chunks; i++)
         done = store_chunk(renderer, i) && done;
     return done || error_system(err, "cannot store the reference picture");
 }
 
-static void free_tile(struct renderer *renderer)
+static bool render_tile(void *context, const struct tile *tile, struct error *err)
 {
-    for (int i = 0; i < renderer->n_chunks; i++) {
-        if (renderer->chunks)
-            chunk_free(&renderer->chunks[i]);
-        if (renderer->xyz)
-            free(renderer->xyz[i]);
-    }
-    free(renderer->chunks);
+    struct renderer *renderer = context;
+    renderer->tile = tile;
+    const bool done =
+        allocate_colours(renderer, err) && add_bands(renderer, err) && store_chunks(renderer, err);
+    for (int i = 0; renderer->xyz && i < tile->n_chunks; i++)
+        free(renderer->xyz[i]);
     free(renderer->xyz);
-    renderer->chunks = NULL;
-    renderer->xyz = NULL;
-    renderer->n_chunks = 0;
-}
-
-static bool render_tiles(struct renderer *renderer, struct error *err)
-{
-    const struct rectangle picture = plan_picture(&renderer->plan);
-    bool done = true;
-    for (int i = 0; done && i < plan_tiles(&renderer->plan, &picture); i++) {
-        const struct rectangle tile = plan_tile(&renderer->plan, &picture, i);
-        done = rasterize_tile(renderer, &tile, err) && add_bands(renderer, err) &&
-               store_chunks(renderer, err);
-        free_tile(renderer);
-    }
     return done;
 }
 
@@ -281,6 +255,7 @@ static bool render_picture(const struct scene *scene, const char *observer,
                            struct renderer *renderer, struct error *err)
 {
     struct standard *standard = renderer->standard;
+    const struct rectangle picture = plan_picture(&renderer->plan);
     struct light_work work;
     renderer->spectra = calloc(standard_lattice_points(standard) * (size_t)standard->n_nm,
                                sizeof *renderer->spectra);
@@ -289,7 +264,7 @@ static bool render_picture(const struct scene *scene, const char *observer,
     errno = 0;
     return find_weights(scene, observer, renderer, err) && find_white(scene, renderer, err) &&
            lit_make(&renderer->plan, driver_of(NULL), &renderer->lit, &work, err) &&
-           render_tiles(renderer, err) &&
+           tiles_each(&renderer->lit, &picture, render_tile, renderer, err) &&
            (write_at(renderer->file, standard_offset_of_lattice(standard), renderer->spectra,
                      standard_lattice_points(standard) * (size_t)standard->n_nm *
                          sizeof *renderer->spectra) ||

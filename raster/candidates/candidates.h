@@ -102,22 +102,16 @@ struct chunk {
     float *candidate_errors;
     size_t n_ambiguous, n_candidates, n_numbers;
 };
-/* Draws a chunk, and finds its candidates where the plan asks for a check. Results do not depend on
- * how a picture is cut into chunks. chunk_free accepts what a failure left. */
+/* Draws chunk `index`, counted from the top, of a tile: CHUNK_ROWS rows, fewer in the last chunk.
+ * Finds its candidates if the plan asks for a check. A plan that neither checks nor stores the
+ * reference's pixels gets no picture: only picture.at is set. Results do not depend on how a
+ * picture is cut into chunks. False: no memory. chunk_free accepts what a failure left. */
 bool chunk_draw(const struct lit_scene *lit, const struct rectangle *tile, int index,
-                struct chunk *out, struct error *err);
+                struct chunk *out);
 void chunk_free(struct chunk *chunk);
 
 /* ---- tiles.c: the loop over tiles ---- */
 
-int chunk_count(const struct rectangle *tile);
-/* Does `work` of each chunk of a tile, by so many threads; fails with the first that fails. */
-bool chunks_each(const struct rectangle *tile, int threads,
-                 bool (*work)(void *context, const struct rectangle *tile, int index,
-                              struct error *err),
-                 void *context, struct error *err);
-/* The rows of a tile's chunk: CHUNK_ROWS of them, fewer in the last one. */
-struct rectangle chunk_rows(const struct rectangle *tile, int index);
 /* A tile of a region of the picture. */
 struct tile {
     const struct lit_scene *lit;
@@ -125,10 +119,8 @@ struct tile {
     struct chunk *chunks; /* from the top */
     int n_chunks;
 };
-/* Calls `work` once for each tile of a region of the plan's picture, row by row. The chunks of the
- * tile are drawn, by the plan's threads, and freed after the call. A plan that neither checks nor
- * stores the reference's pixels leaves them undrawn: only picture.at is set. Stops at the first
- * failure. */
+/* Calls `work` for each tile of a region of the plan's picture, row by row. Its chunks are drawn
+ * before the call, by the plan's threads, and freed after it. Stops at the first failure. */
 bool tiles_each(const struct lit_scene *lit, const struct rectangle *region,
                 bool (*work)(void *context, const struct tile *tile, struct error *err),
                 void *context, struct error *err);

@@ -23,6 +23,7 @@ struct attribute_bound {
 struct bounded_pixel {
     const struct bounded_triangle *triangle;
     const struct surface *surface;
+    const struct shaded_material *shaded;
     const float *corner[3], *provoking; /* errors of its vertices */
     double *attributes;                 /* these four have room for those of any surface */
     float *errors, *interpolation, *slopes;
@@ -57,22 +58,20 @@ enum { CUT_ROUNDINGS = 18 };
 /* The bound of one attribute in one clipped triangle: of its interpolation, and by how much
  * position errors magnify those of its vertices. Where the triangle has no bound, its values'
  * range. */
-static struct colour_bound clipped_bound(const struct bounding *bounding,
-                                         const struct bounded_triangle *triangle,
+static struct colour_bound clipped_bound(const struct bounded_pixel *pixel,
                                          const struct clipped_triangle *clipped, size_t attribute)
 {
-    const struct screen_triangle *screen = &triangle->screen;
-    const struct surface *surface = screen->surface;
-    const float *errors = bounds_of(bounding->fragments.lit, screen)->errors;
+    const struct screen_triangle *screen = &pixel->triangle->screen;
+    const struct surface *surface = pixel->surface;
     double values[3] = {0, 0, 0}, e_vertex = 0, largest = 0, magnification = clipped->magnification;
     for (int j = 0; j < 3; j++) {
         size_t at = surface_attributes(surface, screen->vertex[j], screen->side) + attribute;
         for (int c = 0; c < 3; c++)
             values[c] += clipped->share[c][j] * surface->weights[at];
-        e_vertex = fmax(e_vertex, (double)errors[at]);
+        e_vertex = fmax(e_vertex, (double)pixel->corner[j][attribute]);
         largest = fmax(largest, fabs(surface->weights[at]));
     }
-    double e_cut = triangle->straddles ? CUT_ROUNDINGS * largest / 16777216 : 0;
+    double e_cut = pixel->triangle->straddles ? CUT_ROUNDINGS * largest / 16777216 : 0;
     if (!(magnification < HUGE_VAL))
         return (struct colour_bound){.constant = most_of(values) - least_of(values)};
     struct colour_bound bound = bound_colour(clipped, values);
@@ -83,16 +82,16 @@ static struct colour_bound clipped_bound(const struct bounding *bounding,
 }
 
 /* Bounds of all attributes in clipped triangle `index` of a triangle. */
-static const struct attribute_bound *
-attribute_bounds(struct bounding *bounding, const struct bounded_triangle *triangle, int32_t index)
+static const struct attribute_bound *attribute_bounds(struct bounding *bounding, int32_t index)
 {
-    const struct surface *surface = bounding->pixel.surface;
-    size_t at = (size_t)(triangle->first_clipped + index);
+    const struct bounded_pixel *pixel = &bounding->pixel;
+    const struct surface *surface = pixel->surface;
+    size_t at = (size_t)(pixel->triangle->first_clipped + index);
     struct attribute_bound *bounds = bounding->bounds + at * bounding->max_attributes;
     for (size_t a = 0; a < (size_t)surface->n_attributes && !bounding->bounded[at]; a++) {
         struct colour_bound bound = {.constant = 0};
         if (!is_flat(bounding, surface, a))
-            bound = clipped_bound(bounding, triangle, &bounding->fragments.clipped[at], a);
+            bound = clipped_bound(pixel, &bounding->fragments.clipped[at], a);
         bounds[a] = (struct attribute_bound){(float)bound.constant, (float)bound.fixed,
                                              (float)bound.per_d, (float)bound.slope};
     }
@@ -117,7 +116,7 @@ static void add_bounds(struct bounding *bounding, double inverse_w, double px, d
             &bounding->fragments.clipped[pixel->triangle->first_clipped + i].inverse_w_bound;
         if (!(clipped >> i & 1))
             continue;
-        const struct attribute_bound *bounds = attribute_bounds(bounding, pixel->triangle, i);
+        const struct attribute_bound *bounds = attribute_bounds(bounding, i);
         /* where 1 / w is not known to be positive the fragment is loose */
         double least = inverse_w * (1 - of_d->per_d) - of_d->fixed;
         float over = least > 0 ? (float)(1 / least) : 0;
@@ -136,10 +135,12 @@ static void take_triangle(struct bounding *bounding, const struct bounded_triang
 {
     const struct screen_triangle *screen = &triangle->screen;
     const struct surface *surface = screen->surface;
-    const float *errors = bounds_of(bounding->fragments.lit, screen)->errors;
+    const struct surface_bounds *bounds = bounds_of(bounding->fragments.lit, screen);
+    const float *errors = bounds->errors;
     struct bounded_pixel *pixel = &bounding->pixel;
     pixel->triangle = triangle;
     pixel->surface = surface;
+    pixel->shaded = bounds->shaded;
     for (int j = 0; j < 3; j++)
         pixel->corner[j] = errors + surface_attributes(surface, screen->vertex[j], screen->side);
     pixel->provoking = errors + surface_attributes(surface, screen->provoking, screen->side);
@@ -193,21 +194,12 @@ static void take_place(struct bounded_pixel *pixel, const struct texel_point *pl
         instance->textured && !instance->varied ? texel_at(&instance->texels, place->place) : 1;
 }
 
-static const struct texture *texture_of(const struct bounding *bounding)
-{
-    const struct lit_scene *lit = bounding->fragments.lit;
-    return bounds_of(lit, &bounding->pixel.triangle->screen)->shaded->texture;
-}
-
 /* Bound on how much the radiance of the pixel changes within a pixel's width, in any wavelength.
  * The texels of a spectral texture may differ by all there is. */
-static double steepness(const struct bounding *bounding)
+static double steepness(const struct bounded_pixel *pixel)
 {
-    const struct bounded_pixel *pixel = &bounding->pixel;
     const struct instance *instance = pixel->surface->instance;
-    const struct lit_scene *lit = bounding->fragments.lit;
-    const struct spectral_term *terms =
-        bounds_of(lit, &pixel->triangle->screen)->shaded->made.terms;
+    const struct spectral_term *terms = pixel->shaded->made.terms;
     double step = 0, whole = 0;
     for (int t = 0; t < instance->n_terms; t++)
         step += (double)pixel->slopes[t] * terms[t].peak;
@@ -218,21 +210,20 @@ static double steepness(const struct bounding *bounding)
     struct texel_point near = pixel->place;
     near.e_place[0] = pixel->slopes[instance->n_terms] * (float)instance->texels.width;
     near.e_place[1] = pixel->slopes[instance->n_terms + 1] * (float)instance->texels.height;
-    double largest = texture_of(bounding)->largest;
+    double largest = pixel->shaded->texture->largest;
     if (instance->varied)
         return (step + whole * (double)(near.e_place[0] + near.e_place[1])) * largest;
     return step * pixel->value + whole * texel_error(&instance->texels, &near, largest);
 }
 
 /* Bounds on the errors of the rows of a pixel: see put_rows. */
-static void put_errors(const struct bounding *bounding, float *errors, size_t stride)
+static void put_errors(const struct bounded_pixel *pixel, float *errors, size_t stride)
 {
-    const struct bounded_pixel *pixel = &bounding->pixel;
     const struct instance *instance = pixel->surface->instance;
     double e_value = 0;
     size_t n_terms = (size_t)instance->n_terms;
     if (instance->textured && !instance->varied)
-        e_value = texel_error(&instance->texels, &pixel->place, texture_of(bounding)->largest);
+        e_value = texel_error(&instance->texels, &pixel->place, pixel->shaded->texture->largest);
     for (size_t t = 0; t < n_terms; t++) {
         double error = (double)pixel->errors[t] * (pixel->value + e_value);
         if (instance->textured)
@@ -289,7 +280,7 @@ static bool add_candidates(struct bounding *bounding, const struct fragment *fra
         take_place(&bounding->pixel, &choices[i]);
         put_rows(instance, bounding->pixel.attributes, choices[i].place,
                  out->candidate_rows + first, 1);
-        put_errors(bounding, out->candidate_errors + first, 1);
+        put_errors(&bounding->pixel, out->candidate_errors + first, 1);
         out->candidates[out->n_candidates++] = (struct candidate){
             .surface = (int32_t)(triangle->screen.surface - bounding->fragments.lit->surfaces),
             .triangle = triangle->screen.triangle,
@@ -360,8 +351,8 @@ static bool settle(struct bounding *bounding, size_t index, int x, int y)
     int n = choices_of(&bounding->pixel, choices);
     take_place(&bounding->pixel, n == 1 ? &choices[0] : &bounding->pixel.place);
     out->depth_error[index] = stored_depth_error(triangle->depth_error, out->picture.depth[index]);
-    out->steepness[index] = (float)steepness(bounding);
-    put_errors(bounding, out->errors + index, n_pixels);
+    out->steepness[index] = (float)steepness(&bounding->pixel);
+    put_errors(&bounding->pixel, out->errors + index, n_pixels);
     return n > 1;
 }
 
@@ -440,16 +431,28 @@ static bool find_candidates(const struct lit_scene *lit, const struct rectangle 
     return done;
 }
 
+/* Returns the rows of a chunk of the tile. */
+static struct rectangle chunk_rows(const struct rectangle *tile, int index)
+{
+    struct rectangle rows = *tile;
+    rows.y += index * CHUNK_ROWS;
+    rows.height = tile->height - index * CHUNK_ROWS;
+    if (rows.height > CHUNK_ROWS)
+        rows.height = CHUNK_ROWS;
+    return rows;
+}
+
 bool chunk_draw(const struct lit_scene *lit, const struct rectangle *tile, int index,
-                struct chunk *out, struct error *err)
+                struct chunk *out)
 {
     const struct plan *plan = lit->plan;
     const struct rectangle rows = chunk_rows(tile, index);
-    *out = (struct chunk){.errors = NULL};
-    return (picture_draw(&plan->view, lit->surfaces, plan->n_instances, &rows, plan->max_rows,
-                         &out->picture) &&
-            (!plan->options.check || find_candidates(lit, tile, out))) ||
-           error_memory(err);
+    *out = (struct chunk){.picture = {.at = rows}};
+    if (!plan->options.check && !plan->options.store_raster)
+        return true;
+    return picture_draw(&plan->view, lit->surfaces, plan->n_instances, &rows, plan->max_rows,
+                        &out->picture) &&
+           (!plan->options.check || find_candidates(lit, tile, out));
 }
 
 void chunk_free(struct chunk *chunk)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The loop over the tiles of a region, and over the chunks of a tile. */
+/* The loop over the tiles of a region. Threads share the chunks of a tile. */
 #include <stdlib.h>
 
 #include "raster/bounds/bounds.h"
@@ -8,63 +8,21 @@
 #include "raster/reference/reference.h"
 #include "spectral.h"
 
-int chunk_count(const struct rectangle *tile)
+static bool draw_chunks(const struct tile *tile)
 {
-    return (tile->height + CHUNK_ROWS - 1) / CHUNK_ROWS;
-}
-
-struct rectangle chunk_rows(const struct rectangle *tile, int index)
-{
-    struct rectangle rows = *tile;
-    rows.y += index * CHUNK_ROWS;
-    rows.height = tile->height - index * CHUNK_ROWS;
-    if (rows.height > CHUNK_ROWS)
-        rows.height = CHUNK_ROWS;
-    return rows;
-}
-
-bool chunks_each(const struct rectangle *tile, int threads,
-                 bool (*work)(void *context, const struct rectangle *tile, int index,
-                              struct error *err),
-                 void *context, struct error *err)
-{
-    const int n = chunk_count(tile);
-    bool failed = false;
-    (void)threads; /* without OpenMP */
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-    for (int i = 0; i < n; i++) {
-        struct error own = {.status = EXIT_AGREED};
-        if (work(context, tile, i, &own))
-            continue;
-#pragma omp critical
-        {
-            if (!failed)
-                *err = own;
-            failed = true;
-        }
-    }
-    return !failed;
-}
-
-/* ---- tiles ---- */
-
-static bool draw_chunk(void *context, const struct rectangle *at, int index, struct error *err)
-{
-    struct tile *tile = context;
-    const struct plan_options *options = &tile->lit->plan->options;
-    if (options->check || options->store_raster)
-        return chunk_draw(tile->lit, at, index, &tile->chunks[index], err);
-    tile->chunks[index].picture.at = chunk_rows(at, index);
-    return true;
+    bool done = true;
+#pragma omp parallel for schedule(dynamic) num_threads(tile->lit->plan->options.threads) \
+    reduction(&& : done)
+    for (int i = 0; i < tile->n_chunks; i++)
+        done = chunk_draw(tile->lit, &tile->at, i, &tile->chunks[i]) && done;
+    return done;
 }
 
 static bool draw_tile(struct tile *tile, struct error *err)
 {
-    tile->n_chunks = chunk_count(&tile->at);
+    tile->n_chunks = (tile->at.height + CHUNK_ROWS - 1) / CHUNK_ROWS;
     tile->chunks = calloc((size_t)tile->n_chunks, sizeof *tile->chunks);
-    return tile->chunks
-               ? chunks_each(&tile->at, tile->lit->plan->options.threads, draw_chunk, tile, err)
-               : error_memory(err);
+    return (tile->chunks && draw_chunks(tile)) || error_memory(err);
 }
 
 static void free_tile(struct tile *tile)
