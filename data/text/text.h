@@ -112,7 +112,8 @@ void json_string(struct json *json, const char *key, const char *value); /* NULL
 void json_number(struct json *json, const char *key, double value);
 void json_count(struct json *json, const char *key, uint64_t value);
 void json_truth(struct json *json, const char *key, bool value);
-void json_numbers(struct json *json, const char *key, const double *values, int n); /* an array */
+/* An array; null where values is NULL. */
+void json_numbers(struct json *json, const char *key, const double *values, int n);
 /* Returns the text, which then belongs to the caller; NULL: no memory. */
 char *json_end(struct json *json);
 

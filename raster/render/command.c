@@ -154,11 +154,9 @@ static bool render_planned(const struct options *options, const struct plan *pla
                            const struct record *made, struct error *err)
 {
     struct progress_line line;
-    struct render_progress progress = {NULL, &line};
     struct render_result result;
-    if (progress_start(&line, options->quiet))
-        progress.step = progress_show;
-    if (!render(plan, output, &progress, &result, err))
+    const bool shown = progress_start(&line, options->quiet);
+    if (!render(plan, output, shown ? &line : NULL, &result, err))
         return false;
     result.seconds.read += before->read;
     result.seconds.plan = before->plan;

@@ -30,8 +30,8 @@ struct render_state {
     unsigned char *samples[BANDS_PER_PASS]; /* a tile of one band each */
     struct check *checks;                   /* of the current tile's chunks; NULL: none */
     long steps, all_steps;
-    double since; /* in clock_seconds: the end of what is measured so far */
-    const struct render_progress *progress;
+    double since;                   /* in clock_seconds: the end of what is measured so far */
+    struct progress_line *progress; /* NULL: none */
     struct render_result *result;
 };
 
@@ -163,8 +163,8 @@ static bool render_pass(struct render_state *state, const struct tile *tile, int
     }
     clock_in(state, &seconds->write);
     state->steps++;
-    if (state->progress && state->progress->step)
-        state->progress->step(state->progress->context, state->steps, state->all_steps);
+    if (state->progress)
+        progress_show(state->progress, state->steps, state->all_steps);
     errno = 0;
     return !output_interrupted() || error_system(err, "interrupted; nothing was written");
 }
@@ -408,7 +408,7 @@ static bool render_all(struct render_state *state, const struct render_output *o
 }
 
 bool render(const struct plan *plan, const struct render_output *output,
-            const struct render_progress *progress, struct render_result *out, struct error *err)
+            struct progress_line *progress, struct render_result *out, struct error *err)
 {
     const double start = clock_seconds();
     struct render_state state = {.plan = plan, .progress = progress, .result = out, .since = start};

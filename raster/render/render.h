@@ -39,16 +39,11 @@ struct render_output {
     bool keep;         /* store the stack even if it failed its check, or differs from `again` */
     bool discard;      /* only compare the stack with `again`: store none */
 };
-/* step is called after each pass: `done` of `all` steps are done. */
-struct render_progress {
-    void (*step)(void *context, long done, long all);
-    void *context;
-};
 /* Renders into a stack. Returns true also if the picture failed its check, or differs from the
  * stack that it was compared with: ask render_agreed. progress NULL: none. After a failure, an
  * interruption or a difference (without `keep`) no file has been created or changed. */
 bool render(const struct plan *plan, const struct render_output *output,
-            const struct render_progress *progress, struct render_result *out, struct error *err);
+            struct progress_line *progress, struct render_result *out, struct error *err);
 bool render_agreed(const struct render_result *result);
 /* Returns the renderer of the stored pixels: "raster", or OpenGL's GL_RENDERER. */
 const char *render_stored(const struct plan *plan, const struct render_result *result);

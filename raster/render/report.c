@@ -230,11 +230,16 @@ bool report_not_again(const struct plan *plan, const struct render_result *resul
 
 /* ---- as JSON ---- */
 
+/* json_number writes null for it. */
+static const double null_number = NAN;
+
 static void json_picture(struct json *json, const struct plan *plan,
                          const struct render_result *result)
 {
     static const char *const shadings[] = {"smooth", "flat", "phong"};
     const struct scene *scene = plan->scene;
+    const bool use_gl = plan->options.use_gl;
+    const double buffer_bits = buffer_steps(plan) > 0 ? plan->options.buffer_bits : 32;
     char sampling[SAMPLING_NAME];
     json_string(json, "program", "spectral");
     json_string(json, "version", SPECTRAL_VERSION);
@@ -242,25 +247,19 @@ static void json_picture(struct json *json, const struct plan *plan,
     json_string(json, "scene_sha256", scene->sha256);
     json_count(json, "width", (uint64_t)scene->width);
     json_count(json, "height", (uint64_t)scene->height);
-    if (has_components(plan))
-        json_string(json, "wavelengths_nm", NULL);
-    else
-        json_numbers(json, "wavelengths_nm", scene->wavelengths_nm, scene->n_wavelengths);
+    json_numbers(json, "wavelengths_nm", has_components(plan) ? NULL : scene->wavelengths_nm,
+                 scene->n_wavelengths);
     if (plan->sampling)
         sampling_name(&plan->sampling->method, sampling);
     json_string(json, "sampling", plan->sampling ? sampling : NULL);
     json_string(json, "shading", shadings[scene->shading]);
     json_number(json, "tessellation", scene->tessellation);
-    if (plan->options.use_gl)
-        json_count(json, "buffer_bits",
-                   buffer_steps(plan) > 0 ? (uint64_t)plan->options.buffer_bits : 32);
-    else
-        json_string(json, "buffer_bits", NULL);
+    json_number(json, "buffer_bits", use_gl ? buffer_bits : null_number);
     json_count(json, "bits", (uint64_t)plan->options.bits);
     json_number(json, "full_scale", result->full_scale);
     json_string(json, "renderer", plan->options.store_raster ? "raster" : "gl");
-    json_string(json, "gl_renderer", plan->options.use_gl ? result->gl_renderer : NULL);
-    json_string(json, "gl_version", plan->options.use_gl ? result->gl_version : NULL);
+    json_string(json, "gl_renderer", use_gl ? result->gl_renderer : NULL);
+    json_string(json, "gl_version", use_gl ? result->gl_version : NULL);
     json_string(json, "driver_profile", plan->options.check ? result->driver->name : NULL);
 }
 
@@ -296,6 +295,8 @@ static void json_failure(struct json *json, const struct plan *plan,
                          const struct check_failure *first)
 {
     static const char *const kinds[] = {"radiance", "triangle", "depth", "fragments", "unbounded"};
+    const bool has_band = first->kind == FAILURE_RADIANCE;
+    const bool has_nm = has_band && !has_components(plan);
     char page[BAND_NAME];
     if (!first->found) {
         json_string(json, "first_unexplained", NULL);
@@ -305,13 +306,11 @@ static void json_failure(struct json *json, const struct plan *plan,
     json_count(json, "x", (uint64_t)first->x);
     json_count(json, "y", (uint64_t)first->y);
     json_string(json, "what", kinds[first->kind]);
-    if (first->kind == FAILURE_RADIANCE && !has_components(plan))
-        json_number(json, "wavelength_nm", plan->scene->wavelengths_nm[first->band]);
-    else
-        json_string(json, "wavelength_nm", NULL);
-    if (first->kind == FAILURE_RADIANCE)
+    json_number(json, "wavelength_nm",
+                has_nm ? plan->scene->wavelengths_nm[first->band] : null_number);
+    if (has_band)
         band_name(plan, first->band, page);
-    json_string(json, "page", first->kind == FAILURE_RADIANCE ? page : NULL);
+    json_string(json, "page", has_band ? page : NULL);
     json_string(json, "object", object_name(plan, first->surface));
     json_close(json, '}');
 }
