@@ -32,20 +32,16 @@ struct region {
 
 /* ---- pixels ---- */
 
-static void note_surface(struct region *region, int surface)
-{
-    if (!region->begun)
-        region->surface = surface;
-    region->begun = true;
-    region->several = region->several || surface != region->surface;
-}
-
 static void note_surfaces(struct region *region, const struct tile *tile)
 {
     for (int i = 0; i < tile->n_chunks; i++) {
         const struct picture *picture = &tile->chunks[i].picture;
-        for (int pixel = 0; pixel < picture->at.width * picture->at.height; pixel++)
-            note_surface(region, picture->surface[pixel]);
+        for (int pixel = 0; pixel < picture->at.width * picture->at.height; pixel++) {
+            if (!region->begun)
+                region->surface = picture->surface[pixel];
+            region->begun = true;
+            region->several = region->several || picture->surface[pixel] != region->surface;
+        }
     }
 }
 
