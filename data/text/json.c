@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Writes JSON as a growing text; its structure is the caller's. */
+/* Writes JSON into a text that grows. The caller is responsible for the structure. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>

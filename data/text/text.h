@@ -97,14 +97,15 @@ bool text_direction(struct text *text, const char *what, struct vector *out, str
 
 /* ---- json.c: JSON out (RFC 8259) ---- */
 
-/* Grows as it is written. Zero it before use. text is owned; it is NULL after `failed`, which means
- * that memory ran out. */
+/* A JSON text that grows as it is written. Zero it before use. `text` is owned. `failed`: there was
+ * no memory; json_end then returns NULL. */
 struct json {
     char *text;
     size_t length, capacity;
     bool failed, separated; /* separated: the next member needs a comma before it */
 };
-/* The key is NULL in an array. Brackets are '{' or '[' and their counterparts. */
+/* Each writes one member of an object, or of an array, whose members have no key: key NULL.
+ * Brackets are '{' or '[' to open, '}' or ']' to close. */
 void json_open(struct json *json, const char *key, char bracket);
 void json_close(struct json *json, char bracket);
 void json_string(struct json *json, const char *key, const char *value); /* NULL: null */

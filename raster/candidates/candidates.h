@@ -69,32 +69,34 @@ bool array_grow(void *array, size_t *capacity, size_t needed, size_t size);
 
 /* ---- chunk.c: a part of a tile, with its candidates ---- */
 
-/* A triangle that OpenGL may show at a pixel. */
+/* A triangle that OpenGL may show at a pixel, with one place of its texture. */
 struct candidate {
     int32_t surface, triangle;
     float depth, depth_error;
     bool loose;   /* its error has no bound here */
-    size_t first; /* of its pixel_rows numbers in candidate_rows and candidate_errors */
+    size_t first; /* index of its pixel_rows numbers in candidate_rows and candidate_errors */
 };
-/* How many fragments OpenGL may draw at a pixel, hidden ones too; modulo 256, as it counts them. */
+/* The number of fragments that OpenGL may draw at a pixel, hidden ones included; modulo 256, as
+ * OpenGL counts them. */
 struct overdraw {
-    uint8_t least, spread; /* least .. least + spread; a spread of 255 or more is kept as 255 */
-    uint8_t meant;         /* by the reference */
+    uint8_t least, spread; /* least .. least + spread; a spread above 255 is stored as 255 */
+    uint8_t meant;         /* the number that the reference draws */
     bool closed;           /* an edge near the centre always has a triangle on either side */
 };
 /* A pixel with more than one candidate, or a loose one. */
 struct ambiguous_pixel {
     int32_t pixel;        /* within the chunk, row by row */
     int32_t first, count; /* candidates */
-    bool background;      /* whether nothing at all may be there as well */
+    bool background;      /* OpenGL may also show the background */
 };
-/* Some rows of a tile, the unit of work of a thread: the reference's picture; with a check also: */
+/* Some rows of a tile, which one thread draws: the reference's picture. A check also needs the
+ * rest: */
 struct chunk {
     struct picture picture;
     float *errors;      /* of picture.rows: bounds on OpenGL's error; NULL without a check */
     float *depth_error; /* of picture.depth */
     struct overdraw *overdraw;
-    float *steepness; /* bound on how radiance changes within a pixel's width, in any wavelength */
+    float *steepness; /* bound on the change of radiance within a pixel's width, in any band */
     bool *is_ambiguous;
     struct ambiguous_pixel *ambiguous;
     struct candidate *candidates;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Some rows of a tile: the reference draws them; with a check, every pixel then gets the bounds on
- * OpenGL's error, or where several triangles may be seen the candidates with theirs. */
+/* Draws some rows of a tile by the reference. With a check every pixel then gets bounds on OpenGL's
+ * error. A pixel that may show several triangles gets candidates, each with its own bounds. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -13,38 +13,39 @@
 #include "raster/reference/reference.h"
 #include "spectral.h"
 
-/* Bound on OpenGL's error in an attribute of a clipped triangle: see bound_colour. */
+/* Bound on OpenGL's error in one attribute of a clipped triangle: see bound_colour. */
 struct attribute_bound {
     float constant, fixed, per_d, slope;
 };
 
-/* A pixel's attributes, with bounds on OpenGL's errors and on their change within a pixel's width.
- */
+/* The attributes of a pixel, with bounds on OpenGL's errors, and on the change of the attributes
+ * within a pixel's width. */
 struct bounded_pixel {
     const struct bounded_triangle *triangle;
     const struct surface *surface;
     const struct shaded_material *shaded;
-    const float *corner[3], *provoking; /* errors of its vertices */
-    double *attributes;                 /* these four have room for those of any surface */
+    const float *corner[3], *provoking; /* errors of the triangle's vertices */
+    double *attributes;                 /* these four arrays have room for any surface */
     float *errors, *interpolation, *slopes;
-    struct texel_point place; /* in its texture, and the value there where that is not varied */
+    struct texel_point place; /* in its texture, and the value there unless the texture is varied */
     double value;
 };
 
-/* A chunk whose fragments are known, while its pixels go by. */
+/* The state of a chunk while its pixels get their bounds. */
 struct bounding {
     struct fragments fragments;
     struct chunk *chunk;
-    struct attribute_bound *bounds; /* [clipped triangle][max_attributes], when first needed */
+    struct attribute_bound *bounds; /* [clipped triangle][max_attributes], computed when needed */
     bool *bounded;                  /* [clipped triangle] */
-    size_t max_attributes;          /* of a surface */
+    size_t max_attributes;          /* of any surface */
     struct bounded_pixel pixel;
-    size_t capacity[4]; /* of the chunk's growing arrays */
+    size_t capacity[4]; /* of the arrays of the chunk that grow */
 };
 
 /* ---- bounds of attributes ---- */
 
-/* In flat shading one vertex colours the whole triangle; its texture is smooth all the same. */
+/* Returns whether an attribute is constant over a triangle. Flat shading takes the weights of one
+ * vertex; texture coordinates still vary. */
 static bool is_flat(const struct bounding *bounding, const struct surface *surface,
                     size_t attribute)
 {
@@ -52,12 +53,13 @@ static bool is_flat(const struct bounding *bounding, const struct surface *surfa
            attribute < (size_t)surface->instance->n_terms;
 }
 
-/* An attribute's roundings where six planes may cut: a difference, a product and a sum each. */
+/* Roundings of an attribute that six planes may cut: a difference, a product and a sum for each
+ * plane. */
 enum { CUT_ROUNDINGS = 18 };
 
-/* The bound of one attribute in one clipped triangle: of its interpolation, and by how much
- * position errors magnify those of its vertices. Where the triangle has no bound, its values'
- * range. */
+/* Bounds the error of one attribute in one clipped triangle: the error of its interpolation, and
+ * the amount by which position errors magnify the errors of its vertices. In a triangle without a
+ * bound the bound is the range of the attribute's values. */
 static struct colour_bound clipped_bound(const struct bounded_pixel *pixel,
                                          const struct clipped_triangle *clipped, size_t attribute)
 {
@@ -81,7 +83,7 @@ static struct colour_bound clipped_bound(const struct bounded_pixel *pixel,
     return bound;
 }
 
-/* Bounds of all attributes in clipped triangle `index` of a triangle. */
+/* Returns the bounds of all attributes in clipped triangle `index` of the pixel's triangle. */
 static const struct attribute_bound *attribute_bounds(struct bounding *bounding, int32_t index)
 {
     const struct bounded_pixel *pixel = &bounding->pixel;
@@ -99,8 +101,8 @@ static const struct attribute_bound *attribute_bounds(struct bounding *bounding,
     return bounds;
 }
 
-/* Widens the errors of the pixel by the worst that the clipped triangles there may add to them, and
- * notes how steep they are. */
+/* Adds to the errors of the pixel the largest bound of the clipped triangles there, and notes the
+ * largest slopes. */
 static void add_bounds(struct bounding *bounding, double inverse_w, double px, double py)
 {
     struct bounded_pixel *pixel = &bounding->pixel;
@@ -117,7 +119,7 @@ static void add_bounds(struct bounding *bounding, double inverse_w, double px, d
         if (!(clipped >> i & 1))
             continue;
         const struct attribute_bound *bounds = attribute_bounds(bounding, i);
-        /* where 1 / w is not known to be positive the fragment is loose */
+        /* a fragment is loose if 1 / w may not be positive */
         double least = inverse_w * (1 - of_d->per_d) - of_d->fixed;
         float over = least > 0 ? (float)(1 / least) : 0;
         for (size_t a = 0; a < n_attributes; a++) {
@@ -130,7 +132,8 @@ static void add_bounds(struct bounding *bounding, double inverse_w, double px, d
         pixel->errors[a] += pixel->interpolation[a];
 }
 
-/* Neighbouring pixels mostly show the same triangle. */
+/* Makes a triangle the pixel's. Neighbouring pixels mostly show the same triangle, so this is
+ * called rarely. */
 static void take_triangle(struct bounding *bounding, const struct bounded_triangle *triangle)
 {
     const struct screen_triangle *screen = &triangle->screen;
@@ -146,7 +149,7 @@ static void take_triangle(struct bounding *bounding, const struct bounded_triang
     pixel->provoking = errors + surface_attributes(surface, screen->provoking, screen->side);
 }
 
-/* The errors of the vertices, interpolated as the attributes are. */
+/* Interpolates the errors of the vertices as the attributes are interpolated. */
 static void interpolate_errors(struct bounding *bounding, const double share[3])
 {
     struct bounded_pixel *pixel = &bounding->pixel;
@@ -160,8 +163,9 @@ static void interpolate_errors(struct bounding *bounding, const double share[3])
     }
 }
 
-/* The attributes of a triangle at a pixel, by the reference, and their bounds. The bounds of
- * weights do not need the weights themselves, unless there is a texture. */
+/* Computes the attributes of a triangle at a pixel by the reference, and their bounds. The bounds
+ * of weights need the weights only if there is a texture; otherwise the weights are computed only
+ * if weights_matter. */
 static void bound_pixel(struct bounding *bounding, const struct bounded_triangle *triangle, int x,
                         int y, bool weights_matter)
 {
@@ -185,7 +189,7 @@ static void bound_pixel(struct bounding *bounding, const struct bounded_triangle
 
 /* ---- textures ---- */
 
-/* Takes a place in the texture for the pixel's. */
+/* Makes a place in the texture the pixel's. */
 static void take_place(struct bounded_pixel *pixel, const struct texel_point *place)
 {
     const struct instance *instance = pixel->surface->instance;
@@ -194,8 +198,8 @@ static void take_place(struct bounded_pixel *pixel, const struct texel_point *pl
         instance->textured && !instance->varied ? texel_at(&instance->texels, place->place) : 1;
 }
 
-/* Bound on how much the radiance of the pixel changes within a pixel's width, in any wavelength.
- * The texels of a spectral texture may differ by all there is. */
+/* Returns a bound on the change of radiance within a pixel's width, at any wavelength. Neighbouring
+ * texels of a spectral texture may differ by the texture's largest value. */
 static double steepness(const struct bounded_pixel *pixel)
 {
     const struct instance *instance = pixel->surface->instance;
@@ -216,7 +220,7 @@ static double steepness(const struct bounded_pixel *pixel)
     return step * pixel->value + whole * texel_error(&instance->texels, &near, largest);
 }
 
-/* Bounds on the errors of the rows of a pixel: see put_rows. */
+/* Writes bounds on the errors of the rows of a pixel: see put_rows. */
 static void put_errors(const struct bounded_pixel *pixel, float *errors, size_t stride)
 {
     const struct instance *instance = pixel->surface->instance;
@@ -236,13 +240,14 @@ static void put_errors(const struct bounded_pixel *pixel, float *errors, size_t 
 
 /* ---- ambiguous pixels ---- */
 
-/* Bound on OpenGL's error in a depth that is kept in single precision. */
+/* Returns a bound on OpenGL's error relative to a depth that is stored in single precision. */
 static float stored_depth_error(double error, double depth)
 {
     return (float)(error + fabs(depth) / 16777216);
 }
 
-/* The places in a texture that OpenGL may take for the pixel's; one place where there is none. */
+/* Finds the places in the texture that OpenGL may sample for the pixel. Returns their number: 1 if
+ * there is no texture. */
 static int choices_of(const struct bounded_pixel *pixel, struct texel_point out[TEXEL_CHOICES])
 {
     out[0] = pixel->place;
@@ -263,7 +268,8 @@ static bool has_room(struct bounding *bounding, size_t n_rows)
                       sizeof *out->candidate_errors);
 }
 
-/* A triangle that may be seen at a pixel: one candidate, or as many as OpenGL may take texels. */
+/* Adds a triangle that may be visible at a pixel: one candidate for each place in the texture that
+ * OpenGL may sample. */
 static bool add_candidates(struct bounding *bounding, const struct fragment *fragment, int x, int y)
 {
     struct chunk *out = bounding->chunk;
@@ -293,7 +299,8 @@ static bool add_candidates(struct bounding *bounding, const struct fragment *fra
     return true;
 }
 
-/* Where triangles meet without a gap one of them must be there, if the driver is watertight. */
+/* Returns whether some triangle must cover the pixel: triangles meet there without a gap, and the
+ * driver is watertight. */
 static bool is_surely_covered(const struct bounding *bounding, const struct seam *seam)
 {
     return is_closed(seam) && seam->n_covered > 0 && bounding->fragments.lit->driver->watertight;
@@ -321,8 +328,8 @@ static bool add_ambiguous(struct bounding *bounding, size_t index, int x, int y)
 
 /* ---- settled pixels ---- */
 
-/* A pixel is settled when its one candidate is definite and bounded, and the reference shows it, or
- * when it has none. */
+/* Returns whether a pixel is settled: it has one candidate, which is definite, bounded and shown by
+ * the reference; or it has no candidate, and the reference shows the background. */
 static bool is_settled(const struct bounding *bounding, size_t index)
 {
     const struct fragment_list *pixel = &bounding->fragments.pixels[index];
@@ -336,7 +343,8 @@ static bool is_settled(const struct bounding *bounding, size_t index)
            picture->triangle[index] == screen->triangle;
 }
 
-/* The bounds of a settled pixel; returns whether its texture leaves OpenGL a choice. */
+/* Stores the bounds of a settled pixel. Returns whether OpenGL may sample several places of its
+ * texture. */
 static bool settle(struct bounding *bounding, size_t index, int x, int y)
 {
     struct chunk *out = bounding->chunk;
@@ -356,7 +364,7 @@ static bool settle(struct bounding *bounding, size_t index, int x, int y)
     return n > 1;
 }
 
-/* How many fragments a pixel may have. */
+/* Returns how many fragments a pixel may have. */
 static struct overdraw overdraw_of(const struct fragment_list *pixel, const struct seam *seam)
 {
     uint32_t spread = pixel->n_possible - pixel->n_definite;
@@ -431,7 +439,7 @@ static bool find_candidates(const struct lit_scene *lit, const struct rectangle 
     return done;
 }
 
-/* Returns the rows of a chunk of the tile. */
+/* Returns the rectangle of a chunk of the tile. */
 static struct rectangle chunk_rows(const struct rectangle *tile, int index)
 {
     struct rectangle rows = *tile;

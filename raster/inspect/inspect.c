@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* How a pixel's spectrum comes about: the reference draws a region as it draws the whole picture,
- * and the spectra of lights and material are listed beside the region's radiance. */
+/* Explains the spectrum of a region. The reference draws the region as it draws the whole picture.
+ * The spectra of the lights and of the material are listed beside the region's radiance. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,7 +20,7 @@
 #include "spectral.h"
 
 struct region {
-    struct plan plan; /* the caller's, but with samples that are radiances */
+    struct plan plan; /* a copy of the caller's; samples are radiances */
     struct lit_scene lit;
     double full_scale;
     float *samples;          /* of a chunk */
@@ -54,7 +54,8 @@ static bool add_band(struct region *region, const struct tile *tile, int band, s
                                            region->samples};
         const struct odd_samples odd = store_reference(&stored, &region->lit, picture);
         if (odd.undefined > 0)
-            return error_usage(err, "%s: a radiance there is not finite", region->probe->source);
+            return error_usage(err, "%s: a radiance in the region is not finite",
+                               region->probe->source);
         moments_add(&region->moments[band], region->samples, n);
     }
     return true;
@@ -84,7 +85,7 @@ static bool inspect_pixels(struct region *region, struct error *err)
 
 /* ---- curves ---- */
 
-/* factor x spectrum under a name; spectrum NULL stands for 1 at every wavelength. */
+/* A name, and the values factor x spectrum; spectrum NULL: 1 at every wavelength. */
 struct curve {
     const char *name;
     bool relative; /* a reflectance, excitation or emission; otherwise a radiance */
@@ -93,7 +94,7 @@ struct curve {
     enum spectrum_ends ends;
 };
 
-/* Leaves out a curve that finds no room. */
+/* Leaves out a curve beyond MAX_PROBE_CURVES. */
 static bool add_curve(struct probe *probe, const struct curve *curve, struct error *err)
 {
     struct probe_curve *out = &probe->curves[probe->n_curves];
@@ -135,7 +136,7 @@ static bool add_lights(struct probe *probe, const struct scene *scene, struct er
     return true;
 }
 
-/* Beyond their ends spectra go on as data/terms continues them. */
+/* Continues spectra beyond their ends as data/terms does. */
 static bool add_material(struct probe *probe, const struct material *material, struct error *err)
 {
     const struct spectrum *specular =
@@ -154,7 +155,7 @@ static bool add_material(struct probe *probe, const struct material *material, s
     return true;
 }
 
-/* Adds the curves of the object first: there may be too many lights for all to find room. */
+/* Adds the curves of the object first, since there may not be room for all lights. */
 static bool add_curves(const struct region *region, struct error *err)
 {
     struct probe *probe = region->probe;
@@ -171,7 +172,7 @@ static bool add_curves(const struct region *region, struct error *err)
 
 /* ---- the whole ---- */
 
-/* Colours have the white of a stack of this scene. */
+/* Computes the colour with the white that a stack of this scene records. */
 static bool add_colour(struct probe *probe, const struct scene *scene,
                        const struct probe_options *options, struct error *err)
 {
@@ -194,7 +195,7 @@ static bool inspect(struct region *region, struct error *err)
     const size_t largest_chunk = (size_t)CHUNK_ROWS * (size_t)plan->tile_width;
     struct light_work work;
     bool clips;
-    if (plan->scene->shading == SHADING_PHONG) /* which may have no largest radiance */
+    if (plan->scene->shading == SHADING_PHONG) /* phong shading may have no largest radiance */
         region->plan.options.full_scale = 1;
     region->samples = calloc(largest_chunk, sizeof *region->samples);
     region->moments = calloc((size_t)plan->n_bands, sizeof *region->moments);

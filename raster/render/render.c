@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The loop over tiles and passes: pixels, verdict, stack. A tile is rasterized once by the
- * reference; then its wavelengths go by, three in a pass, each judged and written before the next
- * are drawn. */
+/* The passes of each tile: pixels, verdict, stack. The reference rasterizes a tile once. Each pass
+ * then draws three bands, checks them and writes them, before the next pass begins. */
 #include <errno.h>
 #include <stdlib.h>
 #include <time.h>
@@ -27,15 +26,15 @@ struct render_state {
     struct gl *gl;
     struct stack_writer writer;
     bool writing;
-    unsigned char *samples[BANDS_PER_PASS]; /* a tile of one band each */
-    struct check *checks;                   /* of the current tile's chunks; NULL: none */
+    unsigned char *samples[BANDS_PER_PASS]; /* each has room for one band of a tile */
+    struct check *checks;                   /* one for each chunk of the current tile; NULL: none */
     long steps, all_steps;
-    double since;                   /* in clock_seconds: the end of what is measured so far */
+    double since;                   /* clock_seconds at the last clock_in */
     struct progress_line *progress; /* NULL: none */
     struct render_result *result;
 };
 
-/* Adds the seconds since the last call to a part of the result's. */
+/* Adds the seconds since the last call to `part`, one of the result's seconds. */
 static void clock_in(struct render_state *state, double *part)
 {
     double time = clock_seconds();
@@ -45,7 +44,7 @@ static void clock_in(struct render_state *state, double *part)
 
 /* ---- the checks of a tile ---- */
 
-/* Checks that OpenGL shows the right triangles in the right places. */
+/* Opens the checks of all chunks, and checks that OpenGL shows the right triangle at each pixel. */
 static bool open_checks(struct render_state *state, const struct tile *tile, struct error *err)
 {
     state->checks = calloc((size_t)tile->n_chunks, sizeof *state->checks);
@@ -96,8 +95,8 @@ static void check_tile(struct render_state *state, const struct tile *tile, int 
     }
 }
 
-/* Counts the samples of a chunk in one band. The tile's rows and pixels are above the chunk's by
- * `row`. */
+/* Stores the samples of a chunk in one band. The chunk begins at `row` of the tile; `pixels` are
+ * the tile's. */
 static struct odd_samples count_chunk(struct render_state *state, const struct picture *picture,
                                       size_t row, int band, const float *pixels)
 {
@@ -171,9 +170,9 @@ static bool render_pass(struct render_state *state, const struct tile *tile, int
 
 /* ---- the object map ---- */
 
-/* Returns the number, from 1, of the object that the stored pixels show at a pixel of the tile: by
- * OpenGL's last identification, or by the reference's chunk. An unknown surface number counts as
- * background. */
+/* Returns the number, from 1, of the object at a pixel of the tile. The renderer of the stored
+ * pixels decides: the reference's picture, or OpenGL's last identification. An unknown surface
+ * number counts as background. */
 static int object_at(const struct render_state *state, const struct tile *tile, int x, int y)
 {
     const struct picture *picture = &tile->chunks[y / CHUNK_ROWS].picture;
@@ -183,7 +182,7 @@ static int object_at(const struct render_state *state, const struct tile *tile, 
     return surface < state->plan->n_instances ? surface + 1 : 0;
 }
 
-/* Writes the object map by way of the memory of a band's samples. */
+/* Writes the object map of a tile. It is built in the memory of the first band's samples. */
 static bool write_map(struct render_state *state, const struct tile *tile, struct error *err)
 {
     const struct rectangle *at = &tile->at;
@@ -254,7 +253,7 @@ const char *render_stored(const struct plan *plan, const struct render_result *r
     return plan->options.store_raster ? "raster" : result->gl_renderer;
 }
 
-/* Lists the names behind the numbers of the object map; none where there is no map. */
+/* Lists the names of the objects in the order of their numbers; none if there is no object map. */
 static bool list_objects(const struct plan *plan, struct record *record, struct error *err)
 {
     record->objects = calloc((size_t)plan->n_instances + 1, sizeof *record->objects);
@@ -301,8 +300,8 @@ static bool allocate_samples(struct render_state *state, struct error *err)
     return true;
 }
 
-/* Returns the labels of pages that are components, with their text in the same allocation; NULL: no
- * memory. */
+/* Returns the labels of the pages of components. One allocation holds the pointers and the text.
+ * NULL: no memory. */
 static const char **make_labels(const struct sampling *sampling, struct error *err)
 {
     typedef char label_text[24];
@@ -345,7 +344,7 @@ static bool open_stack(struct render_state *state, const char *path, struct erro
     return state->writing;
 }
 
-/* Does everything up to the first pixel. */
+/* Does everything that comes before the first pixel. */
 static bool prepare(struct render_state *state, struct error *err)
 {
     struct render_result *result = state->result;
@@ -378,7 +377,7 @@ static bool commit(struct render_state *state, const struct render_output *outpu
     if (result->odd.undefined > 0) {
         errno = 0;
         return error_system(err,
-                            "%llu samples are not finite (or above what a float page holds); "
+                            "%llu samples are not finite (or too large for a float page); "
                             "nothing was written",
                             (unsigned long long)result->odd.undefined);
     }
@@ -395,7 +394,7 @@ static bool commit(struct render_state *state, const struct render_output *outpu
 static bool render_all(struct render_state *state, const struct render_output *output,
                        struct error *err)
 {
-    /* OpenGL's threads start here, which take no signals either: see threads_start. */
+    /* OpenGL starts its threads here. They must not take signals either: see threads_start. */
     void *held = signals_hold();
     bool done = prepare(state, err);
     signals_release(held);
@@ -415,7 +414,7 @@ bool render(const struct plan *plan, const struct render_output *output,
     *out = (struct render_result){.full_scale = 0};
     bool done = render_all(&state, output, err);
     if (state.writing)
-        stack_discard(&state.writer); /* a committed stack stays */
+        stack_discard(&state.writer); /* keeps a committed stack */
     for (int c = 0; c < BANDS_PER_PASS; c++)
         free(state.samples[c]);
     gl_close(state.gl);
