@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Writes JSON as a growing text; its structure is the caller's. */
+/* Writes JSON into a text that grows. The caller is responsible for the structure. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -90,6 +90,10 @@ void json_truth(struct json *json, const char *key, bool value)
 
 void json_numbers(struct json *json, const char *key, const double *values, int n)
 {
+    if (!values) {
+        json_string(json, key, NULL);
+        return;
+    }
     json_open(json, key, '[');
     for (int i = 0; i < n; i++)
         json_number(json, NULL, values[i]);

@@ -99,14 +99,15 @@ bool text_direction(struct text *text, const char *what, struct vector *out, str
 
 /* ---- json.c: JSON out (RFC 8259) ---- */
 
-/* Grows as it is written. Zero it before use. text is owned; it is NULL after `failed`, which means
- * that memory ran out. */
+/* A JSON text that grows as it is written. Zero it before use. `text` is owned. `failed`: there was
+ * no memory; json_end then returns NULL. */
 struct json {
     char *text;
     size_t length, capacity;
     bool failed, separated; /* separated: the next member needs a comma before it */
 };
-/* The key is NULL in an array. Brackets are '{' or '[' and their counterparts. */
+/* Each writes one member of an object, or of an array, whose members have no key: key NULL.
+ * Brackets are '{' or '[' to open, '}' or ']' to close. */
 void json_open(struct json *json, const char *key, char bracket);
 void json_close(struct json *json, char bracket);
 void json_string(struct json *json, const char *key, const char *value); /* NULL: null */
@@ -114,7 +115,8 @@ void json_string(struct json *json, const char *key, const char *value); /* NULL
 void json_number(struct json *json, const char *key, double value);
 void json_count(struct json *json, const char *key, uint64_t value);
 void json_truth(struct json *json, const char *key, bool value);
-void json_numbers(struct json *json, const char *key, const double *values, int n); /* an array */
+/* An array; null where values is NULL. */
+void json_numbers(struct json *json, const char *key, const double *values, int n);
 /* Returns the text, which then belongs to the caller; NULL: no memory. */
 char *json_end(struct json *json);
 

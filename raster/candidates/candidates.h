@@ -69,32 +69,34 @@ bool array_grow(void *array, size_t *capacity, size_t needed, size_t size);
 
 /* ---- chunk.c: a part of a tile, with its candidates ---- */
 
-/* A triangle that OpenGL may show at a pixel. */
+/* A triangle that OpenGL may show at a pixel, with one place of its texture. */
 struct candidate {
     int32_t surface, triangle;
     float depth, depth_error;
     bool loose;   /* its error has no bound here */
-    size_t first; /* of its pixel_rows numbers in candidate_rows and candidate_errors */
+    size_t first; /* index of its pixel_rows numbers in candidate_rows and candidate_errors */
 };
-/* How many fragments OpenGL may draw at a pixel, hidden ones too; modulo 256, as it counts them. */
+/* The number of fragments that OpenGL may draw at a pixel, hidden ones included; modulo 256, as
+ * OpenGL counts them. */
 struct overdraw {
-    uint8_t least, spread; /* least .. least + spread; a spread of 255 or more is kept as 255 */
-    uint8_t meant;         /* by the reference */
+    uint8_t least, spread; /* least .. least + spread; a spread above 255 is stored as 255 */
+    uint8_t meant;         /* the number that the reference draws */
     bool closed;           /* an edge near the centre always has a triangle on either side */
 };
 /* A pixel with more than one candidate, or a loose one. */
 struct ambiguous_pixel {
     int32_t pixel;        /* within the chunk, row by row */
     int32_t first, count; /* candidates */
-    bool background;      /* whether nothing at all may be there as well */
+    bool background;      /* OpenGL may also show the background */
 };
-/* Some rows of a tile, the unit of work of a thread: the reference's picture; with a check also: */
+/* Some rows of a tile, which one thread draws: the reference's picture. A check also needs the
+ * rest: */
 struct chunk {
     struct picture picture;
     float *errors;      /* of picture.rows: bounds on OpenGL's error; NULL without a check */
     float *depth_error; /* of picture.depth */
     struct overdraw *overdraw;
-    float *steepness; /* bound on how radiance changes within a pixel's width, in any wavelength */
+    float *steepness; /* bound on the change of radiance within a pixel's width, in any band */
     bool *is_ambiguous;
     struct ambiguous_pixel *ambiguous;
     struct candidate *candidates;
@@ -102,18 +104,27 @@ struct chunk {
     float *candidate_errors;
     size_t n_ambiguous, n_candidates, n_numbers;
 };
-int chunk_count(const struct rectangle *tile);
-/* Does `work` of each chunk of a tile, by so many threads; fails with the first that fails. */
-bool chunks_each(const struct rectangle *tile, int threads,
-                 bool (*work)(void *context, const struct rectangle *tile, int index,
-                              struct error *err),
-                 void *context, struct error *err);
-/* The rows of a tile's chunk: CHUNK_ROWS of them, fewer in the last one. */
-struct rectangle chunk_rows(const struct rectangle *tile, int index);
-/* Draws a chunk, and finds its candidates where the plan asks for a check. Results do not depend on
- * how a picture is cut into chunks. chunk_free accepts what a failure left. */
+/* Draws chunk `index`, counted from the top, of a tile: CHUNK_ROWS rows, fewer in the last chunk.
+ * Finds its candidates if the plan asks for a check. A plan that neither checks nor stores the
+ * reference's pixels gets no picture: only picture.at is set. Results do not depend on how a
+ * picture is cut into chunks. False: no memory. chunk_free accepts what a failure left. */
 bool chunk_draw(const struct lit_scene *lit, const struct rectangle *tile, int index,
-                struct chunk *out, struct error *err);
+                struct chunk *out);
 void chunk_free(struct chunk *chunk);
+
+/* ---- tiles.c: the loop over tiles ---- */
+
+/* A tile of a region of the picture. */
+struct tile {
+    const struct lit_scene *lit;
+    struct rectangle at;
+    struct chunk *chunks; /* from the top */
+    int n_chunks;
+};
+/* Calls `work` for each tile of a region of the plan's picture, row by row. Its chunks are drawn
+ * before the call, by the plan's threads, and freed after it. Stops at the first failure. */
+bool tiles_each(const struct lit_scene *lit, const struct rectangle *region,
+                bool (*work)(void *context, const struct tile *tile, struct error *err),
+                void *context, struct error *err);
 
 #endif

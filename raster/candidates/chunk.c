@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Some rows of a tile: the reference draws them; with a check, every pixel then gets the bounds on
- * OpenGL's error, or where several triangles may be seen the candidates with theirs. */
+/* Draws some rows of a tile by the reference. With a check every pixel then gets bounds on OpenGL's
+ * error. A pixel that may show several triangles gets candidates, each with its own bounds. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -13,37 +13,39 @@
 #include "raster/reference/reference.h"
 #include "spectral.h"
 
-/* Bound on OpenGL's error in an attribute of a clipped triangle: see bound_colour. */
+/* Bound on OpenGL's error in one attribute of a clipped triangle: see bound_colour. */
 struct attribute_bound {
     float constant, fixed, per_d, slope;
 };
 
-/* A pixel's attributes, with bounds on OpenGL's errors and on their change within a pixel's width.
- */
+/* The attributes of a pixel, with bounds on OpenGL's errors, and on the change of the attributes
+ * within a pixel's width. */
 struct bounded_pixel {
     const struct bounded_triangle *triangle;
     const struct surface *surface;
-    const float *corner[3], *provoking; /* errors of its vertices */
-    double *attributes;                 /* these four have room for those of any surface */
+    const struct shaded_material *shaded;
+    const float *corner[3], *provoking; /* errors of the triangle's vertices */
+    double *attributes;                 /* these four arrays have room for any surface */
     float *errors, *interpolation, *slopes;
-    struct texel_point place; /* in its texture, and the value there where that is not varied */
+    struct texel_point place; /* in its texture, and the value there unless the texture is varied */
     double value;
 };
 
-/* A chunk whose fragments are known, while its pixels go by. */
+/* The state of a chunk while its pixels get their bounds. */
 struct bounding {
     struct fragments fragments;
     struct chunk *chunk;
-    struct attribute_bound *bounds; /* [clipped triangle][max_attributes], when first needed */
+    struct attribute_bound *bounds; /* [clipped triangle][max_attributes], computed when needed */
     bool *bounded;                  /* [clipped triangle] */
-    size_t max_attributes;          /* of a surface */
+    size_t max_attributes;          /* of any surface */
     struct bounded_pixel pixel;
-    size_t capacity[4]; /* of the chunk's growing arrays */
+    size_t capacity[4]; /* of the arrays of the chunk that grow */
 };
 
 /* ---- bounds of attributes ---- */
 
-/* In flat shading one vertex colours the whole triangle; its texture is smooth all the same. */
+/* Returns whether an attribute is constant over a triangle. Flat shading takes the weights of one
+ * vertex; texture coordinates still vary. */
 static bool is_flat(const struct bounding *bounding, const struct surface *surface,
                     size_t attribute)
 {
@@ -51,28 +53,27 @@ static bool is_flat(const struct bounding *bounding, const struct surface *surfa
            attribute < (size_t)surface->instance->n_terms;
 }
 
-/* An attribute's roundings where six planes may cut: a difference, a product and a sum each. */
+/* Roundings of an attribute that six planes may cut: a difference, a product and a sum for each
+ * plane. */
 enum { CUT_ROUNDINGS = 18 };
 
-/* The bound of one attribute in one clipped triangle: of its interpolation, and by how much
- * position errors magnify those of its vertices. Where the triangle has no bound, its values'
- * range. */
-static struct colour_bound clipped_bound(const struct bounding *bounding,
-                                         const struct bounded_triangle *triangle,
+/* Bounds the error of one attribute in one clipped triangle: the error of its interpolation, and
+ * the amount by which position errors magnify the errors of its vertices. In a triangle without a
+ * bound the bound is the range of the attribute's values. */
+static struct colour_bound clipped_bound(const struct bounded_pixel *pixel,
                                          const struct clipped_triangle *clipped, size_t attribute)
 {
-    const struct screen_triangle *screen = &triangle->screen;
-    const struct surface *surface = screen->surface;
-    const float *errors = bounds_of(bounding->fragments.lit, screen)->errors;
+    const struct screen_triangle *screen = &pixel->triangle->screen;
+    const struct surface *surface = pixel->surface;
     double values[3] = {0, 0, 0}, e_vertex = 0, largest = 0, magnification = clipped->magnification;
     for (int j = 0; j < 3; j++) {
         size_t at = surface_attributes(surface, screen->vertex[j], screen->side) + attribute;
         for (int c = 0; c < 3; c++)
             values[c] += clipped->share[c][j] * surface->weights[at];
-        e_vertex = fmax(e_vertex, (double)errors[at]);
+        e_vertex = fmax(e_vertex, (double)pixel->corner[j][attribute]);
         largest = fmax(largest, fabs(surface->weights[at]));
     }
-    double e_cut = triangle->straddles ? CUT_ROUNDINGS * largest / 16777216 : 0;
+    double e_cut = pixel->triangle->straddles ? CUT_ROUNDINGS * largest / 16777216 : 0;
     if (!(magnification < HUGE_VAL))
         return (struct colour_bound){.constant = most_of(values) - least_of(values)};
     struct colour_bound bound = bound_colour(clipped, values);
@@ -82,17 +83,17 @@ static struct colour_bound clipped_bound(const struct bounding *bounding,
     return bound;
 }
 
-/* Bounds of all attributes in clipped triangle `index` of a triangle. */
-static const struct attribute_bound *
-attribute_bounds(struct bounding *bounding, const struct bounded_triangle *triangle, int32_t index)
+/* Returns the bounds of all attributes in clipped triangle `index` of the pixel's triangle. */
+static const struct attribute_bound *attribute_bounds(struct bounding *bounding, int32_t index)
 {
-    const struct surface *surface = bounding->pixel.surface;
-    size_t at = (size_t)(triangle->first_clipped + index);
+    const struct bounded_pixel *pixel = &bounding->pixel;
+    const struct surface *surface = pixel->surface;
+    size_t at = (size_t)(pixel->triangle->first_clipped + index);
     struct attribute_bound *bounds = bounding->bounds + at * bounding->max_attributes;
     for (size_t a = 0; a < (size_t)surface->n_attributes && !bounding->bounded[at]; a++) {
         struct colour_bound bound = {.constant = 0};
         if (!is_flat(bounding, surface, a))
-            bound = clipped_bound(bounding, triangle, &bounding->fragments.clipped[at], a);
+            bound = clipped_bound(pixel, &bounding->fragments.clipped[at], a);
         bounds[a] = (struct attribute_bound){(float)bound.constant, (float)bound.fixed,
                                              (float)bound.per_d, (float)bound.slope};
     }
@@ -100,8 +101,8 @@ attribute_bounds(struct bounding *bounding, const struct bounded_triangle *trian
     return bounds;
 }
 
-/* Widens the errors of the pixel by the worst that the clipped triangles there may add to them, and
- * notes how steep they are. */
+/* Adds to the errors of the pixel the largest bound of the clipped triangles there, and notes the
+ * largest slopes. */
 static void add_bounds(struct bounding *bounding, double inverse_w, double px, double py)
 {
     struct bounded_pixel *pixel = &bounding->pixel;
@@ -117,8 +118,8 @@ static void add_bounds(struct bounding *bounding, double inverse_w, double px, d
             &bounding->fragments.clipped[pixel->triangle->first_clipped + i].inverse_w_bound;
         if (!(clipped >> i & 1))
             continue;
-        const struct attribute_bound *bounds = attribute_bounds(bounding, pixel->triangle, i);
-        /* where 1 / w is not known to be positive the fragment is loose */
+        const struct attribute_bound *bounds = attribute_bounds(bounding, i);
+        /* a fragment is loose if 1 / w may not be positive */
         double least = inverse_w * (1 - of_d->per_d) - of_d->fixed;
         float over = least > 0 ? (float)(1 / least) : 0;
         for (size_t a = 0; a < n_attributes; a++) {
@@ -131,21 +132,24 @@ static void add_bounds(struct bounding *bounding, double inverse_w, double px, d
         pixel->errors[a] += pixel->interpolation[a];
 }
 
-/* Neighbouring pixels mostly show the same triangle. */
+/* Makes a triangle the pixel's. Neighbouring pixels mostly show the same triangle, so this is
+ * called rarely. */
 static void take_triangle(struct bounding *bounding, const struct bounded_triangle *triangle)
 {
     const struct screen_triangle *screen = &triangle->screen;
     const struct surface *surface = screen->surface;
-    const float *errors = bounds_of(bounding->fragments.lit, screen)->errors;
+    const struct surface_bounds *bounds = bounds_of(bounding->fragments.lit, screen);
+    const float *errors = bounds->errors;
     struct bounded_pixel *pixel = &bounding->pixel;
     pixel->triangle = triangle;
     pixel->surface = surface;
+    pixel->shaded = bounds->shaded;
     for (int j = 0; j < 3; j++)
         pixel->corner[j] = errors + surface_attributes(surface, screen->vertex[j], screen->side);
     pixel->provoking = errors + surface_attributes(surface, screen->provoking, screen->side);
 }
 
-/* The errors of the vertices, interpolated as the attributes are. */
+/* Interpolates the errors of the vertices as the attributes are interpolated. */
 static void interpolate_errors(struct bounding *bounding, const double share[3])
 {
     struct bounded_pixel *pixel = &bounding->pixel;
@@ -159,8 +163,9 @@ static void interpolate_errors(struct bounding *bounding, const double share[3])
     }
 }
 
-/* The attributes of a triangle at a pixel, by the reference, and their bounds. The bounds of
- * weights do not need the weights themselves, unless there is a texture. */
+/* Computes the attributes of a triangle at a pixel by the reference, and their bounds. The bounds
+ * of weights need the weights only if there is a texture; otherwise the weights are computed only
+ * if weights_matter. */
 static void bound_pixel(struct bounding *bounding, const struct bounded_triangle *triangle, int x,
                         int y, bool weights_matter)
 {
@@ -184,7 +189,7 @@ static void bound_pixel(struct bounding *bounding, const struct bounded_triangle
 
 /* ---- textures ---- */
 
-/* Takes a place in the texture for the pixel's. */
+/* Makes a place in the texture the pixel's. */
 static void take_place(struct bounded_pixel *pixel, const struct texel_point *place)
 {
     const struct instance *instance = pixel->surface->instance;
@@ -193,21 +198,12 @@ static void take_place(struct bounded_pixel *pixel, const struct texel_point *pl
         instance->textured && !instance->varied ? texel_at(&instance->texels, place->place) : 1;
 }
 
-static const struct texture *texture_of(const struct bounding *bounding)
+/* Returns a bound on the change of radiance within a pixel's width, at any wavelength. Neighbouring
+ * texels of a spectral texture may differ by the texture's largest value. */
+static double steepness(const struct bounded_pixel *pixel)
 {
-    const struct lit_scene *lit = bounding->fragments.lit;
-    return bounds_of(lit, &bounding->pixel.triangle->screen)->shaded->texture;
-}
-
-/* Bound on how much the radiance of the pixel changes within a pixel's width, in any wavelength.
- * The texels of a spectral texture may differ by all there is. */
-static double steepness(const struct bounding *bounding)
-{
-    const struct bounded_pixel *pixel = &bounding->pixel;
     const struct instance *instance = pixel->surface->instance;
-    const struct lit_scene *lit = bounding->fragments.lit;
-    const struct spectral_term *terms =
-        bounds_of(lit, &pixel->triangle->screen)->shaded->made.terms;
+    const struct spectral_term *terms = pixel->shaded->made.terms;
     double step = 0, whole = 0;
     for (int t = 0; t < instance->n_terms; t++)
         step += (double)pixel->slopes[t] * terms[t].peak;
@@ -218,21 +214,20 @@ static double steepness(const struct bounding *bounding)
     struct texel_point near = pixel->place;
     near.e_place[0] = pixel->slopes[instance->n_terms] * (float)instance->texels.width;
     near.e_place[1] = pixel->slopes[instance->n_terms + 1] * (float)instance->texels.height;
-    double largest = texture_of(bounding)->largest;
+    double largest = pixel->shaded->texture->largest;
     if (instance->varied)
         return (step + whole * (double)(near.e_place[0] + near.e_place[1])) * largest;
     return step * pixel->value + whole * texel_error(&instance->texels, &near, largest);
 }
 
-/* Bounds on the errors of the rows of a pixel: see put_rows. */
-static void put_errors(const struct bounding *bounding, float *errors, size_t stride)
+/* Writes bounds on the errors of the rows of a pixel: see put_rows. */
+static void put_errors(const struct bounded_pixel *pixel, float *errors, size_t stride)
 {
-    const struct bounded_pixel *pixel = &bounding->pixel;
     const struct instance *instance = pixel->surface->instance;
     double e_value = 0;
     size_t n_terms = (size_t)instance->n_terms;
     if (instance->textured && !instance->varied)
-        e_value = texel_error(&instance->texels, &pixel->place, texture_of(bounding)->largest);
+        e_value = texel_error(&instance->texels, &pixel->place, pixel->shaded->texture->largest);
     for (size_t t = 0; t < n_terms; t++) {
         double error = (double)pixel->errors[t] * (pixel->value + e_value);
         if (instance->textured)
@@ -245,13 +240,14 @@ static void put_errors(const struct bounding *bounding, float *errors, size_t st
 
 /* ---- ambiguous pixels ---- */
 
-/* Bound on OpenGL's error in a depth that is kept in single precision. */
+/* Returns a bound on OpenGL's error relative to a depth that is stored in single precision. */
 static float stored_depth_error(double error, double depth)
 {
     return (float)(error + fabs(depth) / 16777216);
 }
 
-/* The places in a texture that OpenGL may take for the pixel's; one place where there is none. */
+/* Finds the places in the texture that OpenGL may sample for the pixel. Returns their number: 1 if
+ * there is no texture. */
 static int choices_of(const struct bounded_pixel *pixel, struct texel_point out[TEXEL_CHOICES])
 {
     out[0] = pixel->place;
@@ -272,7 +268,8 @@ static bool has_room(struct bounding *bounding, size_t n_rows)
                       sizeof *out->candidate_errors);
 }
 
-/* A triangle that may be seen at a pixel: one candidate, or as many as OpenGL may take texels. */
+/* Adds a triangle that may be visible at a pixel: one candidate for each place in the texture that
+ * OpenGL may sample. */
 static bool add_candidates(struct bounding *bounding, const struct fragment *fragment, int x, int y)
 {
     struct chunk *out = bounding->chunk;
@@ -289,7 +286,7 @@ static bool add_candidates(struct bounding *bounding, const struct fragment *fra
         take_place(&bounding->pixel, &choices[i]);
         put_rows(instance, bounding->pixel.attributes, choices[i].place,
                  out->candidate_rows + first, 1);
-        put_errors(bounding, out->candidate_errors + first, 1);
+        put_errors(&bounding->pixel, out->candidate_errors + first, 1);
         out->candidates[out->n_candidates++] = (struct candidate){
             .surface = (int32_t)(triangle->screen.surface - bounding->fragments.lit->surfaces),
             .triangle = triangle->screen.triangle,
@@ -302,7 +299,8 @@ static bool add_candidates(struct bounding *bounding, const struct fragment *fra
     return true;
 }
 
-/* Where triangles meet without a gap one of them must be there, if the driver is watertight. */
+/* Returns whether some triangle must cover the pixel: triangles meet there without a gap, and the
+ * driver is watertight. */
 static bool is_surely_covered(const struct bounding *bounding, const struct seam *seam)
 {
     return is_closed(seam) && seam->n_covered > 0 && bounding->fragments.lit->driver->watertight;
@@ -330,8 +328,8 @@ static bool add_ambiguous(struct bounding *bounding, size_t index, int x, int y)
 
 /* ---- settled pixels ---- */
 
-/* A pixel is settled when its one candidate is definite and bounded, and the reference shows it, or
- * when it has none. */
+/* Returns whether a pixel is settled: it has one candidate, which is definite, bounded and shown by
+ * the reference; or it has no candidate, and the reference shows the background. */
 static bool is_settled(const struct bounding *bounding, size_t index)
 {
     const struct fragment_list *pixel = &bounding->fragments.pixels[index];
@@ -345,7 +343,8 @@ static bool is_settled(const struct bounding *bounding, size_t index)
            picture->triangle[index] == screen->triangle;
 }
 
-/* The bounds of a settled pixel; returns whether its texture leaves OpenGL a choice. */
+/* Stores the bounds of a settled pixel. Returns whether OpenGL may sample several places of its
+ * texture. */
 static bool settle(struct bounding *bounding, size_t index, int x, int y)
 {
     struct chunk *out = bounding->chunk;
@@ -360,12 +359,12 @@ static bool settle(struct bounding *bounding, size_t index, int x, int y)
     int n = choices_of(&bounding->pixel, choices);
     take_place(&bounding->pixel, n == 1 ? &choices[0] : &bounding->pixel.place);
     out->depth_error[index] = stored_depth_error(triangle->depth_error, out->picture.depth[index]);
-    out->steepness[index] = (float)steepness(bounding);
-    put_errors(bounding, out->errors + index, n_pixels);
+    out->steepness[index] = (float)steepness(&bounding->pixel);
+    put_errors(&bounding->pixel, out->errors + index, n_pixels);
     return n > 1;
 }
 
-/* How many fragments a pixel may have. */
+/* Returns how many fragments a pixel may have. */
 static struct overdraw overdraw_of(const struct fragment_list *pixel, const struct seam *seam)
 {
     uint32_t spread = pixel->n_possible - pixel->n_definite;
@@ -440,12 +439,8 @@ static bool find_candidates(const struct lit_scene *lit, const struct rectangle 
     return done;
 }
 
-int chunk_count(const struct rectangle *tile)
-{
-    return (tile->height + CHUNK_ROWS - 1) / CHUNK_ROWS;
-}
-
-struct rectangle chunk_rows(const struct rectangle *tile, int index)
+/* Returns the rectangle of a chunk of the tile. */
+static struct rectangle chunk_rows(const struct rectangle *tile, int index)
 {
     struct rectangle rows = *tile;
     rows.y += index * CHUNK_ROWS;
@@ -455,39 +450,17 @@ struct rectangle chunk_rows(const struct rectangle *tile, int index)
     return rows;
 }
 
-bool chunks_each(const struct rectangle *tile, int threads,
-                 bool (*work)(void *context, const struct rectangle *tile, int index,
-                              struct error *err),
-                 void *context, struct error *err)
-{
-    const int n = chunk_count(tile);
-    bool failed = false;
-    (void)threads; /* without OpenMP */
-#pragma omp parallel for schedule(dynamic) num_threads(threads)
-    for (int i = 0; i < n; i++) {
-        struct error own = {.status = EXIT_AGREED};
-        if (work(context, tile, i, &own))
-            continue;
-#pragma omp critical
-        {
-            if (!failed)
-                *err = own;
-            failed = true;
-        }
-    }
-    return !failed;
-}
-
 bool chunk_draw(const struct lit_scene *lit, const struct rectangle *tile, int index,
-                struct chunk *out, struct error *err)
+                struct chunk *out)
 {
     const struct plan *plan = lit->plan;
     const struct rectangle rows = chunk_rows(tile, index);
-    *out = (struct chunk){.errors = NULL};
-    return (picture_draw(&plan->view, lit->surfaces, plan->n_instances, &rows, plan->max_rows,
-                         &out->picture) &&
-            (!plan->options.check || find_candidates(lit, tile, out))) ||
-           error_memory(err);
+    *out = (struct chunk){.picture = {.at = rows}};
+    if (!plan->options.check && !plan->options.store_raster)
+        return true;
+    return picture_draw(&plan->view, lit->surfaces, plan->n_instances, &rows, plan->max_rows,
+                        &out->picture) &&
+           (!plan->options.check || find_candidates(lit, tile, out));
 }
 
 void chunk_free(struct chunk *chunk)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* spectral probe: the spectrum of a pixel, of a stack or of a scene. It lies in raster/
- * because the reference draws the scene. */
+/* spectral probe: prints the spectrum of a pixel or a region, of a stack or of a scene. The command
+ * lies in raster/ because the reference draws the scene. */
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -24,7 +24,7 @@ static bool pixels_read(const char *name, const char *value, double lowest, int 
     if (!option_number(name, value, lowest, INT32_MAX, &number, err))
         return false;
     *out = (int)number;
-    return number == *out || error_usage(err, "%s is a whole number, not '%s'", name, value);
+    return number == *out || error_usage(err, "%s must be a whole number, not '%s'", name, value);
 }
 
 static bool region_read(const struct options *options, struct probe_options *out, struct error *err)
@@ -34,8 +34,9 @@ static bool region_read(const struct options *options, struct probe_options *out
     *out = (struct probe_options){
         .width = 1, .height = 1, .observer = options_detector(options), .white = options->white};
     if (options->n_operands != 3 && options->n_operands != 5)
-        return error_usage(err, "probe takes a STACK or SCENE, X and Y, and perhaps W and H; try "
-                                "spectral --help");
+        return error_usage(err,
+                           "probe takes a STACK or SCENE, X and Y, and optionally W and H; try "
+                           "spectral --help");
     for (int i = 0; i + 1 < options->n_operands; i++)
         if (!pixels_read(names[i], options->operands[1 + i], i < 2 ? 0 : 1, numbers[i], err))
             return false;
@@ -76,13 +77,13 @@ static bool probe_operand(const struct options *options, const struct probe_opti
     if (!is_tiff(options->operand))
         return probe_picture(options, region, out, err);
     if (options->n_recorded > 0)
-        return error_usage(err, "%s is a stack: it takes no %s", options->operand,
+        return error_usage(err, "%s is a stack; %s needs a scene", options->operand,
                            options->recorded[0]);
     return output_spares(options->output, options->operand, err) &&
            probe_stack(options->operand, region, out, err);
 }
 
-/* Returns the text of a printed probe, allocated; NULL: no memory. */
+/* Returns the probe as text or CSV, allocated; NULL: no memory. */
 static char *probe_text(const struct probe *probe, bool csv)
 {
     char *text = NULL;
@@ -114,7 +115,7 @@ bool command_probe(struct options *options, struct error *err)
     if (!region_read(options, &region, err))
         return false;
     if (options->csv && options->svg)
-        return error_usage(err, "--csv and --svg exclude each other");
+        return error_usage(err, "--csv and --svg exclude each other; give one of them");
     bool done = probe_operand(options, &region, &probe, err) && probe_write(options, &probe, err);
     probe_free(&probe);
     return done;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* How a pixel's spectrum comes about: the reference draws a region as it draws the whole picture,
- * and the spectra of lights and material are listed beside the region's radiance. */
+/* Explains the spectrum of a region. The reference draws the region as it draws the whole picture.
+ * The spectra of the lights and of the material are listed beside the region's radiance. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,11 +20,9 @@
 #include "spectral.h"
 
 struct region {
-    struct plan plan; /* the caller's, but with samples that are radiances */
+    struct plan plan; /* a copy of the caller's; samples are radiances */
     struct lit_scene lit;
     double full_scale;
-    struct chunk *chunks; /* of the current tile */
-    int n_chunks;
     float *samples;          /* of a chunk */
     struct moments *moments; /* of each band */
     struct probe *probe;
@@ -34,73 +32,52 @@ struct region {
 
 /* ---- pixels ---- */
 
-static void note_surface(struct region *region, int surface)
+static void note_surfaces(struct region *region, const struct tile *tile)
 {
-    if (!region->begun)
-        region->surface = surface;
-    region->begun = true;
-    region->several = region->several || surface != region->surface;
-}
-
-static bool rasterize_chunks(struct region *region, const struct rectangle *tile, struct error *err)
-{
-    region->n_chunks = chunk_count(tile);
-    region->chunks = calloc((size_t)region->n_chunks, sizeof *region->chunks);
-    if (!region->chunks)
-        return error_memory(err);
-    for (int i = 0; i < region->n_chunks; i++) {
-        struct chunk *chunk = &region->chunks[i];
-        if (!chunk_draw(&region->lit, tile, i, chunk, err))
-            return false;
-        for (int pixel = 0; pixel < chunk->picture.at.width * chunk->picture.at.height; pixel++)
-            note_surface(region, chunk->picture.surface[pixel]);
+    for (int i = 0; i < tile->n_chunks; i++) {
+        const struct picture *picture = &tile->chunks[i].picture;
+        for (int pixel = 0; pixel < picture->at.width * picture->at.height; pixel++) {
+            if (!region->begun)
+                region->surface = picture->surface[pixel];
+            region->begun = true;
+            region->several = region->several || picture->surface[pixel] != region->surface;
+        }
     }
-    return true;
 }
 
-static bool add_band(struct region *region, int band, struct error *err)
+static bool add_band(struct region *region, const struct tile *tile, int band, struct error *err)
 {
-    for (int i = 0; i < region->n_chunks; i++) {
-        const struct chunk *chunk = &region->chunks[i];
-        const size_t n = (size_t)chunk->picture.at.width * (size_t)chunk->picture.at.height;
+    for (int i = 0; i < tile->n_chunks; i++) {
+        const struct picture *picture = &tile->chunks[i].picture;
+        const size_t n = (size_t)picture->at.width * (size_t)picture->at.height;
         const struct stored_band stored = {&region->plan, band, region->full_scale,
                                            region->samples};
-        const struct odd_samples odd = store_reference(&stored, &region->lit, &chunk->picture);
+        const struct odd_samples odd = store_reference(&stored, &region->lit, picture);
         if (odd.undefined > 0)
-            return error_usage(err, "%s: a radiance there is not finite", region->probe->source);
+            return error_usage(err, "%s: a radiance in the region is not finite",
+                               region->probe->source);
         moments_add(&region->moments[band], region->samples, n);
     }
     return true;
 }
 
-static void free_chunks(struct region *region)
+static bool inspect_tile(void *context, const struct tile *tile, struct error *err)
 {
-    for (int i = 0; region->chunks && i < region->n_chunks; i++)
-        chunk_free(&region->chunks[i]);
-    free(region->chunks);
-    region->chunks = NULL;
+    struct region *region = context;
+    note_surfaces(region, tile);
+    for (int band = 0; band < region->plan.n_bands; band++)
+        if ((band % BANDS_PER_PASS == 0 && !plan_load_textures(&region->plan, band, err)) ||
+            !add_band(region, tile, band, err))
+            return false;
+    return true;
 }
 
-static bool inspect_tile(struct region *region, const struct rectangle *tile, struct error *err)
-{
-    bool done = rasterize_chunks(region, tile, err);
-    for (int band = 0; done && band < region->plan.n_bands; band++)
-        done = (band % BANDS_PER_PASS != 0 || plan_load_textures(&region->plan, band, err)) &&
-               add_band(region, band, err);
-    free_chunks(region);
-    return done;
-}
-
-/* Tiles are no larger than the plan's, which bound the memory. */
-static bool inspect_tiles(struct region *region, struct error *err)
+static bool inspect_pixels(struct region *region, struct error *err)
 {
     const struct probe *probe = region->probe;
     const struct rectangle whole = {probe->x, probe->y, probe->width, probe->height};
-    for (int i = 0; i < plan_tiles(&region->plan, &whole); i++) {
-        const struct rectangle tile = plan_tile(&region->plan, &whole, i);
-        if (!inspect_tile(region, &tile, err))
-            return false;
-    }
+    if (!tiles_each(&region->lit, &whole, inspect_tile, region, err))
+        return false;
     for (int band = 0; band < probe->n; band++)
         moments_end(&region->moments[band], &probe->mean[band], &probe->spread[band]);
     return true;
@@ -108,7 +85,7 @@ static bool inspect_tiles(struct region *region, struct error *err)
 
 /* ---- curves ---- */
 
-/* factor x spectrum under a name; spectrum NULL stands for 1 at every wavelength. */
+/* A name, and the values factor x spectrum; spectrum NULL: 1 at every wavelength. */
 struct curve {
     const char *name;
     bool relative; /* a reflectance, excitation or emission; otherwise a radiance */
@@ -117,7 +94,7 @@ struct curve {
     enum spectrum_ends ends;
 };
 
-/* Leaves out a curve that finds no room. */
+/* Leaves out a curve beyond MAX_PROBE_CURVES. */
 static bool add_curve(struct probe *probe, const struct curve *curve, struct error *err)
 {
     struct probe_curve *out = &probe->curves[probe->n_curves];
@@ -159,7 +136,7 @@ static bool add_lights(struct probe *probe, const struct scene *scene, struct er
     return true;
 }
 
-/* Beyond their ends spectra go on as data/terms continues them. */
+/* Continues spectra beyond their ends as data/terms does. */
 static bool add_material(struct probe *probe, const struct material *material, struct error *err)
 {
     const struct spectrum *specular =
@@ -178,7 +155,7 @@ static bool add_material(struct probe *probe, const struct material *material, s
     return true;
 }
 
-/* Adds the curves of the object first: there may be too many lights for all to find room. */
+/* Adds the curves of the object first, since there may not be room for all lights. */
 static bool add_curves(const struct region *region, struct error *err)
 {
     struct probe *probe = region->probe;
@@ -195,7 +172,7 @@ static bool add_curves(const struct region *region, struct error *err)
 
 /* ---- the whole ---- */
 
-/* Colours have the white of a stack of this scene. */
+/* Computes the colour with the white that a stack of this scene records. */
 static bool add_colour(struct probe *probe, const struct scene *scene,
                        const struct probe_options *options, struct error *err)
 {
@@ -219,7 +196,7 @@ static bool inspect(struct region *region, struct error *err)
     const size_t largest_chunk = (size_t)CHUNK_ROWS * (size_t)plan->tile_width;
     struct light_work work;
     bool clips;
-    if (plan->scene->shading == SHADING_PHONG) /* which may have no largest radiance */
+    if (plan->scene->shading == SHADING_PHONG) /* phong shading may have no largest radiance */
         region->plan.options.full_scale = 1;
     region->samples = calloc(largest_chunk, sizeof *region->samples);
     region->moments = calloc((size_t)plan->n_bands, sizeof *region->moments);
@@ -227,7 +204,7 @@ static bool inspect(struct region *region, struct error *err)
         return error_memory(err);
     return lit_make(plan, driver_of(NULL), &region->lit, &work, err) &&
            find_full_scale(&region->lit, &region->full_scale, &clips, err) &&
-           inspect_tiles(region, err) && add_curves(region, err);
+           inspect_pixels(region, err) && add_curves(region, err);
 }
 
 bool probe_scene(const struct plan *plan, const struct probe_options *options, struct probe *out,

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Says how the spectrum of a pixel comes about: draws a region of a scene by the reference, and
- * lists the spectra that make it. It may not know OpenGL, nor how the result is printed
- * (data/probe). */
+/* Explains the spectrum of a pixel: draws a region of a scene by the reference, and lists the
+ * spectra that contribute to it. This room depends neither on OpenGL nor on how the result is
+ * printed (data/probe). */
 #ifndef INSPECT_H
 #define INSPECT_H
 
@@ -10,12 +10,12 @@
 #include "raster/plan/plan.h"
 #include "spectral.h"
 
-/* ---- inspect.c: how a pixel's spectrum comes about ---- */
+/* ---- inspect.c: the spectrum of a region of a scene ---- */
 
-/* Computes the mean radiance of a region by the reference, and lists its curves: lights, ambient
- * lights, and, if the region shows one object, its reflectance, specular reflectance, excitation,
- * emission and own light. The options name a region in pixels of the plan's picture; one that is
- * not within it is refused. The caller frees *out, also after a failure. */
+/* Computes the mean radiance of a region by the reference, and lists its curves: the lights and the
+ * ambient lights; if the region shows one object only, also its reflectance, specular reflectance,
+ * excitation, emission and own light. The options give the region in pixels of the plan's picture.
+ * Refuses a region that is not within the picture. The caller frees *out, also after a failure. */
 bool probe_scene(const struct plan *plan, const struct probe_options *options, struct probe *out,
                  struct error *err);
 

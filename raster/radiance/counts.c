@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The expected sample of a pixel, and radiance as counts: a sum over terms of weight x spectrum.
+/* Computes the expected sample of a pixel, and stores radiances as counts. A radiance is a sum over
+ * terms of weight x spectrum.
  *
- * Bound of a sample, in counts: sum over terms of (error of the weight) x (spectrum), which
- * raster/bounds/light.c and raster/bounds/plane.c derive, plus the roundings of the colour sum. u =
- * 2^-24. */
+ * The bound of a sample, in counts, is the sum over terms of (error of the weight) x spectrum, plus
+ * the roundings of the colour sum. raster/bounds/light.c and raster/bounds/plane.c derive the
+ * errors of weights. u = 2^-24. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -16,31 +17,32 @@
 
 static const double u = 1.0 / 16777216;
 
-/* A colour: its spectrum rounded to single precision (1), light times material (2), a texture's
- * value and its product (2), the buffer (1); each colour and each pass added (1 each). One more for
- * those of the bound itself. */
+/* Roundings of a colour: its spectrum in single precision (1), light times material (2), a
+ * texture's value and its product (2), the buffer (1); one more for the arithmetic of the bound
+ * itself. Each colour and each pass that is added rounds once more. */
 enum { COLOUR_ROUNDINGS = 7 };
-/* Mesa flushes results below 2^-126 = 1.2e-38 to zero. In a plane's set-up that is magnified by one
- * over the triangle's area (10^4 at most, smaller ones are too thin for a bound) and by the
- * distance to the framebuffer's origin (2 x 16384), and by a w of up to 2048; 4 such steps. Some
- * 10^-25 of full scale, in counts. */
+/* In counts, some 10^-25 of full scale. Mesa flushes results below 2^-126 = 1.2e-38 to zero. The
+ * set-up of a plane magnifies this error by one over the triangle's area (10^4 at most; smaller
+ * triangles are too thin for a bound), by the distance to the framebuffer's origin (2 x 16384), and
+ * by a w of up to 2048. There are 4 such steps. */
 static const double flushed = 65535 * 1.2e-38 * 1e4 * 32768 * 2048 * 4;
 
 /* ---- OpenGL's colour buffer ---- */
 
-/* Each pass is rounded to the nearest step. On the way to that a driver multiplies and adds (2
- * roundings); the step as a part of full scale, and the sum of such parts, are rounded again (2).
- * Measured on Mesa 22.3.6, 3 million colours: llvmpipe and softpipe round to the nearest step, but
- * for 0.5 u of full scale at most (0.002 of a step of 16 bits). */
+/* A driver rounds each pass to the nearest step. Before that it multiplies and adds (2 roundings).
+ * The step as a part of full scale, and the sum of such parts, are rounded again (2). Measured on
+ * Mesa 22.3.6 with 3 million colours: llvmpipe and softpipe round to the nearest step, and miss it
+ * by 0.5 u of full scale at most (0.002 of a step of 16 bits). */
 double buffer_rounding(const struct plan *plan)
 {
     int steps = buffer_steps(plan);
     return steps > 0 ? plan->n_light_groups * (0.5 / steps + 4 * u) * FULL_COUNT : 0;
 }
 
-/* ---- what is expected ---- */
+/* ---- expected samples ---- */
 
-/* Multiplies a run by the value of a varied texture there in this band. bound may be NULL. */
+/* Multiplies the samples of a run by the values of its spectral texture in this band. bound may be
+ * NULL. */
 static void apply_texture(const struct run *run, int band, double *expected, float *bound)
 {
     const struct texture *texture = run->shaded->texture;
@@ -59,8 +61,9 @@ static void apply_texture(const struct run *run, int band, double *expected, flo
     }
 }
 
-/* Expects what a buffer of steps holds of a colour. Each pass is cut off at full scale. Passes
- * whose sum is a full scale or more give at least a full scale, and at most their sum. */
+/* Turns expected colours into the expected content of a buffer of steps. Such a buffer cuts each
+ * pass off at full scale. If the sum of all passes is full scale or more, the buffers add up to at
+ * least full scale, and at most to that sum. */
 static void expect_steps(const struct plan *plan, size_t n, double *expected, float *bound)
 {
     double most = (double)plan->n_light_groups * FULL_COUNT, rounding = buffer_rounding(plan);
@@ -73,7 +76,7 @@ static void expect_steps(const struct plan *plan, size_t n, double *expected, fl
     }
 }
 
-/* Adds what the colour sum rounds; a bound that is not finite becomes -1. */
+/* Adds the roundings of the colour sum to the bounds. A bound that is not finite becomes -1. */
 static void add_roundings(const struct plan *plan, const struct run *run, const double *expected,
                           float *bound)
 {
@@ -120,7 +123,7 @@ static size_t run_length(const int32_t *surface, size_t first, size_t last)
 
 /* ---- counts ---- */
 
-/* True if a page can hold a value; NaN no page can. */
+/* Returns whether a page can hold the value. No page can hold NaN. */
 static bool is_storable(double value)
 {
     return fabs(value) <= (double)FLT_MAX;
@@ -128,7 +131,7 @@ static bool is_storable(double value)
 
 enum { COUNTS_PER_BYTE = FULL_COUNT / UINT8_MAX };
 
-/* From where on a sample is cut off, not rounded. */
+/* Returns the counts from which on a sample is cut off instead of rounded. */
 static double clipping_limit(const struct plan *plan)
 {
     return plan->options.bits == 32  ? HUGE_VAL
@@ -136,8 +139,8 @@ static double clipping_limit(const struct plan *plan)
                                      : FULL_COUNT + 0.5;
 }
 
-/* Stores n samples given in units of full scale x FULL_COUNT at out[at]; those at `limit` or above
- * it count as clipped. */
+/* Stores n samples from band->out[at] on. `counts` are in units of full scale / FULL_COUNT; those
+ * at or above `limit` are counted as clipped. */
 static void store(const struct stored_band *band, const double *counts, size_t n, double limit,
                   size_t at, struct odd_samples *odd)
 {

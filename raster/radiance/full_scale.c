@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The radiance that the largest count stands for: the largest of all vertices at all wavelengths.
+/* Finds the radiance that the largest count stands for: the largest of all vertices in all bands.
  */
 #include <float.h>
 #include <math.h>
@@ -15,7 +15,8 @@
 
 /* ---- upper bounds for Phong shading ---- */
 
-/* The point of a triangle that is nearest to p is that of its plane, or lies on an edge. */
+/* The point of a triangle that is nearest to p is the foot of the perpendicular from p, or it lies
+ * on an edge. */
 static double distance_to_edge(struct vector p, struct vector a, struct vector b)
 {
     struct vector edge = vector_subtract(b, a), to = vector_subtract(p, a);
@@ -39,7 +40,8 @@ static double distance_to_triangle(struct vector p, const struct vector corner[3
     return above ? fabs(vector_dot(normal, vector_subtract(p, corner[0]))) : least;
 }
 
-/* How near a light is to the surface, less the roundings of points on it. */
+/* Returns the distance of a light from a surface, reduced by the roundings of the surface's points.
+ */
 static double least_distance(const struct surface *surface, const struct eye_light *light)
 {
     const struct instance *instance = surface->instance;
@@ -56,8 +58,9 @@ static double least_distance(const struct surface *surface, const struct eye_lig
     return fmax(0, least - 1e-12 * largest);
 }
 
-/* An upper bound on each term's weight at any point that Phong shading lights. It is infinite where
- * a light that weakens with distance may be too near; its index is left in *light. */
+/* Computes an upper bound on the weight of each term at any point that phong shading lights. The
+ * bound is infinite if a light that weakens with distance may be too near; *light becomes its
+ * index. */
 static void phong_limits(const struct view *view, const struct surface *surface, double *limits,
                          int *light)
 {
@@ -83,14 +86,14 @@ static void phong_limits(const struct view *view, const struct surface *surface,
 
 /* ---- the largest radiance ---- */
 
-/* Where a surface may be brightest: weights of both sides of its vertices; in phong shading upper
- * bounds on those of all its points. */
+/* The weights that may make a surface brightest: of both sides of its vertices; with phong shading
+ * one set of upper bounds on the weights of all its points. */
 struct brightest {
     const double *weights;
     size_t n, stride;
 };
 
-/* The largest radiance in one band, and which of the brightest has it. */
+/* Returns the largest radiance in one band; *at becomes the index of its weights. */
 static double largest_radiance(const struct plan *plan, const struct shaded_material *shaded,
                                const struct brightest *of, int band, size_t *at)
 {
@@ -101,7 +104,7 @@ static double largest_radiance(const struct plan *plan, const struct shaded_mate
         double radiance = 0;
         for (size_t t = 0; t < n_terms; t++)
             radiance += weights[t] * shaded->made.spectra[t * n_bands + (size_t)band];
-        if (!(radiance <= largest)) { /* NaN counts as larger, so that it is found */
+        if (!(radiance <= largest)) { /* NaN counts as larger, so that it is reported */
             largest = radiance;
             *at = i;
         }
@@ -124,7 +127,7 @@ static bool check_radiance(const struct lit_scene *lit, int surface, int band, s
     band_name(plan, band, page);
     return isfinite(radiance)
                ? error_at(err, place,
-                          "the radiance of %s at %s is %.3g, above what a float page holds", vertex,
+                          "the radiance of %s at %s is %.3g, too large for a float page", vertex,
                           page, radiance)
                : error_at(
                      err, place,
@@ -132,8 +135,8 @@ static bool check_radiance(const struct lit_scene *lit, int surface, int band, s
                      vertex, page);
 }
 
-/* False where phong shading has no bound: that of the light `*light`. limits has room for the
- * surface's terms. */
+/* Returns false if phong shading has no bound, because of the light of index *light. limits has
+ * room for the surface's terms. */
 static bool find_brightest(const struct plan *plan, const struct surface *surface, double *limits,
                            struct brightest *out, int *light)
 {
@@ -148,8 +151,8 @@ static bool find_brightest(const struct plan *plan, const struct surface *surfac
     return *light < 0;
 }
 
-/* Raises *largest to the largest radiance of a surface. What has no bound needs a full scale that
- * is asked for. */
+/* Raises *largest to the largest radiance of a surface. Refuses a radiance without a bound, unless
+ * the plan asks for a full scale. */
 static bool raise_largest(const struct lit_scene *lit, int surface, double *limits, double *largest,
                           struct error *err)
 {
@@ -159,10 +162,11 @@ static bool raise_largest(const struct lit_scene *lit, int surface, double *limi
     int light;
     if (!find_brightest(plan, &lit->surfaces[surface], limits, &brightest, &light))
         return plan->options.full_scale > 0 ||
-               error_at(err, plan->sources[light]->attenuation_place,
-                        "this light has no limit where it touches %s, so that phong shading has no "
-                        "largest radiance; --full-scale can set one, or a constant attenuation",
-                        shaded->material->name);
+               error_at(
+                   err, plan->sources[light]->attenuation_place,
+                   "this light touches %s and is infinitely bright there, so phong shading has no "
+                   "largest radiance; set --full-scale, or give the light a constant attenuation",
+                   shaded->material->name);
     for (int band = 0; band < plan->n_bands; band++) {
         size_t at = 0;
         double radiance = largest_radiance(plan, shaded, &brightest, band, &at);
@@ -185,8 +189,8 @@ static bool find_largest(const struct lit_scene *lit, double *largest, struct er
     return done;
 }
 
-/* The colours that OpenGL is given are spectra over full scale: below 2^100 they, and their sums,
- * are numbers in single precision. What is seen beside such light is black. */
+/* OpenGL gets colours that are spectra over full scale. Below 2^100 single precision can hold them
+ * and their sums. Beside such light everything else is black. */
 static double least_full_scale(const struct plan *plan)
 {
     double largest = 0, share = 1;
@@ -213,8 +217,8 @@ bool find_full_scale(const struct lit_scene *lit, double *out, bool *clips, stru
     double least = least_full_scale(plan), wanted = plan->options.full_scale;
     if (wanted > 0 && wanted < least)
         return error_usage(err,
-                           "--full-scale: %g is too small beside the lights; the least that single "
-                           "precision can show is %.3g",
+                           "--full-scale: %g is too small for these lights; single precision "
+                           "needs at least %.3g",
                            wanted, least);
     *clips = wanted > 0 && wanted < largest;
     largest = fmax(largest, least);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* spectral render --again: makes a stack from its own record. The new stack must be the same. */
+/* spectral render --again: makes a stack again from its own record. The new stack must be the same,
+ * byte for byte. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -12,7 +13,8 @@
 #include "raster/render/render.h"
 #include "spectral.h"
 
-/* Takes scene and picture from the record, and all else from the command line. */
+/* Takes from the record all options that decide the picture, and the others from the command line.
+ */
 static bool recorded_options(const struct options *options, const struct record *record,
                              struct options *out, struct error *err)
 {
@@ -20,7 +22,7 @@ static bool recorded_options(const struct options *options, const struct record 
     if (!options_read(&rules, record->options, record->n_options, out, err))
         return false;
     if (out->operand)
-        return error_usage(err, "%s records '%s', which is no option", options->again,
+        return error_usage(err, "%s records '%s', which is not an option", options->again,
                            out->operand);
     out->operand = record->scene;
     out->json = options->json;
@@ -29,8 +31,8 @@ static bool recorded_options(const struct options *options, const struct record 
     if (!out->renderer || strcmp(out->renderer, "raster") != 0)
         return !(options->no_check || options->strict) ||
                error_usage(err,
-                           "%s holds OpenGL's pixels: it tells itself whether they are "
-                           "checked, --again takes no %s",
+                           "%s stores OpenGL's pixels and records whether to check them; "
+                           "--again takes no %s",
                            options->again, options->no_check ? "--no-check" : "--strict");
     out->no_check = options->no_check;
     out->strict = options->strict;
@@ -43,16 +45,16 @@ static bool can_be_same(const struct record *record, const struct render_output 
 {
     if (strcmp(record->program, PROGRAM) != 0 && !output->keep) {
         error_usage(err,
-                    "%s was made by %.80s, this is " PROGRAM ", which tells so in its stacks "
-                    "(--keep stores one all the same)",
+                    "%s was made by %.80s, but this is " PROGRAM ", and each stack records "
+                    "its program; --keep stores the new stack anyway",
                     output->again, record->program);
         err->status = EXIT_DIFFERENT;
         return false;
     }
     return !scene_is_missing(record->scene) ||
            error_usage(err,
-                       "%s: its scene '%.500s' is not there; names are relative to the folder "
-                       "where it was made",
+                       "%s: its scene '%.500s' does not exist; a relative name starts from the "
+                       "folder where the stack was made",
                        output->again, record->scene);
 }
 
@@ -76,12 +78,13 @@ bool render_again(struct options *options, struct error *err)
 {
     options_forget_check(options);
     if (options->operand || options->n_recorded > 0)
-        return error_usage(err, "--again takes no %s: the stack tells it",
+        return error_usage(err, "--again takes no %s: the stack records it",
                            options->operand ? "SCENE" : options->recorded[0]);
     char *named = output_name(options->again, "-again.tif");
     if (!named)
         return error_memory(err);
-    /* For -o /dev/null the stack is laid out under its default name, compared, and not kept. */
+    /* With -o /dev/null the stack is written under its default name, compared, and then discarded.
+     */
     bool discard = options->output && strcmp(options->output, "/dev/null") == 0;
     struct render_output output = {.path = options->output && !discard ? options->output : named,
                                    .again = options->again,

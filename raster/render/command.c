@@ -23,52 +23,52 @@ static bool stores_raster(const struct options *options)
     return options->renderer && strcmp(options->renderer, "raster") == 0;
 }
 
-/* Refuses what a program without OpenGL lacks. Nothing has been read yet. */
+/* Refuses options that need OpenGL in a program without it. Reads no file. again: the stack to make
+ * again; NULL: none. */
 static bool check_gl(const struct options *options, const char *again, struct error *err)
 {
     if (gl_is_built())
         return true;
     if (!stores_raster(options) && again)
-        return error_usage(err, "%s holds OpenGL's pixels, and this program was built without",
-                           again);
+        return error_usage(
+            err, "%s stores OpenGL's pixels, but this program was built without OpenGL", again);
     if (!stores_raster(options))
-        return error_usage(err, "this program was built without OpenGL; it renders with "
-                                "--renderer raster");
+        return error_usage(err, "this program was built without OpenGL; add --renderer raster");
     return !options->strict ||
-           error_usage(err, "--strict checks OpenGL, and this program was built without");
+           error_usage(err, "--strict checks OpenGL, but this program was built without OpenGL");
 }
 
-/* OpenGL lights vertices only. So it cannot draw phong shading, which lights each pixel, and cannot
- * check it. */
+/* Phong shading lights each pixel. OpenGL lights vertices only, so it can neither draw nor check
+ * this shading. */
 static bool check_shading(const struct options *options, const struct scene *scene,
                           struct plan_options *plan, struct error *err)
 {
     if (scene->shading != SHADING_PHONG)
         return true;
     if (!plan->store_raster)
-        return error_usage(err, "phong shading is the reference's, since OpenGL lights vertices; "
-                                "add --renderer raster");
+        return error_usage(err, "OpenGL lights vertices only and cannot draw phong shading; add "
+                                "--renderer raster");
     if (options->strict)
         return error_usage(err, "--strict checks OpenGL, which has no phong shading");
     plan->check = plan->use_gl = false;
     return true;
 }
 
-/* Refuses a scene whose text is not the text that the stack records. */
+/* Refuses a scene whose text differs from the text that the stack was made from. */
 static bool check_same_scene(const struct scene *scene, const char *stack,
                              const struct record *made, struct error *err)
 {
     return !made || strcmp(scene->sha256, made->scene_sha256) == 0 ||
            error_usage(err,
-                       "%s: the scene's text is not that of %s: its SHA-256 is %s, recorded is "
-                       "%.64s",
-                       scene->path, stack, scene->sha256, made->scene_sha256);
+                       "%s: the scene has changed since %s was made: expected SHA-256 %.64s, "
+                       "found %s",
+                       scene->path, stack, made->scene_sha256, scene->sha256);
 }
 
 /* ---- report ---- */
 
-/* stored: the stack's name; NULL: no stack was stored. A pipe has no digest: it cannot be read
- * again. */
+/* stored: the name of the stack; NULL: no stack was stored. A stack that went into a pipe gets no
+ * digest, since it cannot be read back. */
 static bool write_json(const struct options *options, const struct plan *plan,
                        const struct render_result *result, const char *stored, struct error *err)
 {
@@ -93,8 +93,8 @@ static void print_report(const struct plan *plan, const struct render_result *re
                 result->difference.found ? "not the same" : "the same", output->again);
 }
 
-/* Fails where the pictures differ. made: the record of the stack that is made again; NULL: it is a
- * new stack. */
+/* Reports, then fails if the pictures differ. made: the record of the stack that is made again;
+ * NULL: the stack is new. */
 static bool report(const struct options *options, const struct plan *plan,
                    const struct render_result *result, const struct render_output *output,
                    const struct record *made, struct error *err)
@@ -102,7 +102,7 @@ static bool report(const struct options *options, const struct plan *plan,
     bool agreed = render_agreed(result);
     const char *wanted = output->discard ? NULL : output->path;
     const char *stored = agreed || output->keep ? wanted : NULL;
-    /* standard output may carry the JSON, or the stack itself (-o /dev/stdout) */
+    /* the JSON or the stack itself (-o /dev/stdout) may use standard output */
     bool taken =
         (options->json && strcmp(options->json, "-") == 0) || (stored && !file_is_regular(stored));
     if (options->json && !write_json(options, plan, result, stored, err))
@@ -111,9 +111,9 @@ static bool report(const struct options *options, const struct plan *plan,
         print_report(plan, result, output, stored, taken ? stderr : stdout);
     if (agreed)
         return true;
-    const char *then = !wanted        ? "nothing was to be written"
+    const char *then = !wanted        ? "no stack was wanted"
                        : output->keep ? "the stack was kept"
-                                      : "no stack was written (--keep stores it all the same)";
+                                      : "no stack was written (--keep stores it anyway)";
     return result->check.unexplained > 0
                ? report_difference(plan, &result->check, then, err)
                : report_not_again(plan, result, output->again, made, then, err);
@@ -121,8 +121,7 @@ static bool report(const struct options *options, const struct plan *plan,
 
 /* ---- plan and render ---- */
 
-/* Returns the bits of a choice of 8, 16, or another word for 32; 0 where the option is not given.
- */
+/* Returns 8 or 16 for these words, 32 for any other word, and 0 for NULL. */
 static int bits_of(const char *choice)
 {
     if (!choice)
@@ -148,17 +147,15 @@ static struct plan_options plan_options_of(const struct options *options)
     return plan;
 }
 
-/* before: the seconds that reading and planning took. */
+/* before: the seconds that it took to read the scene and make the plan. */
 static bool render_planned(const struct options *options, const struct plan *plan,
                            const struct render_seconds *before, const struct render_output *output,
                            const struct record *made, struct error *err)
 {
     struct progress_line line;
-    struct render_progress progress = {NULL, &line};
     struct render_result result;
-    if (progress_start(&line, options->quiet))
-        progress.step = progress_show;
-    if (!render(plan, output, &progress, &result, err))
+    const bool shown = progress_start(&line, options->quiet);
+    if (!render(plan, output, shown ? &line : NULL, &result, err))
         return false;
     result.seconds.read += before->read;
     result.seconds.plan = before->plan;

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The loop over tiles and passes: pixels, verdict, stack. A tile is rasterized once by the
- * reference; then its wavelengths go by, three in a pass, each judged and written before the next
- * are drawn. */
+/* The passes of each tile: pixels, verdict, stack. The reference rasterizes a tile once. Each pass
+ * then draws three bands, checks them and writes them, before the next pass begins. */
 #include <errno.h>
 #include <stdlib.h>
 #include <time.h>
@@ -27,67 +26,49 @@ struct render_state {
     struct gl *gl;
     struct stack_writer writer;
     bool writing;
-    unsigned char *samples[BANDS_PER_PASS]; /* a tile of one band each */
-    struct chunk *chunks;                   /* of the current tile */
-    struct check *checks;
-    int n_chunks;
+    unsigned char *samples[BANDS_PER_PASS]; /* each has room for one band of a tile */
+    struct check *checks;                   /* one for each chunk of the current tile; NULL: none */
     long steps, all_steps;
-    const struct render_progress *progress;
+    double since;                   /* clock_seconds at the last clock_in */
+    struct progress_line *progress; /* NULL: none */
     struct render_result *result;
 };
 
-/* Adds the seconds since *since to a part, and starts the next one. */
-static void clock_in(double *part, double *since)
+/* Adds the seconds since the last call to `part`, one of the result's seconds. */
+static void clock_in(struct render_state *state, double *part)
 {
     double time = clock_seconds();
-    *part += time - *since;
-    *since = time;
+    *part += time - state->since;
+    state->since = time;
 }
 
-/* ---- a tile by the reference ---- */
+/* ---- the checks of a tile ---- */
 
-static bool rasterize_chunk(void *context, const struct rectangle *tile, int index,
-                            struct error *err)
+/* Opens the checks of all chunks, and checks that OpenGL shows the right triangle at each pixel. */
+static bool open_checks(struct render_state *state, const struct tile *tile, struct error *err)
 {
-    const struct render_state *state = context;
-    struct chunk *chunk = &state->chunks[index];
-    return chunk_draw(&state->lit, tile, index, chunk, err) &&
-           (!state->plan->options.check ||
-            check_open(&state->lit, chunk, state->result->full_scale, &state->checks[index], err));
-}
-
-static bool rasterize_tile(struct render_state *state, const struct rectangle *tile,
-                           struct error *err)
-{
-    state->chunks = calloc((size_t)state->n_chunks, sizeof *state->chunks);
-    state->checks = calloc((size_t)state->n_chunks, sizeof *state->checks);
-    if (!state->chunks || !state->checks)
+    state->checks = calloc((size_t)tile->n_chunks, sizeof *state->checks);
+    if (!state->checks)
         return error_memory(err);
-    return chunks_each(tile, state->plan->options.threads, rasterize_chunk, state, err);
+    for (int i = 0; i < tile->n_chunks; i++)
+        if (!check_open(&state->lit, &tile->chunks[i], state->result->full_scale, &state->checks[i],
+                        err))
+            return false;
+    if (!gl_identify(state->gl, err))
+        return false;
+#pragma omp parallel for schedule(dynamic) num_threads(state->plan->options.threads)
+    for (int i = 0; i < tile->n_chunks; i++)
+        check_identity(&state->checks[i], state->gl, &tile->at);
+    return true;
 }
 
-static void work_add(struct light_work *to, const struct light_work *from)
+static void close_checks(struct render_state *state, const struct tile *tile)
 {
-    to->points_lit += from->points_lit;
-    to->specular_vertices += from->specular_vertices;
-    to->power_functions += from->power_functions;
-}
-
-static void free_tile(struct render_state *state)
-{
-    for (int i = 0; i < state->n_chunks; i++) {
-        if (state->checks && state->checks[i].chunk)
+    for (int i = 0; state->checks && i < tile->n_chunks; i++)
+        if (state->checks[i].chunk)
             check_close(&state->checks[i], &state->result->check);
-        if (state->chunks) {
-            work_add(&state->result->light, &state->chunks[i].picture.work);
-            chunk_free(&state->chunks[i]);
-        }
-    }
-    free(state->chunks);
     free(state->checks);
-    state->chunks = NULL;
     state->checks = NULL;
-    state->n_chunks = 0;
 }
 
 /* ---- a pass ---- */
@@ -103,55 +84,45 @@ static int bands_of_pass(const struct plan *plan, int pass)
     return left < BANDS_PER_PASS ? left : BANDS_PER_PASS;
 }
 
-/* Checks that OpenGL shows the right triangles in the right places. */
-static bool identify_tile(struct render_state *state, const struct rectangle *tile,
-                          struct error *err)
-{
-    if (!gl_identify(state->gl, err))
-        return false;
-#pragma omp parallel for schedule(dynamic) num_threads(state->plan->options.threads)
-    for (int i = 0; i < state->n_chunks; i++)
-        check_identity(&state->checks[i], state->gl, tile);
-    return true;
-}
-
-static void check_tile(struct render_state *state, const struct rectangle *tile, int pass,
+static void check_tile(struct render_state *state, const struct tile *tile, int pass,
                        const float *pixels)
 {
     size_t stride = (size_t)state->plan->tile_width;
 #pragma omp parallel for schedule(dynamic) num_threads(state->plan->options.threads)
-    for (int i = 0; i < state->n_chunks; i++) {
-        size_t row = (size_t)(state->chunks[i].picture.at.y - tile->y);
+    for (int i = 0; i < tile->n_chunks; i++) {
+        size_t row = (size_t)i * CHUNK_ROWS;
         check_pass(&state->checks[i], pass * BANDS_PER_PASS, pixels + row * stride * 4, stride);
     }
 }
 
-static struct odd_samples count_chunk(struct render_state *state, const struct rectangle *tile,
-                                      int index, int band, int channel, const float *pixels)
+/* Stores the samples of a chunk in one band. The chunk begins at `row` of the tile; `pixels` are
+ * the tile's. */
+static struct odd_samples count_chunk(struct render_state *state, const struct picture *picture,
+                                      size_t row, int band, const float *pixels)
 {
     const struct plan *plan = state->plan;
-    struct rectangle rows = chunk_rows(tile, index);
-    size_t first = (size_t)(rows.y - tile->y), stride = (size_t)plan->tile_width;
-    struct stored_band stored = {plan, band, state->result->full_scale,
-                                 state->samples[channel] +
-                                     first * (size_t)tile->width * sample_size(plan)};
-    if (plan->options.store_raster)
-        return store_reference(&stored, &state->lit, &state->chunks[index].picture);
-    return store_gl(&stored, &rows, state->result->clips, pixels + first * stride * 4 + channel,
-                    stride);
+    const int channel = band % BANDS_PER_PASS;
+    const size_t stride = (size_t)plan->tile_width;
+    unsigned char *out =
+        state->samples[channel] + row * (size_t)picture->at.width * sample_size(plan);
+    const struct stored_band stored = {plan, band, state->result->full_scale, out};
+    return plan->options.store_raster ? store_reference(&stored, &state->lit, picture)
+                                      : store_gl(&stored, &picture->at, state->result->clips,
+                                                 pixels + row * stride * 4 + channel, stride);
 }
 
-static void count_tile(struct render_state *state, const struct rectangle *tile, int pass,
+static void count_tile(struct render_state *state, const struct tile *tile, int pass,
                        const float *pixels)
 {
     const struct plan *plan = state->plan;
+    const int first = pass * BANDS_PER_PASS, end = first + bands_of_pass(plan, pass);
     uint64_t clipped = 0, undefined = 0;
 #pragma omp parallel for schedule(dynamic) num_threads(plan->options.threads) \
     reduction(+ : clipped, undefined)
-    for (int i = 0; i < state->n_chunks; i++)
-        for (int c = 0; c < bands_of_pass(plan, pass); c++) {
-            struct odd_samples odd =
-                count_chunk(state, tile, i, pass * BANDS_PER_PASS + c, c, pixels);
+    for (int i = 0; i < tile->n_chunks; i++)
+        for (int band = first; band < end; band++) {
+            const struct odd_samples odd =
+                count_chunk(state, &tile->chunks[i].picture, (size_t)i * CHUNK_ROWS, band, pixels);
             clipped += odd.clipped;
             undefined += odd.undefined;
         }
@@ -159,113 +130,112 @@ static void count_tile(struct render_state *state, const struct rectangle *tile,
     state->result->odd.undefined += undefined;
 }
 
-static bool write_tile(struct render_state *state, const struct rectangle *tile, int pass,
+static bool write_tile(struct render_state *state, const struct rectangle *at, int pass,
                        struct error *err)
 {
-    struct stack_rectangle to = {pass * BANDS_PER_PASS, tile->x, tile->y, tile->width,
-                                 tile->height};
+    struct stack_rectangle to = {pass * BANDS_PER_PASS, at->x, at->y, at->width, at->height};
     for (int c = 0; c < bands_of_pass(state->plan, pass); c++, to.page++)
         if (!stack_write(&state->writer, &to, state->samples[c], err))
             return false;
     return true;
 }
 
-static bool render_pass(struct render_state *state, const struct rectangle *tile, int pass,
+static bool render_pass(struct render_state *state, const struct tile *tile, int pass,
                         struct error *err)
 {
     struct render_seconds *seconds = &state->result->seconds;
     const float *pixels = NULL;
-    double since = clock_seconds();
     if (!plan_load_textures(state->plan, pass * BANDS_PER_PASS, err))
         return false;
-    clock_in(&seconds->read, &since);
+    clock_in(state, &seconds->read);
     if (state->gl &&
         !gl_draw(state->gl, pass * BANDS_PER_PASS, state->result->full_scale, &pixels, err))
         return false;
-    clock_in(&seconds->gl, &since);
+    clock_in(state, &seconds->gl);
     if (state->plan->options.check)
         check_tile(state, tile, pass, pixels);
-    clock_in(&seconds->check, &since);
+    clock_in(state, &seconds->check);
     if (state->writing) {
         count_tile(state, tile, pass, pixels);
-        if (!write_tile(state, tile, pass, err))
+        if (!write_tile(state, &tile->at, pass, err))
             return false;
     }
-    clock_in(&seconds->write, &since);
+    clock_in(state, &seconds->write);
     state->steps++;
-    if (state->progress && state->progress->step)
-        state->progress->step(state->progress->context, state->steps, state->all_steps);
+    if (state->progress)
+        progress_show(state->progress, state->steps, state->all_steps);
     errno = 0;
     return !output_interrupted() || error_system(err, "interrupted; nothing was written");
 }
 
 /* ---- the object map ---- */
 
-/* Returns the number, from 1, of the object that the stored pixels show at a pixel of the tile: by
- * OpenGL's last identification, or by the reference's chunk. An unknown surface number counts as
- * background. */
-static int object_at(const struct render_state *state, const struct rectangle *tile, int x, int y)
+/* Returns the number, from 1, of the object at a pixel of the tile. The renderer of the stored
+ * pixels decides: the reference's picture, or OpenGL's last identification. An unknown surface
+ * number counts as background. */
+static int object_at(const struct render_state *state, const struct tile *tile, int x, int y)
 {
-    const struct chunk *chunk = &state->chunks[y / CHUNK_ROWS];
-    const size_t pixel = (size_t)(y % CHUNK_ROWS) * (size_t)tile->width + (size_t)x;
-    const int surface = state->plan->options.store_raster ? chunk->picture.surface[pixel]
+    const struct picture *picture = &tile->chunks[y / CHUNK_ROWS].picture;
+    const size_t pixel = (size_t)(y % CHUNK_ROWS) * (size_t)tile->at.width + (size_t)x;
+    const int surface = state->plan->options.store_raster ? picture->surface[pixel]
                                                           : gl_shown(state->gl, x, y).surface;
     return surface < state->plan->n_instances ? surface + 1 : 0;
 }
 
-/* Writes the object map by way of the memory of a band's samples. */
-static bool write_map(struct render_state *state, const struct rectangle *tile, struct error *err)
+/* Writes the object map of a tile. It is built in the memory of the first band's samples. */
+static bool write_map(struct render_state *state, const struct tile *tile, struct error *err)
 {
-    const struct stack_rectangle to = {state->plan->n_bands, tile->x, tile->y, tile->width,
-                                       tile->height};
-    unsigned char *at = state->samples[0];
+    const struct rectangle *at = &tile->at;
+    const struct stack_rectangle to = {state->plan->n_bands, at->x, at->y, at->width, at->height};
+    unsigned char *out = state->samples[0];
     if (!state->writing || state->plan->map_bytes == 0)
         return true;
-    for (int y = 0; y < tile->height; y++)
-        for (int x = 0; x < tile->width; x++) {
+    for (int y = 0; y < at->height; y++)
+        for (int x = 0; x < at->width; x++) {
             const int object = object_at(state, tile, x, y);
-            *at++ = (unsigned char)(object % 256);
+            *out++ = (unsigned char)(object % 256);
             if (state->plan->map_bytes > 1)
-                *at++ = (unsigned char)(object / 256);
+                *out++ = (unsigned char)(object / 256);
         }
     return stack_write(&state->writer, &to, state->samples[0], err);
 }
 
 /* ---- the whole picture ---- */
 
-static bool render_tile(struct render_state *state, const struct rectangle *tile, struct error *err)
+static void add_work(struct light_work *to, const struct tile *tile)
 {
-    const struct plan *plan = state->plan;
-    double since = clock_seconds();
-    state->n_chunks = chunk_count(tile);
-    bool done =
-        !(plan->options.check || plan->options.store_raster) || rasterize_tile(state, tile, err);
-    clock_in(&state->result->seconds.raster, &since);
+    for (int i = 0; i < tile->n_chunks; i++) {
+        const struct light_work *work = &tile->chunks[i].picture.work;
+        to->points_lit += work->points_lit;
+        to->specular_vertices += work->specular_vertices;
+        to->power_functions += work->power_functions;
+    }
+}
+
+static bool render_tile(void *context, const struct tile *tile, struct error *err)
+{
+    struct render_state *state = context;
+    struct render_seconds *seconds = &state->result->seconds;
+    clock_in(state, &seconds->raster);
+    add_work(&state->result->light, tile);
     if (state->gl)
-        gl_aim(state->gl, &state->lit, tile);
-    if (done && plan->options.check)
-        done = identify_tile(state, tile, err);
-    clock_in(&state->result->seconds.check, &since);
+        gl_aim(state->gl, &state->lit, &tile->at);
+    bool done = !state->plan->options.check || open_checks(state, tile, err);
+    clock_in(state, &seconds->check);
     done = done && write_map(state, tile, err);
-    clock_in(&state->result->seconds.write, &since);
-    for (int pass = 0; done && pass < plan->n_passes; pass++)
+    clock_in(state, &seconds->write);
+    for (int pass = 0; done && pass < state->plan->n_passes; pass++)
         done = render_pass(state, tile, pass, err);
-    free_tile(state);
+    close_checks(state, tile);
+    clock_in(state, &seconds->check);
     return done;
 }
 
 static bool render_tiles(struct render_state *state, struct error *err)
 {
-    const struct plan *plan = state->plan;
-    const struct rectangle picture = plan_picture(plan);
-    const int n_tiles = plan_tiles(plan, &picture);
-    state->all_steps = (long)n_tiles * plan->n_passes;
-    for (int i = 0; i < n_tiles; i++) {
-        const struct rectangle tile = plan_tile(plan, &picture, i);
-        if (!render_tile(state, &tile, err))
-            return false;
-    }
-    return true;
+    const struct rectangle picture = plan_picture(state->plan);
+    state->all_steps = (long)plan_tiles(state->plan, &picture) * state->plan->n_passes;
+    return tiles_each(&state->lit, &picture, render_tile, state, err);
 }
 
 static bool open_gl(struct render_state *state, struct error *err)
@@ -283,7 +253,7 @@ const char *render_stored(const struct plan *plan, const struct render_result *r
     return plan->options.store_raster ? "raster" : result->gl_renderer;
 }
 
-/* Lists the names behind the numbers of the object map; none where there is no map. */
+/* Lists the names of the objects in the order of their numbers; none if there is no object map. */
 static bool list_objects(const struct plan *plan, struct record *record, struct error *err)
 {
     const char **names = calloc((size_t)plan->n_instances + 1, sizeof *names);
@@ -330,8 +300,8 @@ static bool allocate_samples(struct render_state *state, struct error *err)
     return true;
 }
 
-/* Returns the labels of pages that are components, with their text in the same allocation; NULL: no
- * memory. */
+/* Returns the labels of the pages of components. One allocation holds the pointers and the text.
+ * NULL: no memory. */
 static const char **make_labels(const struct sampling *sampling, struct error *err)
 {
     typedef char label_text[24];
@@ -370,24 +340,24 @@ static bool open_stack(struct render_state *state, const char *path, struct erro
         provenance && (labels || !labelled) && stack_open(&state->writer, path, &options, err);
     free(labels);
     free(provenance);
+    clock_in(state, &state->result->seconds.write);
     return state->writing;
 }
 
-/* Does everything up to the first pixel. */
+/* Does everything that comes before the first pixel. */
 static bool prepare(struct render_state *state, struct error *err)
 {
     struct render_result *result = state->result;
     const struct plan *plan = state->plan;
-    double since = clock_seconds();
     if (plan->options.use_gl && !open_gl(state, err))
         return false;
     result->driver = driver_of(state->gl ? result->gl_renderer : NULL);
-    clock_in(&result->seconds.gl, &since);
+    clock_in(state, &result->seconds.gl);
     if (!lit_make(plan, result->driver, &state->lit, &result->light, err))
         return false;
     if (!find_full_scale(&state->lit, &result->full_scale, &result->clips, err))
         return false;
-    clock_in(&result->seconds.raster, &since);
+    clock_in(state, &result->seconds.raster);
     return true;
 }
 
@@ -401,14 +371,13 @@ static bool commit(struct render_state *state, const struct render_output *outpu
 {
     struct render_result *result = state->result;
     char verdict[STACK_VERDICT];
-    double since = clock_seconds();
     bool compared = output->again && result->odd.undefined == 0;
     if (!state->writing || !(output->keep || compared || render_agreed(result)))
         return true;
     if (result->odd.undefined > 0) {
         errno = 0;
         return error_system(err,
-                            "%llu samples are not finite (or above what a float page holds); "
+                            "%llu samples are not finite (or too large for a float page); "
                             "nothing was written",
                             (unsigned long long)result->odd.undefined);
     }
@@ -418,14 +387,14 @@ static bool commit(struct render_state *state, const struct render_output *outpu
         (!output->again || stack_compare(&state->writer, output->again, &result->difference, err));
     if (done && !output->discard && (output->keep || render_agreed(result)))
         done = stack_commit(&state->writer, err);
-    clock_in(&result->seconds.write, &since);
+    clock_in(state, &result->seconds.write);
     return done;
 }
 
 static bool render_all(struct render_state *state, const struct render_output *output,
                        struct error *err)
 {
-    /* OpenGL's threads start here, which take no signals either: see threads_start. */
+    /* OpenGL starts its threads here. They must not take signals either: see threads_start. */
     void *held = signals_hold();
     bool done = prepare(state, err);
     signals_release(held);
@@ -438,18 +407,18 @@ static bool render_all(struct render_state *state, const struct render_output *o
 }
 
 bool render(const struct plan *plan, const struct render_output *output,
-            const struct render_progress *progress, struct render_result *out, struct error *err)
+            struct progress_line *progress, struct render_result *out, struct error *err)
 {
-    struct render_state state = {.plan = plan, .progress = progress, .result = out};
-    double since = clock_seconds();
+    const double start = clock_seconds();
+    struct render_state state = {.plan = plan, .progress = progress, .result = out, .since = start};
     *out = (struct render_result){.full_scale = 0};
     bool done = render_all(&state, output, err);
     if (state.writing)
-        stack_discard(&state.writer); /* a committed stack stays */
+        stack_discard(&state.writer); /* keeps a committed stack */
     for (int c = 0; c < BANDS_PER_PASS; c++)
         free(state.samples[c]);
     gl_close(state.gl);
     lit_free(&state.lit);
-    clock_in(&out->seconds.total, &since);
+    out->seconds.total = clock_seconds() - start;
     return done;
 }

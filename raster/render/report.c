@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The report of a render: in words, in one line for the stack, and as one JSON object. */
+/* Reports a render: as a table, as one line for the stack, and as one JSON object. */
 #include <math.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -29,10 +29,11 @@ static double mean_residual(const struct check_samples *samples)
     return samples->n ? samples->sum / (double)samples->n : 0;
 }
 
-/* Roundings go both ways: their mean stays below that of the largest sample, 2^-25 of full scale.
- * Four times that is no accident, if it also stands out from the scatter (samples of a pixel count
- * as one, since they share their errors). A colour buffer of few steps may round a plain surface by
- * as much as it ever does. */
+/* Returns whether OpenGL's samples are off in one direction. Roundings go both ways, so their mean
+ * stays below the rounding of the largest sample, 2^-25 of full scale. A mean of four times that is
+ * not chance if it also exceeds the scatter; samples of a pixel count as one, since they share
+ * their errors. A colour buffer of few steps may round all pixels of a plain surface alike, so its
+ * whole rounding is allowed. */
 static bool is_biased(const struct plan *plan, const struct check_verdict *verdict)
 {
     double mean = fabs(mean_residual(&verdict->samples));
@@ -59,7 +60,7 @@ void report_verdict(const struct plan *plan, const struct check_verdict *verdict
                  "pixels of the reference, not cross-checked: OpenGL has no phong shading");
     else if (plan->options.store_raster && verdict->unexplained == 0)
         snprintf(out, capacity,
-                 "pixels of the reference"); /* the same bytes with and without a check */
+                 "pixels of the reference"); /* the same words with and without a check */
     else if (!plan->options.check)
         snprintf(out, capacity, "not cross-checked");
     else
@@ -109,7 +110,7 @@ static void print_check(const struct plan *plan, const struct check_verdict *ver
     fprintf(to, "unexplained       %llu\n", (unsigned long long)verdict->unexplained);
 }
 
-/* Returns the sample that stands for full scale, in words. */
+/* Returns the largest sample in words. */
 static const char *largest_sample(const struct plan *plan)
 {
     return plan->options.bits == 8 ? "255" : plan->options.bits == 32 ? "full scale" : "65535";
@@ -148,7 +149,7 @@ void report_print(const struct plan *plan, const struct render_result *result, F
             seconds->check, seconds->write);
 }
 
-/* Describes a difference in words. */
+/* Describes a failure in words. */
 static void failure_text(const struct plan *plan, const struct check_failure *failure, char *out,
                          size_t capacity)
 {
@@ -161,11 +162,11 @@ static void failure_text(const struct plan *plan, const struct check_failure *fa
         break;
     case FAILURE_TRIANGLE:
         if (failure->shown.surface >= plan->n_instances)
-            snprintf(out, capacity, "OpenGL shows what is no triangle");
+            snprintf(out, capacity, "OpenGL drew a triangle number that does not exist");
         else if (failure->shown.surface < 0)
             snprintf(out, capacity, "OpenGL shows the background");
         else
-            snprintf(out, capacity, "OpenGL shows triangle %d of %s, which is not seen there",
+            snprintf(out, capacity, "OpenGL shows triangle %d of %s, which cannot be visible there",
                      failure->shown.triangle + 1, object_name(plan, failure->shown.surface));
         break;
     case FAILURE_DEPTH:
@@ -200,13 +201,13 @@ bool report_difference(const struct plan *plan, const struct check_verdict *verd
     return false;
 }
 
-/* Names the most certain reason. */
+/* Tries the reasons in the order of their certainty. */
 bool report_not_again(const struct plan *plan, const struct render_result *result, const char *path,
                       const struct record *made, const char *then, struct error *err)
 {
     const struct stack_difference *first = &result->difference;
     const char *renderer = render_stored(plan, result);
-    static const char changed[] = "it, or a file that the scene names, has changed";
+    static const char changed[] = "the stack, or a file that the scene names, has changed";
     char what[256], page[BAND_NAME];
     if (strcmp(made->program, PROGRAM) != 0)
         snprintf(what, sizeof what, "it was made by %.80s, this is " PROGRAM, made->program);
@@ -217,7 +218,7 @@ bool report_not_again(const struct plan *plan, const struct render_result *resul
         snprintf(what, sizeof what, "first at %d,%d of the object map; %s", first->x, first->y,
                  changed);
     else if (first->page < 0)
-        snprintf(what, sizeof what, "in what the pages say of themselves; %s", changed);
+        snprintf(what, sizeof what, "in the tags of its pages; %s", changed);
     else {
         band_name(plan, first->page, page);
         snprintf(what, sizeof what, "first at %d,%d of page %d (%s); %s", first->x, first->y,
@@ -230,11 +231,16 @@ bool report_not_again(const struct plan *plan, const struct render_result *resul
 
 /* ---- as JSON ---- */
 
+/* json_number writes null for this value. */
+static const double null_number = NAN;
+
 static void json_picture(struct json *json, const struct plan *plan,
                          const struct render_result *result)
 {
     static const char *const shadings[] = {"smooth", "flat", "phong"};
     const struct scene *scene = plan->scene;
+    const bool use_gl = plan->options.use_gl;
+    const double buffer_bits = buffer_steps(plan) > 0 ? plan->options.buffer_bits : 32;
     char sampling[SAMPLING_NAME];
     json_string(json, "program", "spectral");
     json_string(json, "version", SPECTRAL_VERSION);
@@ -242,25 +248,19 @@ static void json_picture(struct json *json, const struct plan *plan,
     json_string(json, "scene_sha256", scene->sha256);
     json_count(json, "width", (uint64_t)scene->width);
     json_count(json, "height", (uint64_t)scene->height);
-    if (has_components(plan))
-        json_string(json, "wavelengths_nm", NULL);
-    else
-        json_numbers(json, "wavelengths_nm", scene->wavelengths_nm, scene->n_wavelengths);
+    json_numbers(json, "wavelengths_nm", has_components(plan) ? NULL : scene->wavelengths_nm,
+                 scene->n_wavelengths);
     if (plan->sampling)
         sampling_name(&plan->sampling->method, sampling);
     json_string(json, "sampling", plan->sampling ? sampling : NULL);
     json_string(json, "shading", shadings[scene->shading]);
     json_number(json, "tessellation", scene->tessellation);
-    if (plan->options.use_gl)
-        json_count(json, "buffer_bits",
-                   buffer_steps(plan) > 0 ? (uint64_t)plan->options.buffer_bits : 32);
-    else
-        json_string(json, "buffer_bits", NULL);
+    json_number(json, "buffer_bits", use_gl ? buffer_bits : null_number);
     json_count(json, "bits", (uint64_t)plan->options.bits);
     json_number(json, "full_scale", result->full_scale);
     json_string(json, "renderer", plan->options.store_raster ? "raster" : "gl");
-    json_string(json, "gl_renderer", plan->options.use_gl ? result->gl_renderer : NULL);
-    json_string(json, "gl_version", plan->options.use_gl ? result->gl_version : NULL);
+    json_string(json, "gl_renderer", use_gl ? result->gl_renderer : NULL);
+    json_string(json, "gl_version", use_gl ? result->gl_version : NULL);
     json_string(json, "driver_profile", plan->options.check ? result->driver->name : NULL);
 }
 
@@ -296,6 +296,8 @@ static void json_failure(struct json *json, const struct plan *plan,
                          const struct check_failure *first)
 {
     static const char *const kinds[] = {"radiance", "triangle", "depth", "fragments", "unbounded"};
+    const bool has_band = first->kind == FAILURE_RADIANCE;
+    const bool has_nm = has_band && !has_components(plan);
     char page[BAND_NAME];
     if (!first->found) {
         json_string(json, "first_unexplained", NULL);
@@ -305,13 +307,11 @@ static void json_failure(struct json *json, const struct plan *plan,
     json_count(json, "x", (uint64_t)first->x);
     json_count(json, "y", (uint64_t)first->y);
     json_string(json, "what", kinds[first->kind]);
-    if (first->kind == FAILURE_RADIANCE && !has_components(plan))
-        json_number(json, "wavelength_nm", plan->scene->wavelengths_nm[first->band]);
-    else
-        json_string(json, "wavelength_nm", NULL);
-    if (first->kind == FAILURE_RADIANCE)
+    json_number(json, "wavelength_nm",
+                has_nm ? plan->scene->wavelengths_nm[first->band] : null_number);
+    if (has_band)
         band_name(plan, first->band, page);
-    json_string(json, "page", first->kind == FAILURE_RADIANCE ? page : NULL);
+    json_string(json, "page", has_band ? page : NULL);
     json_string(json, "object", object_name(plan, first->surface));
     json_close(json, '}');
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Planes of weights, which depend on geometry only: their making from the picture, and their text.
- */
+/* Makes planes of weights from the reference's picture, and writes them as text. Weights depend on
+ * geometry only. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -48,7 +48,7 @@ static int plane_of(const struct term *term)
     return term->reflection == CONSTANT ? 0 : 1 + 2 * term->light + (term->reflection == SPECULAR);
 }
 
-/* Pixel `from` of a chunk becomes the picture's pixel `to`. */
+/* Copies pixel `from` of a chunk into pixel `to` of the planes. */
 static void put_pixel(const struct lit_scene *lit, const struct picture *picture, size_t from,
                       struct planes *planes, size_t to)
 {
@@ -65,27 +65,24 @@ static void put_pixel(const struct lit_scene *lit, const struct picture *picture
         planes->place[i][to] = *weight;
 }
 
-struct painting {
-    const struct lit_scene *lit;
-    struct planes *planes;
-};
-
-static bool put_chunk(void *context, const struct rectangle *tile, int index, struct error *err)
+static bool put_tile(void *context, const struct tile *tile, struct error *err)
 {
-    const struct painting *of = context;
-    struct chunk chunk;
-    bool done = chunk_draw(of->lit, tile, index, &chunk, err);
-    const struct rectangle *at = &chunk.picture.at;
-    for (int y = 0; done && y < at->height; y++)
-        for (int x = 0; x < at->width; x++)
-            put_pixel(
-                of->lit, &chunk.picture, (size_t)y * (size_t)at->width + (size_t)x, of->planes,
-                (size_t)(at->y + y) * (size_t)of->lit->plan->scene->width + (size_t)(at->x + x));
-    chunk_free(&chunk);
-    return done;
+    const struct plan *plan = tile->lit->plan;
+    struct planes *planes = context;
+    (void)err;
+#pragma omp parallel for schedule(dynamic) num_threads(plan->options.threads)
+    for (int i = 0; i < tile->n_chunks; i++) {
+        const struct picture *picture = &tile->chunks[i].picture;
+        const struct rectangle *at = &picture->at;
+        for (int y = 0; y < at->height; y++)
+            for (int x = 0; x < at->width; x++)
+                put_pixel(tile->lit, picture, (size_t)y * (size_t)at->width + (size_t)x, planes,
+                          (size_t)(at->y + y) * (size_t)plan->scene->width + (size_t)(at->x + x));
+    }
+    return true;
 }
 
-/* Puts the values of one texture at its own wavelengths into the pixels that show it. */
+/* Stores the values of one texture, at its own wavelengths, in the pixels that show it. */
 static bool put_texture(const struct plan *plan, struct texture *texture, struct planes *planes,
                         struct error *err)
 {
@@ -107,13 +104,9 @@ static bool put_texture(const struct plan *plan, struct texture *texture, struct
 static bool put_picture(const struct lit_scene *lit, struct planes *planes, struct error *err)
 {
     const struct plan *plan = lit->plan;
-    struct painting of = {lit, planes};
     const struct rectangle picture = plan_picture(plan);
-    for (int i = 0; i < plan_tiles(plan, &picture); i++) {
-        const struct rectangle tile = plan_tile(plan, &picture, i);
-        if (!chunks_each(&tile, plan->options.threads, put_chunk, &of, err))
-            return false;
-    }
+    if (!tiles_each(lit, &picture, put_tile, planes, err))
+        return false;
     for (int i = 0; i < plan->n_textures; i++)
         if (plan->textures[i].spectral && !put_texture(plan, &plan->textures[i], planes, err))
             return false;
@@ -128,7 +121,7 @@ bool planes_rasterize(const struct plan *plan, struct planes *out, struct error 
         return error_usage(err, "a page shows at most %d objects and parts; this scene has %d",
                            LARGEST_SAMPLE, plan->n_instances);
     if ((int64_t)plan->scene->width * plan->scene->height > LARGEST_PAGE)
-        return error_usage(err, "a page shows at most %d pixels; --size WxH makes %d x %d fewer",
+        return error_usage(err, "a page shows at most %d pixels, not %d x %d; use --size WxH",
                            LARGEST_PAGE, plan->scene->width, plan->scene->height);
     bool done = planes_allocate(plan, out, err) &&
                 lit_make(plan, driver_of(NULL), &lit, &work, err) && put_picture(&lit, out, err);
@@ -148,7 +141,8 @@ double plane_scale(const struct planes *planes, int plane)
     return largest / LARGEST_SAMPLE;
 }
 
-/* Writes differences between neighbours, which are small and alike, all lower bytes first. */
+/* Writes the differences between neighbours, all low bytes before all high bytes. Small and similar
+ * numbers compress well. */
 static void put_differences(const uint16_t *samples, size_t n, unsigned char *out)
 {
     for (size_t i = 0; i < n; i++) {
@@ -158,7 +152,7 @@ static void put_differences(const uint16_t *samples, size_t n, unsigned char *ou
     }
 }
 
-/* Returns all planes, that of the surfaces first, allocated; NULL: no memory. */
+/* Returns the plane of surfaces, then all other planes, allocated; NULL: no memory. */
 static unsigned char *planes_bytes(const struct planes *planes, const double *scale, size_t *length)
 {
     size_t n = planes->n_pixels, n_values = (size_t)(planes->n_weights + planes->n_pages);
@@ -183,7 +177,8 @@ static unsigned char *planes_bytes(const struct planes *planes, const double *sc
     return bytes;
 }
 
-/* RFC 4648; out has room for 4 characters for every 3 bytes begun, and is not terminated. */
+/* Encodes bytes as RFC 4648 does. out has room for 4 characters for each group of 3 bytes, also for
+ * an incomplete one. Writes no NUL. */
 static void base64(const unsigned char *bytes, size_t length, char *out)
 {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

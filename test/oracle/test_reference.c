@@ -111,8 +111,7 @@ static void close_picture(struct both *picture)
 static void open_chunk(const struct both *picture, int index, struct chunk *out)
 {
     struct rectangle tile = {0, 0, picture->scene.width, picture->scene.height};
-    struct error err = {.text = ""};
-    stop_unless(chunk_draw(&picture->lit, &tile, index, out, &err), err.text);
+    stop_unless(chunk_draw(&picture->lit, &tile, index, out), "out of memory");
 }
 
 static int n_chunks(const struct both *picture)

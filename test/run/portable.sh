@@ -130,7 +130,7 @@ small="--size 30x20 --wavelengths 400:700:50"
     exits 0 "without OpenGL, --version" "$plain" --version
     prints '^without OpenGL$' "says so"
     exits 2 "OpenGL's pixels" "$plain" render patches $small -o "$tmp/none.tif"
-    says 'built without OpenGL; it renders with --renderer raster' "cannot be had of it"
+    says 'built without OpenGL; add --renderer raster' "asks for --renderer raster"
     absent "$tmp/none.tif" "OpenGL's pixels"
     exits 2 "nor a strict check" "$plain" render patches $small --renderer raster --strict
     exits 0 "the reference's" "$plain" render patches $small --renderer raster -o "$tmp/plain.tif"
