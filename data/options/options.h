@@ -41,9 +41,11 @@ enum option_kind {
     OPTION_CHANGE  /* changes the scene, by the function `change` */
 };
 
-/* A row of the table. Two rows may share a name if no command takes both. */
+/* A row of the table: an option, or the heading of the options that follow. Two rows may share a
+ * name if no command takes both. */
 struct option {
-    const char *name, *alias; /* with their dashes; alias NULL: none */
+    const char *usage; /* names with their dashes, then the value's: "-o, --output FILE" */
+    const char *help;  /* for --help; each line of it goes on a line of its own */
     int commands;
     enum option_kind kind;
     size_t offset;              /* of the value in struct options; unused by OPTION_CHANGE */
@@ -52,9 +54,7 @@ struct option {
     /* OPTION_TEXT: refuses a value that its command could not use; NULL: any is good. */
     bool (*accepts)(const char *option, const char *value, struct error *err);
     bool (*change)(struct scene *scene, const char *value, struct error *err);
-    /* For --help: the heading of the group that begins here, how the option is written, and what it
-     * does. Each line of `help` goes on a line of its own. NULL: nothing to say. */
-    const char *heading, *usage, *help;
+    const char *heading; /* for --help; NULL: the row is an option, otherwise all else is 0 */
 };
 struct option_table {
     const struct option *options;
