@@ -57,19 +57,13 @@ static void list_scenes(void)
 
 static void list_shapes(void)
 {
-    static const char *const arguments[] = {
-        [SHAPE_SPHERE] = "radius slices stacks",
-        [SHAPE_TORUS] = "tube ring sides rings",
-        [SHAPE_BOX] = "width height depth",
-        [SHAPE_PLANE] = "width height",
-        [SHAPE_CYLINDER] = "radius height slices stacks",
-        [SHAPE_CONE] = "radius height slices stacks",
-        [SHAPE_DISK] = "radius slices",
-        [SHAPE_TEAPOT] = "size divisions",
-        [SHAPE_MESH] = "FILE.obj [unitize] [crease ANGLE]",
-    };
-    for (int kind = SHAPE_SPHERE; kind <= SHAPE_MESH; kind++)
-        printf("  %s %s\n", shape_name((enum shape_kind)kind), arguments[kind]);
+    for (enum shape_kind kind = SHAPE_SPHERE; kind < SHAPE_MESH; kind++) {
+        printf("  %s", shape_name(kind));
+        for (int i = 0; shape_size_name(kind, i); i++)
+            printf(" %s", shape_size_name(kind, i));
+        putchar('\n');
+    }
+    puts("  mesh FILE.obj [unitize] [crease ANGLE]");
 }
 
 static void list_samplings(void)

@@ -227,7 +227,7 @@ static bool fill_point(struct builder *b, int point, struct error *err)
             normal = crease_average(b, point, corner);
         for (*index = first; *index < list->n && !same_place(list->at[*index], normal);)
             ++*index;
-        if (*index == list->n && !obj_add(list, normal, err))
+        if (*index == list->n && !array_add(&list->at, &list->n, &normal, sizeof normal, err))
             return false;
     }
     return true;
@@ -290,13 +290,13 @@ static int32_t find_vertex(struct builder *b, int32_t corner, struct mesh *mesh,
     for (; *link >= 0; link = &b->links[*link].next)
         if (memcmp(&corners[b->links[*link].corner], wanted, sizeof *wanted) == 0)
             return *link;
-    struct vertex *more = array_more(mesh->vertices, mesh->n_vertices, sizeof *more, err);
-    if (!more)
+    const struct vertex vertex = {
+        .position = b->obj.list[OBJ_POINT].at[wanted->index[OBJ_POINT]],
+        .normal = b->obj.list[OBJ_NORMAL].at[wanted->index[OBJ_NORMAL]],
+    };
+    if (!array_add(&mesh->vertices, &mesh->n_vertices, &vertex, sizeof vertex, err))
         return -1;
-    mesh->vertices = more;
-    more[mesh->n_vertices].position = b->obj.list[OBJ_POINT].at[wanted->index[OBJ_POINT]];
-    more[mesh->n_vertices].normal = b->obj.list[OBJ_NORMAL].at[wanted->index[OBJ_NORMAL]];
-    *link = mesh->n_vertices++;
+    *link = mesh->n_vertices - 1;
     b->links[*link] = (struct link){-1, corner};
     return *link;
 }

@@ -44,21 +44,21 @@ bool mesh_part(const struct mesh *from, int part, struct mesh *out, struct error
 
 /* ---- shape.c: built-in shapes as triangles ---- */
 
-/* With their words and sizes in the scene language. */
+/* The table in shape.c has their words and sizes. A plane and a disk face +z. */
 enum shape_kind {
-    SHAPE_SPHERE,   /* radius slices stacks */
-    SHAPE_TORUS,    /* tube ring sides rings */
-    SHAPE_BOX,      /* w h d */
-    SHAPE_PLANE,    /* w h, faces +z */
-    SHAPE_CYLINDER, /* radius height slices stacks */
-    SHAPE_CONE,     /* radius height slices stacks */
-    SHAPE_DISK,     /* radius slices, faces +z */
-    SHAPE_TEAPOT,   /* size divisions */
-    SHAPE_MESH      /* an OBJ file */
+    SHAPE_SPHERE,
+    SHAPE_TORUS,
+    SHAPE_BOX,
+    SHAPE_PLANE,
+    SHAPE_CYLINDER,
+    SHAPE_CONE,
+    SHAPE_DISK,
+    SHAPE_TEAPOT,
+    SHAPE_MESH /* an OBJ file */
 };
 struct shape {
     enum shape_kind kind;
-    double parameter[4]; /* the sizes above */
+    double parameter[4]; /* the sizes; 0 behind the last one */
     char *path;          /* SHAPE_MESH; owned */
     bool unitize;
     double crease_deg; /* 90 by default */
@@ -67,6 +67,10 @@ struct shape {
     struct place place;
 };
 const char *shape_name(enum shape_kind kind); /* the scene language's word */
+/* The name of a size in the scene language; NULL behind the last one. */
+const char *shape_size_name(enum shape_kind kind, int size);
+/* Returns whether the shape has slices, stacks, ..., so that shape_tessellated may change it. */
+bool shape_has_counts(enum shape_kind kind);
 /* Reads a shape's word and sizes, or `mesh` and a file; the other members get their defaults. */
 bool shape_read(struct text *text, struct shape *out, struct error *err);
 /* Returns the shape with `factor` times as many slices, stacks, ...: rounded, and kept within the
@@ -108,7 +112,6 @@ struct obj {
 
 /* Reads and checks the file. Refuses one without any face. */
 bool obj_read(const char *path, struct place from, struct obj *out, struct error *err);
-bool obj_add(struct obj_list *list, struct vector item, struct error *err);
 void obj_free(struct obj *obj);
 
 /* polygon.c: faces of any size. */

@@ -36,16 +36,6 @@ static bool next_word(struct text *text, struct word *out)
 
 /* ---- v, vt, vn ---- */
 
-bool obj_add(struct obj_list *list, struct vector item, struct error *err)
-{
-    struct vector *more = array_more(list->at, list->n, sizeof *more, err);
-    if (!more)
-        return false;
-    list->at = more;
-    more[list->n++] = item;
-    return true;
-}
-
 /* OpenGL takes single-precision numbers, so larger ones could not be drawn. */
 static bool read_item(struct text *text, const struct list_form *form, struct obj_list *list,
                       struct error *err)
@@ -66,8 +56,10 @@ static bool read_item(struct text *text, const struct list_form *form, struct ob
     if (n == 5)
         return error_at(err, text_place(text),
                         "expected a number: v takes x y z, perhaps w, perhaps red green blue");
-    const struct vector item = {number[0], number[1], number[2]};
-    return obj_add(list, form == &forms[OBJ_NORMAL] ? vector_normalise(item) : item, err);
+    struct vector item = {number[0], number[1], number[2]};
+    if (form == &forms[OBJ_NORMAL])
+        item = vector_normalise(item);
+    return array_add(&list->at, &list->n, &item, sizeof item, err);
 }
 
 /* ---- f ---- */
@@ -124,45 +116,34 @@ static struct vector place_of(const struct obj *obj, int corner)
 static bool add_corner(struct obj *obj, int first, struct obj_corner corner, struct error *err)
 {
     const struct vector nothing = {0, 0, 0};
-    struct obj_corner *more = array_more(obj->corners, obj->n_corners, sizeof *more, err);
     int32_t *normal = &corner.index[OBJ_NORMAL];
-    if (!more)
-        return false;
-    obj->corners = more;
     if (*normal >= 0 && same_place(obj->list[OBJ_NORMAL].at[*normal], nothing))
         *normal = -1; /* some writers' "none" */
     obj->lacks_normals = obj->lacks_normals || *normal < 0;
-    more[obj->n_corners] = corner;
-    obj->n_corners += obj->n_corners == first ||
-                      !same_place(place_of(obj, obj->n_corners - 1), place_of(obj, obj->n_corners));
+    if (!array_add(&obj->corners, &obj->n_corners, &corner, sizeof corner, err))
+        return false;
+    const int last = obj->n_corners - 1;
+    if (last > first && same_place(place_of(obj, last - 1), place_of(obj, last)))
+        obj->n_corners--;
     return true;
 }
 
 /* Finds the current usemtl among the names, or adds it. */
 static bool find_name(struct obj *obj, struct error *err)
 {
-    const struct word *word = &obj->material;
-    for (obj->name = 0; obj->name < obj->n_names; obj->name++) {
-        const char *name = obj->names[obj->name];
-        if (strncmp(name, word->start, word->length) == 0 && name[word->length] == '\0')
+    for (obj->name = 0; obj->name < obj->n_names; obj->name++)
+        if (word_equals(&obj->material, obj->names[obj->name]))
             return true;
-    }
-    char **more = array_more(obj->names, obj->n_names, sizeof *more, err);
-    if (!more)
-        return false;
-    obj->names = more;
-    more[obj->name] = word_copy(word);
-    obj->n_names += more[obj->name] != NULL;
-    return more[obj->name] != NULL || error_memory(err);
+    char *name = word_copy(&obj->material);
+    if (name && array_add(&obj->names, &obj->n_names, &name, sizeof name, err))
+        return true;
+    free(name);
+    return error_memory(err);
 }
 
 /* Ends the face that began at `first`; one that is only a point or an edge is forgotten. */
 static bool end_face(struct obj *obj, int first, struct error *err)
 {
-    struct obj_face *more = array_more(obj->faces, obj->n_faces, sizeof *more, err);
-    if (!more)
-        return false;
-    obj->faces = more;
     while (obj->n_corners > first + 1 &&
            same_place(place_of(obj, first), place_of(obj, obj->n_corners - 1)))
         obj->n_corners--;
@@ -172,8 +153,8 @@ static bool end_face(struct obj *obj, int first, struct error *err)
     }
     if (obj->name < 0 && !find_name(obj, err))
         return false;
-    more[obj->n_faces++] = (struct obj_face){obj->n_corners, obj->name};
-    return true;
+    const struct obj_face face = {obj->n_corners, obj->name};
+    return array_add(&obj->faces, &obj->n_faces, &face, sizeof face, err);
 }
 
 static bool read_face(struct text *text, struct obj *obj, struct error *err)

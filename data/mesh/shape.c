@@ -14,79 +14,92 @@
 
 /* ---- the words of the scene language ---- */
 
-/* A length lies above 0 and has highest 0; any other parameter is a whole number. */
-struct parameter {
+/* A length lies above 0 and has highest 0. Any other size is a count, which can be refined. */
+struct size {
     const char *name;
     int lowest, highest;
 };
-enum { MOST_FACETS = 4096, MOST_DIVISIONS = 64 };
+enum { MOST = 4096, MOST_DIVISIONS = 64 };
 
-/* In the order of enum shape_kind. */
-static const char *const shape_names[] = {"sphere", "torus", "box",    "plane", "cylinder",
-                                          "cone",   "disk",  "teapot", "mesh",  NULL};
-static const struct parameter shape_parameters[][4] = {
-    {{"radius", 0, 0}, {"slices", 3, MOST_FACETS}, {"stacks", 2, MOST_FACETS}},
-    {{"tube", 0, 0}, {"ring", 0, 0}, {"sides", 3, MOST_FACETS}, {"rings", 3, MOST_FACETS}},
-    {{"width", 0, 0}, {"height", 0, 0}, {"depth", 0, 0}},
-    {{"width", 0, 0}, {"height", 0, 0}},
-    {{"radius", 0, 0}, {"height", 0, 0}, {"slices", 3, MOST_FACETS}, {"stacks", 1, MOST_FACETS}},
-    {{"radius", 0, 0}, {"height", 0, 0}, {"slices", 3, MOST_FACETS}, {"stacks", 1, MOST_FACETS}},
-    {{"radius", 0, 0}, {"slices", 3, MOST_FACETS}},
-    {{"size", 0, 0}, {"divisions", 1, MOST_DIVISIONS}},
-    {{NULL, 0, 0}}};
+/* A shape's word, and its sizes up to a name that is NULL. */
+static const struct form {
+    const char *word;
+    struct size sizes[5];
+} forms[] = {
+    [SHAPE_SPHERE] = {"sphere", {{"radius", 0, 0}, {"slices", 3, MOST}, {"stacks", 2, MOST}}},
+    [SHAPE_TORUS] = {"torus",
+                     {{"tube", 0, 0}, {"ring", 0, 0}, {"sides", 3, MOST}, {"rings", 3, MOST}}},
+    [SHAPE_BOX] = {"box", {{"width", 0, 0}, {"height", 0, 0}, {"depth", 0, 0}}},
+    [SHAPE_PLANE] = {"plane", {{"width", 0, 0}, {"height", 0, 0}}},
+    [SHAPE_CYLINDER] =
+        {"cylinder",
+         {{"radius", 0, 0}, {"height", 0, 0}, {"slices", 3, MOST}, {"stacks", 1, MOST}}},
+    [SHAPE_CONE] = {"cone",
+                    {{"radius", 0, 0}, {"height", 0, 0}, {"slices", 3, MOST}, {"stacks", 1, MOST}}},
+    [SHAPE_DISK] = {"disk", {{"radius", 0, 0}, {"slices", 3, MOST}}},
+    [SHAPE_TEAPOT] = {"teapot", {{"size", 0, 0}, {"divisions", 1, MOST_DIVISIONS}}},
+    [SHAPE_MESH] = {"mesh", {{NULL, 0, 0}}},
+};
+enum { N_SHAPES = SHAPE_MESH + 1 };
 
 const char *shape_name(enum shape_kind kind)
 {
-    return shape_names[kind];
+    return forms[kind].word;
+}
+
+const char *shape_size_name(enum shape_kind kind, int i)
+{
+    return forms[kind].sizes[i].name;
 }
 
 struct shape shape_tessellated(const struct shape *shape, double factor)
 {
-    const struct parameter *p = shape_parameters[shape->kind];
     struct shape out = *shape;
-    for (int i = 0; i < 4 && p[i].name != NULL; i++)
-        if (p[i].highest > 0)
-            out.parameter[i] =
-                fmax(p[i].lowest, fmin(floor(factor * out.parameter[i] + 0.5), p[i].highest));
+    double *value = out.parameter;
+    for (const struct size *size = forms[shape->kind].sizes; size->name; size++, value++)
+        if (size->highest > 0)
+            *value = fmax(size->lowest, fmin(floor(factor * *value + 0.5), size->highest));
     return out;
 }
 
-static bool read_parameters(struct text *text, struct shape *out, struct error *err)
+bool shape_has_counts(enum shape_kind kind)
 {
-    const struct parameter *p = shape_parameters[out->kind];
-    for (int i = 0; i < 4 && p[i].name != NULL; i++) {
-        double *value = &out->parameter[i];
-        long count;
-        if (p[i].highest == 0) {
-            if (!text_number(text, p[i].name, DBL_MIN, HUGE_VAL, value, err))
-                return false;
-        } else {
-            if (!text_integer(text, p[i].name, p[i].lowest, p[i].highest, &count, err))
-                return false;
-            *value = (double)count;
-        }
-    }
+    bool any = false;
+    for (const struct size *size = forms[kind].sizes; size->name; size++)
+        any = any || size->highest > 0;
+    return any;
+}
+
+static bool read_size(struct text *text, const struct size *size, double *out, struct error *err)
+{
+    long count;
+    if (size->highest == 0)
+        return text_number(text, size->name, DBL_MIN, HUGE_VAL, out, err);
+    if (!text_integer(text, size->name, size->lowest, size->highest, &count, err))
+        return false;
+    *out = (double)count;
     return true;
 }
 
 bool shape_read(struct text *text, struct shape *out, struct error *err)
 {
+    const char *words[N_SHAPES + 1] = {NULL};
     struct word word;
     int kind;
-    *out = (struct shape){.crease_deg = 90, .repeat = {1, 1}};
-    if (!text_expect(text, &word, "a shape", err))
-        return false;
-    kind = word_choose(&word, shape_names, "shape", err);
+    *out = (struct shape){.crease_deg = 90, .repeat = {1, 1}, .place = text_next_place(*text)};
+    for (int i = 0; i < N_SHAPES; i++)
+        words[i] = forms[i].word;
+    kind = text_choose(text, "a shape", words, "shape", err);
     if (kind < 0)
         return false;
     out->kind = (enum shape_kind)kind;
-    out->place = word.place;
+    for (int i = 0; forms[kind].sizes[i].name; i++)
+        if (!read_size(text, &forms[kind].sizes[i], &out->parameter[i], err))
+            return false;
     if (out->kind != SHAPE_MESH)
-        return read_parameters(text, out, err);
-    if (!text_expect(text, &word, "a mesh file", err))
-        return false;
-    out->place = word.place;
-    return word_path(&word, &out->path, err);
+        return true;
+    out->place = text_next_place(*text);
+    return text_expect(text, &word, "a mesh file", err) && word_path(&word, &out->path, err);
 }
 
 /* ---- directions ---- */
@@ -165,13 +178,6 @@ static bool build_box(const double size[3], struct mesh *out, struct error *err)
         if (!add_face(out, size, face, err))
             return false;
     return true;
-}
-
-static bool build_plane(double width, double height, struct mesh *out, struct error *err)
-{
-    const double size[3] = {width, height, 0};
-
-    return add_face(out, size, 4, err);
 }
 
 /* A flat disk about the z axis; `facing` is the z of its normal, 1 or -1. */
@@ -345,14 +351,6 @@ static void add_patch(struct mesh *mesh, const struct vector point[16], bool pol
     }
 }
 
-static bool read_point(struct text *text, struct vector *out, struct error *err)
-{
-    return text_number(text, "x", -HUGE_VAL, HUGE_VAL, &out->x, err) &&
-           text_number(text, "y", -HUGE_VAL, HUGE_VAL, &out->y, err) &&
-           text_number(text, "z", -HUGE_VAL, HUGE_VAL, &out->z, err) &&
-           text_end(text, "a point", err);
-}
-
 static bool read_patch(struct text *text, const struct vector *points, int n_points,
                        struct vector patch[16], bool *pole, struct error *err)
 {
@@ -380,7 +378,8 @@ static bool read_teapot(struct text *text, const struct shape *shape, struct mes
         if (!text_word(text, &word))
             continue;
         if (word_is(&word, "point") && n_points < TEAPOT_POINTS) {
-            good = read_point(text, &points[n_points++], err);
+            good = text_vector(text, "point", &points[n_points++], err) &&
+                   text_end(text, "a point", err);
         } else if (n_patches++ < TEAPOT_PATCHES) {
             good = read_patch(text, points, n_points, patch, &pole, err);
             if (good)
@@ -420,7 +419,7 @@ static bool build(const struct shape *shape, struct mesh *out, struct error *err
     case SHAPE_BOX:
         return build_box(p, out, err);
     case SHAPE_PLANE:
-        return build_plane(p[0], p[1], out, err);
+        return add_face(out, p, 4, err); /* its depth is 0 */
     case SHAPE_CYLINDER:
         return add_revolution(shape, (int)p[3], (int)p[2], out, err) &&
                add_disk(out, p[0], -0.5 * p[1], -1, (int)p[2], err) &&

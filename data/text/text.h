@@ -51,7 +51,8 @@ struct place text_whole(const struct text *text);
 
 /* How many bytes of a word a message repeats, as the precision of %.*s. */
 int word_shown(const struct word *word);
-bool word_is(const struct word *word, const char *literal); /* false for quoted words */
+bool word_is(const struct word *word, const char *literal);    /* false for quoted words */
+bool word_equals(const struct word *word, const char *string); /* quoted or not */
 char *word_copy(const struct word *word);                   /* allocated; NULL: no memory */
 /* Read a whole number or refuse it: 1.5abc, 1e999, nan, inf and 0x10 are errors. `what` names the
  * number in messages. Ranges are inclusive; -HUGE_VAL and HUGE_VAL set no limit. */
@@ -91,6 +92,8 @@ bool string_copy(const char *from, char **out, struct error *err);
 /* The path of the file that a word names, relative to the word's own file; allocated. Refuses an
  * empty word. */
 bool word_path(const struct word *word, char **out, struct error *err);
+/* Returns the place of the next word, or of the line's end. */
+struct place text_next_place(struct text text);
 /* Reads three numbers; text_direction refuses 0 0 0. */
 bool text_vector(struct text *text, const char *what, struct vector *out, struct error *err);
 bool text_direction(struct text *text, const char *what, struct vector *out, struct error *err);

@@ -73,6 +73,12 @@ bool text_peek(struct text text, struct word *out)
     return text_word(&text, out);
 }
 
+struct place text_next_place(struct text text)
+{
+    struct word word;
+    return text_word(&text, &word) ? word.place : text_place(&text);
+}
+
 bool text_vector(struct text *text, const char *what, struct vector *out, struct error *err)
 {
     double *parts[] = {&out->x, &out->y, &out->z};
@@ -87,11 +93,10 @@ bool text_vector(struct text *text, const char *what, struct vector *out, struct
 
 bool text_direction(struct text *text, const char *what, struct vector *out, struct error *err)
 {
-    struct word first = {0};
-    text_peek(*text, &first);
+    const struct place first = text_next_place(*text);
     if (!text_vector(text, what, out, err))
         return false;
     return out->x != 0 || out->y != 0 || out->z != 0 ||
-           error_at(err, first.place, "%s 0 0 0 points nowhere; one of its numbers must not be 0",
+           error_at(err, first, "%s 0 0 0 points nowhere; one of its numbers must not be 0",
                     what);
 }
