@@ -7,6 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
+#include "data/base/base.h"
 #include "data/material/material.h"
 #include "data/spectra/spectra.h"
 #include "data/text/text.h"
@@ -141,7 +142,6 @@ static bool complete(struct material *material, const char *no_diffuse, struct e
         if (spectra[i]->kind != SPECTRUM_NONE &&
             !string_copy(material->name, &spectra[i]->name, err))
             return false;
-    material->specular_place = material->specular.place;
     return true;
 }
 
@@ -156,14 +156,6 @@ static bool complete_file(struct material *out, struct error *err)
             complete(partner, "the partner has no mr lines; it needs a diffuse reflectance", err));
 }
 
-/* The file's name without folder and ending. */
-static char *name_of(const char *path)
-{
-    const char *slash = strrchr(path, '/'), *base = slash != NULL ? slash + 1 : path;
-    const char *dot = strrchr(base, '.');
-    return strndup(base, dot != NULL && dot > base ? (size_t)(dot - base) : strlen(base));
-}
-
 bool material_read(const char *path, struct place from, struct material *out, struct error *err)
 {
     struct text text;
@@ -173,7 +165,7 @@ bool material_read(const char *path, struct place from, struct material *out, st
         return false;
     out->path = text.path; /* taken over: the places point at it */
     out->place = text_whole(&text);
-    out->name = name_of(path);
+    out->name = output_name(path, "");
     done = out->name != NULL ? read_lines(&text, out, err) && complete_file(out, err)
                              : error_memory(err);
     text.path = NULL;
@@ -249,7 +241,7 @@ static const char *const block_values[BLOCK_END] = {"a spectrum", "a spectrum", 
 static bool block_entry(struct text *text, int kind, struct material *out, struct error *err)
 {
     struct word word;
-    if (!block_value(text, &word, block_values[kind], out->place, err))
+    if (kind != BLOCK_END && !block_value(text, &word, block_values[kind], out->place, err))
         return false;
     switch ((enum block_kind)kind) {
     case BLOCK_DIFFUSE:
@@ -297,29 +289,22 @@ static bool complete_diffuse(struct material *out, struct error *err)
 
 static bool read_block(struct text *text, struct material *out, struct error *err)
 {
-    struct place diffuse = {0}, fluorescence = {0}, emission = {0};
-    struct place *given[BLOCK_END] = {&diffuse,
-                                      &out->specular_place,
-                                      &out->gloss_place,
-                                      &fluorescence,
-                                      &out->donaldson_place,
-                                      &out->texture_place,
-                                      &out->spectral_texture_place,
-                                      &emission,
-                                      &out->partner_place};
+    struct place given[BLOCK_END + 1] = {{0}};
     struct word word;
-    int kind;
-    for (;;) {
+    for (int kind = 0; kind != BLOCK_END;) {
         if (!block_word(text, &word, out->place, err))
             return false;
-        kind = word_choose(&word, block_words, "word in a material", err);
-        if (kind == BLOCK_END)
-            break;
-        if (kind < 0 || !place_once(given[kind], word.place, block_words[kind], err) ||
-            !block_entry(text, kind, out, err))
+        kind = word_choose_once(&word, block_words, "word in a material", given, err);
+        if (kind < 0 || !block_entry(text, kind, out, err))
             return false;
     }
-    return exclude(fluorescence, out->donaldson_place, "fluorescence or donaldson", err) &&
+    out->gloss_place = given[BLOCK_GLOSS];
+    out->donaldson_place = given[BLOCK_DONALDSON];
+    out->texture_place = given[BLOCK_TEXTURE];
+    out->spectral_texture_place = given[BLOCK_SPECTRAL_TEXTURE];
+    out->partner_place = given[BLOCK_METAMER];
+    return exclude(given[BLOCK_FLUORESCENCE], out->donaldson_place, "fluorescence or donaldson",
+                   err) &&
            exclude(out->texture_place, out->spectral_texture_place, "texture or spectral-texture",
                    err) &&
            complete_diffuse(out, err);

@@ -17,7 +17,7 @@ struct material {
     struct spectrum diffuse;  /* always present */
     struct spectrum specular; /* absent with gloss > 0: 1 at every wavelength */
     double gloss;             /* 0..128; 0: no highlight */
-    struct place gloss_place, specular_place;
+    struct place gloss_place;
     struct spectrum excitation, emission; /* fluorescence; both or neither; sum(excitation) > 0 */
     char *donaldson;                      /* bispectral matrix file; owned, NULL: none */
     struct place donaldson_place;

@@ -107,7 +107,6 @@ static bool make_material(struct entry *entry, struct material *out, struct erro
     out->from_rgb = true;
     out->gloss = present[KS] ? fmin(entry->shininess, HIGHEST_GLOSS) : 0;
     out->gloss_place = given[NS];
-    out->specular_place = given[KS];
     return spread(entry, KD, out->name, &out->diffuse, err) &&
            (out->gloss == 0 || spread(entry, KS, out->name, &out->specular, err)) &&
            (!present[KE] || spread(entry, KE, out->name, &out->glow, err));

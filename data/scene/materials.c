@@ -14,11 +14,6 @@
 
 /* ---- definitions ---- */
 
-static bool same_name(const char *name, const struct word *word)
-{
-    return strncmp(name, word->start, word->length) == 0 && name[word->length] == '\0';
-}
-
 /* True if the scene defines the material: files in a list and entries of MTL files have no name
  * there. */
 static bool is_defined(const struct material *material)
@@ -29,20 +24,9 @@ static bool is_defined(const struct material *material)
 static int find_material(const struct scene *scene, const struct word *word)
 {
     for (int i = 0; i < scene->n_materials; i++)
-        if (is_defined(&scene->materials[i]) && same_name(scene->materials[i].name, word))
+        if (is_defined(&scene->materials[i]) && word_equals(word, scene->materials[i].name))
             return i;
     return -1;
-}
-
-/* Takes over what *material owns, unless this fails. */
-static bool add_material(struct scene *scene, const struct material *material, struct error *err)
-{
-    struct material *grown = array_more(scene->materials, scene->n_materials, sizeof *grown, err);
-    if (grown == NULL)
-        return false;
-    scene->materials = grown;
-    grown[scene->n_materials++] = *material;
-    return true;
 }
 
 static bool check_name(const struct scene *scene, const struct word *word, struct error *err)
@@ -73,14 +57,15 @@ static bool read_content(struct text *text, struct material *out, struct error *
 
 bool definition_read(struct scene_reader *reader, struct error *err)
 {
+    struct scene *scene = reader->scene;
     struct material material = {0};
     struct word word;
     if (text_expect(reader->text, &word, "a name for the material", err) &&
-        check_name(reader->scene, &word, err) && read_content(reader->text, &material, err)) {
+        check_name(scene, &word, err) && read_content(reader->text, &material, err)) {
         material.name = word_copy(&word);
         if (material.name == NULL)
             error_memory(err);
-        else if (add_material(reader->scene, &material, err))
+        else if (array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err))
             return true;
     }
     material_free(&material);
@@ -100,7 +85,8 @@ bool listed_add(struct scene *scene, const struct word *word, int *out, struct e
                                       strcmp(scene->materials[i].path, material.path) != 0))
         i++;
     *out = i;
-    if (i == scene->n_materials && add_material(scene, &material, err))
+    if (i == scene->n_materials &&
+        array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err))
         return true;
     material_free(&material);
     return i < scene->n_materials;
@@ -185,44 +171,51 @@ static bool use_entry(struct scene *scene, const struct word *entry, const struc
         return false;
     for (*out = 0; *out < scene->n_materials; ++*out) {
         const struct material *known = &scene->materials[*out];
-        if (known->from_rgb && same_name(known->name, entry) && strcmp(known->path, path) == 0)
+        if (known->from_rgb && word_equals(entry, known->name) && strcmp(known->path, path) == 0)
             break;
     }
-    done = *out < scene->n_materials || (mtl_read(path, file->place, entry, &material, err) &&
-                                         add_material(scene, &material, err));
+    done = *out < scene->n_materials ||
+           (mtl_read(path, file->place, entry, &material, err) &&
+            array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err));
     if (!done)
         material_free(&material);
     free(path);
     return done;
 }
 
+/* MATERIAL, or the entry of that name of an MTL file */
+static bool use_assigned(struct scene *scene, struct text *text, const struct word *name, int *out,
+                         struct error *err)
+{
+    static const char *const words[] = {"material", "mtl", NULL};
+    const int kind = text_choose(text, "material or mtl", words, "word in a material map", err);
+    struct word word;
+    return kind >= 0 && text_expect(text, &word, kind == 0 ? "a material" : "an MTL file", err) &&
+           text_end(text, "a line of a material map", err) &&
+           (kind == 0 ? use_named(scene, &word, out, err)
+                      : use_entry(scene, name, &word, out, err));
+}
+
 /* NAME material MATERIAL, or NAME mtl FILE */
 static bool read_assignment(struct scene *scene, struct text *text, struct object *object,
                             struct error *err)
 {
-    static const char *const words[] = {"material", "mtl", NULL};
-    struct material_assignment *assignment =
-        array_more(object->assignments, object->n_assignments, sizeof *assignment, err);
-    struct word name, word;
-    int kind;
-    if (assignment == NULL)
-        return false;
-    object->assignments = assignment;
+    struct material_assignment assignment = {0};
+    struct word name;
     if (!text_expect(text, &name, "the name of a usemtl", err))
         return false;
-    for (; assignment < object->assignments + object->n_assignments; assignment++)
-        if (same_name(assignment->name, &name))
-            return place_once(&assignment->place, name.place, "this name", err);
-    assignment->place = name.place;
-    kind = text_choose(text, "material or mtl", words, "word in a material map", err);
-    if (kind < 0 || !text_expect(text, &word, kind == 0 ? "a material" : "an MTL file", err) ||
-        !text_end(text, "a line of a material map", err) ||
-        !(kind == 0 ? use_named(scene, &word, &assignment->material, err)
-                    : use_entry(scene, &name, &word, &assignment->material, err)))
+    for (int i = 0; i < object->n_assignments; i++)
+        if (word_equals(&name, object->assignments[i].name))
+            return place_once(&object->assignments[i].place, name.place, "this name", err);
+    assignment.place = name.place;
+    if (!use_assigned(scene, text, &name, &assignment.material, err))
         return false;
-    assignment->name = word_copy(&name);
-    object->n_assignments += assignment->name != NULL;
-    return assignment->name != NULL || error_memory(err);
+    assignment.name = word_copy(&name);
+    if (assignment.name && array_add(&object->assignments, &object->n_assignments, &assignment,
+                                     sizeof assignment, err))
+        return true;
+    free(assignment.name);
+    return error_memory(err);
 }
 
 static bool map_read(struct scene *scene, const struct word *file, struct object *object,

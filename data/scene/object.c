@@ -154,24 +154,19 @@ void object_free(struct object *object)
 static bool add_object(struct scene_reader *reader, const struct description *description,
                        struct error *err)
 {
-    const struct shape *from = &description->object.shape;
+    const struct object *from = &description->object;
     struct scene *scene = reader->scene;
-    int n = scene->n_objects;
-    struct object *objects = array_more(scene->objects, n, sizeof *objects, err);
-    struct word *materials;
-    if (objects == NULL)
-        return false;
-    scene->objects = objects;
-    materials = array_more(reader->materials, n, sizeof *materials, err);
-    if (materials == NULL)
-        return false;
-    reader->materials = materials;
-    materials[n] = description->material;
-    objects[n] = description->object;
-    objects[n].material_map = NULL;
-    scene->n_objects++;
-    return string_copy(from->path, &objects[n].shape.path, err) &&
-           string_copy(description->object.material_map, &objects[n].material_map, err);
+    struct object object = *from;
+    int n_materials = scene->n_objects;
+    object.shape.path = object.material_map = NULL;
+    if (string_copy(from->shape.path, &object.shape.path, err) &&
+        string_copy(from->material_map, &object.material_map, err) &&
+        array_add(&reader->materials, &n_materials, &description->material,
+                  sizeof description->material, err) &&
+        array_add(&scene->objects, &scene->n_objects, &object, sizeof object, err))
+        return true;
+    object_free(&object);
+    return false;
 }
 
 bool object_read(struct scene_reader *reader, struct error *err)

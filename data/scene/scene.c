@@ -18,14 +18,10 @@
 
 bool scene_keep(struct scene *scene, struct text *text, struct error *err)
 {
-    struct text *grown = array_more(scene->files, scene->n_files, sizeof *grown, err);
-    if (grown == NULL) {
-        text_free(text);
-        return false;
-    }
-    scene->files = grown;
-    grown[scene->n_files++] = *text;
-    return true;
+    if (array_add(&scene->files, &scene->n_files, text, sizeof *text, err))
+        return true;
+    text_free(text);
+    return false;
 }
 
 bool scene_open(struct scene *scene, const struct word *word, struct text *out, struct error *err)
@@ -64,7 +60,7 @@ static bool include_read(struct scene_reader *reader, struct error *err)
     return read_statements(reader, &text, err);
 }
 
-/* Those that hold only once come first. */
+/* The N_ONCE that hold only once come first. */
 static const char *const statements[] = {"wavelengths", "size",    "camera",  "viewer",
                                          "shading",     "ambient", "light",   "material",
                                          "object",      "checker", "include", NULL};
@@ -74,14 +70,9 @@ static bool (*const statement_readers[])(struct scene_reader *, struct error *) 
 
 static bool read_statement(struct scene_reader *reader, const struct word *word, struct error *err)
 {
-    struct scene *scene = reader->scene;
-    struct place *once[] = {&scene->wavelengths_place, &scene->size_place, &scene->camera.place,
-                            &scene->viewer_place, &scene->shading_place};
-    int statement = word_choose(word, statements, "statement", err);
-    if (statement < 0)
-        return false;
-    if (statement < (int)(sizeof once / sizeof once[0]) &&
-        !place_once(once[statement], word->place, statements[statement], err))
+    const int statement = word_choose(word, statements, "statement", err);
+    if (statement < 0 || (statement < N_ONCE && !place_once(&reader->given[statement], word->place,
+                                                            statements[statement], err)))
         return false;
     reader->place = word->place;
     return statement_readers[statement](reader, err);
@@ -172,7 +163,7 @@ static bool read_named(struct scene_reader *reader, const char *name, struct err
             return false;
     }
     return read_statements(reader, &text, err) && materials_resolve(reader, err) &&
-           view_complete(scene, err);
+           wavelengths_complete(scene, err);
 }
 
 bool scene_read(const char *name, struct scene *out, struct error *err)
@@ -180,6 +171,7 @@ bool scene_read(const char *name, struct scene *out, struct error *err)
     struct scene_reader reader = {.scene = out};
     bool done;
     *out = (struct scene){0};
+    view_set_defaults(out);
     done = read_named(&reader, name, err);
     free(reader.materials);
     if (done)

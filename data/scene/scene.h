@@ -19,7 +19,7 @@ struct light {
     bool spot;
     struct vector spot_direction;
     double spot_cutoff_deg, spot_exponent;
-    struct place place, attenuation_place, spot_place;
+    struct place place, attenuation_place;
 };
 struct ambient {
     struct spectrum spectrum;
@@ -31,7 +31,6 @@ struct camera {
     double extent; /* width of the view, or vertical angle in degrees */
     double near, far;
     struct vector eye, look, up;
-    struct place place;
 };
 /* A line of a material map: the material of a part of a mesh. */
 struct material_assignment {
@@ -66,7 +65,7 @@ struct scene {
     bool local_viewer;
     enum shading_kind shading;
     double tessellation; /* factor of all slices, stacks, ... of built-in shapes */
-    struct place viewer_place, shading_place, wavelengths_place, size_place;
+    struct place wavelengths_place;
     struct ambient *ambients;
     struct light *lights;
     struct material *materials; /* only those an object uses are read; others keep name and path */
@@ -90,15 +89,16 @@ bool scene_set_tessellation(struct scene *scene, const char *text, struct error 
 
 /* ---- Inside this room ---- */
 
-enum { DEEPEST_INCLUDE = 32 };
+enum { DEEPEST_INCLUDE = 32, N_ONCE = 5 };
 
 /* A reader of one statement, `NAME_read` below, starts behind the statement's first word. */
 struct scene_reader {
     struct scene *scene;
-    struct word *materials; /* an object's material by name, or its map, until all materials are
-                               known; start NULL: known */
-    struct text *text;      /* the statement that is read */
-    struct place place;     /* of its first word */
+    struct word *materials;     /* an object's material by name, or its map, until all materials are
+                                   known; start NULL: known */
+    struct text *text;          /* the statement that is read */
+    struct place place;         /* of its first word */
+    struct place given[N_ONCE]; /* the statements that hold only once */
     const char *open[DEEPEST_INCLUDE]; /* the files that are being read, outermost first */
     int n_open;
     struct text list; /* what a checker reads instead of the list it names; zeroed: nothing */
@@ -115,8 +115,10 @@ bool size_read(struct scene_reader *reader, struct error *err);
 bool camera_read(struct scene_reader *reader, struct error *err);
 bool viewer_read(struct scene_reader *reader, struct error *err);
 bool shading_read(struct scene_reader *reader, struct error *err);
-/* Sets the defaults where no statement says otherwise. To be called after reading. */
-bool view_complete(struct scene *scene, struct error *err);
+/* Sets the size, camera, ... that hold unless a statement says otherwise. */
+void view_set_defaults(struct scene *scene);
+/* Sets the wavelengths where no statement has set them. */
+bool wavelengths_complete(struct scene *scene, struct error *err);
 /* Opens an option's value as a text of one line, which the scene keeps: places point into it. */
 bool option_open(struct scene *scene, const char *option, const char *value, struct text *out,
                  struct error *err);

@@ -29,20 +29,13 @@ static bool check_count(double count, struct place place, struct error *err)
 
 static bool add_wavelength(struct scene *scene, double nm, struct place place, struct error *err)
 {
-    int n = scene->n_wavelengths;
-    double *grown;
+    const int n = scene->n_wavelengths;
     if (n > 0 && nm <= scene->wavelengths_nm[n - 1])
         return error_at(err, place,
                         "wavelength %.15g nm follows %.15g nm; wavelengths must increase", nm,
                         scene->wavelengths_nm[n - 1]);
-    if (!check_count(n, place, err))
-        return false;
-    grown = array_more(scene->wavelengths_nm, n, sizeof *grown, err);
-    if (grown == NULL)
-        return false;
-    scene->wavelengths_nm = grown;
-    grown[scene->n_wavelengths++] = nm;
-    return true;
+    return check_count(n, place, err) &&
+           array_add(&scene->wavelengths_nm, &scene->n_wavelengths, &nm, sizeof nm, err);
 }
 
 /* START + i STEP as far as END. Numbers such as 0.1 are rounded to 2^-53 of their size, so that the
@@ -96,6 +89,7 @@ bool wavelengths_read(struct scene_reader *reader, struct error *err)
 {
     struct text *text = reader->text, before = *text;
     struct word word;
+    reader->scene->wavelengths_place = reader->place;
     if (!text_expect(text, &word, "START END STEP or list and wavelengths", err))
         return false;
     if (word_is(&word, "list"))
@@ -117,28 +111,31 @@ bool size_read(struct scene_reader *reader, struct error *err)
     return text_end(reader->text, "size", err);
 }
 
-/* One of two words, the second of which sets *out. */
-static bool read_switch(struct text *text, const char *const words[3], const char *what, bool *out,
+/* Reads a statement that chooses one of the words; *out is its index. */
+static bool read_choice(struct text *text, const char *const *words, const char *what, int *out,
                         struct error *err)
 {
-    int chosen = text_choose(text, what, words, what, err);
-    *out = chosen == 1;
-    return chosen >= 0 && text_end(text, what, err);
+    *out = text_choose(text, what, words, what, err);
+    return *out >= 0 && text_end(text, what, err);
 }
 
 bool viewer_read(struct scene_reader *reader, struct error *err)
 {
     static const char *const words[] = {"infinite", "local", NULL};
-    return read_switch(reader->text, words, "viewer", &reader->scene->local_viewer, err);
+    int chosen;
+    bool done = read_choice(reader->text, words, "viewer", &chosen, err);
+    reader->scene->local_viewer = chosen == 1;
+    return done;
 }
 
 bool shading_read(struct scene_reader *reader, struct error *err)
 {
     static const char *const words[] = {
         [SHADING_SMOOTH] = "smooth", [SHADING_FLAT] = "flat", [SHADING_PHONG] = "phong", NULL};
-    int chosen = text_choose(reader->text, "shading", words, "shading", err);
+    int chosen;
+    bool done = read_choice(reader->text, words, "shading", &chosen, err);
     reader->scene->shading = chosen > 0 ? (enum shading_kind)chosen : SHADING_SMOOTH;
-    return chosen >= 0 && text_end(reader->text, "shading", err);
+    return done;
 }
 
 /* ---- camera ---- */
@@ -183,20 +180,19 @@ static bool read_camera_option(struct text *text, int option, struct camera *out
 
 /* Two unit vectors that are parallel but for rounding, each within some 4 units of 2^-53 in every
  * part, have a product shorter than 2^-49. */
-static bool check_camera(const struct camera *camera, struct error *err)
+static bool check_camera(const struct camera *camera, struct place place, struct error *err)
 {
     struct vector view = vector_subtract(camera->look, camera->eye), side;
     double depth = camera->far - camera->near, length = vector_length(view);
     if (!(depth > 0 && isfinite(depth)))
-        return error_at(err, camera->place, "near %.15g must be below far %.15g", camera->near,
+        return error_at(err, place, "near %.15g must be below far %.15g", camera->near,
                         camera->far);
     if (!(length > 0 && isfinite(length)))
-        return error_at(err, camera->place,
+        return error_at(err, place,
                         "eye and look are one point or too far apart; the view has no direction");
     side = vector_cross(vector_normalise(camera->up), vector_normalise(view));
     return vector_length(side) > 0x1p-49 ||
-           error_at(err, camera->place,
-                    "up is parallel to the view; it must point to the side of it");
+           error_at(err, place, "up is parallel to the view; it must point to the side of it");
 }
 
 bool camera_read(struct scene_reader *reader, struct error *err)
@@ -209,32 +205,31 @@ bool camera_read(struct scene_reader *reader, struct error *err)
     if (option < 0)
         return false;
     *camera = camera_defaults[option];
-    camera->place = reader->place;
     if (!read_extent(reader->text, camera, err))
         return false;
     while (text_word(reader->text, &word)) {
-        option = word_choose(&word, words, "word for a camera", err);
-        if (option < 0 || !place_once(&given[option], word.place, words[option], err) ||
-            !read_camera_option(reader->text, option, camera, err))
+        option = word_choose_once(&word, words, "word for a camera", given, err);
+        if (option < 0 || !read_camera_option(reader->text, option, camera, err))
             return false;
     }
-    return check_camera(camera, err);
+    return check_camera(camera, reader->place, err);
 }
 
 /* ---- defaults ---- */
 
-bool view_complete(struct scene *scene, struct error *err)
+void view_set_defaults(struct scene *scene)
+{
+    scene->camera = camera_defaults[0];
+    scene->width = 1200;
+    scene->height = 800;
+    scene->tessellation = 1;
+}
+
+bool wavelengths_complete(struct scene *scene, struct error *err)
 {
     static const double range[3] = {300, 760, 5};
-    scene->tessellation = 1;
-    if (scene->camera.place.line == 0)
-        scene->camera = camera_defaults[0];
-    if (scene->size_place.line == 0) {
-        scene->width = 1200;
-        scene->height = 800;
-    }
-    return scene->n_wavelengths > 0 ||
-           add_range(scene, range, (struct place){scene->path, 0, 0}, err);
+    const struct place place = {scene->path, 0, 0};
+    return scene->n_wavelengths > 0 || add_range(scene, range, place, err);
 }
 
 /* ---- options of the command line ---- */
@@ -296,7 +291,6 @@ bool scene_set_size(struct scene *scene, const char *value, struct error *err)
     struct scene_reader reader = {.scene = scene, .text = &text};
     if (!open_numbers(scene, "--size", value, "x", &text, err))
         return false;
-    scene->size_place = text_place(&text);
     return size_read(&reader, err);
 }
 
@@ -306,7 +300,6 @@ bool scene_set_shading(struct scene *scene, const char *value, struct error *err
     struct scene_reader reader = {.scene = scene, .text = &text};
     if (!option_open(scene, "--shading", value, &text, err))
         return false;
-    scene->shading_place = text_place(&text);
     return shading_read(&reader, err);
 }
 

@@ -53,7 +53,7 @@ struct place text_whole(const struct text *text);
 int word_shown(const struct word *word);
 bool word_is(const struct word *word, const char *literal);    /* false for quoted words */
 bool word_equals(const struct word *word, const char *string); /* quoted or not */
-char *word_copy(const struct word *word);                   /* allocated; NULL: no memory */
+char *word_copy(const struct word *word);                      /* allocated; NULL: no memory */
 /* Read a whole number or refuse it: 1.5abc, 1e999, nan, inf and 0x10 are errors. `what` names the
  * number in messages. Ranges are inclusive; -HUGE_VAL and HUGE_VAL set no limit. */
 bool word_number(const struct word *word, const char *what, double lowest, double highest,
@@ -84,6 +84,9 @@ int text_choose(struct text *text, const char *expected, const char *const *know
                 struct error *err);
 /* Sets *first to `again` where it has no line yet; otherwise refuses: "WHAT is given twice". */
 bool place_once(struct place *first, struct place again, const char *what, struct error *err);
+/* Like word_choose; then notes the place in given[index], and refuses a word that has one there. */
+int word_choose_once(const struct word *word, const char *const *known, const char *what,
+                     struct place *given, struct error *err);
 /* Returns whether the word, which is not empty, begins with a digit, a sign or a point and has no
  * quotes. */
 bool word_begins_number(const struct word *word);

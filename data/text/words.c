@@ -46,6 +46,13 @@ bool place_once(struct place *first, struct place again, const char *what, struc
     return true;
 }
 
+int word_choose_once(const struct word *word, const char *const *known, const char *what,
+                     struct place *given, struct error *err)
+{
+    const int i = word_choose(word, known, what, err);
+    return i >= 0 && place_once(&given[i], word->place, known[i], err) ? i : -1;
+}
+
 bool word_begins_number(const struct word *word)
 {
     return !word->quoted && strchr("0123456789+-.", word->start[0]) != NULL;
@@ -97,6 +104,5 @@ bool text_direction(struct text *text, const char *what, struct vector *out, str
     if (!text_vector(text, what, out, err))
         return false;
     return out->x != 0 || out->y != 0 || out->z != 0 ||
-           error_at(err, first, "%s 0 0 0 points nowhere; one of its numbers must not be 0",
-                    what);
+           error_at(err, first, "%s 0 0 0 points nowhere; one of its numbers must not be 0", what);
 }
