@@ -12,6 +12,7 @@
 #include "data/options/options.h"
 #include "data/scene/scene.h"
 #include "data/stack/stack.h"
+#include "data/text/text.h"
 #include "raster/cost/cost.h"
 #include "raster/gl/gl.h"
 #include "raster/inspect/inspect.h"
@@ -241,12 +242,10 @@ static bool run_with_options(const struct command *command, char *const *words, 
 
 static bool refuse_command(const char *name, struct error *err)
 {
-    const char *names[N_COMMANDS];
-    char list[128];
+    char list[LIST_SIZE] = "";
     for (int i = 0; i < N_COMMANDS; i++)
-        names[i] = commands[i].name;
-    words_join(names, N_COMMANDS, "and", list, sizeof list);
-    return error_usage(err, "'%s' is no command; there are %s", name, list);
+        list_add(list, commands[i].name, strlen(commands[i].name));
+    return error_usage(err, "unknown command '%s'; known are %s", name, list);
 }
 
 static bool run_command(int argc, char **argv, struct error *err)

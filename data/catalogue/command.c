@@ -8,6 +8,7 @@
 #include "data/mesh/mesh.h"
 #include "data/options/options.h"
 #include "data/spectra/spectra.h"
+#include "data/text/text.h"
 #include "spectral.h"
 
 /* Prints the built-in files that begin with the folder and end with the ending, without both. */
@@ -91,17 +92,16 @@ enum { N_LISTS = sizeof lists / sizeof lists[0] };
 
 bool command_list(struct options *options, struct error *err)
 {
-    const char *wanted = options->operand, *names[N_LISTS];
-    char known[128];
+    const char *wanted = options->operand;
+    char known[LIST_SIZE] = "";
     bool found = false;
     for (int i = 0; i < N_LISTS; i++) {
-        names[i] = lists[i].name;
+        list_add(known, lists[i].name, strlen(lists[i].name));
         if (wanted && strcmp(wanted, lists[i].name) != 0)
             continue;
         found = true;
         printf("%s\n", lists[i].name);
         lists[i].print();
     }
-    words_join(names, N_LISTS, "and", known, sizeof known);
-    return found || error_usage(err, "there is no list of '%s'; there are %s", wanted, known);
+    return found || error_usage(err, "unknown list '%s'; known are %s", wanted, known);
 }

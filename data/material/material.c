@@ -60,10 +60,10 @@ static bool read_fluorescence(struct text *text, struct material *out, struct er
 /* The partner, made when its first line comes. */
 static struct material *partner_of(struct material *material, struct place place, struct error *err)
 {
-    if (material->partner != NULL)
+    if (material->partner)
         return material->partner;
     material->partner = calloc(1, sizeof *material->partner);
-    if (material->partner == NULL)
+    if (!material->partner)
         error_memory(err);
     else
         material->partner->place = material->partner_place = place;
@@ -93,7 +93,7 @@ static bool read_line(struct text *text, const struct word *first, struct materi
         text->at = first->start;
     if (kind != 0 && tolower((unsigned char)first->start[0]) == 'm') {
         out = partner_of(out, first->place, err);
-        if (out == NULL)
+        if (!out)
             return false;
     }
     switch (kind) {
@@ -150,7 +150,7 @@ static bool complete_file(struct material *out, struct error *err)
     struct material *partner = out->partner;
     if (!complete(out, "no diffuse reflectance; a material has lines of a wavelength and one", err))
         return false;
-    return partner == NULL ||
+    return !partner ||
            (string_copy(out->name, &partner->name, err) &&
             string_copy(out->path, &partner->path, err) &&
             complete(partner, "the partner has no mr lines; it needs a diffuse reflectance", err));
@@ -166,8 +166,7 @@ bool material_read(const char *path, struct place from, struct material *out, st
     out->path = text.path; /* taken over: the places point at it */
     out->place = text_whole(&text);
     out->name = output_name(path, "");
-    done = out->name != NULL ? read_lines(&text, out, err) && complete_file(out, err)
-                             : error_memory(err);
+    done = out->name ? read_lines(&text, out, err) && complete_file(out, err) : error_memory(err);
     text.path = NULL;
     text_free(&text);
     if (!done)
@@ -185,7 +184,7 @@ static bool block_word(struct text *text, struct word *out, struct place open, s
             return error_at(err, open, "this { is never closed by a }");
     if (!text_expect(text, out, "a word", err))
         return false;
-    return out->quoted || out->length == 1 || memchr(out->start, '}', out->length) == NULL ||
+    return out->quoted || out->length == 1 || !memchr(out->start, '}', out->length) ||
            error_at(err, out->place, "a } stands alone, between blanks");
 }
 
@@ -263,7 +262,7 @@ static bool block_entry(struct text *text, int kind, struct material *out, struc
         return spectrum_read(&word, 0, HUGE_VAL, &out->glow, err);
     case BLOCK_METAMER:
         out->partner_name = word_copy(&word);
-        return out->partner_name != NULL || error_memory(err);
+        return out->partner_name || error_memory(err);
     case BLOCK_END:
         break;
     }
@@ -327,7 +326,7 @@ void material_free(struct material *material)
     spectrum_free(&material->excitation);
     spectrum_free(&material->emission);
     spectrum_free(&material->glow);
-    if (material->partner != NULL)
+    if (material->partner)
         material_free(material->partner);
     free(material->partner);
     free(material->partner_name);

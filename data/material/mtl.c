@@ -123,9 +123,8 @@ bool mtl_read(const char *path, struct place from, const struct word *name, stru
         return false;
     out->path = text.path; /* taken over: the places point at it */
     out->name = word_copy(name);
-    done = out->name != NULL
-               ? read_entry(&text, name, from, &entry, err) && make_material(&entry, out, err)
-               : error_memory(err);
+    done = out->name ? read_entry(&text, name, from, &entry, err) && make_material(&entry, out, err)
+                     : error_memory(err);
     text.path = NULL;
     text_free(&text);
     return done;

@@ -33,33 +33,17 @@ static bool read_count(const char *option, const char *value, double lowest, int
     return count == *out || error_usage(err, "%s takes a whole number, not '%s'", option, value);
 }
 
-void words_join(const char *const *words, int n, const char *last, char *out, size_t capacity)
-{
-    size_t used = 0;
-    out[0] = '\0';
-    for (int i = 0; i < n && used < capacity; i++) {
-        snprintf(out + used, capacity - used, "%s%s%s%s",
-                 i == 0      ? ""
-                 : i < n - 1 ? ", "
-                             : " ",
-                 i > 0 && i == n - 1 ? last : "", i > 0 && i == n - 1 ? " " : "", words[i]);
-        used += strlen(out + used);
-    }
-}
-
-/* Returns whether the text is one of the option's choices, if it has any. */
+/* Refuses a value that is none of the choices. NULL: any value is good. */
 static bool check_choice(const char *option, const char *const *choices, const char *value,
                          struct error *err)
 {
-    char list[256];
-    int n = 0;
-    for (; choices && choices[n]; n++)
-        if (strcmp(value, choices[n]) == 0)
+    char list[LIST_SIZE] = "";
+    for (; choices && *choices; choices++) {
+        if (strcmp(value, *choices) == 0)
             return true;
-    if (!choices)
-        return true;
-    words_join(choices, n, "or", list, sizeof list);
-    return error_usage(err, "%s takes %s, not '%s'", option, list, value);
+        list_add(list, *choices, strlen(*choices));
+    }
+    return !choices || error_usage(err, "%s takes one of %s, not '%s'", option, list, value);
 }
 
 /* ---- one option ---- */

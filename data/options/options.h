@@ -113,7 +113,4 @@ const char *options_detector(const struct options *options);
 bool option_number(const char *option, const char *value, double lowest, double highest,
                    double *out, struct error *err);
 
-/* Joins n words: "a", "a LAST b", "a, b LAST c"; cut off where out is full. */
-void words_join(const char *const *words, int n, const char *last, char *out, size_t capacity);
-
 #endif

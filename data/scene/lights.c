@@ -32,8 +32,7 @@ static bool read_radiation(struct text *text, struct spectrum *spectrum, double 
 bool ambient_read(struct scene_reader *reader, struct error *err)
 {
     struct ambient *ambient = add_ambient(reader->scene, reader->place, err);
-    return ambient != NULL &&
-           read_radiation(reader->text, &ambient->spectrum, &ambient->intensity, err) &&
+    return ambient && read_radiation(reader->text, &ambient->spectrum, &ambient->intensity, err) &&
            text_end(reader->text, "ambient", err);
 }
 
@@ -114,8 +113,8 @@ static bool read_light_option(const struct text *text, const char *start, struct
                               double *intensity, struct error *err)
 {
     const char *end = text->bytes + text->length, *star = strrchr(start, '*');
-    struct word word = option_word(text, start, star != NULL ? star : end), number;
-    if (star != NULL) {
+    struct word word = option_word(text, start, star ? star : end), number;
+    if (star) {
         number = option_word(text, star + 1, end);
         if (!word_number(&number, "intensity", 0, HUGE_VAL, intensity, err))
             return false;
@@ -135,7 +134,7 @@ bool scene_set_light(struct scene *scene, const char *value, struct error *err)
     if (!option_open(scene, "--light", value, &text, err))
         return false;
     equals = strchr(text.at, '=');
-    if (equals == NULL)
+    if (!equals)
         return error_at(err, text_place(&text),
                         "expected N=SPECTRUM or N=SPECTRUM*INTENSITY, not '%s'", value);
     if (scene->n_lights == 0)
@@ -157,7 +156,7 @@ bool scene_set_ambient(struct scene *scene, const char *value, struct error *err
         spectrum_free(&scene->ambients[i].spectrum);
     scene->n_ambients = 0;
     ambient = add_ambient(scene, text_place(&text), err);
-    if (ambient == NULL)
+    if (!ambient)
         return false;
     return read_light_option(&text, text.at, &ambient->spectrum, &ambient->intensity, err);
 }

@@ -18,7 +18,7 @@
  * there. */
 static bool is_defined(const struct material *material)
 {
-    return material->name != NULL && !material->from_rgb;
+    return material->name && !material->from_rgb;
 }
 
 static int find_material(const struct scene *scene, const struct word *word)
@@ -63,7 +63,7 @@ bool definition_read(struct scene_reader *reader, struct error *err)
     if (text_expect(reader->text, &word, "a name for the material", err) &&
         check_name(scene, &word, err) && read_content(reader->text, &material, err)) {
         material.name = word_copy(&word);
-        if (material.name == NULL)
+        if (!material.name)
             error_memory(err);
         else if (array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err))
             return true;
@@ -81,8 +81,8 @@ bool listed_add(struct scene *scene, const struct word *word, int *out, struct e
     int i = 0;
     if (!word_path(word, &material.path, err))
         return false;
-    while (i < scene->n_materials && (scene->materials[i].name != NULL ||
-                                      strcmp(scene->materials[i].path, material.path) != 0))
+    while (i < scene->n_materials &&
+           (scene->materials[i].name || strcmp(scene->materials[i].path, material.path) != 0))
         i++;
     *out = i;
     if (i == scene->n_materials &&
@@ -113,7 +113,7 @@ static bool load(struct material *material, struct error *err)
         return true;
     if (!material_read(material->path, material->place, &fresh, err))
         return false;
-    if (name != NULL) {
+    if (name) {
         material->name = fresh.name;
         fresh.name = name;
     }
@@ -135,7 +135,7 @@ static bool use_partner(struct scene *scene, int index, struct error *err)
 {
     struct material *material = &scene->materials[index], *partner;
     struct word name = {.start = material->partner_name, .place = material->partner_place};
-    if (name.start == NULL)
+    if (!name.start)
         return true;
     name.length = strlen(name.start);
     if (!find_named(scene, &name, &material->partner_index, err))
@@ -144,7 +144,7 @@ static bool use_partner(struct scene *scene, int index, struct error *err)
     if (partner == material)
         return error_at(err, name.place, "'%.100s' is its own partner; it must be another material",
                         material->name);
-    if (partner->partner != NULL || partner->partner_name != NULL)
+    if (partner->partner || partner->partner_name)
         return error_at(err, name.place,
                         "'%.100s' has a partner itself; a partner must be without one",
                         partner->name);
@@ -240,14 +240,13 @@ bool materials_resolve(struct scene_reader *reader, struct error *err)
     for (int i = 0; i < scene->n_objects; i++) {
         struct object *object = &scene->objects[i];
         const struct word *word = &reader->materials[i];
-        if (word->start != NULL &&
-            !(object->material_map != NULL ? map_read(scene, word, object, err)
-                                           : use_named(scene, word, &object->material, err)))
+        if (word->start && !(object->material_map ? map_read(scene, word, object, err)
+                                                  : use_named(scene, word, &object->material, err)))
             return false;
     }
     /* Reading names the listed ones, which nothing finds by that. */
     for (int i = 0; i < scene->n_objects; i++)
-        if (reader->materials[i].start == NULL &&
+        if (!reader->materials[i].start &&
             !load(&scene->materials[scene->objects[i].material], err))
             return false;
     return true;

@@ -229,7 +229,7 @@ bool checker_read(struct scene_reader *reader, struct error *err)
     struct text list = reader->list;
     struct word word;
     bool done = text_expect(reader->text, &word, "a list of material files", err) &&
-                (list.path != NULL || scene_open(reader->scene, &word, &list, err)) &&
+                (list.path || scene_open(reader->scene, &word, &list, err)) &&
                 read_description(reader, &description, err) &&
                 add_grid(reader, &list, &description, err);
     object_free(&description.object);

@@ -100,7 +100,7 @@ static bool refuse_missing(const char *name, struct error *err)
     char list[LIST_SIZE] = "";
     for (size_t i = 0; i < builtin_file_count; i++) {
         const char *file = builtin_files[i].name, *end = strrchr(file, '.');
-        if (strncmp(file, folder, strlen(folder)) == 0 && end != NULL && strcmp(end, ending) == 0)
+        if (strncmp(file, folder, strlen(folder)) == 0 && end && strcmp(end, ending) == 0)
             list_add(list, file + strlen(folder), (size_t)(end - file) - strlen(folder));
     }
     return error_usage(err, "no built-in scene and no file '%.500s'; built-in: %s", name, list);
@@ -132,7 +132,7 @@ static bool is_list(struct text text, bool *out, struct error *err)
         if (!text_word(&text, &word))
             continue;
         *out = !text_word(&text, &more);
-        for (int i = 0; statements[i] != NULL; i++)
+        for (int i = 0; statements[i]; i++)
             *out = *out && !word_is(&word, statements[i]);
         return true;
     }

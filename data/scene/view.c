@@ -239,7 +239,7 @@ bool option_open(struct scene *scene, const char *option, const char *value, str
 {
     if (!text_open_string(out, option, value, err) || !scene_keep(scene, out, err))
         return false;
-    if (text_next_line(out) && strchr(value, '\n') == NULL)
+    if (text_next_line(out) && !strchr(value, '\n'))
         return true;
     return error_at(err, text_place(out), "expected one line, not '%s'", value);
 }
@@ -275,7 +275,7 @@ static bool open_numbers(struct scene *scene, const char *option, const char *va
 
 bool scene_set_wavelengths(struct scene *scene, const char *value, struct error *err)
 {
-    bool range = strchr(value, ':') != NULL;
+    bool range = strchr(value, ':');
     struct text text;
     if (!open_numbers(scene, "--wavelengths", value, range ? ":" : ",", &text, err))
         return false;

@@ -20,10 +20,10 @@ int word_choose(const struct word *word, const char *const *known, const char *w
                 struct error *err)
 {
     char list[LIST_SIZE] = "";
-    for (int i = 0; known[i] != NULL; i++)
+    for (int i = 0; known[i]; i++)
         if (word_is(word, known[i]))
             return i;
-    for (int i = 0; known[i] != NULL; i++)
+    for (int i = 0; known[i]; i++)
         list_add(list, known[i], strlen(known[i]));
     error_at(err, word->place, "unknown %s '%.*s'; known are %s", what, word_shown(word),
              word->start, list);
@@ -55,13 +55,13 @@ int word_choose_once(const struct word *word, const char *const *known, const ch
 
 bool word_begins_number(const struct word *word)
 {
-    return !word->quoted && strchr("0123456789+-.", word->start[0]) != NULL;
+    return !word->quoted && strchr("0123456789+-.", word->start[0]);
 }
 
 bool string_copy(const char *from, char **out, struct error *err)
 {
-    *out = from != NULL ? strdup(from) : NULL;
-    return from == NULL || *out != NULL || error_memory(err);
+    *out = from ? strdup(from) : NULL;
+    return !from || *out || error_memory(err);
 }
 
 bool word_path(const struct word *word, char **out, struct error *err)
@@ -70,9 +70,9 @@ bool word_path(const struct word *word, char **out, struct error *err)
     if (word->length == 0)
         return error_at(err, word->place, "a file name must not be empty");
     name = word_copy(word);
-    *out = name != NULL ? file_relative(word->place.path, name) : NULL;
+    *out = name ? file_relative(word->place.path, name) : NULL;
     free(name);
-    return *out != NULL || error_memory(err);
+    return *out || error_memory(err);
 }
 
 bool text_peek(struct text text, struct word *out)
