@@ -440,12 +440,12 @@ static void check_builtin_scenes(void)
     scene_free(&s);
     CHECK(!scene_read("no such scene", &s, &err) && err.status == EXIT_INPUT && s.path == NULL,
           "an unknown scene is bad input");
-    CHECK_TEXT(
-        err.text,
-        "error: no built-in scene and no file 'no such scene'; "
-        "built-in: colorchecker, fluorescence, metals, metamers, pasture, patches, room, spheres, "
-        "textures",
-        "the message names what there is");
+    CHECK_TEXT(err.text,
+               "error: found no file and no built-in scene 'no such scene'; "
+               "built-in are colorchecker, fluorescence, metals, metamers, pasture, patches, room, "
+               "spheres, "
+               "textures",
+               "the message names what there is");
 }
 
 /* ---- the command line ---- */

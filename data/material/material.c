@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Materials, from files in the format of the 1998 thesis (its Table 1: the first word of a line
- * says what the line is) and from the words of a scene. Both are held to the same ranges. */
+/* Reads materials from files in the format of the 1998 thesis (in its Table 1, the first word of a
+ * line is the kind of the line) and from the words of a scene. Both have the same ranges. */
 #include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
@@ -13,7 +13,8 @@
 #include "data/text/text.h"
 #include "spectral.h"
 
-/* The excitation by a light is divided by the sum, which stands for a light of 1 everywhere. */
+/* Refuses an excitation whose sum is not above 0 and finite. The excitation by a light is divided
+ * by this sum, the excitation by a light of 1 at all wavelengths. */
 static bool check_excitation(const struct spectrum *excitation, struct error *err)
 {
     double sum = excitation->factor;
@@ -28,12 +29,12 @@ static bool check_excitation(const struct spectrum *excitation, struct error *er
     if (sum > 0 && isfinite(sum))
         return true;
     return error_at(err, excitation->place,
-                    "the sum of the excitation is %g; it is above 0 and finite", sum);
+                    "the sum of the excitation is %g; expected a finite sum above 0", sum);
 }
 
 /* ---- material files ---- */
 
-/* WAVELENGTH REFLECTANCE */
+/* Reads WAVELENGTH REFLECTANCE. */
 static bool read_reflectance(struct text *text, struct spectrum *out, struct error *err)
 {
     struct word word;
@@ -44,7 +45,7 @@ static bool read_reflectance(struct text *text, struct spectrum *out, struct err
            spectrum_append(out, nm, value, word.place, err);
 }
 
-/* WAVELENGTH EXCITATION EMISSION */
+/* Reads WAVELENGTH EXCITATION EMISSION. */
 static bool read_fluorescence(struct text *text, struct material *out, struct error *err)
 {
     struct word word;
@@ -57,7 +58,7 @@ static bool read_fluorescence(struct text *text, struct material *out, struct er
            spectrum_append(&out->emission, nm, emission, word.place, err);
 }
 
-/* The partner, made when its first line comes. */
+/* Returns the partner, and makes it if there is none yet; NULL: no memory. */
 static struct material *partner_of(struct material *material, struct place place, struct error *err)
 {
     if (material->partner)
@@ -70,7 +71,7 @@ static struct material *partner_of(struct material *material, struct place place
     return material->partner;
 }
 
-/* The last letter of a line's first word, small; 0: nothing known. */
+/* Returns the kind of a line: the last letter of its first word, in lower case; 0: unknown word. */
 static char line_kind(const struct word *word)
 {
     static const char *const known[] = {"s", "f", "g", "t", "mr", "ms", "mf", "mg"};
@@ -129,7 +130,7 @@ static bool read_lines(struct text *text, struct material *out, struct error *er
     return true;
 }
 
-/* Checks what only the whole file shows, and names the spectra. */
+/* Checks the material when all its lines are read, and names its spectra. */
 static bool complete(struct material *material, const char *no_diffuse, struct error *err)
 {
     struct spectrum *spectra[] = {&material->diffuse, &material->specular, &material->excitation,
@@ -176,7 +177,8 @@ bool material_read(const char *path, struct place from, struct material *out, st
 
 /* ---- materials written in a scene ---- */
 
-/* The next word, over lines. A brace that touches a word would hide in it. */
+/* Reads the next word, of this line or a later one. Refuses a } that touches a word: it would pass
+ * for a part of the word. */
 static bool block_word(struct text *text, struct word *out, struct place open, struct error *err)
 {
     while (!text_peek(*text, out))
@@ -188,7 +190,7 @@ static bool block_word(struct text *text, struct word *out, struct place open, s
            error_at(err, out->place, "a } stands alone, between blanks");
 }
 
-/* A word's argument. */
+/* Reads the value behind a word. */
 static bool block_value(struct text *text, struct word *out, const char *what, struct place open,
                         struct error *err)
 {
@@ -275,7 +277,7 @@ static bool exclude(struct place first, struct place second, const char *what, s
            error_at(err, second, "a material has either %s, not both", what);
 }
 
-/* A material that shines or mirrors needs no diffuse reflectance: it is 0 then. */
+/* A material with an emission or a specular reflectance needs no diffuse one; that is 0 then. */
 static bool complete_diffuse(struct material *out, struct error *err)
 {
     if (out->diffuse.kind != SPECTRUM_NONE)

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Makes a mesh of an OBJ file's faces: vertex normals where the file has none, planar texture
- * coordinates likewise, each different corner one vertex, in order of first use. Time grows with
- * the size of the file, but at a point where many corners differ, with their number squared. */
+/* Makes a mesh of the faces of an OBJ file. Corners that agree in point, normal and texture
+ * coordinates become one vertex, in the order of first use. Normals and texture coordinates that
+ * the file lacks are computed. Time grows linearly with the size of the file; at one point, with
+ * the square of the number of different corners there. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,7 +14,7 @@
 
 /* ---- the mesh itself ---- */
 
-/* NULL where more than int32_t can number, or than fits into memory, is asked for. */
+/* Returns NULL if there would be more items than an int32_t counts, or than fit into memory. */
 static void *resize(void *items, int have, size_t more, size_t size)
 {
     const size_t n = (size_t)have + more;
@@ -32,7 +33,7 @@ bool mesh_reserve(struct mesh *mesh, size_t n_vertices, size_t n_triangles, stru
     if (!more)
         return error_memory(err);
     mesh->triangles = more;
-    mesh->n_parts += mesh->n_parts == 0; /* it is one part as long as nobody divides it */
+    mesh->n_parts += mesh->n_parts == 0; /* a mesh that nobody divides is one part */
     return true;
 }
 
@@ -47,21 +48,21 @@ void mesh_free(struct mesh *mesh)
     *mesh = (struct mesh){.n_vertices = 0};
 }
 
-/* ---- what becoming a mesh needs ---- */
+/* ---- working memory ---- */
 
 struct builder {
     struct obj obj;
     struct vector *ring; /* a face */
     struct cutter cutter;
-    /* Facets are whole faces, so that normals do not depend on how a face is cut. One without area
-     * keeps a zero normal, and angles 0: it takes part in nothing. */
+    /* Normals belong to whole faces, so that they do not depend on how a face is cut. A face
+     * without area has normal 0 0 0 and angles 0: it has no weight in any mean. */
     struct vector *normals;  /* of each face */
     double *angles;          /* at each corner */
     int32_t *faces;          /* of each corner */
     int32_t *order, *starts; /* corners sorted by point; where each point's begin, and the end */
-    double cosine;           /* facets are neighbours while their normals' cosine exceeds it */
+    double cosine;           /* two faces are smooth neighbours if that of their angle exceeds it */
     double half_cosine;      /* of half that angle */
-    /* The vertices of a point form a chain, which ends with -1. */
+    /* The vertices at a point form a chain, which ends with -1. */
     int32_t *first_vertex; /* of each point */
     struct link {
         int32_t next, corner;
@@ -105,7 +106,7 @@ static void builder_free(struct builder *b)
     obj_free(&b->obj);
 }
 
-/* Fills the ring with a face's places; returns how many. */
+/* Fills the ring with the points of a face; returns their number. */
 static int gather_ring(struct builder *b, int face)
 {
     const int first = face_start(&b->obj, face), n = b->obj.faces[face].end - first;
@@ -129,8 +130,9 @@ static void widen(struct vector *low, struct vector *high, struct vector by)
     widen_side(&low->z, &high->z, by.z);
 }
 
-/* The points that faces use go into [-1, 1]^3, which none leaves: half is the largest distance from
- * the centre as it was rounded. It is above 0, since corners beside one another differ. */
+/* Moves and scales the points that faces use into [-1, 1]^3. No point leaves the cube, since `half`
+ * is the largest distance from the centre as it was rounded. `half` is above 0, since neighbouring
+ * corners differ. */
 static void unitize_points(struct builder *b)
 {
     struct vector *points = b->obj.list[OBJ_POINT].at;
@@ -148,7 +150,7 @@ static void unitize_points(struct builder *b)
 
 /* ---- normals where the file has none ---- */
 
-static void measure_facets(struct builder *b)
+static void measure_faces(struct builder *b)
 {
     for (int face = 0; face < b->obj.n_faces; face++) {
         const int first = face_start(&b->obj, face), n = gather_ring(b, face);
@@ -162,7 +164,7 @@ static void measure_facets(struct builder *b)
     }
 }
 
-/* Counting sort; starts[p] runs to its point's end meanwhile. */
+/* Counting sort. starts[p] is first the end of its point's corners, and at last their begin. */
 static void sort_corners(struct builder *b)
 {
     for (int i = 0; i < b->obj.n_corners; i++)
@@ -178,8 +180,8 @@ static struct vector weighted_normal(const struct builder *b, int32_t corner)
     return vector_scale(b->normals[b->faces[corner]], b->angles[corner]);
 }
 
-/* The average of all facets about the point; 0 0 0 where there is none. *smooth: all lie within
- * half the crease angle of it, so that they are neighbours of one another. */
+/* Returns the mean normal of all faces at the point; 0 0 0 if no face there has an area. *smooth
+ * means that all lie within half the crease angle of the mean, so that any two are neighbours. */
 static struct vector whole_average(const struct builder *b, int point, bool *smooth)
 {
     struct vector sum = {0, 0, 0};
@@ -193,7 +195,7 @@ static struct vector whole_average(const struct builder *b, int point, bool *smo
     return sum;
 }
 
-/* The average of those facets about the point that are neighbours of this corner's. */
+/* Returns the mean normal of the faces at the point that are smooth neighbours of this corner's. */
 static struct vector crease_average(const struct builder *b, int point, int32_t corner)
 {
     const int32_t own_face = b->faces[corner];
@@ -208,7 +210,7 @@ static struct vector crease_average(const struct builder *b, int point, int32_t 
     return vector_dot(sum, sum) > 0 ? sum : own;
 }
 
-/* Gives every corner about the point that lacks a normal one; equal ones are stored once. */
+/* Sets the normals that corners at the point lack. Equal normals are stored once. */
 static bool fill_point(struct builder *b, int point, struct error *err)
 {
     struct obj_list *list = &b->obj.list[OBJ_NORMAL];
@@ -233,16 +235,16 @@ static bool fill_point(struct builder *b, int point, struct error *err)
     return true;
 }
 
-/* Facets that meet at the crease angle itself must not fall on either side by chance. Coordinates
- * are mostly written with six significant digits, so that a facet of a thirtieth of the model's
- * size may lean by 1.5e-5 radians, or 0.001 degrees; by so much less must they meet. */
+/* Rounding must not decide whether faces that meet at the crease angle itself are neighbours. Most
+ * files have coordinates of six significant digits. A face of a thirtieth of the model's size may
+ * then lean by 1.5e-5 radians, or 0.001 degrees. Neighbours must meet at so much less. */
 static bool fill_normals(struct builder *b, double crease_deg, struct error *err)
 {
     const double slack_deg = 0.001;
     double sine;
     sine_cosine(fmax(crease_deg - slack_deg, 0), &sine, &b->cosine);
     b->half_cosine = sqrt((1 + b->cosine) / 2);
-    measure_facets(b);
+    measure_faces(b);
     sort_corners(b);
     for (int point = 0; point < b->obj.list[OBJ_POINT].n; point++)
         if (!fill_point(b, point, err))
@@ -269,7 +271,7 @@ void mesh_planar(struct mesh *mesh)
     }
 }
 
-/* Planar coordinates where the file has none. */
+/* Sets the texture coordinates: planar ones if the file has none. */
 static void fill_texture(const struct builder *b, struct mesh *mesh)
 {
     mesh_planar(mesh);
@@ -282,7 +284,7 @@ static void fill_texture(const struct builder *b, struct mesh *mesh)
     }
 }
 
-/* The vertex of a corner, which may be new; -1: no memory. */
+/* Returns the vertex of a corner, and adds it if there is none yet; -1: no memory. */
 static int32_t find_vertex(struct builder *b, int32_t corner, struct mesh *mesh, struct error *err)
 {
     const struct obj_corner *corners = b->obj.corners, *wanted = &corners[corner];
@@ -319,7 +321,7 @@ static bool add_face(struct builder *b, int face, struct mesh *mesh, struct erro
     return true;
 }
 
-/* The names become the mesh's, unless no face has one. */
+/* Makes parts of the mesh, which takes the names over; unless no face has a name. */
 static bool divide(struct obj *obj, size_t n_triangles, struct mesh *mesh, struct error *err)
 {
     if (obj->n_names == 1 && obj->names[0][0] == '\0')

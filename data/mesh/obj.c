@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads the statements of a Wavefront OBJ file: points, texture coordinates, normals and faces.
- * Everything is checked here, so that the rest of the mesh builder can rely on it. */
+/* Reads the statements of a Wavefront OBJ file: points, texture coordinates, normals and faces. It
+ * checks them all, so that the rest of the mesh builder can rely on them. */
 #include <float.h>
 #include <limits.h>
 #include <stdlib.h>
@@ -12,15 +12,16 @@
 #include "data/text/text.h"
 #include "spectral.h"
 
-/* The statements that fill the lists, and how many numbers they take. */
+/* The statements that fill the lists, and the number of their numbers. */
 static const struct list_form {
-    const char *keyword, *item;
+    const char *name, *item;
     int least, most;
 } forms[3] = {[OBJ_POINT] = {"v", "vertex", 3, 7}, /* x y z, perhaps w, perhaps red green blue */
               [OBJ_TEXTURE] = {"vt", "texture coordinate", 1, 3},
               [OBJ_NORMAL] = {"vn", "normal", 3, 3}};
 
-/* The statement's next word. A backslash before the end of a line continues it on the next one. */
+/* Reads the next word of the statement. A backslash at the end of a line continues the statement on
+ * the next line. */
 static bool next_word(struct text *text, struct word *out)
 {
     while (text_word(text, out)) {
@@ -36,7 +37,8 @@ static bool next_word(struct text *text, struct word *out)
 
 /* ---- v, vt, vn ---- */
 
-/* OpenGL takes single-precision numbers, so larger ones could not be drawn. */
+/* Reads the numbers of v, vt or vn. Refuses those above the largest single-precision number, which
+ * OpenGL could not draw. */
 static bool read_item(struct text *text, const struct list_form *form, struct obj_list *list,
                       struct error *err)
 {
@@ -45,14 +47,14 @@ static bool read_item(struct text *text, const struct list_form *form, struct ob
     int n = 0;
     for (; next_word(text, &word); n++) {
         if (n == form->most)
-            return error_at(err, word.place, "too many numbers: %s takes at most %d", form->keyword,
+            return error_at(err, word.place, "too many numbers: %s takes at most %d", form->name,
                             form->most);
         if (!word_number(&word, "coordinate", -(double)FLT_MAX, (double)FLT_MAX, &number[n], err))
             return false;
     }
     if (n < form->least)
         return error_at(err, text_place(text), "expected a number: %s takes at least %d",
-                        form->keyword, form->least);
+                        form->name, form->least);
     if (n == 5)
         return error_at(err, text_place(text),
                         "expected a number: v takes x y z, perhaps w, perhaps red green blue");
@@ -64,7 +66,7 @@ static bool read_item(struct text *text, const struct list_form *form, struct ob
 
 /* ---- f ---- */
 
-/* An index counts from 1, or back from -1, the latest; *out from 0. */
+/* Reads an index, which counts from 1, or back from -1, the latest item. *out counts from 0. */
 static bool read_index(const struct word *word, const char *item, int n, int32_t *out,
                        struct error *err)
 {
@@ -80,7 +82,7 @@ static bool read_index(const struct word *word, const char *item, int n, int32_t
     return true;
 }
 
-/* Up to three indices between slashes, of which the middle one may be missing. */
+/* Reads a corner: up to three indices between slashes. The middle one may be missing. */
 static bool read_corner(const struct word *word, const struct obj *obj, struct obj_corner *out,
                         struct error *err)
 {
@@ -91,7 +93,7 @@ static bool read_corner(const struct word *word, const struct obj *obj, struct o
         slashes += *c == '/';
     if (word->quoted || slashes > 2 || at[0] == '/' || end[-1] == '/')
         return error_at(err, word->place,
-                        "%.*s is no corner; a corner is written v, v/vt, v//vn or v/vt/vn",
+                        "expected a corner, v, v/vt, v//vn or v/vt/vn; found %.*s",
                         word_shown(word), word->start);
     for (int i = OBJ_POINT; i <= slashes; i++) {
         const char *slash = memchr(at, '/', (size_t)(end - at));
@@ -118,7 +120,7 @@ static bool add_corner(struct obj *obj, int first, struct obj_corner corner, str
     const struct vector nothing = {0, 0, 0};
     int32_t *normal = &corner.index[OBJ_NORMAL];
     if (*normal >= 0 && same_place(obj->list[OBJ_NORMAL].at[*normal], nothing))
-        *normal = -1; /* some writers' "none" */
+        *normal = -1; /* some programs write 0 0 0 for "none" */
     obj->lacks_normals = obj->lacks_normals || *normal < 0;
     if (!array_add(&obj->corners, &obj->n_corners, &corner, sizeof corner, err))
         return false;
@@ -141,7 +143,7 @@ static bool find_name(struct obj *obj, struct error *err)
     return error_memory(err);
 }
 
-/* Ends the face that began at `first`; one that is only a point or an edge is forgotten. */
+/* Ends the face that began at `first`. Drops it if it is only a point or an edge. */
 static bool end_face(struct obj *obj, int first, struct error *err)
 {
     while (obj->n_corners > first + 1 &&
@@ -172,9 +174,10 @@ static bool read_face(struct text *text, struct obj *obj, struct error *err)
         }
         for (int i = OBJ_TEXTURE; i <= OBJ_NORMAL; i++)
             if ((corner.index[i] < 0) != (form.index[i] < 0))
-                return error_at(err, word.place,
-                                "%.*s is not written as the face's first corner, %.*s",
-                                (int)word.length, word.start, (int)opening.length, opening.start);
+                return error_at(
+                    err, word.place,
+                    "expected a corner with the same indices as the first one, %.*s; found %.*s",
+                    (int)opening.length, opening.start, (int)word.length, word.start);
         if (!add_corner(obj, first, corner, err))
             return false;
     }
@@ -185,8 +188,8 @@ static bool read_face(struct text *text, struct obj *obj, struct error *err)
 
 /* ---- the file ---- */
 
-/* Known statements that say nothing about polygons. */
-static bool is_skipped(const struct word *keyword)
+/* Returns whether the statement is a known one that has no effect on polygons. */
+static bool is_skipped(const struct word *name)
 {
     static const char *const skipped[] = {
         "g",    "o",     "s",          "mtllib",    "usemap", "maplib", "mg",   "p",
@@ -195,29 +198,29 @@ static bool is_skipped(const struct word *keyword)
         "lod",  "bevel", "c_interp",   "d_interp",  "ctech",  "stech",  "bsp",  "bzp",
         "cdc",  "cdp",   "shadow_obj", "trace_obj", "res"};
     for (size_t i = 0; i < sizeof skipped / sizeof *skipped; i++)
-        if (word_is(keyword, skipped[i]))
+        if (word_is(name, skipped[i]))
             return true;
     return false;
 }
 
-static bool read_statement(struct text *text, const struct word *keyword, struct obj *obj,
+static bool read_statement(struct text *text, const struct word *name, struct obj *obj,
                            struct error *err)
 {
     struct word word;
-    if (word_is(keyword, "f"))
+    if (word_is(name, "f"))
         return read_face(text, obj, err);
     for (int i = OBJ_POINT; i <= OBJ_NORMAL; i++)
-        if (word_is(keyword, forms[i].keyword))
+        if (word_is(name, forms[i].name))
             return read_item(text, &forms[i], &obj->list[i], err);
-    if (word_is(keyword, "usemtl")) {
+    if (word_is(name, "usemtl")) {
         obj->material.length = 0;
         obj->name = -1;
         next_word(text, &obj->material);
-    } else if (!is_skipped(keyword)) {
-        return error_at(err, keyword->place,
+    } else if (!is_skipped(name)) {
+        return error_at(err, name->place,
                         "unknown statement %.*s; OBJ has v, vt, vn, f, g, o, s, usemtl, mtllib, "
                         "...",
-                        word_shown(keyword), keyword->start);
+                        word_shown(name), name->start);
     }
     while (next_word(text, &word))
         continue;
@@ -227,16 +230,16 @@ static bool read_statement(struct text *text, const struct word *keyword, struct
 bool obj_read(const char *path, struct place from, struct obj *out, struct error *err)
 {
     struct text text;
-    struct word keyword;
+    struct word name;
     bool good = true;
     *out = (struct obj){.material = {.start = ""}, .name = -1};
     if (!text_open(&text, path, from, err))
         return false;
     while (good && text_next_line(&text))
-        good = !next_word(&text, &keyword) || read_statement(&text, &keyword, out, err);
+        good = !next_word(&text, &name) || read_statement(&text, &name, out, err);
     if (good && out->n_faces == 0)
         good = error_at(err, text_whole(&text),
-                        "has nothing to draw: no f with three different corners");
+                        "the file has nothing to draw; expected an f with three different corners");
     text_free(&text);
     return good;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The built-in solids as triangles. Positions along a seam are computed once or from the same
- * numbers by the same steps, so that neighbours agree in every bit and no crack can open. */
+/* The built-in shapes: their words and sizes, and their triangles. Positions along a seam are
+ * computed once, or from the same numbers by the same steps. So neighbours agree in every bit, and
+ * no crack can open. */
 #include <assert.h>
 #include <float.h>
 #include <math.h>
@@ -108,7 +109,7 @@ struct direction {
     double cosine, sine;
 };
 
-/* At index/count of a full turn. */
+/* Returns the direction at index/count of a full turn. */
 static struct direction circle(int64_t index, int64_t count)
 {
     struct direction at;
@@ -132,8 +133,8 @@ static void add_triangle(struct mesh *mesh, int a, int b, int c)
     memcpy(mesh->triangles[mesh->n_triangles++], corner, sizeof corner);
 }
 
-/* Two triangles per quadrilateral between a lower and an upper row; where a row is a pole, its
- * vertices sit between those of the other row, and the triangle without area is left out. */
+/* Adds two triangles for each quadrilateral between a lower and an upper row. If a row is a pole,
+ * its vertices lie between those of the other row, and the triangle without area is left out. */
 static void add_band(struct mesh *mesh, int low, bool low_pole, int high, bool high_pole, int count)
 {
     for (int i = 0; i < count; i++) {
@@ -146,9 +147,9 @@ static void add_band(struct mesh *mesh, int low, bool low_pole, int high, bool h
 
 /* ---- flat shapes ---- */
 
-/* One face of a box, 0 to 5: along x, -x, y, -y, z, -z. The right and up of its texture follow its
- * axis in the cycle x y z, the right one turned round on the negative side to stay
- * counter-clockwise. */
+/* Adds a face of a box, from 0 to 5: towards x, -x, y, -y, z, -z. The texture's right and up are
+ * the axes that follow in the cycle x y z. On the negative sides right is reversed, so that
+ * triangles stay counter-clockwise. */
 static bool add_face(struct mesh *mesh, const double size[3], int face, struct error *err)
 {
     const int axis = face / 2, right = (axis + 1) % 3, up = (axis + 2) % 3;
@@ -180,7 +181,7 @@ static bool build_box(const double size[3], struct mesh *out, struct error *err)
     return true;
 }
 
-/* A flat disk about the z axis; `facing` is the z of its normal, 1 or -1. */
+/* Adds a flat disk about the z axis; `facing` is the z of its normal, 1 or -1. */
 static bool add_disk(struct mesh *mesh, double radius, double z, double facing, int slices,
                      struct error *err)
 {
@@ -209,7 +210,8 @@ struct profile {
     double radius, z, normal_radius, normal_z, t;
 };
 
-/* A pole's products may be -0; adding 0 makes them 0: all its vertices have the same bits. */
+/* Adds the vertices of a ring. Products at a pole may be -0; adding 0 makes them 0, so that all
+ * vertices there have the same bits. */
 static void add_ring(struct mesh *mesh, const struct profile *point, int slices)
 {
     const bool pole = point->radius == 0;
@@ -225,7 +227,7 @@ static void add_ring(struct mesh *mesh, const struct profile *point, int slices)
     }
 }
 
-/* The profile at `step` of `steps`, upwards on the outer side. */
+/* Returns the profile at `step` of `steps`, which goes upwards on the outer side. */
 static struct profile profile_at(const struct shape *shape, int step, int steps)
 {
     const double share = (double)step / steps, *p = shape->parameter;
@@ -285,8 +287,8 @@ static struct bernstein bernstein_at(int index, int count)
                               {-(v * v), v * v - 2 * (u * v), 2 * (u * v) - u * u, u * u}};
 }
 
-/* The sum of the weighted points, in an order in which a curve run backwards has the same bits:
- * patches that share an edge may run along it in opposite directions. */
+/* Returns the sum of the weighted points, in an order that gives the same bits for the reversed
+ * curve: patches that share an edge may run along it in opposite directions. */
 static struct vector weigh(const struct vector point[4], const double weight[4])
 {
     return vector_add(
@@ -294,14 +296,14 @@ static struct vector weigh(const struct vector point[4], const double weight[4])
         vector_add(vector_scale(point[1], weight[1]), vector_scale(point[2], weight[2])));
 }
 
-/* The outward normal where a patch's first row is one point: that point's tangents along the two
- * sides of the patch span the tangent plane. */
+/* Returns the outward normal of a patch whose first row is one point. The tangents there, along the
+ * two sides of the patch, span the tangent plane. */
 static struct vector pole_normal(const struct vector point[16])
 {
     return vector_cross(vector_subtract(point[7], point[0]), vector_subtract(point[4], point[0]));
 }
 
-/* A vertex of a patch, in the teapot's own coordinates, the normal of any length. */
+/* Returns a vertex of a patch in the teapot's own coordinates; the normal has any length. */
 static struct vertex patch_vertex(const struct vector point[16], const struct bernstein *row,
                                   const struct bernstein *column, bool pole)
 {
@@ -319,15 +321,15 @@ static struct vertex patch_vertex(const struct vector point[16], const struct be
     return out;
 }
 
-/* z up about 1.5 becomes y up about the origin, at half the size: as glutSolidTeapot has it.
- * Adding 0 makes -0 into 0, so that seams agree in that bit too. */
+/* Turns the teapot from z up to y up, as in glutSolidTeapot. Adding 0 makes -0 into 0, so that
+ * seams agree in that bit, too. */
 static struct vector teapot_upright(struct vector a)
 {
     return (struct vector){a.x + 0.0, a.z + 0.0, 0.0 - a.y};
 }
 
-/* A patch whose first row begins with the same point twice starts from a pole: the row is one
- * point. */
+/* Adds a patch of so many divisions along each side. `pole` means that its first row is one point.
+ */
 static void add_patch(struct mesh *mesh, const struct vector point[16], bool pole, int divisions,
                       double size)
 {
@@ -386,9 +388,9 @@ static bool read_teapot(struct text *text, const struct shape *shape, struct mes
                 add_patch(out, patch, pole, (int)shape->parameter[1], shape->parameter[0]);
         }
     }
-    return good &&
-           (n_patches == TEAPOT_PATCHES ||
-            error_at(err, text_whole(text), "%d patches instead of %d", n_patches, TEAPOT_PATCHES));
+    return good && (n_patches == TEAPOT_PATCHES ||
+                    error_at(err, text_whole(text), "expected %d patches, found %d", TEAPOT_PATCHES,
+                             n_patches));
 }
 
 static bool build_teapot(const struct shape *shape, struct mesh *out, struct error *err)

@@ -108,7 +108,7 @@ bool light_read(struct scene_reader *reader, struct error *err)
 
 /* ---- options of the command line ---- */
 
-/* SPECTRUM[*INTENSITY] up to the end; *intensity keeps its value where none is given. */
+/* Reads SPECTRUM[*INTENSITY] up to the end. Without INTENSITY, *intensity keeps its value. */
 static bool read_light_option(const struct text *text, const char *start, struct spectrum *spectrum,
                               double *intensity, struct error *err)
 {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Materials by name, and which of them objects use. They may be used before they are defined, so
- * that they are found and read when the whole scene is known; those that nothing uses are never
- * opened. */
+/* Finds materials by name, and reads those that objects use. A scene may use a material before it
+ * defines it, so this happens when the whole scene is known. The file of a material that no object
+ * uses is never opened. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,8 +14,8 @@
 
 /* ---- definitions ---- */
 
-/* True if the scene defines the material: files in a list and entries of MTL files have no name
- * there. */
+/* Returns whether a statement defines the material by its name. A file in a list has no name yet;
+ * an entry of an MTL file has a name, but no statement. */
 static bool is_defined(const struct material *material)
 {
     return material->name && !material->from_rgb;
@@ -74,7 +74,7 @@ bool definition_read(struct scene_reader *reader, struct error *err)
 
 /* ---- files in a list ---- */
 
-/* Listed materials have no name until they are read; the same file is the same material. */
+/* A listed material has no name until it is read. A file that is listed twice is one material. */
 bool listed_add(struct scene *scene, const struct word *word, int *out, struct error *err)
 {
     struct material material = {.place = word->place};
@@ -130,7 +130,7 @@ static bool find_named(struct scene *scene, const struct word *name, int *out, s
     return *out >= 0 ? load(&scene->materials[*out], err) : refuse_unknown(scene, name, err);
 }
 
-/* A material that is cut in half names its partner. */
+/* Finds the partner that a material names, if it names one. */
 static bool use_partner(struct scene *scene, int index, struct error *err)
 {
     struct material *material = &scene->materials[index], *partner;
@@ -158,7 +158,7 @@ static bool use_named(struct scene *scene, const struct word *name, int *out, st
 
 /* ---- material maps ---- */
 
-/* The entry of an MTL file; the same one is the same material. */
+/* Finds the material of an entry of an MTL file, or reads the entry. */
 static bool use_entry(struct scene *scene, const struct word *entry, const struct word *file,
                       int *out, struct error *err)
 {
@@ -183,7 +183,7 @@ static bool use_entry(struct scene *scene, const struct word *entry, const struc
     return done;
 }
 
-/* MATERIAL, or the entry of that name of an MTL file */
+/* Reads "material MATERIAL" or "mtl FILE", and finds the material. */
 static bool use_assigned(struct scene *scene, struct text *text, const struct word *name, int *out,
                          struct error *err)
 {
@@ -196,7 +196,7 @@ static bool use_assigned(struct scene *scene, struct text *text, const struct wo
                       : use_entry(scene, name, &word, out, err));
 }
 
-/* NAME material MATERIAL, or NAME mtl FILE */
+/* Reads "NAME material MATERIAL" or "NAME mtl FILE". */
 static bool read_assignment(struct scene *scene, struct text *text, struct object *object,
                             struct error *err)
 {
@@ -244,7 +244,7 @@ bool materials_resolve(struct scene_reader *reader, struct error *err)
                                                   : use_named(scene, word, &object->material, err)))
             return false;
     }
-    /* Reading names the listed ones, which nothing finds by that. */
+    /* Listed materials come last: reading names them, and no object may find them by that name. */
     for (int i = 0; i < scene->n_objects; i++)
         if (!reader->materials[i].start &&
             !load(&scene->materials[scene->objects[i].material], err))

@@ -32,9 +32,9 @@ struct camera {
     double near, far;
     struct vector eye, look, up;
 };
-/* A line of a material map: the material of a part of a mesh. */
+/* A line of a material map, which gives a part of a mesh its material. */
 struct material_assignment {
-    char *name;   /* usemtl; "*" is every other one; owned */
+    char *name;   /* of a usemtl; "*" stands for all others; owned */
     int material; /* index */
     struct place place;
 };
@@ -68,7 +68,7 @@ struct scene {
     struct place wavelengths_place;
     struct ambient *ambients;
     struct light *lights;
-    struct material *materials; /* only those an object uses are read; others keep name and path */
+    struct material *materials; /* read if an object uses them; others have only name and path */
     struct object *objects;
     int n_ambients, n_lights, n_materials, n_objects;
 };
@@ -77,8 +77,8 @@ struct scene {
 bool scene_read(const char *name, struct scene *out, struct error *err);
 bool scene_is_missing(const char *name); /* neither built in nor a file */
 void scene_free(struct scene *scene);
-/* Options of the command line, which replace what the scene file says. `text` is the value of
- * "--option", which messages name. */
+/* Options of the command line. Each replaces what the scene file says, and reads `text`, the value
+ * of the option. A message names the option and the column in its value. */
 bool scene_set_wavelengths(struct scene *scene, const char *text, struct error *err);
 bool scene_set_size(struct scene *scene, const char *text, struct error *err);
 bool scene_set_light(struct scene *scene, const char *text, struct error *err);
@@ -91,19 +91,21 @@ bool scene_set_tessellation(struct scene *scene, const char *text, struct error 
 
 enum { DEEPEST_INCLUDE = 32, N_ONCE = 5 };
 
-/* A reader of one statement, `NAME_read` below, starts behind the statement's first word. */
+/* The state of reading a scene. A function NAME_read below reads one statement, from behind its
+ * first word. */
 struct scene_reader {
     struct scene *scene;
-    struct word *materials;     /* an object's material by name, or its map, until all materials are
-                                   known; start NULL: known */
+    struct word *materials;     /* of each object, the name of its material or map, to be looked up
+                                   when all materials are known; start NULL: it is known already */
     struct text *text;          /* the statement that is read */
     struct place place;         /* of its first word */
-    struct place given[N_ONCE]; /* the statements that hold only once */
+    struct place given[N_ONCE]; /* of the statements that may be given only once */
     const char *open[DEEPEST_INCLUDE]; /* the files that are being read, outermost first */
     int n_open;
-    struct text list; /* what a checker reads instead of the list it names; zeroed: nothing */
+    struct text list; /* a checker reads it in place of the list that it names; zeroed: none */
 };
-/* Leaves the text to the scene, which frees it even if this fails. *text stays good as a cursor. */
+/* Gives the text to the scene, which owns it from now on; a failure frees it. *text stays valid as
+ * a cursor. */
 bool scene_keep(struct scene *scene, struct text *text, struct error *err);
 /* Opens the file that the word names, and keeps it. */
 bool scene_open(struct scene *scene, const struct word *word, struct text *out, struct error *err);
@@ -119,7 +121,8 @@ bool shading_read(struct scene_reader *reader, struct error *err);
 void view_set_defaults(struct scene *scene);
 /* Sets the wavelengths where no statement has set them. */
 bool wavelengths_complete(struct scene *scene, struct error *err);
-/* Opens an option's value as a text of one line, which the scene keeps: places point into it. */
+/* Opens the value of an option as a text of one line. The scene keeps it, since places point into
+ * it. */
 bool option_open(struct scene *scene, const char *option, const char *value, struct text *out,
                  struct error *err);
 /* The bytes of an option's text from `start` up to `end` as a word. */
@@ -128,7 +131,7 @@ struct word option_word(const struct text *text, const char *start, const char *
 bool ambient_read(struct scene_reader *reader, struct error *err); /* in lights.c */
 bool light_read(struct scene_reader *reader, struct error *err);
 
-/* materials.c: materials by name, and which of them are used. */
+/* materials.c: finds materials by name, and reads those that are used. */
 
 bool definition_read(struct scene_reader *reader, struct error *err);
 /* Adds the material of a file that a list names, unless it is there already; *out is its index. */

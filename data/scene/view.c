@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* How a scene is viewed: wavelengths, size, camera, shading; and the options of the command line
- * that replace them, which the same functions read. */
+/* The view of a scene: wavelengths, size, camera, shading. The same functions read the statements
+ * of the scene and the options of the command line that replace them. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -38,10 +38,10 @@ static bool add_wavelength(struct scene *scene, double nm, struct place place, s
            array_add(&scene->wavelengths_nm, &scene->n_wavelengths, &nm, sizeof nm, err);
 }
 
-/* START + i STEP as far as END. Numbers such as 0.1 are rounded to 2^-53 of their size, so that the
+/* Adds START + i STEP up to END. Numbers such as 0.1 are rounded to 2^-53 of their size. So the
  * quotient misses a whole number of steps by some units of 2^-53 (START + END) / STEP: 2.5e-10 for
- * 380 to 730 by 0.001. An END within 1e-9 of that many steps is thus meant to be included; nobody
- * means a step cut off by so little. */
+ * 380 to 730 by 0.001. An END within 1e-9 of a whole number of steps is therefore included; nobody
+ * wants to leave out a step for so little. */
 static bool add_range(struct scene *scene, const double range[3], struct place place,
                       struct error *err)
 {
@@ -178,8 +178,9 @@ static bool read_camera_option(struct text *text, int option, struct camera *out
     }
 }
 
-/* Two unit vectors that are parallel but for rounding, each within some 4 units of 2^-53 in every
- * part, have a product shorter than 2^-49. */
+/* Refuses a camera without a direction or with nothing between near and far. Rounding moves each
+ * part of a unit vector by some 4 units of 2^-53, so the cross product of two parallel ones is
+ * shorter than 2^-49. */
 static bool check_camera(const struct camera *camera, struct place place, struct error *err)
 {
     struct vector view = vector_subtract(camera->look, camera->eye), side;
@@ -189,7 +190,7 @@ static bool check_camera(const struct camera *camera, struct place place, struct
                         camera->far);
     if (!(length > 0 && isfinite(length)))
         return error_at(err, place,
-                        "eye and look are one point or too far apart; the view has no direction");
+                        "eye and look are one point or too far apart; the view needs a direction");
     side = vector_cross(vector_normalise(camera->up), vector_normalise(view));
     return vector_length(side) > 0x1p-49 ||
            error_at(err, place, "up is parallel to the view; it must point to the side of it");
@@ -252,7 +253,8 @@ struct word option_word(const struct text *text, const char *start, const char *
     return word;
 }
 
-/* An option's numbers have one separator between them, and a # starts no comment. */
+/* Opens an option whose numbers have one separator between them. Refuses a #, which would begin a
+ * comment. */
 static bool open_numbers(struct scene *scene, const char *option, const char *value,
                          const char *separator, struct text *out, struct error *err)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Pages made of spectra: the value of a spectrum on a page, and the white of a scene. */
+/* Pages made of spectra: computes the value of a spectrum on a page, and the white of a scene. */
 #include <float.h>
 #include <math.h>
 
@@ -52,8 +52,8 @@ double page_value(const struct spectral_pages *pages, const struct spectrum *spe
 
 /* ---- the white ---- */
 
-/* The radiance of a perfect diffuser on a page under all lights and ambient lights; *intensity is
- * the sum of their intensities. */
+/* Returns the radiance of a perfect diffuser on a page under all lights and ambient lights. Sets
+ * *intensity to the sum of their intensities. */
 static double radiance_on(const struct scene *scene, const struct spectral_pages *pages, int page,
                           double *intensity)
 {

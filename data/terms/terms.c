@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The terms of a material: spectra of light, reflectance and fluorescence, multiplied. A term that
- * is 0 on every page is left out; but where lights may be exchanged all terms are kept. */
+/* Makes the terms of a material: spectra of light, reflectance and fluorescence, multiplied. A term
+ * that is 0 on every page is left out, unless lights may be exchanged. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,19 +14,19 @@
 struct luminescence {
     const struct spectral_pages *pages;
     const struct material *material;
-    bool glows;              /* the pages show what an excitation and an emission make */
-    struct donaldson matrix; /* the pages show what it makes; n_emission 0: none */
+    bool glows;              /* the pages show the emission that belongs to an excitation */
+    struct donaldson matrix; /* the pages show its emission; n_emission 0: there is none */
 };
 struct terms_maker {
     const struct illumination *illumination;
     struct material_terms *out;
     struct luminescence luminescence;
-    double *fine; /* the next term at every nm, if pages are components; owned, otherwise NULL */
+    double *fine; /* the next term at every nm; NULL: pages are no components; owned */
 };
 
 /* ---- products ---- */
 
-/* Values that a product has: one a page, or one a nm for components. */
+/* Returns how many values a product has: one a page, or for components one a nm. */
 static int product_length(const struct spectral_pages *pages)
 {
     return pages->analysis ? pages->n_nm : pages->n;
@@ -39,7 +39,7 @@ static double factor_at(const struct spectral_pages *pages, const struct spectru
                            : page_value(pages, spectrum, i, ends);
 }
 
-/* Adds factor x spectrum x reflectance (NULL: 1) to a row; returns whether that is above 0. */
+/* Adds factor x spectrum x reflectance (NULL: 1) to a row; returns whether any value is not 0. */
 static bool add_product(const struct spectral_pages *pages, double factor,
                         const struct spectrum *spectrum, const struct spectrum *reflectance,
                         double *row)
@@ -57,7 +57,7 @@ static bool add_product(const struct spectral_pages *pages, double factor,
 
 /* ---- fluorescence ---- */
 
-/* Reads what makes a material fluoresce; nothing where no page shows its emission. */
+/* Reads the fluorescence of a material, unless no page shows its emission. */
 static bool open_luminescence(const struct spectral_pages *pages, const struct material *material,
                               struct luminescence *out, struct error *err)
 {
@@ -78,7 +78,7 @@ static bool open_luminescence(const struct spectral_pages *pages, const struct m
     return true;
 }
 
-/* Adds the luminescence under a light to the row; *any becomes whether that is above 0. */
+/* Adds the luminescence under a light to the row; sets *any if any value is not 0. */
 static bool luminesce(const struct luminescence *of, const struct spectrum *light, double intensity,
                       double *row, bool *any, struct error *err)
 {
@@ -97,7 +97,7 @@ static bool luminesce(const struct luminescence *of, const struct spectrum *ligh
     return true;
 }
 
-/* Adds the luminescence under a light to *lit and the row. */
+/* Adds the luminescence under a light to the row, and sets *lit if there is any. */
 static bool add_luminescence(struct terms_maker *maker, const struct spectrum *light,
                              double intensity, double *row, bool *lit, struct error *err)
 {
@@ -126,21 +126,21 @@ bool material_luminescence(const struct spectral_pages *pages, const struct mate
 
 /* ---- terms ---- */
 
-/* The pages of the next term; zeroed. */
+/* Returns the pages of the next term; zeroed. */
 static double *next_pages(const struct terms_maker *maker)
 {
     return maker->out->spectra + (size_t)maker->out->n * (size_t)maker->illumination->pages.n;
 }
 
-/* The row that the next term fills; zeroed. */
+/* Returns the row that the next term fills; zeroed. */
 static double *next_row(const struct terms_maker *maker)
 {
     return maker->fine ? maker->fine : next_pages(maker);
 }
 
-/* Makes components of the row, and clears it. Components of a scene's terms are not negative, and
- * a sum of n products is off by n 2^-53 of the sum of their magnitudes at most: a sum below 0 is
- * such an error. */
+/* Makes components of the row, and clears it. The components of a term are not negative. A sum of n
+ * products is off by at most n 2^-53 of the sum of their magnitudes; a sum below 0 is such an
+ * error. */
 static void analyse(const struct spectral_pages *pages, double *fine, double *out)
 {
     const int n_nm = pages->n_nm;
@@ -255,7 +255,7 @@ static void add_once(const struct material **list, int *n, const struct material
     list[(*n)++] = material;
 }
 
-/* Adds a material, and the partner that half of an object is made of. */
+/* Adds a material, and its partner if it has one. */
 static void add_halves(const struct scene *scene, int index, const struct material **list, int *n)
 {
     const struct material *material = &scene->materials[index], *partner = material->partner;
