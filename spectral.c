@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The command line: the table of commands, the table of options, the help that follows from both,
- * and main, which alone prints errors and exits. Each command lies in the room of its subject. */
+/* The command line: the table of commands, the table of options, the help made of both, and main.
+ * Only main prints errors and exits. The code of each command is in the room of its subject. */
 #include <errno.h>
 #include <signal.h>
 #include <stdio.h>
@@ -32,21 +32,21 @@ struct command {
 static const struct command commands[] = {
     {"render", "[SCENE] [-o STACK.tif]",
      "render, cross-check, write (default: SCENE's name + .tif)", command_render, FOR_RENDER, 1},
-    {"plan", "[SCENE]", "what would be simulated, and why; draws nothing", command_plan, FOR_PLAN,
-     1},
+    {"plan", "[SCENE]", "print what would be simulated, and why; draw nothing", command_plan,
+     FOR_PLAN, 1},
     {"develop", "STACK [-o IMAGE.tif]",
-     "what a detector sees, as a colour picture (default:\nSTACK's name + -developed.tif)",
+     "write what a detector sees as a colour picture (default:\nSTACK's name + -developed.tif)",
      command_develop, FOR_DEVELOP, 1},
-    {"probe", "STACK|SCENE X Y [W H]", "the spectrum of a pixel, or the mean of a region",
+    {"probe", "STACK|SCENE X Y [W H]", "print the spectrum of a pixel, or the mean of a region",
      command_probe, FOR_PROBE, 5},
-    {"compare", "STACK STACK", "where and by how much two stacks differ", command_compare,
+    {"compare", "STACK STACK", "print where and by how much two stacks differ", command_compare,
      FOR_COMPARE, 2},
-    {"cost", "[SCENE]", "what accuracy costs in time: measures many settings", command_cost,
-     FOR_COST, 1},
-    {"view", "[SCENE] [-o PAGE.html]", "an interactive viewer in one HTML file", command_view,
+    {"cost", "[SCENE]", "measure what accuracy costs in time", command_cost, FOR_COST, 1},
+    {"view", "[SCENE] [-o PAGE.html]", "write an interactive viewer in one HTML file", command_view,
      FOR_VIEW, 1},
-    {"info", "STACK", "how a stack was made", command_info, 0, 1},
-    {"list", "[KIND]", "illuminants, observers, materials, shapes, scenes or\nsamplings",
+    {"info", "STACK", "print how a stack was made", command_info, 0, 1},
+    {"list", "[KIND]",
+     "print the built-in illuminants, observers, materials,\nshapes, scenes or samplings",
      command_list, 0, 1},
 };
 enum { N_COMMANDS = sizeof commands / sizeof commands[0] };
@@ -64,15 +64,15 @@ static const char *const buffers[] = {"8", "16", "float", NULL};
 static const char *const depths[] = {"8", "16", "32f", NULL};
 static const char *const picture_bits[] = {"8", "16", NULL};
 
-/* In the order of --help, from which test/manual.sh makes the list of the manual page. */
+/* In the order of --help. test/manual.sh makes the list of the manual page from it. */
 static const struct option known_options[] = {
     {.heading = "render, plan, view, cost, and probe of a scene:"},
-    {"--wavelengths START:END:STEP", "in nm; or a list: 450,500.5,620", FOR_SCENES | RECORDED,
-     CHANGE(scene_set_wavelengths)},
-    {"--size WxH", "in pixels", FOR_SCENES | RECORDED, CHANGE(scene_set_size)},
-    {"--light N=SPECTRUM[*INTENSITY]", "another spectrum for light N (from 1); again for more",
+    {"--wavelengths START:END:STEP", "wavelengths in nm, or a list of them: 450,500.5,620",
+     FOR_SCENES | RECORDED, CHANGE(scene_set_wavelengths)},
+    {"--size WxH", "width and height in pixels", FOR_SCENES | RECORDED, CHANGE(scene_set_size)},
+    {"--light N=SPECTRUM[*INTENSITY]", "replaces the spectrum of light N (from 1); may be repeated",
      FOR_SCENES | RECORDED, CHANGE(scene_set_light)},
-    {"--ambient SPECTRUM[*INTENSITY]", "another ambient light", FOR_SCENES | RECORDED,
+    {"--ambient SPECTRUM[*INTENSITY]", "replaces the ambient light", FOR_SCENES | RECORDED,
      CHANGE(scene_set_ambient)},
     {.heading = "all of these but cost:"},
     {"--shading smooth|flat|phong", "replaces the scene's; phong needs --renderer raster",
@@ -87,11 +87,11 @@ static const struct option known_options[] = {
     {"--detector, --observer NAME", "samples for it, a built-in one or a file (default: cie1931)",
      FOR_RENDER | FOR_PLAN | RECORDED, TEXT(detector)},
     {.heading = "render:"},
-    {"-o, --output STACK.tif", "/dev/null: check only, write nothing",
+    {"-o, --output STACK.tif", "writes there; /dev/null: checks only, writes nothing",
      FOR_RENDER | FOR_DEVELOP | FOR_PROBE | FOR_VIEW, TEXT(output)},
     {"--again STACK",
-     "make that stack again, from the scene and the options that\n"
-     "it records; it must be the same to the last byte\n"
+     "makes that stack again, from the scene and the options that\n"
+     "it records; the new one must be the same to the last byte\n"
      "(default output: STACK's name + -again.tif)",
      FOR_RENDER, TEXT(again)},
     {"--renderer NAME",
@@ -100,68 +100,75 @@ static const struct option known_options[] = {
      FOR_RENDER | RECORDED, TEXT(renderer), .choices = renderers},
     {"--buffer 8|16|float", "bits of OpenGL's colours (default: float)", FOR_RENDER | RECORDED,
      TEXT(buffer), .choices = buffers},
-    {"--no-check", "do not cross-check", FOR_RENDER | RECORDED, FLAG(no_check)},
+    {"--no-check", "does not cross-check", FOR_RENDER | RECORDED, FLAG(no_check)},
     {"--strict",
-     "every pixel must have a bound, and no fragment be lost or\n"
-     "doubled where triangles meet",
+     "requires a bound for every pixel, and that no fragment is\n"
+     "lost or doubled where triangles meet",
      FOR_RENDER | RECORDED, FLAG(strict)},
-    {"--keep", "store the stack even when the check fails", FOR_RENDER, FLAG(keep)},
+    {"--keep", "stores the stack even if the check fails", FOR_RENDER, FLAG(keep)},
     {"--full-scale R", "radiance of count 65535 (default: the largest)", FOR_RENDER | RECORDED,
      NUMBER(full_scale), .lowest = 1e-300, .highest = 1e300},
-    {"--depth 8|16|32f", "counts, or 32-bit float radiances (default: 16)", FOR_RENDER | RECORDED,
-     TEXT(depth), .choices = depths},
+    {"--depth 8|16|32f", "bits of counts, or 32-bit float radiances (default: 16)",
+     FOR_RENDER | RECORDED, TEXT(depth), .choices = depths},
     {"--threads N", "default: one per processor; also of develop, compare, view\nand cost",
      FOR_RENDER | FOR_DEVELOP | FOR_COMPARE | FOR_VIEW | FOR_COST, COUNT(threads), .lowest = 1},
-    {"--json FILE", "results as JSON; - is standard output", FOR_RENDER, TEXT(json)},
-    {"--quiet", "no table and no progress; also of develop, compare, view\nand cost",
+    {"--json FILE", "writes the results as JSON; - is standard output", FOR_RENDER, TEXT(json)},
+    {"--quiet", "prints no table and no progress; also of develop, compare,\nview and cost",
      FOR_RENDER | FOR_DEVELOP | FOR_COMPARE | FOR_VIEW | FOR_COST, FLAG(quiet)},
     {.heading = "develop, probe and compare:"},
-    {"--detector, --observer NAME", "default: cie1931; a camera only in develop", FOR_STACKS,
-     TEXT(detector)},
-    {"--white SPECTRUM", "default: the lights that the stack records", FOR_STACKS, TEXT(white)},
+    {"--detector, --observer NAME", "sees with it (default: cie1931); a camera only in develop",
+     FOR_STACKS, TEXT(detector)},
+    {"--white SPECTRUM", "the light of the white (default: those that the stack records)",
+     FOR_STACKS, TEXT(white)},
     {.heading = "develop:"},
     {"--adaptation KIND",
      "none (default), von-kries, bradford, cat16, or\n"
      "fairchild[:LUMINANCE] in cd/m2 (default: 10 x intensity)",
      FOR_DEVELOP, TEXT(adaptation), .accepts = develop_accepts_adaptation},
-    {"--display srgb|monitor", "default: srgb; monitor is that of the 1998 thesis", FOR_DEVELOP,
+    {"--display srgb|monitor", "sRGB (default), or the monitor of the 1998 thesis", FOR_DEVELOP,
      TEXT(display), .accepts = develop_accepts_display},
-    {"--exposure FACTOR|auto", "default: 1; auto: nothing is brighter than the display",
-     FOR_DEVELOP, TEXT(exposure), .accepts = develop_accepts_exposure},
-    {"--bits 8|16", "default: 8", FOR_DEVELOP, TEXT(bits), .choices = picture_bits},
-    {"--xyz", "float tristimulus values instead of RGB", FOR_DEVELOP, FLAG(xyz)},
-    {"--lab", "float CIELAB instead of RGB", FOR_DEVELOP, FLAG(lab)},
-    {"--sampling METHOD", "as if the spectra had been sampled so (no basis, rgb, xyz)", FOR_DEVELOP,
+    {"--exposure FACTOR|auto",
+     "a factor, or auto: nothing is brighter than the display\n(default: 1)", FOR_DEVELOP,
+     TEXT(exposure), .accepts = develop_accepts_exposure},
+    {"--bits 8|16", "bits of each channel (default: 8)", FOR_DEVELOP, TEXT(bits),
+     .choices = picture_bits},
+    {"--xyz", "writes float tristimulus values instead of RGB", FOR_DEVELOP, FLAG(xyz)},
+    {"--lab", "writes float CIELAB instead of RGB", FOR_DEVELOP, FLAG(lab)},
+    {"--sampling METHOD", "as if the spectra were sampled so (not basis, rgb or xyz)", FOR_DEVELOP,
      TEXT(sampling)},
     {.heading = "probe:"},
-    {"--csv", "a table instead of text; to -o FILE", FOR_PROBE, FLAG(csv)},
-    {"--svg", "a plot instead of text; to -o FILE", FOR_PROBE, FLAG(svg)},
+    {"--csv", "writes a table instead of text, to -o FILE", FOR_PROBE, FLAG(csv)},
+    {"--svg", "writes a plot instead of text, to -o FILE", FOR_PROBE, FLAG(svg)},
     {.heading = "compare:"},
     {"--tolerance R|P%|EdE00",
      "largest difference that passes: radiance, per cent of the\n"
      "largest radiance, or CIEDE2000 (dE94, dE76); default: 0",
      FOR_COMPARE, TEXT(tolerance), .accepts = compare_accepts_tolerance},
-    {"--map OUT.tif", "each pixel's largest difference, spectral angle, CIEDE2000", FOR_COMPARE,
-     TEXT(map)},
+    {"--map OUT.tif", "writes each pixel's largest difference, spectral angle and\nCIEDE2000",
+     FOR_COMPARE, TEXT(map)},
     {.heading = "cost:"},
-    {"--observer, --detector NAME", "default: cie1931", FOR_COST, TEXT(detector)},
-    {"--runs N", "of each setting, at least 5 (default: 5)", FOR_COST, COUNT(runs), .lowest = 5},
-    {"--csv FILE", "the table; - is standard output", FOR_COST, TEXT(csv_file)},
-    {"--svg FILE", "a chart; - is standard output", FOR_COST, TEXT(svg_file)},
+    {"--observer, --detector NAME", "measures colour differences for it (default: cie1931)",
+     FOR_COST, TEXT(detector)},
+    {"--runs N", "runs of each configuration, at least 5 (default: 5)", FOR_COST, COUNT(runs),
+     .lowest = 5},
+    {"--csv FILE", "writes the table; - is standard output", FOR_COST, TEXT(csv_file)},
+    {"--svg FILE", "writes a chart; - is standard output", FOR_COST, TEXT(svg_file)},
     {"--tolerance E",
-     "names the cheapest setting within E CIEDE2000, for 95 %\n"
+     "names the cheapest configuration within E CIEDE2000 for 95 %\n"
      "of the pixels",
      FOR_COST, TEXT(tolerance)},
-    {"--budget SECONDS", "names the most accurate setting within the time", FOR_COST, TEXT(budget)},
+    {"--budget SECONDS", "names the most accurate configuration within the time", FOR_COST,
+     TEXT(budget)},
     {.heading = "all:"},
-    {"-h, --help", "this text; spectral --version prints versions", FOR_ALL, FLAG(help)},
+    {"-h, --help", "prints this text; spectral --version prints the versions", FOR_ALL, FLAG(help)},
 };
 static const struct option_table option_table = {known_options,
                                                  sizeof known_options / sizeof known_options[0]};
 
 /* ---- help ---- */
 
-/* Prints what is typed, and beside it the lines that explain it. */
+/* Prints a command or an option as the user types it, and the lines of its explanation beside it.
+ */
 static void print_explained(const char *typed, const char *lines)
 {
     printf("  %-31s ", typed);

@@ -33,7 +33,7 @@ static bool read_count(const char *option, const char *value, double lowest, int
     return count == *out || error_usage(err, "%s takes a whole number, not '%s'", option, value);
 }
 
-/* Refuses a value that is none of the choices. NULL: any value is good. */
+/* Refuses a value that is none of the choices; NULL: any value is good. */
 static bool check_choice(const char *option, const char *const *choices, const char *value,
                          struct error *err)
 {
@@ -74,7 +74,7 @@ static const struct option *find_option(const struct option_rules *rules, const 
     return NULL;
 }
 
-/* Notes "NAME=VALUE", or the name of a flag, for the stack's record. */
+/* Adds "NAME=VALUE", or the name of a flag, to the words that the stack records. */
 static bool record_option(struct options *options, const char *name, const char *value,
                           struct error *err)
 {
@@ -89,8 +89,8 @@ static bool record_option(struct options *options, const char *name, const char 
     return true;
 }
 
-/* Stores a value at its place in *options, if it is a good one. `name` is blamed otherwise. Every
- * option that changes the scene is recorded, so that record_option has refused one too many. */
+/* Checks a value, and stores it at its place in *options. `changes` has room, since each option
+ * that changes the scene is RECORDED, and record_option refuses one too many. */
 static bool store_value(struct options *options, const struct option *option, const char *name,
                         const char *value, struct error *err)
 {
@@ -150,7 +150,7 @@ bool options_read(const struct option_rules *rules, char *const *words, int n_wo
             if (!read_option(rules, words, n_words, &i, out, err))
                 return false;
         } else if (out->n_operands == rules->n_operands) {
-            return error_usage(err, "'%s' is too much; try spectral --help", words[i]);
+            return error_usage(err, "unexpected operand '%s'; try spectral --help", words[i]);
         } else {
             out->operands[out->n_operands++] = words[i];
         }
