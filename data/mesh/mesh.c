@@ -54,11 +54,6 @@ struct builder {
     struct obj obj;
     struct vector *ring; /* a face */
     struct cutter cutter;
-    /* Normals belong to whole faces, so that they do not depend on how a face is cut. A face
-     * without area has normal 0 0 0 and angles 0: it has no weight in any mean. */
-    struct vector *normals;  /* of each face */
-    double *angles;          /* at each corner */
-    int32_t *faces;          /* of each corner */
     int32_t *order, *starts; /* corners sorted by point; where each point's begin, and the end */
     double cosine;           /* two faces are smooth neighbours if that of their angle exceeds it */
     double half_cosine;      /* of half that angle */
@@ -83,25 +78,22 @@ static bool builder_allocate(struct builder *b, struct error *err)
         longest = n > longest ? n : longest;
     }
     b->ring = calloc((size_t)longest, sizeof *b->ring);
-    b->normals = calloc((size_t)b->obj.n_faces, sizeof *b->normals);
-    b->angles = calloc(n_corners, sizeof *b->angles);
-    b->faces = calloc(n_corners, sizeof *b->faces);
     b->order = calloc(n_corners, sizeof *b->order);
     b->starts = calloc(n_points + 1, sizeof *b->starts);
     b->first_vertex = calloc(n_points, sizeof *b->first_vertex);
     b->links = calloc(n_corners, sizeof *b->links);
-    if (b->ring && b->normals && b->angles && b->faces && b->order && b->starts &&
-        b->first_vertex && b->links)
+    if (b->ring && b->order && b->starts && b->first_vertex && b->links)
         return cutter_open(&b->cutter, longest, err);
     return error_memory(err);
 }
 
 static void builder_free(struct builder *b)
 {
-    void *const owned[] = {b->ring,  b->normals, b->angles,       b->faces,
-                           b->order, b->starts,  b->first_vertex, b->links};
-    for (size_t i = 0; i < sizeof owned / sizeof *owned; i++)
-        free(owned[i]);
+    free(b->ring);
+    free(b->order);
+    free(b->starts);
+    free(b->first_vertex);
+    free(b->links);
     cutter_free(&b->cutter);
     obj_free(&b->obj);
 }
@@ -111,7 +103,7 @@ static int gather_ring(struct builder *b, int face)
 {
     const int first = face_start(&b->obj, face), n = b->obj.faces[face].end - first;
     for (int i = 0; i < n; i++)
-        b->ring[i] = b->obj.list[OBJ_POINT].at[b->obj.corners[first + i].index[OBJ_POINT]];
+        b->ring[i] = obj_point(&b->obj, first + i);
     return n;
 }
 
@@ -136,9 +128,9 @@ static void widen(struct vector *low, struct vector *high, struct vector by)
 static void unitize_points(struct builder *b)
 {
     struct vector *points = b->obj.list[OBJ_POINT].at;
-    struct vector low = points[b->obj.corners[0].index[OBJ_POINT]], high = low;
+    struct vector low = obj_point(&b->obj, 0), high = low;
     for (int i = 1; i < b->obj.n_corners; i++)
-        widen(&low, &high, points[b->obj.corners[i].index[OBJ_POINT]]);
+        widen(&low, &high, obj_point(&b->obj, i));
     const struct vector centre = vector_scale(vector_add(low, high), 0.5);
     const struct vector up = vector_subtract(high, centre), down = vector_subtract(centre, low);
     const double half = fmax(fmax(fmax(up.x, down.x), fmax(up.y, down.y)), fmax(up.z, down.z));
@@ -156,10 +148,10 @@ static void measure_faces(struct builder *b)
         const int first = face_start(&b->obj, face), n = gather_ring(b, face);
         const struct vector normal = polygon_normal(b->ring, n);
         const bool flat = vector_dot(normal, normal) == 0;
-        b->normals[face] = normal;
         for (int i = 0; i < n; i++) {
-            b->faces[first + i] = face;
-            b->angles[first + i] = flat ? 0 : polygon_angle(b->ring, n, i, normal);
+            struct obj_corner *corner = &b->obj.corners[first + i];
+            corner->normal = normal;
+            corner->angle = flat ? 0 : polygon_angle(b->ring, n, i, normal);
         }
     }
 }
@@ -175,39 +167,40 @@ static void sort_corners(struct builder *b)
         b->order[--b->starts[b->obj.corners[i].index[OBJ_POINT]]] = i;
 }
 
-static struct vector weighted_normal(const struct builder *b, int32_t corner)
+static struct vector weighted_normal(const struct obj_corner *corner)
 {
-    return vector_scale(b->normals[b->faces[corner]], b->angles[corner]);
+    return vector_scale(corner->normal, corner->angle);
 }
 
 /* Returns the mean normal of all faces at the point; 0 0 0 if no face there has an area. *smooth
  * means that all lie within half the crease angle of the mean, so that any two are neighbours. */
 static struct vector whole_average(const struct builder *b, int point, bool *smooth)
 {
+    const struct obj_corner *corners = b->obj.corners;
     struct vector sum = {0, 0, 0};
     for (int i = b->starts[point]; i < b->starts[point + 1]; i++)
-        sum = vector_add(sum, weighted_normal(b, b->order[i]));
+        sum = vector_add(sum, weighted_normal(&corners[b->order[i]]));
     sum = vector_normalise(sum);
     *smooth = true;
-    for (int i = b->starts[point]; *smooth && i < b->starts[point + 1]; i++)
-        *smooth = b->angles[b->order[i]] == 0 ||
-                  vector_dot(b->normals[b->faces[b->order[i]]], sum) > b->half_cosine;
+    for (int i = b->starts[point]; *smooth && i < b->starts[point + 1]; i++) {
+        const struct obj_corner *corner = &corners[b->order[i]];
+        *smooth = corner->angle == 0 || vector_dot(corner->normal, sum) > b->half_cosine;
+    }
     return sum;
 }
 
 /* Returns the mean normal of the faces at the point that are smooth neighbours of this corner's. */
-static struct vector crease_average(const struct builder *b, int point, int32_t corner)
+static struct vector crease_average(const struct builder *b, int point,
+                                    const struct obj_corner *own)
 {
-    const int32_t own_face = b->faces[corner];
-    const struct vector own = b->normals[own_face];
     struct vector sum = {0, 0, 0};
     for (int i = b->starts[point]; i < b->starts[point + 1]; i++) {
-        const int32_t face = b->faces[b->order[i]];
-        if (face == own_face || vector_dot(b->normals[face], own) > b->cosine)
-            sum = vector_add(sum, weighted_normal(b, b->order[i]));
+        const struct obj_corner *other = &b->obj.corners[b->order[i]];
+        if (other->face == own->face || vector_dot(other->normal, own->normal) > b->cosine)
+            sum = vector_add(sum, weighted_normal(other));
     }
     sum = vector_normalise(sum);
-    return vector_dot(sum, sum) > 0 ? sum : own;
+    return vector_dot(sum, sum) > 0 ? sum : own->normal;
 }
 
 /* Sets the normals that corners at the point lack. Equal normals are stored once. */
@@ -220,12 +213,12 @@ static bool fill_point(struct builder *b, int point, struct error *err)
     if (vector_dot(average, average) == 0)
         average.z = 1;
     for (int i = b->starts[point]; i < b->starts[point + 1]; i++) {
-        const int32_t corner = b->order[i];
-        int32_t *index = &b->obj.corners[corner].index[OBJ_NORMAL];
+        struct obj_corner *corner = &b->obj.corners[b->order[i]];
+        int32_t *index = &corner->index[OBJ_NORMAL];
         struct vector normal = average;
         if (*index >= 0)
             continue;
-        if (!smooth && b->angles[corner] > 0)
+        if (!smooth && corner->angle > 0)
             normal = crease_average(b, point, corner);
         for (*index = first; *index < list->n && !same_place(list->at[*index], normal);)
             ++*index;
@@ -290,10 +283,10 @@ static int32_t find_vertex(struct builder *b, int32_t corner, struct mesh *mesh,
     const struct obj_corner *corners = b->obj.corners, *wanted = &corners[corner];
     int32_t *link = &b->first_vertex[wanted->index[OBJ_POINT]];
     for (; *link >= 0; link = &b->links[*link].next)
-        if (memcmp(&corners[b->links[*link].corner], wanted, sizeof *wanted) == 0)
+        if (memcmp(corners[b->links[*link].corner].index, wanted->index, sizeof wanted->index) == 0)
             return *link;
     const struct vertex vertex = {
-        .position = b->obj.list[OBJ_POINT].at[wanted->index[OBJ_POINT]],
+        .position = obj_point(&b->obj, corner),
         .normal = b->obj.list[OBJ_NORMAL].at[wanted->index[OBJ_NORMAL]],
     };
     if (!array_add(&mesh->vertices, &mesh->n_vertices, &vertex, sizeof vertex, err))

@@ -91,6 +91,11 @@ enum { OBJ_POINT, OBJ_TEXTURE, OBJ_NORMAL };
 
 struct obj_corner {
     int32_t index[3]; /* into the lists, from 0; -1: none */
+    int32_t face;
+    /* Of the whole face, and the angle of the face here: filled in by mesh.c if normals are
+     * lacking. 0 0 0 and 0 for a face without area, which has no weight in any mean. */
+    struct vector normal;
+    double angle;
 };
 struct obj_list {
     struct vector *at;
@@ -115,6 +120,7 @@ struct obj {
 
 /* Reads and checks the file. Refuses one without any face. */
 bool obj_read(const char *path, struct place from, struct obj *out, struct error *err);
+struct vector obj_point(const struct obj *obj, int corner); /* the place of a corner */
 void obj_free(struct obj *obj);
 
 /* polygon.c: faces of any size. */

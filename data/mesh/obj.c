@@ -88,7 +88,7 @@ static bool read_corner(const struct word *word, const struct obj *obj, struct o
 {
     const char *at = word->start, *end = at + word->length;
     int slashes = 0;
-    *out = (struct obj_corner){{-1, -1, -1}};
+    *out = (struct obj_corner){.index = {-1, -1, -1}, .face = obj->n_faces};
     for (const char *c = at; c < end; c++)
         slashes += *c == '/';
     if (word->quoted || slashes > 2 || at[0] == '/' || end[-1] == '/')
@@ -109,7 +109,7 @@ static bool read_corner(const struct word *word, const struct obj *obj, struct o
     return true;
 }
 
-static struct vector place_of(const struct obj *obj, int corner)
+struct vector obj_point(const struct obj *obj, int corner)
 {
     return obj->list[OBJ_POINT].at[obj->corners[corner].index[OBJ_POINT]];
 }
@@ -125,7 +125,7 @@ static bool add_corner(struct obj *obj, int first, struct obj_corner corner, str
     if (!array_add(&obj->corners, &obj->n_corners, &corner, sizeof corner, err))
         return false;
     const int last = obj->n_corners - 1;
-    if (last > first && same_place(place_of(obj, last - 1), place_of(obj, last)))
+    if (last > first && same_place(obj_point(obj, last - 1), obj_point(obj, last)))
         obj->n_corners--;
     return true;
 }
@@ -147,7 +147,7 @@ static bool find_name(struct obj *obj, struct error *err)
 static bool end_face(struct obj *obj, int first, struct error *err)
 {
     while (obj->n_corners > first + 1 &&
-           same_place(place_of(obj, first), place_of(obj, obj->n_corners - 1)))
+           same_place(obj_point(obj, first), obj_point(obj, obj->n_corners - 1)))
         obj->n_corners--;
     if (obj->n_corners < first + 3) {
         obj->n_corners = first;
@@ -162,7 +162,7 @@ static bool end_face(struct obj *obj, int first, struct error *err)
 static bool read_face(struct text *text, struct obj *obj, struct error *err)
 {
     const int first = obj->n_corners;
-    struct obj_corner corner, form = {{0}};
+    struct obj_corner corner, form = {.face = 0};
     struct word word, opening = {0};
     int n = 0;
     for (; next_word(text, &word); n++) {

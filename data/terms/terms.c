@@ -21,7 +21,7 @@ struct terms_maker {
     const struct illumination *illumination;
     struct material_terms *out;
     struct luminescence luminescence;
-    double *fine; /* the next term at every nm; NULL: pages are no components; owned */
+    double *row; /* the next term: 0 until something is added to it; owned */
 };
 
 /* ---- products ---- */
@@ -126,40 +126,31 @@ bool material_luminescence(const struct spectral_pages *pages, const struct mate
 
 /* ---- terms ---- */
 
-/* Returns the pages of the next term; zeroed. */
-static double *next_pages(const struct terms_maker *maker)
-{
-    return maker->out->spectra + (size_t)maker->out->n * (size_t)maker->illumination->pages.n;
-}
-
-/* Returns the row that the next term fills; zeroed. */
-static double *next_row(const struct terms_maker *maker)
-{
-    return maker->fine ? maker->fine : next_pages(maker);
-}
-
-/* Makes components of the row, and clears it. The components of a term are not negative. A sum of n
- * products is off by at most n 2^-53 of the sum of their magnitudes; a sum below 0 is such an
- * error. */
-static void analyse(const struct spectral_pages *pages, double *fine, double *out)
+/* Makes components of the row. The components of a term are not negative. A sum of n products is
+ * off by at most n 2^-53 of the sum of their magnitudes; a sum below 0 is such an error. */
+static void analyse(const struct spectral_pages *pages, const double *row, double *out)
 {
     const int n_nm = pages->n_nm;
     for (int page = 0; page < pages->n; page++) {
         double sum = 0;
         for (int j = 0; j < n_nm; j++)
-            sum += pages->analysis[(size_t)page * (size_t)n_nm + (size_t)j] * fine[j];
+            sum += pages->analysis[(size_t)page * (size_t)n_nm + (size_t)j] * row[j];
         out[page] = sum < 0 ? 0 : sum;
     }
-    memset(fine, 0, (size_t)n_nm * sizeof *fine);
 }
 
+/* Makes a term of the row, which becomes 0 again. */
 static void keep_term(struct terms_maker *maker, enum term_kind kind, int light)
 {
     const struct spectral_pages *pages = &maker->illumination->pages;
-    double *spectrum = next_pages(maker);
+    const size_t n = (size_t)pages->n, length = (size_t)product_length(pages);
+    double *spectrum = maker->out->spectra + (size_t)maker->out->n * n;
     struct spectral_term term = {kind, light, 0};
-    if (maker->fine)
-        analyse(pages, maker->fine, spectrum);
+    if (pages->analysis)
+        analyse(pages, maker->row, spectrum);
+    else
+        memcpy(spectrum, maker->row, n * sizeof *spectrum);
+    memset(maker->row, 0, length * sizeof *maker->row);
     for (int i = 0; i < pages->n; i++)
         term.peak = fmax(term.peak, spectrum[i]);
     maker->out->terms[maker->out->n++] = term;
@@ -170,7 +161,7 @@ static bool add_constant(struct terms_maker *maker, struct error *err)
     const struct illumination *illumination = maker->illumination;
     const struct scene *scene = illumination->scene;
     struct material_terms *out = maker->out;
-    double *row = next_row(maker);
+    double *row = maker->row;
     for (int i = 0; i < scene->n_ambients; i++) {
         const struct ambient *ambient = &scene->ambients[i];
         if (ambient->intensity == 0 || spectrum_is_zero(&ambient->spectrum))
@@ -195,7 +186,7 @@ static bool add_light(struct terms_maker *maker, int index, struct error *err)
     const struct light *light = maker->illumination->lights[index].light;
     const struct material *material = maker->out->material;
     bool kept = maker->illumination->exchangeable;
-    double *row = next_row(maker);
+    double *row = maker->row;
     bool lit = add_product(pages, light->intensity, &light->spectrum, &material->diffuse, row);
     if (!add_luminescence(maker, &light->spectrum, light->intensity, row, &lit, err))
         return false;
@@ -203,8 +194,7 @@ static bool add_light(struct terms_maker *maker, int index, struct error *err)
         keep_term(maker, TERM_DIFFUSE, index);
     if (material->gloss > 0 &&
         (add_product(pages, light->intensity, &light->spectrum,
-                     material->specular.kind != SPECTRUM_NONE ? &material->specular : NULL,
-                     next_row(maker)) ||
+                     material->specular.kind != SPECTRUM_NONE ? &material->specular : NULL, row) ||
          kept))
         keep_term(maker, TERM_SPECULAR, index);
     return true;
@@ -217,9 +207,8 @@ static bool allocate(struct terms_maker *maker, struct error *err)
     size_t most = 1 + 2 * (size_t)maker->illumination->n_lights;
     out->terms = calloc(most, sizeof *out->terms);
     out->spectra = calloc(most * (size_t)pages->n, sizeof *out->spectra);
-    if (pages->analysis)
-        maker->fine = calloc((size_t)pages->n_nm, sizeof *maker->fine);
-    return (out->terms && out->spectra && (maker->fine || !pages->analysis)) || error_memory(err);
+    maker->row = calloc((size_t)product_length(pages), sizeof *maker->row);
+    return (out->terms && out->spectra && maker->row) || error_memory(err);
 }
 
 bool material_terms_make(const struct illumination *illumination, const struct material *material,
@@ -232,7 +221,7 @@ bool material_terms_make(const struct illumination *illumination, const struct m
     for (int i = 0; done && i < illumination->n_lights; i++)
         done = illumination->lights[i].first != i || add_light(&maker, i, err);
     donaldson_free(&maker.luminescence.matrix);
-    free(maker.fine);
+    free(maker.row);
     if (!done)
         material_terms_free(out);
     return done;
