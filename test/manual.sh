@@ -16,11 +16,11 @@ ok $? "the page lists the options of --help; test/manual.sh renew renews the lis
 mandoc -Tascii spectral.1 | col -bx >"$tmp/page"
 exits 0 "--help explains" "$SPECTRAL" --help
 options() { grep -Eo -- '(^|[ ,=])--?[a-z][a-z-]*' "$1" | tr -d ' ,=' | LC_ALL=C sort -u; }
-options "$tmp/out" >"$tmp/told"
+options "$tmp/out" >"$tmp/printed"
 options "$tmp/page" >"$tmp/documented"
-[ "$(wc -l <"$tmp/told")" -gt 15 ]
+[ "$(wc -l <"$tmp/printed")" -gt 15 ]
 ok $? "many options"
-diff "$tmp/told" "$tmp/documented" >"$tmp/err"
+diff "$tmp/printed" "$tmp/documented" >"$tmp/err"
 ok $? "each has its place in the manual, and no other has"
 for command in $(sed -n 's/^  \([a-z]*\)  *\[*[A-Z].*/\1/p' "$tmp/out"); do
     grep -Eq "^ {5}spectral $command" "$tmp/page"

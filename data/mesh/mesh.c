@@ -64,19 +64,12 @@ struct builder {
     } * links; /* of each vertex */
 };
 
-static int face_start(const struct obj *obj, int face)
-{
-    return face > 0 ? obj->faces[face - 1].end : 0;
-}
-
 static bool builder_allocate(struct builder *b, struct error *err)
 {
     const size_t n_points = (size_t)b->obj.list[OBJ_POINT].n, n_corners = (size_t)b->obj.n_corners;
     int longest = 0;
-    for (int face = 0; face < b->obj.n_faces; face++) {
-        const int n = b->obj.faces[face].end - face_start(&b->obj, face);
-        longest = n > longest ? n : longest;
-    }
+    for (int i = 0; i < b->obj.n_faces; i++)
+        longest = b->obj.faces[i].n > longest ? b->obj.faces[i].n : longest;
     b->ring = calloc((size_t)longest, sizeof *b->ring);
     b->order = calloc(n_corners, sizeof *b->order);
     b->starts = calloc(n_points + 1, sizeof *b->starts);
@@ -98,13 +91,11 @@ static void builder_free(struct builder *b)
     obj_free(&b->obj);
 }
 
-/* Fills the ring with the points of a face; returns their number. */
-static int gather_ring(struct builder *b, int face)
+/* Fills the ring with the points of a face. */
+static void gather_ring(struct builder *b, const struct obj_face *face)
 {
-    const int first = face_start(&b->obj, face), n = b->obj.faces[face].end - first;
-    for (int i = 0; i < n; i++)
-        b->ring[i] = obj_point(&b->obj, first + i);
-    return n;
+    for (int i = 0; i < face->n; i++)
+        b->ring[i] = obj_point(&b->obj, face->first + i);
 }
 
 /* ---- the cube ---- */
@@ -142,17 +133,15 @@ static void unitize_points(struct builder *b)
 
 /* ---- normals where the file has none ---- */
 
-static void measure_faces(struct builder *b)
+static void measure_face(struct builder *b, const struct obj_face *face)
 {
-    for (int face = 0; face < b->obj.n_faces; face++) {
-        const int first = face_start(&b->obj, face), n = gather_ring(b, face);
-        const struct vector normal = polygon_normal(b->ring, n);
-        const bool flat = vector_dot(normal, normal) == 0;
-        for (int i = 0; i < n; i++) {
-            struct obj_corner *corner = &b->obj.corners[first + i];
-            corner->normal = normal;
-            corner->angle = flat ? 0 : polygon_angle(b->ring, n, i, normal);
-        }
+    gather_ring(b, face);
+    const struct vector normal = polygon_normal(b->ring, face->n);
+    const bool flat = vector_dot(normal, normal) == 0;
+    for (int i = 0; i < face->n; i++) {
+        struct obj_corner *corner = &b->obj.corners[face->first + i];
+        corner->normal = normal;
+        corner->angle = flat ? 0 : polygon_angle(b->ring, face->n, i, normal);
     }
 }
 
@@ -237,7 +226,8 @@ static bool fill_normals(struct builder *b, double crease_deg, struct error *err
     double sine;
     sine_cosine(fmax(crease_deg - slack_deg, 0), &sine, &b->cosine);
     b->half_cosine = sqrt((1 + b->cosine) / 2);
-    measure_faces(b);
+    for (int i = 0; i < b->obj.n_faces; i++)
+        measure_face(b, &b->obj.faces[i]);
     sort_corners(b);
     for (int point = 0; point < b->obj.list[OBJ_POINT].n; point++)
         if (!fill_point(b, point, err))
@@ -296,17 +286,18 @@ static int32_t find_vertex(struct builder *b, int32_t corner, struct mesh *mesh,
     return *link;
 }
 
-static bool add_face(struct builder *b, int face, struct mesh *mesh, struct error *err)
+static bool add_face(struct builder *b, const struct obj_face *face, struct mesh *mesh,
+                     struct error *err)
 {
-    const int first = face_start(&b->obj, face);
-    cutter_run(&b->cutter, b->ring, gather_ring(b, face));
+    gather_ring(b, face);
+    cutter_run(&b->cutter, b->ring, face->n);
     for (int i = 0; i < b->cutter.n_triangles; i++) {
         int32_t *vertices = mesh->triangles[mesh->n_triangles];
         if (mesh->part)
-            mesh->part[mesh->n_triangles] = b->obj.faces[face].name;
+            mesh->part[mesh->n_triangles] = face->name;
         mesh->n_triangles++;
         for (int k = 0; k < 3; k++) {
-            vertices[k] = find_vertex(b, first + b->cutter.triangles[i][k], mesh, err);
+            vertices[k] = find_vertex(b, face->first + b->cutter.triangles[i][k], mesh, err);
             if (vertices[k] < 0)
                 return false;
         }
@@ -337,8 +328,8 @@ static bool add_faces(struct builder *b, struct mesh *mesh, struct error *err)
         b->first_vertex[p] = -1;
     if (!mesh_reserve(mesh, 0, most, err) || !divide(&b->obj, most, mesh, err))
         return false;
-    for (int face = 0; face < b->obj.n_faces; face++)
-        if (!add_face(b, face, mesh, err))
+    for (int i = 0; i < b->obj.n_faces; i++)
+        if (!add_face(b, &b->obj.faces[i], mesh, err))
             return false;
     fill_texture(b, mesh);
     return mesh_reserve(mesh, 0, 0, err); /* gives back what was not needed */

@@ -102,8 +102,8 @@ struct obj_list {
     int n;
 };
 struct obj_face {
-    int32_t end;  /* its corners end before this one, and begin at the end of the previous face */
-    int32_t name; /* index of its usemtl */
+    int32_t first, n; /* of its corners */
+    int32_t name;     /* index of its usemtl */
 };
 /* A face has at least 3 corners, and neighbouring ones lie at different places. All counts are
  * below 2^30, since the file is shorter than 2^31 bytes. */

@@ -155,7 +155,7 @@ static bool end_face(struct obj *obj, int first, struct error *err)
     }
     if (obj->name < 0 && !find_name(obj, err))
         return false;
-    const struct obj_face face = {obj->n_corners, obj->name};
+    const struct obj_face face = {first, obj->n_corners - first, obj->name};
     return array_add(&obj->faces, &obj->n_faces, &face, sizeof face, err);
 }
 

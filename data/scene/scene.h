@@ -53,6 +53,7 @@ enum shading_kind {
     SHADING_FLAT,   /* the colour of a triangle's last vertex */
     SHADING_PHONG   /* normals interpolated, lit at each pixel; the reference only */
 };
+extern const char *const shading_words[]; /* of enum shading_kind, then NULL */
 struct scene {
     char *path;         /* as given: file or built-in name */
     char sha256[65];    /* of its text: its file, then those that it includes and lists, as read */

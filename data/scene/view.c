@@ -111,31 +111,24 @@ bool size_read(struct scene_reader *reader, struct error *err)
     return text_end(reader->text, "size", err);
 }
 
-/* Reads a statement that chooses one of the words; *out is its index. */
-static bool read_choice(struct text *text, const char *const *words, const char *what, int *out,
-                        struct error *err)
-{
-    *out = text_choose(text, what, words, what, err);
-    return *out >= 0 && text_end(text, what, err);
-}
-
 bool viewer_read(struct scene_reader *reader, struct error *err)
 {
     static const char *const words[] = {"infinite", "local", NULL};
-    int chosen;
-    bool done = read_choice(reader->text, words, "viewer", &chosen, err);
+    const int chosen = text_choose(reader->text, "viewer", words, "viewer", err);
     reader->scene->local_viewer = chosen == 1;
-    return done;
+    return chosen >= 0 && text_end(reader->text, "viewer", err);
 }
+
+const char *const shading_words[] = {
+    [SHADING_SMOOTH] = "smooth", [SHADING_FLAT] = "flat", [SHADING_PHONG] = "phong", NULL};
 
 bool shading_read(struct scene_reader *reader, struct error *err)
 {
-    static const char *const words[] = {
-        [SHADING_SMOOTH] = "smooth", [SHADING_FLAT] = "flat", [SHADING_PHONG] = "phong", NULL};
-    int chosen;
-    bool done = read_choice(reader->text, words, "shading", &chosen, err);
-    reader->scene->shading = chosen > 0 ? (enum shading_kind)chosen : SHADING_SMOOTH;
-    return done;
+    const int chosen = text_choose(reader->text, "shading", shading_words, "shading", err);
+    if (chosen < 0)
+        return false;
+    reader->scene->shading = (enum shading_kind)chosen;
+    return text_end(reader->text, "shading", err);
 }
 
 /* ---- camera ---- */

@@ -233,7 +233,6 @@ bool report_not_again(const struct plan *plan, const struct render_result *resul
 static void json_picture(struct json *json, const struct plan *plan,
                          const struct render_result *result)
 {
-    static const char *const shadings[] = {"smooth", "flat", "phong"};
     const struct scene *scene = plan->scene;
     char sampling[SAMPLING_NAME];
     json_string(json, "program", "spectral");
@@ -249,7 +248,7 @@ static void json_picture(struct json *json, const struct plan *plan,
     if (plan->sampling)
         sampling_name(&plan->sampling->method, sampling);
     json_string(json, "sampling", plan->sampling ? sampling : NULL);
-    json_string(json, "shading", shadings[scene->shading]);
+    json_string(json, "shading", shading_words[scene->shading]);
     json_number(json, "tessellation", scene->tessellation);
     if (plan->options.use_gl)
         json_count(json, "buffer_bits",
