@@ -92,8 +92,8 @@ enum { OBJ_POINT, OBJ_TEXTURE, OBJ_NORMAL };
 struct obj_corner {
     int32_t index[3]; /* into the lists, from 0; -1: none */
     int32_t face;
-    /* Of the whole face, and the angle of the face here: filled in by mesh.c if normals are
-     * lacking. 0 0 0 and 0 for a face without area, which has no weight in any mean. */
+    /* The normal of the whole face, and the angle of the face here: set by mesh.c if normals are
+     * lacking. A face without area has 0 0 0 and 0, and so no weight in any mean. */
     struct vector normal;
     double angle;
 };
