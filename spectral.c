@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The command line: the table of commands, the table of options, the help that follows from both,
- * and main, which alone prints errors and exits. Each command lies in the room of its subject. */
+/* The command line: the table of commands, the table of options, the help made of both, and main.
+ * Only main prints errors and exits. The code of each command is in the room of its subject. */
 #include <errno.h>
 #include <signal.h>
 #include <stdio.h>
@@ -12,6 +12,7 @@
 #include "data/options/options.h"
 #include "data/scene/scene.h"
 #include "data/stack/stack.h"
+#include "data/text/text.h"
 #include "raster/cost/cost.h"
 #include "raster/gl/gl.h"
 #include "raster/inspect/inspect.h"
@@ -31,21 +32,21 @@ struct command {
 static const struct command commands[] = {
     {"render", "[SCENE] [-o STACK.tif]",
      "render, cross-check, write (default: SCENE's name + .tif)", command_render, FOR_RENDER, 1},
-    {"plan", "[SCENE]", "what would be simulated, and why; draws nothing", command_plan, FOR_PLAN,
-     1},
+    {"plan", "[SCENE]", "print what would be simulated, and why; draw nothing", command_plan,
+     FOR_PLAN, 1},
     {"develop", "STACK [-o IMAGE.tif]",
-     "what a detector sees, as a colour picture (default:\nSTACK's name + -developed.tif)",
+     "write what a detector sees as a colour picture (default:\nSTACK's name + -developed.tif)",
      command_develop, FOR_DEVELOP, 1},
-    {"probe", "STACK|SCENE X Y [W H]", "the spectrum of a pixel, or the mean of a region",
+    {"probe", "STACK|SCENE X Y [W H]", "print the spectrum of a pixel, or the mean of a region",
      command_probe, FOR_PROBE, 5},
-    {"compare", "STACK STACK", "where and by how much two stacks differ", command_compare,
+    {"compare", "STACK STACK", "print where and by how much two stacks differ", command_compare,
      FOR_COMPARE, 2},
-    {"cost", "[SCENE]", "what accuracy costs in time: measures many settings", command_cost,
-     FOR_COST, 1},
-    {"view", "[SCENE] [-o PAGE.html]", "an interactive viewer in one HTML file", command_view,
+    {"cost", "[SCENE]", "measure what accuracy costs in time", command_cost, FOR_COST, 1},
+    {"view", "[SCENE] [-o PAGE.html]", "write an interactive viewer in one HTML file", command_view,
      FOR_VIEW, 1},
-    {"info", "STACK", "how a stack was made", command_info, 0, 1},
-    {"list", "[KIND]", "illuminants, observers, materials, shapes, scenes or\nsamplings",
+    {"info", "STACK", "print how a stack was made", command_info, 0, 1},
+    {"list", "[KIND]",
+     "print the built-in illuminants, observers, materials,\nshapes, scenes or samplings",
      command_list, 0, 1},
 };
 enum { N_COMMANDS = sizeof commands / sizeof commands[0] };
@@ -54,6 +55,8 @@ enum { N_COMMANDS = sizeof commands / sizeof commands[0] };
 
 #define TEXT(field) .kind = OPTION_TEXT, .offset = offsetof(struct options, field)
 #define FLAG(field) .kind = OPTION_FLAG, .offset = offsetof(struct options, field)
+#define NUMBER(field) .kind = OPTION_NUMBER, .offset = offsetof(struct options, field)
+#define COUNT(field) .kind = OPTION_COUNT, .offset = offsetof(struct options, field)
 #define CHANGE(function) .kind = OPTION_CHANGE, .change = (function)
 
 static const char *const renderers[] = {"gl", "llvmpipe", "softpipe", "raster", NULL};
@@ -61,247 +64,113 @@ static const char *const buffers[] = {"8", "16", "float", NULL};
 static const char *const depths[] = {"8", "16", "32f", NULL};
 static const char *const picture_bits[] = {"8", "16", NULL};
 
-/* In the order of --help. */
+/* In the order of --help. test/manual.sh makes the list of the manual page from it. */
 static const struct option known_options[] = {
-    {.heading = "render, plan, view, cost, and probe of a scene:",
-     .name = "--wavelengths",
-     .commands = FOR_SCENES | RECORDED,
-     CHANGE(scene_set_wavelengths),
-     .usage = "--wavelengths START:END:STEP",
-     .help = "in nm; or a list: 450,500.5,620"},
-    {.name = "--size",
-     .commands = FOR_SCENES | RECORDED,
-     CHANGE(scene_set_size),
-     .usage = "--size WxH",
-     .help = "in pixels"},
-    {.name = "--light",
-     .commands = FOR_SCENES | RECORDED,
-     CHANGE(scene_set_light),
-     .usage = "--light N=SPECTRUM[*INTENSITY]",
-     .help = "another spectrum for light N (from 1); again for more"},
-    {.name = "--ambient",
-     .commands = FOR_SCENES | RECORDED,
-     CHANGE(scene_set_ambient),
-     .usage = "--ambient SPECTRUM[*INTENSITY]",
-     .help = "another ambient light"},
-    {.heading = "all of these but cost:",
-     .name = "--shading",
-     .commands = FOR_SHADED | RECORDED,
-     CHANGE(scene_set_shading),
-     .usage = "--shading smooth|flat|phong",
-     .help = "phong lights each pixel: with --renderer raster"},
-    {.name = "--tessellation",
-     .commands = FOR_SHADED | RECORDED,
-     CHANGE(scene_set_tessellation),
-     .usage = "--tessellation FACTOR",
-     .help = "of the slices, stacks, ... of built-in shapes"},
-    {.heading = "render and plan:",
-     .name = "--sampling",
-     .commands = FOR_RENDER | FOR_PLAN | RECORDED,
-     TEXT(sampling),
-     .usage = "--sampling METHOD",
-     .help = "box:N, riemann:STEP, gauss:N[,open|xyz|lms|acc],\n"
-             "adaptive:TOLERANCE, basis:K, rgb or xyz"},
-    {.name = "--detector",
-     .alias = "--observer",
-     .commands = FOR_RENDER | FOR_PLAN | RECORDED,
-     TEXT(detector),
-     .usage = "--detector NAME|FILE",
-     .help = "whom it is sampled for (default cie1931)"},
-    {.heading = "render:",
-     .name = "--output",
-     .alias = "-o",
-     .commands = FOR_RENDER | FOR_DEVELOP | FOR_PROBE | FOR_VIEW,
-     TEXT(output),
-     .usage = "-o, --output STACK.tif",
-     .help = "/dev/null: check only, write nothing"},
-    {.name = "--again",
-     .commands = FOR_RENDER,
-     TEXT(again),
-     .usage = "--again STACK",
-     .help = "make that stack again, from the scene and the options that\n"
-             "it records; it must be the same to the last byte\n"
-             "(default output: STACK's name + -again.tif)"},
-    {.name = "--renderer",
-     .commands = FOR_RENDER | RECORDED,
-     TEXT(renderer),
-     .choices = renderers,
-     .usage = "--renderer NAME",
-     .help = "whose pixels are stored: gl (default), its llvmpipe or\n"
-             "softpipe, or raster, the reference"},
-    {.name = "--buffer",
-     .commands = FOR_RENDER | RECORDED,
-     TEXT(buffer),
-     .choices = buffers,
-     .usage = "--buffer 8|16|float",
-     .help = "bits of OpenGL's colours (default float)"},
-    {.name = "--no-check",
-     .commands = FOR_RENDER | RECORDED,
-     FLAG(no_check),
-     .usage = "--no-check",
-     .help = "do not cross-check"},
-    {.name = "--strict",
-     .commands = FOR_RENDER | RECORDED,
-     FLAG(strict),
-     .usage = "--strict",
-     .help = "every pixel must have a bound, and no fragment be lost or\n"
-             "doubled where triangles meet"},
-    {.name = "--keep",
-     .commands = FOR_RENDER,
-     FLAG(keep),
-     .usage = "--keep",
-     .help = "store the stack even when the check fails"},
-    {.name = "--full-scale",
-     .commands = FOR_RENDER | RECORDED,
-     .kind = OPTION_NUMBER,
-     .offset = offsetof(struct options, full_scale),
-     .lowest = 1e-300,
-     .highest = 1e300,
-     .usage = "--full-scale R",
-     .help = "radiance of count 65535 (default: the largest)"},
-    {.name = "--depth",
-     .commands = FOR_RENDER | RECORDED,
-     TEXT(depth),
-     .choices = depths,
-     .usage = "--depth 8|16|32f",
-     .help = "counts, or 32-bit float radiances (default 16)"},
-    {.name = "--threads",
-     .commands = FOR_RENDER | FOR_DEVELOP | FOR_COMPARE | FOR_VIEW | FOR_COST,
-     .kind = OPTION_COUNT,
-     .offset = offsetof(struct options, threads),
-     .lowest = 1,
-     .usage = "--threads N",
-     .help = "default: one per processor"},
-    {.name = "--json",
-     .commands = FOR_RENDER,
-     TEXT(json),
-     .usage = "--json FILE",
-     .help = "results as JSON; - is standard output"},
-    {.name = "--quiet",
-     .commands = FOR_RENDER | FOR_DEVELOP | FOR_COMPARE | FOR_VIEW | FOR_COST,
-     FLAG(quiet),
-     .usage = "--quiet",
-     .help = "no table and no progress; so in develop, compare, view and\n"
-             "cost"},
-    {.heading = "develop, probe and compare:",
-     .name = "--detector",
-     .alias = "--observer",
-     .commands = FOR_STACKS,
-     TEXT(detector),
-     .usage = "--detector NAME|FILE",
-     .help = "default cie1931; a camera only in develop (also: --observer)"},
-    {.name = "--white",
-     .commands = FOR_STACKS,
-     TEXT(white),
-     .usage = "--white SPECTRUM",
-     .help = "default: the lights that the stack records"},
-    {.heading = "develop:",
-     .name = "--adaptation",
-     .commands = FOR_DEVELOP,
-     TEXT(adaptation),
-     .accepts = develop_accepts_adaptation,
-     .usage = "--adaptation KIND",
-     .help = "none (default), von-kries, bradford, cat16, or\n"
-             "fairchild[:LUMINANCE] in cd/m2 (default: 10 x intensity)"},
-    {.name = "--display",
-     .commands = FOR_DEVELOP,
-     TEXT(display),
-     .accepts = develop_accepts_display,
-     .usage = "--display srgb|monitor",
-     .help = "default srgb; monitor is that of the 1998 thesis"},
-    {.name = "--exposure",
-     .commands = FOR_DEVELOP,
-     TEXT(exposure),
-     .accepts = develop_accepts_exposure,
-     .usage = "--exposure FACTOR|auto",
-     .help = "default 1; auto: nothing is brighter than the display"},
-    {.name = "--bits",
-     .commands = FOR_DEVELOP,
-     TEXT(bits),
-     .choices = picture_bits,
-     .usage = "--bits 8|16",
-     .help = "default 8"},
-    {.name = "--xyz",
-     .commands = FOR_DEVELOP,
-     FLAG(xyz),
-     .usage = "--xyz, --lab",
-     .help = "float tristimulus values, or CIELAB, instead of RGB"},
-    {.name = "--lab", .commands = FOR_DEVELOP, FLAG(lab)},
-    {.name = "--sampling",
-     .commands = FOR_DEVELOP,
-     TEXT(sampling),
-     .usage = "--sampling METHOD",
-     .help = "as if the spectra had been sampled so (no basis, rgb, xyz)"},
-    {.heading = "probe:",
-     .name = "--csv",
-     .commands = FOR_PROBE,
-     FLAG(csv),
-     .usage = "--csv, --svg",
-     .help = "a table, or a plot, instead of text; to -o FILE"},
-    {.name = "--svg", .commands = FOR_PROBE, FLAG(svg)},
-    {.heading = "compare:",
-     .name = "--tolerance",
-     .commands = FOR_COMPARE,
-     TEXT(tolerance),
-     .accepts = compare_accepts_tolerance,
-     .usage = "--tolerance R|P%|EdE00",
-     .help = "largest difference that passes: radiance, per cent of the\n"
-             "largest radiance, or CIEDE2000 (dE94, dE76); default 0"},
-    {.name = "--map",
-     .commands = FOR_COMPARE,
-     TEXT(map),
-     .usage = "--map OUT.tif",
-     .help = "each pixel's largest difference, spectral angle, CIEDE2000"},
-    {.heading = "cost:",
-     .name = "--observer",
-     .alias = "--detector",
-     .commands = FOR_COST,
-     TEXT(detector),
-     .usage = "--observer NAME|FILE",
-     .help = "default cie1931"},
-    {.name = "--runs",
-     .commands = FOR_COST,
-     .kind = OPTION_COUNT,
-     .offset = offsetof(struct options, runs),
-     .lowest = 5,
-     .usage = "--runs N",
-     .help = "of each setting, at least 5 (default 5)"},
-    {.name = "--csv",
-     .commands = FOR_COST,
-     TEXT(csv_file),
-     .usage = "--csv FILE, --svg FILE",
-     .help = "the table, and a chart; - is standard output"},
-    {.name = "--svg", .commands = FOR_COST, TEXT(svg_file)},
-    {.name = "--tolerance",
-     .commands = FOR_COST,
-     TEXT(tolerance),
-     .usage = "--tolerance E",
-     .help = "names the cheapest setting within E CIEDE2000, for 95 %\n"
-             "of the pixels"},
-    {.name = "--budget",
-     .commands = FOR_COST,
-     TEXT(budget),
-     .usage = "--budget SECONDS",
-     .help = "names the most accurate setting within the time"},
-    {.heading = "all:",
-     .name = "--help",
-     .alias = "-h",
-     .commands = FOR_ALL,
-     FLAG(help),
-     .usage = "-h, --help    --version"},
+    {.heading = "render, plan, view, cost, and probe of a scene:"},
+    {"--wavelengths START:END:STEP", "wavelengths in nm, or a list of them: 450,500.5,620",
+     FOR_SCENES | RECORDED, CHANGE(scene_set_wavelengths)},
+    {"--size WxH", "width and height in pixels", FOR_SCENES | RECORDED, CHANGE(scene_set_size)},
+    {"--light N=SPECTRUM[*INTENSITY]", "replaces the spectrum of light N (from 1); may be repeated",
+     FOR_SCENES | RECORDED, CHANGE(scene_set_light)},
+    {"--ambient SPECTRUM[*INTENSITY]", "replaces the ambient light", FOR_SCENES | RECORDED,
+     CHANGE(scene_set_ambient)},
+    {.heading = "all of these but cost:"},
+    {"--shading smooth|flat|phong", "replaces the scene's; phong needs --renderer raster",
+     FOR_SHADED | RECORDED, CHANGE(scene_set_shading)},
+    {"--tessellation FACTOR", "multiplies the slices, stacks, ... of built-in shapes",
+     FOR_SHADED | RECORDED, CHANGE(scene_set_tessellation)},
+    {.heading = "render and plan:"},
+    {"--sampling METHOD",
+     "box:N, riemann:STEP, gauss:N[,open|xyz|lms|acc],\n"
+     "adaptive:TOLERANCE, basis:K, rgb or xyz",
+     FOR_RENDER | FOR_PLAN | RECORDED, TEXT(sampling)},
+    {"--detector, --observer NAME", "samples for it, a built-in one or a file (default: cie1931)",
+     FOR_RENDER | FOR_PLAN | RECORDED, TEXT(detector)},
+    {.heading = "render:"},
+    {"-o, --output STACK.tif", "writes there; /dev/null: checks only, writes nothing",
+     FOR_RENDER | FOR_DEVELOP | FOR_PROBE | FOR_VIEW, TEXT(output)},
+    {"--again STACK",
+     "makes that stack again, from the scene and the options that\n"
+     "it records; the new one must be the same to the last byte\n"
+     "(default output: STACK's name + -again.tif)",
+     FOR_RENDER, TEXT(again)},
+    {"--renderer NAME",
+     "stores the pixels of gl (default), of its driver llvmpipe or\n"
+     "softpipe, or of raster, the reference",
+     FOR_RENDER | RECORDED, TEXT(renderer), .choices = renderers},
+    {"--buffer 8|16|float", "bits of OpenGL's colours (default: float)", FOR_RENDER | RECORDED,
+     TEXT(buffer), .choices = buffers},
+    {"--no-check", "does not cross-check", FOR_RENDER | RECORDED, FLAG(no_check)},
+    {"--strict",
+     "requires a bound for every pixel, and that no fragment is\n"
+     "lost or doubled where triangles meet",
+     FOR_RENDER | RECORDED, FLAG(strict)},
+    {"--keep", "stores the stack even if the check fails", FOR_RENDER, FLAG(keep)},
+    {"--full-scale R", "radiance of count 65535 (default: the largest)", FOR_RENDER | RECORDED,
+     NUMBER(full_scale), .lowest = 1e-300, .highest = 1e300},
+    {"--depth 8|16|32f", "bits of counts, or 32-bit float radiances (default: 16)",
+     FOR_RENDER | RECORDED, TEXT(depth), .choices = depths},
+    {"--threads N", "default: one per processor; also of develop, compare, view\nand cost",
+     FOR_RENDER | FOR_DEVELOP | FOR_COMPARE | FOR_VIEW | FOR_COST, COUNT(threads), .lowest = 1},
+    {"--json FILE", "writes the results as JSON; - is standard output", FOR_RENDER, TEXT(json)},
+    {"--quiet", "prints no table and no progress; also of develop, compare,\nview and cost",
+     FOR_RENDER | FOR_DEVELOP | FOR_COMPARE | FOR_VIEW | FOR_COST, FLAG(quiet)},
+    {.heading = "develop, probe and compare:"},
+    {"--detector, --observer NAME", "sees with it (default: cie1931); a camera only in develop",
+     FOR_STACKS, TEXT(detector)},
+    {"--white SPECTRUM", "the light of the white (default: those that the stack records)",
+     FOR_STACKS, TEXT(white)},
+    {.heading = "develop:"},
+    {"--adaptation KIND",
+     "none (default), von-kries, bradford, cat16, or\n"
+     "fairchild[:LUMINANCE] in cd/m2 (default: 10 x intensity)",
+     FOR_DEVELOP, TEXT(adaptation), .accepts = develop_accepts_adaptation},
+    {"--display srgb|monitor", "sRGB (default), or the monitor of the 1998 thesis", FOR_DEVELOP,
+     TEXT(display), .accepts = develop_accepts_display},
+    {"--exposure FACTOR|auto",
+     "a factor, or auto: nothing is brighter than the display\n(default: 1)", FOR_DEVELOP,
+     TEXT(exposure), .accepts = develop_accepts_exposure},
+    {"--bits 8|16", "bits of each channel (default: 8)", FOR_DEVELOP, TEXT(bits),
+     .choices = picture_bits},
+    {"--xyz", "writes float tristimulus values instead of RGB", FOR_DEVELOP, FLAG(xyz)},
+    {"--lab", "writes float CIELAB instead of RGB", FOR_DEVELOP, FLAG(lab)},
+    {"--sampling METHOD", "as if the spectra were sampled so (not basis, rgb or xyz)", FOR_DEVELOP,
+     TEXT(sampling)},
+    {.heading = "probe:"},
+    {"--csv", "writes a table instead of text, to -o FILE", FOR_PROBE, FLAG(csv)},
+    {"--svg", "writes a plot instead of text, to -o FILE", FOR_PROBE, FLAG(svg)},
+    {.heading = "compare:"},
+    {"--tolerance R|P%|EdE00",
+     "largest difference that passes: radiance, per cent of the\n"
+     "largest radiance, or CIEDE2000 (dE94, dE76); default: 0",
+     FOR_COMPARE, TEXT(tolerance), .accepts = compare_accepts_tolerance},
+    {"--map OUT.tif", "writes each pixel's largest difference, spectral angle and\nCIEDE2000",
+     FOR_COMPARE, TEXT(map)},
+    {.heading = "cost:"},
+    {"--observer, --detector NAME", "measures colour differences for it (default: cie1931)",
+     FOR_COST, TEXT(detector)},
+    {"--runs N", "runs of each configuration, at least 5 (default: 5)", FOR_COST, COUNT(runs),
+     .lowest = 5},
+    {"--csv FILE", "writes the table; - is standard output", FOR_COST, TEXT(csv_file)},
+    {"--svg FILE", "writes a chart; - is standard output", FOR_COST, TEXT(svg_file)},
+    {"--tolerance E",
+     "names the cheapest configuration within E CIEDE2000 for 95 %\n"
+     "of the pixels",
+     FOR_COST, TEXT(tolerance)},
+    {"--budget SECONDS", "names the most accurate configuration within the time", FOR_COST,
+     TEXT(budget)},
+    {.heading = "all:"},
+    {"-h, --help", "prints this text; spectral --version prints the versions", FOR_ALL, FLAG(help)},
 };
 static const struct option_table option_table = {known_options,
                                                  sizeof known_options / sizeof known_options[0]};
 
 /* ---- help ---- */
 
-/* Prints what is typed, and beside it the lines that explain it; NULL: nothing explains it. */
+/* Prints a command or an option as the user types it, and the lines of its explanation beside it.
+ */
 static void print_explained(const char *typed, const char *lines)
 {
-    if (!lines) {
-        printf("  %s\n", typed);
-        return;
-    }
     printf("  %-31s ", typed);
     for (;;) {
         const size_t length = strcspn(lines, "\n");
@@ -328,7 +197,7 @@ static void print_options(void)
         const struct option *option = &known_options[i];
         if (option->heading)
             printf("%s\n", option->heading);
-        if (option->usage)
+        else
             print_explained(option->usage, option->help);
     }
 }
@@ -380,12 +249,10 @@ static bool run_with_options(const struct command *command, char *const *words, 
 
 static bool refuse_command(const char *name, struct error *err)
 {
-    const char *names[N_COMMANDS];
-    char list[128];
+    char list[LIST_SIZE] = "";
     for (int i = 0; i < N_COMMANDS; i++)
-        names[i] = commands[i].name;
-    words_join(names, N_COMMANDS, "and", list, sizeof list);
-    return error_usage(err, "'%s' is no command; there are %s", name, list);
+        list_add(list, commands[i].name, strlen(commands[i].name));
+    return error_usage(err, "unknown command '%s'; known are %s", name, list);
 }
 
 static bool run_command(int argc, char **argv, struct error *err)

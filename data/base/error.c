@@ -99,3 +99,17 @@ void *array_more(void *array, int count, size_t size, struct error *err)
     memset(grown + (size_t)count * size, 0, size);
     return grown;
 }
+
+/* All pointers to objects have one representation, by POSIX. */
+bool array_add(void *array, int *count, const void *item, size_t size, struct error *err)
+{
+    char *items;
+    memcpy(&items, array, sizeof items);
+    items = array_more(items, *count, size, err);
+    if (!items)
+        return false;
+    memcpy(items + (size_t)*count * size, item, size);
+    memcpy(array, &items, sizeof items);
+    ++*count;
+    return true;
+}

@@ -8,6 +8,7 @@
 #include "data/mesh/mesh.h"
 #include "data/options/options.h"
 #include "data/spectra/spectra.h"
+#include "data/text/text.h"
 #include "spectral.h"
 
 /* Writes the part of a file's name between a folder and an ending. Returns false if the name does
@@ -31,19 +32,13 @@ bool table_name(const struct builtin_file *file, bool detector, char *out, size_
 
 static void list_shapes(void)
 {
-    static const char *const arguments[] = {
-        [SHAPE_SPHERE] = "radius slices stacks",
-        [SHAPE_TORUS] = "tube ring sides rings",
-        [SHAPE_BOX] = "width height depth",
-        [SHAPE_PLANE] = "width height",
-        [SHAPE_CYLINDER] = "radius height slices stacks",
-        [SHAPE_CONE] = "radius height slices stacks",
-        [SHAPE_DISK] = "radius slices",
-        [SHAPE_TEAPOT] = "size divisions",
-        [SHAPE_MESH] = "FILE.obj [unitize] [crease ANGLE]",
-    };
-    for (int kind = SHAPE_SPHERE; kind <= SHAPE_MESH; kind++)
-        printf("  %s %s\n", shape_name((enum shape_kind)kind), arguments[kind]);
+    for (enum shape_kind kind = SHAPE_SPHERE; kind < SHAPE_MESH; kind++) {
+        printf("  %s", shape_name(kind));
+        for (int i = 0; shape_size_name(kind, i); i++)
+            printf(" %s", shape_size_name(kind, i));
+        putchar('\n');
+    }
+    puts("  mesh FILE.obj [unitize] [crease ANGLE]");
 }
 
 static void list_samplings(void)
@@ -90,16 +85,15 @@ static void print_list(const struct list *list)
 
 bool command_list(struct options *options, struct error *err)
 {
-    const char *wanted = options->operand, *names[N_LISTS];
-    char known[128];
+    const char *wanted = options->operand;
+    char known[LIST_SIZE] = "";
     bool found = false;
     for (int i = 0; i < N_LISTS; i++) {
-        names[i] = lists[i].name;
+        list_add(known, lists[i].name, strlen(lists[i].name));
         if (wanted && strcmp(wanted, lists[i].name) != 0)
             continue;
         found = true;
         print_list(&lists[i]);
     }
-    words_join(names, N_LISTS, "and", known, sizeof known);
-    return found || error_usage(err, "no list is called '%s'; the lists are %s", wanted, known);
+    return found || error_usage(err, "unknown list '%s'; known are %s", wanted, known);
 }

@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-/* Materials, from files in the format of the 1998 thesis (its Table 1: the first word of a line
- * says what the line is) and from the words of a scene. Both are held to the same ranges. */
+/* Reads materials from files in the format of the 1998 thesis (in its Table 1, the first word of a
+ * line is the kind of the line) and from the words of a scene. Both have the same ranges. */
 #include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
+#include "data/base/base.h"
 #include "data/material/material.h"
 #include "data/spectra/spectra.h"
 #include "data/text/text.h"
 #include "spectral.h"
 
-/* The excitation by a light is divided by the sum, which stands for a light of 1 everywhere. */
+/* Refuses an excitation whose sum is not above 0 and finite. The excitation by a light is divided
+ * by this sum, the excitation by a light of 1 at all wavelengths. */
 static bool check_excitation(const struct spectrum *excitation, struct error *err)
 {
     double sum = excitation->factor;
@@ -27,12 +29,12 @@ static bool check_excitation(const struct spectrum *excitation, struct error *er
     if (sum > 0 && isfinite(sum))
         return true;
     return error_at(err, excitation->place,
-                    "the sum of the excitation is %g; it is above 0 and finite", sum);
+                    "the sum of the excitation is %g; expected a finite sum above 0", sum);
 }
 
 /* ---- material files ---- */
 
-/* WAVELENGTH REFLECTANCE */
+/* Reads WAVELENGTH REFLECTANCE. */
 static bool read_reflectance(struct text *text, struct spectrum *out, struct error *err)
 {
     struct word word;
@@ -43,7 +45,7 @@ static bool read_reflectance(struct text *text, struct spectrum *out, struct err
            spectrum_append(out, nm, value, word.place, err);
 }
 
-/* WAVELENGTH EXCITATION EMISSION */
+/* Reads WAVELENGTH EXCITATION EMISSION. */
 static bool read_fluorescence(struct text *text, struct material *out, struct error *err)
 {
     struct word word;
@@ -56,20 +58,20 @@ static bool read_fluorescence(struct text *text, struct material *out, struct er
            spectrum_append(&out->emission, nm, emission, word.place, err);
 }
 
-/* The partner, made when its first line comes. */
+/* Returns the partner, and makes it if there is none yet; NULL: no memory. */
 static struct material *partner_of(struct material *material, struct place place, struct error *err)
 {
-    if (material->partner != NULL)
+    if (material->partner)
         return material->partner;
     material->partner = calloc(1, sizeof *material->partner);
-    if (material->partner == NULL)
+    if (!material->partner)
         error_memory(err);
     else
         material->partner->place = material->partner_place = place;
     return material->partner;
 }
 
-/* The last letter of a line's first word, small; 0: nothing known. */
+/* Returns the kind of a line: the last letter of its first word, in lower case; 0: unknown word. */
 static char line_kind(const struct word *word)
 {
     static const char *const known[] = {"s", "f", "g", "t", "mr", "ms", "mf", "mg"};
@@ -92,7 +94,7 @@ static bool read_line(struct text *text, const struct word *first, struct materi
         text->at = first->start;
     if (kind != 0 && tolower((unsigned char)first->start[0]) == 'm') {
         out = partner_of(out, first->place, err);
-        if (out == NULL)
+        if (!out)
             return false;
     }
     switch (kind) {
@@ -128,7 +130,7 @@ static bool read_lines(struct text *text, struct material *out, struct error *er
     return true;
 }
 
-/* Checks what only the whole file shows, and names the spectra. */
+/* Checks the material when all its lines are read, and names its spectra. */
 static bool complete(struct material *material, const char *no_diffuse, struct error *err)
 {
     struct spectrum *spectra[] = {&material->diffuse, &material->specular, &material->excitation,
@@ -141,7 +143,6 @@ static bool complete(struct material *material, const char *no_diffuse, struct e
         if (spectra[i]->kind != SPECTRUM_NONE &&
             !string_copy(material->name, &spectra[i]->name, err))
             return false;
-    material->specular_place = material->specular.place;
     return true;
 }
 
@@ -150,18 +151,10 @@ static bool complete_file(struct material *out, struct error *err)
     struct material *partner = out->partner;
     if (!complete(out, "no diffuse reflectance; a material has lines of a wavelength and one", err))
         return false;
-    return partner == NULL ||
+    return !partner ||
            (string_copy(out->name, &partner->name, err) &&
             string_copy(out->path, &partner->path, err) &&
             complete(partner, "the partner has no mr lines; it needs a diffuse reflectance", err));
-}
-
-/* The file's name without folder and ending. */
-static char *name_of(const char *path)
-{
-    const char *slash = strrchr(path, '/'), *base = slash != NULL ? slash + 1 : path;
-    const char *dot = strrchr(base, '.');
-    return strndup(base, dot != NULL && dot > base ? (size_t)(dot - base) : strlen(base));
 }
 
 bool material_read(const char *path, struct place from, struct material *out, struct error *err)
@@ -173,9 +166,8 @@ bool material_read(const char *path, struct place from, struct material *out, st
         return false;
     out->path = text.path; /* taken over: the places point at it */
     out->place = text_whole(&text);
-    out->name = name_of(path);
-    done = out->name != NULL ? read_lines(&text, out, err) && complete_file(out, err)
-                             : error_memory(err);
+    out->name = output_name(path, "");
+    done = out->name ? read_lines(&text, out, err) && complete_file(out, err) : error_memory(err);
     text.path = NULL;
     text_free(&text);
     if (!done)
@@ -185,7 +177,8 @@ bool material_read(const char *path, struct place from, struct material *out, st
 
 /* ---- materials written in a scene ---- */
 
-/* The next word, over lines. A brace that touches a word would hide in it. */
+/* Reads the next word, of this line or a later one. Refuses a } that touches a word: it would pass
+ * for a part of the word. */
 static bool block_word(struct text *text, struct word *out, struct place open, struct error *err)
 {
     while (!text_peek(*text, out))
@@ -193,11 +186,11 @@ static bool block_word(struct text *text, struct word *out, struct place open, s
             return error_at(err, open, "this { is never closed by a }");
     if (!text_expect(text, out, "a word", err))
         return false;
-    return out->quoted || out->length == 1 || memchr(out->start, '}', out->length) == NULL ||
+    return out->quoted || out->length == 1 || !memchr(out->start, '}', out->length) ||
            error_at(err, out->place, "a } stands alone, between blanks");
 }
 
-/* A word's argument. */
+/* Reads the value behind a word. */
 static bool block_value(struct text *text, struct word *out, const char *what, struct place open,
                         struct error *err)
 {
@@ -249,7 +242,7 @@ static const char *const block_values[BLOCK_END] = {"a spectrum", "a spectrum", 
 static bool block_entry(struct text *text, int kind, struct material *out, struct error *err)
 {
     struct word word;
-    if (!block_value(text, &word, block_values[kind], out->place, err))
+    if (kind != BLOCK_END && !block_value(text, &word, block_values[kind], out->place, err))
         return false;
     switch ((enum block_kind)kind) {
     case BLOCK_DIFFUSE:
@@ -271,7 +264,7 @@ static bool block_entry(struct text *text, int kind, struct material *out, struc
         return spectrum_read(&word, 0, HUGE_VAL, &out->glow, err);
     case BLOCK_METAMER:
         out->partner_name = word_copy(&word);
-        return out->partner_name != NULL || error_memory(err);
+        return out->partner_name || error_memory(err);
     case BLOCK_END:
         break;
     }
@@ -284,7 +277,7 @@ static bool exclude(struct place first, struct place second, const char *what, s
            error_at(err, second, "a material has either %s, not both", what);
 }
 
-/* A material that shines or mirrors needs no diffuse reflectance: it is 0 then. */
+/* A material with an emission or a specular reflectance needs no diffuse one; that is 0 then. */
 static bool complete_diffuse(struct material *out, struct error *err)
 {
     if (out->diffuse.kind != SPECTRUM_NONE)
@@ -297,29 +290,22 @@ static bool complete_diffuse(struct material *out, struct error *err)
 
 static bool read_block(struct text *text, struct material *out, struct error *err)
 {
-    struct place diffuse = {0}, fluorescence = {0}, emission = {0};
-    struct place *given[BLOCK_END] = {&diffuse,
-                                      &out->specular_place,
-                                      &out->gloss_place,
-                                      &fluorescence,
-                                      &out->donaldson_place,
-                                      &out->texture_place,
-                                      &out->spectral_texture_place,
-                                      &emission,
-                                      &out->partner_place};
+    struct place given[BLOCK_END + 1] = {{0}};
     struct word word;
-    int kind;
-    for (;;) {
+    for (int kind = 0; kind != BLOCK_END;) {
         if (!block_word(text, &word, out->place, err))
             return false;
-        kind = word_choose(&word, block_words, "word in a material", err);
-        if (kind == BLOCK_END)
-            break;
-        if (kind < 0 || !place_once(given[kind], word.place, block_words[kind], err) ||
-            !block_entry(text, kind, out, err))
+        kind = word_choose_once(&word, block_words, "word in a material", given, err);
+        if (kind < 0 || !block_entry(text, kind, out, err))
             return false;
     }
-    return exclude(fluorescence, out->donaldson_place, "fluorescence or donaldson", err) &&
+    out->gloss_place = given[BLOCK_GLOSS];
+    out->donaldson_place = given[BLOCK_DONALDSON];
+    out->texture_place = given[BLOCK_TEXTURE];
+    out->spectral_texture_place = given[BLOCK_SPECTRAL_TEXTURE];
+    out->partner_place = given[BLOCK_METAMER];
+    return exclude(given[BLOCK_FLUORESCENCE], out->donaldson_place, "fluorescence or donaldson",
+                   err) &&
            exclude(out->texture_place, out->spectral_texture_place, "texture or spectral-texture",
                    err) &&
            complete_diffuse(out, err);
@@ -342,7 +328,7 @@ void material_free(struct material *material)
     spectrum_free(&material->excitation);
     spectrum_free(&material->emission);
     spectrum_free(&material->glow);
-    if (material->partner != NULL)
+    if (material->partner)
         material_free(material->partner);
     free(material->partner);
     free(material->partner_name);

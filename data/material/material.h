@@ -17,7 +17,7 @@ struct material {
     struct spectrum diffuse;  /* always present */
     struct spectrum specular; /* absent with gloss > 0: 1 at every wavelength */
     double gloss;             /* 0..128; 0: no highlight */
-    struct place gloss_place, specular_place;
+    struct place gloss_place;
     struct spectrum excitation, emission; /* fluorescence; both or neither; sum(excitation) > 0 */
     char *donaldson;                      /* bispectral matrix file; owned, NULL: none */
     struct place donaldson_place;
@@ -26,23 +26,24 @@ struct material {
     struct place texture_place;
     char *spectral_texture; /* stack; owned, NULL: none */
     struct place spectral_texture_place;
-    struct spectrum glow;     /* emission without light */
+    struct spectrum glow;     /* emission that needs no light */
     char *partner_name;       /* `metamer MATERIAL`: name in the scene; owned */
-    int partner_index;        /* of the material of that name, where it is used; otherwise 0 */
-    struct material *partner; /* from a material file's m lines; owned; place is set */
+    int partner_index;        /* in the scene, if an object uses this material; otherwise 0 */
+    struct material *partner; /* from the m lines of a material file; owned; NULL: none */
     struct place partner_place;
-    bool from_rgb; /* three numbers of an MTL file, spread over the spectrum; nothing measured */
+    bool from_rgb; /* spectra are made of three numbers of an MTL file, not measured */
 };
 
 /* Reads a material file, which the place `from` names. */
 bool material_read(const char *path, struct place from, struct material *out, struct error *err);
-/* Reads the words between { and } of a scene's material; the { has been read. May span lines. */
+/* Reads the words of a material in a scene up to its }, over several lines. Its { has been read. */
 bool material_read_words(struct text *text, struct material *out, struct error *err);
 void material_free(struct material *material);
 
 /* ---- mtl.c: the colours that come with OBJ models ---- */
 
-/* Reads the entry of that name. A missing entry is an error at `from`, which names the file. */
+/* Reads the entry of that name. `from` is the place that names the file; a missing file or entry is
+ * an error there. */
 bool mtl_read(const char *path, struct place from, const struct word *name, struct material *out,
               struct error *err);
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Entries of MTL files, the materials that come with OBJ models. Their colours are three numbers,
- * which say nothing about single wavelengths: they are spread over the spectrum so that grey is
- * constant. Only Kd, Ks, Ns and Ke are understood; all else is skipped, for there are many dialects
- * of it. An entry is read only where a scene uses it. */
+/* Reads entries of MTL files, the materials that come with OBJ models. A colour is three numbers,
+ * which say nothing about single wavelengths. This file spreads them over the spectrum so that grey
+ * is constant. It reads Kd, Ks, Ns and Ke, and skips all else, since the format has many dialects.
+ * An entry is read only if a scene uses it. */
 #include <math.h>
 #include <string.h>
 
@@ -47,7 +47,7 @@ static bool read_statement(struct text *text, const struct word *first, struct e
            text_end(text, statements[i], err);
 }
 
-/* The statements between the entry's newmtl and the next one. */
+/* Reads the statements between the newmtl of the entry and the next newmtl. */
 static bool read_entry(struct text *text, const struct word *name, struct place from,
                        struct entry *out, struct error *err)
 {
@@ -74,8 +74,8 @@ static bool read_entry(struct text *text, const struct word *name, struct place 
                     name->start, text->path, list[0] != '\0' ? list : "none");
 }
 
-/* Blue up to 480 nm, green from 500 to 570 nm, red from 600 nm on. The ends are beyond all light,
- * so that the colour holds whether or not what reads the spectrum goes past its end. */
+/* Makes a spectrum of a colour: blue up to 480 nm, green from 500 to 570 nm, red from 600 nm on. It
+ * begins and ends beyond all light, so that nobody reads past its ends. */
 static bool spread(const struct entry *entry, enum statement statement, const char *name,
                    struct spectrum *out, struct error *err)
 {
@@ -90,8 +90,8 @@ static bool spread(const struct entry *entry, enum statement statement, const ch
     return string_copy(name, &out->name, err);
 }
 
-/* An entry that shines or mirrors needs no Kd: it is 0 then. A highlight needs both Ks and Ns.
- * Shininess above 128, which is OpenGL's largest, becomes that. */
+/* An entry with Ks or Ke needs no Kd, which is 0 then. A highlight needs both Ks and Ns. Shininess
+ * above 128, the largest of OpenGL, becomes 128. */
 static bool make_material(struct entry *entry, struct material *out, struct error *err)
 {
     bool present[NS];
@@ -107,7 +107,6 @@ static bool make_material(struct entry *entry, struct material *out, struct erro
     out->from_rgb = true;
     out->gloss = present[KS] ? fmin(entry->shininess, HIGHEST_GLOSS) : 0;
     out->gloss_place = given[NS];
-    out->specular_place = given[KS];
     return spread(entry, KD, out->name, &out->diffuse, err) &&
            (out->gloss == 0 || spread(entry, KS, out->name, &out->specular, err)) &&
            (!present[KE] || spread(entry, KE, out->name, &out->glow, err));
@@ -124,9 +123,8 @@ bool mtl_read(const char *path, struct place from, const struct word *name, stru
         return false;
     out->path = text.path; /* taken over: the places point at it */
     out->name = word_copy(name);
-    done = out->name != NULL
-               ? read_entry(&text, name, from, &entry, err) && make_material(&entry, out, err)
-               : error_memory(err);
+    done = out->name ? read_entry(&text, name, from, &entry, err) && make_material(&entry, out, err)
+                     : error_memory(err);
     text.path = NULL;
     text_free(&text);
     return done;

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Makes a mesh of an OBJ file's faces: vertex normals where the file has none, planar texture
- * coordinates likewise, each different corner one vertex, in order of first use. Time grows with
- * the size of the file, but at a point where many corners differ, with their number squared. */
+/* Makes a mesh of the faces of an OBJ file. Corners that agree in point, normal and texture
+ * coordinates become one vertex, in the order of first use. Normals and texture coordinates that
+ * the file lacks are computed. Time grows linearly with the size of the file; at one point, with
+ * the square of the number of different corners there. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,7 +14,7 @@
 
 /* ---- the mesh itself ---- */
 
-/* NULL where more than int32_t can number, or than fits into memory, is asked for. */
+/* Returns NULL if there would be more items than an int32_t counts, or than fit into memory. */
 static void *resize(void *items, int have, size_t more, size_t size)
 {
     const size_t n = (size_t)have + more;
@@ -32,7 +33,7 @@ bool mesh_reserve(struct mesh *mesh, size_t n_vertices, size_t n_triangles, stru
     if (!more)
         return error_memory(err);
     mesh->triangles = more;
-    mesh->n_parts += mesh->n_parts == 0; /* it is one part as long as nobody divides it */
+    mesh->n_parts += mesh->n_parts == 0; /* a mesh that nobody divides is one part */
     return true;
 }
 
@@ -47,71 +48,54 @@ void mesh_free(struct mesh *mesh)
     *mesh = (struct mesh){.n_vertices = 0};
 }
 
-/* ---- what becoming a mesh needs ---- */
+/* ---- working memory ---- */
 
 struct builder {
     struct obj obj;
     struct vector *ring; /* a face */
     struct cutter cutter;
-    /* Facets are whole faces, so that normals do not depend on how a face is cut. One without area
-     * keeps a zero normal, and angles 0: it takes part in nothing. */
-    struct vector *normals;  /* of each face */
-    double *angles;          /* at each corner */
-    int32_t *faces;          /* of each corner */
     int32_t *order, *starts; /* corners sorted by point; where each point's begin, and the end */
-    double cosine;           /* facets are neighbours while their normals' cosine exceeds it */
+    double cosine;           /* two faces are smooth neighbours if that of their angle exceeds it */
     double half_cosine;      /* of half that angle */
-    /* The vertices of a point form a chain, which ends with -1. */
+    /* The vertices at a point form a chain, which ends with -1. */
     int32_t *first_vertex; /* of each point */
     struct link {
         int32_t next, corner;
     } * links; /* of each vertex */
 };
 
-static int face_start(const struct obj *obj, int face)
-{
-    return face > 0 ? obj->faces[face - 1].end : 0;
-}
-
 static bool builder_allocate(struct builder *b, struct error *err)
 {
     const size_t n_points = (size_t)b->obj.list[OBJ_POINT].n, n_corners = (size_t)b->obj.n_corners;
     int longest = 0;
-    for (int face = 0; face < b->obj.n_faces; face++) {
-        const int n = b->obj.faces[face].end - face_start(&b->obj, face);
-        longest = n > longest ? n : longest;
-    }
+    for (int i = 0; i < b->obj.n_faces; i++)
+        longest = b->obj.faces[i].n > longest ? b->obj.faces[i].n : longest;
     b->ring = calloc((size_t)longest, sizeof *b->ring);
-    b->normals = calloc((size_t)b->obj.n_faces, sizeof *b->normals);
-    b->angles = calloc(n_corners, sizeof *b->angles);
-    b->faces = calloc(n_corners, sizeof *b->faces);
     b->order = calloc(n_corners, sizeof *b->order);
     b->starts = calloc(n_points + 1, sizeof *b->starts);
     b->first_vertex = calloc(n_points, sizeof *b->first_vertex);
     b->links = calloc(n_corners, sizeof *b->links);
-    if (b->ring && b->normals && b->angles && b->faces && b->order && b->starts &&
-        b->first_vertex && b->links)
+    if (b->ring && b->order && b->starts && b->first_vertex && b->links)
         return cutter_open(&b->cutter, longest, err);
     return error_memory(err);
 }
 
 static void builder_free(struct builder *b)
 {
-    void *const owned[] = {b->ring,  b->normals, b->angles,       b->faces,
-                           b->order, b->starts,  b->first_vertex, b->links};
-    for (size_t i = 0; i < sizeof owned / sizeof *owned; i++)
-        free(owned[i]);
+    free(b->ring);
+    free(b->order);
+    free(b->starts);
+    free(b->first_vertex);
+    free(b->links);
     cutter_free(&b->cutter);
     obj_free(&b->obj);
 }
 
-/* Fills the ring with a face's places; returns how many. */
-static int gather_ring(struct builder *b, int face)
+/* Fills the ring with the points of a face. */
+static void gather_ring(struct builder *b, const struct obj_face *face)
 {
-    const int first = face_start(&b->obj, face), n = b->obj.faces[face].end - first;
-    for (int i = 0; i < n; i++)
-        b->ring[i] = b->obj.list[OBJ_POINT].at[b->obj.corners[first + i].index[OBJ_POINT]];
-    return n;
+    for (int i = 0; i < face->n; i++)
+        b->ring[i] = obj_point(&b->obj, face->first + i);
 }
 
 /* ---- the cube ---- */
@@ -129,14 +113,15 @@ static void widen(struct vector *low, struct vector *high, struct vector by)
     widen_side(&low->z, &high->z, by.z);
 }
 
-/* The points that faces use go into [-1, 1]^3, which none leaves: half is the largest distance from
- * the centre as it was rounded. It is above 0, since corners beside one another differ. */
+/* Moves and scales the points that faces use into [-1, 1]^3. No point leaves the cube, since `half`
+ * is the largest distance from the centre as it was rounded. `half` is above 0, since neighbouring
+ * corners differ. */
 static void unitize_points(struct builder *b)
 {
     struct vector *points = b->obj.list[OBJ_POINT].at;
-    struct vector low = points[b->obj.corners[0].index[OBJ_POINT]], high = low;
+    struct vector low = obj_point(&b->obj, 0), high = low;
     for (int i = 1; i < b->obj.n_corners; i++)
-        widen(&low, &high, points[b->obj.corners[i].index[OBJ_POINT]]);
+        widen(&low, &high, obj_point(&b->obj, i));
     const struct vector centre = vector_scale(vector_add(low, high), 0.5);
     const struct vector up = vector_subtract(high, centre), down = vector_subtract(centre, low);
     const double half = fmax(fmax(fmax(up.x, down.x), fmax(up.y, down.y)), fmax(up.z, down.z));
@@ -148,21 +133,19 @@ static void unitize_points(struct builder *b)
 
 /* ---- normals where the file has none ---- */
 
-static void measure_facets(struct builder *b)
+static void measure_face(struct builder *b, const struct obj_face *face)
 {
-    for (int face = 0; face < b->obj.n_faces; face++) {
-        const int first = face_start(&b->obj, face), n = gather_ring(b, face);
-        const struct vector normal = polygon_normal(b->ring, n);
-        const bool flat = vector_dot(normal, normal) == 0;
-        b->normals[face] = normal;
-        for (int i = 0; i < n; i++) {
-            b->faces[first + i] = face;
-            b->angles[first + i] = flat ? 0 : polygon_angle(b->ring, n, i, normal);
-        }
+    gather_ring(b, face);
+    const struct vector normal = polygon_normal(b->ring, face->n);
+    const bool flat = vector_dot(normal, normal) == 0;
+    for (int i = 0; i < face->n; i++) {
+        struct obj_corner *corner = &b->obj.corners[face->first + i];
+        corner->normal = normal;
+        corner->angle = flat ? 0 : polygon_angle(b->ring, face->n, i, normal);
     }
 }
 
-/* Counting sort; starts[p] runs to its point's end meanwhile. */
+/* Counting sort. starts[p] is first the end of its point's corners, and at last their begin. */
 static void sort_corners(struct builder *b)
 {
     for (int i = 0; i < b->obj.n_corners; i++)
@@ -173,42 +156,43 @@ static void sort_corners(struct builder *b)
         b->order[--b->starts[b->obj.corners[i].index[OBJ_POINT]]] = i;
 }
 
-static struct vector weighted_normal(const struct builder *b, int32_t corner)
+static struct vector weighted_normal(const struct obj_corner *corner)
 {
-    return vector_scale(b->normals[b->faces[corner]], b->angles[corner]);
+    return vector_scale(corner->normal, corner->angle);
 }
 
-/* The average of all facets about the point; 0 0 0 where there is none. *smooth: all lie within
- * half the crease angle of it, so that they are neighbours of one another. */
+/* Returns the mean normal of all faces at the point; 0 0 0 if no face there has an area. *smooth
+ * means that all lie within half the crease angle of the mean, so that any two are neighbours. */
 static struct vector whole_average(const struct builder *b, int point, bool *smooth)
 {
+    const struct obj_corner *corners = b->obj.corners;
     struct vector sum = {0, 0, 0};
     for (int i = b->starts[point]; i < b->starts[point + 1]; i++)
-        sum = vector_add(sum, weighted_normal(b, b->order[i]));
+        sum = vector_add(sum, weighted_normal(&corners[b->order[i]]));
     sum = vector_normalise(sum);
     *smooth = true;
-    for (int i = b->starts[point]; *smooth && i < b->starts[point + 1]; i++)
-        *smooth = b->angles[b->order[i]] == 0 ||
-                  vector_dot(b->normals[b->faces[b->order[i]]], sum) > b->half_cosine;
+    for (int i = b->starts[point]; *smooth && i < b->starts[point + 1]; i++) {
+        const struct obj_corner *corner = &corners[b->order[i]];
+        *smooth = corner->angle == 0 || vector_dot(corner->normal, sum) > b->half_cosine;
+    }
     return sum;
 }
 
-/* The average of those facets about the point that are neighbours of this corner's. */
-static struct vector crease_average(const struct builder *b, int point, int32_t corner)
+/* Returns the mean normal of the faces at the point that are smooth neighbours of this corner's. */
+static struct vector crease_average(const struct builder *b, int point,
+                                    const struct obj_corner *own)
 {
-    const int32_t own_face = b->faces[corner];
-    const struct vector own = b->normals[own_face];
     struct vector sum = {0, 0, 0};
     for (int i = b->starts[point]; i < b->starts[point + 1]; i++) {
-        const int32_t face = b->faces[b->order[i]];
-        if (face == own_face || vector_dot(b->normals[face], own) > b->cosine)
-            sum = vector_add(sum, weighted_normal(b, b->order[i]));
+        const struct obj_corner *other = &b->obj.corners[b->order[i]];
+        if (other->face == own->face || vector_dot(other->normal, own->normal) > b->cosine)
+            sum = vector_add(sum, weighted_normal(other));
     }
     sum = vector_normalise(sum);
-    return vector_dot(sum, sum) > 0 ? sum : own;
+    return vector_dot(sum, sum) > 0 ? sum : own->normal;
 }
 
-/* Gives every corner about the point that lacks a normal one; equal ones are stored once. */
+/* Sets the normals that corners at the point lack. Equal normals are stored once. */
 static bool fill_point(struct builder *b, int point, struct error *err)
 {
     struct obj_list *list = &b->obj.list[OBJ_NORMAL];
@@ -218,31 +202,32 @@ static bool fill_point(struct builder *b, int point, struct error *err)
     if (vector_dot(average, average) == 0)
         average.z = 1;
     for (int i = b->starts[point]; i < b->starts[point + 1]; i++) {
-        const int32_t corner = b->order[i];
-        int32_t *index = &b->obj.corners[corner].index[OBJ_NORMAL];
+        struct obj_corner *corner = &b->obj.corners[b->order[i]];
+        int32_t *index = &corner->index[OBJ_NORMAL];
         struct vector normal = average;
         if (*index >= 0)
             continue;
-        if (!smooth && b->angles[corner] > 0)
+        if (!smooth && corner->angle > 0)
             normal = crease_average(b, point, corner);
         for (*index = first; *index < list->n && !same_place(list->at[*index], normal);)
             ++*index;
-        if (*index == list->n && !obj_add(list, normal, err))
+        if (*index == list->n && !array_add(&list->at, &list->n, &normal, sizeof normal, err))
             return false;
     }
     return true;
 }
 
-/* Facets that meet at the crease angle itself must not fall on either side by chance. Coordinates
- * are mostly written with six significant digits, so that a facet of a thirtieth of the model's
- * size may lean by 1.5e-5 radians, or 0.001 degrees; by so much less must they meet. */
+/* Rounding must not decide whether faces that meet at the crease angle itself are neighbours. Most
+ * files have coordinates of six significant digits. A face of a thirtieth of the model's size may
+ * then lean by 1.5e-5 radians, or 0.001 degrees. Neighbours must meet at so much less. */
 static bool fill_normals(struct builder *b, double crease_deg, struct error *err)
 {
     const double slack_deg = 0.001;
     double sine;
     sine_cosine(fmax(crease_deg - slack_deg, 0), &sine, &b->cosine);
     b->half_cosine = sqrt((1 + b->cosine) / 2);
-    measure_facets(b);
+    for (int i = 0; i < b->obj.n_faces; i++)
+        measure_face(b, &b->obj.faces[i]);
     sort_corners(b);
     for (int point = 0; point < b->obj.list[OBJ_POINT].n; point++)
         if (!fill_point(b, point, err))
@@ -269,7 +254,7 @@ void mesh_planar(struct mesh *mesh)
     }
 }
 
-/* Planar coordinates where the file has none. */
+/* Sets the texture coordinates: planar ones if the file has none. */
 static void fill_texture(const struct builder *b, struct mesh *mesh)
 {
     mesh_planar(mesh);
@@ -282,36 +267,37 @@ static void fill_texture(const struct builder *b, struct mesh *mesh)
     }
 }
 
-/* The vertex of a corner, which may be new; -1: no memory. */
+/* Returns the vertex of a corner, and adds it if there is none yet; -1: no memory. */
 static int32_t find_vertex(struct builder *b, int32_t corner, struct mesh *mesh, struct error *err)
 {
     const struct obj_corner *corners = b->obj.corners, *wanted = &corners[corner];
     int32_t *link = &b->first_vertex[wanted->index[OBJ_POINT]];
     for (; *link >= 0; link = &b->links[*link].next)
-        if (memcmp(&corners[b->links[*link].corner], wanted, sizeof *wanted) == 0)
+        if (memcmp(corners[b->links[*link].corner].index, wanted->index, sizeof wanted->index) == 0)
             return *link;
-    struct vertex *more = array_more(mesh->vertices, mesh->n_vertices, sizeof *more, err);
-    if (!more)
+    const struct vertex vertex = {
+        .position = obj_point(&b->obj, corner),
+        .normal = b->obj.list[OBJ_NORMAL].at[wanted->index[OBJ_NORMAL]],
+    };
+    if (!array_add(&mesh->vertices, &mesh->n_vertices, &vertex, sizeof vertex, err))
         return -1;
-    mesh->vertices = more;
-    more[mesh->n_vertices].position = b->obj.list[OBJ_POINT].at[wanted->index[OBJ_POINT]];
-    more[mesh->n_vertices].normal = b->obj.list[OBJ_NORMAL].at[wanted->index[OBJ_NORMAL]];
-    *link = mesh->n_vertices++;
+    *link = mesh->n_vertices - 1;
     b->links[*link] = (struct link){-1, corner};
     return *link;
 }
 
-static bool add_face(struct builder *b, int face, struct mesh *mesh, struct error *err)
+static bool add_face(struct builder *b, const struct obj_face *face, struct mesh *mesh,
+                     struct error *err)
 {
-    const int first = face_start(&b->obj, face);
-    cutter_run(&b->cutter, b->ring, gather_ring(b, face));
+    gather_ring(b, face);
+    cutter_run(&b->cutter, b->ring, face->n);
     for (int i = 0; i < b->cutter.n_triangles; i++) {
         int32_t *vertices = mesh->triangles[mesh->n_triangles];
         if (mesh->part)
-            mesh->part[mesh->n_triangles] = b->obj.faces[face].name;
+            mesh->part[mesh->n_triangles] = face->name;
         mesh->n_triangles++;
         for (int k = 0; k < 3; k++) {
-            vertices[k] = find_vertex(b, first + b->cutter.triangles[i][k], mesh, err);
+            vertices[k] = find_vertex(b, face->first + b->cutter.triangles[i][k], mesh, err);
             if (vertices[k] < 0)
                 return false;
         }
@@ -319,7 +305,7 @@ static bool add_face(struct builder *b, int face, struct mesh *mesh, struct erro
     return true;
 }
 
-/* The names become the mesh's, unless no face has one. */
+/* Makes parts of the mesh, which takes the names over; unless no face has a name. */
 static bool divide(struct obj *obj, size_t n_triangles, struct mesh *mesh, struct error *err)
 {
     if (obj->n_names == 1 && obj->names[0][0] == '\0')
@@ -342,8 +328,8 @@ static bool add_faces(struct builder *b, struct mesh *mesh, struct error *err)
         b->first_vertex[p] = -1;
     if (!mesh_reserve(mesh, 0, most, err) || !divide(&b->obj, most, mesh, err))
         return false;
-    for (int face = 0; face < b->obj.n_faces; face++)
-        if (!add_face(b, face, mesh, err))
+    for (int i = 0; i < b->obj.n_faces; i++)
+        if (!add_face(b, &b->obj.faces[i], mesh, err))
             return false;
     fill_texture(b, mesh);
     return mesh_reserve(mesh, 0, 0, err); /* gives back what was not needed */

@@ -14,18 +14,21 @@ struct mesh {
     int32_t (*triangles)[3]; /* counter-clockwise seen from outside */
     int n_vertices, n_triangles;
     int32_t *part;     /* of each triangle; NULL: all are part 0 */
-    char **part_names; /* usemtl of each part, "" for faces before the first; NULL: no names */
+    char **part_names; /* the usemtl of each part, "" before the first one; NULL: no names */
     int n_parts;       /* at least 1 */
 };
 
-/* Makes room for so many more; *mesh keeps its content. A second call before filling must ask for
- * all that is still to come. Fails with EXIT_SYSTEM. */
+/* Makes room for so many more vertices and triangles; *mesh keeps its content. A second call before
+ * the room is filled must ask for the rest of it again; 0, 0 gives back all unused room. Fails with
+ * EXIT_SYSTEM. */
 bool mesh_reserve(struct mesh *mesh, size_t n_vertices, size_t n_triangles, struct error *err);
-/* Reads v, vt, vn, f, g, o, usemtl, mtllib, s; refuses malformed statements; skips other known
- * statements. Faces of any size, concave too, are cut into triangles. A face without vn gets
- * normals averaged with the neighbours at each vertex whose facets meet at less than crease_deg
- * (angle-weighted); without vt, planar coordinates from the bounding box. With unitize, the mesh is
- * first moved and scaled into the cube [-1, 1]^3. Zero-area faces are kept out of normals. */
+/* Reads a Wavefront OBJ file: v, vt, vn, f and usemtl. Skips other known statements, refuses
+ * unknown and malformed ones. Cuts faces of any size, concave ones too, into triangles. A corner
+ * without vn gets the mean normal of its face and of the faces there that meet it at less than
+ * crease_deg, weighted by their angles; a face without area has no weight. A corner without vt gets
+ * planar coordinates, as by mesh_planar. With unitize, the mesh is first moved and scaled into the
+ * cube
+ * [-1, 1]^3. `from` is the place that names the file. */
 bool mesh_read(const char *path, struct place from, bool unitize, double crease_deg,
                struct mesh *out, struct error *err);
 /* Sets texture coordinates, 0 to 1, from x and y in the bounding box of the mesh. */
@@ -34,9 +37,9 @@ void mesh_free(struct mesh *mesh);
 
 /* ---- split.c: parts of a mesh ---- */
 
-/* Cuts all triangles that cross x = 0 there and makes two parts: 0 on the side of negative x, 1 on
- * that of positive x. New vertices lie at exactly x = 0 and are the same numbers on both sides and
- * in neighbouring triangles, so that no crack opens. Replaces the parts and names of *from. */
+/* Cuts all triangles that cross x = 0 there, and makes two parts: 0 at negative x, 1 at positive x.
+ * New vertices lie at exactly x = 0, with the same bits on both sides and in neighbouring
+ * triangles, so that no crack opens. The parts and names of *from are lost. */
 bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err);
 /* Makes a mesh of the triangles of one part, with the vertices that they use, in their order. It
  * may be empty: n_triangles 0. */
@@ -44,29 +47,33 @@ bool mesh_part(const struct mesh *from, int part, struct mesh *out, struct error
 
 /* ---- shape.c: built-in shapes as triangles ---- */
 
-/* With their words and sizes in the scene language. */
+/* The table in shape.c has their words and sizes. A plane and a disk face +z. */
 enum shape_kind {
-    SHAPE_SPHERE,   /* radius slices stacks */
-    SHAPE_TORUS,    /* tube ring sides rings */
-    SHAPE_BOX,      /* w h d */
-    SHAPE_PLANE,    /* w h, faces +z */
-    SHAPE_CYLINDER, /* radius height slices stacks */
-    SHAPE_CONE,     /* radius height slices stacks */
-    SHAPE_DISK,     /* radius slices, faces +z */
-    SHAPE_TEAPOT,   /* size divisions */
-    SHAPE_MESH      /* an OBJ file */
+    SHAPE_SPHERE,
+    SHAPE_TORUS,
+    SHAPE_BOX,
+    SHAPE_PLANE,
+    SHAPE_CYLINDER,
+    SHAPE_CONE,
+    SHAPE_DISK,
+    SHAPE_TEAPOT,
+    SHAPE_MESH /* an OBJ file */
 };
 struct shape {
     enum shape_kind kind;
-    double parameter[4]; /* the sizes above */
+    double parameter[4]; /* the sizes; 0 behind the last one */
     char *path;          /* SHAPE_MESH; owned */
     bool unitize;
     double crease_deg; /* 90 by default */
     bool planar;       /* texture coordinates by mesh_planar */
-    double repeat[2];  /* times that a texture fits along s and t; 1 1 by default */
+    double repeat[2];  /* how often a texture fits along s and t; 1 1 by default */
     struct place place;
 };
 const char *shape_name(enum shape_kind kind); /* the scene language's word */
+/* The name of a size in the scene language; NULL behind the last one. */
+const char *shape_size_name(enum shape_kind kind, int size);
+/* Returns whether the shape has slices, stacks, ..., so that shape_tessellated may change it. */
+bool shape_has_counts(enum shape_kind kind);
 /* Reads a shape's word and sizes, or `mesh` and a file; the other members get their defaults. */
 bool shape_read(struct text *text, struct shape *out, struct error *err);
 /* Returns the shape with `factor` times as many slices, stacks, ...: rounded, and kept within the
@@ -84,16 +91,21 @@ enum { OBJ_POINT, OBJ_TEXTURE, OBJ_NORMAL };
 
 struct obj_corner {
     int32_t index[3]; /* into the lists, from 0; -1: none */
+    int32_t face;
+    /* The normal of the whole face, and the angle of the face here: set by mesh.c if normals are
+     * lacking. A face without area has 0 0 0 and 0, and so no weight in any mean. */
+    struct vector normal;
+    double angle;
 };
 struct obj_list {
     struct vector *at;
     int n;
 };
 struct obj_face {
-    int32_t end;  /* its corners end before this one, and begin where the previous face's end */
-    int32_t name; /* index of its usemtl */
+    int32_t first, n; /* of its corners */
+    int32_t name;     /* index of its usemtl */
 };
-/* Neighbouring corners of a face lie at different places, and a face has at least 3. All counts are
+/* A face has at least 3 corners, and neighbouring ones lie at different places. All counts are
  * below 2^30, since the file is shorter than 2^31 bytes. */
 struct obj {
     struct obj_list list[3]; /* OBJ_POINT, OBJ_TEXTURE; OBJ_NORMAL, of unit length or 0 0 0 */
@@ -103,12 +115,12 @@ struct obj {
     int n_corners, n_faces, n_names;
     struct word material; /* the latest usemtl, while the file is read */
     int32_t name;         /* its index; -1: not used yet */
-    bool lacks_normals;   /* perhaps: some corner has none */
+    bool lacks_normals;   /* some corner that was read has none */
 };
 
 /* Reads and checks the file. Refuses one without any face. */
 bool obj_read(const char *path, struct place from, struct obj *out, struct error *err);
-bool obj_add(struct obj_list *list, struct vector item, struct error *err);
+struct vector obj_point(const struct obj *obj, int corner); /* the place of a corner */
 void obj_free(struct obj *obj);
 
 /* polygon.c: faces of any size. */
@@ -124,11 +136,11 @@ struct cutter { /* working memory, for faces of up to so many corners */
     int32_t *blockers;
     int32_t (*triangles)[3]; /* the result: indices into the ring */
     int n_blockers, n_triangles;
-    double noise; /* how far rounding may have moved a corner in the polygon's plane */
+    double noise; /* rounding has moved a corner by at most so much in the plane of the polygon */
 };
 bool cutter_open(struct cutter *out, int corners, struct error *err);
-/* Cuts the polygon, concave or not, into at most n - 2 triangles with the ring's orientation. Those
- * with two corners at one place are left out. A polygon without area becomes a fan. */
+/* Cuts the polygon, concave or not, into at most n - 2 triangles of the same orientation. Leaves
+ * out triangles with two corners at one place. A polygon without area becomes a fan. */
 void cutter_run(struct cutter *cutter, const struct vector *ring, int n);
 void cutter_free(struct cutter *cutter);
 

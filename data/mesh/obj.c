@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads the statements of a Wavefront OBJ file: points, texture coordinates, normals and faces.
- * Everything is checked here, so that the rest of the mesh builder can rely on it. */
+/* Reads the statements of a Wavefront OBJ file: points, texture coordinates, normals and faces. It
+ * checks them all, so that the rest of the mesh builder can rely on them. */
 #include <float.h>
 #include <limits.h>
 #include <stdlib.h>
@@ -12,15 +12,16 @@
 #include "data/text/text.h"
 #include "spectral.h"
 
-/* The statements that fill the lists, and how many numbers they take. */
+/* The statements that fill the lists, and the number of their numbers. */
 static const struct list_form {
-    const char *keyword, *item;
+    const char *name, *item;
     int least, most;
 } forms[3] = {[OBJ_POINT] = {"v", "vertex", 3, 7}, /* x y z, perhaps w, perhaps red green blue */
               [OBJ_TEXTURE] = {"vt", "texture coordinate", 1, 3},
               [OBJ_NORMAL] = {"vn", "normal", 3, 3}};
 
-/* The statement's next word. A backslash before the end of a line continues it on the next one. */
+/* Reads the next word of the statement. A backslash at the end of a line continues the statement on
+ * the next line. */
 static bool next_word(struct text *text, struct word *out)
 {
     while (text_word(text, out)) {
@@ -36,17 +37,8 @@ static bool next_word(struct text *text, struct word *out)
 
 /* ---- v, vt, vn ---- */
 
-bool obj_add(struct obj_list *list, struct vector item, struct error *err)
-{
-    struct vector *more = array_more(list->at, list->n, sizeof *more, err);
-    if (!more)
-        return false;
-    list->at = more;
-    more[list->n++] = item;
-    return true;
-}
-
-/* OpenGL takes single-precision numbers, so larger ones could not be drawn. */
+/* Reads the numbers of v, vt or vn. Refuses those above the largest single-precision number, which
+ * OpenGL could not draw. */
 static bool read_item(struct text *text, const struct list_form *form, struct obj_list *list,
                       struct error *err)
 {
@@ -55,24 +47,26 @@ static bool read_item(struct text *text, const struct list_form *form, struct ob
     int n = 0;
     for (; next_word(text, &word); n++) {
         if (n == form->most)
-            return error_at(err, word.place, "too many numbers: %s takes at most %d", form->keyword,
+            return error_at(err, word.place, "too many numbers: %s takes at most %d", form->name,
                             form->most);
         if (!word_number(&word, "coordinate", -(double)FLT_MAX, (double)FLT_MAX, &number[n], err))
             return false;
     }
     if (n < form->least)
         return error_at(err, text_place(text), "expected a number: %s takes at least %d",
-                        form->keyword, form->least);
+                        form->name, form->least);
     if (n == 5)
         return error_at(err, text_place(text),
                         "expected a number: v takes x y z, perhaps w, perhaps red green blue");
-    const struct vector item = {number[0], number[1], number[2]};
-    return obj_add(list, form == &forms[OBJ_NORMAL] ? vector_normalise(item) : item, err);
+    struct vector item = {number[0], number[1], number[2]};
+    if (form == &forms[OBJ_NORMAL])
+        item = vector_normalise(item);
+    return array_add(&list->at, &list->n, &item, sizeof item, err);
 }
 
 /* ---- f ---- */
 
-/* An index counts from 1, or back from -1, the latest; *out from 0. */
+/* Reads an index, which counts from 1, or back from -1, the latest item. *out counts from 0. */
 static bool read_index(const struct word *word, const char *item, int n, int32_t *out,
                        struct error *err)
 {
@@ -88,18 +82,18 @@ static bool read_index(const struct word *word, const char *item, int n, int32_t
     return true;
 }
 
-/* Up to three indices between slashes, of which the middle one may be missing. */
+/* Reads a corner: up to three indices between slashes. The middle one may be missing. */
 static bool read_corner(const struct word *word, const struct obj *obj, struct obj_corner *out,
                         struct error *err)
 {
     const char *at = word->start, *end = at + word->length;
     int slashes = 0;
-    *out = (struct obj_corner){{-1, -1, -1}};
+    *out = (struct obj_corner){.index = {-1, -1, -1}, .face = obj->n_faces};
     for (const char *c = at; c < end; c++)
         slashes += *c == '/';
     if (word->quoted || slashes > 2 || at[0] == '/' || end[-1] == '/')
         return error_at(err, word->place,
-                        "%.*s is no corner; a corner is written v, v/vt, v//vn or v/vt/vn",
+                        "expected a corner, v, v/vt, v//vn or v/vt/vn; found %.*s",
                         word_shown(word), word->start);
     for (int i = OBJ_POINT; i <= slashes; i++) {
         const char *slash = memchr(at, '/', (size_t)(end - at));
@@ -115,7 +109,7 @@ static bool read_corner(const struct word *word, const struct obj *obj, struct o
     return true;
 }
 
-static struct vector place_of(const struct obj *obj, int corner)
+struct vector obj_point(const struct obj *obj, int corner)
 {
     return obj->list[OBJ_POINT].at[obj->corners[corner].index[OBJ_POINT]];
 }
@@ -124,47 +118,36 @@ static struct vector place_of(const struct obj *obj, int corner)
 static bool add_corner(struct obj *obj, int first, struct obj_corner corner, struct error *err)
 {
     const struct vector nothing = {0, 0, 0};
-    struct obj_corner *more = array_more(obj->corners, obj->n_corners, sizeof *more, err);
     int32_t *normal = &corner.index[OBJ_NORMAL];
-    if (!more)
-        return false;
-    obj->corners = more;
     if (*normal >= 0 && same_place(obj->list[OBJ_NORMAL].at[*normal], nothing))
-        *normal = -1; /* some writers' "none" */
+        *normal = -1; /* some programs write 0 0 0 for "none" */
     obj->lacks_normals = obj->lacks_normals || *normal < 0;
-    more[obj->n_corners] = corner;
-    obj->n_corners += obj->n_corners == first ||
-                      !same_place(place_of(obj, obj->n_corners - 1), place_of(obj, obj->n_corners));
+    if (!array_add(&obj->corners, &obj->n_corners, &corner, sizeof corner, err))
+        return false;
+    const int last = obj->n_corners - 1;
+    if (last > first && same_place(obj_point(obj, last - 1), obj_point(obj, last)))
+        obj->n_corners--;
     return true;
 }
 
 /* Finds the current usemtl among the names, or adds it. */
 static bool find_name(struct obj *obj, struct error *err)
 {
-    const struct word *word = &obj->material;
-    for (obj->name = 0; obj->name < obj->n_names; obj->name++) {
-        const char *name = obj->names[obj->name];
-        if (strncmp(name, word->start, word->length) == 0 && name[word->length] == '\0')
+    for (obj->name = 0; obj->name < obj->n_names; obj->name++)
+        if (word_equals(&obj->material, obj->names[obj->name]))
             return true;
-    }
-    char **more = array_more(obj->names, obj->n_names, sizeof *more, err);
-    if (!more)
-        return false;
-    obj->names = more;
-    more[obj->name] = word_copy(word);
-    obj->n_names += more[obj->name] != NULL;
-    return more[obj->name] != NULL || error_memory(err);
+    char *name = word_copy(&obj->material);
+    if (name && array_add(&obj->names, &obj->n_names, &name, sizeof name, err))
+        return true;
+    free(name);
+    return error_memory(err);
 }
 
-/* Ends the face that began at `first`; one that is only a point or an edge is forgotten. */
+/* Ends the face that began at `first`. Drops it if it is only a point or an edge. */
 static bool end_face(struct obj *obj, int first, struct error *err)
 {
-    struct obj_face *more = array_more(obj->faces, obj->n_faces, sizeof *more, err);
-    if (!more)
-        return false;
-    obj->faces = more;
     while (obj->n_corners > first + 1 &&
-           same_place(place_of(obj, first), place_of(obj, obj->n_corners - 1)))
+           same_place(obj_point(obj, first), obj_point(obj, obj->n_corners - 1)))
         obj->n_corners--;
     if (obj->n_corners < first + 3) {
         obj->n_corners = first;
@@ -172,14 +155,14 @@ static bool end_face(struct obj *obj, int first, struct error *err)
     }
     if (obj->name < 0 && !find_name(obj, err))
         return false;
-    more[obj->n_faces++] = (struct obj_face){obj->n_corners, obj->name};
-    return true;
+    const struct obj_face face = {first, obj->n_corners - first, obj->name};
+    return array_add(&obj->faces, &obj->n_faces, &face, sizeof face, err);
 }
 
 static bool read_face(struct text *text, struct obj *obj, struct error *err)
 {
     const int first = obj->n_corners;
-    struct obj_corner corner, form = {{0}};
+    struct obj_corner corner, form = {.face = 0};
     struct word word, opening = {0};
     int n = 0;
     for (; next_word(text, &word); n++) {
@@ -191,9 +174,10 @@ static bool read_face(struct text *text, struct obj *obj, struct error *err)
         }
         for (int i = OBJ_TEXTURE; i <= OBJ_NORMAL; i++)
             if ((corner.index[i] < 0) != (form.index[i] < 0))
-                return error_at(err, word.place,
-                                "%.*s is not written as the face's first corner, %.*s",
-                                (int)word.length, word.start, (int)opening.length, opening.start);
+                return error_at(
+                    err, word.place,
+                    "expected a corner with the same indices as the first one, %.*s; found %.*s",
+                    (int)opening.length, opening.start, (int)word.length, word.start);
         if (!add_corner(obj, first, corner, err))
             return false;
     }
@@ -204,8 +188,8 @@ static bool read_face(struct text *text, struct obj *obj, struct error *err)
 
 /* ---- the file ---- */
 
-/* Known statements that say nothing about polygons. */
-static bool is_skipped(const struct word *keyword)
+/* Returns whether the statement is a known one that has no effect on polygons. */
+static bool is_skipped(const struct word *name)
 {
     static const char *const skipped[] = {
         "g",    "o",     "s",          "mtllib",    "usemap", "maplib", "mg",   "p",
@@ -214,29 +198,29 @@ static bool is_skipped(const struct word *keyword)
         "lod",  "bevel", "c_interp",   "d_interp",  "ctech",  "stech",  "bsp",  "bzp",
         "cdc",  "cdp",   "shadow_obj", "trace_obj", "res"};
     for (size_t i = 0; i < sizeof skipped / sizeof *skipped; i++)
-        if (word_is(keyword, skipped[i]))
+        if (word_is(name, skipped[i]))
             return true;
     return false;
 }
 
-static bool read_statement(struct text *text, const struct word *keyword, struct obj *obj,
+static bool read_statement(struct text *text, const struct word *name, struct obj *obj,
                            struct error *err)
 {
     struct word word;
-    if (word_is(keyword, "f"))
+    if (word_is(name, "f"))
         return read_face(text, obj, err);
     for (int i = OBJ_POINT; i <= OBJ_NORMAL; i++)
-        if (word_is(keyword, forms[i].keyword))
+        if (word_is(name, forms[i].name))
             return read_item(text, &forms[i], &obj->list[i], err);
-    if (word_is(keyword, "usemtl")) {
+    if (word_is(name, "usemtl")) {
         obj->material.length = 0;
         obj->name = -1;
         next_word(text, &obj->material);
-    } else if (!is_skipped(keyword)) {
-        return error_at(err, keyword->place,
+    } else if (!is_skipped(name)) {
+        return error_at(err, name->place,
                         "unknown statement %.*s; OBJ has v, vt, vn, f, g, o, s, usemtl, mtllib, "
                         "...",
-                        word_shown(keyword), keyword->start);
+                        word_shown(name), name->start);
     }
     while (next_word(text, &word))
         continue;
@@ -246,16 +230,16 @@ static bool read_statement(struct text *text, const struct word *keyword, struct
 bool obj_read(const char *path, struct place from, struct obj *out, struct error *err)
 {
     struct text text;
-    struct word keyword;
+    struct word name;
     bool good = true;
     *out = (struct obj){.material = {.start = ""}, .name = -1};
     if (!text_open(&text, path, from, err))
         return false;
     while (good && text_next_line(&text))
-        good = !next_word(&text, &keyword) || read_statement(&text, &keyword, out, err);
+        good = !next_word(&text, &name) || read_statement(&text, &name, out, err);
     if (good && out->n_faces == 0)
         good = error_at(err, text_whole(&text),
-                        "has nothing to draw: no f with three different corners");
+                        "the file has nothing to draw; expected an f with three different corners");
     text_free(&text);
     return good;
 }

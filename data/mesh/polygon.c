@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Faces of any size: normals, angles, and cutting into triangles by ear clipping. It never fails
- * and always ends: a ring that is no simple polygon, within rounding, is finished as a fan. */
+/* Faces of any size: normals, angles, and cutting into triangles by ear clipping. Cutting never
+ * fails and always ends. If the rest of a ring is no simple polygon, within rounding, it becomes a
+ * fan. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -20,17 +21,17 @@ static double largest_component(struct vector a)
     return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
 }
 
-/* A ring is looked at relative to its first corner, in units of its reach: safe to multiply
- * whatever the scale. */
+/* Coordinates of a ring relative to its first corner, in units of its reach. Their products neither
+ * overflow nor underflow, whatever the scale of the model. */
 struct frame {
     struct vector origin;
-    double reach;    /* farthest from the first corner along an axis, rounded up to a power of two:
-                        dividing by that is exact, so that straight corners stay straight */
-    double rounding; /* how far coordinates reach from 0, in units of the reach: by so much of an
-                        epsilon may relative ones be off, since the ring's own were rounded */
+    double reach;    /* the largest distance from the first corner along an axis, rounded up to a
+                        power of two: division by it is exact, so straight corners stay straight */
+    double rounding; /* the largest coordinate of the ring, in units of the reach: a relative one is
+                        off by so many epsilons, since the ring's own were rounded */
 };
 
-/* False where all corners are at one place. */
+/* Returns false if all corners are at one place. */
 static bool frame_make(const struct vector *ring, int n, struct frame *out)
 {
     double reach = 0, largest = 0;
@@ -66,9 +67,10 @@ struct vector polygon_normal(const struct vector *ring, int n)
         next = relative(&frame, ring[i]);
         sum = vector_add(sum, vector_cross(last, next));
     }
-    /* With s the frame's rounding, a coordinate, of size 1, is off by s / 2 epsilons from rounding,
-     * and its difference from the first by s and 1/2. A component of a cross product has 2 products
-     * of 2 such: 4 s + 2 epsilons for each of n - 2 triangles, and 3 for its own roundings. */
+    /* With s the rounding of the frame, a coordinate is off by s / 2 epsilons, and its difference
+     * from the first one, of size 1, by s + 1/2. A component of a cross product has 2 products of 2
+     * such differences: 4 s + 2 epsilons for each of n - 2 triangles, and 3 for its own roundings.
+     */
     const double noise = (4 * frame.rounding + 5) * DBL_EPSILON * n;
     return largest_component(sum) > noise ? vector_normalise(sum) : none;
 }
@@ -87,11 +89,11 @@ double polygon_angle(const struct vector *ring, int n, int i, struct vector norm
 
 /* ---- cutting ---- */
 
-/* A corner of what is left of the polygon: a ring that shrinks ear by ear. */
+/* A corner of the rest of the polygon, a ring that shrinks ear by ear. */
 struct cutter_node {
     double x, y; /* in the plane of the polygon, which is counter-clockwise there */
     int32_t previous, next;
-    bool convex, listed, refused, cut; /* listed: among the blockers; refused: no ear */
+    bool convex, listed, refused, cut; /* listed: is a blocker; refused: is no ear */
 };
 
 bool cutter_open(struct cutter *out, int corners, struct error *err)
@@ -121,9 +123,9 @@ static void add_triangle(struct cutter *cutter, const struct vector *ring, int a
         memcpy(cutter->triangles[cutter->n_triangles++], corner, sizeof corner);
 }
 
-/* Projects along the normal onto the coordinate plane that faces it most, mirrored where needed to
- * be counter-clockwise. With s the frame's rounding, a relative coordinate is off by s + 1/2
- * epsilons; two of them and the projection's own roundings make 2 s + 3. */
+/* Projects the ring along the normal onto the coordinate plane that faces it most, and mirrors it
+ * if it would be clockwise. With s the rounding of the frame, a relative coordinate is off by s +
+ * 1/2 epsilons; two of them and the roundings of the projection make 2 s + 3. */
 static void flatten(struct cutter *cutter, const struct vector *ring, int n, struct vector normal)
 {
     const double along[3] = {normal.x, normal.y, normal.z}, largest = largest_component(normal);
@@ -145,8 +147,9 @@ static void flatten(struct cutter *cutter, const struct vector *ring, int n, str
     }
 }
 
-/* Twice the signed area of a b c: positive where the way a b c turns left. 0 within rounding, which
- * moves each end of the two steps by the noise: a straight line must not turn by chance. */
+/* Returns twice the signed area of a b c, positive if the way from a by b to c turns left. Returns
+ * 0 within rounding, which moves each end of the two steps by the noise: a straight line must not
+ * turn. */
 static double turn(const struct cutter *cutter, const struct cutter_node *a,
                    const struct cutter_node *b, const struct cutter_node *c)
 {
@@ -162,7 +165,7 @@ static bool coincide(const struct cutter_node *a, const struct cutter_node *b)
     return a->x == b->x && a->y == b->y;
 }
 
-/* p in the closed triangle a b c, though not at one of its corners. */
+/* Returns whether p is in the closed triangle a b c, but not at one of its corners. */
 static bool is_inside(const struct cutter *cutter, const struct cutter_node *a,
                       const struct cutter_node *b, const struct cutter_node *c,
                       const struct cutter_node *p)
@@ -171,9 +174,9 @@ static bool is_inside(const struct cutter *cutter, const struct cutter_node *a,
            !coincide(p, a) && !coincide(p, b) && !coincide(p, c);
 }
 
-/* An ear is a left turn whose triangle holds no other corner; only a corner that does not turn left
- * need be looked at. A spike or a repeated place is one too: cutting it off loses nothing. Blockers
- * that became convex or were cut leave the list on the way. */
+/* An ear is a left turn whose triangle contains no other corner. Only blockers, corners that do not
+ * turn left, can lie inside. A spike or a repeated place is an ear, too: it has no area to lose.
+ * Removes blockers from the list that have become convex or were cut. */
 static bool is_ear(struct cutter *cutter, const struct cutter_node *b)
 {
     struct cutter_node *nodes = cutter->nodes;
@@ -199,7 +202,7 @@ static bool is_ear(struct cutter *cutter, const struct cutter_node *b)
     return true;
 }
 
-/* Looks at a corner's new turn: it may be an ear now. */
+/* Updates a corner whose neighbour was cut: it turns otherwise, and may be an ear now. */
 static void refresh(struct cutter *cutter, int i)
 {
     struct cutter_node *node = &cutter->nodes[i];
@@ -213,9 +216,9 @@ static void refresh(struct cutter *cutter, int i)
     }
 }
 
-/* Walks round and cuts what it can. An ear that is none stays none until a neighbour is cut, since
- * what is left of the polygon only shrinks: corners are looked at n + 2n times at most. From a
- * convex polygon the walk makes a fan. */
+/* Walks round the ring and cuts all ears. A corner that is no ear cannot become one until a
+ * neighbour is cut, since the polygon only shrinks. So it tests at most n + 2n corners. A convex
+ * polygon becomes a fan. */
 static void cut_ears(struct cutter *cutter, const struct vector *ring, int n)
 {
     struct cutter_node *nodes = cutter->nodes;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The built-in solids as triangles. Positions along a seam are computed once or from the same
- * numbers by the same steps, so that neighbours agree in every bit and no crack can open. */
+/* The built-in shapes: their words and sizes, and their triangles. Positions along a seam are
+ * computed once, or from the same numbers by the same steps. So neighbours agree in every bit, and
+ * no crack can open. */
 #include <assert.h>
 #include <float.h>
 #include <math.h>
@@ -14,79 +15,92 @@
 
 /* ---- the words of the scene language ---- */
 
-/* A length lies above 0 and has highest 0; any other parameter is a whole number. */
-struct parameter {
+/* A length lies above 0 and has highest 0. Any other size is a count, which can be refined. */
+struct size {
     const char *name;
     int lowest, highest;
 };
-enum { MOST_FACETS = 4096, MOST_DIVISIONS = 64 };
+enum { MOST = 4096, MOST_DIVISIONS = 64 };
 
-/* In the order of enum shape_kind. */
-static const char *const shape_names[] = {"sphere", "torus", "box",    "plane", "cylinder",
-                                          "cone",   "disk",  "teapot", "mesh",  NULL};
-static const struct parameter shape_parameters[][4] = {
-    {{"radius", 0, 0}, {"slices", 3, MOST_FACETS}, {"stacks", 2, MOST_FACETS}},
-    {{"tube", 0, 0}, {"ring", 0, 0}, {"sides", 3, MOST_FACETS}, {"rings", 3, MOST_FACETS}},
-    {{"width", 0, 0}, {"height", 0, 0}, {"depth", 0, 0}},
-    {{"width", 0, 0}, {"height", 0, 0}},
-    {{"radius", 0, 0}, {"height", 0, 0}, {"slices", 3, MOST_FACETS}, {"stacks", 1, MOST_FACETS}},
-    {{"radius", 0, 0}, {"height", 0, 0}, {"slices", 3, MOST_FACETS}, {"stacks", 1, MOST_FACETS}},
-    {{"radius", 0, 0}, {"slices", 3, MOST_FACETS}},
-    {{"size", 0, 0}, {"divisions", 1, MOST_DIVISIONS}},
-    {{NULL, 0, 0}}};
+/* A shape's word, and its sizes up to a name that is NULL. */
+static const struct form {
+    const char *word;
+    struct size sizes[5];
+} forms[] = {
+    [SHAPE_SPHERE] = {"sphere", {{"radius", 0, 0}, {"slices", 3, MOST}, {"stacks", 2, MOST}}},
+    [SHAPE_TORUS] = {"torus",
+                     {{"tube", 0, 0}, {"ring", 0, 0}, {"sides", 3, MOST}, {"rings", 3, MOST}}},
+    [SHAPE_BOX] = {"box", {{"width", 0, 0}, {"height", 0, 0}, {"depth", 0, 0}}},
+    [SHAPE_PLANE] = {"plane", {{"width", 0, 0}, {"height", 0, 0}}},
+    [SHAPE_CYLINDER] =
+        {"cylinder",
+         {{"radius", 0, 0}, {"height", 0, 0}, {"slices", 3, MOST}, {"stacks", 1, MOST}}},
+    [SHAPE_CONE] = {"cone",
+                    {{"radius", 0, 0}, {"height", 0, 0}, {"slices", 3, MOST}, {"stacks", 1, MOST}}},
+    [SHAPE_DISK] = {"disk", {{"radius", 0, 0}, {"slices", 3, MOST}}},
+    [SHAPE_TEAPOT] = {"teapot", {{"size", 0, 0}, {"divisions", 1, MOST_DIVISIONS}}},
+    [SHAPE_MESH] = {"mesh", {{NULL, 0, 0}}},
+};
+enum { N_SHAPES = SHAPE_MESH + 1 };
 
 const char *shape_name(enum shape_kind kind)
 {
-    return shape_names[kind];
+    return forms[kind].word;
+}
+
+const char *shape_size_name(enum shape_kind kind, int i)
+{
+    return forms[kind].sizes[i].name;
 }
 
 struct shape shape_tessellated(const struct shape *shape, double factor)
 {
-    const struct parameter *p = shape_parameters[shape->kind];
     struct shape out = *shape;
-    for (int i = 0; i < 4 && p[i].name != NULL; i++)
-        if (p[i].highest > 0)
-            out.parameter[i] =
-                fmax(p[i].lowest, fmin(floor(factor * out.parameter[i] + 0.5), p[i].highest));
+    double *value = out.parameter;
+    for (const struct size *size = forms[shape->kind].sizes; size->name; size++, value++)
+        if (size->highest > 0)
+            *value = fmax(size->lowest, fmin(floor(factor * *value + 0.5), size->highest));
     return out;
 }
 
-static bool read_parameters(struct text *text, struct shape *out, struct error *err)
+bool shape_has_counts(enum shape_kind kind)
 {
-    const struct parameter *p = shape_parameters[out->kind];
-    for (int i = 0; i < 4 && p[i].name != NULL; i++) {
-        double *value = &out->parameter[i];
-        long count;
-        if (p[i].highest == 0) {
-            if (!text_number(text, p[i].name, DBL_MIN, HUGE_VAL, value, err))
-                return false;
-        } else {
-            if (!text_integer(text, p[i].name, p[i].lowest, p[i].highest, &count, err))
-                return false;
-            *value = (double)count;
-        }
-    }
+    bool any = false;
+    for (const struct size *size = forms[kind].sizes; size->name; size++)
+        any = any || size->highest > 0;
+    return any;
+}
+
+static bool read_size(struct text *text, const struct size *size, double *out, struct error *err)
+{
+    long count;
+    if (size->highest == 0)
+        return text_number(text, size->name, DBL_MIN, HUGE_VAL, out, err);
+    if (!text_integer(text, size->name, size->lowest, size->highest, &count, err))
+        return false;
+    *out = (double)count;
     return true;
 }
 
 bool shape_read(struct text *text, struct shape *out, struct error *err)
 {
+    const char *words[N_SHAPES + 1] = {NULL};
     struct word word;
     int kind;
-    *out = (struct shape){.crease_deg = 90, .repeat = {1, 1}};
-    if (!text_expect(text, &word, "a shape", err))
-        return false;
-    kind = word_choose(&word, shape_names, "shape", err);
+    *out = (struct shape){.crease_deg = 90, .repeat = {1, 1}, .place = text_next_place(*text)};
+    for (int i = 0; i < N_SHAPES; i++)
+        words[i] = forms[i].word;
+    kind = text_choose(text, "a shape", words, "shape", err);
     if (kind < 0)
         return false;
     out->kind = (enum shape_kind)kind;
-    out->place = word.place;
+    for (int i = 0; forms[kind].sizes[i].name; i++)
+        if (!read_size(text, &forms[kind].sizes[i], &out->parameter[i], err))
+            return false;
     if (out->kind != SHAPE_MESH)
-        return read_parameters(text, out, err);
-    if (!text_expect(text, &word, "a mesh file", err))
-        return false;
-    out->place = word.place;
-    return word_path(&word, &out->path, err);
+        return true;
+    out->place = text_next_place(*text);
+    return text_expect(text, &word, "a mesh file", err) && word_path(&word, &out->path, err);
 }
 
 /* ---- directions ---- */
@@ -95,7 +109,7 @@ struct direction {
     double cosine, sine;
 };
 
-/* At index/count of a full turn. */
+/* Returns the direction at index/count of a full turn. */
 static struct direction circle(int64_t index, int64_t count)
 {
     struct direction at;
@@ -119,8 +133,8 @@ static void add_triangle(struct mesh *mesh, int a, int b, int c)
     memcpy(mesh->triangles[mesh->n_triangles++], corner, sizeof corner);
 }
 
-/* Two triangles per quadrilateral between a lower and an upper row; where a row is a pole, its
- * vertices sit between those of the other row, and the triangle without area is left out. */
+/* Adds two triangles for each quadrilateral between a lower and an upper row. If a row is a pole,
+ * its vertices lie between those of the other row, and the triangle without area is left out. */
 static void add_band(struct mesh *mesh, int low, bool low_pole, int high, bool high_pole, int count)
 {
     for (int i = 0; i < count; i++) {
@@ -133,9 +147,9 @@ static void add_band(struct mesh *mesh, int low, bool low_pole, int high, bool h
 
 /* ---- flat shapes ---- */
 
-/* One face of a box, 0 to 5: along x, -x, y, -y, z, -z. The right and up of its texture follow its
- * axis in the cycle x y z, the right one turned round on the negative side to stay
- * counter-clockwise. */
+/* Adds a face of a box, from 0 to 5: towards x, -x, y, -y, z, -z. The texture's right and up are
+ * the axes that follow in the cycle x y z. On the negative sides right is reversed, so that
+ * triangles stay counter-clockwise. */
 static bool add_face(struct mesh *mesh, const double size[3], int face, struct error *err)
 {
     const int axis = face / 2, right = (axis + 1) % 3, up = (axis + 2) % 3;
@@ -167,14 +181,7 @@ static bool build_box(const double size[3], struct mesh *out, struct error *err)
     return true;
 }
 
-static bool build_plane(double width, double height, struct mesh *out, struct error *err)
-{
-    const double size[3] = {width, height, 0};
-
-    return add_face(out, size, 4, err);
-}
-
-/* A flat disk about the z axis; `facing` is the z of its normal, 1 or -1. */
+/* Adds a flat disk about the z axis; `facing` is the z of its normal, 1 or -1. */
 static bool add_disk(struct mesh *mesh, double radius, double z, double facing, int slices,
                      struct error *err)
 {
@@ -203,7 +210,8 @@ struct profile {
     double radius, z, normal_radius, normal_z, t;
 };
 
-/* A pole's products may be -0; adding 0 makes them 0: all its vertices have the same bits. */
+/* Adds the vertices of a ring. Products at a pole may be -0; adding 0 makes them 0, so that all
+ * vertices there have the same bits. */
 static void add_ring(struct mesh *mesh, const struct profile *point, int slices)
 {
     const bool pole = point->radius == 0;
@@ -219,7 +227,7 @@ static void add_ring(struct mesh *mesh, const struct profile *point, int slices)
     }
 }
 
-/* The profile at `step` of `steps`, upwards on the outer side. */
+/* Returns the profile at `step` of `steps`, which goes upwards on the outer side. */
 static struct profile profile_at(const struct shape *shape, int step, int steps)
 {
     const double share = (double)step / steps, *p = shape->parameter;
@@ -279,8 +287,8 @@ static struct bernstein bernstein_at(int index, int count)
                               {-(v * v), v * v - 2 * (u * v), 2 * (u * v) - u * u, u * u}};
 }
 
-/* The sum of the weighted points, in an order in which a curve run backwards has the same bits:
- * patches that share an edge may run along it in opposite directions. */
+/* Returns the sum of the weighted points, in an order that gives the same bits for the reversed
+ * curve: patches that share an edge may run along it in opposite directions. */
 static struct vector weigh(const struct vector point[4], const double weight[4])
 {
     return vector_add(
@@ -288,14 +296,14 @@ static struct vector weigh(const struct vector point[4], const double weight[4])
         vector_add(vector_scale(point[1], weight[1]), vector_scale(point[2], weight[2])));
 }
 
-/* The outward normal where a patch's first row is one point: that point's tangents along the two
- * sides of the patch span the tangent plane. */
+/* Returns the outward normal of a patch whose first row is one point. The tangents there, along the
+ * two sides of the patch, span the tangent plane. */
 static struct vector pole_normal(const struct vector point[16])
 {
     return vector_cross(vector_subtract(point[7], point[0]), vector_subtract(point[4], point[0]));
 }
 
-/* A vertex of a patch, in the teapot's own coordinates, the normal of any length. */
+/* Returns a vertex of a patch in the teapot's own coordinates; the normal has any length. */
 static struct vertex patch_vertex(const struct vector point[16], const struct bernstein *row,
                                   const struct bernstein *column, bool pole)
 {
@@ -313,15 +321,15 @@ static struct vertex patch_vertex(const struct vector point[16], const struct be
     return out;
 }
 
-/* z up about 1.5 becomes y up about the origin, at half the size: as glutSolidTeapot has it.
- * Adding 0 makes -0 into 0, so that seams agree in that bit too. */
+/* Turns the teapot from z up to y up, as in glutSolidTeapot. Adding 0 makes -0 into 0, so that
+ * seams agree in that bit, too. */
 static struct vector teapot_upright(struct vector a)
 {
     return (struct vector){a.x + 0.0, a.z + 0.0, 0.0 - a.y};
 }
 
-/* A patch whose first row begins with the same point twice starts from a pole: the row is one
- * point. */
+/* Adds a patch of so many divisions along each side. `pole` means that its first row is one point.
+ */
 static void add_patch(struct mesh *mesh, const struct vector point[16], bool pole, int divisions,
                       double size)
 {
@@ -343,14 +351,6 @@ static void add_patch(struct mesh *mesh, const struct vector point[16], bool pol
             add_band(mesh, previous, pole && row == 1, first, false, divisions);
         previous = first;
     }
-}
-
-static bool read_point(struct text *text, struct vector *out, struct error *err)
-{
-    return text_number(text, "x", -HUGE_VAL, HUGE_VAL, &out->x, err) &&
-           text_number(text, "y", -HUGE_VAL, HUGE_VAL, &out->y, err) &&
-           text_number(text, "z", -HUGE_VAL, HUGE_VAL, &out->z, err) &&
-           text_end(text, "a point", err);
 }
 
 static bool read_patch(struct text *text, const struct vector *points, int n_points,
@@ -380,16 +380,17 @@ static bool read_teapot(struct text *text, const struct shape *shape, struct mes
         if (!text_word(text, &word))
             continue;
         if (word_is(&word, "point") && n_points < TEAPOT_POINTS) {
-            good = read_point(text, &points[n_points++], err);
+            good = text_vector(text, "point", &points[n_points++], err) &&
+                   text_end(text, "a point", err);
         } else if (n_patches++ < TEAPOT_PATCHES) {
             good = read_patch(text, points, n_points, patch, &pole, err);
             if (good)
                 add_patch(out, patch, pole, (int)shape->parameter[1], shape->parameter[0]);
         }
     }
-    return good &&
-           (n_patches == TEAPOT_PATCHES ||
-            error_at(err, text_whole(text), "%d patches instead of %d", n_patches, TEAPOT_PATCHES));
+    return good && (n_patches == TEAPOT_PATCHES ||
+                    error_at(err, text_whole(text), "expected %d patches, found %d", TEAPOT_PATCHES,
+                             n_patches));
 }
 
 static bool build_teapot(const struct shape *shape, struct mesh *out, struct error *err)
@@ -420,7 +421,7 @@ static bool build(const struct shape *shape, struct mesh *out, struct error *err
     case SHAPE_BOX:
         return build_box(p, out, err);
     case SHAPE_PLANE:
-        return build_plane(p[0], p[1], out, err);
+        return add_face(out, p, 4, err); /* its depth is 0 */
     case SHAPE_CYLINDER:
         return add_revolution(shape, (int)p[3], (int)p[2], out, err) &&
                add_disk(out, p[0], -0.5 * p[1], -1, (int)p[2], err) &&

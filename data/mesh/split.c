@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Meshes in parts: cutting one in half, and taking a part out. */
+/* Cuts a mesh in half, and takes a part out of a mesh. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -19,8 +19,8 @@ static bool crosses(const struct mesh *mesh, int32_t a, int32_t b)
     return side_of(&mesh->vertices[a]) * side_of(&mesh->vertices[b]) < 0;
 }
 
-/* Where a value that is a at -1 and b at 1 is at `where`. Equal ones stay what they are, and seen
- * from the other end, b at -1 and a at 1, every bit is the same. */
+/* Interpolates a value that is a at -1 and b at 1. Equal values stay the same; with a and b
+ * exchanged and `where` negated, the result has the same bits. */
 static double between(double a, double b, double where)
 {
     return 0.5 * ((a + b) + where * (b - a));
@@ -39,7 +39,7 @@ static struct vertex cut_edge(const struct vertex *a, const struct vertex *b)
                            between(a->t, b->t, where)};
 }
 
-/* An edge by its vertices, the lower one first. */
+/* Returns one number for an edge, whichever of its vertices comes first. */
 static int64_t edge_of(int32_t a, int32_t b)
 {
     return a < b ? (int64_t)a * INT32_MAX + b : (int64_t)b * INT32_MAX + a;
@@ -51,7 +51,8 @@ static int compare_edges(const void *a, const void *b)
     return (p > q) - (p < q);
 }
 
-/* Adds a vertex for each edge that crosses, in the order of the edges; returns how many. */
+/* Adds a vertex for each edge that crosses x = 0, in the order of the edges; returns their number.
+ */
 static int cut_edges(struct mesh *mesh, const struct mesh *from, int64_t *edges)
 {
     int n = 0, n_cut = 0;
@@ -72,8 +73,8 @@ static int cut_edges(struct mesh *mesh, const struct mesh *from, int64_t *edges)
     return n_cut;
 }
 
-/* Adds a triangle's part on one side: 3 or 4 corners, fewer are at most an edge. A quadrilateral is
- * divided from its lowest vertex, so that a mirrored mesh is cut alike. */
+/* Adds the polygon that a triangle has on one side, of 3 or 4 corners; fewer have no area. Divides
+ * a quadrilateral from its vertex of the lowest number, so that a mirrored mesh is cut alike. */
 static void add_side(struct mesh *mesh, int part, const int32_t *corner, int n)
 {
     int low = 0;
@@ -88,7 +89,7 @@ static void add_side(struct mesh *mesh, int part, const int32_t *corner, int n)
     }
 }
 
-/* The new vertices are the mesh's last n_edges. */
+/* Cuts a triangle. The last n_edges vertices of the mesh are the new ones. */
 static void cut_triangle(const int32_t triangle[3], const int64_t *edges, int n_edges,
                          struct mesh *mesh)
 {
@@ -111,7 +112,7 @@ static void cut_triangle(const int32_t triangle[3], const int64_t *edges, int n_
         cut = true;
     }
     add_side(mesh, 0, corner[0], n[0]);
-    if (cut || n[0] < 3) /* both sides have a triangle in the plane itself */
+    if (cut || n[0] < 3) /* a triangle in the plane itself goes to part 0 only */
         add_side(mesh, 1, corner[1], n[1]);
 }
 
@@ -146,7 +147,7 @@ static bool in_part(const struct mesh *mesh, int triangle, int part)
     return (mesh->part ? mesh->part[triangle] : 0) == part;
 }
 
-/* number[v]: that of vertex v in the part, once it is known that the part uses it. */
+/* Copies the part. number[v] is first 1 if the part uses vertex v, then the number of v in *out. */
 static void take(const struct mesh *from, int part, int32_t *number, struct mesh *out)
 {
     for (int i = 0; i < from->n_triangles; i++)

@@ -33,60 +33,48 @@ static bool read_count(const char *option, const char *value, double lowest, int
     return count == *out || error_usage(err, "%s takes a whole number, not '%s'", option, value);
 }
 
-void words_join(const char *const *words, int n, const char *last, char *out, size_t capacity)
-{
-    size_t used = 0;
-    out[0] = '\0';
-    for (int i = 0; i < n && used < capacity; i++) {
-        snprintf(out + used, capacity - used, "%s%s%s%s",
-                 i == 0      ? ""
-                 : i < n - 1 ? ", "
-                             : " ",
-                 i > 0 && i == n - 1 ? last : "", i > 0 && i == n - 1 ? " " : "", words[i]);
-        used += strlen(out + used);
-    }
-}
-
-/* Returns whether the text is one of the option's choices, if it has any. */
+/* Refuses a value that is none of the choices; NULL: any value is good. */
 static bool check_choice(const char *option, const char *const *choices, const char *value,
                          struct error *err)
 {
-    char list[256];
-    int n = 0;
-    for (; choices && choices[n]; n++)
-        if (strcmp(value, choices[n]) == 0)
+    char list[LIST_SIZE] = "";
+    for (; choices && *choices; choices++) {
+        if (strcmp(value, *choices) == 0)
             return true;
-    if (!choices)
-        return true;
-    words_join(choices, n, "or", list, sizeof list);
-    return error_usage(err, "%s takes %s, not '%s'", option, list, value);
+        list_add(list, *choices, strlen(*choices));
+    }
+    return !choices || error_usage(err, "%s takes one of %s, not '%s'", option, list, value);
 }
 
 /* ---- one option ---- */
 
-static bool is_name(const char *name, const char *word, size_t length)
+/* Returns whether the word is one of the names that the usage begins with. */
+static bool names_option(const char *usage, const char *word, size_t length)
 {
-    return name && strlen(name) == length && strncmp(name, word, length) == 0;
+    while (*usage == '-') {
+        const size_t n = strcspn(usage, ", ");
+        if (n == length && strncmp(usage, word, length) == 0)
+            return true;
+        usage += n;
+        usage += strspn(usage, ", ");
+    }
+    return false;
 }
 
-/* Finds the row of an option that the command takes. *name becomes the name that the word has. */
+/* Finds the row of an option that the command takes; NULL: it takes none of that name. */
 static const struct option *find_option(const struct option_rules *rules, const char *word,
-                                        size_t length, const char **name)
+                                        size_t length)
 {
     for (int i = 0; i < rules->table->n; i++) {
         const struct option *option = &rules->table->options[i];
-        if (!(option->commands & (rules->commands | FOR_ALL)))
-            continue;
-        *name = is_name(option->name, word, length)    ? option->name
-                : is_name(option->alias, word, length) ? option->alias
-                                                       : NULL;
-        if (*name)
+        if (option->commands & (rules->commands | FOR_ALL) &&
+            names_option(option->usage, word, length))
             return option;
     }
     return NULL;
 }
 
-/* Notes "NAME=VALUE", or the name of a flag, for the stack's record. */
+/* Adds "NAME=VALUE", or the name of a flag, to the words that the stack records. */
 static bool record_option(struct options *options, const char *name, const char *value,
                           struct error *err)
 {
@@ -101,22 +89,21 @@ static bool record_option(struct options *options, const char *name, const char 
     return true;
 }
 
-/* Stores a value at its place in *options, if it is a good one. Every option that changes the scene
- * is recorded, so that record_option has refused one too many. */
-static bool store_value(struct options *options, const struct option *option, const char *value,
-                        struct error *err)
+/* Checks a value, and stores it at its place in *options. `changes` has room, since each option
+ * that changes the scene is RECORDED, and record_option refuses one too many. */
+static bool store_value(struct options *options, const struct option *option, const char *name,
+                        const char *value, struct error *err)
 {
     char *at = (char *)options + option->offset;
     switch (option->kind) {
     case OPTION_TEXT:
         memcpy(at, &value, sizeof value);
-        return check_choice(option->name, option->choices, value, err) &&
-               (!option->accepts || option->accepts(option->name, value, err));
+        return check_choice(name, option->choices, value, err) &&
+               (!option->accepts || option->accepts(name, value, err));
     case OPTION_NUMBER:
-        return option_number(option->name, value, option->lowest, option->highest, (double *)at,
-                             err);
+        return option_number(name, value, option->lowest, option->highest, (double *)at, err);
     case OPTION_COUNT:
-        return read_count(option->name, value, option->lowest, (int *)at, err);
+        return read_count(name, value, option->lowest, (int *)at, err);
     case OPTION_FLAG:
         *(bool *)at = true;
         return true;
@@ -131,12 +118,14 @@ static bool store_value(struct options *options, const struct option *option, co
 static bool read_option(const struct option_rules *rules, char *const *words, int n_words,
                         int *index, struct options *options, struct error *err)
 {
-    const char *word = words[*index], *equals = strchr(word, '='), *name, *value = NULL;
-    size_t length = equals ? (size_t)(equals - word) : strlen(word);
-    const struct option *option = find_option(rules, word, length, &name);
+    const char *word = words[*index], *equals = strchr(word, '='), *value = NULL;
+    const size_t length = equals ? (size_t)(equals - word) : strlen(word);
+    const struct option *option = find_option(rules, word, length);
+    char name[32];
     if (!option)
         return error_usage(err, "%s has no option '%.*s'; try spectral --help", rules->command,
                            (int)length, word);
+    snprintf(name, sizeof name, "%.*s", (int)length, word);
     if (option->kind == OPTION_FLAG && equals)
         return error_usage(err, "%s takes no value", name);
     if (option->kind != OPTION_FLAG && !equals && *index + 1 == n_words)
@@ -144,7 +133,7 @@ static bool read_option(const struct option_rules *rules, char *const *words, in
     if (option->kind != OPTION_FLAG)
         value = equals ? equals + 1 : words[++*index];
     return (!(option->commands & RECORDED) || record_option(options, name, value, err)) &&
-           store_value(options, option, value, err);
+           store_value(options, option, name, value, err);
 }
 
 /* ---- the command line ---- */
@@ -161,7 +150,7 @@ bool options_read(const struct option_rules *rules, char *const *words, int n_wo
             if (!read_option(rules, words, n_words, &i, out, err))
                 return false;
         } else if (out->n_operands == rules->n_operands) {
-            return error_usage(err, "'%s' is too much; try spectral --help", words[i]);
+            return error_usage(err, "unexpected operand '%s'; try spectral --help", words[i]);
         } else {
             out->operands[out->n_operands++] = words[i];
         }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The options of a command line, read by the rules of a table.
+/* The room "options": reads the options of a command line by the rules of a table.
  *
- * This room knows texts, numbers and flags, not what they mean: the command that an option belongs
- * to reads its text. A wrong value is refused when the option is read, so that the first mistake of
- * a command line is the one that the user sees. For that the table names, beside the bounds of a
- * number and the words of a choice, functions of the rooms that know the meaning. */
+ * This room reads texts, numbers and flags, and does not depend on their meaning. Still it refuses
+ * a wrong value at once, so that the user sees the first mistake of the command line. For that the
+ * table has the bounds of a number, the words of a choice, and functions of the rooms that know the
+ * meaning of a text. */
 #ifndef DATA_OPTIONS_OPTIONS_H
 #define DATA_OPTIONS_OPTIONS_H
 
@@ -41,20 +41,20 @@ enum option_kind {
     OPTION_CHANGE  /* changes the scene, by the function `change` */
 };
 
-/* A row of the table. Two rows may share a name if no command takes both. */
+/* A row of the table: an option, or the heading of the options that follow. Two rows may share a
+ * name if no command takes both. */
 struct option {
-    const char *name, *alias; /* with their dashes; alias NULL: none */
+    const char *usage; /* names with their dashes, then the value's: "-o, --output FILE" */
+    const char *help;  /* for --help; each line of it goes on a line of its own */
     int commands;
     enum option_kind kind;
     size_t offset;              /* of the value in struct options; unused by OPTION_CHANGE */
     double lowest, highest;     /* of a number; of a count only lowest */
     const char *const *choices; /* OPTION_TEXT: the words to choose from, then NULL; NULL: any */
-    /* OPTION_TEXT: refuses a value that its command could not use; NULL: any is good. */
+    /* OPTION_TEXT: refuses a value that the command cannot use; NULL: any is good. */
     bool (*accepts)(const char *option, const char *value, struct error *err);
     bool (*change)(struct scene *scene, const char *value, struct error *err);
-    /* For --help: the heading of the group that begins here, how the option is written, and what it
-     * does. Each line of `help` goes on a line of its own. NULL: nothing to say. */
-    const char *heading, *usage, *help;
+    const char *heading; /* for --help; NULL: the row is an option, otherwise all else is 0 */
 };
 struct option_table {
     const struct option *options;
@@ -69,8 +69,8 @@ struct option_change {
 
 enum { MAX_OPERANDS = 5, MAX_RECORDED = 64, OPTION_COUNT_LIMIT = 1024 };
 
-/* A command line as it was read. Texts point into it; NULL, 0 or false stands for an option that
- * was not given. */
+/* A command line as it was read. Texts point into it. NULL, 0 or false means that an option was not
+ * given. */
 struct options {
     const struct option_table *table; /* by which it was read */
     const char *operand;              /* the first one: SCENE, STACK or KIND; NULL: none */
@@ -91,7 +91,7 @@ struct options {
 
 /* The options and operands that a command allows. */
 struct option_rules {
-    const char *command; /* blamed for an unknown option */
+    const char *command; /* its name, for messages */
     const struct option_table *table;
     int commands;   /* the options allowed: those with one of these bits, and those FOR_ALL */
     int n_operands; /* the most operands; at most MAX_OPERANDS */
@@ -104,16 +104,13 @@ bool options_read(const struct option_rules *rules, char *const *words, int n_wo
                   struct options *out, struct error *err);
 void options_free(struct options *options);
 
-/* SCENE; the built-in colorchecker where none is given. */
+/* Returns SCENE, or the built-in colorchecker if none is given. */
 const char *options_scene(const struct options *options);
-/* The detector or observer; cie1931 where none is given. */
+/* Returns the detector or observer, or cie1931 if none is given. */
 const char *options_detector(const struct options *options);
 
-/* Reads the one number of an option or operand, from lowest to highest. `option` is blamed. */
+/* Reads the one number of an option or operand, from lowest to highest. Messages name `option`. */
 bool option_number(const char *option, const char *value, double lowest, double highest,
                    double *out, struct error *err);
-
-/* Joins n words: "a", "a LAST b", "a, b LAST c"; cut off where out is full. */
-void words_join(const char *const *words, int n, const char *last, char *out, size_t capacity);
 
 #endif

@@ -14,14 +14,10 @@
 
 static struct ambient *add_ambient(struct scene *scene, struct place place, struct error *err)
 {
-    struct ambient *grown =
-        array_more(scene->ambients, scene->n_ambients, sizeof *scene->ambients, err);
-    if (grown == NULL)
+    const struct ambient ambient = {.intensity = 1, .place = place};
+    if (!array_add(&scene->ambients, &scene->n_ambients, &ambient, sizeof ambient, err))
         return NULL;
-    scene->ambients = grown;
-    grown += scene->n_ambients++;
-    grown->place = place;
-    return grown;
+    return &scene->ambients[scene->n_ambients - 1];
 }
 
 static bool read_radiation(struct text *text, struct spectrum *spectrum, double *intensity,
@@ -36,8 +32,7 @@ static bool read_radiation(struct text *text, struct spectrum *spectrum, double 
 bool ambient_read(struct scene_reader *reader, struct error *err)
 {
     struct ambient *ambient = add_ambient(reader->scene, reader->place, err);
-    return ambient != NULL &&
-           read_radiation(reader->text, &ambient->spectrum, &ambient->intensity, err) &&
+    return ambient && read_radiation(reader->text, &ambient->spectrum, &ambient->intensity, err) &&
            text_end(reader->text, "ambient", err);
 }
 
@@ -83,12 +78,13 @@ static bool read_spot(struct text *text, struct light *out, struct error *err)
 static bool read_light_options(struct text *text, struct light *light, struct error *err)
 {
     static const char *const words[] = {"attenuation", "spot", NULL};
-    struct place *given[] = {&light->attenuation_place, &light->spot_place};
+    struct place given[2] = {{0}};
     struct word word;
     while (text_word(text, &word)) {
-        int option = word_choose(&word, words, "word for a light", err);
-        if (option < 0 || !place_once(given[option], word.place, words[option], err))
+        int option = word_choose_once(&word, words, "word for a light", given, err);
+        if (option < 0)
             return false;
+        light->attenuation_place = given[0];
         if (light->directional)
             return error_at(err, word.place,
                             "%s needs a light with a position; a direction has no distance",
@@ -102,26 +98,23 @@ static bool read_light_options(struct text *text, struct light *light, struct er
 bool light_read(struct scene_reader *reader, struct error *err)
 {
     struct scene *scene = reader->scene;
-    struct light *light = array_more(scene->lights, scene->n_lights, sizeof *light, err);
-    if (light == NULL)
+    const struct light fresh = {.attenuation = {1, 0, 0}, .place = reader->place};
+    if (!array_add(&scene->lights, &scene->n_lights, &fresh, sizeof fresh, err))
         return false;
-    scene->lights = light;
-    light += scene->n_lights++;
-    light->place = reader->place;
-    light->attenuation[0] = 1;
+    struct light *light = &scene->lights[scene->n_lights - 1];
     return read_radiation(reader->text, &light->spectrum, &light->intensity, err) &&
            read_source(reader->text, light, err) && read_light_options(reader->text, light, err);
 }
 
 /* ---- options of the command line ---- */
 
-/* SPECTRUM[*INTENSITY] up to the end; *intensity keeps its value where none is given. */
+/* Reads SPECTRUM[*INTENSITY] up to the end. Without INTENSITY, *intensity keeps its value. */
 static bool read_light_option(const struct text *text, const char *start, struct spectrum *spectrum,
                               double *intensity, struct error *err)
 {
     const char *end = text->bytes + text->length, *star = strrchr(start, '*');
-    struct word word = option_word(text, start, star != NULL ? star : end), number;
-    if (star != NULL) {
+    struct word word = option_word(text, start, star ? star : end), number;
+    if (star) {
         number = option_word(text, star + 1, end);
         if (!word_number(&number, "intensity", 0, HUGE_VAL, intensity, err))
             return false;
@@ -141,7 +134,7 @@ bool scene_set_light(struct scene *scene, const char *value, struct error *err)
     if (!option_open(scene, "--light", value, &text, err))
         return false;
     equals = strchr(text.at, '=');
-    if (equals == NULL)
+    if (!equals)
         return error_at(err, text_place(&text),
                         "expected N=SPECTRUM or N=SPECTRUM*INTENSITY, not '%s'", value);
     if (scene->n_lights == 0)
@@ -163,8 +156,7 @@ bool scene_set_ambient(struct scene *scene, const char *value, struct error *err
         spectrum_free(&scene->ambients[i].spectrum);
     scene->n_ambients = 0;
     ambient = add_ambient(scene, text_place(&text), err);
-    if (ambient == NULL)
+    if (!ambient)
         return false;
-    ambient->intensity = 1;
     return read_light_option(&text, text.at, &ambient->spectrum, &ambient->intensity, err);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Materials by name, and which of them objects use. They may be used before they are defined, so
- * that they are found and read when the whole scene is known; those that nothing uses are never
- * opened. */
+/* Finds materials by name, and reads those that objects use. A scene may use a material before it
+ * defines it, so this happens when the whole scene is known. The file of a material that no object
+ * uses is never opened. */
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,35 +14,19 @@
 
 /* ---- definitions ---- */
 
-static bool same_name(const char *name, const struct word *word)
-{
-    return strncmp(name, word->start, word->length) == 0 && name[word->length] == '\0';
-}
-
-/* True if the scene defines the material: files in a list and entries of MTL files have no name
- * there. */
+/* Returns whether a statement defines the material by its name. A file in a list has no name yet;
+ * an entry of an MTL file has a name, but no statement. */
 static bool is_defined(const struct material *material)
 {
-    return material->name != NULL && !material->from_rgb;
+    return material->name && !material->from_rgb;
 }
 
 static int find_material(const struct scene *scene, const struct word *word)
 {
     for (int i = 0; i < scene->n_materials; i++)
-        if (is_defined(&scene->materials[i]) && same_name(scene->materials[i].name, word))
+        if (is_defined(&scene->materials[i]) && word_equals(word, scene->materials[i].name))
             return i;
     return -1;
-}
-
-/* Takes over what *material owns, unless this fails. */
-static bool add_material(struct scene *scene, const struct material *material, struct error *err)
-{
-    struct material *grown = array_more(scene->materials, scene->n_materials, sizeof *grown, err);
-    if (grown == NULL)
-        return false;
-    scene->materials = grown;
-    grown[scene->n_materials++] = *material;
-    return true;
 }
 
 static bool check_name(const struct scene *scene, const struct word *word, struct error *err)
@@ -73,14 +57,15 @@ static bool read_content(struct text *text, struct material *out, struct error *
 
 bool definition_read(struct scene_reader *reader, struct error *err)
 {
+    struct scene *scene = reader->scene;
     struct material material = {0};
     struct word word;
     if (text_expect(reader->text, &word, "a name for the material", err) &&
-        check_name(reader->scene, &word, err) && read_content(reader->text, &material, err)) {
+        check_name(scene, &word, err) && read_content(reader->text, &material, err)) {
         material.name = word_copy(&word);
-        if (material.name == NULL)
+        if (!material.name)
             error_memory(err);
-        else if (add_material(reader->scene, &material, err))
+        else if (array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err))
             return true;
     }
     material_free(&material);
@@ -89,18 +74,19 @@ bool definition_read(struct scene_reader *reader, struct error *err)
 
 /* ---- files in a list ---- */
 
-/* Listed materials have no name until they are read; the same file is the same material. */
+/* A listed material has no name until it is read. A file that is listed twice is one material. */
 bool listed_add(struct scene *scene, const struct word *word, int *out, struct error *err)
 {
     struct material material = {.place = word->place};
     int i = 0;
     if (!word_path(word, &material.path, err))
         return false;
-    while (i < scene->n_materials && (scene->materials[i].name != NULL ||
-                                      strcmp(scene->materials[i].path, material.path) != 0))
+    while (i < scene->n_materials &&
+           (scene->materials[i].name || strcmp(scene->materials[i].path, material.path) != 0))
         i++;
     *out = i;
-    if (i == scene->n_materials && add_material(scene, &material, err))
+    if (i == scene->n_materials &&
+        array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err))
         return true;
     material_free(&material);
     return i < scene->n_materials;
@@ -127,7 +113,7 @@ static bool load(struct material *material, struct error *err)
         return true;
     if (!material_read(material->path, material->place, &fresh, err))
         return false;
-    if (name != NULL) {
+    if (name) {
         material->name = fresh.name;
         fresh.name = name;
     }
@@ -144,12 +130,12 @@ static bool find_named(struct scene *scene, const struct word *name, int *out, s
     return *out >= 0 ? load(&scene->materials[*out], err) : refuse_unknown(scene, name, err);
 }
 
-/* A material that is cut in half names its partner. */
+/* Finds the partner that a material names, if it names one. */
 static bool use_partner(struct scene *scene, int index, struct error *err)
 {
     struct material *material = &scene->materials[index], *partner;
     struct word name = {.start = material->partner_name, .place = material->partner_place};
-    if (name.start == NULL)
+    if (!name.start)
         return true;
     name.length = strlen(name.start);
     if (!find_named(scene, &name, &material->partner_index, err))
@@ -158,7 +144,7 @@ static bool use_partner(struct scene *scene, int index, struct error *err)
     if (partner == material)
         return error_at(err, name.place, "'%.100s' is its own partner; it must be another material",
                         material->name);
-    if (partner->partner != NULL || partner->partner_name != NULL)
+    if (partner->partner || partner->partner_name)
         return error_at(err, name.place,
                         "'%.100s' has a partner itself; a partner must be without one",
                         partner->name);
@@ -172,7 +158,7 @@ static bool use_named(struct scene *scene, const struct word *name, int *out, st
 
 /* ---- material maps ---- */
 
-/* The entry of an MTL file; the same one is the same material. */
+/* Finds the material of an entry of an MTL file, or reads the entry. */
 static bool use_entry(struct scene *scene, const struct word *entry, const struct word *file,
                       int *out, struct error *err)
 {
@@ -185,44 +171,51 @@ static bool use_entry(struct scene *scene, const struct word *entry, const struc
         return false;
     for (*out = 0; *out < scene->n_materials; ++*out) {
         const struct material *known = &scene->materials[*out];
-        if (known->from_rgb && same_name(known->name, entry) && strcmp(known->path, path) == 0)
+        if (known->from_rgb && word_equals(entry, known->name) && strcmp(known->path, path) == 0)
             break;
     }
-    done = *out < scene->n_materials || (mtl_read(path, file->place, entry, &material, err) &&
-                                         add_material(scene, &material, err));
+    done = *out < scene->n_materials ||
+           (mtl_read(path, file->place, entry, &material, err) &&
+            array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err));
     if (!done)
         material_free(&material);
     free(path);
     return done;
 }
 
-/* NAME material MATERIAL, or NAME mtl FILE */
+/* Reads "material MATERIAL" or "mtl FILE", and finds the material. */
+static bool use_assigned(struct scene *scene, struct text *text, const struct word *name, int *out,
+                         struct error *err)
+{
+    static const char *const words[] = {"material", "mtl", NULL};
+    const int kind = text_choose(text, "material or mtl", words, "word in a material map", err);
+    struct word word;
+    return kind >= 0 && text_expect(text, &word, kind == 0 ? "a material" : "an MTL file", err) &&
+           text_end(text, "a line of a material map", err) &&
+           (kind == 0 ? use_named(scene, &word, out, err)
+                      : use_entry(scene, name, &word, out, err));
+}
+
+/* Reads "NAME material MATERIAL" or "NAME mtl FILE". */
 static bool read_assignment(struct scene *scene, struct text *text, struct object *object,
                             struct error *err)
 {
-    static const char *const words[] = {"material", "mtl", NULL};
-    struct material_assignment *assignment =
-        array_more(object->assignments, object->n_assignments, sizeof *assignment, err);
-    struct word name, word;
-    int kind;
-    if (assignment == NULL)
-        return false;
-    object->assignments = assignment;
+    struct material_assignment assignment = {0};
+    struct word name;
     if (!text_expect(text, &name, "the name of a usemtl", err))
         return false;
-    for (; assignment < object->assignments + object->n_assignments; assignment++)
-        if (same_name(assignment->name, &name))
-            return place_once(&assignment->place, name.place, "this name", err);
-    assignment->place = name.place;
-    kind = text_choose(text, "material or mtl", words, "word in a material map", err);
-    if (kind < 0 || !text_expect(text, &word, kind == 0 ? "a material" : "an MTL file", err) ||
-        !text_end(text, "a line of a material map", err) ||
-        !(kind == 0 ? use_named(scene, &word, &assignment->material, err)
-                    : use_entry(scene, &name, &word, &assignment->material, err)))
+    for (int i = 0; i < object->n_assignments; i++)
+        if (word_equals(&name, object->assignments[i].name))
+            return place_once(&object->assignments[i].place, name.place, "this name", err);
+    assignment.place = name.place;
+    if (!use_assigned(scene, text, &name, &assignment.material, err))
         return false;
-    assignment->name = word_copy(&name);
-    object->n_assignments += assignment->name != NULL;
-    return assignment->name != NULL || error_memory(err);
+    assignment.name = word_copy(&name);
+    if (assignment.name && array_add(&object->assignments, &object->n_assignments, &assignment,
+                                     sizeof assignment, err))
+        return true;
+    free(assignment.name);
+    return error_memory(err);
 }
 
 static bool map_read(struct scene *scene, const struct word *file, struct object *object,
@@ -247,14 +240,13 @@ bool materials_resolve(struct scene_reader *reader, struct error *err)
     for (int i = 0; i < scene->n_objects; i++) {
         struct object *object = &scene->objects[i];
         const struct word *word = &reader->materials[i];
-        if (word->start != NULL &&
-            !(object->material_map != NULL ? map_read(scene, word, object, err)
-                                           : use_named(scene, word, &object->material, err)))
+        if (word->start && !(object->material_map ? map_read(scene, word, object, err)
+                                                  : use_named(scene, word, &object->material, err)))
             return false;
     }
-    /* Reading names the listed ones, which nothing finds by that. */
+    /* Listed materials come last: reading names them, and no object may find them by that name. */
     for (int i = 0; i < scene->n_objects; i++)
-        if (reader->materials[i].start == NULL &&
+        if (!reader->materials[i].start &&
             !load(&scene->materials[scene->objects[i].material], err))
             return false;
     return true;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The things in a scene: shapes with their transforms, and the thesis's grid of one object a
- * material. */
+/* The objects of a scene: shapes with their transforms, and the thesis's grid of one object for
+ * each material. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -14,7 +14,7 @@
 
 /* ---- transforms ---- */
 
-/* One factor or three: two numbers are a mistake. */
+/* Reads one factor or three. Two numbers are a mistake. */
 static bool read_scale(struct text *text, struct vector *out, struct error *err)
 {
     double factor[3];
@@ -75,12 +75,12 @@ static bool read_transform(struct text *text, int option, struct matrix *out, st
 
 /* ---- objects ---- */
 
-/* An object as its line says it. Its material, or the map of several, is a word until all materials
- * are known. */
+/* An object as its statement describes it. Its material, or its material map, stays a word until
+ * all materials are known. */
 struct description {
     struct object object;
     struct word material;
-    struct place given[OBJECT_OPTIONS]; /* those that hold only once */
+    struct place given[OBJECT_OPTIONS]; /* of the options that may be given only once */
     bool listed;                        /* a list gives the materials */
 };
 
@@ -123,7 +123,7 @@ static bool read_option(struct text *text, const struct word *word, struct descr
     return true;
 }
 
-/* The shape and all words after it. */
+/* Reads the shape and all words after it. */
 static bool read_description(struct scene_reader *reader, struct description *out,
                              struct error *err)
 {
@@ -137,7 +137,8 @@ static bool read_description(struct scene_reader *reader, struct description *ou
         if (!read_option(reader->text, &word, out, err))
             return false;
     return out->listed || out->given[OBJECT_MATERIAL].line > 0 ||
-           error_at(err, reader->place, "the object has no material; write material and its name");
+           error_at(err, reader->place,
+                    "the object has no material; expected material and its name");
 }
 
 void object_free(struct object *object)
@@ -150,28 +151,23 @@ void object_free(struct object *object)
     *object = (struct object){.n_assignments = 0};
 }
 
-/* Copies what the description owns. */
+/* Adds a copy of the object; the description keeps what it owns. */
 static bool add_object(struct scene_reader *reader, const struct description *description,
                        struct error *err)
 {
-    const struct shape *from = &description->object.shape;
+    const struct object *from = &description->object;
     struct scene *scene = reader->scene;
-    int n = scene->n_objects;
-    struct object *objects = array_more(scene->objects, n, sizeof *objects, err);
-    struct word *materials;
-    if (objects == NULL)
-        return false;
-    scene->objects = objects;
-    materials = array_more(reader->materials, n, sizeof *materials, err);
-    if (materials == NULL)
-        return false;
-    reader->materials = materials;
-    materials[n] = description->material;
-    objects[n] = description->object;
-    objects[n].material_map = NULL;
-    scene->n_objects++;
-    return string_copy(from->path, &objects[n].shape.path, err) &&
-           string_copy(description->object.material_map, &objects[n].material_map, err);
+    struct object object = *from;
+    int n_materials = scene->n_objects;
+    object.shape.path = object.material_map = NULL;
+    if (string_copy(from->shape.path, &object.shape.path, err) &&
+        string_copy(from->material_map, &object.material_map, err) &&
+        array_add(&reader->materials, &n_materials, &description->material,
+                  sizeof description->material, err) &&
+        array_add(&scene->objects, &scene->n_objects, &object, sizeof object, err))
+        return true;
+    object_free(&object);
+    return false;
 }
 
 bool object_read(struct scene_reader *reader, struct error *err)
@@ -185,8 +181,8 @@ bool object_read(struct scene_reader *reader, struct error *err)
 
 /* ---- the thesis's grid ---- */
 
-/* Where object i of n stands: rows by the number of objects, filled from the top left, 6 units
- * apart before scaling. */
+/* Returns the transform of object i of n. The number of objects decides how many rows there are.
+ * They are filled from the top left; objects stand 6 units apart before scaling. */
 static struct matrix grid_place(int i, int n)
 {
     int rows = n <= 3 ? 1 : n <= 8 ? 2 : n <= 15 ? 3 : 4;
@@ -198,7 +194,7 @@ static struct matrix grid_place(int i, int n)
     return matrix_product(matrix_scaling(size), matrix_translation(at));
 }
 
-/* One material file a line, each the material of a copy of the pattern. */
+/* Reads one material file a line, and adds a copy of the pattern with each material. */
 static bool add_listed(struct scene_reader *reader, struct text *list, struct description *pattern,
                        struct error *err)
 {
@@ -234,7 +230,7 @@ bool checker_read(struct scene_reader *reader, struct error *err)
     struct text list = reader->list;
     struct word word;
     bool done = text_expect(reader->text, &word, "a list of material files", err) &&
-                (list.path != NULL || scene_open(reader->scene, &word, &list, err)) &&
+                (list.path || scene_open(reader->scene, &word, &list, err)) &&
                 read_description(reader, &description, err) &&
                 add_grid(reader, &list, &description, err);
     object_free(&description.object);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Scenes: which file it is, its statements one a line, and files that it includes. Statements come
- * in any order; one that can hold only once is refused the second time. */
+/* Reads scenes: finds the file of a scene, reads one statement a line, and reads the files that it
+ * includes. Statements may come in any order; some of them may be given only once. */
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,14 +18,10 @@
 
 bool scene_keep(struct scene *scene, struct text *text, struct error *err)
 {
-    struct text *grown = array_more(scene->files, scene->n_files, sizeof *grown, err);
-    if (grown == NULL) {
-        text_free(text);
-        return false;
-    }
-    scene->files = grown;
-    grown[scene->n_files++] = *text;
-    return true;
+    if (array_add(&scene->files, &scene->n_files, text, sizeof *text, err))
+        return true;
+    text_free(text);
+    return false;
 }
 
 bool scene_open(struct scene *scene, const struct word *word, struct text *out, struct error *err)
@@ -64,7 +60,7 @@ static bool include_read(struct scene_reader *reader, struct error *err)
     return read_statements(reader, &text, err);
 }
 
-/* Those that hold only once come first. */
+/* The first N_ONCE of them may be given only once. */
 static const char *const statements[] = {"wavelengths", "size",    "camera",  "viewer",
                                          "shading",     "ambient", "light",   "material",
                                          "object",      "checker", "include", NULL};
@@ -74,20 +70,15 @@ static bool (*const statement_readers[])(struct scene_reader *, struct error *) 
 
 static bool read_statement(struct scene_reader *reader, const struct word *word, struct error *err)
 {
-    struct scene *scene = reader->scene;
-    struct place *once[] = {&scene->wavelengths_place, &scene->size_place, &scene->camera.place,
-                            &scene->viewer_place, &scene->shading_place};
-    int statement = word_choose(word, statements, "statement", err);
-    if (statement < 0)
-        return false;
-    if (statement < (int)(sizeof once / sizeof once[0]) &&
-        !place_once(once[statement], word->place, statements[statement], err))
+    const int statement = word_choose(word, statements, "statement", err);
+    if (statement < 0 || (statement < N_ONCE && !place_once(&reader->given[statement], word->place,
+                                                            statements[statement], err)))
         return false;
     reader->place = word->place;
     return statement_readers[statement](reader, err);
 }
 
-/* From the cursor to the file's end. */
+/* Reads all statements from the cursor to the end of the file. */
 static bool read_statements(struct scene_reader *reader, struct text *text, struct error *err)
 {
     struct word word;
@@ -109,10 +100,11 @@ static bool refuse_missing(const char *name, struct error *err)
     char list[LIST_SIZE] = "";
     for (size_t i = 0; i < builtin_file_count; i++) {
         const char *file = builtin_files[i].name, *end = strrchr(file, '.');
-        if (strncmp(file, folder, strlen(folder)) == 0 && end != NULL && strcmp(end, ending) == 0)
+        if (strncmp(file, folder, strlen(folder)) == 0 && end && strcmp(end, ending) == 0)
             list_add(list, file + strlen(folder), (size_t)(end - file) - strlen(folder));
     }
-    return error_usage(err, "no built-in scene and no file '%.500s'; built-in: %s", name, list);
+    return error_usage(err, "found no file and no built-in scene '%.500s'; built-in are %s", name,
+                       list);
 }
 
 bool scene_is_missing(const char *name)
@@ -133,7 +125,8 @@ static bool open_scene(struct scene *scene, const char *name, struct text *out, 
     return text_open(out, name, nowhere, err) && scene_keep(scene, out, err);
 }
 
-/* A list of materials, rather than a scene, begins with a line of one word that is no statement. */
+/* Sets *out if the file is a list of materials: its first line has one word, and that is no
+ * statement. Refuses an empty file. */
 static bool is_list(struct text text, bool *out, struct error *err)
 {
     struct word word, more;
@@ -141,11 +134,12 @@ static bool is_list(struct text text, bool *out, struct error *err)
         if (!text_word(&text, &word))
             continue;
         *out = !text_word(&text, &more);
-        for (int i = 0; statements[i] != NULL; i++)
+        for (int i = 0; statements[i]; i++)
             *out = *out && !word_is(&word, statements[i]);
         return true;
     }
-    return error_at(err, text_whole(&text), "empty; neither a scene nor a list of materials");
+    return error_at(err, text_whole(&text),
+                    "the file is empty; expected a scene or a list of materials");
 }
 
 static void digest_files(struct scene *scene)
@@ -157,7 +151,8 @@ static void digest_files(struct scene *scene)
     digest_end(&digest, scene->sha256);
 }
 
-/* A list is shown as the built-in colorchecker, with the list in place of the one it names. */
+/* Reads the scene of that name. If the file is a list, this is the built-in colorchecker with the
+ * list in place of its own. */
 static bool read_named(struct scene_reader *reader, const char *name, struct error *err)
 {
     struct scene *scene = reader->scene;
@@ -172,7 +167,7 @@ static bool read_named(struct scene_reader *reader, const char *name, struct err
             return false;
     }
     return read_statements(reader, &text, err) && materials_resolve(reader, err) &&
-           view_complete(scene, err);
+           wavelengths_complete(scene, err);
 }
 
 bool scene_read(const char *name, struct scene *out, struct error *err)
@@ -180,6 +175,7 @@ bool scene_read(const char *name, struct scene *out, struct error *err)
     struct scene_reader reader = {.scene = out};
     bool done;
     *out = (struct scene){0};
+    view_set_defaults(out);
     done = read_named(&reader, name, err);
     free(reader.materials);
     if (done)

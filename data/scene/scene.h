@@ -19,7 +19,7 @@ struct light {
     bool spot;
     struct vector spot_direction;
     double spot_cutoff_deg, spot_exponent;
-    struct place place, attenuation_place, spot_place;
+    struct place place, attenuation_place;
 };
 struct ambient {
     struct spectrum spectrum;
@@ -31,11 +31,10 @@ struct camera {
     double extent; /* width of the view, or vertical angle in degrees */
     double near, far;
     struct vector eye, look, up;
-    struct place place;
 };
-/* A line of a material map: the material of a part of a mesh. */
+/* A line of a material map, which gives a part of a mesh its material. */
 struct material_assignment {
-    char *name;   /* usemtl; "*" is every other one; owned */
+    char *name;   /* of a usemtl; "*" stands for all others; owned */
     int material; /* index */
     struct place place;
 };
@@ -54,6 +53,7 @@ enum shading_kind {
     SHADING_FLAT,   /* the colour of a triangle's last vertex */
     SHADING_PHONG   /* normals interpolated, lit at each pixel; the reference only */
 };
+extern const char *const shading_words[]; /* of enum shading_kind, then NULL */
 struct scene {
     char *path;         /* as given: file or built-in name */
     char sha256[65];    /* of its text: its file, then those that it includes and lists, as read */
@@ -66,10 +66,10 @@ struct scene {
     bool local_viewer;
     enum shading_kind shading;
     double tessellation; /* factor of all slices, stacks, ... of built-in shapes */
-    struct place viewer_place, shading_place, wavelengths_place, size_place;
+    struct place wavelengths_place;
     struct ambient *ambients;
     struct light *lights;
-    struct material *materials; /* only those an object uses are read; others keep name and path */
+    struct material *materials; /* read if an object uses them; others have only name and path */
     struct object *objects;
     int n_ambients, n_lights, n_materials, n_objects;
 };
@@ -78,8 +78,8 @@ struct scene {
 bool scene_read(const char *name, struct scene *out, struct error *err);
 bool scene_is_missing(const char *name); /* neither built in nor a file */
 void scene_free(struct scene *scene);
-/* Options of the command line, which replace what the scene file says. `text` is the value of
- * "--option", which messages name. */
+/* Options of the command line. Each replaces what the scene file says, and reads `text`, the value
+ * of the option. A message names the option and the column in its value. */
 bool scene_set_wavelengths(struct scene *scene, const char *text, struct error *err);
 bool scene_set_size(struct scene *scene, const char *text, struct error *err);
 bool scene_set_light(struct scene *scene, const char *text, struct error *err);
@@ -90,20 +90,23 @@ bool scene_set_tessellation(struct scene *scene, const char *text, struct error 
 
 /* ---- Inside this room ---- */
 
-enum { DEEPEST_INCLUDE = 32 };
+enum { DEEPEST_INCLUDE = 32, N_ONCE = 5 };
 
-/* A reader of one statement, `NAME_read` below, starts behind the statement's first word. */
+/* The state of reading a scene. A function NAME_read below reads one statement, from behind its
+ * first word. */
 struct scene_reader {
     struct scene *scene;
-    struct word *materials; /* an object's material by name, or its map, until all materials are
-                               known; start NULL: known */
-    struct text *text;      /* the statement that is read */
-    struct place place;     /* of its first word */
+    struct word *materials;     /* of each object, the name of its material or map, to be looked up
+                                   when all materials are known; start NULL: it is known already */
+    struct text *text;          /* the statement that is read */
+    struct place place;         /* of its first word */
+    struct place given[N_ONCE]; /* of the statements that may be given only once */
     const char *open[DEEPEST_INCLUDE]; /* the files that are being read, outermost first */
     int n_open;
-    struct text list; /* what a checker reads instead of the list it names; zeroed: nothing */
+    struct text list; /* a checker reads it in place of the list that it names; zeroed: none */
 };
-/* Leaves the text to the scene, which frees it even if this fails. *text stays good as a cursor. */
+/* Gives the text to the scene, which owns it from now on; a failure frees it. *text stays valid as
+ * a cursor. */
 bool scene_keep(struct scene *scene, struct text *text, struct error *err);
 /* Opens the file that the word names, and keeps it. */
 bool scene_open(struct scene *scene, const struct word *word, struct text *out, struct error *err);
@@ -115,9 +118,12 @@ bool size_read(struct scene_reader *reader, struct error *err);
 bool camera_read(struct scene_reader *reader, struct error *err);
 bool viewer_read(struct scene_reader *reader, struct error *err);
 bool shading_read(struct scene_reader *reader, struct error *err);
-/* Sets the defaults where no statement says otherwise. To be called after reading. */
-bool view_complete(struct scene *scene, struct error *err);
-/* Opens an option's value as a text of one line, which the scene keeps: places point into it. */
+/* Sets the size, camera, ... that hold unless a statement says otherwise. */
+void view_set_defaults(struct scene *scene);
+/* Sets the wavelengths where no statement has set them. */
+bool wavelengths_complete(struct scene *scene, struct error *err);
+/* Opens the value of an option as a text of one line. The scene keeps it, since places point into
+ * it. */
 bool option_open(struct scene *scene, const char *option, const char *value, struct text *out,
                  struct error *err);
 /* The bytes of an option's text from `start` up to `end` as a word. */
@@ -126,7 +132,7 @@ struct word option_word(const struct text *text, const char *start, const char *
 bool ambient_read(struct scene_reader *reader, struct error *err); /* in lights.c */
 bool light_read(struct scene_reader *reader, struct error *err);
 
-/* materials.c: materials by name, and which of them are used. */
+/* materials.c: finds materials by name, and reads those that are used. */
 
 bool definition_read(struct scene_reader *reader, struct error *err);
 /* Adds the material of a file that a list names, unless it is there already; *out is its index. */

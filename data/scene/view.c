@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* How a scene is viewed: wavelengths, size, camera, shading; and the options of the command line
- * that replace them, which the same functions read. */
+/* The view of a scene: wavelengths, size, camera, shading. The same functions read the statements
+ * of the scene and the options of the command line that replace them. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -29,26 +29,19 @@ static bool check_count(double count, struct place place, struct error *err)
 
 static bool add_wavelength(struct scene *scene, double nm, struct place place, struct error *err)
 {
-    int n = scene->n_wavelengths;
-    double *grown;
+    const int n = scene->n_wavelengths;
     if (n > 0 && nm <= scene->wavelengths_nm[n - 1])
         return error_at(err, place,
                         "wavelength %.15g nm follows %.15g nm; wavelengths must increase", nm,
                         scene->wavelengths_nm[n - 1]);
-    if (!check_count(n, place, err))
-        return false;
-    grown = array_more(scene->wavelengths_nm, n, sizeof *grown, err);
-    if (grown == NULL)
-        return false;
-    scene->wavelengths_nm = grown;
-    grown[scene->n_wavelengths++] = nm;
-    return true;
+    return check_count(n, place, err) &&
+           array_add(&scene->wavelengths_nm, &scene->n_wavelengths, &nm, sizeof nm, err);
 }
 
-/* START + i STEP as far as END. Numbers such as 0.1 are rounded to 2^-53 of their size, so that the
+/* Adds START + i STEP up to END. Numbers such as 0.1 are rounded to 2^-53 of their size. So the
  * quotient misses a whole number of steps by some units of 2^-53 (START + END) / STEP: 2.5e-10 for
- * 380 to 730 by 0.001. An END within 1e-9 of that many steps is thus meant to be included; nobody
- * means a step cut off by so little. */
+ * 380 to 730 by 0.001. An END within 1e-9 of a whole number of steps is therefore included; nobody
+ * wants to leave out a step for so little. */
 static bool add_range(struct scene *scene, const double range[3], struct place place,
                       struct error *err)
 {
@@ -96,6 +89,7 @@ bool wavelengths_read(struct scene_reader *reader, struct error *err)
 {
     struct text *text = reader->text, before = *text;
     struct word word;
+    reader->scene->wavelengths_place = reader->place;
     if (!text_expect(text, &word, "START END STEP or list and wavelengths", err))
         return false;
     if (word_is(&word, "list"))
@@ -117,28 +111,24 @@ bool size_read(struct scene_reader *reader, struct error *err)
     return text_end(reader->text, "size", err);
 }
 
-/* One of two words, the second of which sets *out. */
-static bool read_switch(struct text *text, const char *const words[3], const char *what, bool *out,
-                        struct error *err)
-{
-    int chosen = text_choose(text, what, words, what, err);
-    *out = chosen == 1;
-    return chosen >= 0 && text_end(text, what, err);
-}
-
 bool viewer_read(struct scene_reader *reader, struct error *err)
 {
     static const char *const words[] = {"infinite", "local", NULL};
-    return read_switch(reader->text, words, "viewer", &reader->scene->local_viewer, err);
+    const int chosen = text_choose(reader->text, "viewer", words, "viewer", err);
+    reader->scene->local_viewer = chosen == 1;
+    return chosen >= 0 && text_end(reader->text, "viewer", err);
 }
+
+const char *const shading_words[] = {
+    [SHADING_SMOOTH] = "smooth", [SHADING_FLAT] = "flat", [SHADING_PHONG] = "phong", NULL};
 
 bool shading_read(struct scene_reader *reader, struct error *err)
 {
-    static const char *const words[] = {
-        [SHADING_SMOOTH] = "smooth", [SHADING_FLAT] = "flat", [SHADING_PHONG] = "phong", NULL};
-    int chosen = text_choose(reader->text, "shading", words, "shading", err);
-    reader->scene->shading = chosen > 0 ? (enum shading_kind)chosen : SHADING_SMOOTH;
-    return chosen >= 0 && text_end(reader->text, "shading", err);
+    const int chosen = text_choose(reader->text, "shading", shading_words, "shading", err);
+    if (chosen < 0)
+        return false;
+    reader->scene->shading = (enum shading_kind)chosen;
+    return text_end(reader->text, "shading", err);
 }
 
 /* ---- camera ---- */
@@ -181,22 +171,22 @@ static bool read_camera_option(struct text *text, int option, struct camera *out
     }
 }
 
-/* Two unit vectors that are parallel but for rounding, each within some 4 units of 2^-53 in every
- * part, have a product shorter than 2^-49. */
-static bool check_camera(const struct camera *camera, struct error *err)
+/* Refuses a camera without a direction or with nothing between near and far. Rounding moves each
+ * part of a unit vector by some 4 units of 2^-53, so the cross product of two parallel ones is
+ * shorter than 2^-49. */
+static bool check_camera(const struct camera *camera, struct place place, struct error *err)
 {
     struct vector view = vector_subtract(camera->look, camera->eye), side;
     double depth = camera->far - camera->near, length = vector_length(view);
     if (!(depth > 0 && isfinite(depth)))
-        return error_at(err, camera->place, "near %.15g must be below far %.15g", camera->near,
+        return error_at(err, place, "near %.15g must be below far %.15g", camera->near,
                         camera->far);
     if (!(length > 0 && isfinite(length)))
-        return error_at(err, camera->place,
-                        "eye and look are one point or too far apart; the view has no direction");
+        return error_at(err, place,
+                        "eye and look are one point or too far apart; the view needs a direction");
     side = vector_cross(vector_normalise(camera->up), vector_normalise(view));
     return vector_length(side) > 0x1p-49 ||
-           error_at(err, camera->place,
-                    "up is parallel to the view; it must point to the side of it");
+           error_at(err, place, "up is parallel to the view; it must point to the side of it");
 }
 
 bool camera_read(struct scene_reader *reader, struct error *err)
@@ -209,32 +199,31 @@ bool camera_read(struct scene_reader *reader, struct error *err)
     if (option < 0)
         return false;
     *camera = camera_defaults[option];
-    camera->place = reader->place;
     if (!read_extent(reader->text, camera, err))
         return false;
     while (text_word(reader->text, &word)) {
-        option = word_choose(&word, words, "word for a camera", err);
-        if (option < 0 || !place_once(&given[option], word.place, words[option], err) ||
-            !read_camera_option(reader->text, option, camera, err))
+        option = word_choose_once(&word, words, "word for a camera", given, err);
+        if (option < 0 || !read_camera_option(reader->text, option, camera, err))
             return false;
     }
-    return check_camera(camera, err);
+    return check_camera(camera, reader->place, err);
 }
 
 /* ---- defaults ---- */
 
-bool view_complete(struct scene *scene, struct error *err)
+void view_set_defaults(struct scene *scene)
+{
+    scene->camera = camera_defaults[0];
+    scene->width = 1200;
+    scene->height = 800;
+    scene->tessellation = 1;
+}
+
+bool wavelengths_complete(struct scene *scene, struct error *err)
 {
     static const double range[3] = {300, 760, 5};
-    scene->tessellation = 1;
-    if (scene->camera.place.line == 0)
-        scene->camera = camera_defaults[0];
-    if (scene->size_place.line == 0) {
-        scene->width = 1200;
-        scene->height = 800;
-    }
-    return scene->n_wavelengths > 0 ||
-           add_range(scene, range, (struct place){scene->path, 0, 0}, err);
+    const struct place place = {scene->path, 0, 0};
+    return scene->n_wavelengths > 0 || add_range(scene, range, place, err);
 }
 
 /* ---- options of the command line ---- */
@@ -253,7 +242,8 @@ struct word option_word(const struct text *text, const char *start, const char *
     return word;
 }
 
-/* An option's numbers have one separator between them, and a # starts no comment. */
+/* Opens an option whose numbers have one separator between them. Refuses a #, which would begin a
+ * comment. */
 static bool open_numbers(struct scene *scene, const char *option, const char *value,
                          const char *separator, struct text *out, struct error *err)
 {
@@ -276,7 +266,7 @@ static bool open_numbers(struct scene *scene, const char *option, const char *va
 
 bool scene_set_wavelengths(struct scene *scene, const char *value, struct error *err)
 {
-    bool range = strchr(value, ':') != NULL;
+    bool range = strchr(value, ':');
     struct text text;
     if (!open_numbers(scene, "--wavelengths", value, range ? ":" : ",", &text, err))
         return false;
@@ -292,7 +282,6 @@ bool scene_set_size(struct scene *scene, const char *value, struct error *err)
     struct scene_reader reader = {.scene = scene, .text = &text};
     if (!open_numbers(scene, "--size", value, "x", &text, err))
         return false;
-    scene->size_place = text_place(&text);
     return size_read(&reader, err);
 }
 
@@ -302,7 +291,6 @@ bool scene_set_shading(struct scene *scene, const char *value, struct error *err
     struct scene_reader reader = {.scene = scene, .text = &text};
     if (!option_open(scene, "--shading", value, &text, err))
         return false;
-    scene->shading_place = text_place(&text);
     return shading_read(&reader, err);
 }
 

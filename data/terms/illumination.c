@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The lights that shine, and those among them that differ in strength only: these share their
- * terms. A light that is 0 everywhere does not shine; but where lights may be exchanged all of them
- * are kept, each by itself. */
+/* Lists the lights that shine. Lights that differ only in strength share their terms. A light that
+ * is 0 everywhere does not shine. If lights may be exchanged, all of them are kept, each by itself.
+ */
 #include <stdlib.h>
 #include <string.h>
 
@@ -21,8 +21,8 @@ bool spectrum_is_zero(const struct spectrum *spectrum)
     return zero || spectrum->factor == 0;
 }
 
-/* Returns whether one spectrum is the other times a factor, as far as that shows without rounding.
- */
+/* Returns whether one spectrum is the other times a factor. Compares without rounding, so it may
+ * miss a pair. */
 static bool same_spectrum(const struct spectrum *a, const struct spectrum *b)
 {
     if (a->kind != b->kind || a->count != b->count)
@@ -41,8 +41,8 @@ static double strength(const struct light *light)
     return light->intensity * spectrum->factor * level;
 }
 
-/* Adds the light, and finds the first one of its spectrum. Two lights do not share a spectrum where
- * the share is too large or too small to be exact. */
+/* Adds the light, and finds the first one of its spectrum. Two lights share no spectrum if the
+ * share is too large or too small to be exact. */
 static void add_light(struct illumination *illumination, const struct light *light)
 {
     int index = illumination->n_lights++;

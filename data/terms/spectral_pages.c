@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Pages made of spectra: the value of a spectrum on a page, and the white of a scene. */
+/* Pages made of spectra: computes the value of a spectrum on a page, and the white of a scene. */
 #include <float.h>
 #include <math.h>
 
@@ -48,37 +48,35 @@ double page_value(const struct spectral_pages *pages, const struct spectrum *spe
 
 /* ---- the white ---- */
 
-static double illumination_of(const struct scene *scene)
-{
-    double illumination = 0;
-    for (int i = 0; i < scene->n_lights; i++)
-        illumination += scene->lights[i].intensity;
-    for (int i = 0; i < scene->n_ambients; i++)
-        illumination += scene->ambients[i].intensity;
-    return illumination;
-}
-
-static double white_on(const struct scene *scene, const struct spectral_pages *pages, int page,
-                       double illumination)
+/* Returns the radiance of a perfect diffuser on a page under all lights and ambient lights. Sets
+ * *intensity to the sum of their intensities. */
+static double radiance_on(const struct scene *scene, const struct spectral_pages *pages, int page,
+                          double *intensity)
 {
     double sum = 0;
-    for (int i = 0; i < scene->n_lights; i++)
-        sum += scene->lights[i].intensity *
-               page_value(pages, &scene->lights[i].spectrum, page, SPECTRUM_ZERO);
-    for (int i = 0; i < scene->n_ambients; i++)
-        sum += scene->ambients[i].intensity *
-               page_value(pages, &scene->ambients[i].spectrum, page, SPECTRUM_ZERO);
-    return sum / illumination;
+    *intensity = 0;
+    for (int i = 0; i < scene->n_lights; i++) {
+        const struct light *light = &scene->lights[i];
+        *intensity += light->intensity;
+        sum += light->intensity * page_value(pages, &light->spectrum, page, SPECTRUM_ZERO);
+    }
+    for (int i = 0; i < scene->n_ambients; i++) {
+        const struct ambient *ambient = &scene->ambients[i];
+        *intensity += ambient->intensity;
+        sum += ambient->intensity * page_value(pages, &ambient->spectrum, page, SPECTRUM_ZERO);
+    }
+    return sum;
 }
 
 double scene_white(const struct scene *scene, const struct spectral_pages *pages, double *out)
 {
-    double illumination = illumination_of(scene), largest = 0;
+    double intensity = 0, largest = 0;
     bool finite = true;
     for (int i = 0; i < pages->n; i++) {
-        out[i] = white_on(scene, pages, i, illumination);
+        out[i] = radiance_on(scene, pages, i, &intensity);
+        out[i] /= intensity;
         largest = fmax(largest, out[i]);
         finite = finite && out[i] <= DBL_MAX;
     }
-    return finite && largest > 0 && illumination <= DBL_MAX ? illumination : 0;
+    return finite && largest > 0 && intensity <= DBL_MAX ? intensity : 0;
 }

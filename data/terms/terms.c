@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The terms of a material: spectra of light, reflectance and fluorescence, multiplied. A term that
- * is 0 on every page is left out; but where lights may be exchanged all terms are kept. */
+/* Makes the terms of a material: spectra of light, reflectance and fluorescence, multiplied. A term
+ * that is 0 on every page is left out, unless lights may be exchanged. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,19 +14,19 @@
 struct luminescence {
     const struct spectral_pages *pages;
     const struct material *material;
-    bool glows;              /* the pages show what an excitation and an emission make */
-    struct donaldson matrix; /* the pages show what it makes; no emission: none */
+    bool glows;              /* the pages show the emission that belongs to an excitation */
+    struct donaldson matrix; /* the pages show its emission; no emission: there is none */
 };
 struct terms_maker {
     const struct illumination *illumination;
     struct material_terms *out;
     struct luminescence luminescence;
-    double *fine; /* the next term at every nm, if pages are components; owned, otherwise NULL */
+    double *row; /* the next term: 0 until something is added to it; owned */
 };
 
 /* ---- products ---- */
 
-/* Values that a product has: one a page, or one a nm for components. */
+/* Returns how many values a product has: one a page, or for components one a nm. */
 static int product_length(const struct spectral_pages *pages)
 {
     return pages->of_products ? pages->n_nm : pages->n;
@@ -39,7 +39,7 @@ static double factor_at(const struct spectral_pages *pages, const struct spectru
                               : page_value(pages, spectrum, i, ends);
 }
 
-/* Adds factor x spectrum x reflectance (NULL: 1) to a row; returns whether that is above 0. */
+/* Adds factor x spectrum x reflectance (NULL: 1) to a row; returns whether any value is not 0. */
 static bool add_product(const struct spectral_pages *pages, double factor,
                         const struct spectrum *spectrum, const struct spectrum *reflectance,
                         double *row)
@@ -57,7 +57,7 @@ static bool add_product(const struct spectral_pages *pages, double factor,
 
 /* ---- fluorescence ---- */
 
-/* Reads what makes a material fluoresce; nothing where no page shows its emission. */
+/* Reads the fluorescence of a material, unless no page shows its emission. */
 static bool open_luminescence(const struct spectral_pages *pages, const struct material *material,
                               struct luminescence *out, struct error *err)
 {
@@ -78,7 +78,7 @@ static bool open_luminescence(const struct spectral_pages *pages, const struct m
     return true;
 }
 
-/* Adds the luminescence under a light to the row; *any becomes whether that is above 0. */
+/* Adds the luminescence under a light to the row; sets *any if any value is not 0. */
 static bool luminesce(const struct luminescence *of, const struct spectrum *light, double intensity,
                       double *row, bool *any, struct error *err)
 {
@@ -97,7 +97,7 @@ static bool luminesce(const struct luminescence *of, const struct spectrum *ligh
     return true;
 }
 
-/* Adds the luminescence under a light to *lit and the row. */
+/* Adds the luminescence under a light to the row, and sets *lit if there is any. */
 static bool add_luminescence(struct terms_maker *maker, const struct spectrum *light,
                              double intensity, double *row, bool *lit, struct error *err)
 {
@@ -126,40 +126,31 @@ bool material_luminescence(const struct spectral_pages *pages, const struct mate
 
 /* ---- terms ---- */
 
-/* The pages of the next term; zeroed. */
-static double *next_pages(const struct terms_maker *maker)
-{
-    return maker->out->spectra + (size_t)maker->out->n * (size_t)maker->illumination->pages.n;
-}
-
-/* The row that the next term fills; zeroed. */
-static double *next_row(const struct terms_maker *maker)
-{
-    return maker->fine ? maker->fine : next_pages(maker);
-}
-
-/* Makes components of the row, and clears it. Components of a scene's terms are not negative, and
- * a sum of n products is off by n 2^-53 of the sum of their magnitudes at most: a sum below 0 is
- * such an error. */
-static void analyse(const struct spectral_pages *pages, double *fine, double *out)
+/* Makes components of the row. The components of a term are not negative. A sum of n products is
+ * off by at most n 2^-53 of the sum of their magnitudes; a sum below 0 is such an error. */
+static void analyse(const struct spectral_pages *pages, const double *row, double *out)
 {
     const int n_nm = pages->n_nm;
     for (int page = 0; page < pages->n; page++) {
         double sum = 0;
         for (int j = 0; j < n_nm; j++)
-            sum += pages->analysis[(size_t)page * (size_t)n_nm + (size_t)j] * fine[j];
+            sum += pages->analysis[(size_t)page * (size_t)n_nm + (size_t)j] * row[j];
         out[page] = sum < 0 ? 0 : sum;
     }
-    memset(fine, 0, (size_t)n_nm * sizeof *fine);
 }
 
+/* Makes a term of the row, which becomes 0 again. */
 static void keep_term(struct terms_maker *maker, enum term_kind kind, int light)
 {
     const struct spectral_pages *pages = &maker->illumination->pages;
-    double *spectrum = next_pages(maker);
+    const size_t n = (size_t)pages->n, length = (size_t)product_length(pages);
+    double *spectrum = maker->out->spectra + (size_t)maker->out->n * n;
     struct spectral_term term = {kind, light, 0};
-    if (maker->fine)
-        analyse(pages, maker->fine, spectrum);
+    if (pages->analysis)
+        analyse(pages, maker->row, spectrum);
+    else
+        memcpy(spectrum, maker->row, n * sizeof *spectrum);
+    memset(maker->row, 0, length * sizeof *maker->row);
     for (int i = 0; i < pages->n; i++)
         term.peak = fmax(term.peak, spectrum[i]);
     maker->out->terms[maker->out->n++] = term;
@@ -170,7 +161,7 @@ static bool add_constant(struct terms_maker *maker, struct error *err)
     const struct illumination *illumination = maker->illumination;
     const struct scene *scene = illumination->scene;
     struct material_terms *out = maker->out;
-    double *row = next_row(maker);
+    double *row = maker->row;
     for (int i = 0; i < scene->n_ambients; i++) {
         const struct ambient *ambient = &scene->ambients[i];
         if (ambient->intensity == 0 || spectrum_is_zero(&ambient->spectrum))
@@ -195,7 +186,7 @@ static bool add_light(struct terms_maker *maker, int index, struct error *err)
     const struct light *light = maker->illumination->lights[index].light;
     const struct material *material = maker->out->material;
     bool kept = maker->illumination->exchangeable;
-    double *row = next_row(maker);
+    double *row = maker->row;
     bool lit = add_product(pages, light->intensity, &light->spectrum, &material->diffuse, row);
     if (!add_luminescence(maker, &light->spectrum, light->intensity, row, &lit, err))
         return false;
@@ -203,8 +194,7 @@ static bool add_light(struct terms_maker *maker, int index, struct error *err)
         keep_term(maker, TERM_DIFFUSE, index);
     if (material->gloss > 0 &&
         (add_product(pages, light->intensity, &light->spectrum,
-                     material->specular.kind != SPECTRUM_NONE ? &material->specular : NULL,
-                     next_row(maker)) ||
+                     material->specular.kind != SPECTRUM_NONE ? &material->specular : NULL, row) ||
          kept))
         keep_term(maker, TERM_SPECULAR, index);
     return true;
@@ -217,10 +207,8 @@ static bool allocate(struct terms_maker *maker, struct error *err)
     size_t most = 1 + 2 * (size_t)maker->illumination->n_lights;
     out->terms = calloc(most, sizeof *out->terms);
     out->spectra = calloc(most * (size_t)pages->n, sizeof *out->spectra);
-    if (pages->of_products)
-        maker->fine = calloc((size_t)pages->n_nm, sizeof *maker->fine);
-    return (out->terms && out->spectra && (maker->fine || !pages->of_products)) ||
-           error_memory(err);
+    maker->row = calloc((size_t)product_length(pages), sizeof *maker->row);
+    return (out->terms && out->spectra && maker->row) || error_memory(err);
 }
 
 bool material_terms_make(const struct illumination *illumination, const struct material *material,
@@ -233,7 +221,7 @@ bool material_terms_make(const struct illumination *illumination, const struct m
     for (int i = 0; done && i < illumination->n_lights; i++)
         done = illumination->lights[i].first != i || add_light(&maker, i, err);
     donaldson_free(&maker.luminescence.matrix);
-    free(maker.fine);
+    free(maker.row);
     if (!done)
         material_terms_free(out);
     return done;
@@ -256,7 +244,7 @@ static void add_once(const struct material **list, int *n, const struct material
     list[(*n)++] = material;
 }
 
-/* Adds a material, and the partner that half of an object is made of. */
+/* Adds a material, and its partner if it has one. */
 static void add_halves(const struct scene *scene, int index, const struct material **list, int *n)
 {
     const struct material *material = &scene->materials[index], *partner = material->partner;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Products of the spectra of lights and materials, found and multiplied once
- * for all vertices. This room knows nothing of geometry, of drawing, or of methods of sampling. */
+/* The room "terms": products of the spectra of lights and materials, multiplied once for all
+ * vertices. It depends on no geometry, no drawing and no method of sampling. */
 #ifndef TERMS_H
 #define TERMS_H
 
@@ -11,9 +11,9 @@
 
 /* ---- data/terms/spectral_pages.c: pages made of spectra ---- */
 
-/* How a picture's pages are made of spectra. The arrays belong to others. A page holds a spectrum's
- * value at the page's wavelength, or, if there is an analysis, the sum of the spectrum times the
- * page's row of it, over the grid first_nm, first_nm + 1, ... nm. */
+/* The pages of a picture, made of spectra. The arrays belong to others. A page holds the value of a
+ * spectrum at the page's wavelength. If there is an analysis, it holds the sum of the spectrum times
+ * the page's row of the analysis, over the grid first_nm, first_nm + 1, ... nm. */
 struct spectral_pages {
     int n; /* pages */
     double *wavelength_nm;
@@ -25,19 +25,22 @@ struct spectral_pages {
     bool of_products;             /* light times reflectance is analysed, not each by itself */
     bool clips;                   /* a sum below 0 becomes 0 */
 };
-/* The pages of a scene that is not sampled: one a wavelength. Valid as long as the scene. */
+/* Returns the pages of a scene that is not sampled: one a wavelength. They are valid as long as the
+ * scene. */
 struct spectral_pages scene_pages(const struct scene *scene);
-/* The wavelengths at which spectra are looked at: those of the pages, or every nm of the grid. */
+/* Return how many wavelengths the pages depend on, and wavelength i of them: those of the pages, or
+ * every nm of the grid. */
 int pages_looked_at(const struct spectral_pages *pages);
 double pages_looked_at_nm(const struct spectral_pages *pages, int i);
 /* Returns whether a light is above 0 at any of these wavelengths. */
 bool pages_show(const struct spectral_pages *pages, const struct spectrum *light);
-/* A spectrum's value on a page. SPECTRUM_HOLD means a reflectance, SPECTRUM_ZERO a light. */
+/* Returns the value of a spectrum on a page. SPECTRUM_HOLD means a reflectance, SPECTRUM_ZERO a
+ * light. */
 double page_value(const struct spectral_pages *pages, const struct spectrum *spectrum, int page,
                   enum spectrum_ends ends);
-/* The mean of all lights and ambient lights, by intensity: the radiance of a perfect diffuser under
- * one light of intensity 1, on each page. Returns the sum of the intensities, or 0 where nothing
- * shines; out is then of no use. */
+/* Computes the mean of all lights and ambient lights, weighted by intensity: the radiance on each
+ * page of a perfect diffuser under one such light of intensity 1. Returns the sum of the
+ * intensities, or 0 if nothing shines; *out is then undefined. */
 double scene_white(const struct scene *scene, const struct spectral_pages *pages, double *out);
 
 /* ---- data/terms/illumination.c: lights that shine ---- */
@@ -47,14 +50,14 @@ bool spectrum_is_zero(const struct spectrum *spectrum);
 struct shining_light {
     const struct light *light;
     int first;    /* index of the first light of the same spectrum; perhaps this one */
-    double share; /* of this light's radiation in that one's */
+    double share; /* this light's radiation divided by that of the first one */
 };
 /* The light of a scene, and the pages that show it. */
 struct illumination {
     const struct scene *scene;
     struct spectral_pages pages;
-    bool exchangeable; /* lights may be exchanged afterwards: keeps lights and terms that are 0, and
-                          each light by itself */
+    bool exchangeable; /* lights may be exchanged afterwards: lights and terms that are 0 are kept,
+                          and each light has its own terms */
     int n_lights;
     struct shining_light *lights; /* in the scene's order; owned */
 };
@@ -76,7 +79,7 @@ enum term_kind {
 struct spectral_term {
     enum term_kind kind;
     int light;   /* index of the first light of its spectrum; -1: none */
-    double peak; /* the largest value of its own spectrum */
+    double peak; /* the largest value of its spectrum on a page */
 };
 /* The terms of a material. Lights of one spectrum share their terms, and terms that are 0 on all
  * pages are left out. */
@@ -86,18 +89,19 @@ struct material_terms {
     struct spectral_term *terms; /* owned */
     double *spectra;             /* [term][page]; owned */
     bool ambient, emits, fluoresces;
-    long excitation_integrals; /* that were computed */
+    long excitation_integrals; /* how many were computed */
 };
+/* Makes the terms of the material under the light. The material must outlive *out. */
 bool material_terms_make(const struct illumination *illumination, const struct material *material,
                          struct material_terms *out, struct error *err);
 void material_terms_free(struct material_terms *terms);
-/* The luminescence of a material, on each page, under a light of intensity 1 that shines on it
- * squarely. Not for pages of components. */
+/* Computes the luminescence of a material on each page, under a light of intensity 1 that shines on
+ * it at a right angle. Pages must not be components. */
 bool material_luminescence(const struct spectral_pages *pages, const struct material *material,
                            const struct spectrum *light, double *out, struct error *err);
-/* Lists the materials of all objects, each once, with the partners of those that are cut in half.
- * A material map counts with all its lines: only its mesh shows which of them are needed. The array
- * is allocated, also for no materials. */
+/* Lists the materials of all objects, each once, and their partners. Lists all materials of a
+ * material map, since only its mesh decides which of them are needed. The array is allocated, even
+ * for no materials. */
 bool materials_shown(const struct scene *scene, const struct material ***out, int *n,
                      struct error *err);
 

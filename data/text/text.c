@@ -194,10 +194,14 @@ bool text_end(struct text *text, const char *what, struct error *err)
                     what);
 }
 
+bool word_equals(const struct word *word, const char *string)
+{
+    return strlen(string) == word->length && memcmp(word->start, string, word->length) == 0;
+}
+
 bool word_is(const struct word *word, const char *literal)
 {
-    return !word->quoted && strlen(literal) == word->length &&
-           memcmp(word->start, literal, word->length) == 0;
+    return !word->quoted && word_equals(word, literal);
 }
 
 char *word_copy(const struct word *word)

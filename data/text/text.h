@@ -53,8 +53,9 @@ struct place text_whole(const struct text *text);
 
 /* Returns how many bytes of a word a message shows: the precision of %.*s. */
 int word_shown(const struct word *word);
-bool word_is(const struct word *word, const char *literal); /* false for quoted words */
-char *word_copy(const struct word *word);                   /* allocated; NULL: no memory */
+bool word_is(const struct word *word, const char *literal);    /* false for quoted words */
+bool word_equals(const struct word *word, const char *string); /* quoted or not */
+char *word_copy(const struct word *word);                      /* allocated; NULL: no memory */
 /* Read a whole number or refuse it: 1.5abc, 1e999, nan, inf and 0x10 are errors. `what` names the
  * number in messages. Ranges are inclusive; -HUGE_VAL and HUGE_VAL set no limit. */
 bool word_number(const struct word *word, const char *what, double lowest, double highest,
@@ -85,7 +86,10 @@ int text_choose(struct text *text, const char *expected, const char *const *know
                 struct error *err);
 /* Sets *first to `again` if it has no line yet. Otherwise refuses: "WHAT is given twice". */
 bool place_once(struct place *first, struct place again, const char *what, struct error *err);
-/* Returns true if the word, which is not empty, begins with a digit, a sign or a point and has no
+/* Like word_choose; then notes the place in given[index], and refuses a word that has one there. */
+int word_choose_once(const struct word *word, const char *const *known, const char *what,
+                     struct place *given, struct error *err);
+/* Returns whether the word, which is not empty, begins with a digit, a sign or a point and has no
  * quotes. */
 bool word_begins_number(const struct word *word);
 /* Copies a string into an allocated one. A NULL stays NULL. */
@@ -93,6 +97,8 @@ bool string_copy(const char *from, char **out, struct error *err);
 /* Finds the path of the file that a word names, relative to the word's own file. *out is allocated.
  * Refuses an empty word. */
 bool word_path(const struct word *word, char **out, struct error *err);
+/* Returns the place of the next word, or of the line's end. */
+struct place text_next_place(struct text text);
 /* Reads three numbers; text_direction refuses 0 0 0. */
 bool text_vector(struct text *text, const char *what, struct vector *out, struct error *err);
 bool text_direction(struct text *text, const char *what, struct vector *out, struct error *err);

@@ -20,10 +20,10 @@ int word_choose(const struct word *word, const char *const *known, const char *w
                 struct error *err)
 {
     char list[LIST_SIZE] = "";
-    for (int i = 0; known[i] != NULL; i++)
+    for (int i = 0; known[i]; i++)
         if (word_is(word, known[i]))
             return i;
-    for (int i = 0; known[i] != NULL; i++)
+    for (int i = 0; known[i]; i++)
         list_add(list, known[i], strlen(known[i]));
     error_at(err, word->place, "unknown %s '%.*s'; known are %s", what, word_shown(word),
              word->start, list);
@@ -46,15 +46,22 @@ bool place_once(struct place *first, struct place again, const char *what, struc
     return true;
 }
 
+int word_choose_once(const struct word *word, const char *const *known, const char *what,
+                     struct place *given, struct error *err)
+{
+    const int i = word_choose(word, known, what, err);
+    return i >= 0 && place_once(&given[i], word->place, known[i], err) ? i : -1;
+}
+
 bool word_begins_number(const struct word *word)
 {
-    return !word->quoted && strchr("0123456789+-.", word->start[0]) != NULL;
+    return !word->quoted && strchr("0123456789+-.", word->start[0]);
 }
 
 bool string_copy(const char *from, char **out, struct error *err)
 {
-    *out = from != NULL ? strdup(from) : NULL;
-    return from == NULL || *out != NULL || error_memory(err);
+    *out = from ? strdup(from) : NULL;
+    return !from || *out || error_memory(err);
 }
 
 bool word_path(const struct word *word, char **out, struct error *err)
@@ -63,14 +70,20 @@ bool word_path(const struct word *word, char **out, struct error *err)
     if (word->length == 0)
         return error_at(err, word->place, "a file name must not be empty");
     name = word_copy(word);
-    *out = name != NULL ? file_relative(word->place.path, name) : NULL;
+    *out = name ? file_relative(word->place.path, name) : NULL;
     free(name);
-    return *out != NULL || error_memory(err);
+    return *out || error_memory(err);
 }
 
 bool text_peek(struct text text, struct word *out)
 {
     return text_word(&text, out);
+}
+
+struct place text_next_place(struct text text)
+{
+    struct word word;
+    return text_word(&text, &word) ? word.place : text_place(&text);
 }
 
 bool text_vector(struct text *text, const char *what, struct vector *out, struct error *err)
@@ -87,11 +100,9 @@ bool text_vector(struct text *text, const char *what, struct vector *out, struct
 
 bool text_direction(struct text *text, const char *what, struct vector *out, struct error *err)
 {
-    struct word first = {0};
-    text_peek(*text, &first);
+    const struct place first = text_next_place(*text);
     if (!text_vector(text, what, out, err))
         return false;
     return out->x != 0 || out->y != 0 || out->z != 0 ||
-           error_at(err, first.place, "%s 0 0 0 points nowhere; one of its numbers must not be 0",
-                    what);
+           error_at(err, first, "%s 0 0 0 points nowhere; one of its numbers must not be 0", what);
 }

@@ -42,9 +42,9 @@ static void survey_picture(const struct scene *scene, struct survey *out)
         varied = varied || !scene->lights[i].directional;
     for (int i = 0; i < scene->n_objects; i++) {
         const enum shape_kind kind = scene->objects[i].shape.kind;
-        const bool counts = kind != SHAPE_BOX && kind != SHAPE_PLANE;
-        varied = varied || (counts && kind != SHAPE_DISK);
-        out->tessellated = out->tessellated || (counts && kind != SHAPE_MESH);
+        const bool counts = shape_has_counts(kind);
+        varied = varied || kind == SHAPE_MESH || (counts && kind != SHAPE_DISK);
+        out->tessellated = out->tessellated || counts;
     }
     out->shaded = varied && scene->n_lights > 0;
 }

@@ -237,7 +237,6 @@ static const double null_number = NAN;
 static void json_picture(struct json *json, const struct plan *plan,
                          const struct render_result *result)
 {
-    static const char *const shadings[] = {"smooth", "flat", "phong"};
     const struct scene *scene = plan->scene;
     const bool use_gl = plan->options.use_gl;
     const double buffer_bits = buffer_steps(plan) > 0 ? plan->options.buffer_bits : 32;
@@ -253,7 +252,7 @@ static void json_picture(struct json *json, const struct plan *plan,
     if (plan->sampling)
         sampling_name(&plan->sampling->method, sampling);
     json_string(json, "sampling", plan->sampling ? sampling : NULL);
-    json_string(json, "shading", shadings[scene->shading]);
+    json_string(json, "shading", shading_words[scene->shading]);
     json_number(json, "tessellation", scene->tessellation);
     json_number(json, "buffer_bits", use_gl ? buffer_bits : null_number);
     json_count(json, "bits", (uint64_t)plan->options.bits);

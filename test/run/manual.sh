@@ -1,17 +1,26 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The manual page is well formed, and describes the program as it is: each option, command and list.
+# usage: test/run/manual.sh [renew]
+# The manual page is well formed, and describes the program as it is: each option, command and list. Its
+# list of options is that of --help, which renew writes into the page; the explanations are the page's own.
 . test/run/tap.sh
+renewed_page() { "$SPECTRAL" --help | /usr/bin/python3 test/run/manual_options.py spectral.1; }
+if [ "${1:-}" = renew ]; then
+    renewed_page >"$tmp/page" && cat "$tmp/page" >spectral.1
+    exit
+fi
 
 exits 0 "the manual page has no fault" mandoc -Tlint spectral.1
+renewed_page | diff spectral.1 - >"$tmp/err"
+ok $? "the page lists the options of --help; test/run/manual.sh renew renews the list"
 mandoc -Tascii spectral.1 | col -bx >"$tmp/page"
 exits 0 "--help explains" "$SPECTRAL" --help
 options() { grep -Eo -- '(^|[ ,=])--?[a-z][a-z-]*' "$1" | tr -d ' ,=' | LC_ALL=C sort -u; }
-options "$tmp/out" >"$tmp/told"
+options "$tmp/out" >"$tmp/printed"
 options "$tmp/page" >"$tmp/documented"
-[ "$(wc -l <"$tmp/told")" -gt 15 ]
+[ "$(wc -l <"$tmp/printed")" -gt 15 ]
 ok $? "many options"
-diff "$tmp/told" "$tmp/documented" >"$tmp/err"
+diff "$tmp/printed" "$tmp/documented" >"$tmp/err"
 ok $? "each has its place in the manual, and no other has"
 for command in $(sed -n 's/^  \([a-z]*\)  *\[*[A-Z].*/\1/p' "$tmp/out"); do
     grep -Eq "^ {5}spectral $command" "$tmp/page"

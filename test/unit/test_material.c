@@ -75,7 +75,7 @@ static void check_full_file(void)
     CHECK(m.specular.count == 2 && m.specular.value[1] == 1 && m.diffuse.count == 2 &&
               m.diffuse.value[1] == 0,
           "specular and diffuse samples stay apart");
-    CHECK(m.specular_place.line == 2, "the specular place is its first line");
+    CHECK(m.specular.place.line == 2, "the specular place is its first line");
     CHECK(m.excitation.count == 2 && m.emission.count == 2 && m.excitation.value[0] == 2 &&
               m.emission.value[1] == 3 && m.emission.wavelength_nm[1] == 520,
           "f gives excitation, then emission; they may exceed 1");

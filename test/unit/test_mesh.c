@@ -505,11 +505,11 @@ static void check_refusals(void)
         {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3//x\n",
          ":4:10: error: normal must be a whole number, not 'x'"},
         {"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1 2/1 3\n",
-         ":5:5: error: 2/1 is not written as the face's first corner, 1"},
+         ":5:5: error: expected a corner with the same indices as the first one, 1; found 2/1"},
         {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3/\n",
-         ":4:7: error: 3/ is no corner; a corner is written v, v/vt, v//vn or v/vt/vn"},
+         ":4:7: error: expected a corner, v, v/vt, v//vn or v/vt/vn; found 3/"},
         {"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3/1/1/1\n",
-         ":4:7: error: 3/1/1/1 is no corner; a corner is written v, v/vt, v//vn or v/vt/vn"},
+         ":4:7: error: expected a corner, v, v/vt, v//vn or v/vt/vn; found 3/1/1/1"},
         {"v 0 0 0\nv 1 0 0\nf 1 2\n", ":3:6: error: expected a corner: a face has at least 3"},
         {"v 0 0\n", ":1:6: error: expected a number: v takes at least 3"},
         {"v 0 0 0 1 1 1 1 1\n", ":1:17: error: too many numbers: v takes at most 7"},
@@ -525,8 +525,8 @@ static void check_refusals(void)
         {"\n  teapot 3\n", ":2:3: error: unknown statement teapot; OBJ has v, vt, vn, f, g, o, s, "
                            "usemtl, mtllib, ..."},
         {"v 0 0 0\nv 1 0 0\nf 1 2 1\n",
-         ": error: has nothing to draw: no f with three different corners"},
-        {"", ": error: has nothing to draw: no f with three different corners"}};
+         ": error: the file has nothing to draw; expected an f with three different corners"},
+        {"", ": error: the file has nothing to draw; expected an f with three different corners"}};
     char expected[1024];
 
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
