@@ -3,8 +3,8 @@
  * of +, -, *, / and sqrt, which IEEE 754 rounds alike everywhere. Of the C library, what reaches a
  * picture calls only functions that are exact or correctly rounded: sqrt, fabs, fmin, fmax, floor,
  * ceil, frexp, ldexp, fma and remquo.
- * Error bounds count units in the last place of the result. With u = 2^-53, the largest relative
- * error of a rounding, a relative error e is e / u units at most. */
+ * Error bounds count units in the last place of the result. With u = DOUBLE_ROUNDOFF, a relative
+ * error e is e / u units at most. */
 #include <float.h>
 #include <math.h>
 

@@ -9,12 +9,11 @@
  * l_i are the barycentric coordinates in the triangle that OpenGL has: position errors count once,
  * times the gradient of N - r D, and a shift of the triangle as a whole cancels out of everything
  * else. Roundings of the set-up are magnified by the triangle's thinness, those of the evaluation
- * grow with the distance to the origin. u = 2^-24 is the unit roundoff of single precision. */
+ * grow with the distance to the origin. */
 #include <math.h>
 
+#include "data/maths/maths.h"
 #include "raster/bounds/bounds.h"
-
-static const double u = 1.0 / 16777216;
 
 /* Edge vectors and what follows from them. Edge i runs from corner i to corner i + 1. */
 struct edges {
@@ -37,22 +36,17 @@ static double largest(const double q[3])
 static struct edges edges_of(const struct clipped_triangle *triangle)
 {
     struct edges edges = {.slack_per_d = 0};
-    double low_x = triangle->x[0], high_x = low_x, low_y = triangle->y[0], high_y = low_y;
     for (int i = 0; i < 3; i++) {
         int next = (i + 1) % 3;
         edges.dx[i] = triangle->x[next] - triangle->x[i];
         edges.dy[i] = triangle->y[next] - triangle->y[i];
-        low_x = fmin(low_x, triangle->x[i]);
-        high_x = fmax(high_x, triangle->x[i]);
-        low_y = fmin(low_y, triangle->y[i]);
-        high_y = fmax(high_y, triangle->y[i]);
     }
     double e = edges.dx[0] * edges.dy[1], f = edges.dx[1] * edges.dy[0];
     edges.twice_area = fabs(e - f);
-    edges.width = high_x - low_x + 1;
-    edges.height = high_y - low_y + 1;
-    edges.e_area = u * (3 * (fabs(e) + fabs(f)) / edges.twice_area + 2);
-    double worst = largest(triangle->slack_px), change = 8 * worst * worst, perimeter = 0;
+    edges.width = most_of(triangle->x) - least_of(triangle->x) + 1;
+    edges.height = most_of(triangle->y) - least_of(triangle->y) + 1;
+    edges.e_area = roundings(3 * (fabs(e) + fabs(f)) / edges.twice_area + 2);
+    double worst = most_of(triangle->slack_px), change = 8 * worst * worst, perimeter = 0;
     for (int i = 0; i < 3; i++) { /* a corner moves the area by the length of the edge opposite */
         double length = fabs(edges.dx[i]) + fabs(edges.dy[i]);
         change += triangle->slack_px[(i + 2) % 3] * length;
@@ -60,7 +54,7 @@ static struct edges edges_of(const struct clipped_triangle *triangle)
     }
     edges.thinness = change / edges.twice_area;
     edges.spread = 1 + 2 * triangle->grid_px * perimeter / edges.twice_area;
-    edges.slack = fmin(triangle->slack_px[0], fmin(triangle->slack_px[1], triangle->slack_px[2]));
+    edges.slack = least_of(triangle->slack_px);
     for (int i = 0; i < 3; i++)
         edges.slack_per_d =
             fmax(edges.slack_per_d, (triangle->slack_px[i] - edges.slack) / triangle->inverse_w[i]);
@@ -99,17 +93,17 @@ static double plane_rounding(const struct clipped_triangle *triangle, const stru
         terms_x += step * fabs(edges->dy[i]) / edges->twice_area;
         terms_y += step * fabs(edges->dx[i]) / edges->twice_area;
     }
-    return 5 * u * (terms_x * edges->width + terms_y * edges->height) +
+    return roundings(5) * (terms_x * edges->width + terms_y * edges->height) +
            edges->e_area * (fabs(g.x) * edges->width + fabs(g.y) * edges->height) +
-           6 * u * (fabs(g.x) * triangle->reach_x + fabs(g.y) * triangle->reach_y) +
-           4 * u * largest(q);
+           roundings(6) * (fabs(g.x) * triangle->reach_x + fabs(g.y) * triangle->reach_y) +
+           roundings(4) * largest(q);
 }
 
 double bound_linear(const struct clipped_triangle *triangle, const double values[3],
                     double e_values)
 {
     struct edges edges = edges_of(triangle);
-    return largest(triangle->slack_px) * edges.spread * norm(gradient_of(&edges, values)) +
+    return most_of(triangle->slack_px) * edges.spread * norm(gradient_of(&edges, values)) +
            e_values * edges.spread + plane_rounding(triangle, &edges, values);
 }
 
@@ -121,22 +115,19 @@ static double fixed_slack(const struct clipped_triangle *triangle, const struct 
            edges->slack_per_d * (edges->spread - 1) * largest(triangle->inverse_w);
 }
 
-struct inverse_w_bound bound_inverse_w(const struct clipped_triangle *triangle)
+void bound_inverse_w(struct clipped_triangle *triangle)
 {
     struct edges edges = edges_of(triangle);
-    double slope = norm(gradient_of(&edges, triangle->inverse_w));
-    return (struct inverse_w_bound){.fixed = slope * fixed_slack(triangle, &edges) +
-                                             plane_rounding(triangle, &edges, triangle->inverse_w),
-                                    .per_d = slope * edges.slack_per_d};
-}
-
-double bound_magnification(const struct clipped_triangle *triangle)
-{
-    struct edges edges = edges_of(triangle);
+    double slope = norm(gradient_of(&edges, triangle->inverse_w)),
+           fixed = slope * fixed_slack(triangle, &edges) +
+                   plane_rounding(triangle, &edges, triangle->inverse_w),
+           magnification = HUGE_VAL;
     /* beyond, second-order terms would no longer be small */
-    if (!(edges.thinness <= 0.75 && edges.e_area <= 0.25))
-        return HUGE_VAL;
-    return 1.001 / ((1 - edges.thinness) * (1 - edges.e_area));
+    if (edges.thinness <= 0.75 && edges.e_area <= 0.25)
+        magnification = 1.001 / ((1 - edges.thinness) * (1 - edges.e_area));
+    triangle->magnification = magnification;
+    triangle->inverse_w_bound = (struct colour_bound){
+        .fixed = fixed * magnification, .per_d = slope * edges.slack_per_d * magnification};
 }
 
 struct colour_bound bound_colour(const struct clipped_triangle *triangle, const double values[3])
@@ -154,9 +145,9 @@ struct colour_bound bound_colour(const struct clipped_triangle *triangle, const 
                      norm((struct gradient){g_n.x - values[i] * g_d.x, g_n.y - values[i] * g_d.y}));
     return (struct colour_bound){
         .slope = slope,
-        .constant = triangle->slack_w * range + 2 * u * value,
+        .constant = triangle->slack.w * range + roundings(2) * value,
         .per_d = slope * edges.slack_per_d,
-        .fixed = slope * fixed_slack(triangle, &edges) + u * largest(n) +
-                 triangle->slack_w * range * (edges.spread - 1) * largest(d) +
+        .fixed = slope * fixed_slack(triangle, &edges) + roundings(1) * largest(n) +
+                 triangle->slack.w * range * (edges.spread - 1) * largest(d) +
                  plane_rounding(triangle, &edges, n) + value * plane_rounding(triangle, &edges, d)};
 }

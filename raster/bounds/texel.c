@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* How far OpenGL's single precision may be off in a texture. OpenGL turns a coordinate s into
  * texels by scale, offset and wrapping (4 roundings relative to s x width or to the width), finds
- * weights exactly, and mixes four texels. u = 2^-24. */
+ * weights exactly, and mixes four texels.*/
 #include <float.h>
 #include <math.h>
 
 #include "raster/bounds/bounds.h"
 #include "raster/reference/reference.h"
-
-static const double u = 1.0 / 16777216;
 
 /* Three mixes of two values, each a difference, a product and a sum. */
 enum { MIX_ROUNDINGS = 9 };
@@ -25,10 +23,11 @@ struct texel_point texel_point(const struct texels *texels, const double s_t[2],
     struct texel_point at;
     texel_place(texels, s_t, at.place);
     for (int i = 0; i < 2; i++)
-        at.e_place[i] = fabs(s_t[0] * size[0]) < 0x1p40 && fabs(s_t[1] * size[1]) < 0x1p40
-                            ? (float)fmin((double)FLT_MAX,
-                                          size[i] * ((double)e_s_t[i] + 4 * u * (1 + fabs(s_t[i]))))
-                            : FLT_MAX;
+        at.e_place[i] =
+            fabs(s_t[0] * size[0]) < 0x1p40 && fabs(s_t[1] * size[1]) < 0x1p40
+                ? (float)fmin((double)FLT_MAX,
+                              size[i] * ((double)e_s_t[i] + roundings(4) * (1 + fabs(s_t[i]))))
+                : FLT_MAX;
     return at;
 }
 
@@ -107,6 +106,6 @@ double texel_error(const struct texels *texels, const struct texel_point *at, do
     up.n += texels->linear;
     struct spread spread = spread_of(texels, &across, &up);
     return texels->linear
-               ? e_u * spread.across + e_v * spread.up + MIX_ROUNDINGS * u * spread.largest
+               ? e_u * spread.across + e_v * spread.up + roundings(MIX_ROUNDINGS) * spread.largest
                : (across.n - 1) * spread.across + (up.n - 1) * spread.up;
 }

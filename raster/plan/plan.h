@@ -34,6 +34,9 @@ struct shaded_material {
  * precision spends its digits on the shape and not on where it stands. */
 struct plan_mesh {
     struct mesh mesh;
+    struct cutting { /* the part that is shown, -1: all; on which side of x = 0, -1: both */
+        int whole, part, side;
+    } cutting;
     struct vector centre; /* of the whole mesh */
     double unit;          /* what its lengths are measured in: a power of two, about its size */
     bool textured;        /* some instance of it is */
@@ -87,14 +90,13 @@ struct plan {
     struct illumination illumination; /* the lights of the scene, before idle ones are dropped */
     struct eye_light *lights;         /* those that shine; and each as the scene has it: */
     const struct light **sources;
-    int n_meshes, n_materials, n_textures, n_instances, n_lights;
+    int n_meshes, n_materials, n_textures, n_instances, n_lights, n_effects;
     int n_light_groups; /* passes that a group of bands takes: 1, or more beyond LIGHTS_PER_PASS */
     int max_rows;       /* numbers that a pixel keeps, at most: see pixel_rows */
     int tile_width, tile_height; /* the last column and row of tiles may be smaller */
     uint64_t file_bytes, tile_bytes;
     int map_bytes; /* of a number in the object map; 0: there is none */
     struct plan_effect effects[MAX_EFFECTS];
-    int n_effects;
     struct plan_work work;
     long n_vertices, n_triangles; /* as drawn: a mesh counts once for every instance */
 };

@@ -2,8 +2,7 @@
 /* The expected sample of a pixel, and radiance as counts: a sum over terms of weight x spectrum.
  *
  * Bound of a sample, in counts: sum over terms of (error of the weight) x (spectrum), which
- * raster/bounds/light.c and raster/bounds/plane.c derive, plus the roundings of the colour sum. u =
- * 2^-24. */
+ * raster/bounds/light.c and raster/bounds/plane.c derive, plus the roundings of the colour sum. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -13,8 +12,6 @@
 #include "raster/plan/plan.h"
 #include "raster/radiance/radiance.h"
 #include "raster/reference/reference.h"
-
-static const double u = 1.0 / 16777216;
 
 /* A colour: its spectrum rounded to single precision (1), light times material (2), a texture's
  * value and its product (2), the buffer (1); each colour and each pass added (1 each). One more for
@@ -31,11 +28,11 @@ static const double flushed = 65535 * 1.2e-38 * 1e4 * 32768 * 2048 * 4;
 /* Each pass is rounded to the nearest step. On the way to that a driver multiplies and adds (2
  * roundings); the step as a part of full scale, and the sum of such parts, are rounded again (2).
  * Measured on Mesa 22.3.6, 3 million colours: llvmpipe and softpipe round to the nearest step, but
- * for 0.5 u of full scale at most (0.002 of a step of 16 bits). */
+ * for half a roundoff of full scale at most (0.002 of a step of 16 bits). */
 double buffer_rounding(const struct plan *plan)
 {
     int steps = buffer_steps(plan);
-    return steps > 0 ? plan->n_light_groups * (0.5 / steps + 4 * u) * FULL_COUNT : 0;
+    return steps > 0 ? plan->n_light_groups * (0.5 / steps + roundings(4)) * FULL_COUNT : 0;
 }
 
 /* ---- what is expected ---- */
@@ -77,7 +74,7 @@ static void expect_steps(const struct plan *plan, size_t n, double *expected, fl
 static void add_roundings(const struct plan *plan, const struct run *run, const double *expected,
                           float *bound)
 {
-    double rounding = (COLOUR_ROUNDINGS + run->shaded->n_colours + plan->n_light_groups) * u;
+    double rounding = roundings(COLOUR_ROUNDINGS + run->shaded->n_colours + plan->n_light_groups);
     for (size_t i = 0; i < run->n; i++) {
         float whole = bound[i] + (float)(flushed + rounding * fabs(expected[i]));
         bound[i] = whole <= FLT_MAX ? whole : -1;
