@@ -19,8 +19,8 @@ static inline double roundings(double n)
 
 /* ---- elementary.c: functions that give the same bits everywhere ---- */
 
-/* Errors are bounded in units in the last place of the exact result. A picture depends on no other
- * inexact function of the C library. */
+/* Errors are bounded in units in the last place of the exact result. Pictures depend on these
+ * functions, and on no inexact function of the C library. */
 #define PI 3.14159265358979323846
 
 /* Sine and cosine of an angle in degrees. Multiples of 45 degrees are rounded correctly, others

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* How far OpenGL's single precision may be off from the reference: at a vertex, inside a triangle,
- * in a texture. The reference's values come in; bounds on absolute errors come out. They hold for
- * every order of operations, with or without fused multiply-add; "slack" bounds a position. */
+/* Bounds OpenGL's errors in single precision: at a vertex, inside a triangle, in a texture. Values
+ * of the reference come in, bounds on absolute errors come out. They hold for every order of
+ * operations, with or without fused multiply-add. "slack" bounds a position. */
 #ifndef BOUNDS_H
 #define BOUNDS_H
 
@@ -68,7 +68,7 @@ void lit_free(struct lit_scene *lit);
 bool surface_reaches(const struct surface_bounds *surface, const struct rectangle *at);
 /* True if any term of the instance belongs to this light. */
 bool reflects(const struct instance *instance, const struct eye_light *light);
-/* How far the upper 3x3 is from the rigid one that OpenGL takes it for; 0: it does not. */
+/* The distance of the upper 3x3 from the rigid matrix that OpenGL takes it for; 0: for none. */
 double distance_from_rigid(const struct matrix *m);
 /* Adds to the surface's errors the bounds on all attributes of a vertex, where e_eye bounds its
  * place in eye space. They are infinite where a weight has no bound. */

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* How far OpenGL's single precision may be off from the weights that the reference lights a vertex
- * with.
+/* Bounds the errors of the weights with which OpenGL lights a vertex.
  *
  * Bounds count the roundings of a single-precision pipeline in any order of operations, with or
  * without fused multiply-add. "e_" is a bound on an absolute error. The values that errors are
@@ -20,9 +19,10 @@ struct direction {
     double e_turn;
 };
 
-/* How far the upper 3x3 is from a rotation, scaled alike in all directions. Mesa takes it for one
- * where the squared lengths of its columns and their products differ by less than 1e-6
- * (m_matrix.c), and then uses its transpose for its inverse, so that such a distance is an error.
+/* The distance of the upper 3x3 from a rotation that is scaled alike in all directions. Mesa takes
+ * it for such a rotation if the squared lengths of its columns and their products differ by less
+ * than 1e-6 (m_matrix.c). Mesa then uses the transpose for the inverse, so that the distance is an
+ * error.
  */
 double distance_from_rigid(const struct matrix *m)
 {
@@ -58,7 +58,7 @@ static struct direction eye_normal(const struct instance *instance,
     return (struct direction){vector_normalise(turned), fmin(turn, 2)};
 }
 
-/* A vertex about to be lit. */
+/* A vertex, while it is lit. */
 struct vertex_view {
     const struct view *view;
     const struct instance *instance;
@@ -76,8 +76,8 @@ struct path {
     double divisor;
 };
 
-/* How far the direction of a vector may turn, if the vector is off by the error of its length:
- * normalising it takes 6 roundings. A vector that may be 0 gets any direction. */
+/* Bounds the angle by which OpenGL's direction of a vector is off, if the vector is off by the
+ * error of its length. Normalising takes 6 roundings. A vector that may be 0 has any direction. */
 static double turn_of(struct bounded length)
 {
     return length.value > length.error ? length.error / length.value + roundings(6) : 2;
@@ -123,7 +123,7 @@ static struct bounded cosine_between(struct direction a, struct direction b)
 
 /* ---- weights ---- */
 
-/* For two vectors whose lengths are right to 4 roundings each, and 4 of the product. */
+/* Of two vectors whose lengths are right to 4 roundings each, with 4 of the product. */
 static double largest_cosine(void)
 {
     return 1 + roundings(12);
@@ -205,7 +205,7 @@ static struct bounded falloff(const struct eye_light *light, const struct path *
     return out;
 }
 
-/* Errors that are not finite in single precision are refused later. */
+/* check_vertex refuses an error that is not finite in single precision. */
 static void add_error(struct bounded weight, double share, float *error)
 {
     double sum = (double)*error + share * weight.error;

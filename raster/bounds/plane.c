@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* How far OpenGL may be off inside a triangle whose corners are right to within known bounds.
+/* Bounds OpenGL's errors inside a triangle whose corners are right to within known bounds.
  *
  * Mesa interpolates a value a through planes: N = a / w and D = 1 / w are set up from the corners
  * in single precision with their origin at the corner of the framebuffer, evaluated at the pixel
- * centre, and divided. With N' and D' what comes out, and r the true value,
+ * centre, and divided. With N' and D' for OpenGL's values, and r for the true quotient,
  *     N' / D' - r = ((N' - N) - r (D' - D)) / D'.
  * Corners that are off by e_i change a plane by the sum of l_i g . e_i, where g is its gradient and
  * l_i are the barycentric coordinates in the triangle that OpenGL has: position errors count once,
@@ -23,8 +23,8 @@ struct edges {
     double e_area;        /* relative rounding error of the area in single precision */
     double thinness;      /* relative change of the area when each corner is off by its slack */
     double spread;        /* sum of |l_i| at a pixel that OpenGL may cover: 1 inside */
-    /* slack_px of corner i is at most slack + slack_per_d / w_i: cutting near the eye makes errors
-     * that are of no matter far from it */
+    /* slack_px of corner i is at most slack + slack_per_d / w_i: errors of cutting near the eye do
+     * not matter far from it */
     double slack, slack_per_d;
 };
 
@@ -108,7 +108,7 @@ double bound_linear(const struct clipped_triangle *triangle, const double values
 }
 
 /* The sum of |l_i| slack_px of corner i, without the part that grows with D: the sum of l_i / w_i
- * is D itself, and what lies outside adds to it. */
+ * is D itself, to which a pixel outside of the triangle adds. */
 static double fixed_slack(const struct clipped_triangle *triangle, const struct edges *edges)
 {
     return edges->slack * edges->spread +

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* How far OpenGL's single precision may be off in a texture. OpenGL turns a coordinate s into
- * texels by scale, offset and wrapping (4 roundings relative to s x width or to the width), finds
- * weights exactly, and mixes four texels.*/
+/* Bounds OpenGL's errors in a texture. OpenGL turns a coordinate s into texels by scale, offset and
+ * wrapping (4 roundings relative to s x width or to the width), finds weights exactly, and mixes
+ * four texels. */
 #include <float.h>
 #include <math.h>
 
@@ -14,8 +14,8 @@ enum { MIX_ROUNDINGS = 9 };
  * texels, one for either end, and a neighbour; one more if an end is rounded. */
 enum { WIDEST_BOUND = 3, MOST_TEXELS = 2 * WIDEST_BOUND + 4 };
 
-/* Extrapolated far outside a thin triangle, a place may be anywhere: where the reference does not
- * know its texel, there is no bound. */
+/* Extrapolated far outside a thin triangle, a place may be anywhere. A place whose texel the
+ * reference does not know has no bound. */
 struct texel_point texel_point(const struct texels *texels, const double s_t[2],
                                const float e_s_t[2])
 {
@@ -58,12 +58,12 @@ int texel_choices(const struct texels *texels, const struct texel_point *at,
     return up.n * across.n;
 }
 
-/* How much neighbouring texels of a patch differ, and the largest of them. */
+/* The largest differences of neighbouring texels in a patch, and its largest texel. */
 struct spread {
     double across, up, largest;
 };
 
-/* Takes numbers only: fmax also handles NaN, at the price of a call. */
+/* For numbers only: fmax also handles NaN, at the price of a call. */
 static double larger(double a, double b)
 {
     return a > b ? a : b;

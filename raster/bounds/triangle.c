@@ -85,7 +85,7 @@ static void clip(struct polygon *polygon, const struct clip_plane *plane)
 
 /* The planes in Mesa's order: right, left, top, bottom of the tile, then near, far. The last two
  * are widened by what single precision may be off there, so that no possible pixel is lost; near
- * not so far that w = 0 comes in, which is of no matter: see check_near in vertex.c. */
+ * not so far that w = 0 comes in. That limit loses no pixel: see check_near in vertex.c. */
 static void planes_of(const struct lit_scene *lit, const struct screen_triangle *screen,
                       const struct rectangle *tile, struct clip_plane planes[CLIP_PLANES])
 {
@@ -163,15 +163,15 @@ static bool is_edge_on(const struct bounded_triangle *triangle)
     return triangle->screen.twice_area <= change;
 }
 
-/* ---- what OpenGL sets up ---- */
+/* ---- triangles that OpenGL sets up ---- */
 
-/* How far off OpenGL follows an edge, whose ends it may move to its grid. */
+/* The error with which OpenGL follows an edge. It may move the ends to its grid. */
 static double edge_error(const struct driver *driver, const struct rectangle *tile)
 {
     return driver->grid_px + roundings(driver->edge_roundings) * fmax(tile->width, tile->height);
 }
 
-/* All corners lie on the driver's grid, without any error; one that was cut lies anywhere. */
+/* True if all corners lie on the driver's grid, without any error. Corners of cuts do not. */
 static bool is_exact(const struct lit_scene *lit, const struct bounded_triangle *triangle)
 {
     bool exact = lit->driver->fill_rule != FILL_ANY && !triangle->straddles;
@@ -200,8 +200,8 @@ static struct clipped_triangle clipped(const struct lit_scene *lit,
     return out;
 }
 
-/* Those that clipping at the tile's border and in depth makes. Where hardly anything of the
- * triangle is in the tile, nothing is known of it. */
+/* Sets up the triangles that clipping at the tile's border and in depth makes. Where hardly
+ * anything of the triangle is in the tile, it has no bound. */
 static int clip_to_tile(const struct lit_scene *lit, const struct rectangle *tile,
                         const struct bounded_triangle *triangle,
                         struct clipped_triangle out[CLIP_CORNERS - 2])
@@ -247,7 +247,7 @@ static int set_up(const struct lit_scene *lit, const struct rectangle *tile,
     return 1;
 }
 
-/* How far a stored depth may be off from the one computed. */
+/* The difference between a stored depth and the computed one, at most. */
 static double depth_rounding(const struct driver *driver)
 {
     return roundings(driver->depth_roundings);

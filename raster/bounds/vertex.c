@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A lit scene: every vertex in the window and lit by the reference, and how far OpenGL may be off
- * there. What single precision cannot hold is refused here. */
+/* Lights a scene: the reference places every vertex in the window and lights it; bounds say how far
+ * OpenGL may be off there. Refuses what single precision cannot hold. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -69,7 +69,7 @@ static void bound_place(const struct plan *plan, const double magnitude[4],
     out->slack_w = perspective ? (float)slack.w : 0;
 }
 
-/* ---- where no error is made ---- */
+/* ---- exact vertices ---- */
 
 /* True if the clip coordinates of an instance's vertices may come out exact: an orthographic
  * picture in one tile, and matrices that multiply without rounding. Their product is stored. */
@@ -130,7 +130,7 @@ static void make_vertex(const struct bounding *of, int index, struct light_work 
     light_bounds(of->lit, of->surface_index, index, e_eye, work);
 }
 
-/* ---- what is refused ---- */
+/* ---- refusals ---- */
 
 /* Half a texel off, OpenGL may show any of the texture's values. */
 static bool check_texture(const struct surface *surface, const struct surface_bounds *bounds,
@@ -171,8 +171,8 @@ static bool check_vertex(const struct surface *surface, const struct surface_bou
                                          index + 1);
 }
 
-/* The least w of what the sides of the view, widened by how far OpenGL may be off, leave of a
- * triangle; HUGE_VAL: nothing. */
+/* The least w of the part of a triangle that lies between the sides of the view, which are widened
+ * by how far OpenGL may be off; HUGE_VAL: no part does. */
 static double least_w(const struct surface *surface, const struct surface_bounds *bounds,
                       const int32_t vertex[3])
 {
@@ -195,7 +195,8 @@ static double least_w(const struct surface *surface, const struct surface_bounds
     return least;
 }
 
-/* Where a triangle reaches the eye, OpenGL must know depths better than where the near plane is. */
+/* Refuses a triangle that reaches the eye unless its errors in depth are small beside the near
+ * plane's distance. */
 static bool check_near(const struct plan *plan, const struct surface *surface,
                        const struct surface_bounds *bounds, int triangle, struct error *err)
 {

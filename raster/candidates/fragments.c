@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The fragments that OpenGL may have at each pixel of a chunk: those that it may show there without
- * being wrong, and how many there may be, hidden ones included. */
+/* Finds the fragments that OpenGL may have at each pixel of a chunk: those that it may show there,
+ * and how many it may draw, hidden ones included. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -75,7 +75,7 @@ static bool add_fragment(struct fragments *of, struct fragment_list *pixel,
     return true;
 }
 
-/* ---- how many fragments there are ---- */
+/* ---- counting fragments ---- */
 
 /* Scatters bits (the finalizer of SplitMix64: Steele, Lea and Flood 2014). */
 static uint64_t scatter(uint64_t bits)
@@ -97,7 +97,7 @@ static uint64_t corner_number(const struct screen_triangle *triangle, int i, uin
 struct visit {
     struct fragments *of;
     int32_t triangle;
-    bool any; /* there may be a fragment of it somewhere */
+    bool any; /* OpenGL may have a fragment of it somewhere */
     struct fragment_list *pixel;
     struct seam *seam;
     double x, y;
@@ -133,7 +133,7 @@ static void count_fragment(const struct visit *visit, enum presence presence, bo
 {
     const struct bounded_triangle *triangle = visited(visit);
     struct fragment_list *pixel = visit->pixel;
-    if (triangle->other_side) /* counted as the one that it is */
+    if (triangle->other_side) /* the same fragment, which its own side counts */
         return;
     pixel->n_possible++;
     if (presence == DEFINITE) {

@@ -57,8 +57,8 @@ static bool check_driver(const struct gl *gl, struct error *err)
     errno = 0;
     return !wanted || strncmp(gl_renderer(gl), wanted, strlen(wanted)) == 0 ||
            error_system(err,
-                        "this OSMesa draws with %.100s, and has no %s; --renderer gl takes what "
-                        "there is",
+                        "this OSMesa draws with %.100s, not with %s; --renderer gl takes any "
+                        "driver",
                         gl_renderer(gl), wanted);
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The plan in words: each effect with the reason why it is simulated or not, each light, and what
- * is guessed rather than measured. */
+/* Prints the plan in words: each effect with the reason why it is simulated or not, each light, and
+ * each value that is guessed, not measured. */
 #include <string.h>
 
 #include "data/material/material.h"
@@ -15,7 +15,7 @@
 
 /* ---- counting what the plan uses ---- */
 
-/* How many materials, objects and lights have something. */
+/* How many materials, objects and lights call for each effect. */
 struct counts {
     int ambient, diffuse, specular, with_excitation, with_matrix, fluorescent, bispectral, textured,
         spectrally_textured, emitting, halves;
@@ -155,7 +155,7 @@ void plan_effects(struct plan *plan)
 
 /* ---- the plan in words ---- */
 
-/* Why a light does not shine; NULL: it does. */
+/* Returns why a light does not shine; NULL: it shines. */
 static const char *why_off(const struct plan *plan, const struct light *light)
 {
     const struct spectral_pages *pages = &plan->illumination.pages;
@@ -239,8 +239,8 @@ static void print_work(const struct plan *plan, FILE *to)
     int passes = plan->n_passes * plan->n_light_groups, most = 0;
     for (int i = 0; i < plan->n_materials; i++)
         most = plan->materials[i].n_terms > most ? plan->materials[i].n_terms : most;
-    fprintf(to, "objects           %d (%d bodies, %ld vertices, %ld triangles)\n", scene->n_objects,
-            plan->n_instances, plan->n_vertices, plan->n_triangles);
+    fprintf(to, "objects           %d (%d instances, %ld vertices, %ld triangles)\n",
+            scene->n_objects, plan->n_instances, plan->n_vertices, plan->n_triangles);
     fprintf(to, "materials         %d (%ld terms, at most %d in one)\n", plan->n_materials,
             plan->work.terms, most);
     fprintf(to, "excitation        %ld integrals\n", plan->work.excitation_integrals);

@@ -309,7 +309,7 @@ static bool add_parts(struct instance_maker *maker, const struct object *object,
             return error_at(err, object->place,
                             "%s%.100s of %.300s has no line in %.300s; a line for * stands for all "
                             "others",
-                            name[0] ? "usemtl " : "what comes before the first usemtl", name,
+                            name[0] ? "usemtl " : "the part before the first usemtl", name,
                             object->shape.path, object->material_map);
         if (!add_halves(maker, object, (struct cutting){whole, part, -1}, &materials[use->material],
                         err))

@@ -63,12 +63,12 @@ struct plan_options {
     double full_scale;  /* 0: the largest vertex radiance */
     bool check, use_gl; /* whether the reference and OpenGL are needed */
     int buffer_bits;    /* of a channel of OpenGL's colour buffer: 8, 16, or 32 of floats; 0: 32 */
-    const char *gl_driver; /* "llvmpipe" or "softpipe"; NULL: whatever there is */
+    const char *gl_driver; /* "llvmpipe" or "softpipe"; NULL: any */
     bool strict;           /* pixels without a bound, and edges that leak, are differences */
     bool store_raster;     /* the stored pixels are the reference's */
     int bits;              /* of a page's sample: 8 or 16 of counts, 32 of floats; 0: 16 */
-    bool exchangeable; /* lights may be exchanged afterwards: every light and every term is kept,
-                          each by itself, also what is dark */
+    bool exchangeable; /* lights may be exchanged afterwards: every light and every term is kept by
+                          itself, dark ones too */
     int threads;       /* 0: as many as OpenMP offers; the plan holds the number */
     char *const *recorded; /* options for the stack's record, each one word; not owned */
     int n_recorded;        /* at most MAX_RECORDED */
@@ -120,7 +120,7 @@ const char *object_name(const struct plan *plan, int surface);
 int buffer_steps(const struct plan *plan);
 /* Plane 0, 1 or 2 of a texture, for the reference. */
 struct texels plan_texels(const struct texture *texture, int plane);
-/* Loads what spectral textures show in the bands of a pass. */
+/* Loads the planes of spectral textures for the bands of a pass. */
 bool plan_load_textures(const struct plan *plan, int first_band, struct error *err);
 void plan_free(struct plan *plan);
 
