@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Functions whose last bit pictures would show, and in which C libraries differ. Here they are made
- * of +, -, *, / and sqrt, which IEEE 754 rounds alike everywhere. Of the C library, what reaches a
- * picture calls only functions that are exact or correctly rounded: sqrt, fabs, fmin, fmax, floor,
- * ceil, frexp, ldexp, fma and remquo.
- * Error bounds count units in the last place of the result. With u = 2^-53, the largest relative
- * error of a rounding, a relative error e is e / u units at most. */
+/* Elementary functions. C libraries differ in their last bit, which pictures would show. Here they
+ * are made of +, -, *, / and sqrt, which IEEE 754 rounds alike everywhere. Code that computes a
+ * picture calls only those functions of the C library that are exact or correctly rounded: sqrt,
+ * fabs, fmin, fmax, floor, ceil, frexp, ldexp, fma and remquo.
+ * Error bounds count units in the last place of the result. With u = DOUBLE_ROUNDOFF, a relative
+ * error e is e / u units at most. */
 #include <float.h>
 #include <math.h>
 
@@ -23,8 +23,8 @@
 
 /* ---- logarithm and power ---- */
 
-/* A number as the sum of two. The head has 26 bits, so that its product with another head, or with
- * a number of 27 bits, is exact. */
+/* A number as the sum of two. The head has 26 bits, so that the product of two heads, or of a head
+ * and a number of 27 bits, is exact. */
 struct split {
     double head, tail;
 };
@@ -78,8 +78,8 @@ static const struct split root[STEPS + 1] = {
  * so with s = (m - r) / (m + r), log2 x = exponent + step / 32 + 2 / ln 2 (s + s^3/3 + s^5/5 ...).
  * The cubic is log2 m within 0.0013, so that |log2(m / r)| < 0.0170 and |s| < 0.00587; the first
  * term left out, s^11/11, is below 2^-77 s. The terms after s are below 1.95e-7; rounded where they
- * are made and added, they are off by 6.4 u of that, 1.4e-22. s itself is in two parts, and all
- * else is below 2^-78 (1 + |log2 x|). */
+ * are made and added, they are off by 6.4 u of that, 1.4e-22. s itself is in two parts. All other
+ * errors are below 2^-78 (1 + |log2 x|). */
 static struct split logarithm(double x)
 {
     /* 2 / ln 2: 27 bits of it and the rest; then over 3, 5, 7 and 9 */
@@ -125,7 +125,7 @@ static double scale(double head, double tail, int exponent)
 /* 2^(head + tail), |tail| below 2^-24 |head|. With the nearest step taken out it is the root times
  * e^p, |p| < 0.01084; e^p - 1 = e + e_rest. The first term left out, p^8/8!, is below 2^-67; the
  * terms after p are below 2^-14 and carry 5 u of that, and twice that size is rounded twice when
- * it is added: 2^-63.9 in all. */
+ * it is added: 2^-63.9 in total. */
 static double power_of_two(double head, double tail)
 {
     /* ln 2: 27 bits of it and the rest */
@@ -146,8 +146,8 @@ static double power_of_two(double head, double tail)
                  steps / STEPS + lowest);
 }
 
-/* The exponent multiplies the logarithm's error: one of 10,000 makes 0.009 units of it, and one of
- * 128 makes 0.0002. All else is below 0.0006. */
+/* The exponent multiplies the logarithm's error: an exponent of 10,000 makes 0.009 units of it,
+ * and one of 128 makes 0.0002. All other errors are below 0.0006. */
 double power(double base, double exponent)
 {
     if (base == 0 || exponent == 0)
@@ -208,10 +208,10 @@ double one_minus_decay(double x)
 
 /* ---- sine, cosine and angle ---- */
 
-/* Takes head + tail of 45 degrees, 0 <= head <= 1 with 31 bits, tail below its last one. Series of
- * the angle x + rest: the first term left out is below x^18/18! < 2^-58, and x + rest carries the
- * angle to 2^-74, so that what remains is the rounding of the last additions: below 1.5 units in
- * the last place, and 2 where head is 0 and all lies in a rounded tail. */
+/* Sine and cosine of (head + tail) 45 degrees, 0 <= head <= 1 with 31 bits, tail below its last
+ * one. Series of the angle x + rest: the first term left out is below x^18/18! < 2^-58, and x +
+ * rest carries the angle to 2^-74, so that only the rounding of the last additions remains:
+ * below 1.5 units in the last place, and 2 where head is 0 and the angle is a rounded tail. */
 static void series(double head, double tail, double *sine, double *cosine)
 {
     /* pi/4 in two pieces; the first has 21 bits, so that its product with head is exact. */

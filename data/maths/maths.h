@@ -7,10 +7,20 @@
 #include <stdbool.h>
 #include <stdint.h>
 
+/* Unit roundoffs: rounding to the nearest number changes a value by at most this part of it, unless
+ * it underflows. Single precision holds all whole numbers up to 1 / SINGLE_ROUNDOFF. */
+#define SINGLE_ROUNDOFF 0x1p-24
+#define DOUBLE_ROUNDOFF 0x1p-53
+/* The largest relative error of n roundings in single precision, to first order. */
+static inline double roundings(double n)
+{
+    return n * SINGLE_ROUNDOFF;
+}
+
 /* ---- elementary.c: functions that give the same bits everywhere ---- */
 
-/* Errors are bounded in units in the last place of the exact result. A picture depends on no other
- * inexact function of the C library. */
+/* Errors are bounded in units in the last place of the exact result. Pictures depend on these
+ * functions, and on no inexact function of the C library. */
 #define PI 3.14159265358979323846
 
 /* Sine and cosine of an angle in degrees. Multiples of 45 degrees are rounded correctly, others
@@ -63,9 +73,17 @@ struct matrix matrix_look_at(struct vector eye, struct vector look, struct vecto
 /* Transform a point (w = 1) and a direction (w = 0). Row 3 of the matrix is ignored. */
 struct vector matrix_point(const struct matrix *m, struct vector p);
 struct vector matrix_direction(const struct matrix *m, struct vector d);
+/* The cofactors of the upper left 3x3 of a matrix divided by 2^exponent, the determinant of that,
+ * and for each cofactor the sum of the magnitudes of the two products that it is the difference of.
+ */
+struct cofactors {
+    double value[3][3], magnitude[3][3], determinant;
+    int exponent;
+};
+/* Returns false when m is singular: its determinant is 0 or not finite. */
+bool matrix_cofactors(const struct matrix *m, struct cofactors *out);
 /* The matrix that transforms normals: the inverse transpose of the upper left 3x3, up to a positive
- * factor, so that a mirror keeps normals outward. Returns false when m is singular (its determinant
- * is 0 or not finite). */
+ * factor, so that a mirror keeps normals outward. Returns false when m is singular. */
 bool matrix_normal(const struct matrix *m, struct matrix *out);
 
 /* A corner of a triangle. */

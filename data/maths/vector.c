@@ -132,32 +132,44 @@ struct vector matrix_direction(const struct matrix *m, struct vector d)
     return out;
 }
 
-/* The cofactors are the inverse transpose times the determinant, of which only the sign matters to
- * directions: it is taken out, so that a mirror keeps normals outward. Cofactors are of second and
- * the determinant of third degree in the entries, so that those of 1e-150 would underflow and of
- * 1e150 overflow: they are first brought below 1 by a power of two, which is exact. */
-bool matrix_normal(const struct matrix *m, struct matrix *out)
+/* Cofactors are of second and the determinant of third degree in the entries, so that those of
+ * 1e-150 would underflow and of 1e150 overflow: entries are first brought below 1 by a power of
+ * two, which is exact. */
+bool matrix_cofactors(const struct matrix *m, struct cofactors *out)
 {
-    double a[3][3], largest = 0, determinant = 0;
-    int exponent;
+    double a[3][3], largest = 0;
+    *out = (struct cofactors){.exponent = 0};
     for (int i = 0; i < 9; i++)
         largest = fmax(largest, fabs(m->row[i / 3][i % 3]));
-    *out = matrix_identity();
     if (largest == 0 || isinf(largest))
         return false;
-    frexp(largest, &exponent);
+    frexp(largest, &out->exponent);
     for (int i = 0; i < 9; i++)
-        a[i / 3][i % 3] = ldexp(m->row[i / 3][i % 3], -exponent);
+        a[i / 3][i % 3] = ldexp(m->row[i / 3][i % 3], -out->exponent);
     for (int i = 0; i < 3; i++)
         for (int j = 0; j < 3; j++) {
             int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-            out->row[i][j] = a[i1][j1] * a[i2][j2] - a[i1][j2] * a[i2][j1];
+            double plus = a[i1][j1] * a[i2][j2], minus = a[i1][j2] * a[i2][j1];
+            out->value[i][j] = plus - minus;
+            out->magnitude[i][j] = fabs(plus) + fabs(minus);
         }
     for (int j = 0; j < 3; j++)
-        determinant += a[0][j] * out->row[0][j];
-    for (int i = 0; i < 9 && determinant < 0; i++)
-        out->row[i / 3][i % 3] *= -1;
-    return isfinite(determinant) && determinant != 0;
+        out->determinant += a[0][j] * out->value[0][j];
+    return isfinite(out->determinant) && out->determinant != 0;
+}
+
+/* The cofactors are the inverse transpose times the determinant. Only its sign matters to
+ * directions: it is taken out, so that a mirror keeps normals outward. */
+bool matrix_normal(const struct matrix *m, struct matrix *out)
+{
+    struct cofactors cofactors;
+    *out = matrix_identity();
+    if (!matrix_cofactors(m, &cofactors))
+        return false;
+    for (int i = 0; i < 9; i++)
+        out->row[i / 3][i % 3] = cofactors.determinant < 0 ? -cofactors.value[i / 3][i % 3]
+                                                           : cofactors.value[i / 3][i % 3];
+    return true;
 }
 
 double least_of(const double v[3])

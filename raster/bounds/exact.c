@@ -24,7 +24,7 @@ bool exact_sum(const double *terms, int n)
         if (terms[i] != 0)
             unit = fmin(unit, lowest_bit(terms[i]));
     }
-    return sum == 0 || (sum <= 16777216 * unit && unit >= (double)FLT_MIN);
+    return sum == 0 || (sum <= unit / SINGLE_ROUNDOFF && unit >= (double)FLT_MIN);
 }
 
 bool exact_row(const double row[4], const double v[4])

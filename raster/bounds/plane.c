@@ -1,20 +1,19 @@
 /* SPDX-License-Identifier: MIT */
-/* How far OpenGL may be off inside a triangle whose corners are right to within known bounds.
+/* Bounds OpenGL's errors inside a triangle whose corners are right to within known bounds.
  *
  * Mesa interpolates a value a through planes: N = a / w and D = 1 / w are set up from the corners
  * in single precision with their origin at the corner of the framebuffer, evaluated at the pixel
- * centre, and divided. With N' and D' what comes out, and r the true value,
+ * centre, and divided. With N' and D' for OpenGL's values, and r for the true quotient,
  *     N' / D' - r = ((N' - N) - r (D' - D)) / D'.
  * Corners that are off by e_i change a plane by the sum of l_i g . e_i, where g is its gradient and
  * l_i are the barycentric coordinates in the triangle that OpenGL has: position errors count once,
  * times the gradient of N - r D, and a shift of the triangle as a whole cancels out of everything
  * else. Roundings of the set-up are magnified by the triangle's thinness, those of the evaluation
- * grow with the distance to the origin. u = 2^-24 is the unit roundoff of single precision. */
+ * grow with the distance to the origin. */
 #include <math.h>
 
+#include "data/maths/maths.h"
 #include "raster/bounds/bounds.h"
-
-static const double u = 1.0 / 16777216;
 
 /* Edge vectors and what follows from them. Edge i runs from corner i to corner i + 1. */
 struct edges {
@@ -24,8 +23,8 @@ struct edges {
     double e_area;        /* relative rounding error of the area in single precision */
     double thinness;      /* relative change of the area when each corner is off by its slack */
     double spread;        /* sum of |l_i| at a pixel that OpenGL may cover: 1 inside */
-    /* slack_px of corner i is at most slack + slack_per_d / w_i: cutting near the eye makes errors
-     * that are of no matter far from it */
+    /* slack_px of corner i is at most slack + slack_per_d / w_i: errors of cutting near the eye do
+     * not matter far from it */
     double slack, slack_per_d;
 };
 
@@ -37,22 +36,17 @@ static double largest(const double q[3])
 static struct edges edges_of(const struct clipped_triangle *triangle)
 {
     struct edges edges = {.slack_per_d = 0};
-    double low_x = triangle->x[0], high_x = low_x, low_y = triangle->y[0], high_y = low_y;
     for (int i = 0; i < 3; i++) {
         int next = (i + 1) % 3;
         edges.dx[i] = triangle->x[next] - triangle->x[i];
         edges.dy[i] = triangle->y[next] - triangle->y[i];
-        low_x = fmin(low_x, triangle->x[i]);
-        high_x = fmax(high_x, triangle->x[i]);
-        low_y = fmin(low_y, triangle->y[i]);
-        high_y = fmax(high_y, triangle->y[i]);
     }
     double e = edges.dx[0] * edges.dy[1], f = edges.dx[1] * edges.dy[0];
     edges.twice_area = fabs(e - f);
-    edges.width = high_x - low_x + 1;
-    edges.height = high_y - low_y + 1;
-    edges.e_area = u * (3 * (fabs(e) + fabs(f)) / edges.twice_area + 2);
-    double worst = largest(triangle->slack_px), change = 8 * worst * worst, perimeter = 0;
+    edges.width = most_of(triangle->x) - least_of(triangle->x) + 1;
+    edges.height = most_of(triangle->y) - least_of(triangle->y) + 1;
+    edges.e_area = roundings(3 * (fabs(e) + fabs(f)) / edges.twice_area + 2);
+    double worst = most_of(triangle->slack_px), change = 8 * worst * worst, perimeter = 0;
     for (int i = 0; i < 3; i++) { /* a corner moves the area by the length of the edge opposite */
         double length = fabs(edges.dx[i]) + fabs(edges.dy[i]);
         change += triangle->slack_px[(i + 2) % 3] * length;
@@ -60,7 +54,7 @@ static struct edges edges_of(const struct clipped_triangle *triangle)
     }
     edges.thinness = change / edges.twice_area;
     edges.spread = 1 + 2 * triangle->grid_px * perimeter / edges.twice_area;
-    edges.slack = fmin(triangle->slack_px[0], fmin(triangle->slack_px[1], triangle->slack_px[2]));
+    edges.slack = least_of(triangle->slack_px);
     for (int i = 0; i < 3; i++)
         edges.slack_per_d =
             fmax(edges.slack_per_d, (triangle->slack_px[i] - edges.slack) / triangle->inverse_w[i]);
@@ -99,44 +93,41 @@ static double plane_rounding(const struct clipped_triangle *triangle, const stru
         terms_x += step * fabs(edges->dy[i]) / edges->twice_area;
         terms_y += step * fabs(edges->dx[i]) / edges->twice_area;
     }
-    return 5 * u * (terms_x * edges->width + terms_y * edges->height) +
+    return roundings(5) * (terms_x * edges->width + terms_y * edges->height) +
            edges->e_area * (fabs(g.x) * edges->width + fabs(g.y) * edges->height) +
-           6 * u * (fabs(g.x) * triangle->reach_x + fabs(g.y) * triangle->reach_y) +
-           4 * u * largest(q);
+           roundings(6) * (fabs(g.x) * triangle->reach_x + fabs(g.y) * triangle->reach_y) +
+           roundings(4) * largest(q);
 }
 
 double bound_linear(const struct clipped_triangle *triangle, const double values[3],
                     double e_values)
 {
     struct edges edges = edges_of(triangle);
-    return largest(triangle->slack_px) * edges.spread * norm(gradient_of(&edges, values)) +
+    return most_of(triangle->slack_px) * edges.spread * norm(gradient_of(&edges, values)) +
            e_values * edges.spread + plane_rounding(triangle, &edges, values);
 }
 
 /* The sum of |l_i| slack_px of corner i, without the part that grows with D: the sum of l_i / w_i
- * is D itself, and what lies outside adds to it. */
+ * is D itself, to which a pixel outside of the triangle adds. */
 static double fixed_slack(const struct clipped_triangle *triangle, const struct edges *edges)
 {
     return edges->slack * edges->spread +
            edges->slack_per_d * (edges->spread - 1) * largest(triangle->inverse_w);
 }
 
-struct inverse_w_bound bound_inverse_w(const struct clipped_triangle *triangle)
+void bound_inverse_w(struct clipped_triangle *triangle)
 {
     struct edges edges = edges_of(triangle);
-    double slope = norm(gradient_of(&edges, triangle->inverse_w));
-    return (struct inverse_w_bound){.fixed = slope * fixed_slack(triangle, &edges) +
-                                             plane_rounding(triangle, &edges, triangle->inverse_w),
-                                    .per_d = slope * edges.slack_per_d};
-}
-
-double bound_magnification(const struct clipped_triangle *triangle)
-{
-    struct edges edges = edges_of(triangle);
+    double slope = norm(gradient_of(&edges, triangle->inverse_w)),
+           fixed = slope * fixed_slack(triangle, &edges) +
+                   plane_rounding(triangle, &edges, triangle->inverse_w),
+           magnification = HUGE_VAL;
     /* beyond, second-order terms would no longer be small */
-    if (!(edges.thinness <= 0.75 && edges.e_area <= 0.25))
-        return HUGE_VAL;
-    return 1.001 / ((1 - edges.thinness) * (1 - edges.e_area));
+    if (edges.thinness <= 0.75 && edges.e_area <= 0.25)
+        magnification = 1.001 / ((1 - edges.thinness) * (1 - edges.e_area));
+    triangle->magnification = magnification;
+    triangle->inverse_w_bound = (struct colour_bound){
+        .fixed = fixed * magnification, .per_d = slope * edges.slack_per_d * magnification};
 }
 
 struct colour_bound bound_colour(const struct clipped_triangle *triangle, const double values[3])
@@ -154,9 +145,9 @@ struct colour_bound bound_colour(const struct clipped_triangle *triangle, const 
                      norm((struct gradient){g_n.x - values[i] * g_d.x, g_n.y - values[i] * g_d.y}));
     return (struct colour_bound){
         .slope = slope,
-        .constant = triangle->slack_w * range + 2 * u * value,
+        .constant = triangle->slack.w * range + roundings(2) * value,
         .per_d = slope * edges.slack_per_d,
-        .fixed = slope * fixed_slack(triangle, &edges) + u * largest(n) +
-                 triangle->slack_w * range * (edges.spread - 1) * largest(d) +
+        .fixed = slope * fixed_slack(triangle, &edges) + roundings(1) * largest(n) +
+                 triangle->slack.w * range * (edges.spread - 1) * largest(d) +
                  plane_rounding(triangle, &edges, n) + value * plane_rounding(triangle, &edges, d)};
 }

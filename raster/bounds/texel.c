@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* How far OpenGL's single precision may be off in a texture. OpenGL turns a coordinate s into
- * texels by scale, offset and wrapping (4 roundings relative to s x width or to the width), finds
- * weights exactly, and mixes four texels. u = 2^-24. */
+/* Bounds OpenGL's errors in a texture. OpenGL turns a coordinate s into texels by scale, offset and
+ * wrapping (4 roundings relative to s x width or to the width), finds weights exactly, and mixes
+ * four texels. */
 #include <float.h>
 #include <math.h>
 
 #include "raster/bounds/bounds.h"
 #include "raster/reference/reference.h"
-
-static const double u = 1.0 / 16777216;
 
 /* Three mixes of two values, each a difference, a product and a sum. */
 enum { MIX_ROUNDINGS = 9 };
@@ -16,8 +14,8 @@ enum { MIX_ROUNDINGS = 9 };
  * texels, one for either end, and a neighbour; one more if an end is rounded. */
 enum { WIDEST_BOUND = 3, MOST_TEXELS = 2 * WIDEST_BOUND + 4 };
 
-/* Extrapolated far outside a thin triangle, a place may be anywhere: where the reference does not
- * know its texel, there is no bound. */
+/* Extrapolated far outside a thin triangle, a place may be anywhere. A place whose texel the
+ * reference does not know has no bound. */
 struct texel_point texel_point(const struct texels *texels, const double s_t[2],
                                const float e_s_t[2])
 {
@@ -25,10 +23,11 @@ struct texel_point texel_point(const struct texels *texels, const double s_t[2],
     struct texel_point at;
     texel_place(texels, s_t, at.place);
     for (int i = 0; i < 2; i++)
-        at.e_place[i] = fabs(s_t[0] * size[0]) < 0x1p40 && fabs(s_t[1] * size[1]) < 0x1p40
-                            ? (float)fmin((double)FLT_MAX,
-                                          size[i] * ((double)e_s_t[i] + 4 * u * (1 + fabs(s_t[i]))))
-                            : FLT_MAX;
+        at.e_place[i] =
+            fabs(s_t[0] * size[0]) < 0x1p40 && fabs(s_t[1] * size[1]) < 0x1p40
+                ? (float)fmin((double)FLT_MAX,
+                              size[i] * ((double)e_s_t[i] + roundings(4) * (1 + fabs(s_t[i]))))
+                : FLT_MAX;
     return at;
 }
 
@@ -59,12 +58,12 @@ int texel_choices(const struct texels *texels, const struct texel_point *at,
     return up.n * across.n;
 }
 
-/* How much neighbouring texels of a patch differ, and the largest of them. */
+/* The largest differences of neighbouring texels in a patch, and its largest texel. */
 struct spread {
     double across, up, largest;
 };
 
-/* Takes numbers only: fmax also handles NaN, at the price of a call. */
+/* For numbers only: fmax also handles NaN, at the price of a call. */
 static double larger(double a, double b)
 {
     return a > b ? a : b;
@@ -107,6 +106,6 @@ double texel_error(const struct texels *texels, const struct texel_point *at, do
     up.n += texels->linear;
     struct spread spread = spread_of(texels, &across, &up);
     return texels->linear
-               ? e_u * spread.across + e_v * spread.up + MIX_ROUNDINGS * u * spread.largest
+               ? e_u * spread.across + e_v * spread.up + roundings(MIX_ROUNDINGS) * spread.largest
                : (across.n - 1) * spread.across + (up.n - 1) * spread.up;
 }

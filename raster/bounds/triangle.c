@@ -10,10 +10,8 @@
 #include "raster/plan/plan.h"
 #include "raster/reference/reference.h"
 
-static const double u = 1.0 / 16777216;
-
 /* Cutting an edge in single precision: weight and sum round three times, relative to both ends. */
-static const double cut_roundings = 3.0 / 16777216;
+enum { CUT_ROUNDINGS = 3 };
 
 const struct surface_bounds *bounds_of(const struct lit_scene *lit,
                                        const struct screen_triangle *screen)
@@ -25,6 +23,24 @@ static const struct vertex_bounds *vertex_bounds(const struct lit_scene *lit,
                                                  const struct screen_triangle *screen, int corner)
 {
     return &bounds_of(lit, screen)->vertices[screen->vertex[corner]];
+}
+
+static struct slack whole_slack(const struct lit_scene *lit, const struct screen_triangle *screen,
+                                int corner)
+{
+    const struct vertex_bounds *vertex = vertex_bounds(lit, screen, corner);
+    return (struct slack){(double)vertex->slack_px, (double)vertex->slack_depth,
+                          (double)vertex->slack_w};
+}
+
+/* The largest error of a clip coordinate (CLIP_XY, CLIP_Z, CLIP_W) of any corner. */
+static double largest_e_clip(const struct lit_scene *lit, const struct screen_triangle *screen,
+                             int coordinate)
+{
+    double e[3];
+    for (int i = 0; i < 3; i++)
+        e[i] = (double)vertex_bounds(lit, screen, i)->e_clip[coordinate];
+    return most_of(e);
 }
 
 /* True where nothing of a triangle in front of the eye reaches a pixel centre of the rows. Centres
@@ -63,21 +79,20 @@ static void clip(struct polygon *polygon, const struct clip_plane *plane)
                                 [CLIP_W] = fabs(a[3]) + fabs(b[3])};
         for (int k = 0; k < 3; k++)
             polygon->e_cut[i][k] = fmax(from.e_cut[inner][k], from.e_cut[outer][k]) +
-                                   (inner == outer ? 0 : cut_roundings * sums[k]);
+                                   (inner == outer ? 0 : roundings(CUT_ROUNDINGS) * sums[k]);
     }
 }
 
 /* The planes in Mesa's order: right, left, top, bottom of the tile, then near, far. The last two
  * are widened by what single precision may be off there, so that no possible pixel is lost; near
- * not so far that w = 0 comes in, which is of no matter: see check_near in vertex.c. */
+ * not so far that w = 0 comes in. That limit loses no pixel: see check_near in vertex.c. */
 static void planes_of(const struct lit_scene *lit, const struct screen_triangle *screen,
                       const struct rectangle *tile, struct clip_plane planes[CLIP_PLANES])
 {
     const struct plan *plan = lit->plan;
-    double width = plan->scene->width, height = plan->scene->height, error = 0;
+    double width = plan->scene->width, height = plan->scene->height;
     double near_w = plan->scene->camera.perspective ? plan->near : 1;
-    for (int i = 0; i < 3; i++)
-        error = fmax(error, (double)vertex_bounds(lit, screen, i)->e_clip[CLIP_Z]);
+    double error = largest_e_clip(lit, screen, CLIP_Z);
     double left = 2 * tile->x / width - 1, right = 2 * (tile->x + tile->width) / width - 1;
     double top = 1 - 2 * tile->y / height, bottom = 1 - 2 * (tile->y + tile->height) / height;
     planes[0] = (struct clip_plane){{-1, 0, 0, right}, 0};
@@ -109,47 +124,30 @@ static struct polygon polygon_of(const struct lit_scene *lit, const struct scree
 
 /* ---- bounds of corners ---- */
 
-/* Bounds on OpenGL's errors in a corner's place, w and depth. */
-struct slack {
-    double px, w, depth;
-};
-
-static struct slack slack_of_whole(const struct vertex_bounds *vertex)
-{
-    return (struct slack){(double)vertex->slack_px, (double)vertex->slack_w,
-                          (double)vertex->slack_depth};
-}
-
-/* A cut adds its own error to those of the whole corners, in clip coordinates. */
+/* A cut adds its own error to those of the whole corners, in clip coordinates. A tile's clip space
+ * is shifted against the picture's by at most w. */
 static struct slack slack_of(const struct lit_scene *lit, const struct screen_triangle *screen,
                              const struct polygon *polygon, int i)
 {
-    const struct corner *corner = &polygon->corner[i];
+    const double half = 0.5 * fmax(lit->plan->scene->width, lit->plan->scene->height);
+    const double *clip = polygon->corner[i].clip, *e_cut = polygon->e_cut[i];
+    const double shift = lit->plan->tiled, w = clip[3];
+    double e[3];
     if (polygon->whole[i] >= 0)
-        return slack_of_whole(vertex_bounds(lit, screen, polygon->whole[i]));
-    double half = 0.5 * fmax(lit->plan->scene->width, lit->plan->scene->height),
-           w = corner->clip[3];
-    double n = fmax(fabs(corner->clip[0]), fabs(corner->clip[1])) / w, e[3];
-    for (int k = 0; k < 3; k++) {
-        e[k] = 0;
-        for (int v = 0; v < 3; v++)
-            e[k] = fmax(e[k], (double)vertex_bounds(lit, screen, v)->e_clip[k]);
-        e[k] += polygon->e_cut[i][k];
-    }
-    /* a tile's clip space is shifted against the picture's by at most w */
-    double shift = lit->plan->tiled, e_xy = e[CLIP_XY] + shift * polygon->e_cut[i][CLIP_W];
-    return (struct slack){
-        .px = half * ((e_xy + (n + shift) * e[CLIP_W]) / w + 8 * u),
-        .w = e[CLIP_W] / w + 2 * u,
-        .depth = 0.5 * (e[CLIP_Z] + e[CLIP_W]) / w + 4 * u /* |z| <= w */
-    };
+        return whole_slack(lit, screen, polygon->whole[i]);
+    for (int k = 0; k < 3; k++)
+        e[k] = largest_e_clip(lit, screen, k) + e_cut[k];
+    const double e_xy = e[CLIP_XY] + shift * (e_cut[CLIP_W] + e[CLIP_W]);
+    const struct bounded xy = {fmax(fabs(clip[0]), fabs(clip[1])), e_xy};
+    const struct bounded bounded[4] = {xy, xy, {w, e[CLIP_Z]}, {w, e[CLIP_W]}}; /* |z| <= w */
+    return window_slack(bounded, half, half);
 }
 
-static void widen(struct bounded_triangle *triangle, const struct slack *slack)
+static void widen(struct slack *to, struct slack by)
 {
-    triangle->slack_px = fmax(triangle->slack_px, slack->px);
-    triangle->slack_w = fmax(triangle->slack_w, slack->w);
-    triangle->slack_depth = fmax(triangle->slack_depth, slack->depth);
+    to->px = fmax(to->px, by.px);
+    to->depth = fmax(to->depth, by.depth);
+    to->w = fmax(to->w, by.w);
 }
 
 /* True if OpenGL may take the front for the back: moving a corner by e in x and y changes twice the
@@ -165,15 +163,15 @@ static bool is_edge_on(const struct bounded_triangle *triangle)
     return triangle->screen.twice_area <= change;
 }
 
-/* ---- what OpenGL sets up ---- */
+/* ---- triangles that OpenGL sets up ---- */
 
-/* How far off OpenGL follows an edge, whose ends it may move to its grid. */
+/* The error with which OpenGL follows an edge. It may move the ends to its grid. */
 static double edge_error(const struct driver *driver, const struct rectangle *tile)
 {
-    return driver->grid_px + driver->edge_roundings * u * fmax(tile->width, tile->height);
+    return driver->grid_px + roundings(driver->edge_roundings) * fmax(tile->width, tile->height);
 }
 
-/* All corners lie on the driver's grid, without any error; one that was cut lies anywhere. */
+/* True if all corners lie on the driver's grid, without any error. Corners of cuts do not. */
 static bool is_exact(const struct lit_scene *lit, const struct bounded_triangle *triangle)
 {
     bool exact = lit->driver->fill_rule != FILL_ANY && !triangle->straddles;
@@ -187,8 +185,7 @@ static struct clipped_triangle clipped(const struct lit_scene *lit,
                                        const struct rectangle *tile, const double slack_px[3])
 {
     struct clipped_triangle out = {.grid_px = edge_error(lit->driver, tile),
-                                   .slack_w = from->slack_w,
-                                   .slack_depth = from->slack_depth,
+                                   .slack = from->slack,
                                    .reach_x = tile->width + 1.0,
                                    .reach_y = tile->height + 1.0};
     memcpy(out.x, from->screen.x, sizeof out.x);
@@ -199,15 +196,12 @@ static struct clipped_triangle clipped(const struct lit_scene *lit,
     memcpy(out.slack_px, slack_px, sizeof out.slack_px);
     for (int i = 0; i < 3; i++)
         out.edge_px[i] = slack_px[i] + out.grid_px;
-    out.magnification = bound_magnification(&out);
-    out.inverse_w_bound = bound_inverse_w(&out);
-    out.inverse_w_bound.fixed *= out.magnification;
-    out.inverse_w_bound.per_d *= out.magnification;
+    bound_inverse_w(&out);
     return out;
 }
 
-/* Those that clipping at the tile's border and in depth makes. Where hardly anything of the
- * triangle is in the tile, nothing is known of it. */
+/* Sets up the triangles that clipping at the tile's border and in depth makes. Where hardly
+ * anything of the triangle is in the tile, it has no bound. */
 static int clip_to_tile(const struct lit_scene *lit, const struct rectangle *tile,
                         const struct bounded_triangle *triangle,
                         struct clipped_triangle out[CLIP_CORNERS - 2])
@@ -216,11 +210,11 @@ static int clip_to_tile(const struct lit_scene *lit, const struct rectangle *til
     struct polygon polygon = polygon_of(lit, screen, tile);
     struct bounded_triangle part = *triangle;
     double slacks[CLIP_CORNERS];
-    part.slack_px = part.slack_w = part.slack_depth = 0;
+    part.slack = (struct slack){0, 0, 0};
     for (int i = 0; i < polygon.n; i++) {
         struct slack slack = slack_of(lit, screen, &polygon, i);
         slacks[i] = slack.px;
-        widen(&part, &slack);
+        widen(&part.slack, slack);
     }
     for (int i = 2; i < polygon.n; i++) {
         const int corners[3] = {0, i - 1, i};
@@ -233,29 +227,30 @@ static int clip_to_tile(const struct lit_scene *lit, const struct rectangle *til
     }
     if (polygon.n >= 3)
         return polygon.n - 2;
-    const double slack_px[3] = {triangle->slack_px, triangle->slack_px, triangle->slack_px};
+    const double slack_px[3] = {triangle->slack.px, triangle->slack.px, triangle->slack.px};
     out[0] = clipped(lit, triangle, tile, slack_px);
     out[0].magnification = HUGE_VAL;
     return 1;
 }
 
-int clipped_triangles(const struct lit_scene *lit, const struct rectangle *tile,
-                      const struct bounded_triangle *triangle,
-                      struct clipped_triangle out[CLIP_CORNERS - 2])
+/* Sets up the triangles of a part; returns how many. */
+static int set_up(const struct lit_scene *lit, const struct rectangle *tile,
+                  const struct bounded_triangle *triangle,
+                  struct clipped_triangle out[CLIP_CORNERS - 2])
 {
     double slack_px[3];
     if (triangle->straddles)
         return clip_to_tile(lit, tile, triangle, out);
     for (int i = 0; i < 3; i++)
-        slack_px[i] = (double)vertex_bounds(lit, &triangle->screen, i)->slack_px;
+        slack_px[i] = whole_slack(lit, &triangle->screen, i).px;
     out[0] = clipped(lit, triangle, tile, slack_px);
     return 1;
 }
 
-/* How far a stored depth may be off from the one computed. */
+/* The difference between a stored depth and the computed one, at most. */
 static double depth_rounding(const struct driver *driver)
 {
-    return driver->depth_roundings * u;
+    return roundings(driver->depth_roundings);
 }
 
 /* Corners that are cut off lie nowhere for OpenGL; those that cutting makes are off by slack_px. */
@@ -264,27 +259,27 @@ static void set_edge_errors(const struct lit_scene *lit, const struct rectangle 
 {
     bool exact = is_exact(lit, triangle);
     for (int i = 0; i < 3; i++) {
-        double slack = triangle->straddles
-                           ? triangle->slack_px
-                           : (double)vertex_bounds(lit, &triangle->screen, i)->slack_px;
+        double slack =
+            triangle->straddles ? triangle->slack.px : whole_slack(lit, &triangle->screen, i).px;
         triangle->edge_px[i] = exact ? 0 : slack + edge_error(lit->driver, tile);
     }
 }
 
-/* Bounds that hold for all clipped triangles but those too thin for one, and the side that is seen.
- * Where all are too thin, the depth has no bound. */
+/* Sets up a part's triangles, and finds the bounds that hold for all of them but those too thin for
+ * one. Where all are too thin, the depth has no bound. */
 static void complete(const struct lit_scene *lit, const struct rectangle *tile,
-                     struct bounded_triangle *triangle)
+                     struct triangle_part *part)
 {
-    struct clipped_triangle parts[CLIP_CORNERS - 2];
+    struct bounded_triangle *triangle = &part->bounded;
     double error = -1;
-    int n = clipped_triangles(lit, tile, triangle, parts);
-    triangle->slack_px = 0; /* only the corners that OpenGL has in the tile count */
-    for (int i = 0; i < n; i++) {
-        triangle->slack_px = fmax(triangle->slack_px, most_of(parts[i].slack_px));
-        if (parts[i].magnification < HUGE_VAL)
-            error = fmax(error, parts[i].magnification *
-                                    bound_linear(&parts[i], parts[i].z, parts[i].slack_depth));
+    triangle->n_clipped = set_up(lit, tile, triangle, part->clipped);
+    triangle->slack.px = 0; /* only the corners that OpenGL has in the tile count */
+    for (int i = 0; i < triangle->n_clipped; i++) {
+        const struct clipped_triangle *clipped = &part->clipped[i];
+        triangle->slack.px = fmax(triangle->slack.px, most_of(clipped->slack_px));
+        if (clipped->magnification < HUGE_VAL)
+            error = fmax(error, clipped->magnification *
+                                    bound_linear(clipped, clipped->z, clipped->slack.depth));
     }
     triangle->depth_error = error < 0 ? HUGE_VAL : error + depth_rounding(lit->driver);
     set_edge_errors(lit, tile, triangle);
@@ -297,8 +292,7 @@ static bool crosses_depth(const struct lit_scene *lit, const struct screen_trian
 {
     for (int i = 0; i < 3; i++) {
         const struct window_vertex *vertex = &screen->surface->vertices[screen->vertex[i]];
-        double slack =
-            (double)vertex_bounds(lit, screen, i)->slack_depth + depth_rounding(lit->driver);
+        double slack = whole_slack(lit, screen, i).depth + depth_rounding(lit->driver);
         if (!(vertex->clip[3] > 0) || vertex->z < slack || vertex->z > 1 - slack)
             return true;
     }
@@ -310,7 +304,7 @@ static bool crosses_border(const struct lit_scene *lit, const struct screen_tria
 {
     for (int i = 0; i < 3; i++) {
         const struct window_vertex *v = &screen->surface->vertices[screen->vertex[i]];
-        double slack = (double)vertex_bounds(lit, screen, i)->slack_px;
+        double slack = whole_slack(lit, screen, i).px;
         if (v->x - slack < tile->x || v->x + slack > tile->x + tile->width ||
             v->y - slack < tile->y || v->y + slack > tile->y + tile->height)
             return true;
@@ -322,7 +316,7 @@ static bool crosses_border(const struct lit_scene *lit, const struct screen_tria
  * leave, widened by what single precision may be off. */
 static int place_parts(const struct lit_scene *lit, const struct rectangle *tile,
                        const struct screen_triangle *whole, bool cut,
-                       struct bounded_triangle out[BOUNDED_TRIANGLES])
+                       struct triangle_part out[TRIANGLE_PARTS])
 {
     struct screen_triangle parts[SCREEN_TRIANGLES];
     struct clip_plane planes[CLIP_PLANES];
@@ -330,12 +324,11 @@ static int place_parts(const struct lit_scene *lit, const struct rectangle *tile
     int n = screen_triangles(&lit->plan->view, whole->surface, whole->triangle, planes + 4,
                              cut ? 2 : 0, parts);
     for (int i = 0; i < n; i++) {
-        out[i] = (struct bounded_triangle){.screen = parts[i], .cut = cut};
-        out[i].straddles = cut || crosses_border(lit, whole, tile);
-        for (int v = 0; v < 3 && !cut; v++) {
-            struct slack slack = slack_of_whole(vertex_bounds(lit, whole, v));
-            widen(&out[i], &slack);
-        }
+        struct bounded_triangle *triangle = &out[i].bounded;
+        *triangle = (struct bounded_triangle){.screen = parts[i], .cut = cut};
+        triangle->straddles = cut || crosses_border(lit, whole, tile);
+        for (int v = 0; v < 3 && !cut; v++)
+            widen(&triangle->slack, whole_slack(lit, whole, v));
         complete(lit, tile, &out[i]);
     }
     return n;
@@ -343,21 +336,22 @@ static int place_parts(const struct lit_scene *lit, const struct rectangle *tile
 
 /* Triangles seen edge-on may show their other side as well. */
 static int add_other_sides(const struct surface *surface, int n,
-                           struct bounded_triangle triangles[BOUNDED_TRIANGLES])
+                           struct triangle_part parts[TRIANGLE_PARTS])
 {
     int n_out = n;
     for (int i = 0; i < n && surface->n_sides == 2; i++)
-        if (triangles[i].edge_on) {
-            triangles[n_out] = triangles[i];
-            triangles[n_out].other_side = true;
-            triangles[n_out++].screen.side = !triangles[i].screen.side;
+        if (parts[i].bounded.edge_on) {
+            struct bounded_triangle *other = &parts[n_out].bounded;
+            parts[n_out++] = parts[i];
+            other->other_side = true;
+            other->screen.side = !other->screen.side;
         }
     return n_out;
 }
 
-int bounded_triangles(const struct lit_scene *lit, int surface, int triangle,
-                      const struct rectangle *tile, const struct rectangle *rows,
-                      struct bounded_triangle out[BOUNDED_TRIANGLES])
+int triangle_parts(const struct lit_scene *lit, int surface, int triangle,
+                   const struct rectangle *tile, const struct rectangle *rows,
+                   struct triangle_part out[TRIANGLE_PARTS])
 {
     const struct surface *of = &lit->surfaces[surface];
     struct screen_triangle whole = {.surface = of, .triangle = triangle};

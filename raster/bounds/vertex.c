@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A lit scene: every vertex in the window and lit by the reference, and how far OpenGL may be off
- * there. What single precision cannot hold is refused here. */
+/* Lights a scene: the reference places every vertex in the window and lights it; bounds say how far
+ * OpenGL may be off there. Refuses what single precision cannot hold. */
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -12,8 +12,6 @@
 #include "raster/plan/plan.h"
 #include "raster/reference/reference.h"
 #include "spectral.h"
-
-static const double u = 1.0 / 16777216;
 
 /* A homogeneous coordinate goes through: one rounding of the vertex, of the modelview and of the
  * projection entry (3), the product of the two matrices and the product with the vertex, each four
@@ -35,32 +33,43 @@ static void magnitudes(const struct matrix *m, const double v[4], double out[4])
     }
 }
 
+/* Division, scale and offset of the viewport are 4 roundings of a coordinate as large as the
+ * picture; w comes in after 2 roundings. */
+struct slack window_slack(const struct bounded clip[4], double half_width, double half_height)
+{
+    const struct bounded w = clip[3], x = bounded_quotient(clip[0], w),
+                         y = bounded_quotient(clip[1], w), z = bounded_quotient(clip[2], w);
+    return (struct slack){
+        .px = fmax(half_width * (x.error + roundings(8)), half_height * (y.error + roundings(8))),
+        .depth = 0.5 * z.error + roundings(4),
+        .w = w.error / w.value + roundings(2)};
+}
+
 /* Where OpenGL draws a picture in tiles, each with a projection that scales and shifts clip space,
- * the shift adds w's roundings and error to those of x and y, at most once. Division, scale and
- * offset of the viewport: 4 roundings of a coordinate as large as the picture. */
+ * the shift adds w's roundings and error to those of x and y, at most once. */
 static void bound_place(const struct plan *plan, const double magnitude[4],
                         const struct window_vertex *vertex, struct vertex_bounds *out)
 {
-    bool perspective = plan->scene->camera.perspective;
-    double w = vertex->clip[3], half_width = 0.5 * plan->scene->width,
-           half_height = 0.5 * plan->scene->height, shift = plan->tiled,
-           unit = TRANSFORM_ROUNDINGS * u, e_w = perspective ? EYE_ROUNDINGS * u * magnitude[3] : 0;
-    double e_x = unit * (magnitude[0] + shift * magnitude[3]),
-           e_y = unit * (magnitude[1] + shift * magnitude[3]), e_z = unit * magnitude[2];
+    const struct scene *scene = plan->scene;
+    const bool perspective = scene->camera.perspective;
+    const double *clip = vertex->clip, shift = plan->tiled, unit = roundings(TRANSFORM_ROUNDINGS),
+                 e_x = unit * (magnitude[0] + shift * magnitude[3]),
+                 e_y = unit * (magnitude[1] + shift * magnitude[3]), e_z = unit * magnitude[2],
+                 e_w = perspective ? roundings(EYE_ROUNDINGS) * magnitude[3] : 0;
     out->e_clip[CLIP_XY] = (float)fmax(e_x, e_y);
     out->e_clip[CLIP_Z] = (float)e_z;
     out->e_clip[CLIP_W] = (float)e_w;
-    if (!(w > 0))
+    if (!(clip[3] > 0))
         return;
-    double nx = fabs(vertex->clip[0] / w), ny = fabs(vertex->clip[1] / w),
-           nz = fabs(vertex->clip[2] / w);
-    out->slack_px = (float)fmax(half_width * ((e_x + (nx + shift) * e_w) / w + 8 * u),
-                                half_height * ((e_y + (ny + shift) * e_w) / w + 8 * u));
-    out->slack_depth = (float)(0.5 * (e_z + nz * e_w) / w + 4 * u);
-    out->slack_w = perspective ? (float)(e_w / w + 2 * u) : 0;
+    const struct bounded bounded[4] = {
+        {clip[0], e_x + shift * e_w}, {clip[1], e_y + shift * e_w}, {clip[2], e_z}, {clip[3], e_w}};
+    const struct slack slack = window_slack(bounded, 0.5 * scene->width, 0.5 * scene->height);
+    out->slack_px = (float)slack.px;
+    out->slack_depth = (float)slack.depth;
+    out->slack_w = perspective ? (float)slack.w : 0;
 }
 
-/* ---- where no error is made ---- */
+/* ---- exact vertices ---- */
 
 /* True if the clip coordinates of an instance's vertices may come out exact: an orthographic
  * picture in one tile, and matrices that multiply without rounding. Their product is stored. */
@@ -76,7 +85,7 @@ static bool may_be_exact(const struct plan *plan, const struct instance *instanc
 static bool is_on_grid(double normalised, double window, int size)
 {
     double terms[2] = {normalised * 0.5 * size, 0.5 * size}, steps = window * 256;
-    return exact_sum(terms, 2) && steps == floor(steps) && fabs(steps) < 16777216;
+    return exact_sum(terms, 2) && steps == floor(steps) && fabs(steps) < 1 / SINGLE_ROUNDOFF;
 }
 
 /* `object` is the vertex, `product` the matrix that may_be_exact stored. */
@@ -96,7 +105,6 @@ struct bounding {
     int surface_index;
     struct surface *surface;
     struct surface_bounds *bounds;
-    struct normal_bounds normals;
     struct matrix product;
     bool may_be_exact;
 };
@@ -117,11 +125,12 @@ static void make_vertex(const struct bounding *of, int index, struct light_work 
         of->may_be_exact && is_exact(plan, &of->product, object, &of->surface->vertices[index]);
     if (out->exact)
         out->slack_px = 0;
-    double e_eye = EYE_ROUNDINGS * u * (eye_magnitude[0] + eye_magnitude[1] + eye_magnitude[2]);
-    light_bounds(of->lit, of->surface_index, index, &of->normals, e_eye, work);
+    double e_eye =
+        roundings(EYE_ROUNDINGS) * (eye_magnitude[0] + eye_magnitude[1] + eye_magnitude[2]);
+    light_bounds(of->lit, of->surface_index, index, e_eye, work);
 }
 
-/* ---- what is refused ---- */
+/* ---- refusals ---- */
 
 /* Half a texel off, OpenGL may show any of the texture's values. */
 static bool check_texture(const struct surface *surface, const struct surface_bounds *bounds,
@@ -162,8 +171,8 @@ static bool check_vertex(const struct surface *surface, const struct surface_bou
                                          index + 1);
 }
 
-/* The least w of what the sides of the view, widened by how far OpenGL may be off, leave of a
- * triangle; HUGE_VAL: nothing. */
+/* The least w of the part of a triangle that lies between the sides of the view, which are widened
+ * by how far OpenGL may be off; HUGE_VAL: no part does. */
 static double least_w(const struct surface *surface, const struct surface_bounds *bounds,
                       const int32_t vertex[3])
 {
@@ -186,7 +195,8 @@ static double least_w(const struct surface *surface, const struct surface_bounds
     return least;
 }
 
-/* Where a triangle reaches the eye, OpenGL must know depths better than where the near plane is. */
+/* Refuses a triangle that reaches the eye unless its errors in depth are small beside the near
+ * plane's distance. */
 static bool check_near(const struct plan *plan, const struct surface *surface,
                        const struct surface_bounds *bounds, int triangle, struct error *err)
 {
@@ -244,6 +254,8 @@ static bool allocate(const struct plan *plan, const struct placed_instance *plac
 {
     bounds->placed = placed;
     bounds->shaded = &plan->materials[placed->shaded];
+    bounds->e_rigid = distance_from_rigid(&placed->instance.model_view);
+    matrix_cofactors(&placed->instance.model_view, &bounds->cofactors);
     bool opened = surface_open(&placed->instance, surface);
     size_t n_weights = surface_attributes(surface, placed->instance.n_vertices, 0);
     bounds->vertices = calloc((size_t)placed->instance.n_vertices + 1, sizeof *bounds->vertices);
@@ -258,8 +270,7 @@ static bool make_surface(const struct lit_scene *lit, int index, struct light_wo
     struct bounding of = {.lit = lit,
                           .surface_index = index,
                           .surface = &lit->surfaces[index],
-                          .bounds = &lit->bounds[index],
-                          .normals = normal_bounds(&placed->instance)};
+                          .bounds = &lit->bounds[index]};
     if (!allocate(lit->plan, placed, of.surface, of.bounds))
         return error_memory(err);
     of.may_be_exact = may_be_exact(lit->plan, &placed->instance, &of.product);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The candidates of each pixel: the reference's picture, every other triangle that may be
- * seen there without being wrong, with weights and bounds, and how many fragments may be drawn.
- * Triangles are walked a second time for that, after the reference has drawn. */
+/* The candidates of each pixel: the triangle that the reference shows, every other triangle that
+ * OpenGL may show there, with weights and bounds, and how many fragments OpenGL may draw. After the
+ * reference has drawn, the triangles are walked a second time for that. */
 #ifndef CANDIDATES_H
 #define CANDIDATES_H
 

@@ -73,7 +73,7 @@ static struct colour_bound clipped_bound(const struct bounded_pixel *pixel,
         e_vertex = fmax(e_vertex, (double)pixel->corner[j][attribute]);
         largest = fmax(largest, fabs(surface->weights[at]));
     }
-    double e_cut = pixel->triangle->straddles ? CUT_ROUNDINGS * largest / 16777216 : 0;
+    double e_cut = pixel->triangle->straddles ? roundings(CUT_ROUNDINGS) * largest : 0;
     if (!(magnification < HUGE_VAL))
         return (struct colour_bound){.constant = most_of(values) - least_of(values)};
     struct colour_bound bound = bound_colour(clipped, values);
@@ -114,7 +114,7 @@ static void add_bounds(struct bounding *bounding, double inverse_w, double px, d
     for (size_t a = 0; a < n_attributes; a++)
         pixel->interpolation[a] = pixel->slopes[a] = 0;
     for (int32_t i = 0; i < pixel->triangle->n_clipped; i++) {
-        const struct inverse_w_bound *of_d =
+        const struct colour_bound *of_d =
             &bounding->fragments.clipped[pixel->triangle->first_clipped + i].inverse_w_bound;
         if (!(clipped >> i & 1))
             continue;
@@ -243,7 +243,7 @@ static void put_errors(const struct bounded_pixel *pixel, float *errors, size_t 
 /* Returns a bound on OpenGL's error relative to a depth that is stored in single precision. */
 static float stored_depth_error(double error, double depth)
 {
-    return (float)(error + fabs(depth) / 16777216);
+    return (float)(error + roundings(1) * fabs(depth));
 }
 
 /* Finds the places in the texture that OpenGL may sample for the pixel. Returns their number: 1 if

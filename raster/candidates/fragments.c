@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The fragments that OpenGL may have at each pixel of a chunk: those that it may show there without
- * being wrong, and how many there may be, hidden ones included. */
+/* Finds the fragments that OpenGL may have at each pixel of a chunk: those that it may show there,
+ * and how many it may draw, hidden ones included. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -75,7 +75,7 @@ static bool add_fragment(struct fragments *of, struct fragment_list *pixel,
     return true;
 }
 
-/* ---- how many fragments there are ---- */
+/* ---- counting fragments ---- */
 
 /* Scatters bits (the finalizer of SplitMix64: Steele, Lea and Flood 2014). */
 static uint64_t scatter(uint64_t bits)
@@ -97,7 +97,7 @@ static uint64_t corner_number(const struct screen_triangle *triangle, int i, uin
 struct visit {
     struct fragments *of;
     int32_t triangle;
-    bool any; /* there may be a fragment of it somewhere */
+    bool any; /* OpenGL may have a fragment of it somewhere */
     struct fragment_list *pixel;
     struct seam *seam;
     double x, y;
@@ -133,7 +133,7 @@ static void count_fragment(const struct visit *visit, enum presence presence, bo
 {
     const struct bounded_triangle *triangle = visited(visit);
     struct fragment_list *pixel = visit->pixel;
-    if (triangle->other_side) /* counted as the one that it is */
+    if (triangle->other_side) /* the same fragment, which its own side counts */
         return;
     pixel->n_possible++;
     if (presence == DEFINITE) {
@@ -152,15 +152,19 @@ bool is_closed(const struct seam *seam)
 
 /* ---- clipped triangles ---- */
 
-static bool note_clipped(struct fragments *of, struct bounded_triangle *triangle)
+/* Adds a part to the lists of triangles, behind the last one. */
+static bool add_part(struct fragments *of, const struct triangle_part *part)
 {
-    if (!array_grow(&of->clipped, &of->clipped_capacity, of->n_clipped + CLIP_CORNERS,
+    size_t n_clipped = (size_t)part->bounded.n_clipped;
+    if (!array_grow(&of->triangles, &of->triangle_capacity, of->n_triangles + 1,
+                    sizeof *of->triangles) ||
+        !array_grow(&of->clipped, &of->clipped_capacity, of->n_clipped + n_clipped,
                     sizeof *of->clipped))
         return false;
+    struct bounded_triangle *triangle = &of->triangles[of->n_triangles];
+    *triangle = part->bounded;
     triangle->first_clipped = (int32_t)of->n_clipped;
-    triangle->n_clipped =
-        clipped_triangles(of->lit, of->tile, triangle, of->clipped + of->n_clipped);
-    of->n_clipped += (size_t)triangle->n_clipped;
+    memcpy(of->clipped + of->n_clipped, part->clipped, n_clipped * sizeof *of->clipped);
     return true;
 }
 
@@ -209,7 +213,7 @@ static bool is_loose(const struct visit *visit, unsigned clipped, bool *thin)
     *thin = false;
     for (int32_t i = 0; i < triangle->n_clipped; i++) {
         const struct clipped_triangle *part = &visit->of->clipped[triangle->first_clipped + i];
-        const struct inverse_w_bound *bound = &part->inverse_w_bound;
+        const struct colour_bound *bound = &part->inverse_w_bound;
         if (!(clipped >> i & 1))
             continue;
         *thin = *thin || !(part->magnification < HUGE_VAL);
@@ -270,24 +274,18 @@ static bool visit_pixel(void *context, int x, int y)
 /* Triangles without a fragment are forgotten at once: there may be thousands to a pixel. */
 static bool visit_triangle(struct fragments *of, int surface, int triangle)
 {
-    struct bounded_triangle parts[BOUNDED_TRIANGLES];
-    int n = bounded_triangles(of->lit, surface, triangle, of->tile, &of->rows, parts);
+    struct triangle_part parts[TRIANGLE_PARTS];
+    int n = triangle_parts(of->lit, surface, triangle, of->tile, &of->rows, parts);
     for (int i = 0; i < n; i++) {
+        const struct bounded_triangle *bounded = &parts[i].bounded;
         struct visit visit = {
-            .of = of, .triangle = (int32_t)of->n_triangles, .most = most_slack(&parts[i])};
-        size_t n_clipped = of->n_clipped;
-        if (!array_grow(&of->triangles, &of->triangle_capacity, of->n_triangles + 1,
-                        sizeof *of->triangles) ||
-            !note_clipped(of, &parts[i]))
-            return false;
-        of->triangles[of->n_triangles] = parts[i];
-        if (!scan_triangle(&parts[i].screen, &of->rows, most_of(parts[i].edge_px), visit_pixel,
+            .of = of, .triangle = (int32_t)of->n_triangles, .most = most_slack(bounded)};
+        if (!add_part(of, &parts[i]) ||
+            !scan_triangle(&bounded->screen, &of->rows, most_of(bounded->edge_px), visit_pixel,
                            &visit))
             return false;
-        if (visit.any)
-            of->n_triangles++;
-        else
-            of->n_clipped = n_clipped;
+        of->n_triangles += visit.any;
+        of->n_clipped += visit.any ? (size_t)bounded->n_clipped : 0;
     }
     return true;
 }

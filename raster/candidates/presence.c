@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* How sure it is that OpenGL has a fragment at a point. With p the point and a, b two corners minus
- * p, moving a by up to e and b by up to f in x and y changes the edge function a x b by at most
- * e |b|_1 + f |a|_1 + 2 e f: the slack. */
+/* Decides whether OpenGL has a fragment at a point for sure, perhaps, or not. With p the point and
+ * a, b two corners minus p, moving a by up to e and b by up to f in x and y changes the edge
+ * function a x b by at most e |b|_1 + f |a|_1 + 2 e f: the slack. */
 #include <math.h>
 
 #include "data/maths/maths.h"

@@ -32,9 +32,11 @@ static size_t count_pixels(const struct chunk *chunk)
     return (size_t)chunk->picture.at.width * (size_t)chunk->picture.at.height;
 }
 
-static void note_failure(struct check *check, size_t pixel, const struct check_failure *failure)
+/* Counts the pixel as not explained. The first such pixel is kept with its failure. */
+static void fail(struct check *check, size_t pixel, const struct check_failure *failure)
 {
     const struct rectangle *rows = &check->chunk->picture.at;
+    check->failed[pixel] = true;
     if (check->verdict.first.found)
         return;
     check->verdict.first = *failure;
@@ -66,16 +68,11 @@ static struct check_failure depth_failure(const struct shown *shown, double dept
 }
 
 /* The depth is rounded to single precision, as those of candidates: depth_error covers that. */
-static double settled_depth(const struct chunk *chunk, size_t pixel)
-{
-    return (double)(float)chunk->picture.depth[pixel];
-}
-
 static void identify_settled(struct check *check, size_t pixel, const struct shown *shown)
 {
     const struct chunk *chunk = check->chunk;
     bool background = chunk->picture.surface[pixel] < 0;
-    double depth = background ? 1 : settled_depth(chunk, pixel),
+    double depth = background ? 1 : (double)(float)chunk->picture.depth[pixel],
            error = background ? 0 : (double)chunk->depth_error[pixel];
     struct check_failure failure = {.kind = FAILURE_TRIANGLE, .shown = *shown};
     if (shown->surface == chunk->picture.surface[pixel] &&
@@ -84,8 +81,7 @@ static void identify_settled(struct check *check, size_t pixel, const struct sho
             return;
         failure = depth_failure(shown, depth, error);
     }
-    check->failed[pixel] = true;
-    note_failure(check, pixel, &failure);
+    fail(check, pixel, &failure);
 }
 
 /* Only the hypothesis that OpenGL shows stays alive. */
@@ -107,7 +103,7 @@ static void identify_ambiguous(struct check *check, size_t index, const struct s
             failure = depth_failure(shown, depth, error);
     }
     if (!any)
-        note_failure(check, (size_t)ambiguous->pixel, &failure);
+        fail(check, (size_t)ambiguous->pixel, &failure);
 }
 
 /* Fragments are counted modulo 256. Where triangles meet, a driver with leaking edges may have one
@@ -128,8 +124,7 @@ static void count_fragments(struct check *check, size_t pixel, const struct show
                                     .seen = shown->fragments,
                                     .expected = overdraw->meant,
                                     .bound = overdraw->closed ? 0 : overdraw->spread};
-    check->failed[pixel] = true;
-    note_failure(check, pixel, &failure);
+    fail(check, pixel, &failure);
 }
 
 void check_identity(struct check *check, const struct gl *gl, const struct rectangle *tile)
@@ -179,13 +174,12 @@ static void judge_run(struct check *check, size_t first, size_t n, int band, con
     for (size_t i = 0; i < n && !explained; i++) {
         if (block.difference[i] <= block.bound[i])
             continue;
-        check->failed[first + i] = true;
-        note_failure(check, first + i,
-                     &(struct check_failure){.kind = FAILURE_RADIANCE,
-                                             .band = band,
-                                             .seen = block.seen[i],
-                                             .expected = block.expected[i],
-                                             .bound = (double)block.bound[i]});
+        fail(check, first + i,
+             &(struct check_failure){.kind = FAILURE_RADIANCE,
+                                     .band = band,
+                                     .seen = block.seen[i],
+                                     .expected = block.expected[i],
+                                     .bound = (double)block.bound[i]});
     }
 }
 
@@ -275,19 +269,18 @@ static void settle(struct check *check, size_t index)
     check->verdict.ambiguous++;
     samples_add(&check->verdict.samples, &samples);
     if (!best->alive) {
-        check->failed[ambiguous->pixel] = true;
-        note_failure(check, (size_t)ambiguous->pixel,
-                     &(struct check_failure){.kind = FAILURE_RADIANCE,
-                                             .band = best->band,
-                                             .seen = best->seen,
-                                             .expected = best->expected,
-                                             .bound = best->bound});
+        fail(check, (size_t)ambiguous->pixel,
+             &(struct check_failure){.kind = FAILURE_RADIANCE,
+                                     .band = best->band,
+                                     .seen = best->seen,
+                                     .expected = best->expected,
+                                     .bound = best->bound});
     } else if (loose) {
         check->verdict.unbounded++;
-        check->failed[ambiguous->pixel] = check->lit->plan->options.strict;
+        check->failed[ambiguous->pixel] = false;
         if (check->lit->plan->options.strict)
-            note_failure(check, (size_t)ambiguous->pixel,
-                         &(struct check_failure){.kind = FAILURE_UNBOUNDED});
+            fail(check, (size_t)ambiguous->pixel,
+                 &(struct check_failure){.kind = FAILURE_UNBOUNDED});
     } else if (!nothing) {
         floor_note(&check->verdict.floor, best->floor);
     }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Facts of OpenGL's implementations: where each stays within the specification, and where
- * it is better than it must be. Measured on Mesa 22.3.6; test/README.md says how. */
+/* Errors and rules of OpenGL's implementations, where the specification leaves them free. Measured
+ * on Mesa 22.3.6; test/README.md says how. */
 #include <string.h>
 
 #include "raster/driver/driver.h"

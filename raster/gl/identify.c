@@ -94,7 +94,9 @@ bool gl_identify(struct gl *gl, struct error *err)
 /* Returns the number that a channel holds; -1: it holds no whole number below 2^24. */
 static int32_t whole(float value)
 {
-    return value >= 0 && value < 16777216 && value == (float)(int32_t)value ? (int32_t)value : -1;
+    return value >= 0 && (double)value < 1 / SINGLE_ROUNDOFF && value == (float)(int32_t)value
+               ? (int32_t)value
+               : -1;
 }
 
 struct shown gl_shown(const struct gl *gl, int x, int y)

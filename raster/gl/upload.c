@@ -16,44 +16,38 @@
 
 enum { VERTICES, INDICES, COORDINATES, BUFFERS };
 
-/* A vertex as OpenGL reads it. Texture coordinates have a buffer of their own, which only textured
- * meshes fill. */
-struct gl_vertex {
-    GLfloat position[3], normal[3];
-};
-struct gl_coordinates {
-    GLfloat s, t;
-};
+/* Floats of a vertex in its two buffers: position and normal; texture coordinates, which only
+ * textured meshes have. */
+enum { VERTEX_FLOATS = 6, COORDINATE_FLOATS = 2 };
 
 /* ---- meshes ---- */
 
-static bool upload_vertices(const struct mesh *mesh, struct error *err)
+static void copy_vertex(const struct vertex *from, GLfloat *to)
 {
-    struct gl_vertex *copy = malloc((size_t)mesh->n_vertices * sizeof *copy);
-    if (!copy)
-        return error_memory(err);
-    for (int i = 0; i < mesh->n_vertices; i++) {
-        struct vector p = mesh->vertices[i].position, n = mesh->vertices[i].normal;
-        copy[i] = (struct gl_vertex){{(GLfloat)p.x, (GLfloat)p.y, (GLfloat)p.z},
-                                     {(GLfloat)n.x, (GLfloat)n.y, (GLfloat)n.z}};
-    }
-    glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)((size_t)mesh->n_vertices * sizeof *copy), copy,
-                 GL_STATIC_DRAW);
-    free(copy);
-    return true;
+    const struct vector p = from->position, n = from->normal;
+    const double values[VERTEX_FLOATS] = {p.x, p.y, p.z, n.x, n.y, n.z};
+    for (int i = 0; i < VERTEX_FLOATS; i++)
+        to[i] = (GLfloat)values[i];
 }
 
-static bool upload_coordinates(const struct mesh *mesh, struct error *err)
+static void copy_coordinates(const struct vertex *from, GLfloat *to)
 {
-    struct gl_coordinates *copy = malloc((size_t)mesh->n_vertices * sizeof *copy);
-    if (!copy)
+    to[0] = (GLfloat)from->s;
+    to[1] = (GLfloat)from->t;
+}
+
+/* Fills the bound buffer with what `copy` takes from each vertex, n_floats of them. */
+static bool upload_vertices(const struct mesh *mesh, size_t n_floats,
+                            void (*copy)(const struct vertex *from, GLfloat *to), struct error *err)
+{
+    const size_t n = (size_t)mesh->n_vertices, size = n_floats * sizeof(GLfloat);
+    GLfloat *floats = malloc(n * size);
+    if (!floats)
         return error_memory(err);
-    for (int i = 0; i < mesh->n_vertices; i++)
-        copy[i] =
-            (struct gl_coordinates){(GLfloat)mesh->vertices[i].s, (GLfloat)mesh->vertices[i].t};
-    glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)((size_t)mesh->n_vertices * sizeof *copy), copy,
-                 GL_STATIC_DRAW);
-    free(copy);
+    for (size_t i = 0; i < n; i++)
+        copy(&mesh->vertices[i], floats + n_floats * i);
+    glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(n * size), floats, GL_STATIC_DRAW);
+    free(floats);
     return true;
 }
 
@@ -64,14 +58,15 @@ static bool upload_mesh(const struct gl *gl, int index, struct error *err)
     if (mesh->n_triangles == 0)
         return true;
     glBindBuffer(GL_ARRAY_BUFFER, buffers[VERTICES]);
-    if (!upload_vertices(mesh, err))
+    if (!upload_vertices(mesh, VERTEX_FLOATS, copy_vertex, err))
         return false;
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffers[INDICES]);
     glBufferData(GL_ELEMENT_ARRAY_BUFFER,
                  (GLsizeiptr)((size_t)mesh->n_triangles * sizeof *mesh->triangles), mesh->triangles,
                  GL_STATIC_DRAW);
     glBindBuffer(GL_ARRAY_BUFFER, buffers[COORDINATES]);
-    return !gl->plan->meshes[index].textured || upload_coordinates(mesh, err);
+    return !gl->plan->meshes[index].textured ||
+           upload_vertices(mesh, COORDINATE_FLOATS, copy_coordinates, err);
 }
 
 static bool upload_meshes(struct gl *gl, struct error *err)
@@ -89,12 +84,12 @@ static bool upload_meshes(struct gl *gl, struct error *err)
 
 void gl_bind_mesh(const struct gl *gl, int mesh, bool textured)
 {
-    const struct gl_vertex *first = NULL; /* offsets into the bound buffer */
+    const GLsizei step = VERTEX_FLOATS * sizeof(GLfloat);
     const GLuint *buffers = gl->buffers + BUFFERS * mesh;
     glBindBuffer(GL_ARRAY_BUFFER, buffers[VERTICES]);
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffers[INDICES]);
-    glVertexPointer(3, GL_FLOAT, sizeof *first, (const void *)offsetof(struct gl_vertex, position));
-    glNormalPointer(GL_FLOAT, sizeof *first, (const void *)offsetof(struct gl_vertex, normal));
+    glVertexPointer(3, GL_FLOAT, step, NULL); /* offsets into the bound buffer */
+    glNormalPointer(GL_FLOAT, step, (const void *)(3 * sizeof(GLfloat)));
     if (textured) {
         glBindBuffer(GL_ARRAY_BUFFER, buffers[COORDINATES]);
         glTexCoordPointer(2, GL_FLOAT, 0, NULL);

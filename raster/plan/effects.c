@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The plan in words: each effect with the reason why it is simulated or not, each light, and what
- * is guessed rather than measured. */
+/* Prints the plan in words: each effect with the reason why it is simulated or not, each light, and
+ * each value that is guessed, not measured. */
 #include <string.h>
 
 #include "data/material/material.h"
@@ -15,6 +15,14 @@
 
 /* ---- counting what the plan uses ---- */
 
+/* How many materials, objects and lights call for each effect. */
+struct counts {
+    int ambient, diffuse, specular, with_excitation, with_matrix, fluorescent, bispectral, textured,
+        spectrally_textured, emitting, halves;
+    int two_sided, mapped, tessellated;
+    int attenuated, spots;
+};
+
 static bool has_term(const struct shaded_material *shaded, enum term_kind kind)
 {
     for (int i = 0; i < shaded->n_terms; i++)
@@ -23,125 +31,83 @@ static bool has_term(const struct shaded_material *shaded, enum term_kind kind)
     return false;
 }
 
-static bool is_ambient(const struct shaded_material *shaded)
-{
-    return shaded->made.ambient;
-}
-
-static bool is_diffuse(const struct shaded_material *shaded)
-{
-    return has_term(shaded, TERM_DIFFUSE);
-}
-
-static bool is_specular(const struct shaded_material *shaded)
-{
-    return has_term(shaded, TERM_SPECULAR);
-}
-
 static bool has_excitation(const struct shaded_material *shaded)
 {
     return shaded->material->excitation.kind != SPECTRUM_NONE;
 }
 
-static bool has_matrix(const struct shaded_material *shaded)
+/* A material with a partner and the partner count as one. */
+static void count_material(const struct shaded_material *shaded, struct counts *n)
 {
-    return shaded->material->donaldson != NULL;
+    const struct material *material = shaded->material;
+    const struct texture *texture = shaded->texture;
+    n->ambient += shaded->made.ambient;
+    n->diffuse += has_term(shaded, TERM_DIFFUSE);
+    n->specular += has_term(shaded, TERM_SPECULAR);
+    n->with_excitation += has_excitation(shaded);
+    n->with_matrix += material->donaldson != NULL;
+    n->fluorescent += shaded->made.fluoresces && has_excitation(shaded);
+    n->bispectral += shaded->made.fluoresces && material->donaldson;
+    n->textured += texture && !texture->spectral;
+    n->spectrally_textured += texture && texture->spectral;
+    n->emitting += shaded->made.emits;
+    n->halves += material->partner || material->partner_name;
 }
 
-static bool is_fluorescent(const struct shaded_material *shaded)
+static void count_object(const struct object *object, double tessellation, struct counts *n)
 {
-    return shaded->made.fluoresces && has_excitation(shaded);
+    const struct shape other = shape_tessellated(&object->shape, tessellation);
+    n->two_sided += object->two_sided;
+    n->mapped += object->material_map != NULL;
+    n->tessellated += memcmp(object->shape.parameter, other.parameter, sizeof other.parameter) != 0;
 }
 
-static bool is_bispectral(const struct shaded_material *shaded)
+static struct counts count_all(const struct plan *plan)
 {
-    return shaded->made.fluoresces && has_matrix(shaded);
-}
-
-static bool is_textured(const struct shaded_material *shaded)
-{
-    return shaded->texture && !shaded->texture->spectral;
-}
-
-static bool is_spectrally_textured(const struct shaded_material *shaded)
-{
-    return shaded->texture && shaded->texture->spectral;
-}
-
-static bool is_emitting(const struct shaded_material *shaded)
-{
-    return shaded->made.emits;
-}
-
-static int count_materials(const struct plan *plan, bool (*is)(const struct shaded_material *))
-{
-    int n = 0;
+    struct counts n = {.ambient = 0};
     for (int i = 0; i < plan->n_materials; i++)
-        n += is(&plan->materials[i]);
-    return n;
-}
-
-static bool is_two_sided(const struct object *object)
-{
-    return object->two_sided;
-}
-
-static bool is_mapped(const struct object *object)
-{
-    return object->material_map != NULL;
-}
-
-static int count_objects(const struct plan *plan, bool (*is)(const struct object *))
-{
-    int n = 0;
+        count_material(&plan->materials[i], &n);
     for (int i = 0; i < plan->scene->n_objects; i++)
-        n += is(&plan->scene->objects[i]);
+        count_object(&plan->scene->objects[i], plan->scene->tessellation, &n);
+    for (int i = 0; i < plan->n_lights; i++) {
+        n.attenuated += plan->lights[i].attenuated;
+        n.spots += plan->lights[i].spot;
+    }
     return n;
 }
 
 /* ---- effects and their reasons ---- */
 
-static void add_effect(struct plan *plan, const char *name, int used, int all, const char *what,
-                       const char *otherwise)
+static void add_effect(struct plan *plan, const char *name, bool used, const char *reason)
 {
     struct plan_effect *effect = &plan->effects[plan->n_effects++];
     effect->name = name;
-    effect->used = used > 0;
-    if (used > 0)
-        snprintf(effect->reason, sizeof effect->reason, "%d of %d %s", used, all, what);
-    else
-        snprintf(effect->reason, sizeof effect->reason, "%s", otherwise);
+    effect->used = used;
+    snprintf(effect->reason, sizeof effect->reason, "%s", reason);
 }
 
-static void add_material_effect(struct plan *plan, const char *name,
-                                bool (*is)(const struct shaded_material *), const char *otherwise)
+static void add_counted(struct plan *plan, const char *name, int used, int all, const char *what,
+                        const char *otherwise)
 {
-    add_effect(plan, name, count_materials(plan, is), plan->n_materials, "materials", otherwise);
+    char reason[sizeof plan->effects->reason];
+    snprintf(reason, sizeof reason, "%d of %d %s", used, all, what);
+    add_effect(plan, name, used > 0, used > 0 ? reason : otherwise);
 }
 
-/* A material with a partner and the partner count as one. */
-static int count_halves(const struct plan *plan)
+static void add_material_effect(struct plan *plan, const char *name, int used,
+                                const char *otherwise)
 {
-    int n = 0;
-    for (int i = 0; i < plan->n_materials; i++)
-        n += plan->materials[i].material->partner || plan->materials[i].material->partner_name;
-    return n;
+    add_counted(plan, name, used, plan->n_materials, "materials", otherwise);
 }
 
-static void add_switch(struct plan *plan, const char *name, bool asked, bool matters,
-                       const char *not_asked, const char *no_matter)
+static void add_shading(struct plan *plan, const char *name, enum shading_kind shading)
 {
-    add_effect(plan, name, asked && matters, 1, "", asked ? no_matter : not_asked);
-    if (asked && matters)
-        snprintf(plan->effects[plan->n_effects - 1].reason, sizeof plan->effects[0].reason,
-                 "the scene asks for it");
-}
-
-static const char *other_shading(const struct scene *scene)
-{
-    return scene->shading == SHADING_FLAT    ? "shading is flat"
-           : scene->shading == SHADING_PHONG ? "shading is phong"
-                                             : "shading is smooth";
+    const enum shading_kind used = plan->scene->shading;
+    add_effect(plan, name, used == shading,
+               used == shading         ? "the scene asks for it"
+               : used == SHADING_FLAT  ? "shading is flat"
+               : used == SHADING_PHONG ? "shading is phong"
+                                       : "shading is smooth");
 }
 
 static const char *why_no_luminescence(const struct plan *plan, int able, const char *none_able)
@@ -151,60 +117,45 @@ static const char *why_no_luminescence(const struct plan *plan, int able, const 
                                                       : "nothing is excited and shown";
 }
 
-/* Objects whose counts a factor changes. */
-static int count_tessellated(const struct scene *scene)
-{
-    int n = 0;
-    for (int i = 0; i < scene->n_objects; i++) {
-        const struct shape *shape = &scene->objects[i].shape;
-        const struct shape other = shape_tessellated(shape, scene->tessellation);
-        n += memcmp(shape->parameter, other.parameter, sizeof other.parameter) != 0;
-    }
-    return n;
-}
-
 void plan_effects(struct plan *plan)
 {
     const struct scene *scene = plan->scene;
-    int attenuated = 0, spots = 0, n_specular = count_materials(plan, is_specular);
-    for (int i = 0; i < plan->n_lights; i++) {
-        attenuated += plan->lights[i].attenuated;
-        spots += plan->lights[i].spot;
-    }
-    add_material_effect(plan, "ambient", is_ambient, "no ambient light reflected");
-    add_effect(plan, "lights", plan->n_lights, scene->n_lights, "shine", "no light shines");
-    add_material_effect(plan, "diffuse", is_diffuse, "no material reflects a light");
-    add_material_effect(plan, "specular", is_specular, "no lit material has gloss");
-    add_switch(plan, "local_viewer", scene->local_viewer, n_specular > 0, "the viewer is infinite",
-               "no highlight depends on it");
-    add_effect(plan, "attenuation", attenuated, plan->n_lights, "lights", "no light weakens");
-    add_effect(plan, "spot", spots, plan->n_lights, "lights", "no light is a spot");
-    add_material_effect(plan, "fluorescence", is_fluorescent,
-                        why_no_luminescence(plan, count_materials(plan, has_excitation),
-                                            "no material has excitation"));
-    add_material_effect(plan, "bispectral", is_bispectral,
-                        why_no_luminescence(plan, count_materials(plan, has_matrix),
-                                            "no material has a Donaldson matrix"));
-    add_material_effect(plan, "texture", is_textured, "no lit material has a texture");
-    add_material_effect(plan, "spectral_texture", is_spectrally_textured,
+    const struct counts n = count_all(plan);
+    const bool local = scene->local_viewer && n.specular > 0;
+    add_material_effect(plan, "ambient", n.ambient, "no ambient light reflected");
+    add_counted(plan, "lights", plan->n_lights, scene->n_lights, "shine", "no light shines");
+    add_material_effect(plan, "diffuse", n.diffuse, "no material reflects a light");
+    add_material_effect(plan, "specular", n.specular, "no lit material has gloss");
+    add_effect(plan, "local_viewer", local,
+               local                 ? "the scene asks for it"
+               : scene->local_viewer ? "no highlight depends on it"
+                                     : "the viewer is infinite");
+    add_counted(plan, "attenuation", n.attenuated, plan->n_lights, "lights", "no light weakens");
+    add_counted(plan, "spot", n.spots, plan->n_lights, "lights", "no light is a spot");
+    add_material_effect(plan, "fluorescence", n.fluorescent,
+                        why_no_luminescence(plan, n.with_excitation, "no material has excitation"));
+    add_material_effect(
+        plan, "bispectral", n.bispectral,
+        why_no_luminescence(plan, n.with_matrix, "no material has a Donaldson matrix"));
+    add_material_effect(plan, "texture", n.textured, "no lit material has a texture");
+    add_material_effect(plan, "spectral_texture", n.spectrally_textured,
                         "no lit material has a spectral texture");
-    add_material_effect(plan, "emission", is_emitting, "no material emits");
-    add_effect(plan, "metamer", count_halves(plan), plan->n_materials, "materials",
-               "no material has a partner");
-    add_effect(plan, "two_sided", count_objects(plan, is_two_sided), scene->n_objects, "objects",
-               "no object is two-sided");
-    add_switch(plan, "flat", scene->shading == SHADING_FLAT, true, other_shading(scene), "");
-    add_switch(plan, "phong", scene->shading == SHADING_PHONG, true, other_shading(scene), "");
-    add_effect(plan, "material_map", count_objects(plan, is_mapped), scene->n_objects, "objects",
-               "no object has several materials");
-    add_effect(plan, "tessellation", count_tessellated(scene), scene->n_objects, "objects",
-               scene->tessellation == 1 ? "shapes are as the scene says"
-                                        : "no object has other numbers by the factor");
+    add_material_effect(plan, "emission", n.emitting, "no material emits");
+    add_material_effect(plan, "metamer", n.halves, "no material has a partner");
+    add_counted(plan, "two_sided", n.two_sided, scene->n_objects, "objects",
+                "no object is two-sided");
+    add_shading(plan, "flat", SHADING_FLAT);
+    add_shading(plan, "phong", SHADING_PHONG);
+    add_counted(plan, "material_map", n.mapped, scene->n_objects, "objects",
+                "no object has several materials");
+    add_counted(plan, "tessellation", n.tessellated, scene->n_objects, "objects",
+                scene->tessellation == 1 ? "shapes are as the scene says"
+                                         : "no object has other numbers by the factor");
 }
 
 /* ---- the plan in words ---- */
 
-/* Why a light does not shine; NULL: it does. */
+/* Returns why a light does not shine; NULL: it shines. */
 static const char *why_off(const struct plan *plan, const struct light *light)
 {
     const struct spectral_pages *pages = &plan->illumination.pages;
@@ -245,11 +196,11 @@ static void print_material(const struct plan *plan, const struct shaded_material
     static const char held[] = "the end value holds", dark[] = "0";
     const struct material *material = shaded->material;
     print_extrapolation(plan, "diffuse", held, &material->diffuse, material->name, to);
-    if (is_specular(shaded))
+    if (has_term(shaded, TERM_SPECULAR))
         print_extrapolation(plan, "specular", held, &material->specular, material->name, to);
-    if (is_fluorescent(shaded))
+    if (shaded->made.fluoresces && has_excitation(shaded))
         print_extrapolation(plan, "emission", dark, &material->emission, material->name, to);
-    if (is_emitting(shaded))
+    if (shaded->made.emits)
         print_extrapolation(plan, "emission", dark, &material->glow, material->name, to);
     if (material->from_rgb)
         fprintf(to, "not measured      %s: RGB of %s, spread over three bands\n", material->name,
@@ -288,8 +239,8 @@ static void print_work(const struct plan *plan, FILE *to)
     int passes = plan->n_passes * plan->n_light_groups, most = 0;
     for (int i = 0; i < plan->n_materials; i++)
         most = plan->materials[i].n_terms > most ? plan->materials[i].n_terms : most;
-    fprintf(to, "objects           %d (%d bodies, %ld vertices, %ld triangles)\n", scene->n_objects,
-            plan->n_instances, plan->n_vertices, plan->n_triangles);
+    fprintf(to, "objects           %d (%d instances, %ld vertices, %ld triangles)\n",
+            scene->n_objects, plan->n_instances, plan->n_vertices, plan->n_triangles);
     fprintf(to, "materials         %d (%ld terms, at most %d in one)\n", plan->n_materials,
             plan->work.terms, most);
     fprintf(to, "excitation        %ld integrals\n", plan->work.excitation_integrals);

@@ -22,15 +22,9 @@ struct whole {
     struct vector centre;
     double unit; /* as in plan_mesh */
 };
-/* The piece of a whole that a mesh shows: one part, or all (-1), and of that one side of x = 0,
- * or both (-1). */
-struct cutting {
-    int whole, part, side;
-};
 struct instance_maker {
     struct plan *plan;
     struct whole *wholes;
-    struct cutting *cuttings; /* of each mesh of the plan */
     int n_wholes;
 };
 
@@ -113,11 +107,7 @@ static bool add_mesh(struct instance_maker *maker, struct cutting cutting, struc
 {
     struct plan *plan = maker->plan;
     const struct whole *whole = &maker->wholes[cutting.whole];
-    struct cutting *cuttings = array_more(maker->cuttings, plan->n_meshes, sizeof *cuttings, err);
-    if (cuttings)
-        maker->cuttings = cuttings;
-    struct plan_mesh *meshes =
-        cuttings ? array_more(plan->meshes, plan->n_meshes, sizeof *meshes, err) : NULL;
+    struct plan_mesh *meshes = array_more(plan->meshes, plan->n_meshes, sizeof *meshes, err);
     if (!meshes) {
         mesh_free(mesh);
         return false;
@@ -126,9 +116,8 @@ static bool add_mesh(struct instance_maker *maker, struct cutting cutting, struc
         mesh->vertices[i].position = vector_scale(
             vector_subtract(mesh->vertices[i].position, whole->centre), 1 / whole->unit);
     plan->meshes = meshes;
-    cuttings[plan->n_meshes] = cutting;
-    meshes[plan->n_meshes++] =
-        (struct plan_mesh){.mesh = *mesh, .centre = whole->centre, .unit = whole->unit};
+    meshes[plan->n_meshes++] = (struct plan_mesh){
+        .mesh = *mesh, .cutting = cutting, .centre = whole->centre, .unit = whole->unit};
     return true;
 }
 
@@ -161,10 +150,10 @@ static bool cut_out(struct instance_maker *maker, struct cutting cutting, struct
     return done;
 }
 
-static int known_mesh(const struct instance_maker *maker, const struct cutting *wanted)
+static int known_mesh(const struct plan *plan, const struct cutting *wanted)
 {
-    for (int i = 0; i < maker->plan->n_meshes; i++)
-        if (memcmp(&maker->cuttings[i], wanted, sizeof *wanted) == 0)
+    for (int i = 0; i < plan->n_meshes; i++)
+        if (memcmp(&plan->meshes[i].cutting, wanted, sizeof *wanted) == 0)
             return i;
     return -1;
 }
@@ -173,9 +162,9 @@ static int known_mesh(const struct instance_maker *maker, const struct cutting *
  */
 static int find_mesh(struct instance_maker *maker, struct cutting wanted, struct error *err)
 {
-    int known = known_mesh(maker, &wanted);
+    int known = known_mesh(maker->plan, &wanted);
     if (known < 0 && cut_out(maker, wanted, err))
-        known = known_mesh(maker, &wanted);
+        known = known_mesh(maker->plan, &wanted);
     return known;
 }
 
@@ -205,19 +194,19 @@ static struct matrix placement(const struct plan_mesh *mesh)
  * so must be the square of what its inverse, cofactors over the determinant, makes of a normal. */
 static bool has_inverse(const struct matrix *m)
 {
+    struct cofactors cofactors;
     double determinant = 0, magnitude = 0, largest = 0;
+    if (!matrix_cofactors(m, &cofactors))
+        return false;
+    const double scale = ldexp(1, 2 * cofactors.exponent);
+    for (int i = 0; i < 9; i++)
+        largest = fmax(largest, scale * fabs(cofactors.value[i / 3][i % 3]));
     for (int i = 0; i < 3; i++) {
-        int j = (i + 1) % 3, k = (i + 2) % 3;
-        for (int row = 0; row < 3; row++) {
-            const double *a = m->row[(row + 1) % 3], *b = m->row[(row + 2) % 3];
-            double plus = a[j] * b[k], minus = a[k] * b[j];
-            largest = fmax(largest, fabs(plus - minus));
-            determinant += row == 0 ? m->row[0][i] * (plus - minus) : 0;
-            magnitude += row == 0 ? fabs(m->row[0][i]) * (fabs(plus) + fabs(minus)) : 0;
-        }
+        determinant += scale * (m->row[0][i] * cofactors.value[0][i]);
+        magnitude += scale * (fabs(m->row[0][i]) * cofactors.magnitude[0][i]);
     }
     determinant = fabs(determinant);
-    return determinant > 2e-25 && determinant > magnitude * 16 / 16777216 && magnitude < 1e37 &&
+    return determinant > 2e-25 && determinant > roundings(16) * magnitude && magnitude < 1e37 &&
            largest < 1e18 * determinant;
 }
 
@@ -320,7 +309,7 @@ static bool add_parts(struct instance_maker *maker, const struct object *object,
             return error_at(err, object->place,
                             "%s%.100s of %.300s has no line in %.300s; a line for * stands for all "
                             "others",
-                            name[0] ? "usemtl " : "what comes before the first usemtl", name,
+                            name[0] ? "usemtl " : "the part before the first usemtl", name,
                             object->shape.path, object->material_map);
         if (!add_halves(maker, object, (struct cutting){whole, part, -1}, &materials[use->material],
                         err))
@@ -340,22 +329,26 @@ static bool add_object(struct instance_maker *maker, const struct object *object
                       &maker->plan->scene->materials[object->material], err);
 }
 
+/* By mesh and place; 0 where they agree to the last bit. */
+static int compare_places(const struct placed_instance *a, const struct placed_instance *b)
+{
+    return a->mesh < b->mesh   ? -1
+           : a->mesh > b->mesh ? 1
+                               : memcmp(&a->instance.model_view, &b->instance.model_view,
+                                        sizeof a->instance.model_view);
+}
+
 /* By mesh, place and order of drawing. */
 static int compare_instances(const void *a, const void *b)
 {
     const struct placed_instance *first = *(const struct placed_instance *const *)a,
                                  *second = *(const struct placed_instance *const *)b;
-    if (first->mesh != second->mesh)
-        return first->mesh < second->mesh ? -1 : 1;
-    int place = memcmp(&first->instance.model_view, &second->instance.model_view,
-                       sizeof first->instance.model_view);
-    if (place != 0)
-        return place;
-    return first < second ? -1 : first > second;
+    const int place = compare_places(first, second);
+    return place != 0 ? place : first < second ? -1 : first > second;
 }
 
-/* OpenGL shows the first of two instances that agree to the last bit: the second is as deep, and
- * not nearer. */
+/* OpenGL shows the first of two instances in the same place: the second is as deep, and not nearer.
+ */
 static bool find_twins(struct plan *plan, struct error *err)
 {
     size_t n = (size_t)plan->n_instances;
@@ -366,9 +359,7 @@ static bool find_twins(struct plan *plan, struct error *err)
         sorted[i] = &plan->instances[i];
     qsort(sorted, n, sizeof *sorted, compare_instances);
     for (size_t i = 1; i < n; i++)
-        sorted[i]->twin = sorted[i]->mesh == sorted[i - 1]->mesh &&
-                          memcmp(&sorted[i]->instance.model_view,
-                                 &sorted[i - 1]->instance.model_view, sizeof(struct matrix)) == 0;
+        sorted[i]->twin = compare_places(sorted[i], sorted[i - 1]) == 0;
     free(sorted);
     return true;
 }
@@ -402,7 +393,6 @@ bool instances_make(struct plan *plan, struct error *err)
     for (int i = 0; i < maker.n_wholes; i++)
         mesh_free(&maker.wholes[i].mesh);
     free(maker.wholes);
-    free(maker.cuttings);
     for (int i = 0; done && i < plan->n_instances; i++)
         fill_instance(plan, &plan->instances[i]);
     return done && find_twins(plan, err);

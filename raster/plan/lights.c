@@ -75,7 +75,7 @@ bool lights_list(struct plan *plan, struct error *err)
     return true;
 }
 
-/* Gives the terms of a light another number; whether there are any. */
+/* Gives the terms of a light another number. Returns false if the light has none. */
 static bool renumber_terms(struct plan *plan, int from, int to)
 {
     bool any = false;

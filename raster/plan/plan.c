@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Decides, once and before anything is drawn, what a scene calls for: which lights shine, which
- * terms each material needs, which meshes, passes and tiles follow. What is not planned here is not
- * computed. */
+ * terms each material needs, which meshes, passes and tiles follow. Nothing else is computed. */
 #include <math.h>
 #include <stdlib.h>
 
@@ -81,8 +80,8 @@ static struct view view_of(const struct plan *plan, const struct camera *camera)
                          .n_lights = plan->n_lights};
 }
 
-/* Bytes of a number that each object has, and the background. OpenGL tells only with a check what
- * it shows. */
+/* Bytes of a number for each instance and the background. Without a check, the objects that OpenGL
+ * shows are not known. */
 static int map_bytes(const struct plan *plan)
 {
     const bool unknown =

@@ -34,6 +34,9 @@ struct shaded_material {
  * precision spends its digits on the shape and not on where it stands. */
 struct plan_mesh {
     struct mesh mesh;
+    struct cutting { /* the part that is shown, -1: all; on which side of x = 0, -1: both */
+        int whole, part, side;
+    } cutting;
     struct vector centre; /* of the whole mesh */
     double unit;          /* what its lengths are measured in: a power of two, about its size */
     bool textured;        /* some instance of it is */
@@ -60,12 +63,12 @@ struct plan_options {
     double full_scale;  /* 0: the largest vertex radiance */
     bool check, use_gl; /* whether the reference and OpenGL are needed */
     int buffer_bits;    /* of a channel of OpenGL's colour buffer: 8, 16, or 32 of floats; 0: 32 */
-    const char *gl_driver; /* "llvmpipe" or "softpipe"; NULL: whatever there is */
+    const char *gl_driver; /* "llvmpipe" or "softpipe"; NULL: any */
     bool strict;           /* pixels without a bound, and edges that leak, are differences */
     bool store_raster;     /* the stored pixels are the reference's */
     int bits;              /* of a page's sample: 8 or 16 of counts, 32 of floats; 0: 16 */
-    bool exchangeable; /* lights may be exchanged afterwards: every light and every term is kept,
-                          each by itself, also what is dark */
+    bool exchangeable; /* lights may be exchanged afterwards: every light and every term is kept by
+                          itself, dark ones too */
     int threads;       /* 0: as many as OpenMP offers; the plan holds the number */
     char *const *recorded; /* options for the stack's record, each one word; not owned */
     int n_recorded;        /* at most MAX_RECORDED */
@@ -87,14 +90,13 @@ struct plan {
     struct illumination illumination; /* the lights of the scene, before idle ones are dropped */
     struct eye_light *lights;         /* those that shine; and each as the scene has it: */
     const struct light **sources;
-    int n_meshes, n_materials, n_textures, n_instances, n_lights;
+    int n_meshes, n_materials, n_textures, n_instances, n_lights, n_effects;
     int n_light_groups; /* passes that a group of bands takes: 1, or more beyond LIGHTS_PER_PASS */
     int max_rows;       /* numbers that a pixel keeps, at most: see pixel_rows */
     int tile_width, tile_height; /* the last column and row of tiles may be smaller */
     uint64_t file_bytes, tile_bytes;
     int map_bytes; /* of a number in the object map; 0: there is none */
     struct plan_effect effects[MAX_EFFECTS];
-    int n_effects;
     struct plan_work work;
     long n_vertices, n_triangles; /* as drawn: a mesh counts once for every instance */
 };
@@ -118,7 +120,7 @@ const char *object_name(const struct plan *plan, int surface);
 int buffer_steps(const struct plan *plan);
 /* Plane 0, 1 or 2 of a texture, for the reference. */
 struct texels plan_texels(const struct texture *texture, int plane);
-/* Loads what spectral textures show in the bands of a pass. */
+/* Loads the planes of spectral textures for the bands of a pass. */
 bool plan_load_textures(const struct plan *plan, int first_band, struct error *err);
 void plan_free(struct plan *plan);
 

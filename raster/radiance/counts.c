@@ -4,7 +4,7 @@
  *
  * The bound of a sample, in counts, is the sum over terms of (error of the weight) x spectrum, plus
  * the roundings of the colour sum. raster/bounds/light.c and raster/bounds/plane.c derive the
- * errors of weights. u = 2^-24. */
+ * errors of weights. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -14,8 +14,6 @@
 #include "raster/plan/plan.h"
 #include "raster/radiance/radiance.h"
 #include "raster/reference/reference.h"
-
-static const double u = 1.0 / 16777216;
 
 /* Roundings of a colour: its spectrum in single precision (1), light times material (2), a
  * texture's value and its product (2), the buffer (1); one more for the arithmetic of the bound
@@ -32,11 +30,11 @@ static const double flushed = 65535 * 1.2e-38 * 1e4 * 32768 * 2048 * 4;
 /* A driver rounds each pass to the nearest step. Before that it multiplies and adds (2 roundings).
  * The step as a part of full scale, and the sum of such parts, are rounded again (2). Measured on
  * Mesa 22.3.6 with 3 million colours: llvmpipe and softpipe round to the nearest step, and miss it
- * by 0.5 u of full scale at most (0.002 of a step of 16 bits). */
+ * by half a roundoff of full scale at most (0.002 of a step of 16 bits). */
 double buffer_rounding(const struct plan *plan)
 {
     int steps = buffer_steps(plan);
-    return steps > 0 ? plan->n_light_groups * (0.5 / steps + 4 * u) * FULL_COUNT : 0;
+    return steps > 0 ? plan->n_light_groups * (0.5 / steps + roundings(4)) * FULL_COUNT : 0;
 }
 
 /* ---- expected samples ---- */
@@ -80,7 +78,7 @@ static void expect_steps(const struct plan *plan, size_t n, double *expected, fl
 static void add_roundings(const struct plan *plan, const struct run *run, const double *expected,
                           float *bound)
 {
-    double rounding = (COLOUR_ROUNDINGS + run->shaded->n_colours + plan->n_light_groups) * u;
+    double rounding = roundings(COLOUR_ROUNDINGS + run->shaded->n_colours + plan->n_light_groups);
     for (size_t i = 0; i < run->n; i++) {
         float whole = bound[i] + (float)(flushed + rounding * fabs(expected[i]));
         bound[i] = whole <= FLT_MAX ? whole : -1;

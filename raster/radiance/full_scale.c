@@ -208,7 +208,7 @@ bool find_full_scale(const struct lit_scene *lit, double *out, bool *clips, stru
     double largest;
     if (!find_largest(lit, &largest, err))
         return false;
-    if (plan->options.bits == 32 && largest > 0 && largest < (double)FLT_MIN * 16777216)
+    if (plan->options.bits == 32 && largest > 0 && largest < (double)FLT_MIN / SINGLE_ROUNDOFF)
         return error_at(
             err, plan->instances[0].object->place,
             "the largest radiance is %.3g, so small that a float page would lose digits; "

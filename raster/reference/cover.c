@@ -111,7 +111,7 @@ void edges_at(const double x[3], const double y[3], double px, double py, struct
 static double exact_turn(double ax, double ay, double bx, double by)
 {
     double p = ax * by, q = bx * ay, difference = p - q;
-    if (fabs(difference) > 1e-15 * (fabs(p) + fabs(q))) /* above four roundings */
+    if (fabs(difference) > 16 * DOUBLE_ROUNDOFF * (fabs(p) + fabs(q))) /* above its rounding */
         return difference;
     return difference + (fma(ax, by, -p) - fma(bx, ay, -q));
 }
@@ -197,11 +197,11 @@ static void narrow_row(const struct screen_triangle *triangle, int y, double lea
         double p = (triangle->x[j] - px) * (triangle->y[k] - py),
                q = (triangle->x[k] - px) * (triangle->y[j] - py),
                step = triangle->y[j] - triangle->y[k];
-        double inside = p - q - least + 1e-15 * (fabs(p) + fabs(q)), pixels = -inside / step;
-        if (step > 0 && pixels > 0)
-            *left = clamp_to(fmax(*left, first + pixels), first, last);
-        if (step < 0 && pixels < last - first)
-            *right = clamp_to(fmin(*right, first + pixels + 2), first, last);
+        double inside = p - q - least + 16 * DOUBLE_ROUNDOFF * (fabs(p) + fabs(q));
+        if (step > 0 && inside < 0)
+            *left = clamp_to(fmax(*left, first - inside / step), first, last);
+        if (step < 0 && -inside / step < last - first)
+            *right = clamp_to(fmin(*right, first - inside / step + 2), first, last);
     }
 }
 

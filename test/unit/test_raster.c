@@ -197,21 +197,20 @@ static void check_bounds(double size, double depth_range, const char *name)
         }
         /* corners, w and values are rounded once: 2^-24 relative */
         for (int c = 0; c < 3; c++)
-            clipped.slack_px[c] = 1024.0 / 16777216;
-        clipped.slack_w = 2.0 / 16777216;
-        double magnification = bound_magnification(&clipped);
+            clipped.slack_px[c] = roundings(1024);
+        clipped.slack.w = roundings(2);
+        bound_inverse_w(&clipped);
         /* the pixel at the centre of gravity */
         double px = floor((clipped.x[0] + clipped.x[1] + clipped.x[2]) / 3) + 0.5;
         double py = floor((clipped.y[0] + clipped.y[1] + clipped.y[2]) / 3) + 0.5;
         double expected = exact(&clipped, values, px, py);
-        if (isnan(expected) || !(magnification < HUGE_VAL))
+        if (isnan(expected) || !(clipped.magnification < HUGE_VAL))
             continue;
         double error = fabs(single_precision(x, y, w, v, (float)px, (float)py) - expected);
         struct colour_bound bound = bound_colour(&clipped, values);
-        struct inverse_w_bound of_d = bound_inverse_w(&clipped);
-        double d = inverse_w_at(&clipped, px, py),
-               least = d - magnification * (of_d.fixed + of_d.per_d * d);
-        worst = fmax(worst, error / magnification /
+        struct colour_bound of_d = clipped.inverse_w_bound;
+        double d = inverse_w_at(&clipped, px, py), least = d - (of_d.fixed + of_d.per_d * d);
+        worst = fmax(worst, error / clipped.magnification /
                                 (bound.constant + (bound.fixed + bound.per_d * d) / least));
         bounded++;
     }
@@ -285,6 +284,7 @@ int main(void)
                                     .slack_px = {1e-4, 1e-4, 1e-4},
                                     .reach_x = 100,
                                     .reach_y = 100};
-    CHECK(bound_magnification(&line) == HUGE_VAL, "a triangle without area has no bound");
+    bound_inverse_w(&line);
+    CHECK(line.magnification == HUGE_VAL, "a triangle without area has no bound");
     return test_end();
 }
