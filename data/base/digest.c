@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "data/base/base.h"
-#include "spectral.h"
 
 enum { BLOCK = sizeof((struct digest *)0)->block };
 

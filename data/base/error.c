@@ -8,7 +8,6 @@
 #include <string.h>
 
 #include "data/base/base.h"
-#include "spectral.h"
 
 /* Replaces control characters. A word or a file name could otherwise forge a second line, or
  * control the terminal. */

@@ -12,7 +12,6 @@
 #include <unistd.h>
 
 #include "data/base/base.h"
-#include "spectral.h"
 
 /* ---- compiled-in files ---- */
 

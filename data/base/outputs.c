@@ -7,7 +7,6 @@
 #include <sys/stat.h>
 
 #include "data/base/base.h"
-#include "spectral.h"
 
 char *output_name(const char *path, const char *ending)
 {

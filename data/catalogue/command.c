@@ -3,13 +3,10 @@
 #include <stdio.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/catalogue/catalogue.h"
 #include "data/mesh/mesh.h"
-#include "data/options/options.h"
 #include "data/spectra/spectra.h"
 #include "data/text/text.h"
-#include "spectral.h"
 
 /* Writes the part of a file's name between a folder and an ending. Returns false if the name does
  * not begin and end so. */

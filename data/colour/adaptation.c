@@ -5,7 +5,6 @@
 #include "data/colour/colour.h"
 #include "data/maths/maths.h"
 #include "data/text/text.h"
-#include "spectral.h"
 
 static const char *const names[] = {
     [ADAPTATION_NONE] = "none",           [ADAPTATION_VON_KRIES] = "von-kries",

@@ -5,7 +5,6 @@
 
 #include "data/colour/colour.h"
 #include "data/maths/maths.h"
-#include "spectral.h"
 
 static const char *const names[] = {[DISPLAY_SRGB] = "srgb", [DISPLAY_MONITOR] = "monitor"};
 enum { KINDS = sizeof names / sizeof names[0] };

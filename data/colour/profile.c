@@ -4,7 +4,6 @@
 #include <string.h>
 
 #include "data/colour/colour.h"
-#include "spectral.h"
 
 enum { HEADER = 128, TAGS = 10, TAG_ENTRY = 12 };
 

@@ -5,8 +5,6 @@
 #include "data/base/base.h"
 #include "data/compare/compare.h"
 #include "data/invocation/invocation.h"
-#include "data/options/options.h"
-#include "spectral.h"
 
 bool compare_accepts_tolerance(const char *option, const char *value, struct error *err)
 {

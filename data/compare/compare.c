@@ -13,10 +13,8 @@
 #include "data/pages/pages.h"
 #include "data/record/record.h"
 #include "data/spectra/spectra.h"
-#include "data/stack/stack.h"
 #include "data/text/text.h"
 #include "data/tiff/tiff.h"
-#include "spectral.h"
 
 /* ---- tolerances ---- */
 

@@ -5,9 +5,7 @@
 #include "data/base/base.h"
 #include "data/compare/compare.h"
 #include "data/spectra/spectra.h"
-#include "data/stack/stack.h"
 #include "data/tiff/tiff.h"
-#include "spectral.h"
 
 bool rows_allocate(struct stack_rows *rows, size_t most_samples, struct error *err)
 {

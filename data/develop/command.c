@@ -5,12 +5,8 @@
 #include <string.h>
 
 #include "data/base/base.h"
-#include "data/colour/colour.h"
 #include "data/develop/develop.h"
 #include "data/invocation/invocation.h"
-#include "data/method/method.h"
-#include "data/options/options.h"
-#include "spectral.h"
 
 /* ---- options ---- */
 

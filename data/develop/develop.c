@@ -8,12 +8,9 @@
 #include <string.h>
 
 #include "data/base/base.h"
-#include "data/colour/colour.h"
 #include "data/develop/develop.h"
 #include "data/pages/pages.h"
-#include "data/stack/stack.h"
 #include "data/tiff/tiff.h"
-#include "spectral.h"
 
 /* ---- sums of pages ---- */
 

@@ -6,15 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/colour/colour.h"
 #include "data/develop/develop.h"
-#include "data/method/method.h"
 #include "data/record/record.h"
 #include "data/sampling/sampling.h"
-#include "data/spectra/spectra.h"
-#include "data/stack/stack.h"
 #include "data/tiff/tiff.h"
-#include "spectral.h"
 
 /* ---- by a sampling of the stack's spectra ---- */
 

@@ -5,10 +5,6 @@
 #include "data/base/base.h"
 #include "data/invocation/invocation.h"
 #include "data/method/method.h"
-#include "data/options/options.h"
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
-#include "spectral.h"
 
 bool scene_read_options(const struct options *options, struct scene *out, struct error *err)
 {

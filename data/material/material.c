@@ -9,9 +9,6 @@
 
 #include "data/base/base.h"
 #include "data/material/material.h"
-#include "data/spectra/spectra.h"
-#include "data/text/text.h"
-#include "spectral.h"
 
 /* Refuses an excitation whose sum is not above 0 and finite. The excitation by a light is divided
  * by this sum, the excitation by a light of 1 at all wavelengths. */

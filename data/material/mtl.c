@@ -7,9 +7,6 @@
 #include <string.h>
 
 #include "data/material/material.h"
-#include "data/spectra/spectra.h"
-#include "data/text/text.h"
-#include "spectral.h"
 
 enum statement { KD, KS, KE, NS, STATEMENTS };
 static const char *const statements[STATEMENTS] = {"Kd", "Ks", "Ke", "Ns"};

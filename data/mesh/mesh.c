@@ -8,9 +8,7 @@
 #include <string.h>
 
 #include "data/base/base.h"
-#include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
-#include "spectral.h"
 
 /* ---- the mesh itself ---- */
 

@@ -7,9 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
-#include "spectral.h"
 
 bool same_place(struct vector a, struct vector b)
 {

@@ -8,10 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
-#include "data/text/text.h"
-#include "spectral.h"
 
 /* ---- the words of the scene language ---- */
 

@@ -3,9 +3,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
-#include "spectral.h"
 
 /* ---- cutting at x = 0 ---- */
 

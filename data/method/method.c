@@ -6,7 +6,6 @@
 #include "data/method/method.h"
 #include "data/spectra/spectra.h"
 #include "data/text/text.h"
-#include "spectral.h"
 
 static const char *const kinds[] = {
     [SAMPLING_BOX] = "box",           [SAMPLING_RIEMANN] = "riemann", [SAMPLING_GAUSS] = "gauss",

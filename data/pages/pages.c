@@ -14,9 +14,7 @@
 #include <tiffio.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
 #include "data/pages/pages.h"
-#include "spectral.h"
 
 #if defined(__BYTE_ORDER__) && __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
 #error "pages are little-endian, and samples go into them as they lie in memory"

@@ -5,9 +5,7 @@
 #include <stdlib.h>
 #include <tiffio.h>
 
-#include "data/base/base.h"
 #include "data/pages/pages.h"
-#include "spectral.h"
 
 static bool set_tags(TIFF *tiff, const void *of, int page, struct error *err)
 {

@@ -9,9 +9,7 @@
 #include "data/colour/colour.h"
 #include "data/probe/probe.h"
 #include "data/spectra/spectra.h"
-#include "data/stack/stack.h"
 #include "data/tiff/tiff.h"
-#include "spectral.h"
 
 /* ---- colour ---- */
 

@@ -10,12 +10,9 @@
 #include <string.h>
 
 #include "data/record/record.h"
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
 #include "data/terms/terms.h"
 #include "data/text/text.h"
-#include "spectral.h"
 
 /* ---- the fields ---- */
 

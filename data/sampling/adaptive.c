@@ -10,8 +10,6 @@
 #include <string.h>
 
 #include "data/sampling/sampling.h"
-#include "data/spectra/spectra.h"
-#include "spectral.h"
 
 /* Cells from..to - 1 of the grid, and the nodes that stand for them. */
 enum { MOST_NODES = 8 };

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 
 #include "data/sampling/sampling.h"
-#include "spectral.h"
 
 static double dot(const double *a, const double *b, int n)
 {

@@ -8,10 +8,6 @@
 #include "data/base/base.h"
 #include "data/material/material.h"
 #include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
-#include "data/terms/terms.h"
-#include "spectral.h"
 
 /* A stack of every nm has no more pages. */
 enum { WIDEST_RANGE = 65535 };

@@ -3,10 +3,7 @@
 #include <stdlib.h>
 
 #include "data/colour/colour.h"
-#include "data/method/method.h"
 #include "data/sampling/sampling.h"
-#include "data/spectra/spectra.h"
-#include "spectral.h"
 
 /* ---- one rule ---- */
 

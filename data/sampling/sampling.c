@@ -6,12 +6,7 @@
 #include <string.h>
 
 #include "data/material/material.h"
-#include "data/method/method.h"
 #include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
-#include "data/terms/terms.h"
-#include "spectral.h"
 
 /* ---- kinds ---- */
 

@@ -3,11 +3,8 @@
 #include <math.h>
 
 #include "data/colour/colour.h"
-#include "data/method/method.h"
 #include "data/sampling/sampling.h"
-#include "data/spectra/spectra.h"
 #include "data/text/text.h"
-#include "spectral.h"
 
 bool sampling_refuse(const struct sampling_task *task, int most, struct error *err)
 {

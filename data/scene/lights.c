@@ -6,9 +6,6 @@
 
 #include "data/base/base.h"
 #include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
-#include "data/text/text.h"
-#include "spectral.h"
 
 /* ---- statements ---- */
 

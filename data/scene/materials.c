@@ -6,11 +6,7 @@
 #include <string.h>
 
 #include "data/base/base.h"
-#include "data/material/material.h"
 #include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
-#include "data/text/text.h"
-#include "spectral.h"
 
 /* ---- definitions ---- */
 

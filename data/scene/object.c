@@ -6,11 +6,7 @@
 #include <stdlib.h>
 
 #include "data/base/base.h"
-#include "data/maths/maths.h"
-#include "data/mesh/mesh.h"
 #include "data/scene/scene.h"
-#include "data/text/text.h"
-#include "spectral.h"
 
 /* ---- transforms ---- */
 

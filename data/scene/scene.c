@@ -8,11 +8,7 @@
 #include <unistd.h>
 
 #include "data/base/base.h"
-#include "data/material/material.h"
 #include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
-#include "data/text/text.h"
-#include "spectral.h"
 
 /* ---- files ---- */
 

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "data/spectra/spectra.h"
-#include "spectral.h"
 
 /* ---- wavelengths ---- */
 

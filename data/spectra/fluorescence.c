@@ -6,10 +6,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "data/base/base.h"
 #include "data/spectra/spectra.h"
-#include "data/text/text.h"
-#include "spectral.h"
 
 /* ---- the wavelengths of two spectra ---- */
 

@@ -8,11 +8,8 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
 #include "data/maths/maths.h"
 #include "data/spectra/spectra.h"
-#include "data/text/text.h"
-#include "spectral.h"
 
 /* A millimetre: longer waves are no light. The limit keeps sums and steps of wavelengths finite. */
 static const double longest_nm = 1e6;

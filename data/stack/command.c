@@ -4,11 +4,7 @@
 #include <stdio.h>
 
 #include "data/invocation/invocation.h"
-#include "data/options/options.h"
-#include "data/record/record.h"
 #include "data/stack/stack.h"
-#include "data/tiff/tiff.h"
-#include "spectral.h"
 
 bool record_open(const char *path, struct image *image, struct record *out, struct error *err)
 {

@@ -6,13 +6,9 @@
 #include <string.h>
 
 #include "data/method/method.h"
-#include "data/record/record.h"
 #include "data/sampling/sampling.h"
-#include "data/spectra/spectra.h"
 #include "data/stack/stack.h"
 #include "data/text/text.h"
-#include "data/tiff/tiff.h"
-#include "spectral.h"
 
 static const struct place nowhere = {0};
 

@@ -8,10 +8,7 @@
 #include <unistd.h>
 
 #include "data/base/base.h"
-#include "data/pages/pages.h"
 #include "data/stack/stack.h"
-#include "data/tiff/tiff.h"
-#include "spectral.h"
 
 static bool check_options(const struct stack_options *options, struct error *err)
 {

@@ -7,12 +7,8 @@
 #include <string.h>
 #include <tiffio.h>
 
-#include "data/pages/pages.h"
-#include "data/record/record.h"
 #include "data/stack/stack.h"
 #include "data/text/text.h"
-#include "data/tiff/tiff.h"
-#include "spectral.h"
 
 #define PAGE_LABEL "%.10g nm"
 #define RADIANCE_UNIT "W sr-1 m-2 nm-1 (relative)"

@@ -5,10 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
 #include "data/terms/terms.h"
-#include "spectral.h"
 
 bool spectrum_is_zero(const struct spectrum *spectrum)
 {

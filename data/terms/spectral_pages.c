@@ -3,8 +3,6 @@
 #include <float.h>
 #include <math.h>
 
-#include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
 #include "data/terms/terms.h"
 
 struct spectral_pages scene_pages(const struct scene *scene)

@@ -5,11 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/material/material.h"
-#include "data/scene/scene.h"
-#include "data/spectra/spectra.h"
 #include "data/terms/terms.h"
-#include "spectral.h"
 
 struct luminescence {
     const struct spectral_pages *pages;

@@ -12,8 +12,8 @@
 /* ---- data/terms/spectral_pages.c: pages made of spectra ---- */
 
 /* The pages of a picture, made of spectra. The arrays belong to others. A page holds the value of a
- * spectrum at the page's wavelength. If there is an analysis, it holds the sum of the spectrum times
- * the page's row of the analysis, over the grid first_nm, first_nm + 1, ... nm. */
+ * spectrum at the page's wavelength. If there is an analysis, it holds the sum of the spectrum
+ * times the page's row of the analysis, over the grid first_nm, first_nm + 1, ... nm. */
 struct spectral_pages {
     int n; /* pages */
     double *wavelength_nm;

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 
 #include "data/text/text.h"
-#include "spectral.h"
 
 static void json_text(struct json *json, const char *format, ...) PRINTF_LIKE(2, 3);
 

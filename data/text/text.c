@@ -11,7 +11,6 @@
 
 #include "data/base/base.h"
 #include "data/text/text.h"
-#include "spectral.h"
 
 enum {
     SHOWN_SIZE = 48,      /* of a word in a message: word_shown() bytes and "..." */

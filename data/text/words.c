@@ -6,9 +6,7 @@
 #include <string.h>
 
 #include "data/base/base.h"
-#include "data/maths/maths.h"
 #include "data/text/text.h"
-#include "spectral.h"
 
 void list_add(char list[LIST_SIZE], const char *name, size_t length)
 {

@@ -9,7 +9,6 @@
 #include <tiffio.h>
 
 #include "data/tiff/tiff.h"
-#include "spectral.h"
 
 /* Some rows of a page as stored: the rows of the first plane, then those of the next. */
 struct stored_rows {

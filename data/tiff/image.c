@@ -8,9 +8,7 @@
 #include <tiffio.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
 #include "data/tiff/tiff.h"
-#include "spectral.h"
 
 /* Keeps the first error of libtiff, and prints nothing. */
 static int PRINTF_LIKE(4, 0)

@@ -9,7 +9,6 @@
 
 #include "data/text/text.h"
 #include "data/tiff/tiff.h"
-#include "spectral.h"
 
 /* Returns the number at `at`; NaN: there is none. */
 static double number_at(const char *at)

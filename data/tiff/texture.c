@@ -5,7 +5,6 @@
 #include <stdlib.h>
 
 #include "data/tiff/tiff.h"
-#include "spectral.h"
 
 enum { LONGEST_TEXTURE = 16384 }; /* in texels a side; OpenGL has a limit, too */
 

@@ -7,9 +7,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "data/maths/maths.h"
 #include "raster/bounds/bounds.h"
-#include "raster/reference/reference.h"
 
 /* ---- directions ---- */
 

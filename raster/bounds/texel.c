@@ -6,7 +6,6 @@
 #include <math.h>
 
 #include "raster/bounds/bounds.h"
-#include "raster/reference/reference.h"
 
 /* Three mixes of two values, each a difference, a product and a sum. */
 enum { MIX_ROUNDINGS = 9 };

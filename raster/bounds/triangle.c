@@ -4,11 +4,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "data/maths/maths.h"
 #include "raster/bounds/bounds.h"
-#include "raster/driver/driver.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 
 /* Cutting an edge in single precision: weight and sum round three times, relative to both ends. */
 enum { CUT_ROUNDINGS = 3 };

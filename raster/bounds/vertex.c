@@ -6,12 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/maths/maths.h"
 #include "raster/bounds/bounds.h"
-#include "raster/driver/driver.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "spectral.h"
 
 /* A homogeneous coordinate goes through: one rounding of the vertex, of the modelview and of the
  * projection entry (3), the product of the two matrices and the product with the vertex, each four

@@ -7,11 +7,8 @@
 #include "data/maths/maths.h"
 #include "data/terms/terms.h"
 #include "data/tiff/tiff.h"
-#include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
 #include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "spectral.h"
 
 /* Bound on OpenGL's error in one attribute of a clipped triangle: see bound_colour. */
 struct attribute_bound {

@@ -6,9 +6,7 @@
 #include <string.h>
 
 #include "data/maths/maths.h"
-#include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
-#include "raster/reference/reference.h"
 
 bool array_grow(void *array, size_t *capacity, size_t needed, size_t size)
 {

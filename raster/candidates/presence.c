@@ -5,9 +5,7 @@
 #include <math.h>
 
 #include "data/maths/maths.h"
-#include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
-#include "raster/reference/reference.h"
 
 void edge_slack(const struct edge_functions *edges, const double errors[3], double slack[3])
 {

@@ -2,11 +2,8 @@
 /* The loop over the tiles of a region. Threads share the chunks of a tile. */
 #include <stdlib.h>
 
-#include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
 #include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "spectral.h"
 
 static bool draw_chunks(const struct tile *tile)
 {

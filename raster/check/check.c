@@ -7,14 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "raster/bounds/bounds.h"
-#include "raster/candidates/candidates.h"
 #include "raster/check/check.h"
-#include "raster/gl/gl.h"
 #include "raster/plan/plan.h"
-#include "raster/radiance/radiance.h"
-#include "raster/reference/reference.h"
-#include "spectral.h"
 
 /* The hypothesis that OpenGL shows a candidate: it is alive until it fails to explain a sample. */
 struct hypothesis {

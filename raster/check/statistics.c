@@ -4,7 +4,6 @@
 #include <math.h>
 
 #include "raster/check/check.h"
-#include "raster/radiance/radiance.h"
 
 /* ---- samples ---- */
 

@@ -7,12 +7,8 @@
 
 #include "data/base/base.h"
 #include "data/invocation/invocation.h"
-#include "data/options/options.h"
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
 #include "raster/cost/cost.h"
 #include "raster/render/render.h"
-#include "spectral.h"
 
 /* ---- configurations ---- */
 

@@ -10,13 +10,9 @@
 #include "data/material/material.h"
 #include "data/mesh/mesh.h"
 #include "data/method/method.h"
-#include "data/options/options.h"
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
 #include "raster/cost/cost.h"
 #include "raster/gl/gl.h"
-#include "spectral.h"
 
 /* ---- the scene ---- */
 

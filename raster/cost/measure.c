@@ -8,11 +8,7 @@
 #include <unistd.h>
 
 #include "data/base/base.h"
-#include "data/options/options.h"
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
 #include "raster/cost/cost.h"
-#include "spectral.h"
 
 /* Linux takes no longer name of a folder. */
 enum { DEFAULT_RUNS = 5, FOLDER_LENGTH = 4096 };

@@ -10,7 +10,6 @@
 
 #include "data/base/base.h"
 #include "raster/cost/cost.h"
-#include "spectral.h"
 
 /* The job sends this first, then its own bytes. */
 struct reply {

@@ -17,11 +17,9 @@
 #include "data/base/base.h"
 #include "data/colour/colour.h"
 #include "data/compare/compare.h"
-#include "data/sampling/sampling.h"
 #include "data/spectra/spectra.h"
 #include "data/stack/stack.h"
 #include "raster/cost/cost.h"
-#include "spectral.h"
 
 /* The lattice has about so many points. */
 static const double lattice_pixels = 2500;

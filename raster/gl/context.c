@@ -8,8 +8,6 @@
 #include <GL/osmesa.h>
 
 #include "raster/gl/gl.h"
-#include "raster/plan/plan.h"
-#include "spectral.h"
 
 /* ---- the driver ---- */
 

@@ -10,13 +10,9 @@
 /* after GL/gl.h, which osmesa.h includes */
 #include <GL/glext.h>
 
-#include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
 #include "data/scene/scene.h"
-#include "raster/bounds/bounds.h"
 #include "raster/gl/gl.h"
-#include "raster/plan/plan.h"
-#include "spectral.h"
 
 /* Triangles given to OpenGL at once: few enough to stay in the second-level cache. */
 enum { BATCH = 4096 };

@@ -3,11 +3,7 @@
  * fails, so the functions that need an open struct gl are here only to be linked. */
 #include <errno.h>
 
-#include "raster/bounds/bounds.h"
 #include "raster/gl/gl.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "spectral.h"
 
 bool gl_is_built(void)
 {

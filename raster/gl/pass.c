@@ -11,13 +11,8 @@
 #include <GL/gl.h>
 #include <GL/glext.h>
 
-#include "data/maths/maths.h"
 #include "data/scene/scene.h"
-#include "raster/bounds/bounds.h"
 #include "raster/gl/gl.h"
-#include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "spectral.h"
 
 static const GLfloat white[4] = {1, 1, 1, 1}, black[4] = {0, 0, 0, 1};
 

@@ -7,12 +7,8 @@
 #include <GL/gl.h>
 #include <GL/glext.h>
 
-#include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
-#include "data/tiff/tiff.h"
 #include "raster/gl/gl.h"
-#include "raster/plan/plan.h"
-#include "spectral.h"
 
 enum { VERTICES, INDICES, COORDINATES, BUFFERS };
 

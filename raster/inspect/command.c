@@ -8,12 +8,8 @@
 
 #include "data/base/base.h"
 #include "data/invocation/invocation.h"
-#include "data/options/options.h"
-#include "data/probe/probe.h"
 #include "data/scene/scene.h"
 #include "raster/inspect/inspect.h"
-#include "raster/plan/plan.h"
-#include "spectral.h"
 
 /* ---- operands ---- */
 

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "data/material/material.h"
-#include "data/probe/probe.h"
 #include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
 #include "data/stack/stack.h"
@@ -14,10 +13,8 @@
 #include "raster/candidates/candidates.h"
 #include "raster/driver/driver.h"
 #include "raster/inspect/inspect.h"
-#include "raster/plan/plan.h"
 #include "raster/radiance/radiance.h"
 #include "raster/reference/reference.h"
-#include "spectral.h"
 
 struct region {
     struct plan plan; /* a copy of the caller's; samples are radiances */

@@ -3,11 +3,7 @@
 #include <stdio.h>
 
 #include "data/invocation/invocation.h"
-#include "data/options/options.h"
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
 #include "raster/plan/plan.h"
-#include "spectral.h"
 
 bool command_plan(struct options *options, struct error *err)
 {

@@ -3,15 +3,8 @@
  * each value that is guessed, not measured. */
 #include <string.h>
 
-#include "data/material/material.h"
-#include "data/mesh/mesh.h"
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
-#include "data/terms/terms.h"
-#include "data/tiff/tiff.h"
 #include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
 
 /* ---- counting what the plan uses ---- */
 
@@ -112,9 +105,9 @@ static void add_shading(struct plan *plan, const char *name, enum shading_kind s
 
 static const char *why_no_luminescence(const struct plan *plan, int able, const char *none_able)
 {
-    return able == 0                                  ? none_able
+    return able == 0                                       ? none_able
            : plan->illumination.pages.reflectance_analysis ? "rgb and xyz cannot show it"
-                                                      : "nothing is excited and shown";
+                                                           : "nothing is excited and shown";
 }
 
 void plan_effects(struct plan *plan)

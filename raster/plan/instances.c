@@ -7,13 +7,7 @@
 #include <string.h>
 
 #include "data/base/base.h"
-#include "data/material/material.h"
-#include "data/maths/maths.h"
-#include "data/mesh/mesh.h"
-#include "data/scene/scene.h"
 #include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "spectral.h"
 
 /* A mesh as its shape describes it, before it is parted and moved. */
 struct whole {

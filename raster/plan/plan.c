@@ -5,15 +5,7 @@
 #include <stdlib.h>
 
 #include "data/base/base.h"
-#include "data/maths/maths.h"
-#include "data/mesh/mesh.h"
-#include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
-#include "data/terms/terms.h"
-#include "data/tiff/tiff.h"
 #include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "spectral.h"
 
 /* Bytes that a pixel of a tile takes apart from its rows: Mesa's own colour and depth (20), our
  * copies of them (20), samples of three bands (12), surface, triangle, depth and its bound (16),

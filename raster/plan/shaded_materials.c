@@ -4,12 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/material/material.h"
-#include "data/terms/terms.h"
-#include "data/tiff/tiff.h"
 #include "raster/plan/plan.h"
-#include "raster/reference/reference.h"
-#include "spectral.h"
 
 /* ---- textures ---- */
 

@@ -10,10 +10,7 @@
 #include <string.h>
 
 #include "data/tiff/tiff.h"
-#include "raster/bounds/bounds.h"
-#include "raster/plan/plan.h"
 #include "raster/radiance/radiance.h"
-#include "raster/reference/reference.h"
 
 /* Roundings of a colour: its spectrum in single precision (1), light times material (2), a
  * texture's value and its product (2), the buffer (1); one more for the arithmetic of the bound

@@ -7,11 +7,7 @@
 
 #include "data/maths/maths.h"
 #include "data/scene/scene.h"
-#include "raster/bounds/bounds.h"
-#include "raster/plan/plan.h"
 #include "raster/radiance/radiance.h"
-#include "raster/reference/reference.h"
-#include "spectral.h"
 
 /* ---- upper bounds for Phong shading ---- */
 

@@ -4,14 +4,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
-#include "data/options/options.h"
-#include "data/record/record.h"
 #include "data/scene/scene.h"
-#include "data/stack/stack.h"
 #include "data/tiff/tiff.h"
 #include "raster/render/render.h"
-#include "spectral.h"
 
 /* Takes from the record all options that decide the picture, and the others from the command line.
  */

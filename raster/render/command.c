@@ -5,16 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/invocation/invocation.h"
-#include "data/options/options.h"
-#include "data/record/record.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
-#include "raster/gl/gl.h"
-#include "raster/plan/plan.h"
 #include "raster/render/render.h"
-#include "spectral.h"
 
 /* ---- checks before anything is drawn ---- */
 

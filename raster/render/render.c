@@ -5,20 +5,10 @@
 #include <stdlib.h>
 #include <time.h>
 
-#include "data/base/base.h"
-#include "data/record/record.h"
 #include "data/sampling/sampling.h"
-#include "data/stack/stack.h"
 #include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
-#include "raster/check/check.h"
-#include "raster/driver/driver.h"
-#include "raster/gl/gl.h"
-#include "raster/plan/plan.h"
-#include "raster/radiance/radiance.h"
-#include "raster/reference/reference.h"
 #include "raster/render/render.h"
-#include "spectral.h"
 
 struct render_state {
     const struct plan *plan;

@@ -5,19 +5,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/method/method.h"
-#include "data/record/record.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
-#include "data/stack/stack.h"
 #include "data/text/text.h"
-#include "raster/check/check.h"
-#include "raster/gl/gl.h"
-#include "raster/plan/plan.h"
-#include "raster/radiance/radiance.h"
 #include "raster/render/render.h"
-#include "spectral.h"
 
 static double rms(const struct check_samples *samples)
 {
@@ -232,7 +224,7 @@ bool report_not_again(const struct plan *plan, const struct render_result *resul
 /* ---- as JSON ---- */
 
 /* json_number writes null for this value. */
-static const double null_number = NAN;
+static const double null_number = (double)NAN;
 
 static void json_picture(struct json *json, const struct plan *plan,
                          const struct render_result *result)

@@ -5,11 +5,8 @@
 
 #include "data/base/base.h"
 #include "data/invocation/invocation.h"
-#include "data/options/options.h"
 #include "data/scene/scene.h"
-#include "raster/plan/plan.h"
 #include "raster/view/view.h"
-#include "spectral.h"
 
 static void print_page(const struct viewer_result *result, const char *output)
 {

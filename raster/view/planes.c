@@ -10,10 +10,8 @@
 #include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
 #include "raster/driver/driver.h"
-#include "raster/plan/plan.h"
 #include "raster/reference/reference.h"
 #include "raster/view/view.h"
-#include "spectral.h"
 
 /* ---- the picture as planes ---- */
 

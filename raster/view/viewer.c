@@ -21,9 +21,7 @@
 #include "data/spectra/spectra.h"
 #include "data/terms/terms.h"
 #include "data/text/text.h"
-#include "raster/plan/plan.h"
 #include "raster/view/view.h"
-#include "spectral.h"
 
 /* ---- spectra and matrices as JSON ---- */
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* A picture by the reference alone, for test/oracle/alone.sh: a torus in the light of a spot, over a
- * textured square that the near and the far plane cut. With a word it is written as a PGM file. */
+/* A picture by the reference alone, for test/oracle/alone.sh: a torus in the light of a spot, over
+ * a textured square that the near and the far plane cut. With a word it is written as a PGM file.
+ */
 #include <stdio.h>
 
 #include "data/maths/maths.h"

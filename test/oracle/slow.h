@@ -21,8 +21,8 @@
  *   differences to the centre (2), products and their difference (2) round 4 times.
  * - Interpolation: with f_i = E_i / w_i, a value r = sum f_i a_i / sum f_i is off by
  *   sum |a_i - r| (e_i / w_i + |f_i| e_w) / sum f_i, over 1 minus the relative error of the sum of
- *   f; where that exceeds a quarter there is no bound; e_i bounds the error of E_i, e_w that of 1 / w.
- *   Weights, their sums and the corners' shares round 16 times, relative to the largest of them.
+ *   f; where that exceeds a quarter there is no bound; e_i bounds the error of E_i, e_w that of 1 /
+ * w. Weights, their sums and the corners' shares round 16 times, relative to the largest of them.
  * - Weights of vertices: the program's own bounds for OpenGL's single precision, which count
  *   roundings of the same formulas, times 2^-29. They are at most linear in u from there on down
  *   (powers of cosines are convex where exponents are at least 1), but for lights about to set and

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* One picture of a closed form, written by libtiff here, by tifffile (test/run/images.py) and by the
- * program itself in the variants that TIFF knows, must read back to the same radiances; what is
+/* One picture of a closed form, written by libtiff here, by tifffile (test/run/images.py) and by
+ * the program itself in the variants that TIFF knows, must read back to the same radiances; what is
  * broken, cut short or of another kind is refused. */
 #include <fcntl.h>
 #include <float.h>

@@ -953,9 +953,10 @@ static int spectral_exit(const char *driver, const char *scene, const char *opti
 {
     const char *program = getenv("SPECTRAL");
     char command[512];
-    snprintf(command, sizeof command,
-             "GALLIUM_DRIVER=%s %s render test/cases/mesa/%s.scene -o /dev/null --quiet %s 2>/dev/null",
-             driver, program ? program : "build/spectral", scene, option);
+    snprintf(
+        command, sizeof command,
+        "GALLIUM_DRIVER=%s %s render test/cases/mesa/%s.scene -o /dev/null --quiet %s 2>/dev/null",
+        driver, program ? program : "build/spectral", scene, option);
     int status = system(command);
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
