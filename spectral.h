@@ -27,7 +27,7 @@
 #include <stdint.h>
 #include <stdio.h>
 
-#define SPECTRAL_VERSION "0.4.0"
+#define SPECTRAL_VERSION "0.5.0"
 #define PROGRAM "spectral " SPECTRAL_VERSION
 
 #if defined(__GNUC__)

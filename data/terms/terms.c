@@ -142,7 +142,7 @@ static void keep_term(struct terms_maker *maker, enum term_kind kind, int light)
     const size_t n = (size_t)pages->n, length = (size_t)product_length(pages);
     double *spectrum = maker->out->spectra + (size_t)maker->out->n * n;
     struct spectral_term term = {kind, light, 0};
-    if (pages->analysis)
+    if (pages->of_products)
         analyse(pages, maker->row, spectrum);
     else
         memcpy(spectrum, maker->row, n * sizeof *spectrum);

@@ -3,7 +3,7 @@
 # The 24 ColorChecker materials are what their source holds, made again by the converter.
 . test/run/tap.sh
 
-exits 0 "the converter runs" /usr/bin/python3 test/make/make_colorchecker.py "$tmp/made"
+exits 0 "the converter runs" /usr/bin/python3 test/make/colorchecker.py "$tmp/made"
 for material in data/builtin/materials/colorchecker/*.txt; do
     cmp -s "$material" "$tmp/made/colorchecker/$(basename "$material")"
     ok $? "$(basename "$material" .txt) equals its source"

@@ -298,11 +298,19 @@ def system_fault(path, included):
     return None
 
 
+def repeated_fault(tree, path, quote, included):
+    """Returns the fault of an include that the header of the file's room has already, or None."""
+    header = tree.sources.get(header_of(room_of(path)))
+    if not path.endswith(".c") or not header or (quote, included) not in {row[1:] for row in header.includes}:
+        return None
+    return f"\"{included}\" is included twice; {header_of(room_of(path))} includes it already"
+
+
 def includes(tree, _):
     for path, source in tree.sources.items():
         for line, quote, included in source.includes:
             fault = (quoted_fault(tree, path, included) if quote == '"'
-                     else system_fault(path, included))
+                     else system_fault(path, included)) or repeated_fault(tree, path, quote, included)
             if fault:
                 yield Finding(path, line, fault)
 
@@ -481,7 +489,7 @@ def readable(tree, _):
 RULES = (
     (readable, "every source can be read by this test"),
     (rooms, "every source is in a room, and every room has one header"),
-    (includes, "includes run downward"),
+    (includes, "includes run downward, and none is repeated"),
     (names, "no file, room or struct has a name that must be looked up"),
     (core_words, f"{CORE} knows geometry and light only"),
     (budgets, "every size is within its budget, or has a reason"),
@@ -566,6 +574,8 @@ def plants(tree):
              at_source + f'<{header}> is a header of this project; include "{header}"'),
             ("an include after a comment and blanks", {source: f'/**/ # /* */ include  "{last}"'},
              at_source + "the include of .* runs upward"),
+            ("an include that the room's header has", {header: "#include <tgmath.h>", source: "#include <tgmath.h>"},
+             at_source + f'"tgmath.h" is included twice; {header} includes it already'),
             ("an include in a comment", {source: f'/*\n#include "{last}"\n*/'}, None),
             ("a header of OpenGL", {source: "#include <GL/gl.h>"},
              at_source + "<GL/gl.h> belongs to OpenGL; only raster/gl may include it"),

@@ -18,7 +18,7 @@ def table(name):
     return {int(row[0]): row[1:] for row in rows}
 
 
-subprocess.run(["/usr/bin/python3", "-B", "test/make/make_observers.py", TMP], check=True)
+subprocess.run(["/usr/bin/python3", "-B", "test/make/observers.py", TMP], check=True)
 for name in sorted(os.listdir(TMP)):
     check(open(f"{TMP}/{name}").read() == open(f"{FOLDER}/{name}").read(),
           f"{name} is what its maker writes, digit by digit")

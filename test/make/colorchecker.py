@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 # Makes data/builtin/materials/colorchecker/*.txt and colorchecker.list again, from the measurements in the
-# Debian package psychtoolbox-3-common: `test/make/make_colorchecker.py FOLDER` writes both into FOLDER.
+# Debian package psychtoolbox-3-common: `test/make/colorchecker.py FOLDER` writes both into FOLDER.
 # They are kept in the repository; this shows where each figure came from.
 import os
 import sys

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Makes data/builtin/textures/*.tif again, but for the rendered picture.tif: `test/make/make_textures.py FOLDER`
+"""Makes data/builtin/textures/*.tif again, but for the rendered picture.tif: `test/make/textures.py FOLDER`
 writes them into FOLDER. Each is a tile that repeats without a seam, in shares of the reflectance of
 what it lies on. Made from formulas and seeded noise, copied from nothing; MIT licence."""
 import os

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 # Makes data/builtin/materials/metals/*.txt and metals.list again, from the optical constants below:
-# `python3 -B test/make_metals.py FOLDER` writes both into FOLDER.
+# `python3 -B test/make/metals.py FOLDER` writes both into FOLDER.
 import sys
 from decimal import Decimal
 
@@ -20,7 +20,7 @@ HEAD = """\
 # measured. n and k are interpolated linearly; R is rounded to 5 decimals.
 # Source: {source};
 # its n and k as in the refractiveindex.info database (main/{symbol}/nk/{page}.yml).
-# Licence: CC0 1.0, as the database. Made by test/make_metals.py.
+# Licence: CC0 1.0, as the database. Made by test/make/metals.py.
 """
 
 # name: symbol, source, page of the database, rows of micrometres, n and k, digit by digit

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Makes the pictures of README: every built-in scene, rendered, developed and stored as a PNG; and
 the viewer, a plot and charts of costs, seen by Chromium.
-usage: /usr/bin/python3 test/make/make_gallery.py FOLDER [NAME...]"""
+usage: /usr/bin/python3 test/make/gallery.py FOLDER [NAME...]"""
 import base64
 import os
 import struct
@@ -15,6 +15,7 @@ import numpy as np
 import tifffile
 
 sys.dont_write_bytecode = True
+sys.path.append("test/run")
 from browser import Browser
 
 SPECTRAL = os.environ.get("SPECTRAL", "build/spectral")
