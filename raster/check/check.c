@@ -271,7 +271,6 @@ static void settle(struct check *check, size_t index)
                                      .bound = best->bound});
     } else if (loose) {
         check->verdict.unbounded++;
-        check->failed[ambiguous->pixel] = false;
         if (check->lit->plan->options.strict)
             fail(check, (size_t)ambiguous->pixel,
                  &(struct check_failure){.kind = FAILURE_UNBOUNDED});

@@ -86,6 +86,7 @@ cat >"$tmp/table" <<'TABLE'
 | 69 | the depth of one pixel is wrong by 1/10000 where the border cuts a triangle in perspective | floor |
 | 70 | a pixel at an edge shows another triangle that looks the same | edge |
 | 71 | five fragments too many at an edge | edge |
+| 71 | five fragments too many on a triangle too thin for a bound | sliver |
 | 72 | a pixel at an edge shows the background, not what lies behind the edge | edge |
 TABLE
 
