@@ -39,9 +39,9 @@ double distance_from_rigid(const struct matrix *m)
     return distance < 4e-6 ? 3 * distance / dots[0][0] : 0;
 }
 
-/* A normal in eye space. Entries (2), product and difference make a cofactor (2), over the
- * determinant (1) it multiplies a rounded coordinate (2), of which three are added (2); the length
- * takes 3, second-order terms 2: 14 roundings. */
+/* Returns a normal in eye space as OpenGL may compute it, with 14 roundings: the entries of a
+ * cofactor (2), its products and difference (2), the division by the determinant (1), the product
+ * with a rounded coordinate (2), the sum of three (2), the length (3), second-order terms (2). */
 static struct direction eye_normal(const struct instance *instance,
                                    const struct surface_bounds *bounds, struct vector normal)
 {
@@ -121,7 +121,8 @@ static struct bounded cosine_between(struct direction a, struct direction b)
 
 /* ---- weights ---- */
 
-/* Of two vectors whose lengths are right to 4 roundings each, with 4 of the product. */
+/* Returns the largest computed cosine between two vectors: their lengths are right to 4 roundings
+ * each, and the product takes 4. */
 static double largest_cosine(void)
 {
     return 1 + roundings(12);

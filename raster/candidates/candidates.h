@@ -39,7 +39,7 @@ struct seam {
     /* Each such edge, a random number for one direction and its negative for the other, adds to one
      * of these, by how its triangle turns. Both are 0 where all have a triangle on either side. */
     uint64_t edge_sum[2];
-    uint32_t n_covered; /* fragments that the reference has of those not definite */
+    uint32_t n_covered; /* fragments of the reference that are not definite */
     bool open;          /* some possible fragment is not counted in the sums */
 };
 struct fragments {
@@ -58,8 +58,8 @@ struct fragments {
 /* Finds the fragments of all pixels of out->rows; lit, tile and rows are set. False: no memory. */
 bool fragments_find(struct fragments *out);
 void fragments_free(struct fragments *fragments);
-/* Which clipped triangles OpenGL may have at a point: bit i stands for number i. Beyond the near
- * and the far plane there may be any: they end there, but single precision does not know where. */
+/* Finds the clipped triangles that OpenGL may have at a point: bit i stands for number i. Beyond
+ * the near and the far plane all are possible: single precision does not fix where they end. */
 unsigned clipped_at(const struct fragments *fragments, const struct bounded_triangle *triangle,
                     double px, double py);
 /* True if an edge near the centre always has a triangle on either side. */

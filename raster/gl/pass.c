@@ -6,7 +6,7 @@
  * Products of light and material spectra are made in double and given to OpenGL as the colours of
  * the lights, with white materials: a fluorescent material, too, is then one pass under eight
  * lights. More lights take more passes, whose colours are added here; each pass draws everything
- * anew, so that all agree on what is seen. A pass changes colours only. */
+ * anew, so that all show the same surfaces. A pass changes colours only. */
 #define GL_GLEXT_PROTOTYPES
 #include <GL/gl.h>
 #include <GL/glext.h>

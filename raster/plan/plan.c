@@ -20,9 +20,10 @@ enum { LARGEST_TILE = 8192 };
 
 /* ---- camera and tiles ---- */
 
-/* A unit for eye space in which what is seen measures 1024 to 2048, so that squares and
- * determinants of lengths, however small or large the scene, are numbers in single precision, and
- * differences that Mesa takes for none are none. A power of two changes no digit. */
+/* Returns a unit for eye space, a power of two, in which the visible part of the scene measures
+ * 1024 to 2048. So squares and determinants of lengths are numbers in single precision, however
+ * small or large the scene is, and Mesa takes no difference that matters for 0. A power of two
+ * changes no digit. */
 static double eye_unit(const struct camera *camera)
 {
     int exponent;

@@ -151,7 +151,7 @@ static bool draw(struct drawing *drawing, int n_surfaces)
     return true;
 }
 
-/* Draws surfaces, of which all vertices are lit. n_rows is at least their largest pixel_rows. */
+/* Draws surfaces whose vertices are all lit. n_rows is at least their largest pixel_rows. */
 bool picture_draw(const struct view *view, const struct surface *surfaces, int n_surfaces,
                   const struct rectangle *at, int n_rows, struct picture *out)
 {
