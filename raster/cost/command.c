@@ -102,7 +102,7 @@ static bool recommend(const struct options *options, const char *what,
                       struct error *err)
 {
     if (!best) {
-        error_usage(err, "no setting is %s", what);
+        error_usage(err, "no configuration is %s", what);
         err->status = EXIT_DIFFERENT;
         return false;
     }

@@ -255,7 +255,7 @@ static bool conclude(struct cost *cost, struct error *err)
     qsort(cost->entries, (size_t)n, sizeof *cost->entries, entries_by_seconds);
     cost_mark(cost);
     errno = 0;
-    return n > 0 || error_system(err, "no setting could be rendered: %s",
+    return n > 0 || error_system(err, "no configuration could be rendered: %s",
                                  cost->n_notes > 0 ? cost->notes[cost->n_notes - 1] : "");
 }
 

@@ -271,7 +271,7 @@ def refusals(scene):
     check(len(lines) == 4 and "basis:" in lines[0] and lines[2].startswith("with spectra: riemann:1 phong x4"),
           "of all settings a basis is closest, and of those with wavelengths every nm", *lines)
     result = run("cost", scene, "--budget", "1e-9", "--quiet", *FEW)
-    check(result.returncode == 1 and len(result.stderr.splitlines()) == 1, "no setting is within 1e-9 s",
+    check(result.returncode == 1 and len(result.stderr.splitlines()) == 1, "no configuration is within 1e-9 s",
           result.stderr)
     for options, status in ((["--runs", "4"], 2), (["--observer", "dcs200-camera"], 2), (["--tolerance", "x"], 2),
                             (["--csv", "/missing/a.csv"], 2), (["--svg", TMP], 2)):
