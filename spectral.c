@@ -64,7 +64,7 @@ static const char *const buffers[] = {"8", "16", "float", NULL};
 static const char *const depths[] = {"8", "16", "32f", NULL};
 static const char *const picture_bits[] = {"8", "16", NULL};
 
-/* In the order of --help. test/manual.sh makes the list of the manual page from it. */
+/* In the order of --help. test/run/manual.sh makes the list of the manual page from it. */
 static const struct option known_options[] = {
     {.heading = "render, plan, view, cost, and probe of a scene:"},
     {"--wavelengths START:END:STEP", "wavelengths in nm, or a list of them: 450,500.5,620",

@@ -63,7 +63,7 @@ static bool check_sampling(const struct cube *cube, const struct sampling_method
             "%s: was sampled when it was rendered, by %s; --sampling needs a stack that was"
             " rendered without",
             image->path, cube->record.sampling);
-    if (method->kind >= SAMPLING_BASIS)
+    if (sampling_makes_components(method))
         return error_usage(err,
                            "--sampling basis, rgb and xyz need lights and reflectances apart, and a"
                            " stack holds their products; expected another method, or render"

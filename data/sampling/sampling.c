@@ -66,6 +66,11 @@ static const struct kind *kind_of(const struct sampling_method *method)
     return method->functions <= FUNCTIONS_OPEN ? &gauss[method->functions] : &gauss_of_functions;
 }
 
+bool sampling_makes_components(const struct sampling_method *method)
+{
+    return kind_of(method)->components;
+}
+
 /* ---- arrays ---- */
 
 double *sampling_numbers(size_t count, struct error *err)

@@ -71,6 +71,9 @@ bool sampling_make(const struct sampling_method *method, const char *detector,
  * scene's. Refuses what sampling_make refuses, and spectral textures under basis, rgb and xyz. */
 bool scene_sample(struct scene *scene, const struct sampling_method *method, const char *detector,
                   struct sampling *out, struct error *err);
+/* Returns whether the pages of a method have no wavelengths, but are components of whole spectra.
+ */
+bool sampling_makes_components(const struct sampling_method *method);
 /* Returns the sampling, or NULL for a zeroed one: functions take NULL for no sampling. */
 const struct sampling *sampling_or_none(const struct sampling *sampling);
 /* Finds the weights of any detector at n wavelengths that stand for segments: out[channel * n + i]
