@@ -7,12 +7,9 @@
 
 /* ---- error.c: arrays that grow ---- */
 
-/* Returns `array` with room for element `count`, which is zeroed; the array may have moved. It
- * starts as NULL with count 0 and grows by one element a call. Returns NULL when memory runs out:
- * err is set, and `array` is untouched. */
-void *array_more(void *array, int count, size_t size, struct error *err);
-/* Adds a copy of the item, of `size` bytes, to an array of such items, and counts it. `array` is
- * the address of the pointer to the array, which is NULL with *count 0. On failure both stay. */
+/* Adds a copy of the item, of `size` bytes, to an array of such items, and counts it; NULL: adds a
+ * zeroed item. `array` is the address of the pointer to the array, which is NULL with *count 0. The
+ * array may move. On failure array and *count stay. */
 bool array_add(void *array, int *count, const void *item, size_t size, struct error *err);
 
 /* ---- file.c: whole reads, compiled-in files, files that appear whole or not at all ---- */

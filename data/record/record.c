@@ -57,12 +57,7 @@ enum { FIELDS = sizeof fields / sizeof fields[0] };
 
 static bool add_text(struct texts *list, const char *text, struct error *err)
 {
-    const char **more = array_more(list->text, list->n, sizeof *more, err);
-    if (!more)
-        return false;
-    list->text = more;
-    more[list->n++] = text;
-    return true;
+    return array_add(&list->text, &list->n, &text, sizeof text, err);
 }
 
 /* ---- of a scene ---- */
@@ -328,11 +323,9 @@ static bool keep_numbers(struct numbers *out, const struct field *field, const c
     for (const char *at = value, *end; *at != '\0'; at = *end != '\0' ? end + 1 : end) {
         end = at + strcspn(at, " ");
         const struct word word = {.start = at, .length = (size_t)(end - at)};
-        double *more = array_more(out->value, out->n, sizeof *more, err);
-        if (!more)
-            return false;
-        out->value = more;
-        if (!word_number(&word, "it", field->lowest, HUGE_VAL, &more[out->n++], &ignored))
+        double number;
+        if (!word_number(&word, "it", field->lowest, HUGE_VAL, &number, &ignored) ||
+            !array_add(&out->value, &out->n, &number, sizeof number, err))
             return false;
     }
     return field->count == 0 || out->n == field->count;

@@ -96,20 +96,11 @@ static double peak(const struct spectrum *s)
 
 /* ---- storage ---- */
 
-static bool append(double **numbers, int count, double number, struct error *err)
-{
-    double *more = array_more(*numbers, count, sizeof *more, err);
-    if (more == NULL)
-        return false;
-    *numbers = more;
-    more[count] = number;
-    return true;
-}
-
 bool spectrum_append(struct spectrum *spectrum, double wavelength_nm, double value,
                      struct place place, struct error *err)
 {
     const int n = spectrum->count;
+    int n_nm = n;
     if (!(wavelength_nm > 0 && wavelength_nm < longest_nm))
         return error_at(err, place, "wavelength %.15g nm; it lies between 0 and %.15g nm",
                         wavelength_nm, longest_nm);
@@ -120,15 +111,14 @@ bool spectrum_append(struct spectrum *spectrum, double wavelength_nm, double val
         return error_at(err, place,
                         "wavelength %.15g nm follows %.15g nm; wavelengths must increase",
                         wavelength_nm, spectrum->wavelength_nm[n - 1]);
-    if (!append(&spectrum->wavelength_nm, n, wavelength_nm, err) ||
-        !append(&spectrum->value, n, value, err))
+    if (!array_add(&spectrum->wavelength_nm, &n_nm, &wavelength_nm, sizeof wavelength_nm, err) ||
+        !array_add(&spectrum->value, &spectrum->count, &value, sizeof value, err))
         return false;
     if (n == 0) {
         spectrum->kind = SPECTRUM_SAMPLED;
         spectrum->factor = 1;
         spectrum->place = place;
     }
-    spectrum->count++;
     return true;
 }
 

@@ -36,12 +36,11 @@ bool cost_note(struct cost *cost, struct error *err, const char *format, ...)
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    char **notes = array_more(cost->notes, cost->n_notes, sizeof *notes, err);
-    if (!notes)
-        return false;
-    cost->notes = notes;
-    notes[cost->n_notes] = strdup(text);
-    return notes[cost->n_notes++] || error_memory(err);
+    char *note = strdup(text);
+    if (note && array_add(&cost->notes, &cost->n_notes, &note, sizeof note, err))
+        return true;
+    free(note);
+    return error_memory(err);
 }
 
 /* ---- the frontier ---- */

@@ -84,12 +84,13 @@ static int find_whole(struct instance_maker *maker, const struct shape *describe
     for (int i = 0; i < maker->n_wholes; i++)
         if (same_shape(&maker->wholes[i].shape, &shape))
             return i;
-    struct whole *more = array_more(maker->wholes, maker->n_wholes, sizeof *more, err);
-    if (!more)
+    struct whole whole = {.shape = shape};
+    if (!build_whole(&whole, err) ||
+        !array_add(&maker->wholes, &maker->n_wholes, &whole, sizeof whole, err)) {
+        mesh_free(&whole.mesh);
         return -1;
-    maker->wholes = more;
-    more[maker->n_wholes].shape = shape;
-    return build_whole(&more[maker->n_wholes], err) ? maker->n_wholes++ : -1;
+    }
+    return maker->n_wholes - 1;
 }
 
 /* ---- meshes as they are drawn ---- */
@@ -101,18 +102,15 @@ static bool add_mesh(struct instance_maker *maker, struct cutting cutting, struc
 {
     struct plan *plan = maker->plan;
     const struct whole *whole = &maker->wholes[cutting.whole];
-    struct plan_mesh *meshes = array_more(plan->meshes, plan->n_meshes, sizeof *meshes, err);
-    if (!meshes) {
-        mesh_free(mesh);
-        return false;
-    }
+    const struct plan_mesh added = {
+        .mesh = *mesh, .cutting = cutting, .centre = whole->centre, .unit = whole->unit};
     for (int i = 0; i < mesh->n_vertices; i++)
         mesh->vertices[i].position = vector_scale(
             vector_subtract(mesh->vertices[i].position, whole->centre), 1 / whole->unit);
-    plan->meshes = meshes;
-    meshes[plan->n_meshes++] = (struct plan_mesh){
-        .mesh = *mesh, .cutting = cutting, .centre = whole->centre, .unit = whole->unit};
-    return true;
+    if (array_add(&plan->meshes, &plan->n_meshes, &added, sizeof added, err))
+        return true;
+    mesh_free(mesh);
+    return false;
 }
 
 static bool add_sides(struct instance_maker *maker, struct cutting cutting, const struct mesh *part,
@@ -214,11 +212,6 @@ static bool add_instance(struct instance_maker *maker, const struct object *obje
     struct plan_mesh *mesh = &plan->meshes[placed.mesh];
     if (mesh->mesh.n_triangles == 0) /* all of it lies on the other side */
         return true;
-    struct placed_instance *more =
-        array_more(plan->instances, plan->n_instances, sizeof *more, err);
-    if (!more)
-        return false;
-    plan->instances = more;
     if (!shaded_material_find(plan, material, &placed.shaded, err))
         return false;
     mesh->textured = mesh->textured || plan->materials[placed.shaded].texture;
@@ -230,10 +223,9 @@ static bool add_instance(struct instance_maker *maker, const struct object *obje
         return error_at(err, object->place,
                         "the object's transform is singular or not finite, or the object is too "
                         "small, too large or too flat beside the picture for single precision");
-    more[plan->n_instances++] = placed;
     plan->n_vertices += mesh->mesh.n_vertices;
     plan->n_triangles += mesh->mesh.n_triangles;
-    return true;
+    return array_add(&plan->instances, &plan->n_instances, &placed, sizeof placed, err);
 }
 
 /* A mesh, or a part of it, of one material: in two halves if that has a partner. */

@@ -70,12 +70,9 @@ static int find_illuminant(struct page *page, const struct spectrum *spectrum, s
     for (int i = 0; i < page->n_illuminants; i++)
         if (same_illuminant(&page->illuminants[i], spectrum))
             return i;
-    struct spectrum *more = array_more(page->illuminants, page->n_illuminants, sizeof *more, err);
-    if (!more)
-        return -1;
-    page->illuminants = more;
-    more[page->n_illuminants] = *spectrum;
-    return page->n_illuminants++;
+    return array_add(&page->illuminants, &page->n_illuminants, spectrum, sizeof *spectrum, err)
+               ? page->n_illuminants - 1
+               : -1;
 }
 
 static bool add_builtin(struct page *page, const char *name, struct error *err)
