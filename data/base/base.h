@@ -12,6 +12,19 @@
  * array may move. On failure array and *count stay. */
 bool array_add(void *array, int *count, const void *item, size_t size, struct error *err);
 
+/* ---- printed.c: a text that is printed into memory ---- */
+
+struct printed {
+    FILE *to;      /* NULL: no memory, or ended */
+    char *text;    /* owned until printed_end; then NULL */
+    size_t length; /* valid after printed_end; does not count the NUL at the end */
+};
+/* Begins a text. Returns the stream to print it to; NULL: no memory. */
+FILE *printed_begin(struct printed *out);
+/* Closes the stream. Returns the text, which then belongs to the caller; NULL: no memory, here or
+ * in printed_begin. Safe on a zeroed struct, and twice. */
+char *printed_end(struct printed *printed);
+
 /* ---- file.c: whole reads, compiled-in files, files that appear whole or not at all ---- */
 
 /* A file that is compiled into the program. Its path is "builtin:" and its name, e.g.

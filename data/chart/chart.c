@@ -103,18 +103,13 @@ struct chart_grid chart_grid(int n, int longest, double sample)
 
 char *chart_file(void (*draw)(void *plot, FILE *to), void *plot)
 {
-    char *text = NULL;
-    size_t length = 0;
-    FILE *to = open_memstream(&text, &length);
-    if (!to)
-        return NULL;
-    draw(plot, to);
-    fputs("</svg>\n", to);
-    const bool whole = !ferror(to);
-    if (fclose(to) == 0 && whole)
-        return text;
-    free(text);
-    return NULL;
+    struct printed printed;
+    FILE *to = printed_begin(&printed);
+    if (to) {
+        draw(plot, to);
+        fputs("</svg>\n", to);
+    }
+    return printed_end(&printed);
 }
 
 /* ---- the plot ---- */

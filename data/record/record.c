@@ -82,9 +82,9 @@ static void put_source(FILE *stream, const struct spectrum *spectrum, double int
  * allocated. NULL: no memory. */
 static char *source_texts(const struct scene *scene, const struct sampling *sampling)
 {
-    char *text = NULL, name[SAMPLING_NAME] = "";
-    size_t length = 0;
-    FILE *stream = open_memstream(&text, &length);
+    char name[SAMPLING_NAME] = "";
+    struct printed printed;
+    FILE *stream = printed_begin(&printed);
     if (!stream)
         return NULL;
     for (int i = 0; i < scene->n_lights; i++)
@@ -94,10 +94,7 @@ static char *source_texts(const struct scene *scene, const struct sampling *samp
     if (sampling)
         sampling_name(&sampling->method, name);
     fprintf(stream, "%s%c", name, '\0');
-    if (fclose(stream) == 0)
-        return text;
-    free(text);
-    return NULL;
+    return printed_end(&printed);
 }
 
 /* Adds the next n texts; *at moves behind them. */
@@ -244,17 +241,11 @@ static void put_field(FILE *stream, const struct record *record, const struct fi
 
 char *record_text(const struct record *record)
 {
-    char *text = NULL;
-    size_t length = 0;
-    FILE *stream = open_memstream(&text, &length);
-    if (!stream)
-        return NULL;
-    for (int i = 0; i < FIELDS; i++)
+    struct printed printed;
+    FILE *stream = printed_begin(&printed);
+    for (int i = 0; stream && i < FIELDS; i++)
         put_field(stream, record, &fields[i]);
-    if (fclose(stream) == 0)
-        return text;
-    free(text);
-    return NULL;
+    return printed_end(&printed);
 }
 
 /* ---- reading ---- */

@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/text/text.h"
 
 void list_add(char list[LIST_SIZE], const char *name, size_t length)

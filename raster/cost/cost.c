@@ -176,9 +176,8 @@ static void print_csv_entry(const struct cost_entry *entry, FILE *to)
 
 char *cost_csv(const struct cost *cost)
 {
-    char *table = NULL;
-    size_t length = 0;
-    FILE *stream = open_memstream(&table, &length);
+    struct printed printed;
+    FILE *stream = printed_begin(&printed);
     if (!stream)
         return NULL;
     fputs("name,options,seconds,fastest,slowest,dE00_mean,dE00_95,dE00_largest,radiance_error,"
@@ -186,10 +185,7 @@ char *cost_csv(const struct cost *cost)
           stream);
     for (int i = 0; i < cost->n; i++)
         print_csv_entry(&cost->entries[i], stream);
-    if (fclose(stream) == 0)
-        return table;
-    free(table);
-    return NULL;
+    return printed_end(&printed);
 }
 
 /* ---- the chart ---- */

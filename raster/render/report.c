@@ -369,7 +369,8 @@ static void json_seconds(struct json *json, const struct render_seconds *seconds
 char *report_json(const struct plan *plan, const struct render_result *result, const char *output,
                   const char *sha256, uint64_t peak_bytes)
 {
-    struct json json = {.text = NULL};
+    struct json json;
+    json_begin(&json);
     json_open(&json, NULL, '{');
     json_picture(&json, plan, result);
     json_effects(&json, plan);

@@ -356,6 +356,7 @@ static bool put_json(struct page *page, const struct planes *planes, const doubl
 {
     const struct scene *scene = page->plan->scene;
     struct json *json = &page->json;
+    json_begin(json);
     json_open(json, NULL, '{');
     json_string(json, "program", PROGRAM);
     json_string(json, "scene", scene->path);
@@ -390,12 +391,13 @@ static bool write_page(const char *json, const char *planes, size_t planes_lengt
 {
     static const char mark[] = "<!-- scene -->\n";
     const struct place nowhere = {NULL, 0, 0};
-    char *source = NULL, *text = NULL;
+    char *source = NULL;
     size_t length;
+    struct printed printed;
     if (!file_read("builtin:viewer.html", nowhere, &source, &length, err))
         return false;
     const char *at = strstr(source, mark);
-    FILE *to = open_memstream(&text, bytes);
+    FILE *to = printed_begin(&printed);
     assert(at);
     if (to) {
         fwrite(source, 1, (size_t)(at - source), to);
@@ -406,9 +408,9 @@ static bool write_page(const char *json, const char *planes, size_t planes_lengt
         fputs("</script>\n", to);
         fputs(at + strlen(mark), to);
     }
-    bool whole = to && !ferror(to);
-    whole = (!to || fclose(to) == 0) && whole;
-    bool done = whole ? file_write(path, text, *bytes, err) : error_memory(err);
+    char *text = printed_end(&printed);
+    *bytes = printed.length;
+    const bool done = text ? file_write(path, text, *bytes, err) : error_memory(err);
     free(source);
     free(text);
     return done;
@@ -420,7 +422,7 @@ static void page_free(struct page *page)
         spectrum_free(&page->illuminants[i]);
     free(page->illuminants);
     free(page->row);
-    free(page->json.text);
+    free(json_end(&page->json));
 }
 
 static bool make_page(struct page *page, const struct planes *planes, const char *path,
