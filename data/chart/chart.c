@@ -2,7 +2,6 @@
 /* Curves as SVG 1.1, to be printed: lines differ in colour and in dashes, so that colour-blind eyes
  * and prints without colours keep them apart. Here is also the look that all charts share. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "data/chart/chart.h"

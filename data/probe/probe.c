@@ -16,18 +16,17 @@
 bool probe_colour(struct probe *probe, const struct cube *cube, const struct probe_options *options,
                   struct error *err)
 {
-    struct detector detector = {.name = NULL};
-    double *weights = calloc(3 * (size_t)probe->n, sizeof *weights);
+    const struct white_request white = {options->white, false};
+    struct sight sight = {.weights = NULL};
     probe->observer = strdup(options->observer);
-    bool done = (weights && probe->observer) || error_memory(err);
-    done = done && observer_read(probe->observer, &detector, err) &&
-           cube_weights(cube, &detector, weights, err);
-    if (done)
-        detector_response(weights, probe->mean, probe->n, probe->xyz);
-    done = done && cube_white_response(cube, &(struct white_request){options->white, false},
-                                       weights, &probe->has_white, probe->white, err);
-    detector_free(&detector);
-    free(weights);
+    const bool done = probe->observer ? sight_make(cube, probe->observer, &white, &sight, err)
+                                      : error_memory(err);
+    if (done) {
+        detector_response(sight.weights, probe->mean, probe->n, probe->xyz);
+        memcpy(probe->white, sight.white, sizeof probe->white);
+        probe->has_white = sight.has_white;
+    }
+    sight_free(&sight);
     return done;
 }
 

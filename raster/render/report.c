@@ -2,7 +2,6 @@
 /* Reports a render: as a table, as one line for the stack, and as one JSON object. */
 #include <math.h>
 #include <stdarg.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "data/method/method.h"
