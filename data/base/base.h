@@ -43,6 +43,12 @@ extern const size_t builtin_file_count;
 bool builtin_path(const char *folder, const char *name, const char *ending, char *out,
                   size_t capacity);
 
+enum { BUILTIN_NAME = 256 };
+/* Writes the part of a file's name between a folder and an ending. Returns false if the name does
+ * not begin and end so. */
+bool builtin_name(const struct builtin_file *file, const char *folder, const char *ending,
+                  char out[BUILTIN_NAME]);
+
 /* Reads a whole file, or a "builtin:..." file. *bytes is allocated, with a NUL behind its *length
  * bytes. Refuses with EXIT_INPUT a folder, a missing or unreadable file and a file that contains a
  * NUL byte. The message names `from`, the place that names the file; its path is NULL when the

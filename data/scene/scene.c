@@ -92,13 +92,10 @@ static bool read_statements(struct scene_reader *reader, struct text *text, stru
 
 static bool refuse_missing(const char *name, struct error *err)
 {
-    static const char folder[] = "scenes/", ending[] = ".scene";
-    char list[LIST_SIZE] = "";
-    for (size_t i = 0; i < builtin_file_count; i++) {
-        const char *file = builtin_files[i].name, *end = strrchr(file, '.');
-        if (strncmp(file, folder, strlen(folder)) == 0 && end && strcmp(end, ending) == 0)
-            list_add(list, file + strlen(folder), (size_t)(end - file) - strlen(folder));
-    }
+    char list[LIST_SIZE] = "", scene[BUILTIN_NAME];
+    for (size_t i = 0; i < builtin_file_count; i++)
+        if (builtin_name(&builtin_files[i], "scenes/", ".scene", scene))
+            list_add(list, scene, strlen(scene));
     return error_usage(err, "found no file and no built-in scene '%.500s'; built-in are %s", name,
                        list);
 }

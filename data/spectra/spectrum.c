@@ -371,15 +371,11 @@ bool table_is_detector(const struct builtin_file *file)
 static bool refuse_unknown(const struct table *table, const char *name, struct error *err)
 {
     const bool detector = table->n_out > 1;
-    char list[1024] = "";
-    size_t used = 0;
-    for (size_t i = 0; i < builtin_file_count; i++) {
-        const char *file = builtin_files[i].name, *end = strrchr(file, '.');
-        if (strncmp(file, "tables/", 7) == 0 && end != NULL && strcmp(end, ".csv") == 0 &&
-            (!detector || table_is_detector(&builtin_files[i])) && used < sizeof list)
-            used += (size_t)snprintf(list + used, sizeof list - used, " %.*s",
-                                     (int)(end - file - 7), file + 7);
-    }
+    char list[1024] = "", known[BUILTIN_NAME];
+    for (size_t i = 0; i < builtin_file_count; i++)
+        if ((!detector || table_is_detector(&builtin_files[i])) &&
+            builtin_name(&builtin_files[i], "tables/", ".csv", known))
+            snprintf(list + strlen(list), sizeof list - strlen(list), " %s", known);
     return error_at(err, table->word->place,
                     "no built-in %s and no file '%.100s'; it is %s or one of%s",
                     detector ? "detector" : "spectrum", name,

@@ -37,12 +37,8 @@ static bool same_shape(const struct shape *a, const struct shape *b)
 
 static struct vector centre_of(const struct mesh *mesh)
 {
-    struct vector low = mesh->vertices[0].position, high = low;
-    for (int i = 1; i < mesh->n_vertices; i++) {
-        struct vector p = mesh->vertices[i].position;
-        low = (struct vector){fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z)};
-        high = (struct vector){fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z)};
-    }
+    struct vector low, high;
+    mesh_box(mesh, &low, &high);
     return vector_add(vector_scale(low, 0.5), vector_scale(high, 0.5));
 }
 
@@ -51,10 +47,8 @@ static double mesh_unit(const struct mesh *mesh, struct vector centre)
 {
     double largest = 0;
     int exponent;
-    for (int i = 0; i < mesh->n_vertices; i++) {
-        struct vector p = vector_subtract(mesh->vertices[i].position, centre);
-        largest = fmax(largest, fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))));
-    }
+    for (int i = 0; i < mesh->n_vertices; i++)
+        largest = fmax(largest, vector_reach(vector_subtract(mesh->vertices[i].position, centre)));
     frexp(largest, &exponent);
     return largest > 0 ? ldexp(1, exponent) : 1;
 }

@@ -13,7 +13,6 @@
 #include <string.h>
 
 #include "data/base/base.h"
-#include "data/catalogue/catalogue.h"
 #include "data/colour/colour.h"
 #include "data/material/material.h"
 #include "data/mesh/mesh.h"
@@ -92,11 +91,12 @@ static bool add_builtin(struct page *page, const char *name, struct error *err)
 /* Adds equal energy and the built-in illuminants. */
 static bool add_builtins(struct page *page, struct error *err)
 {
-    char name[256];
+    char name[BUILTIN_NAME];
     if (!add_builtin(page, "1", err))
         return false;
     for (size_t i = 0; i < builtin_file_count; i++)
-        if (table_name(&builtin_files[i], false, name, sizeof name) &&
+        if (!table_is_detector(&builtin_files[i]) &&
+            builtin_name(&builtin_files[i], "tables/", ".csv", name) &&
             !add_builtin(page, name, err))
             return false;
     return true;
@@ -276,10 +276,11 @@ static bool put_detector(struct page *page, const char *name, struct error *err)
 
 static bool put_detectors(struct page *page, struct error *err)
 {
-    char name[256];
+    char name[BUILTIN_NAME];
     json_open(&page->json, "detectors", '[');
     for (size_t i = 0; i < builtin_file_count; i++)
-        if (table_name(&builtin_files[i], true, name, sizeof name) &&
+        if (table_is_detector(&builtin_files[i]) &&
+            builtin_name(&builtin_files[i], "tables/", ".csv", name) &&
             !put_detector(page, name, err))
             return false;
     json_close(&page->json, ']');
