@@ -60,6 +60,15 @@ bool error_usage(struct error *err, const char *format, ...)
     return false;
 }
 
+bool error_different(struct error *err, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    fail(err, EXIT_DIFFERENT, "", format, arguments, "");
+    va_end(arguments);
+    return false;
+}
+
 bool error_system(struct error *err, const char *format, ...)
 {
     char ending[256] = "";

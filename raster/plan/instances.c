@@ -226,9 +226,7 @@ static bool add_instance(struct instance_maker *maker, const struct object *obje
 static bool add_halves(struct instance_maker *maker, const struct object *object,
                        struct cutting cutting, const struct material *material, struct error *err)
 {
-    const struct material *partner = material->partner;
-    if (material->partner_name)
-        partner = &maker->plan->scene->materials[material->partner_index];
+    const struct material *partner = scene_partner(maker->plan->scene, material);
     if (!partner)
         return add_instance(maker, object, cutting, material, err);
     cutting.side = 0;

@@ -37,14 +37,12 @@ static bool recorded_options(const struct options *options, const struct record 
 static bool can_be_same(const struct record *record, const struct render_output *output,
                         struct error *err)
 {
-    if (strcmp(record->program, PROGRAM) != 0 && !output->keep) {
-        error_usage(err,
-                    "%s was made by %.80s, but this is " PROGRAM ", and each stack records "
-                    "its program; --keep stores the new stack anyway",
-                    output->again, record->program);
-        err->status = EXIT_DIFFERENT;
-        return false;
-    }
+    if (strcmp(record->program, PROGRAM) != 0 && !output->keep)
+        return error_different(err,
+                               "%s was made by %.80s, but this is " PROGRAM
+                               ", and each stack records "
+                               "its program; --keep stores the new stack anyway",
+                               output->again, record->program);
     return !scene_is_missing(record->scene) ||
            error_usage(err,
                        "%s: its scene '%.500s' does not exist; a relative name starts from the "

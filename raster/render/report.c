@@ -185,11 +185,10 @@ bool report_difference(const struct plan *plan, const struct check_verdict *verd
     if (place.path)
         snprintf(where, sizeof where, " (%s:%d)", place.path, place.line);
     failure_text(plan, first, what, sizeof what);
-    error_usage(err, "the pictures differ at %llu of %llu pixels, first at %d,%d on %s%s: %s; %s",
-                (unsigned long long)verdict->unexplained, (unsigned long long)verdict->pixels,
-                first->x, first->y, object_name(plan, first->surface), where, what, then);
-    err->status = EXIT_DIFFERENT;
-    return false;
+    return error_different(
+        err, "the pictures differ at %llu of %llu pixels, first at %d,%d on %s%s: %s; %s",
+        (unsigned long long)verdict->unexplained, (unsigned long long)verdict->pixels, first->x,
+        first->y, object_name(plan, first->surface), where, what, then);
 }
 
 /* Tries the reasons in the order of their certainty. */
@@ -215,9 +214,7 @@ bool report_not_again(const struct plan *plan, const struct render_result *resul
         snprintf(what, sizeof what, "first at %d,%d of page %d (%s); %s", first->x, first->y,
                  first->page + 1, page, changed);
     }
-    error_usage(err, "the stack is not the same as %s: %s; %s", path, what, then);
-    err->status = EXIT_DIFFERENT;
-    return false;
+    return error_different(err, "the stack is not the same as %s: %s; %s", path, what, then);
 }
 
 /* ---- as JSON ---- */

@@ -22,7 +22,7 @@
 #include "data/text/text.h"
 #include "raster/view/view.h"
 
-/* ---- spectra and matrices as JSON ---- */
+/* ---- spectra and rows of numbers as JSON ---- */
 
 struct page {
     const struct plan *plan;
@@ -33,11 +33,12 @@ struct page {
     struct viewer_result *result;
 };
 
-static void json_matrix(struct json *json, const char *key, double matrix[3][3])
+/* Puts three rows of n numbers each. */
+static void json_rows(struct json *json, const char *key, const double *rows, int n)
 {
     json_open(json, key, '[');
-    for (int i = 0; i < 3; i++)
-        json_numbers(json, NULL, matrix[i], 3);
+    for (size_t i = 0; i < 3; i++)
+        json_numbers(json, NULL, rows + i * (size_t)n, n);
     json_close(json, ']');
 }
 
@@ -262,10 +263,7 @@ static bool put_detector(struct page *page, const char *name, struct error *err)
         json_open(json, NULL, '{');
         json_string(json, "name", name);
         json_truth(json, "observer", detector.observer);
-        json_open(json, "weights", '[');
-        for (int i = 0; i < 3; i++)
-            json_numbers(json, NULL, page->row + (size_t)i * (size_t)plan->n_bands, plan->n_bands);
-        json_close(json, ']');
+        json_rows(json, "weights", page->row, plan->n_bands);
         json_numbers(json, "lost", lost, 3);
         json_close(json, '}');
         page->result->n_detectors++;
@@ -304,8 +302,8 @@ static void put_adaptations(struct json *json)
             colour_apply(cones, display_white, white);
             for (int k = 0; k < 9; k++)
                 back[k / 3][k % 3] *= white[k % 3];
-            json_matrix(json, "cones", cones);
-            json_matrix(json, "from_cones", back);
+            json_rows(json, "cones", (const double *)cones, 3);
+            json_rows(json, "from_cones", (const double *)back, 3);
         }
         json_close(json, '}');
     }
@@ -330,21 +328,18 @@ static void put_displays(struct json *json)
     json_open(json, "displays", '[');
     for (int i = DISPLAY_SRGB; i <= DISPLAY_MONITOR; i++) {
         enum display_kind kind = (enum display_kind)i;
-        double matrix[3][3], largest[3], steps[255];
+        double matrix[3][3], largest[3], steps[3][255];
         display_matrix(kind, matrix);
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
             largest[c] = display_largest(kind, c);
+            for (int code = 1; code <= 255; code++)
+                steps[c][code - 1] = code_step(kind, c, code);
+        }
         json_open(json, NULL, '{');
         json_string(json, "name", display_name(kind));
-        json_matrix(json, "matrix", matrix);
+        json_rows(json, "matrix", (const double *)matrix, 3);
         json_numbers(json, "largest", largest, 3);
-        json_open(json, "steps", '[');
-        for (int c = 0; c < 3; c++) {
-            for (int code = 1; code <= 255; code++)
-                steps[code - 1] = code_step(kind, c, code);
-            json_numbers(json, NULL, steps, 255);
-        }
-        json_close(json, ']');
+        json_rows(json, "steps", (const double *)steps, 255);
         json_close(json, '}');
     }
     json_close(json, ']');
