@@ -9,6 +9,7 @@
 #include "data/colour/colour.h"
 #include "data/probe/probe.h"
 #include "data/spectra/spectra.h"
+#include "data/text/text.h"
 #include "data/tiff/tiff.h"
 
 /* ---- colour ---- */
@@ -231,23 +232,15 @@ void probe_print(const struct probe *probe, FILE *to)
     }
 }
 
-/* Prints a quoted field (RFC 4180). */
-static void print_field(const char *text, FILE *to)
-{
-    putc('"', to);
-    for (; *text != '\0'; text++)
-        fprintf(to, *text == '"' ? "\"\"" : "%c", *text);
-    putc('"', to);
-}
-
 void probe_print_csv(const struct probe *probe, FILE *to)
 {
     char name[160];
     const int last = CURVES + probe->n_curves - 1;
     for (int column = 0; column <= last; column++) {
         column_name(probe, column, name, sizeof name);
-        print_field(name, to);
-        putc(column < last ? ',' : '\n', to);
+        putc('"', to);
+        csv_text(name, to);
+        fputs(column < last ? "\"," : "\"\n", to);
     }
     for (int i = 0; i < probe->n; i++)
         for (int column = 0; column <= last; column++) {

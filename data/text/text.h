@@ -104,6 +104,9 @@ struct place text_next_place(struct text text);
 bool text_vector(struct text *text, const char *what, struct vector *out, struct error *err);
 bool text_direction(struct text *text, const char *what, struct vector *out, struct error *err);
 
+/* Prints a text within a quoted field of CSV (RFC 4180): doubles its quotation marks. */
+void csv_text(const char *text, FILE *to);
+
 /* ---- json.c: JSON out (RFC 8259) ---- */
 
 /* A JSON text that grows as it is written. */

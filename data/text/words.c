@@ -103,3 +103,9 @@ bool text_direction(struct text *text, const char *what, struct vector *out, str
     return out->x != 0 || out->y != 0 || out->z != 0 ||
            error_at(err, first, "%s 0 0 0 points nowhere; one of its numbers must not be 0", what);
 }
+
+void csv_text(const char *text, FILE *to)
+{
+    for (; *text != '\0'; text++)
+        fprintf(to, *text == '"' ? "\"\"" : "%c", *text);
+}

@@ -7,6 +7,7 @@
 
 #include "data/base/base.h"
 #include "data/chart/chart.h"
+#include "data/text/text.h"
 #include "raster/cost/cost.h"
 
 void cost_entry_free(struct cost_entry *entry)
@@ -150,22 +151,12 @@ void cost_print(const struct cost *cost, FILE *to)
         fprintf(to, "%s- %s\n", i == 0 ? "\n" : "", cost->notes[i]);
 }
 
-/* Doubles quotation marks (RFC 4180). Only a file name in an option can have one. */
-static void print_quoted(const char *text, FILE *to)
-{
-    for (; *text; text++) {
-        if (*text == '"')
-            fputc('"', to);
-        fputc(*text, to);
-    }
-}
-
 static void print_csv_entry(const struct cost_entry *entry, FILE *to)
 {
     fprintf(to, "\"%s\",\"", entry->name);
     for (int i = 0; i < entry->n_words; i++) {
         fputs(i > 0 ? " " : "", to);
-        print_quoted(entry->words[i], to);
+        csv_text(entry->words[i], to);
     }
     fprintf(to, "\",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,", entry->seconds, entry->fastest, entry->slowest,
             entry->accuracy.mean, entry->accuracy.quantile_95, entry->accuracy.largest);

@@ -101,15 +101,10 @@ static void print_check(const struct plan *plan, const struct check_verdict *ver
     fprintf(to, "unexplained       %llu\n", (unsigned long long)verdict->unexplained);
 }
 
-/* Returns the largest sample in words. */
-static const char *largest_sample(const struct plan *plan)
-{
-    return plan->options.bits == 8 ? "255" : plan->options.bits == 32 ? "full scale" : "65535";
-}
-
 void report_print(const struct plan *plan, const struct render_result *result, FILE *to)
 {
     const struct render_seconds *seconds = &result->seconds;
+    const int bits = plan->options.bits;
     fprintf(to, "scene             %s, %d x %d pixels, %d %s\n", plan->scene->path,
             plan->scene->width, plan->scene->height, plan->n_bands,
             has_components(plan) ? "components" : "wavelengths");
@@ -118,7 +113,7 @@ void report_print(const struct plan *plan, const struct render_result *result, F
         sampling_print(plan->sampling, to);
     }
     fprintf(to, "full scale        %.10g is count 65535%s\n", result->full_scale,
-            plan->options.bits == 8 ? ", stored as 255" : "");
+            bits == 8 ? ", stored as 255" : "");
     if (plan->options.use_gl)
         fprintf(to, "OpenGL            %s, %s\n", result->gl_renderer, result->gl_version);
     if (plan->options.check)
@@ -132,7 +127,10 @@ void report_print(const struct plan *plan, const struct render_result *result, F
                                 : ": this program was built without OpenGL");
     if (result->odd.clipped)
         fprintf(to, "clipped           %llu samples above full scale are stored as %s\n",
-                (unsigned long long)result->odd.clipped, largest_sample(plan));
+                (unsigned long long)result->odd.clipped,
+                bits == 8    ? "255"
+                : bits == 32 ? "full scale"
+                             : "65535");
     fprintf(to,
             "seconds           %.3f (read %.3f, plan %.3f, gl %.3f, raster %.3f, check %.3f, "
             "write %.3f)\n",
