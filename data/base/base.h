@@ -90,8 +90,7 @@ bool output_interrupted(void);
 bool output_commit(struct output *out, struct error *err);
 void output_discard(struct output *out); /* safe after commit, and on a zeroed struct */
 
-/* Writes all bytes. On failure errno has the cause. */
-bool write_all(int descriptor, const void *bytes, size_t length);
+bool write_all(int descriptor, const void *bytes, size_t length); /* false: see errno */
 /* Writes a whole small file, which appears whole or not at all; "-" is standard output. */
 bool file_write(const char *path, const char *bytes, size_t length, struct error *err);
 
@@ -121,8 +120,11 @@ bool digest_file(const char *path, char out[65], struct error *err);
 /* Returns the name of a file without its folder, and with another ending: the default name of a
  * command's output. Allocated; NULL: no memory. */
 char *output_name(const char *path, const char *ending);
-/* Returns true if the name is that of a regular file, or of a link to one. */
+/* Return true if the name is that of a regular file, or of a link to one; if two names are those of
+ * one file; if no file has the name, which is not "builtin:...". */
 bool file_is_regular(const char *path);
+bool file_is_same(const char *a, const char *b);
+bool file_is_missing(const char *path);
 /* Refuses an output that would replace the input. Either may be NULL. */
 bool output_spares(const char *output, const char *input, struct error *err);
 /* Refuses an output that cannot be opened, before the work begins. Leaves no file. "-" is standard
@@ -131,8 +133,7 @@ bool output_can_open(const char *path, struct error *err);
 
 /* ---- progress.c: time, progress and memory of this process ---- */
 
-/* Seconds of a clock that only goes forward. */
-double clock_seconds(void);
+double clock_seconds(void); /* of a clock that only goes forward */
 
 /* A line of progress with the time left, on standard error. */
 struct progress_line {
@@ -144,7 +145,6 @@ bool progress_start(struct progress_line *out, bool quiet);
 /* Shows that `done` of `all` steps are done. Removes the line after the last one. The context is a
  * struct progress_line. */
 void progress_show(void *context, long done, long all);
-/* The largest memory that the process has used so far; 0: unknown. */
-uint64_t peak_bytes(void);
+uint64_t peak_bytes(void); /* the largest memory of the process so far; 0: unknown */
 
 #endif

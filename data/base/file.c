@@ -92,6 +92,11 @@ char *file_relative(const char *base, const char *name)
     return path;
 }
 
+bool file_is_missing(const char *path)
+{
+    return !is_builtin(path) && access(path, F_OK) != 0 && errno == ENOENT;
+}
+
 /* ---- reading ---- */
 
 /* Lines and columns are counted in int: a message could not name a place in a longer file. */

@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Spectra: constants, tables in three formats, and two formulas. */
-#include <errno.h>
 #include <float.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "data/maths/maths.h"
 #include "data/spectra/spectra.h"
@@ -396,7 +394,7 @@ static bool read_table(struct table *table, struct error *err)
                    : file_relative(word->place.path, name);
     if (path == NULL)
         error_memory(err);
-    else if (strncmp(path, "builtin:", 8) != 0 && access(path, F_OK) != 0 && errno == ENOENT)
+    else if (file_is_missing(path))
         refuse_unknown(table, name, err);
     else
         done = read_file(path, table, err);
