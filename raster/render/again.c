@@ -40,8 +40,8 @@ static bool can_be_same(const struct record *record, const struct render_output 
     if (strcmp(record->program, PROGRAM) != 0 && !output->keep)
         return error_different(err,
                                "%s was made by %.80s, but this is " PROGRAM
-                               ", and each stack records "
-                               "its program; --keep stores the new stack anyway",
+                               ", and each stack records its program; --keep stores the new "
+                               "stack anyway",
                                output->again, record->program);
     return !scene_is_missing(record->scene) ||
            error_usage(err,
