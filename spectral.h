@@ -60,6 +60,8 @@ struct error {
  * error_at and error_usage set EXIT_INPUT. error_at puts the place before the message. */
 bool error_at(struct error *err, struct place place, const char *format, ...) PRINTF_LIKE(3, 4);
 bool error_usage(struct error *err, const char *format, ...) PRINTF_LIKE(2, 3);
+/* Sets EXIT_DIFFERENT. */
+bool error_different(struct error *err, const char *format, ...) PRINTF_LIKE(2, 3);
 /* Appends ": " and the description of errno where errno is not 0. Sets EXIT_SYSTEM. */
 bool error_system(struct error *err, const char *format, ...) PRINTF_LIKE(2, 3);
 /* "out of memory". Sets EXIT_SYSTEM. */

@@ -7,13 +7,23 @@
 
 /* ---- error.c: arrays that grow ---- */
 
-/* Returns `array` with room for element `count`, which is zeroed; the array may have moved. It
- * starts as NULL with count 0 and grows by one element a call. Returns NULL when memory runs out:
- * err is set, and `array` is untouched. */
-void *array_more(void *array, int count, size_t size, struct error *err);
-/* Adds a copy of the item, of `size` bytes, to an array of such items, and counts it. `array` is
- * the address of the pointer to the array, which is NULL with *count 0. On failure both stay. */
+/* Adds a copy of the item, of `size` bytes, to an array of such items, and counts it; NULL: adds a
+ * zeroed item. `array` is the address of the pointer to the array, which is NULL with *count 0. The
+ * array may move. On failure array and *count stay. */
 bool array_add(void *array, int *count, const void *item, size_t size, struct error *err);
+
+/* ---- printed.c: a text that is printed into memory ---- */
+
+struct printed {
+    FILE *to;      /* NULL: no memory, or ended */
+    char *text;    /* owned until printed_end; then NULL */
+    size_t length; /* valid after printed_end; does not count the NUL at the end */
+};
+/* Begins a text. Returns the stream to print it to; NULL: no memory. */
+FILE *printed_begin(struct printed *out);
+/* Closes the stream. Returns the text, which then belongs to the caller; NULL: no memory, here or
+ * in printed_begin. Safe on a zeroed struct, and twice. */
+char *printed_end(struct printed *printed);
 
 /* ---- file.c: whole reads, compiled-in files, files that appear whole or not at all ---- */
 
@@ -32,6 +42,12 @@ extern const size_t builtin_file_count;
  * ".csv", out, sizeof out) writes "builtin:tables/d65.csv". */
 bool builtin_path(const char *folder, const char *name, const char *ending, char *out,
                   size_t capacity);
+
+enum { BUILTIN_NAME = 256 };
+/* Writes the part of a file's name between a folder and an ending. Returns false if the name does
+ * not begin and end so. */
+bool builtin_name(const struct builtin_file *file, const char *folder, const char *ending,
+                  char out[BUILTIN_NAME]);
 
 /* Reads a whole file, or a "builtin:..." file. *bytes is allocated, with a NUL behind its *length
  * bytes. Refuses with EXIT_INPUT a folder, a missing or unreadable file and a file that contains a
@@ -74,8 +90,7 @@ bool output_interrupted(void);
 bool output_commit(struct output *out, struct error *err);
 void output_discard(struct output *out); /* safe after commit, and on a zeroed struct */
 
-/* Writes all bytes. On failure errno has the cause. */
-bool write_all(int descriptor, const void *bytes, size_t length);
+bool write_all(int descriptor, const void *bytes, size_t length); /* false: see errno */
 /* Writes a whole small file, which appears whole or not at all; "-" is standard output. */
 bool file_write(const char *path, const char *bytes, size_t length, struct error *err);
 
@@ -105,8 +120,11 @@ bool digest_file(const char *path, char out[65], struct error *err);
 /* Returns the name of a file without its folder, and with another ending: the default name of a
  * command's output. Allocated; NULL: no memory. */
 char *output_name(const char *path, const char *ending);
-/* Returns true if the name is that of a regular file, or of a link to one. */
+/* Return true if the name is that of a regular file, or of a link to one; if two names are those of
+ * one file; if no file has the name, which is not "builtin:...". */
 bool file_is_regular(const char *path);
+bool file_is_same(const char *a, const char *b);
+bool file_is_missing(const char *path);
 /* Refuses an output that would replace the input. Either may be NULL. */
 bool output_spares(const char *output, const char *input, struct error *err);
 /* Refuses an output that cannot be opened, before the work begins. Leaves no file. "-" is standard
@@ -115,8 +133,7 @@ bool output_can_open(const char *path, struct error *err);
 
 /* ---- progress.c: time, progress and memory of this process ---- */
 
-/* Seconds of a clock that only goes forward. */
-double clock_seconds(void);
+double clock_seconds(void); /* of a clock that only goes forward */
 
 /* A line of progress with the time left, on standard error. */
 struct progress_line {
@@ -128,7 +145,6 @@ bool progress_start(struct progress_line *out, bool quiet);
 /* Shows that `done` of `all` steps are done. Removes the line after the last one. The context is a
  * struct progress_line. */
 void progress_show(void *context, long done, long all);
-/* The largest memory that the process has used so far; 0: unknown. */
-uint64_t peak_bytes(void);
+uint64_t peak_bytes(void); /* the largest memory of the process so far; 0: unknown */
 
 #endif

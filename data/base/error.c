@@ -60,6 +60,15 @@ bool error_usage(struct error *err, const char *format, ...)
     return false;
 }
 
+bool error_different(struct error *err, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    fail(err, EXIT_DIFFERENT, "", format, arguments, "");
+    va_end(arguments);
+    return false;
+}
+
 bool error_system(struct error *err, const char *format, ...)
 {
     char ending[256] = "";
@@ -79,36 +88,24 @@ bool error_memory(struct error *err)
     return error_system(err, "out of memory");
 }
 
-/* An array is full when its count is a power of two. It then doubles. */
-void *array_more(void *array, int count, size_t size, struct error *err)
-{
-    size_t room = count > 0 ? 2 * (size_t)count : 1;
-    char *grown = array;
-    if (count > INT_MAX / 2 || room > SIZE_MAX / size) {
-        error_memory(err);
-        return NULL;
-    }
-    if ((count & (count - 1)) == 0) {
-        grown = realloc(array, room * size);
-        if (grown == NULL) {
-            error_memory(err);
-            return NULL;
-        }
-    }
-    memset(grown + (size_t)count * size, 0, size);
-    return grown;
-}
-
-/* All pointers to objects have one representation, by POSIX. */
+/* An array is full when its count is a power of two. It then doubles. All pointers to objects have
+ * one representation, by POSIX. */
 bool array_add(void *array, int *count, const void *item, size_t size, struct error *err)
 {
+    const size_t n = (size_t)*count, room = n > 0 ? 2 * n : 1;
     char *items;
     memcpy(&items, array, sizeof items);
-    items = array_more(items, *count, size, err);
+    if (*count > INT_MAX / 2 || room > SIZE_MAX / size)
+        return error_memory(err);
+    if ((n & (n - 1)) == 0)
+        items = realloc(items, room * size);
     if (!items)
-        return false;
-    memcpy(items + (size_t)*count * size, item, size);
+        return error_memory(err);
     memcpy(array, &items, sizeof items);
+    if (item)
+        memcpy(items + n * size, item, size);
+    else
+        memset(items + n * size, 0, size);
     ++*count;
     return true;
 }

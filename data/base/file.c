@@ -41,6 +41,17 @@ bool builtin_path(const char *folder, const char *name, const char *ending, char
     return length >= 0 && (size_t)length < capacity && builtin_find(out) != NULL;
 }
 
+bool builtin_name(const struct builtin_file *file, const char *folder, const char *ending,
+                  char out[BUILTIN_NAME])
+{
+    const size_t before = strlen(folder), after = strlen(ending), length = strlen(file->name);
+    if (length <= before + after || strncmp(file->name, folder, before) != 0 ||
+        strcmp(file->name + length - after, ending) != 0)
+        return false;
+    snprintf(out, BUILTIN_NAME, "%.*s", (int)(length - before - after), file->name + before);
+    return true;
+}
+
 /* Removes "./" and "a/../" in place. The folder above the root is the root. */
 static void fold(char *path)
 {
@@ -79,6 +90,11 @@ char *file_relative(const char *base, const char *name)
     if (is_builtin(path))
         fold(path + strlen(builtin_prefix));
     return path;
+}
+
+bool file_is_missing(const char *path)
+{
+    return !is_builtin(path) && access(path, F_OK) != 0 && errno == ENOENT;
 }
 
 /* ---- reading ---- */

@@ -26,12 +26,16 @@ bool file_is_regular(const char *path)
     return stat(path, &status) == 0 && S_ISREG(status.st_mode);
 }
 
+bool file_is_same(const char *a, const char *b)
+{
+    struct stat one, other;
+    return strcmp(a, b) == 0 || (stat(a, &one) == 0 && stat(b, &other) == 0 &&
+                                 one.st_dev == other.st_dev && one.st_ino == other.st_ino);
+}
+
 bool output_spares(const char *output, const char *input, struct error *err)
 {
-    struct stat written, read;
-    return !output || !input || stat(output, &written) != 0 || stat(input, &read) != 0 ||
-           !S_ISREG(read.st_mode) || written.st_dev != read.st_dev ||
-           written.st_ino != read.st_ino ||
+    return !output || !input || !file_is_regular(input) || !file_is_same(output, input) ||
            error_usage(err, "%s would replace the input; expected another file", output);
 }
 

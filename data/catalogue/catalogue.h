@@ -9,10 +9,6 @@
 
 /* ---- command.c: spectral list ---- */
 
-/* Writes the name by which scenes and options refer to a built-in table, of a detector or of an
- * illuminant. Returns false if the file is not such a table. `out` has room for `capacity` bytes.
- */
-bool table_name(const struct builtin_file *file, bool detector, char *out, size_t capacity);
 /* Prints the names of one kind, or of all kinds. */
 bool command_list(struct options *options, struct error *err);
 

@@ -8,25 +8,6 @@
 #include "data/spectra/spectra.h"
 #include "data/text/text.h"
 
-/* Writes the part of a file's name between a folder and an ending. Returns false if the name does
- * not begin and end so. */
-static bool name_within(const char *file, const char *folder, const char *ending, char *out,
-                        size_t capacity)
-{
-    const size_t before = strlen(folder), after = strlen(ending), length = strlen(file);
-    if (length <= before + after || strncmp(file, folder, before) != 0 ||
-        strcmp(file + length - after, ending) != 0)
-        return false;
-    snprintf(out, capacity, "%.*s", (int)(length - before - after), file + before);
-    return true;
-}
-
-bool table_name(const struct builtin_file *file, bool detector, char *out, size_t capacity)
-{
-    return table_is_detector(file) == detector &&
-           name_within(file->name, "tables/", ".csv", out, capacity);
-}
-
 static void list_shapes(void)
 {
     for (enum shape_kind kind = SHAPE_SPHERE; kind < SHAPE_MESH; kind++) {
@@ -69,14 +50,14 @@ enum { N_LISTS = sizeof lists / sizeof lists[0] };
 
 static void print_list(const struct list *list)
 {
-    char name[256];
+    char name[BUILTIN_NAME];
     printf("%s\n", list->name);
     if (list->print)
         list->print();
     else
         for (size_t i = 0; i < builtin_file_count; i++)
             if (table_is_detector(&builtin_files[i]) == list->detectors &&
-                name_within(builtin_files[i].name, list->folder, list->ending, name, sizeof name))
+                builtin_name(&builtin_files[i], list->folder, list->ending, name))
                 printf("  %s\n", name);
 }
 

@@ -2,7 +2,6 @@
 /* Curves as SVG 1.1, to be printed: lines differ in colour and in dashes, so that colour-blind eyes
  * and prints without colours keep them apart. Here is also the look that all charts share. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "data/chart/chart.h"
@@ -103,18 +102,13 @@ struct chart_grid chart_grid(int n, int longest, double sample)
 
 char *chart_file(void (*draw)(void *plot, FILE *to), void *plot)
 {
-    char *text = NULL;
-    size_t length = 0;
-    FILE *to = open_memstream(&text, &length);
-    if (!to)
-        return NULL;
-    draw(plot, to);
-    fputs("</svg>\n", to);
-    const bool whole = !ferror(to);
-    if (fclose(to) == 0 && whole)
-        return text;
-    free(text);
-    return NULL;
+    struct printed printed;
+    FILE *to = printed_begin(&printed);
+    if (to) {
+        draw(plot, to);
+        fputs("</svg>\n", to);
+    }
+    return printed_end(&printed);
 }
 
 /* ---- the plot ---- */

@@ -40,11 +40,9 @@ bool command_compare(struct options *options, struct error *err)
     if (options->tolerance &&
         !tolerance_read("--tolerance", options->tolerance, &compare_options.tolerance, err))
         return false;
-    bool done = compare_and_print(a, b, options, &compare_options, &comparison, err);
-    if (done && !comparison_is_within(&comparison, &compare_options.tolerance)) {
-        done = error_usage(err, "%s and %s differ by more than the tolerance", a, b);
-        err->status = EXIT_DIFFERENT;
-    }
+    const bool done = compare_and_print(a, b, options, &compare_options, &comparison, err) &&
+                      (comparison_is_within(&comparison, &compare_options.tolerance) ||
+                       error_different(err, "%s and %s differ by more than the tolerance", a, b));
     comparison_free(&comparison);
     return done;
 }

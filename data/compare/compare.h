@@ -65,7 +65,7 @@ bool comparison_is_within(const struct comparison *comparison, const struct tole
 void comparison_print(const struct comparison *comparison, FILE *to);
 void comparison_free(struct comparison *comparison);
 
-/* ---- rows.c: a stack in chunks of rows, as an observer sees it ---- */
+/* ---- rows.c: a stack in chunks of rows ---- */
 
 struct stack_rows {
     struct cube cube;
@@ -79,17 +79,6 @@ bool rows_allocate(struct stack_rows *rows, size_t most_samples, struct error *e
 /* Reads the chunk that begins with row `first`. The last chunk may have fewer rows. */
 bool rows_read(struct stack_rows *rows, int first, struct error *err);
 void rows_close(struct stack_rows *rows); /* and the cube */
-
-/* How an observer sees a stack. */
-struct sight {
-    double *weights; /* of X, Y and Z, as cube_weights; owned */
-    double white[3]; /* XYZ */
-    bool has_white;
-};
-/* Refuses what observer_read, cube_weights and cube_white_response refuse. */
-bool sight_make(const struct cube *cube, const char *observer, const struct white_request *white,
-                struct sight *out, struct error *err);
-void sight_free(struct sight *sight);
 
 /* ---- command.c: spectral compare ---- */
 

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads a stack in chunks of rows, and finds how an observer weighs its pages. */
+/* Reads a stack in chunks of rows. */
 #include <stdlib.h>
 
 #include "data/base/base.h"
 #include "data/compare/compare.h"
-#include "data/spectra/spectra.h"
 #include "data/tiff/tiff.h"
 
 bool rows_allocate(struct stack_rows *rows, size_t most_samples, struct error *err)
@@ -36,25 +35,4 @@ void rows_close(struct stack_rows *rows)
     cube_close(&rows->cube);
     free(rows->samples);
     rows->samples = NULL;
-}
-
-bool sight_make(const struct cube *cube, const char *observer, const struct white_request *white,
-                struct sight *out, struct error *err)
-{
-    struct detector detector = {.name = NULL};
-    out->weights = calloc(3 * (size_t)cube->image.n_pages, sizeof *out->weights);
-    if (!out->weights)
-        return error_memory(err);
-    const bool done =
-        observer_read(observer, &detector, err) &&
-        cube_weights(cube, &detector, out->weights, err) &&
-        cube_white_response(cube, white, out->weights, &out->has_white, out->white, err);
-    detector_free(&detector);
-    return done;
-}
-
-void sight_free(struct sight *sight)
-{
-    free(sight->weights);
-    sight->weights = NULL;
 }

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral develop: the colour picture of a stack. */
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "data/base/base.h"
@@ -61,31 +60,23 @@ static bool read_options(const struct options *options, struct sampling_method *
 
 /* ---- the command ---- */
 
-static bool develop_to(const struct options *options, const char *output, struct error *err)
+bool command_develop(struct options *options, struct error *err)
 {
     struct sampling_method method;
     struct develop_options develop_options;
     struct develop_result result;
-    if (!read_options(options, &method, &develop_options, err) ||
-        !scene_refuse(options->operand, err) || !output_spares(output, options->operand, err) ||
-        !develop(options->operand, output, &develop_options, &result, err))
+    const char *stack = options->operand;
+    if (!stack)
+        return error_usage(err, "develop takes a STACK; try spectral --help");
+    if (!options_name_output(options, stack, "-developed.tif", err) ||
+        !read_options(options, &method, &develop_options, err) || !scene_refuse(stack, err) ||
+        !output_spares(options->output, stack, err) ||
+        !develop(stack, options->output, &develop_options, &result, err))
         return false;
     if (!options->quiet) {
-        FILE *to = file_is_regular(output) ? stdout : stderr;
+        FILE *to = file_is_regular(options->output) ? stdout : stderr;
         develop_print(&develop_options, &result, to);
-        fprintf(to, "picture           %s\n", output);
+        fprintf(to, "picture           %s\n", options->output);
     }
     return true;
-}
-
-bool command_develop(struct options *options, struct error *err)
-{
-    if (!options->operand)
-        return error_usage(err, "develop takes a STACK; try spectral --help");
-    if (options->output)
-        return develop_to(options, options->output, err);
-    char *named = output_name(options->operand, "-developed.tif");
-    bool done = named ? develop_to(options, named, err) : error_memory(err);
-    free(named);
-    return done;
 }

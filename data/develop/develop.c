@@ -248,18 +248,14 @@ void develop_print(const struct develop_options *options, const struct develop_r
  * NULL: no memory. */
 static char *description(const struct development *of)
 {
-    char *text = NULL;
-    size_t length = 0;
-    FILE *stream = open_memstream(&text, &length);
+    struct printed printed;
+    FILE *stream = printed_begin(&printed);
     if (stream == NULL)
         return NULL;
     fprintf(stream, "developed by      " PROGRAM "\nstack             %s\n", of->cube.image.path);
     print_settings(of->options, of->result, stream);
-    if (fclose(stream) != 0) {
-        free(text);
-        return NULL;
-    }
-    for (char *at = text; *at != '\0'; at++)
+    char *text = printed_end(&printed);
+    for (char *at = text; at && *at != '\0'; at++)
         if ((*at < ' ' || *at > '~') && *at != '\n')
             *at = '?';
     return text;

@@ -57,6 +57,10 @@ struct matrix {
 struct vector vector_add(struct vector a, struct vector b);
 struct vector vector_subtract(struct vector a, struct vector b);
 struct vector vector_scale(struct vector a, double factor);
+/* The least and the greatest of each component. */
+struct vector vector_least(struct vector a, struct vector b);
+struct vector vector_greatest(struct vector a, struct vector b);
+double vector_reach(struct vector a); /* the largest magnitude of a component */
 double vector_dot(struct vector a, struct vector b);
 struct vector vector_cross(struct vector a, struct vector b);
 double vector_length(struct vector a);           /* without avoidable overflow or underflow */

@@ -19,6 +19,21 @@ struct vector vector_scale(struct vector a, double factor)
     return (struct vector){a.x * factor, a.y * factor, a.z * factor};
 }
 
+struct vector vector_least(struct vector a, struct vector b)
+{
+    return (struct vector){fmin(a.x, b.x), fmin(a.y, b.y), fmin(a.z, b.z)};
+}
+
+struct vector vector_greatest(struct vector a, struct vector b)
+{
+    return (struct vector){fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z)};
+}
+
+double vector_reach(struct vector a)
+{
+    return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
+}
+
 double vector_dot(struct vector a, struct vector b)
 {
     return a.x * b.x + a.y * b.y + a.z * b.z;

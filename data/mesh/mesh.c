@@ -98,19 +98,6 @@ static void gather_ring(struct builder *b, const struct obj_face *face)
 
 /* ---- the cube ---- */
 
-static void widen_side(double *low, double *high, double by)
-{
-    *low = by < *low ? by : *low;
-    *high = by > *high ? by : *high;
-}
-
-static void widen(struct vector *low, struct vector *high, struct vector by)
-{
-    widen_side(&low->x, &high->x, by.x);
-    widen_side(&low->y, &high->y, by.y);
-    widen_side(&low->z, &high->z, by.z);
-}
-
 /* Moves and scales the points that faces use into [-1, 1]^3. No point leaves the cube, since `half`
  * is the largest distance from the centre as it was rounded. `half` is above 0, since neighbouring
  * corners differ. */
@@ -118,11 +105,13 @@ static void unitize_points(struct builder *b)
 {
     struct vector *points = b->obj.list[OBJ_POINT].at;
     struct vector low = obj_point(&b->obj, 0), high = low;
-    for (int i = 1; i < b->obj.n_corners; i++)
-        widen(&low, &high, obj_point(&b->obj, i));
+    for (int i = 1; i < b->obj.n_corners; i++) {
+        low = vector_least(low, obj_point(&b->obj, i));
+        high = vector_greatest(high, obj_point(&b->obj, i));
+    }
     const struct vector centre = vector_scale(vector_add(low, high), 0.5);
-    const struct vector up = vector_subtract(high, centre), down = vector_subtract(centre, low);
-    const double half = fmax(fmax(fmax(up.x, down.x), fmax(up.y, down.y)), fmax(up.z, down.z));
+    const double half = fmax(vector_reach(vector_subtract(high, centre)),
+                             vector_reach(vector_subtract(centre, low)));
     for (int i = 0; i < b->obj.list[OBJ_POINT].n; i++) {
         const struct vector from = vector_subtract(points[i], centre);
         points[i] = (struct vector){from.x / half, from.y / half, from.z / half};
@@ -240,11 +229,20 @@ static double share(double at, double low, double high)
     return high > low ? (at - low) / (high - low) : 0;
 }
 
+void mesh_box(const struct mesh *mesh, struct vector *low, struct vector *high)
+{
+    *low = (struct vector){HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    *high = vector_scale(*low, -1);
+    for (int i = 0; i < mesh->n_vertices; i++) {
+        *low = vector_least(*low, mesh->vertices[i].position);
+        *high = vector_greatest(*high, mesh->vertices[i].position);
+    }
+}
+
 void mesh_planar(struct mesh *mesh)
 {
-    struct vector low = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high = vector_scale(low, -1);
-    for (int i = 0; i < mesh->n_vertices; i++)
-        widen(&low, &high, mesh->vertices[i].position);
+    struct vector low, high;
+    mesh_box(mesh, &low, &high);
     for (int i = 0; i < mesh->n_vertices; i++) {
         struct vertex *vertex = &mesh->vertices[i];
         vertex->s = share(vertex->position.x, low.x, high.x);

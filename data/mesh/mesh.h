@@ -31,6 +31,8 @@ bool mesh_reserve(struct mesh *mesh, size_t n_vertices, size_t n_triangles, stru
  * [-1, 1]^3. `from` is the place that names the file. */
 bool mesh_read(const char *path, struct place from, bool unitize, double crease_deg,
                struct mesh *out, struct error *err);
+/* Finds the bounding box. Without vertices *low is HUGE_VAL and *high -HUGE_VAL. */
+void mesh_box(const struct mesh *mesh, struct vector *low, struct vector *high);
 /* Sets texture coordinates, 0 to 1, from x and y in the bounding box of the mesh. */
 void mesh_planar(struct mesh *mesh);
 void mesh_free(struct mesh *mesh);

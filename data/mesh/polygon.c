@@ -14,11 +14,6 @@ bool same_place(struct vector a, struct vector b)
     return a.x == b.x && a.y == b.y && a.z == b.z;
 }
 
-static double largest_component(struct vector a)
-{
-    return fmax(fabs(a.x), fmax(fabs(a.y), fabs(a.z)));
-}
-
 /* Coordinates of a ring relative to its first corner, in units of its reach. Their products neither
  * overflow nor underflow, whatever the scale of the model. */
 struct frame {
@@ -36,8 +31,8 @@ static bool frame_make(const struct vector *ring, int n, struct frame *out)
     int exponent;
 
     for (int i = 0; i < n; i++) {
-        reach = fmax(reach, largest_component(vector_subtract(ring[i], ring[0])));
-        largest = fmax(largest, largest_component(ring[i]));
+        reach = fmax(reach, vector_reach(vector_subtract(ring[i], ring[0])));
+        largest = fmax(largest, vector_reach(ring[i]));
     }
     frexp(reach, &exponent);
     out->origin = ring[0];
@@ -70,7 +65,7 @@ struct vector polygon_normal(const struct vector *ring, int n)
      * such differences: 4 s + 2 epsilons for each of n - 2 triangles, and 3 for its own roundings.
      */
     const double noise = (4 * frame.rounding + 5) * DBL_EPSILON * n;
-    return largest_component(sum) > noise ? vector_normalise(sum) : none;
+    return vector_reach(sum) > noise ? vector_normalise(sum) : none;
 }
 
 double polygon_angle(const struct vector *ring, int n, int i, struct vector normal)
@@ -126,7 +121,7 @@ static void add_triangle(struct cutter *cutter, const struct vector *ring, int a
  * 1/2 epsilons; two of them and the roundings of the projection make 2 s + 3. */
 static void flatten(struct cutter *cutter, const struct vector *ring, int n, struct vector normal)
 {
-    const double along[3] = {normal.x, normal.y, normal.z}, largest = largest_component(normal);
+    const double along[3] = {normal.x, normal.y, normal.z}, largest = vector_reach(normal);
     const int axis = fabs(normal.z) == largest ? 2 : fabs(normal.y) == largest;
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     struct frame frame;
@@ -251,7 +246,7 @@ void cutter_run(struct cutter *cutter, const struct vector *ring, int n)
     const struct vector normal = n > 3 ? polygon_normal(ring, n) : (struct vector){0, 0, 0};
 
     cutter->n_triangles = 0;
-    if (largest_component(normal) > 0) {
+    if (vector_reach(normal) > 0) {
         flatten(cutter, ring, n, normal);
         cut_ears(cutter, ring, n);
         return;

@@ -164,6 +164,17 @@ void options_free(struct options *options)
     for (int i = 0; i < options->n_recorded; i++)
         free(options->recorded[i]);
     options->n_recorded = 0;
+    free(options->named_output);
+    options->named_output = NULL;
+}
+
+bool options_name_output(struct options *options, const char *path, const char *ending,
+                         struct error *err)
+{
+    if (options->output)
+        return true;
+    options->output = options->named_output = output_name(path, ending);
+    return options->output || error_memory(err);
 }
 
 const char *options_scene(const struct options *options)

@@ -80,6 +80,7 @@ struct options {
     int n_changes;
     char *recorded[MAX_RECORDED]; /* "NAME=VALUE" of each RECORDED option; owned */
     int n_recorded;
+    char *named_output; /* of options_name_output; owned */
     const char *output, *json, *again, *map, *csv_file, *svg_file;
     const char *renderer, *buffer, *depth, *bits; /* one of their choices */
     const char *sampling, *detector, *white, *adaptation, *display, *exposure;
@@ -104,6 +105,10 @@ bool options_read(const struct option_rules *rules, char *const *words, int n_wo
                   struct options *out, struct error *err);
 void options_free(struct options *options);
 
+/* Names the output after the file `path`, with another ending, where the command line gives none.
+ * The name lasts until options_free. */
+bool options_name_output(struct options *options, const char *path, const char *ending,
+                         struct error *err);
 /* Returns SCENE, or the built-in colorchecker if none is given. */
 const char *options_scene(const struct options *options);
 /* Returns the detector or observer, or cie1931 if none is given. */

@@ -9,6 +9,7 @@
 #include "data/colour/colour.h"
 #include "data/probe/probe.h"
 #include "data/spectra/spectra.h"
+#include "data/text/text.h"
 #include "data/tiff/tiff.h"
 
 /* ---- colour ---- */
@@ -16,18 +17,17 @@
 bool probe_colour(struct probe *probe, const struct cube *cube, const struct probe_options *options,
                   struct error *err)
 {
-    struct detector detector = {.name = NULL};
-    double *weights = calloc(3 * (size_t)probe->n, sizeof *weights);
+    const struct white_request white = {options->white, false};
+    struct sight sight = {.weights = NULL};
     probe->observer = strdup(options->observer);
-    bool done = (weights && probe->observer) || error_memory(err);
-    done = done && observer_read(probe->observer, &detector, err) &&
-           cube_weights(cube, &detector, weights, err);
-    if (done)
-        detector_response(weights, probe->mean, probe->n, probe->xyz);
-    done = done && cube_white_response(cube, &(struct white_request){options->white, false},
-                                       weights, &probe->has_white, probe->white, err);
-    detector_free(&detector);
-    free(weights);
+    const bool done = probe->observer ? sight_make(cube, probe->observer, &white, &sight, err)
+                                      : error_memory(err);
+    if (done) {
+        detector_response(sight.weights, probe->mean, probe->n, probe->xyz);
+        memcpy(probe->white, sight.white, sizeof probe->white);
+        probe->has_white = sight.has_white;
+    }
+    sight_free(&sight);
     return done;
 }
 
@@ -232,23 +232,15 @@ void probe_print(const struct probe *probe, FILE *to)
     }
 }
 
-/* Prints a quoted field (RFC 4180). */
-static void print_field(const char *text, FILE *to)
-{
-    putc('"', to);
-    for (; *text != '\0'; text++)
-        fprintf(to, *text == '"' ? "\"\"" : "%c", *text);
-    putc('"', to);
-}
-
 void probe_print_csv(const struct probe *probe, FILE *to)
 {
     char name[160];
     const int last = CURVES + probe->n_curves - 1;
     for (int column = 0; column <= last; column++) {
         column_name(probe, column, name, sizeof name);
-        print_field(name, to);
-        putc(column < last ? ',' : '\n', to);
+        putc('"', to);
+        csv_text(name, to);
+        fputs(column < last ? "\"," : "\"\n", to);
     }
     for (int i = 0; i < probe->n; i++)
         for (int column = 0; column <= last; column++) {

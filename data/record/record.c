@@ -57,12 +57,7 @@ enum { FIELDS = sizeof fields / sizeof fields[0] };
 
 static bool add_text(struct texts *list, const char *text, struct error *err)
 {
-    const char **more = array_more(list->text, list->n, sizeof *more, err);
-    if (!more)
-        return false;
-    list->text = more;
-    more[list->n++] = text;
-    return true;
+    return array_add(&list->text, &list->n, &text, sizeof text, err);
 }
 
 /* ---- of a scene ---- */
@@ -87,9 +82,9 @@ static void put_source(FILE *stream, const struct spectrum *spectrum, double int
  * allocated. NULL: no memory. */
 static char *source_texts(const struct scene *scene, const struct sampling *sampling)
 {
-    char *text = NULL, name[SAMPLING_NAME] = "";
-    size_t length = 0;
-    FILE *stream = open_memstream(&text, &length);
+    char name[SAMPLING_NAME] = "";
+    struct printed printed;
+    FILE *stream = printed_begin(&printed);
     if (!stream)
         return NULL;
     for (int i = 0; i < scene->n_lights; i++)
@@ -99,10 +94,7 @@ static char *source_texts(const struct scene *scene, const struct sampling *samp
     if (sampling)
         sampling_name(&sampling->method, name);
     fprintf(stream, "%s%c", name, '\0');
-    if (fclose(stream) == 0)
-        return text;
-    free(text);
-    return NULL;
+    return printed_end(&printed);
 }
 
 /* Adds the next n texts; *at moves behind them. */
@@ -249,17 +241,11 @@ static void put_field(FILE *stream, const struct record *record, const struct fi
 
 char *record_text(const struct record *record)
 {
-    char *text = NULL;
-    size_t length = 0;
-    FILE *stream = open_memstream(&text, &length);
-    if (!stream)
-        return NULL;
-    for (int i = 0; i < FIELDS; i++)
+    struct printed printed;
+    FILE *stream = printed_begin(&printed);
+    for (int i = 0; stream && i < FIELDS; i++)
         put_field(stream, record, &fields[i]);
-    if (fclose(stream) == 0)
-        return text;
-    free(text);
-    return NULL;
+    return printed_end(&printed);
 }
 
 /* ---- reading ---- */
@@ -328,11 +314,9 @@ static bool keep_numbers(struct numbers *out, const struct field *field, const c
     for (const char *at = value, *end; *at != '\0'; at = *end != '\0' ? end + 1 : end) {
         end = at + strcspn(at, " ");
         const struct word word = {.start = at, .length = (size_t)(end - at)};
-        double *more = array_more(out->value, out->n, sizeof *more, err);
-        if (!more)
-            return false;
-        out->value = more;
-        if (!word_number(&word, "it", field->lowest, HUGE_VAL, &more[out->n++], &ignored))
+        double number;
+        if (!word_number(&word, "it", field->lowest, HUGE_VAL, &number, &ignored) ||
+            !array_add(&out->value, &out->n, &number, sizeof number, err))
             return false;
     }
     return field->count == 0 || out->n == field->count;

@@ -77,12 +77,10 @@ struct rows {
 /* Adds a zeroed row. Returns NULL after an error. */
 static double *add_row(const struct rows *rows, struct error *err)
 {
-    const size_t n_nm = (size_t)rows->n_nm;
-    double *more = array_more(*rows->values, *rows->n, n_nm * sizeof *more, err);
-    if (!more)
-        return NULL;
-    *rows->values = more;
-    return more + (size_t)(*rows->n)++ * n_nm;
+    const size_t n_nm = (size_t)rows->n_nm, row = (size_t)*rows->n;
+    return array_add(rows->values, rows->n, NULL, n_nm * sizeof(double), err)
+               ? *rows->values + row * n_nm
+               : NULL;
 }
 
 static bool check_row(const struct rows *rows, const double *row, struct place place,

@@ -152,6 +152,11 @@ static bool use_named(struct scene *scene, const struct word *name, int *out, st
     return find_named(scene, name, out, err) && use_partner(scene, *out, err);
 }
 
+const struct material *scene_partner(const struct scene *scene, const struct material *material)
+{
+    return material->partner_name ? &scene->materials[material->partner_index] : material->partner;
+}
+
 /* ---- material maps ---- */
 
 /* Finds the material of an entry of an MTL file, or reads the entry. */

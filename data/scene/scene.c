@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads scenes: finds the file of a scene, reads one statement a line, and reads the files that it
  * includes. Statements may come in any order; some of them may be given only once. */
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "data/base/base.h"
 #include "data/scene/scene.h"
@@ -29,13 +26,6 @@ bool scene_open(struct scene *scene, const struct word *word, struct text *out, 
     return done;
 }
 
-static bool same_file(const char *a, const char *b)
-{
-    struct stat one, other;
-    return strcmp(a, b) == 0 || (stat(a, &one) == 0 && stat(b, &other) == 0 &&
-                                 one.st_dev == other.st_dev && one.st_ino == other.st_ino);
-}
-
 /* ---- statements ---- */
 
 static bool read_statements(struct scene_reader *reader, struct text *text, struct error *err);
@@ -51,7 +41,7 @@ static bool include_read(struct scene_reader *reader, struct error *err)
         return error_at(err, word.place, "files include each other more than %d deep",
                         DEEPEST_INCLUDE);
     for (int i = 0; i < reader->n_open; i++)
-        if (same_file(reader->open[i], text.path))
+        if (file_is_same(reader->open[i], text.path))
             return error_at(err, word.place, "%.200s would include itself", reader->open[i]);
     return read_statements(reader, &text, err);
 }
@@ -92,13 +82,10 @@ static bool read_statements(struct scene_reader *reader, struct text *text, stru
 
 static bool refuse_missing(const char *name, struct error *err)
 {
-    static const char folder[] = "scenes/", ending[] = ".scene";
-    char list[LIST_SIZE] = "";
-    for (size_t i = 0; i < builtin_file_count; i++) {
-        const char *file = builtin_files[i].name, *end = strrchr(file, '.');
-        if (strncmp(file, folder, strlen(folder)) == 0 && end && strcmp(end, ending) == 0)
-            list_add(list, file + strlen(folder), (size_t)(end - file) - strlen(folder));
-    }
+    char list[LIST_SIZE] = "", scene[BUILTIN_NAME];
+    for (size_t i = 0; i < builtin_file_count; i++)
+        if (builtin_name(&builtin_files[i], "scenes/", ".scene", scene))
+            list_add(list, scene, strlen(scene));
     return error_usage(err, "found no file and no built-in scene '%.500s'; built-in are %s", name,
                        list);
 }
@@ -107,7 +94,7 @@ bool scene_is_missing(const char *name)
 {
     char builtin[256];
     return !builtin_path("scenes/", name, ".scene", builtin, sizeof builtin) &&
-           strncmp(name, "builtin:", 8) != 0 && access(name, F_OK) != 0 && errno == ENOENT;
+           file_is_missing(name);
 }
 
 static bool open_scene(struct scene *scene, const char *name, struct text *out, struct error *err)

@@ -78,6 +78,8 @@ struct scene {
 bool scene_read(const char *name, struct scene *out, struct error *err);
 bool scene_is_missing(const char *name); /* neither built in nor a file */
 void scene_free(struct scene *scene);
+/* Returns the metameric partner of a material of the scene; NULL: it has none. */
+const struct material *scene_partner(const struct scene *scene, const struct material *material);
 /* Options of the command line. Each replaces what the scene file says, and reads `text`, the value
  * of the option. A message names the option and the column in its value. */
 bool scene_set_wavelengths(struct scene *scene, const char *text, struct error *err);
@@ -122,8 +124,7 @@ bool shading_read(struct scene_reader *reader, struct error *err);
 void view_set_defaults(struct scene *scene);
 /* Sets the wavelengths where no statement has set them. */
 bool wavelengths_complete(struct scene *scene, struct error *err);
-/* Opens the value of an option as a text of one line. The scene keeps it, since places point into
- * it. */
+/* Opens an option's value as a text of one line. The scene keeps it: places point into it. */
 bool option_open(struct scene *scene, const char *option, const char *value, struct text *out,
                  struct error *err);
 /* The bytes of an option's text from `start` up to `end` as a word. */

@@ -277,18 +277,14 @@ bool scene_set_size(struct scene *scene, const char *value, struct error *err)
 {
     struct text text;
     struct scene_reader reader = {.scene = scene, .text = &text};
-    if (!open_numbers(scene, "--size", value, "x", &text, err))
-        return false;
-    return size_read(&reader, err);
+    return open_numbers(scene, "--size", value, "x", &text, err) && size_read(&reader, err);
 }
 
 bool scene_set_shading(struct scene *scene, const char *value, struct error *err)
 {
     struct text text;
     struct scene_reader reader = {.scene = scene, .text = &text};
-    if (!option_open(scene, "--shading", value, &text, err))
-        return false;
-    return shading_read(&reader, err);
+    return option_open(scene, "--shading", value, &text, err) && shading_read(&reader, err);
 }
 
 bool scene_set_tessellation(struct scene *scene, const char *value, struct error *err)

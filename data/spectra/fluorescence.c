@@ -156,17 +156,16 @@ static bool read_header(struct matrix_table *table, struct error *err)
 
 static bool read_row(struct matrix_table *table, const struct word *first, struct error *err)
 {
-    const int columns = table->out->excitation.count, row = table->out->emission.count;
+    const int columns = table->out->excitation.count;
+    int n_shares = table->out->emission.count * columns;
+    double share;
     struct word word;
     if (!read_wavelength(first, "emission wavelength", &table->out->emission, err))
         return false;
     for (int i = 0; i < columns; i++) {
-        double *more = array_more(table->out->share, row * columns + i, sizeof *more, err);
-        if (more == NULL)
-            return false;
-        table->out->share = more;
         if (!text_expect(&table->text, &word, "a share for each excitation wavelength", err) ||
-            !word_number(&word, "share", 0, 1, &more[row * columns + i], err))
+            !word_number(&word, "share", 0, 1, &share, err) ||
+            !array_add(&table->out->share, &n_shares, &share, sizeof share, err))
             return false;
     }
     return text_end(&table->text, "this row", err);

@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 /* Spectra: constants, tables in three formats, and two formulas. */
-#include <errno.h>
 #include <float.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 #include "data/maths/maths.h"
 #include "data/spectra/spectra.h"
@@ -96,20 +94,11 @@ static double peak(const struct spectrum *s)
 
 /* ---- storage ---- */
 
-static bool append(double **numbers, int count, double number, struct error *err)
-{
-    double *more = array_more(*numbers, count, sizeof *more, err);
-    if (more == NULL)
-        return false;
-    *numbers = more;
-    more[count] = number;
-    return true;
-}
-
 bool spectrum_append(struct spectrum *spectrum, double wavelength_nm, double value,
                      struct place place, struct error *err)
 {
     const int n = spectrum->count;
+    int n_nm = n;
     if (!(wavelength_nm > 0 && wavelength_nm < longest_nm))
         return error_at(err, place, "wavelength %.15g nm; it lies between 0 and %.15g nm",
                         wavelength_nm, longest_nm);
@@ -120,15 +109,14 @@ bool spectrum_append(struct spectrum *spectrum, double wavelength_nm, double val
         return error_at(err, place,
                         "wavelength %.15g nm follows %.15g nm; wavelengths must increase",
                         wavelength_nm, spectrum->wavelength_nm[n - 1]);
-    if (!append(&spectrum->wavelength_nm, n, wavelength_nm, err) ||
-        !append(&spectrum->value, n, value, err))
+    if (!array_add(&spectrum->wavelength_nm, &n_nm, &wavelength_nm, sizeof wavelength_nm, err) ||
+        !array_add(&spectrum->value, &spectrum->count, &value, sizeof value, err))
         return false;
     if (n == 0) {
         spectrum->kind = SPECTRUM_SAMPLED;
         spectrum->factor = 1;
         spectrum->place = place;
     }
-    spectrum->count++;
     return true;
 }
 
@@ -381,15 +369,11 @@ bool table_is_detector(const struct builtin_file *file)
 static bool refuse_unknown(const struct table *table, const char *name, struct error *err)
 {
     const bool detector = table->n_out > 1;
-    char list[1024] = "";
-    size_t used = 0;
-    for (size_t i = 0; i < builtin_file_count; i++) {
-        const char *file = builtin_files[i].name, *end = strrchr(file, '.');
-        if (strncmp(file, "tables/", 7) == 0 && end != NULL && strcmp(end, ".csv") == 0 &&
-            (!detector || table_is_detector(&builtin_files[i])) && used < sizeof list)
-            used += (size_t)snprintf(list + used, sizeof list - used, " %.*s",
-                                     (int)(end - file - 7), file + 7);
-    }
+    char list[1024] = "", known[BUILTIN_NAME];
+    for (size_t i = 0; i < builtin_file_count; i++)
+        if ((!detector || table_is_detector(&builtin_files[i])) &&
+            builtin_name(&builtin_files[i], "tables/", ".csv", known))
+            snprintf(list + strlen(list), sizeof list - strlen(list), " %s", known);
     return error_at(err, table->word->place,
                     "no built-in %s and no file '%.100s'; it is %s or one of%s",
                     detector ? "detector" : "spectrum", name,
@@ -410,7 +394,7 @@ static bool read_table(struct table *table, struct error *err)
                    : file_relative(word->place.path, name);
     if (path == NULL)
         error_memory(err);
-    else if (strncmp(path, "builtin:", 8) != 0 && access(path, F_OK) != 0 && errno == ENOENT)
+    else if (file_is_missing(path))
         refuse_unknown(table, name, err);
     else
         done = read_file(path, table, err);

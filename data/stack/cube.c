@@ -284,6 +284,29 @@ bool cube_white_response(const struct cube *cube, const struct white_request *re
     return done;
 }
 
+/* ---- as an observer sees it ---- */
+
+bool sight_make(const struct cube *cube, const char *observer, const struct white_request *white,
+                struct sight *out, struct error *err)
+{
+    struct detector detector = {.name = NULL};
+    out->weights = calloc(3 * (size_t)cube->image.n_pages, sizeof *out->weights);
+    if (!out->weights)
+        return error_memory(err);
+    const bool done =
+        observer_read(observer, &detector, err) &&
+        cube_weights(cube, &detector, out->weights, err) &&
+        cube_white_response(cube, white, out->weights, &out->has_white, out->white, err);
+    detector_free(&detector);
+    return done;
+}
+
+void sight_free(struct sight *sight)
+{
+    free(sight->weights);
+    sight->weights = NULL;
+}
+
 /* ---- the object map ---- */
 
 bool cube_objects(const struct cube *cube, int x, int y, int n, int *out, struct error *err)

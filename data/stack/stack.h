@@ -94,6 +94,16 @@ struct white_request {
  * needed or named, and a white too large to compute with. */
 bool cube_white_response(const struct cube *cube, const struct white_request *request,
                          const double *weights, bool *found, double out[3], struct error *err);
+/* How an observer sees a stack. */
+struct sight {
+    double *weights; /* of X, Y and Z, as cube_weights; owned */
+    double white[3]; /* XYZ */
+    bool has_white;
+};
+/* Refuses what observer_read, cube_weights and cube_white_response refuse. */
+bool sight_make(const struct cube *cube, const char *observer, const struct white_request *white,
+                struct sight *out, struct error *err);
+void sight_free(struct sight *sight);
 /* Reads the numbers of the objects at n pixels of a row, from 1, with names in record.objects. 0 is
  * the background; -1 means an unknown number, or a stack without an object map. */
 bool cube_objects(const struct cube *cube, int x, int y, int n, int *out, struct error *err);

@@ -222,17 +222,16 @@ static bool set_printed(TIFF *tiff, uint32_t tag, const struct stack_writer *wri
                         void (*put)(FILE *, const struct stack_writer *, int), struct error *err)
 {
     const TIFFField *field = TIFFFieldWithTag(tiff, tag);
-    char *bytes = NULL;
-    size_t length = 0;
-    FILE *stream = open_memstream(&bytes, &length);
-    if (stream == NULL)
+    struct printed printed;
+    FILE *stream = printed_begin(&printed);
+    if (stream != NULL)
+        put(stream, writer, page);
+    char *bytes = printed_end(&printed);
+    if (bytes == NULL)
         return error_memory(err);
-    put(stream, writer, page);
-    bool good = (fflush(stream) == 0 && !ferror(stream)) || error_memory(err);
-    fclose(stream);
-    uint32_t count = (uint32_t)length / (uint32_t)TIFFDataWidth(TIFFFieldDataType(field));
-    good = good && (TIFFFieldPassCount(field) ? TIFFSetField(tiff, tag, count, bytes)
-                                              : TIFFSetField(tiff, tag, bytes));
+    uint32_t count = (uint32_t)printed.length / (uint32_t)TIFFDataWidth(TIFFFieldDataType(field));
+    const bool good = TIFFFieldPassCount(field) ? TIFFSetField(tiff, tag, count, bytes)
+                                                : TIFFSetField(tiff, tag, bytes);
     free(bytes);
     return good;
 }

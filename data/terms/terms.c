@@ -243,9 +243,8 @@ static void add_once(const struct material **list, int *n, const struct material
 /* Adds a material, and its partner if it has one. */
 static void add_halves(const struct scene *scene, int index, const struct material **list, int *n)
 {
-    const struct material *material = &scene->materials[index], *partner = material->partner;
-    if (material->partner_name)
-        partner = &scene->materials[material->partner_index];
+    const struct material *material = &scene->materials[index];
+    const struct material *partner = scene_partner(scene, material);
     add_once(list, n, material);
     if (partner)
         add_once(list, n, partner);

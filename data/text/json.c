@@ -2,7 +2,6 @@
 /* Writes JSON into a text that grows. The caller is responsible for the structure. */
 #include <math.h>
 #include <stdarg.h>
-#include <stdlib.h>
 
 #include "data/text/text.h"
 
@@ -11,20 +10,16 @@ static void json_text(struct json *json, const char *format, ...) PRINTF_LIKE(2,
 static void json_text(struct json *json, const char *format, ...)
 {
     va_list arguments;
-    for (int attempt = 0; attempt < 2 && !json->failed; attempt++) {
-        size_t room = json->capacity - json->length;
-        va_start(arguments, format);
-        int n = vsnprintf(json->text ? json->text + json->length : NULL, room, format, arguments);
-        va_end(arguments);
-        if (n >= 0 && (size_t)n < room) {
-            json->length += (size_t)n;
-            return;
-        }
-        json->capacity = 2 * json->capacity + (size_t)(n < 0 ? 0 : n) + 256;
-        char *larger = realloc(json->text, json->capacity);
-        json->failed = n < 0 || !larger;
-        json->text = larger ? larger : json->text;
-    }
+    va_start(arguments, format);
+    if (json->printed.to)
+        vfprintf(json->printed.to, format, arguments);
+    va_end(arguments);
+}
+
+void json_begin(struct json *json)
+{
+    *json = (struct json){.separated = false};
+    printed_begin(&json->printed);
 }
 
 static void json_key(struct json *json, const char *key)
@@ -102,11 +97,5 @@ void json_numbers(struct json *json, const char *key, const double *values, int 
 char *json_end(struct json *json)
 {
     json_text(json, "\n");
-    char *text = json->text;
-    if (json->failed) {
-        free(text);
-        text = NULL;
-    }
-    *json = (struct json){.text = NULL};
-    return text;
+    return printed_end(&json->printed);
 }

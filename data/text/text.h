@@ -3,6 +3,7 @@
 #ifndef TEXT_H
 #define TEXT_H
 
+#include "data/base/base.h"
 #include "data/maths/maths.h"
 #include "spectral.h"
 
@@ -103,15 +104,18 @@ struct place text_next_place(struct text text);
 bool text_vector(struct text *text, const char *what, struct vector *out, struct error *err);
 bool text_direction(struct text *text, const char *what, struct vector *out, struct error *err);
 
+/* Prints a text within a quoted field of CSV (RFC 4180): doubles its quotation marks. */
+void csv_text(const char *text, FILE *to);
+
 /* ---- json.c: JSON out (RFC 8259) ---- */
 
-/* A JSON text that grows as it is written. Zero it before use. `text` is owned. `failed`: there was
- * no memory; json_end then returns NULL. */
+/* A JSON text that grows as it is written. */
 struct json {
-    char *text;
-    size_t length, capacity;
-    bool failed, separated; /* separated: the next member needs a comma before it */
+    struct printed printed;
+    bool separated; /* the next member needs a comma before it */
 };
+/* Begins a text. When memory runs out, here or later, only json_end reports it. */
+void json_begin(struct json *json);
 /* Each writes one member of an object, or of an array, whose members have no key: key NULL.
  * Brackets are '{' or '[' to open, '}' or ']' to close. */
 void json_open(struct json *json, const char *key, char bracket);
@@ -123,7 +127,8 @@ void json_count(struct json *json, const char *key, uint64_t value);
 void json_truth(struct json *json, const char *key, bool value);
 /* An array; null where values is NULL. */
 void json_numbers(struct json *json, const char *key, const double *values, int n);
-/* Returns the text, which then belongs to the caller; NULL: no memory. */
+/* Ends the text. Returns it, and it then belongs to the caller; NULL: no memory. Safe on a zeroed
+ * struct. */
 char *json_end(struct json *json);
 
 #endif

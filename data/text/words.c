@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/text/text.h"
 
 void list_add(char list[LIST_SIZE], const char *name, size_t length)
@@ -103,4 +102,10 @@ bool text_direction(struct text *text, const char *what, struct vector *out, str
         return false;
     return out->x != 0 || out->y != 0 || out->z != 0 ||
            error_at(err, first, "%s 0 0 0 points nowhere; one of its numbers must not be 0", what);
+}
+
+void csv_text(const char *text, FILE *to)
+{
+    for (; *text != '\0'; text++)
+        fprintf(to, *text == '"' ? "\"\"" : "%c", *text);
 }

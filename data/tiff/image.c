@@ -209,16 +209,12 @@ static bool page_add(struct image *image, int band, const char *const items[ITEM
 {
     struct image_file *file = image->file;
     const int page = image->n_pages;
-    struct sample_layout *pages = array_more(file->pages, page, sizeof *pages, err);
-    if (pages == NULL)
+    const double nm = metadata_wavelength(file, items);
+    int n_layouts = page, n_nm = page;
+    if (!array_add(&file->pages, &n_layouts, NULL, sizeof *file->pages, err) ||
+        !array_add(&image->wavelengths_nm, &n_nm, &nm, sizeof nm, err))
         return false;
-    file->pages = pages;
-    double *nm = array_more(image->wavelengths_nm, page, sizeof *nm, err);
-    if (nm == NULL)
-        return false;
-    image->wavelengths_nm = nm;
-    nm[page] = metadata_wavelength(file, items);
-    struct sample_layout *layout = &pages[page];
+    struct sample_layout *pages = file->pages, *layout = &pages[page];
     if (band > 0) {
         *layout = pages[0];
         layout->plane = (uint16_t)(layout->pixel_step == 1 ? band : 0);

@@ -101,11 +101,8 @@ static bool recommend(const struct options *options, const char *what,
                       const struct cost_entry *best, const struct cost_entry *spectral, FILE *to,
                       struct error *err)
 {
-    if (!best) {
-        error_usage(err, "no configuration is %s", what);
-        err->status = EXIT_DIFFERENT;
-        return false;
-    }
+    if (!best)
+        return error_different(err, "no configuration is %s", what);
     print_entry(options, what, best, to);
     if (!spectral)
         fputs("with spectra: none\n", to);

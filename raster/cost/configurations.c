@@ -139,8 +139,6 @@ static bool say_sampling(const struct configuration *configuration, const char *
 bool configuration_entry(const struct configuration *configuration, const char *observer,
                          struct cost_entry *out, struct error *err)
 {
-    static const char *const shading[] = {
-        [SHADING_SMOOTH] = "smooth", [SHADING_FLAT] = "flat", [SHADING_PHONG] = "phong"};
     static const char *const renderer[] = {[BY_RASTER] = "raster",
                                            [BY_LLVMPIPE] = "llvmpipe",
                                            [BY_CHECKED_LLVMPIPE] = "llvmpipe",
@@ -151,7 +149,7 @@ bool configuration_entry(const struct configuration *configuration, const char *
     snprintf(factor, sizeof factor, "%d", configuration->tessellation);
     out->configuration = *configuration;
     return say_sampling(configuration, observer, out, err) &&
-           say(out, " ", "--shading=", shading[configuration->shading], err) &&
+           say(out, " ", "--shading=", shading_words[configuration->shading], err) &&
            (configuration->tessellation == 1 || say(out, " x", "--tessellation=", factor, err)) &&
            say(out, configuration->renderer == BY_RASTER ? NULL : " ",
                "--renderer=", renderer[configuration->renderer], err) &&

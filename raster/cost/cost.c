@@ -7,6 +7,7 @@
 
 #include "data/base/base.h"
 #include "data/chart/chart.h"
+#include "data/text/text.h"
 #include "raster/cost/cost.h"
 
 void cost_entry_free(struct cost_entry *entry)
@@ -36,12 +37,11 @@ bool cost_note(struct cost *cost, struct error *err, const char *format, ...)
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    char **notes = array_more(cost->notes, cost->n_notes, sizeof *notes, err);
-    if (!notes)
-        return false;
-    cost->notes = notes;
-    notes[cost->n_notes] = strdup(text);
-    return notes[cost->n_notes++] || error_memory(err);
+    char *note = strdup(text);
+    if (note && array_add(&cost->notes, &cost->n_notes, &note, sizeof note, err))
+        return true;
+    free(note);
+    return error_memory(err);
 }
 
 /* ---- the frontier ---- */
@@ -150,22 +150,12 @@ void cost_print(const struct cost *cost, FILE *to)
         fprintf(to, "%s- %s\n", i == 0 ? "\n" : "", cost->notes[i]);
 }
 
-/* Doubles quotation marks (RFC 4180). Only a file name in an option can have one. */
-static void print_quoted(const char *text, FILE *to)
-{
-    for (; *text; text++) {
-        if (*text == '"')
-            fputc('"', to);
-        fputc(*text, to);
-    }
-}
-
 static void print_csv_entry(const struct cost_entry *entry, FILE *to)
 {
     fprintf(to, "\"%s\",\"", entry->name);
     for (int i = 0; i < entry->n_words; i++) {
         fputs(i > 0 ? " " : "", to);
-        print_quoted(entry->words[i], to);
+        csv_text(entry->words[i], to);
     }
     fprintf(to, "\",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,", entry->seconds, entry->fastest, entry->slowest,
             entry->accuracy.mean, entry->accuracy.quantile_95, entry->accuracy.largest);
@@ -176,9 +166,8 @@ static void print_csv_entry(const struct cost_entry *entry, FILE *to)
 
 char *cost_csv(const struct cost *cost)
 {
-    char *table = NULL;
-    size_t length = 0;
-    FILE *stream = open_memstream(&table, &length);
+    struct printed printed;
+    FILE *stream = printed_begin(&printed);
     if (!stream)
         return NULL;
     fputs("name,options,seconds,fastest,slowest,dE00_mean,dE00_95,dE00_largest,radiance_error,"
@@ -186,10 +175,7 @@ char *cost_csv(const struct cost *cost)
           stream);
     for (int i = 0; i < cost->n; i++)
         print_csv_entry(&cost->entries[i], stream);
-    if (fclose(stream) == 0)
-        return table;
-    free(table);
-    return NULL;
+    return printed_end(&printed);
 }
 
 /* ---- the chart ---- */

@@ -262,18 +262,14 @@ static bool conclude(struct cost *cost, struct error *err)
 /* Returns the scene's name with the changes of the command line, allocated; NULL: no memory. */
 static char *name_scene(const struct measurement *measurement)
 {
-    char *text = NULL;
-    size_t length = 0;
-    FILE *stream = open_memstream(&text, &length);
+    struct printed printed;
+    FILE *stream = printed_begin(&printed);
     if (!stream)
         return NULL;
     fputs(measurement->cost->survey.scene, stream);
     for (int i = 0; i < measurement->options->n_recorded; i++)
         fprintf(stream, " %s", measurement->options->recorded[i]);
-    if (fclose(stream) == 0)
-        return text;
-    free(text);
-    return NULL;
+    return printed_end(&printed);
 }
 
 static bool describe(struct measurement *measurement, bool lit, struct error *err)

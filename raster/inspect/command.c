@@ -82,17 +82,11 @@ static bool probe_operand(const struct options *options, const struct probe_opti
 /* Returns the probe as text or CSV, allocated; NULL: no memory. */
 static char *probe_text(const struct probe *probe, bool csv)
 {
-    char *text = NULL;
-    size_t length = 0;
-    FILE *stream = open_memstream(&text, &length);
-    if (!stream)
-        return NULL;
-    (csv ? probe_print_csv : probe_print)(probe, stream);
-    if (fclose(stream) != 0) {
-        free(text);
-        text = NULL;
-    }
-    return text;
+    struct printed printed;
+    FILE *stream = printed_begin(&printed);
+    if (stream)
+        (csv ? probe_print_csv : probe_print)(probe, stream);
+    return printed_end(&printed);
 }
 
 static bool probe_write(const struct options *options, const struct probe *probe, struct error *err)

@@ -37,12 +37,8 @@ static bool same_shape(const struct shape *a, const struct shape *b)
 
 static struct vector centre_of(const struct mesh *mesh)
 {
-    struct vector low = mesh->vertices[0].position, high = low;
-    for (int i = 1; i < mesh->n_vertices; i++) {
-        struct vector p = mesh->vertices[i].position;
-        low = (struct vector){fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z)};
-        high = (struct vector){fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z)};
-    }
+    struct vector low, high;
+    mesh_box(mesh, &low, &high);
     return vector_add(vector_scale(low, 0.5), vector_scale(high, 0.5));
 }
 
@@ -51,10 +47,8 @@ static double mesh_unit(const struct mesh *mesh, struct vector centre)
 {
     double largest = 0;
     int exponent;
-    for (int i = 0; i < mesh->n_vertices; i++) {
-        struct vector p = vector_subtract(mesh->vertices[i].position, centre);
-        largest = fmax(largest, fmax(fabs(p.x), fmax(fabs(p.y), fabs(p.z))));
-    }
+    for (int i = 0; i < mesh->n_vertices; i++)
+        largest = fmax(largest, vector_reach(vector_subtract(mesh->vertices[i].position, centre)));
     frexp(largest, &exponent);
     return largest > 0 ? ldexp(1, exponent) : 1;
 }
@@ -84,12 +78,13 @@ static int find_whole(struct instance_maker *maker, const struct shape *describe
     for (int i = 0; i < maker->n_wholes; i++)
         if (same_shape(&maker->wholes[i].shape, &shape))
             return i;
-    struct whole *more = array_more(maker->wholes, maker->n_wholes, sizeof *more, err);
-    if (!more)
+    struct whole whole = {.shape = shape};
+    if (!build_whole(&whole, err) ||
+        !array_add(&maker->wholes, &maker->n_wholes, &whole, sizeof whole, err)) {
+        mesh_free(&whole.mesh);
         return -1;
-    maker->wholes = more;
-    more[maker->n_wholes].shape = shape;
-    return build_whole(&more[maker->n_wholes], err) ? maker->n_wholes++ : -1;
+    }
+    return maker->n_wholes - 1;
 }
 
 /* ---- meshes as they are drawn ---- */
@@ -101,18 +96,15 @@ static bool add_mesh(struct instance_maker *maker, struct cutting cutting, struc
 {
     struct plan *plan = maker->plan;
     const struct whole *whole = &maker->wholes[cutting.whole];
-    struct plan_mesh *meshes = array_more(plan->meshes, plan->n_meshes, sizeof *meshes, err);
-    if (!meshes) {
-        mesh_free(mesh);
-        return false;
-    }
+    const struct plan_mesh added = {
+        .mesh = *mesh, .cutting = cutting, .centre = whole->centre, .unit = whole->unit};
     for (int i = 0; i < mesh->n_vertices; i++)
         mesh->vertices[i].position = vector_scale(
             vector_subtract(mesh->vertices[i].position, whole->centre), 1 / whole->unit);
-    plan->meshes = meshes;
-    meshes[plan->n_meshes++] = (struct plan_mesh){
-        .mesh = *mesh, .cutting = cutting, .centre = whole->centre, .unit = whole->unit};
-    return true;
+    if (array_add(&plan->meshes, &plan->n_meshes, &added, sizeof added, err))
+        return true;
+    mesh_free(mesh);
+    return false;
 }
 
 static bool add_sides(struct instance_maker *maker, struct cutting cutting, const struct mesh *part,
@@ -214,11 +206,6 @@ static bool add_instance(struct instance_maker *maker, const struct object *obje
     struct plan_mesh *mesh = &plan->meshes[placed.mesh];
     if (mesh->mesh.n_triangles == 0) /* all of it lies on the other side */
         return true;
-    struct placed_instance *more =
-        array_more(plan->instances, plan->n_instances, sizeof *more, err);
-    if (!more)
-        return false;
-    plan->instances = more;
     if (!shaded_material_find(plan, material, &placed.shaded, err))
         return false;
     mesh->textured = mesh->textured || plan->materials[placed.shaded].texture;
@@ -230,19 +217,16 @@ static bool add_instance(struct instance_maker *maker, const struct object *obje
         return error_at(err, object->place,
                         "the object's transform is singular or not finite, or the object is too "
                         "small, too large or too flat beside the picture for single precision");
-    more[plan->n_instances++] = placed;
     plan->n_vertices += mesh->mesh.n_vertices;
     plan->n_triangles += mesh->mesh.n_triangles;
-    return true;
+    return array_add(&plan->instances, &plan->n_instances, &placed, sizeof placed, err);
 }
 
 /* A mesh, or a part of it, of one material: in two halves if that has a partner. */
 static bool add_halves(struct instance_maker *maker, const struct object *object,
                        struct cutting cutting, const struct material *material, struct error *err)
 {
-    const struct material *partner = material->partner;
-    if (material->partner_name)
-        partner = &maker->plan->scene->materials[material->partner_index];
+    const struct material *partner = scene_partner(maker->plan->scene, material);
     if (!partner)
         return add_instance(maker, object, cutting, material, err);
     cutting.side = 0;

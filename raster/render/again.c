@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral render --again: makes a stack again from its own record. The new stack must be the same,
  * byte for byte. */
-#include <stdlib.h>
 #include <string.h>
 
 #include "data/scene/scene.h"
@@ -38,14 +37,12 @@ static bool recorded_options(const struct options *options, const struct record 
 static bool can_be_same(const struct record *record, const struct render_output *output,
                         struct error *err)
 {
-    if (strcmp(record->program, PROGRAM) != 0 && !output->keep) {
-        error_usage(err,
-                    "%s was made by %.80s, but this is " PROGRAM ", and each stack records "
-                    "its program; --keep stores the new stack anyway",
-                    output->again, record->program);
-        err->status = EXIT_DIFFERENT;
-        return false;
-    }
+    if (strcmp(record->program, PROGRAM) != 0 && !output->keep)
+        return error_different(err,
+                               "%s was made by %.80s, but this is " PROGRAM
+                               ", and each stack records its program; --keep stores the new "
+                               "stack anyway",
+                               output->again, record->program);
     return !scene_is_missing(record->scene) ||
            error_usage(err,
                        "%s: its scene '%.500s' does not exist; a relative name starts from the "
@@ -75,17 +72,16 @@ bool render_again(struct options *options, struct error *err)
     if (options->operand || options->n_recorded > 0)
         return error_usage(err, "--again takes no %s: the stack records it",
                            options->operand ? "SCENE" : options->recorded[0]);
-    char *named = output_name(options->again, "-again.tif");
-    if (!named)
-        return error_memory(err);
     /* With -o /dev/null the stack is written under its default name, compared, and then discarded.
      */
-    bool discard = options->output && strcmp(options->output, "/dev/null") == 0;
-    struct render_output output = {.path = options->output && !discard ? options->output : named,
-                                   .again = options->again,
-                                   .keep = options->keep,
-                                   .discard = discard};
-    bool done = render_recorded(options, &output, err);
-    free(named);
-    return done;
+    const bool discard = options->output && strcmp(options->output, "/dev/null") == 0;
+    if (discard)
+        options->output = NULL;
+    if (!options_name_output(options, options->again, "-again.tif", err))
+        return false;
+    const struct render_output output = {.path = options->output,
+                                         .again = options->again,
+                                         .keep = options->keep,
+                                         .discard = discard};
+    return render_recorded(options, &output, err);
 }

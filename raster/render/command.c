@@ -198,17 +198,14 @@ void options_forget_check(struct options *options)
 
 bool render_scene(struct options *options, struct error *err)
 {
-    char *named = options->output ? NULL : output_name(options_scene(options), ".tif");
-    const char *output = options->output ? options->output : named;
-    if (!output)
-        return error_memory(err);
+    if (!options_name_output(options, options_scene(options), ".tif", err))
+        return false;
     if (stores_raster(options))
         options_forget_check(options);
-    struct render_output wanted = {.path = strcmp(output, "/dev/null") == 0 ? NULL : output,
-                                   .keep = options->keep};
-    bool done = render_with_options(options, &wanted, NULL, err);
-    free(named);
-    return done;
+    const bool discard = strcmp(options->output, "/dev/null") == 0;
+    const struct render_output wanted = {.path = discard ? NULL : options->output,
+                                         .keep = options->keep};
+    return render_with_options(options, &wanted, NULL, err);
 }
 
 bool command_render(struct options *options, struct error *err)

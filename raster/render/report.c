@@ -2,7 +2,6 @@
 /* Reports a render: as a table, as one line for the stack, and as one JSON object. */
 #include <math.h>
 #include <stdarg.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "data/method/method.h"
@@ -102,15 +101,10 @@ static void print_check(const struct plan *plan, const struct check_verdict *ver
     fprintf(to, "unexplained       %llu\n", (unsigned long long)verdict->unexplained);
 }
 
-/* Returns the largest sample in words. */
-static const char *largest_sample(const struct plan *plan)
-{
-    return plan->options.bits == 8 ? "255" : plan->options.bits == 32 ? "full scale" : "65535";
-}
-
 void report_print(const struct plan *plan, const struct render_result *result, FILE *to)
 {
     const struct render_seconds *seconds = &result->seconds;
+    const int bits = plan->options.bits;
     fprintf(to, "scene             %s, %d x %d pixels, %d %s\n", plan->scene->path,
             plan->scene->width, plan->scene->height, plan->n_bands,
             has_components(plan) ? "components" : "wavelengths");
@@ -119,7 +113,7 @@ void report_print(const struct plan *plan, const struct render_result *result, F
         sampling_print(plan->sampling, to);
     }
     fprintf(to, "full scale        %.10g is count 65535%s\n", result->full_scale,
-            plan->options.bits == 8 ? ", stored as 255" : "");
+            bits == 8 ? ", stored as 255" : "");
     if (plan->options.use_gl)
         fprintf(to, "OpenGL            %s, %s\n", result->gl_renderer, result->gl_version);
     if (plan->options.check)
@@ -133,7 +127,10 @@ void report_print(const struct plan *plan, const struct render_result *result, F
                                 : ": this program was built without OpenGL");
     if (result->odd.clipped)
         fprintf(to, "clipped           %llu samples above full scale are stored as %s\n",
-                (unsigned long long)result->odd.clipped, largest_sample(plan));
+                (unsigned long long)result->odd.clipped,
+                bits == 8    ? "255"
+                : bits == 32 ? "full scale"
+                             : "65535");
     fprintf(to,
             "seconds           %.3f (read %.3f, plan %.3f, gl %.3f, raster %.3f, check %.3f, "
             "write %.3f)\n",
@@ -186,11 +183,10 @@ bool report_difference(const struct plan *plan, const struct check_verdict *verd
     if (place.path)
         snprintf(where, sizeof where, " (%s:%d)", place.path, place.line);
     failure_text(plan, first, what, sizeof what);
-    error_usage(err, "the pictures differ at %llu of %llu pixels, first at %d,%d on %s%s: %s; %s",
-                (unsigned long long)verdict->unexplained, (unsigned long long)verdict->pixels,
-                first->x, first->y, object_name(plan, first->surface), where, what, then);
-    err->status = EXIT_DIFFERENT;
-    return false;
+    return error_different(
+        err, "the pictures differ at %llu of %llu pixels, first at %d,%d on %s%s: %s; %s",
+        (unsigned long long)verdict->unexplained, (unsigned long long)verdict->pixels, first->x,
+        first->y, object_name(plan, first->surface), where, what, then);
 }
 
 /* Tries the reasons in the order of their certainty. */
@@ -216,9 +212,7 @@ bool report_not_again(const struct plan *plan, const struct render_result *resul
         snprintf(what, sizeof what, "first at %d,%d of page %d (%s); %s", first->x, first->y,
                  first->page + 1, page, changed);
     }
-    error_usage(err, "the stack is not the same as %s: %s; %s", path, what, then);
-    err->status = EXIT_DIFFERENT;
-    return false;
+    return error_different(err, "the stack is not the same as %s: %s; %s", path, what, then);
 }
 
 /* ---- as JSON ---- */
@@ -369,7 +363,8 @@ static void json_seconds(struct json *json, const struct render_seconds *seconds
 char *report_json(const struct plan *plan, const struct render_result *result, const char *output,
                   const char *sha256, uint64_t peak_bytes)
 {
-    struct json json = {.text = NULL};
+    struct json json;
+    json_begin(&json);
     json_open(&json, NULL, '{');
     json_picture(&json, plan, result);
     json_effects(&json, plan);

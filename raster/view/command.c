@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral view: writes an interactive viewer in one HTML file. */
 #include <stdio.h>
-#include <stdlib.h>
 
 #include "data/base/base.h"
 #include "data/invocation/invocation.h"
@@ -17,29 +16,21 @@ static void print_page(const struct viewer_result *result, const char *output)
             (double)result->bytes / 1e6);
 }
 
-static bool view_to(const struct options *options, const char *output, struct error *err)
+bool command_view(struct options *options, struct error *err)
 {
     const struct plan_options plan_options = {
         .store_raster = true, .exchangeable = true, .threads = options->threads};
     struct scene scene = {.path = NULL};
     struct plan plan = {.scene = NULL};
     struct viewer_result result;
-    bool done = scene_read_options(options, &scene, err) && scene_spared(output, &scene, err) &&
+    bool done = options_name_output(options, options_scene(options), ".html", err) &&
+                scene_read_options(options, &scene, err) &&
+                scene_spared(options->output, &scene, err) &&
                 plan_make(&scene, NULL, &plan_options, &plan, err) &&
-                viewer_write(&plan, output, &result, err);
+                viewer_write(&plan, options->output, &result, err);
     if (done && !options->quiet)
-        print_page(&result, output);
+        print_page(&result, options->output);
     plan_free(&plan);
     scene_free(&scene);
-    return done;
-}
-
-bool command_view(struct options *options, struct error *err)
-{
-    if (options->output)
-        return view_to(options, options->output, err);
-    char *named = output_name(options_scene(options), ".html");
-    bool done = named ? view_to(options, named, err) : error_memory(err);
-    free(named);
     return done;
 }

@@ -13,7 +13,6 @@
 #include <string.h>
 
 #include "data/base/base.h"
-#include "data/catalogue/catalogue.h"
 #include "data/colour/colour.h"
 #include "data/material/material.h"
 #include "data/mesh/mesh.h"
@@ -23,7 +22,7 @@
 #include "data/text/text.h"
 #include "raster/view/view.h"
 
-/* ---- spectra and matrices as JSON ---- */
+/* ---- spectra and rows of numbers as JSON ---- */
 
 struct page {
     const struct plan *plan;
@@ -34,11 +33,12 @@ struct page {
     struct viewer_result *result;
 };
 
-static void json_matrix(struct json *json, const char *key, double matrix[3][3])
+/* Puts three rows of n numbers each. */
+static void json_rows(struct json *json, const char *key, const double *rows, int n)
 {
     json_open(json, key, '[');
-    for (int i = 0; i < 3; i++)
-        json_numbers(json, NULL, matrix[i], 3);
+    for (size_t i = 0; i < 3; i++)
+        json_numbers(json, NULL, rows + i * (size_t)n, n);
     json_close(json, ']');
 }
 
@@ -70,12 +70,9 @@ static int find_illuminant(struct page *page, const struct spectrum *spectrum, s
     for (int i = 0; i < page->n_illuminants; i++)
         if (same_illuminant(&page->illuminants[i], spectrum))
             return i;
-    struct spectrum *more = array_more(page->illuminants, page->n_illuminants, sizeof *more, err);
-    if (!more)
-        return -1;
-    page->illuminants = more;
-    more[page->n_illuminants] = *spectrum;
-    return page->n_illuminants++;
+    return array_add(&page->illuminants, &page->n_illuminants, spectrum, sizeof *spectrum, err)
+               ? page->n_illuminants - 1
+               : -1;
 }
 
 static bool add_builtin(struct page *page, const char *name, struct error *err)
@@ -95,11 +92,12 @@ static bool add_builtin(struct page *page, const char *name, struct error *err)
 /* Adds equal energy and the built-in illuminants. */
 static bool add_builtins(struct page *page, struct error *err)
 {
-    char name[256];
+    char name[BUILTIN_NAME];
     if (!add_builtin(page, "1", err))
         return false;
     for (size_t i = 0; i < builtin_file_count; i++)
-        if (table_name(&builtin_files[i], false, name, sizeof name) &&
+        if (!table_is_detector(&builtin_files[i]) &&
+            builtin_name(&builtin_files[i], "tables/", ".csv", name) &&
             !add_builtin(page, name, err))
             return false;
     return true;
@@ -265,10 +263,7 @@ static bool put_detector(struct page *page, const char *name, struct error *err)
         json_open(json, NULL, '{');
         json_string(json, "name", name);
         json_truth(json, "observer", detector.observer);
-        json_open(json, "weights", '[');
-        for (int i = 0; i < 3; i++)
-            json_numbers(json, NULL, page->row + (size_t)i * (size_t)plan->n_bands, plan->n_bands);
-        json_close(json, ']');
+        json_rows(json, "weights", page->row, plan->n_bands);
         json_numbers(json, "lost", lost, 3);
         json_close(json, '}');
         page->result->n_detectors++;
@@ -279,10 +274,11 @@ static bool put_detector(struct page *page, const char *name, struct error *err)
 
 static bool put_detectors(struct page *page, struct error *err)
 {
-    char name[256];
+    char name[BUILTIN_NAME];
     json_open(&page->json, "detectors", '[');
     for (size_t i = 0; i < builtin_file_count; i++)
-        if (table_name(&builtin_files[i], true, name, sizeof name) &&
+        if (table_is_detector(&builtin_files[i]) &&
+            builtin_name(&builtin_files[i], "tables/", ".csv", name) &&
             !put_detector(page, name, err))
             return false;
     json_close(&page->json, ']');
@@ -306,8 +302,8 @@ static void put_adaptations(struct json *json)
             colour_apply(cones, display_white, white);
             for (int k = 0; k < 9; k++)
                 back[k / 3][k % 3] *= white[k % 3];
-            json_matrix(json, "cones", cones);
-            json_matrix(json, "from_cones", back);
+            json_rows(json, "cones", (const double *)cones, 3);
+            json_rows(json, "from_cones", (const double *)back, 3);
         }
         json_close(json, '}');
     }
@@ -332,21 +328,18 @@ static void put_displays(struct json *json)
     json_open(json, "displays", '[');
     for (int i = DISPLAY_SRGB; i <= DISPLAY_MONITOR; i++) {
         enum display_kind kind = (enum display_kind)i;
-        double matrix[3][3], largest[3], steps[255];
+        double matrix[3][3], largest[3], steps[3][255];
         display_matrix(kind, matrix);
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
             largest[c] = display_largest(kind, c);
+            for (int code = 1; code <= 255; code++)
+                steps[c][code - 1] = code_step(kind, c, code);
+        }
         json_open(json, NULL, '{');
         json_string(json, "name", display_name(kind));
-        json_matrix(json, "matrix", matrix);
+        json_rows(json, "matrix", (const double *)matrix, 3);
         json_numbers(json, "largest", largest, 3);
-        json_open(json, "steps", '[');
-        for (int c = 0; c < 3; c++) {
-            for (int code = 1; code <= 255; code++)
-                steps[code - 1] = code_step(kind, c, code);
-            json_numbers(json, NULL, steps, 255);
-        }
-        json_close(json, ']');
+        json_rows(json, "steps", (const double *)steps, 255);
         json_close(json, '}');
     }
     json_close(json, ']');
@@ -359,6 +352,7 @@ static bool put_json(struct page *page, const struct planes *planes, const doubl
 {
     const struct scene *scene = page->plan->scene;
     struct json *json = &page->json;
+    json_begin(json);
     json_open(json, NULL, '{');
     json_string(json, "program", PROGRAM);
     json_string(json, "scene", scene->path);
@@ -393,12 +387,13 @@ static bool write_page(const char *json, const char *planes, size_t planes_lengt
 {
     static const char mark[] = "<!-- scene -->\n";
     const struct place nowhere = {NULL, 0, 0};
-    char *source = NULL, *text = NULL;
+    char *source = NULL;
     size_t length;
+    struct printed printed;
     if (!file_read("builtin:viewer.html", nowhere, &source, &length, err))
         return false;
     const char *at = strstr(source, mark);
-    FILE *to = open_memstream(&text, bytes);
+    FILE *to = printed_begin(&printed);
     assert(at);
     if (to) {
         fwrite(source, 1, (size_t)(at - source), to);
@@ -409,9 +404,9 @@ static bool write_page(const char *json, const char *planes, size_t planes_lengt
         fputs("</script>\n", to);
         fputs(at + strlen(mark), to);
     }
-    bool whole = to && !ferror(to);
-    whole = (!to || fclose(to) == 0) && whole;
-    bool done = whole ? file_write(path, text, *bytes, err) : error_memory(err);
+    char *text = printed_end(&printed);
+    *bytes = printed.length;
+    const bool done = text ? file_write(path, text, *bytes, err) : error_memory(err);
     free(source);
     free(text);
     return done;
@@ -423,7 +418,7 @@ static void page_free(struct page *page)
         spectrum_free(&page->illuminants[i]);
     free(page->illuminants);
     free(page->row);
-    free(page->json.text);
+    free(json_end(&page->json));
 }
 
 static bool make_page(struct page *page, const struct planes *planes, const char *path,

@@ -3,6 +3,7 @@
  * digests that FIPS 180-4's own examples publish. */
 #include <dirent.h>
 #include <fcntl.h>
+#include <limits.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <sys/resource.h>
@@ -359,8 +360,40 @@ static void check_digest(void)
           "a folder has no digest");
 }
 
+/* ---- memory ---- */
+
+static void check_arrays(void)
+{
+    struct error err = {.status = EXIT_AGREED};
+    int *numbers = NULL, n = 0, wrong = 0;
+    for (int i = 0; i < 100; i++)
+        array_add(&numbers, &n, i % 2 == 0 ? &i : NULL, sizeof i, &err);
+    for (int i = 0; i < n; i++)
+        wrong += numbers[i] != (i % 2 == 0 ? i : 0);
+    CHECK(n == 100 && wrong == 0, "%d items, %d wrong; expected 100, NULL adding zeros", n, wrong);
+    n = INT_MAX;
+    CHECK(!array_add(&numbers, &n, NULL, sizeof *numbers, &err) && n == INT_MAX &&
+              err.status == EXIT_SYSTEM,
+          "an array that cannot grow stays");
+    free(numbers);
+}
+
+static void check_printed(void)
+{
+    struct printed printed = {.to = NULL};
+    CHECK(!printed_end(&printed), "a text that never began is none");
+    fprintf(printed_begin(&printed), "%d%c%d", 1, '\0', 23);
+    char *text = printed_end(&printed);
+    CHECK(text && printed.length == 4 && memcmp(text, "1\00023", 5) == 0,
+          "a text has its length, and a NUL behind it");
+    CHECK(!printed_end(&printed), "it is returned once");
+    free(text);
+}
+
 int main(void)
 {
+    check_arrays();
+    check_printed();
     check_reads();
     check_pipe();
     check_relative();
