@@ -68,7 +68,7 @@ def bricks(x, y, columns, rows, seed, joint, pixels):
     return edge(inside - joint, pixels), own[row, np.floor(along * columns).astype(int) % columns]
 
 
-# ---- what grows and lies ----
+# ---- natural surfaces ----
 
 def grass(x, y):
     blades = np.maximum(noise(x + 0.02 * noise(x, y, 1, 5, 5), y, 2, 42, 11),
@@ -110,7 +110,7 @@ def plaster(x, y):
     return 0.85 + 0.09 * noise(x, y, 70, 8, 8, 3)
 
 
-# ---- what is made of wood and clay ----
+# ---- wood and clay ----
 
 def grain(x, y, seed):
     """Growth lines along x."""
@@ -139,7 +139,7 @@ def tiles(x, y):
         (np.floor(2 * x) + np.floor(2 * y)) % 2)
 
 
-# ---- what is woven and printed ----
+# ---- cloth and prints ----
 
 def weave(x, y):
     over = (np.floor(4 * x) + np.floor(4 * y)) % 2
@@ -182,7 +182,7 @@ def zigzag(x, y):
 
 def scales(x, y):
     shade = np.zeros_like(x)
-    for row in range(-1, 9):  # each hangs over the one below it
+    for row in range(-1, 9):  # each tile overlaps the tile below it
         dx = (off_centre(x + row % 2 / 8, 4)) / 4
         far = np.hypot(dx, np.maximum(y - row / 8, 0) * 0.75)
         shade = np.where((far < 0.1768) & (y >= row / 8), 0.95 - 2.6 * far, shade)
@@ -213,7 +213,7 @@ def main(folder):
     for size, makers in SIZES.items():
         for make in makers:
             share = make(*grid(*size)).clip(0, 1)
-            if make is plaster:  # faint: 16 bits keep it smooth
+            if make is plaster:  # faint, so that 16 bits are needed to keep it smooth
                 samples = np.round(share * 1023).astype(np.uint16) * 64
             else:  # 64 steps are fine enough for the eye, and deflate well
                 samples = np.round(share * 63).astype(np.uint8) * 4 + 3
