@@ -33,9 +33,9 @@ def plastic(renderer):
 
 def two_lights(renderer):
     first, second = "light d65 1 position 2 1 8\n", "light a 0.5 direction -1 0 1\n"
-    body = "material shiny { diffuse RED gloss 20 }\nobject sphere 0.9 30 30 material shiny"
+    surface = "material shiny { diffuse RED gloss 20 }\nobject sphere 0.9 30 30 material shiny"
     head = "size 61 61\ncamera ortho 2\n"
-    both, one, other = (Picture(name, renderer, head + lights + body, "--full-scale", "8")
+    both, one, other = (Picture(name, renderer, head + lights + surface, "--full-scale", "8")
                         for name, lights in (("both", first + second), ("first", first), ("second", second)))
     error = np.abs(both.radiance - one.radiance - other.radiance).max()
     tolerance = both.tolerance + one.tolerance + other.tolerance

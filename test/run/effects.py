@@ -57,10 +57,10 @@ def fluorescence(renderer):
     lines = (f"{nm} {r!r}\nf {nm} {ex!r} {em!r}\n" for nm, r, ex, em in
              zip(WAVELENGTHS, RED.tolist(), EXCITATION.tolist(), EMISSION.tolist()))
     write("paint.txt", "".join(lines))
-    body = "material paint paint.txt\nobject plane 12 8 material paint"
+    surface = "material paint paint.txt\nobject plane 12 8 material paint"
 
     def holds(name, lights, expected, *options):
-        Picture("paint", renderer, FLAT + lights + body, *options).agrees(per_band(expected),
+        Picture("paint", renderer, FLAT + lights + surface, *options).agrees(per_band(expected),
                                                                           f"{renderer}: {name}")
 
     black_light = "light uv 0.8 direction 0 0 1\n"
@@ -297,9 +297,9 @@ def highlights(renderer):
 def many_lights(renderer):
     lights = [f"light {('d65', 'a', 'uv')[i % 3]} {0.1 + 0.05 * i:g} "
               f"{('position', 'direction')[i % 2]} {i - 6} {i % 5 - 2} {4 + i % 3}\n" for i in range(12)]
-    body = "material m { diffuse RED gloss 20 }\nobject disk 7 24 material m"
-    together = Picture("together", renderer, FLAT + "".join(lights) + body, "--full-scale", "8")
-    alone = [Picture("alone", renderer, FLAT + light + body, "--full-scale", "8") for light in lights]
+    surface = "material m { diffuse RED gloss 20 }\nobject disk 7 24 material m"
+    together = Picture("together", renderer, FLAT + "".join(lights) + surface, "--full-scale", "8")
+    alone = [Picture("alone", renderer, FLAT + light + surface, "--full-scale", "8") for light in lights]
     error = np.abs(together.radiance - sum(p.radiance for p in alone)).max()
     tolerance = sum(p.tolerance for p in (together, *alone))
     check(error <= tolerance and together.radiance.max() > 1,
