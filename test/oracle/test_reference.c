@@ -657,7 +657,7 @@ static void check_once(const char *path, int first, int last, const char *name)
     close_picture(&picture);
     for (int p = 0; p < WIDTH * HEIGHT; p++)
         wrong += counts[p] != (p / WIDTH >= first && p / WIDTH <= last);
-    if (!CHECK(wrong == 0, "%s: of %d triangles one covers each pixel", name, n))
+    if (!CHECK(wrong == 0, "%s: exactly one of %d triangles covers each pixel", name, n))
         printf("# %d pixels otherwise\n", wrong);
 }
 
@@ -711,7 +711,7 @@ static void check_floor(void)
             put_face(file, i + 2, i + SIDE + 2, i + SIDE + 1);
         }
     fclose(file);
-    check_once(path, HEIGHT / 2, 29, "a floor that is cut near and far");
+    check_once(path, HEIGHT / 2, 29, "a floor that the near and far plane cut");
 }
 
 /* ---- signs ---- */
@@ -796,12 +796,12 @@ static void check_signs(void)
         edges_at(x_back, y_back, p.x, p.y, &back);
         unequal += back.e[0] < -e || back.e[0] > -e;
     }
-    CHECK(near > POINTS / 4, "many corners are in line with the centre but for a few roundings");
+    CHECK(near > POINTS / 4, "many corners are in line with the centre except for a few roundings");
     CHECK(wrong == 0, "an edge function above its rounding error has the right sign");
-    CHECK(unequal == 0, "and the opposite one, to the bit, from the other end");
+    CHECK(unequal == 0, "the edge function from the other end is exactly the opposite");
     CHECK(exact_sign(1, 1 + 0x1p-52, 1 - 0x1p-52, 1) > 0 && exact_sign(3, 1, 6, 2) == 0 &&
               exact_sign(0x1p30 + 1, 0x1p30, 0x1p30 + 2, 0x1p30 + 1) > 0,
-          "where the rounded difference is 0 the exact sign is still known");
+          "the exact sign is known even if the rounded difference is 0");
 }
 
 /* Triangles are so thin that the rounded corners decide: a centre is covered exactly if the corners
@@ -835,8 +835,8 @@ static void check_needles(struct eye_view view, const char *name)
         }
     }
     close_picture(&picture);
-    CHECK(inside > TRIANGLES / 10, "%s: some cover a centre", name);
-    CHECK(wrong == 0, "%s: covered is what lies inside without rounding", name);
+    CHECK(inside > TRIANGLES / 10, "%s: some triangles cover a centre", name);
+    CHECK(wrong == 0, "%s: a triangle covers exactly the centres inside it without rounding", name);
     printf("# %d inside, %d otherwise\n", inside, wrong);
 }
 
@@ -848,17 +848,18 @@ int main(void)
     check_hard_triangles(SLIVERS, parallel, "slivers");
     check_hard_triangles(SLIVERS, perspective, "slivers in perspective");
     check_hard_triangles(EDGES_ON_CENTRES, parallel, "edges through pixel centres");
-    check_hard_triangles(EDGES_ON_CENTRES, huge, "such edges, far larger and in perspective");
+    check_hard_triangles(EDGES_ON_CENTRES, huge,
+                         "edges through pixel centres, far larger and in perspective");
     check_hard_triangles(CORNERS_ON_CENTRES, perspective, "corners on pixel centres");
-    check_hard_triangles(CORNERS_ON_CENTRES, tiny, "such corners, far smaller");
-    check_hard_triangles(FAR_OFF, parallel, "corners far off");
-    check_hard_triangles(FAR_OFF, perspective, "corners far off in perspective");
+    check_hard_triangles(CORNERS_ON_CENTRES, tiny, "corners on pixel centres, far smaller");
+    check_hard_triangles(FAR_OFF, parallel, "distant corners");
+    check_hard_triangles(FAR_OFF, perspective, "distant corners in perspective");
     check_hard_triangles(FAR_AWAY, parallel, "corners where single precision has no bound");
     check_hard_triangles(ON_GRID, parallel, "corners on a grid, without error");
     check_around_eye();
     check_grid(parallel, 0, "a grid on pixel centres");
     check_grid(parallel, 3, "a grid with moved corners");
-    check_grid(perspective, 3, "such a grid in perspective");
+    check_grid(perspective, 3, "a grid with moved corners in perspective");
     check_grid(huge, 0, "a huge grid in perspective");
     check_floor();
     check_signs();

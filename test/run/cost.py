@@ -114,7 +114,7 @@ def tables(scene):
             "smooth llvmpipe", "smooth llvmpipe buffer 8", "smooth llvmpipe buffer 16",
             "smooth llvmpipe checked", "smooth softpipe", "phong x4 depth 8", "phong x4 depth 32f")
     for end in ends:
-        check(any(name.split(" ", 1)[1] == end for name in first), f"so is {end}", *first)
+        check(any(name.split(" ", 1)[1] == end for name in first), f"{end} is measured", *first)
     check(all(map(is_in_order, first.values())),
           "fastest, median and slowest are in this order, and so are errors", *first.values())
     check([float(row["seconds"]) for row in first.values()]

@@ -61,7 +61,7 @@ def fluorescence(renderer):
 
     def holds(name, lights, expected, *options):
         Picture("paint", renderer, FLAT + lights + surface, *options).agrees(per_band(expected),
-                                                                          f"{renderer}: {name}")
+                                                                             f"{renderer}: {name}")
 
     black_light = "light uv 0.8 direction 0 0 1\n"
     holds("under a black light a surface is uv R + N Em", black_light, 0.8 * (UV * RED + excited(UV)))
@@ -287,8 +287,8 @@ def highlights(renderer):
     for name, words, more, values in (
             ("a metal's highlight has its own spectrum", "specular metal.csv gloss 30", "",
              expected(infinite, 30, metal)),
-            ("plastic's has the light's", "gloss 12.5", "", expected(infinite, 12.5, 1)),
-            ("a local viewer sees it elsewhere", "specular metal.csv gloss 128", "viewer local\n",
+            ("plastic's highlight has the light's spectrum", "gloss 12.5", "", expected(infinite, 12.5, 1)),
+            ("a local viewer sees the highlight elsewhere", "specular metal.csv gloss 128", "viewer local\n",
              expected(local, 128, metal))):
         Picture("highlight", renderer, target.scene(position, "diffuse RED " + words, more)).agrees(
             values, f"{renderer}: {name}")

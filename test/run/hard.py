@@ -1,23 +1,23 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Hard cases in test/cases/hard: each scene says in lines `# holds: ...` what must hold, in the reference
-and in OpenGL, with either of Mesa's software drivers. Prints TAP.
+"""Runs the hard cases in test/cases/hard. Lines `# holds: ...` of a scene list the conditions that its picture must
+fulfil, in the reference and in OpenGL, with both of Mesa's software drivers. Prints TAP.
 
     agreed                   exit 0, no pixel unexplained, every sample finite
     refused WORDS            exit 2 and one line: a place in a scene, mesh or table, then these
                              words (a regular expression); the same line on every path
-    agreed or refused WORDS  one of both, the same on every path
+    agreed or refused WORDS  either result, but the same one on every path
     full                     no pixel shows the background
-    convex                   what is seen is one piece in every row and column: no crack, no speck
-    even                     all pixels are equal to within a count
+    convex                   the visible pixels of every row and column are connected: no crack, no speck
+    even                     all pixels are equal within a count
     black                    every sample is 0; without this word some sample is not
-    same-as SCENE            the same samples
-    same-as SCENE within N   the same but for N counts
-    mirror-of SCENE          sample x is sample W - 1 - x of the other
-    times F SCENE within N   the other's samples times a factor, but for N counts
-                             (the last three: in OpenGL besides up to both bounds, and at ambiguous
-                             pixels anything)
-    floor COUNTS             an error of so many counts would have been seen at half of the pixels
+    same-as SCENE            the samples of that scene
+    same-as SCENE within N   the samples of that scene, with differences up to N counts
+    mirror-of SCENE          sample x equals sample W - 1 - x of that scene
+    times F SCENE within N   the samples of that scene times a factor, with differences up to N counts
+                             (the last three: OpenGL may also differ by both bounds, and by any amount
+                             at ambiguous pixels)
+    floor COUNTS             the check would find an error of so many counts at half of the pixels
     bounded                  every pixel has a bound on OpenGL's error
     smooth NUMBER            the check counts exactly so many smooth interior pixels
     seconds MOST             wall-clock time of each run

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""The layering of the sources. Prints TAP, and fails on each place that breaks a rule.
+"""Checks the layering of the sources. Prints TAP, and fails on each place that breaks a rule.
 
 A room is a folder with one header, named like the folder: data/text/text.h. ROOMS lists the rooms
 from low to high. A file includes spectral.h, the header of its own room, and headers of rooms listed

@@ -73,7 +73,7 @@ ADDED = (
      HIGHLIGHT),
     ("attenuation", {"light": LIGHT + " attenuation 1 0.1 0"}, "attenuation", {}),
     ("a spot without exponent", {"light": LIGHT + " spot 0 0 -1 40 0"}, "spot", {}),
-    ("a spot with one", {"light": LIGHT + " spot 0 0 -1 40 2"}, "spot", POWERS),
+    ("a spot with an exponent", {"light": LIGHT + " spot 0 0 -1 40 2"}, "spot", POWERS),
     ("fluorescence", {"words": "diffuse 0.5 fluorescence uv gaussian:550,60*0.3"}, "fluorescence",
      {"excitation_integrals": 1}),
     ("a Donaldson matrix", {"words": "diffuse 0.5 donaldson matrix.csv"}, "bispectral",
@@ -95,7 +95,7 @@ NOTHING = (
     ("a light of intensity 0", {"more": "light d65 0 position 0 0 8 spot 0 0 -1 40 2"}),
     ("a light of spectrum 0", {"more": "light 0 1 position 0 0 8"}),
     ("a light of factor 0", {"more": "light d65*0 1 direction 0 0 1"}),
-    ("eight of them", {"more": "light d65 0 direction 0 0 1\n" * 8}),
+    ("eight lights of intensity 0", {"more": "light d65 0 direction 0 0 1\n" * 8}),
     ("a light that is 0 at all of the picture's wavelengths",
      {"more": "light gaussian:300,1 1 direction 0 0 1"}),
     ("ambient light of intensity 0", {"more": "ambient d65 0"}),
@@ -103,7 +103,7 @@ NOTHING = (
     ("emission 0", {"words": "diffuse 0.5 emission 0"}),
     ("gloss 0", {"words": "diffuse 0.5 specular 0.5 gloss 0"}),
     ("specular 0", {"words": "diffuse 0.5 specular 0 gloss 20"}),
-    ("a local viewer of matt things", {"more": "viewer local"}),
+    ("a local viewer of matt objects", {"more": "viewer local"}),
     ("attenuation 1 0 0", {"light": LIGHT + " attenuation 1 0 0"}),
     ("a spot of cutoff 180", {"light": LIGHT + " spot 0 0 -1 180 5"}),
     ("materials without an object, whose files do not exist",
@@ -127,14 +127,14 @@ def minimal_terms():
     two = LIGHT + "\nlight a 1 direction 0 1 1"
     for name, words, light, terms in (
             ("matt under ambient light and two lights", "diffuse 0.5", two + "\nambient a 1", 3),
-            ("plastic under the same", "diffuse 0.5 gloss 5", two + "\nambient a 1", 5),
+            ("plastic under ambient light and two lights", "diffuse 0.5 gloss 5", two + "\nambient a 1", 5),
             ("emission joins ambient light", "diffuse 0.5 emission 1", LIGHT + "\nambient a 1", 2),
             ("two ambient lights join", "diffuse 0.5", "ambient a 1\nambient d65 1", 1),
             ("lights of one spectrum share their terms", "diffuse 0.5 gloss 5",
              two + "\nlight d65*2 0.3 position 1 1 9 spot 0 0 -1 50 2\nlight 0.5 1 direction 0 0 1"
              "\nlight 0.7 2 direction 0 1 1", 6),
             ("black with a highlight", "diffuse 0 specular 0.5 gloss 5", LIGHT, 1),
-            ("what only emits", "emission 1", LIGHT, 1),
+            ("an object that only emits", "emission 1", LIGHT, 1),
             ("black", "diffuse 0", two, 0)):
         work = report(scene_of(words, light))["work"]
         check(work["terms"] == terms, f"{name}: there are {terms} terms", work["terms"])
