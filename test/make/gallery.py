@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 """Makes the pictures of README: every built-in scene, rendered, developed and stored as a PNG; and
-the viewer, a plot and charts of costs, seen by Chromium.
+the viewer, a plot and charts of costs, drawn by Chromium.
 usage: /usr/bin/python3 test/make/gallery.py FOLDER [NAME...]"""
 import base64
 import os

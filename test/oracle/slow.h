@@ -341,15 +341,15 @@ static struct slow_edge slow_edge(const struct slow_corner *a, const struct slow
 
 /* A triangle at a pixel, from the fan that raster/ makes of the corners. The factors multiply the
  * differences between the corners and a value there, and give its error. */
-struct slow_piece {
+struct slow_fan_triangle {
     const struct slow_corner *corner[3];
     long double factor[3], linear_factor[3]; /* with perspective, and without */
     bool bounded;
 };
 
 /* Returns false if the pixel is surely outside this triangle of the fan. */
-static bool slow_piece(const struct slow_triangle *triangle, int index, long double px,
-                       long double py, struct slow_piece *out)
+static bool slow_fan_triangle(const struct slow_triangle *triangle, int index, long double px,
+                              long double py, struct slow_fan_triangle *out)
 {
     struct slow_edge edge[3];
     long double sum = 0, linear_sum = 0, error = 0, linear_error = 0, sign = 0;
@@ -418,15 +418,14 @@ static long double slow_depth_error(const struct slow_triangle *triangle, long d
 {
     long double worst = 0;
     for (int p = 0; p + 2 < triangle->n_corners; p++) {
-        struct slow_piece piece;
-        if (!slow_piece(triangle, p, px, py, &piece))
+        struct slow_fan_triangle fan;
+        if (!slow_fan_triangle(triangle, p, px, py, &fan))
             continue;
-        if (!piece.bounded)
+        if (!fan.bounded)
             return HUGE_VALL;
         long double error = 8 * u * fabsl(depth);
         for (int i = 0; i < 3; i++)
-            error +=
-                piece.linear_factor[i] * fabsl(piece.corner[i]->z - depth) + piece.corner[i]->e_z;
+            error += fan.linear_factor[i] * fabsl(fan.corner[i]->z - depth) + fan.corner[i]->e_z;
         worst = fmaxl(worst, error);
     }
     return worst;
@@ -498,15 +497,16 @@ static bool slow_fragment(const struct scene *scene, const struct slow_triangle 
 }
 
 /* Returns the error of interpolation in a triangle of the fan at the pixel. */
-static long double slow_off(const struct slow_triangle *triangle, const struct slow_piece *piece,
-                            int side, int attribute, long double value)
+static long double slow_off(const struct slow_triangle *triangle,
+                            const struct slow_fan_triangle *fan, int side, int attribute,
+                            long double value)
 {
     long double off = 0;
     for (int i = 0; i < 3; i++) {
         long double at_corner = 0;
         for (int j = 0; j < 3; j++)
-            at_corner += piece->corner[i]->share[j] * triangle->vertex[j]->value[side][attribute];
-        off += piece->factor[i] * fabsl(at_corner - value);
+            at_corner += fan->corner[i]->share[j] * triangle->vertex[j]->value[side][attribute];
+        off += fan->factor[i] * fabsl(at_corner - value);
     }
     return off;
 }
@@ -523,12 +523,12 @@ static long double slow_bound(const struct slow_fragment *fragment, int side, in
         largest = fmaxl(largest, fabsl(vertex->value[side][attribute]));
     }
     for (int p = 0; p + 2 < triangle->n_corners; p++) {
-        struct slow_piece piece;
-        if (!slow_piece(triangle, p, fragment->px, fragment->py, &piece))
+        struct slow_fan_triangle fan;
+        if (!slow_fan_triangle(triangle, p, fragment->px, fragment->py, &fan))
             continue;
-        if (!piece.bounded)
+        if (!fan.bounded)
             return HUGE_VALL;
-        worst = fmaxl(worst, slow_off(triangle, &piece, side, attribute, value));
+        worst = fmaxl(worst, slow_off(triangle, &fan, side, attribute, value));
     }
     return worst + error + 16 * u * largest;
 }

@@ -321,7 +321,7 @@ def check_metamers():
 
 
 def check_fluorescence():
-    """The built-in scene's halves are alike under A, where one of them fluoresces a little, too."""
+    """The halves of the built-in scene look alike under A, although one of them fluoresces a little there."""
     where = "fluorescence", (60, 40), 5, 0
     true, rgb, xyz = (halves(*where, method, "--light", "1=a") for method in ("riemann:1", "rgb", "xyz"))
     check(true.max() < 0.1 and min(rgb.max(), xyz.max()) > 1,
@@ -342,7 +342,7 @@ def check_fluorescence():
 
 
 def check_glow():
-    """The built-in scene under a black light."""
+    """Renders the built-in scene under a black light."""
     glow = ["--size", "60x40", "--light", "1=uv"]
     truth = Sampled("fluorescence", "riemann:1", *glow).xyz()
 

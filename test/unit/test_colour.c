@@ -176,7 +176,7 @@ static void check_lab(void)
     check_cielab(0.08, 0.1, 0.04, white, 0.9032963, 0, 0, 1e-7, "a thousandth of white");
     check_cielab(0, -0.1, 0, white, -0.9032963, 500 * 0.0077870370, 200 * -0.0077870370, 1e-6,
                  "negative Y");
-    /* 500 x 841/108 x -0.01, and the same of Z with 200 */
+    /* 500 x 841/108 x -0.01 for X, and 200 x 841/108 x 0.01 for Z */
     check_cielab(-0.8, 0, -0.4, white, 0, -38.9351852, 15.5740741, 1e-7, "negative X and Z");
     check_cielab(41.24564, 21.26729, 1.93339, lindbloom_d65, 53.2408, 80.0925, 67.2032, 0.5e-4,
                  "CIELAB of sRGB's red, as published");

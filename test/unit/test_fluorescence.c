@@ -150,7 +150,8 @@ static void check_union(void)
           "samples beyond the excitation do not change the weight of its end");
 }
 
-/* 1 + (nm - 410)^2 every h, over the tooth 1 - |nm - 410| / 10: the mean is 1 + 100 / 6. */
+/* The light 1 + (nm - 410)^2, sampled every h nm, over the tooth 1 - |nm - 410| / 10: the mean is 1
+ * + 100 / 6. */
 static double parabola_error(double h)
 {
     enum { MOST = 4096 };
@@ -190,15 +191,17 @@ static void check_gaussians(void)
     struct spectrum tooth = samples(nm, value, 3);
     struct spectrum light = gaussian(380, 40), excitation = gaussian(400, 40);
     double a, h = 1, variation;
-    /* Both have their points at whole nm: an even grid, on which sums of gaussians are integrals.
-     * 341 terms round as in the plain sums, and exponents by 3 units, which x e^-x < 0.4 damps. */
+    /* Both spectra have their points at whole nm, an even grid, where sums of gaussians equal
+     * integrals. 341 terms round as in the plain sums, and exponents by 3 units, which x e^-x < 0.4
+     * damps. */
     CHECK_NEAR(excitation_mean(&light, &excitation) / overlap(20, 40, 40), 1,
                2 * (341 + 20) * half_epsilon, "the overlap of two gaussians is the analytic one");
     /* Uneven trapezoids miss at most h^2 / 8 times the integral of |f''|, which for e^(-a x^2) is 4
      * times its steepest slope, sqrt(2 a / e), over its area, sqrt(pi / a). */
     light = gaussian(380.3, 56);
     excitation = gaussian(371, 40);
-    a = 4 * log(2) / (40 * 40.0) + 4 * log(2) / (56 * 56.0); /* the narrower: of the product */
+    a = 4 * log(2) / (40 * 40.0) +
+        4 * log(2) / (56 * 56.0); /* the product has the narrower width */
     variation = 4 * sqrt(2 * a / exp(1)) / sqrt(pi / a);
     CHECK_NEAR(excitation_mean(&light, &excitation) / overlap(9.3, 56, 40), 1,
                2 * h * h / 8 * variation,
@@ -350,7 +353,8 @@ static void check_energy(void)
     matrix = read_matrix(content, 0.5, &err);
     CHECK_TEXT(err.text, "", "a column may emit all that the surface absorbs");
     for (size_t k = 0; k < sizeof lights / sizeof lights[0]; k++) {
-        static const double width[] = {30, 60, 120, 150}; /* of bands at 400, 430, 520 and 670 */
+        static const double width[] = {30, 60, 120,
+                                       150}; /* the widths of bands at 400, 430, 520 and 670 nm */
         struct spectrum light = read_word(lights[k]), given = emission_under(&matrix, &light);
         double in = 0, out = 0;
         for (int i = 0; i < COLUMNS; i++)
@@ -358,7 +362,7 @@ static void check_energy(void)
         for (int j = 0; j < given.count; j++)
             out += width[j] * given.value[j];
         CHECK_NEAR(out / in, 1, (3 * COLUMNS + 20) * half_epsilon,
-                   "under %s it emits what it absorbs", lights[k]);
+                   "under %s it emits all light that it absorbs", lights[k]);
         spectrum_free(&light);
         spectrum_free(&given);
     }

@@ -87,8 +87,8 @@ static bool open_context(struct canvas *canvas, int format)
     return context && OSMesaMakeCurrent(context, canvas->colour, GL_FLOAT, SIZE, SIZE);
 }
 
-/* Sets up an identity from coordinates to window coordinates, window z = z; the stencil counts
- * every fragment. */
+/* Sets the state: coordinates are window coordinates, window z = z, and the stencil counts every
+ * fragment. */
 static void set_state(void)
 {
     glClampColorARB(GL_CLAMP_VERTEX_COLOR_ARB, GL_FALSE);
@@ -504,8 +504,8 @@ static void direct_light(GLfloat x, GLfloat y, GLfloat z)
     glLightfv(GL_LIGHT0, GL_POSITION, direction);
 }
 
-/* The normal stands at right angles to the half vector, yet is lit: the highlight is 0^shininess.
- * The front, which is seen, has shininess 0. */
+/* The normal is at right angles to the half vector, but the surface is lit: the highlight is
+ * 0^shininess. The visible front has shininess 0. */
 static void zero_power(struct canvas *canvas, struct facts *facts)
 {
     set_material(black, white);

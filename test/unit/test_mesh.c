@@ -147,7 +147,8 @@ static void check_turned_cube(void)
     }
 }
 
-/* A sphere's averaged normals come near the true ones, and the face order does not matter. */
+/* Averaged normals of a sphere are close to the true ones, and do not depend on the order of faces.
+ */
 static void check_sphere_normals(void)
 {
     const int n = 40;
@@ -291,7 +292,8 @@ static void check_polygons(void)
     check_polygon((const double(*)[2])spiral, 200, "spiral");
 }
 
-/* A hole joined to the border by a bridge that is walked twice, as many programs write it. */
+/* A hole is joined to the border by a bridge that the outline runs along twice, as many programs
+ * write it. */
 static void check_hole(void)
 {
     struct mesh mesh = read_text("v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\n"

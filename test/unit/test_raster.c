@@ -92,7 +92,7 @@ static void check_clipping(void)
     random_triangle(&state, whole);
     CHECK(clip_triangle(whole, &behind, 1, left) == 0, "a triangle outside leaves nothing");
     CHECK(clip_triangle(whole, NULL, 0, left) == 3 && memcmp(left, whole, sizeof whole) == 0,
-          "no planes leave the triangle as it is");
+          "clipping without planes does not change the triangle");
 }
 
 /* A triangle lies in the plane z = w: rounding puts its corners inside and outside in turns. */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A record reads back from the file's XML as it was written, whatever bytes its names have. A
- * forged record does no harm. */
+/* A record reads back from the file's XML unchanged, with any bytes in its names. A forged record
+ * does no harm. */
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>

@@ -305,18 +305,18 @@ static void check_soup(void)
     for (int i = 0, k = 0; i < mesh.n_triangles; i++) {
         const struct vector whole = twice_area(&mesh, i);
         const int32_t first = mesh.triangles[i][0];
-        struct vector pieces = {0, 0, 0};
+        struct vector together = {0, 0, 0};
         for (; k < halves.n_triangles; k++) {
             const int32_t *c = halves.triangles[k];
             const int32_t least =
                 c[0] < c[1] ? (c[0] < c[2] ? c[0] : c[2]) : (c[1] < c[2] ? c[1] : c[2]);
             if (least > first + 2)
                 break;
-            const struct vector piece = twice_area(&halves, k);
-            worst = fmin(worst, vector_dot(piece, whole) / vector_dot(whole, whole));
-            pieces = vector_add(pieces, piece);
+            const struct vector part = twice_area(&halves, k);
+            worst = fmin(worst, vector_dot(part, whole) / vector_dot(whole, whole));
+            together = vector_add(together, part);
         }
-        lost = fmax(lost, vector_length(vector_subtract(pieces, whole)));
+        lost = fmax(lost, vector_length(vector_subtract(together, whole)));
         sum += vector_length(whole);
     }
     CHECK(worst > -1e-12, "no part of a triangle is turned over");
@@ -333,7 +333,7 @@ static void check_cases(void)
     static const struct {
         const char *name;
         double x[3];
-        int pieces, vertices, left; /* new vertices; triangles in part 0 */
+        int triangles, vertices, left; /* new vertices; triangles in part 0 */
     } cases[] = {{"one corner left", {-1, 1, 3}, 3, 2, 1},
                  {"one corner right", {1, -1, -3}, 3, 2, 2},
                  {"through a corner", {0, -1, 2}, 2, 1, 1},
@@ -356,10 +356,10 @@ static void check_cases(void)
             struct mesh mesh = triangles(v, 3), halves = cut(&mesh);
             for (int k = 0; k < halves.n_triangles; k++)
                 left += halves.part[k] == 0;
-            CHECK(halves.n_triangles == cases[i].pieces && left == cases[i].left &&
+            CHECK(halves.n_triangles == cases[i].triangles && left == cases[i].left &&
                       halves.n_vertices == 3 + cases[i].vertices,
                   "%s, turned %d: %d triangles, %d of them left", cases[i].name, turn,
-                  cases[i].pieces, cases[i].left);
+                  cases[i].triangles, cases[i].left);
             mesh_free(&mesh);
             mesh_free(&halves);
         }

@@ -129,7 +129,7 @@ static void check_look_at(void)
           "up is up in the picture");
 }
 
-/* A plane's normal stays perpendicular to the plane, whatever the transformation. */
+/* A plane's normal stays perpendicular to the plane under any transformation. */
 static void check_normals(void)
 {
     static const double scales[] = {1, 1e-100, 1e100, 1e-300, 1e300};
