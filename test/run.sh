@@ -7,8 +7,7 @@ test_packages='gcc clang libomp-dev lld wasi-libc libclang-rt-dev-wasm32 wabt pe
   chromium file binutils musl-tools gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user'
 at_once=2                                               # tests that run at the same time
 longest='portable cost scenes random_scenes hard static' # these begin first, so that no processor waits at the end
-# The mutant is the program with a fault of its own in this file: its bounds on colours are a thousand times
-# too wide.
+# The mutant is the program with a fault in this file: its bounds on colours are a thousand times too wide.
 mutated=raster/radiance/counts.c
 mutation='s/whole = bound\[i\]/whole = 1000 * bound[i]/'
 . raster/gl/static.sh
@@ -17,7 +16,7 @@ needs_gl() {
     [ "$GL" = osmesa ] || refuse "build.sh: this compares with OpenGL, which GL=$GL leaves out"
 }
 
-# test_name FILE sets $name, as users type it.
+# test_name FILE sets $name to the name that users type.
 test_name() {
     name=${1##*/}
     name=${name%.*}
@@ -31,7 +30,7 @@ list_scripts() {
     find test/*/ -type f -perm -u+x | sort | grep -Ev "/($(echo $longest | tr ' ' '|'))[.]"
 }
 
-# choose [NAME...] sets $units and $scripts to the named tests, or to all, and $bench if all is to be compiled.
+# choose [NAME...] sets $units and $scripts to the named tests; without names to all tests, and $bench as well.
 choose() {
     units=$(find test -name 'test_*.c' | sort)
     scripts=$(list_scripts)
@@ -54,7 +53,7 @@ $(for file in $all; do test_name "$file"; echo "  $name"; done)"
     done
 }
 
-# programs prints what to build: the C tests that are chosen, and those that a chosen script runs.
+# programs prints the C tests to build: those that are chosen, and those that a chosen script runs.
 programs() {
     for program in $(sed -n 's:.*[{]BUILD[}]/test/\(test_[a-z0-9_]*\).*:\1:p' $scripts /dev/null); do
         find test -name "$program.c"
@@ -62,7 +61,7 @@ programs() {
     printf '%s\n' $units $bench
 }
 
-# chosen_need PATTERN succeeds if a chosen script has it.
+# chosen_need PATTERN succeeds if a chosen script matches it.
 chosen_need() { grep -Eq "$1" $scripts /dev/null; }
 
 # Warnings are errors. Each test is linked with a library of all objects of the program but spectral.c's.

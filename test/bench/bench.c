@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* The cost of a render by part, against the loop of the 1998 thesis on the same OpenGL: one
- * wavelength a pass, only the red channel used, read back row by row, no check and no file. Both
- * draw the built-in colorchecker at 2000 x 2000 pixels and 93 wavelengths, in turn, in one run. */
+/* Measures the cost of a render by part and compares it with the loop of the 1998 thesis on the
+ * same OpenGL: one wavelength a pass, only the red channel used, read back row by row, no check and
+ * no file. Both draw the built-in colorchecker at 2000 x 2000 pixels and 93 wavelengths, in turn,
+ * in one run. */
 #include <stdio.h>
 #include <stdlib.h>
 #include <time.h>
@@ -43,7 +44,7 @@ static void load(const struct matrix *m)
     glLoadMatrixd(columns);
 }
 
-/* Display lists, as in the thesis; Mesa keeps them on its own side, like vertex buffers. */
+/* Draws by display lists, as in the thesis; Mesa stores them itself, like vertex buffers. */
 static void compile_lists(const struct plan *plan)
 {
     for (int i = 0; i < plan->n_meshes; i++) {

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # Makes data/builtin/materials/colorchecker/*.txt and colorchecker.list again, from the measurements in the
 # Debian package psychtoolbox-3-common: `test/make/colorchecker.py FOLDER` writes both into FOLDER.
-# They are kept in the repository; this shows where each figure came from.
+# The repository keeps them; this script shows the source of each figure.
 import os
 import sys
 
@@ -10,7 +10,7 @@ import scipy.io
 
 SOURCE = ("/usr/share/psychtoolbox-3/PsychColorimetricData/PsychColorimetricMatFiles/"
           "sur_macbeth.mat")
-# In the order of the chart, which is that of the columns of the source.
+# The order is that of the chart and of the source's columns.
 NAMES = ("dark skin, light skin, blue sky, foliage, blue flower, bluish green, orange, "
          "purplish blue, moderate red, purple, yellow green, orange yellow, blue, green, red, "
          "yellow, magenta, cyan, white, neutral 8, neutral 6.5, neutral 5, neutral 3.5, black"

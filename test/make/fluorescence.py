@@ -20,7 +20,7 @@ HEAD = """\
 # + emission x N / light under A (data/builtin/tables/a.csv, 300 to 760 nm every 5 nm), to 15 decimals.
 # Licence: MIT. Made by test/make/fluorescence.py.
 """
-# name: what it is modelled after; nm of the peaks of excitation and emission; standard deviations of
+# name: its model; nm of the peaks of excitation and emission; standard deviations of
 # the excitation and of the emission below and above its peak; nm of the cut; highest emission;
 # reflectance far below and far above an edge at a wavelength, and the steepness of that edge in nm.
 PAIRS = {

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 """Makes the pictures of README: every built-in scene, rendered, developed and stored as a PNG; and
-the viewer, a plot and charts of costs, seen by Chromium.
+the viewer, a plot and charts of costs, drawn by Chromium.
 usage: /usr/bin/python3 test/make/gallery.py FOLDER [NAME...]"""
 import base64
 import os
@@ -21,7 +21,7 @@ from browser import Browser
 SPECTRAL = os.environ.get("SPECTRAL", "build/spectral")
 A, UV = ("--light", "1=a"), ("--light", "1=uv")
 AUTO, ADAPTED = ("--exposure", "auto"), ("--adaptation", "cat16")
-# name: scene, size, what it is rendered with, what it is developed with
+# name: scene, size, options of render, options of develop
 PICTURES = {
     "colorchecker": ("colorchecker", "480x320", (), AUTO),
     "patches": ("patches", "480x320", (), AUTO),
@@ -41,8 +41,7 @@ PICTURES = {
     "patches-von-kries": ("patches", "480x320", A, ("--adaptation", "von-kries")),
 }
 
-# name: a page that the program writes, as NAME.html or NAME.svg; width and height of the window; and
-# where the page is clicked
+# name: command that writes the page; its kind; width and height of the window; where to click
 SEEN = {
     "viewer": (("view", "fluorescence", "--size", "600x400", "-o"), "html", (1100, 1250), (390, 160)),
     "probe": (("probe", "fluorescence", "700", "300", "--svg", "-o"), "svg", (900, 520), None),

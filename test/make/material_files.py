@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-# What the makers of the sample materials share. They compute in decimal, so that every digit they
-# write is the same on every machine.
+# Shared by the makers of the sample materials. They compute in decimal, so that they write the same digits
+# on every machine.
 import decimal
 import os
 

@@ -52,7 +52,7 @@ def determinant(a, b, c):
 
 
 def black(deviation, centres, height):
-    """{nm: value} of the Gaussians, seen as 0"""
+    """{nm: value} of the metameric black: Gaussians that D65 and the observer see as 0"""
     light, observer = table("data/builtin/tables/d65.csv"), thesis_observer()
     bumps = [{nm: gaussian(nm, centre, deviation) for nm in WAVELENGTHS} for centre in centres]
     first, *others = [[sum(light[nm][0] * bump[nm] * observer[nm][i] for nm in WAVELENGTHS)
@@ -66,7 +66,7 @@ def black(deviation, centres, height):
 
 
 def surface(name, patch):
-    """The plain one: {nm: reflectance}, what it is, its licence"""
+    """The plain surface: {nm: reflectance}, description, licence"""
     if patch is None:
         return ({nm: GREY for nm in WAVELENGTHS}, "a grey of 30 %, as in the 1998 thesis",
                 "MIT")

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Makes data/builtin/textures/*.tif again, but for the rendered picture.tif: `test/make/textures.py FOLDER`
-writes them into FOLDER. Each is a tile that repeats without a seam, in shares of the reflectance of
-what it lies on. Made from formulas and seeded noise, copied from nothing; MIT licence."""
+"""Makes data/builtin/textures/*.tif again, except for the rendered picture.tif: `test/make/textures.py FOLDER`
+writes them into FOLDER. Each texture is a tile that repeats without a seam; its values multiply the reflectance of
+the surface. All are made from formulas and seeded noise, and none is copied; MIT licence."""
 import os
 import sys
 
@@ -16,8 +16,8 @@ def grid(width, height):
 
 
 def noise(x, y, seed, columns, rows, octaves=1):
-    """Smooth noise of mean 0, about -1 to 1, that repeats: random values on a lattice, then on finer
-    ones of half the weight."""
+    """Repeating smooth noise of mean 0, about -1 to 1: random values on a lattice, then on finer lattices of half the
+    weight each."""
     total = np.zeros_like(x)
     for octave in range(octaves):
         across, down = columns << octave, rows << octave
@@ -31,8 +31,8 @@ def noise(x, y, seed, columns, rows, octaves=1):
 
 
 def cells(x, y, seed, columns, rows):
-    """Distances to the nearest and second nearest of jittered points, one a cell of the lattice, in
-    cells; and a random number of the nearest."""
+    """Distances, in cells, to the nearest and second nearest of jittered points, one in each cell of the lattice;
+    and a random number that belongs to the nearest."""
     value = np.random.RandomState(seed).uniform(0, 1, (3, rows, columns))
     i, j = np.floor(x * columns).astype(int), np.floor(y * rows).astype(int)
     distance, own = [], []
@@ -45,7 +45,8 @@ def cells(x, y, seed, columns, rows):
 
 
 def edge(signed, pixels):
-    """1 where positive, 0 where negative, with a ramp of a pixel between; signed in tiles."""
+    """1 for a positive distance and 0 for a negative one, with a ramp of one pixel between; distances are in
+    tiles."""
     return np.clip(signed * pixels + 0.5, 0, 1)
 
 
@@ -60,7 +61,7 @@ def off_centre(x, count):
 
 
 def bricks(x, y, columns, rows, seed, joint, pixels):
-    """Staggered rows: 1 inside a brick and 0 in the joints, and a random number a brick."""
+    """Staggered rows: 1 inside a brick and 0 in the joints, and a random number for each brick."""
     row = np.floor(y * rows).astype(int)
     along = x + row % 2 * 0.5 / columns
     own = np.random.RandomState(seed).uniform(0, 1, (rows, columns))
@@ -68,7 +69,7 @@ def bricks(x, y, columns, rows, seed, joint, pixels):
     return edge(inside - joint, pixels), own[row, np.floor(along * columns).astype(int) % columns]
 
 
-# ---- what grows and lies ----
+# ---- natural surfaces ----
 
 def grass(x, y):
     blades = np.maximum(noise(x + 0.02 * noise(x, y, 1, 5, 5), y, 2, 42, 11),
@@ -110,7 +111,7 @@ def plaster(x, y):
     return 0.85 + 0.09 * noise(x, y, 70, 8, 8, 3)
 
 
-# ---- what is made of wood and clay ----
+# ---- wood and clay ----
 
 def grain(x, y, seed):
     """Growth lines along x."""
@@ -139,7 +140,7 @@ def tiles(x, y):
         (np.floor(2 * x) + np.floor(2 * y)) % 2)
 
 
-# ---- what is woven and printed ----
+# ---- cloth and prints ----
 
 def weave(x, y):
     over = (np.floor(4 * x) + np.floor(4 * y)) % 2
@@ -182,7 +183,7 @@ def zigzag(x, y):
 
 def scales(x, y):
     shade = np.zeros_like(x)
-    for row in range(-1, 9):  # each hangs over the one below it
+    for row in range(-1, 9):  # each tile overlaps the tile below it
         dx = (off_centre(x + row % 2 / 8, 4)) / 4
         far = np.hypot(dx, np.maximum(y - row / 8, 0) * 0.75)
         shade = np.where((far < 0.1768) & (y >= row / 8), 0.95 - 2.6 * far, shade)
@@ -213,7 +214,7 @@ def main(folder):
     for size, makers in SIZES.items():
         for make in makers:
             share = make(*grid(*size)).clip(0, 1)
-            if make is plaster:  # faint: 16 bits keep it smooth
+            if make is plaster:  # faint, so that 16 bits are needed to keep it smooth
                 samples = np.round(share * 1023).astype(np.uint16) * 64
             else:  # 64 steps are fine enough for the eye, and deflate well
                 samples = np.round(share * 63).astype(np.uint8) * 4 + 3

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* A picture by the reference alone, for test/oracle/alone.sh: a torus in the light of a spot, over
- * a textured square that the near and the far plane cut. With a word it is written as a PGM file.
- */
+/* Draws a picture with the reference alone, for test/oracle/alone.sh: a torus in the light of a
+ * spot, over a textured square that the near and the far plane cut. With an argument it writes the
+ * picture as a PGM file. */
 #include <stdio.h>
 
 #include "data/maths/maths.h"
@@ -9,7 +9,8 @@
 
 enum { WIDTH = 120, HEIGHT = 80, SIDES = 24, RINGS = 48, TERMS = 3 };
 
-uint64_t digest(void); /* of every bit of the picture; WebAssembly exports it; 0: no memory */
+uint64_t
+digest(void); /* digest of every bit of the picture; WebAssembly exports it; 0: no memory */
 
 static const struct term terms[TERMS] = {{CONSTANT, -1}, {DIFFUSE, 0}, {SPECULAR, 0}};
 static const double spectrum[TERMS] = {0.1, 0.7, 0.8};
@@ -105,7 +106,7 @@ uint64_t digest(void)
     return view.shading > PHONG ? hash : 0;
 }
 
-#ifndef __wasm__ /* where stdio would ask for a system */
+#ifndef __wasm__ /* stdio would need an operating system here */
 int main(int argc, char **argv)
 {
     const uint64_t hash = digest();
@@ -113,7 +114,8 @@ int main(int argc, char **argv)
         return printf("%llu\n", (unsigned long long)hash) < 0;
     printf("P5 %d %d 255\n", WIDTH, HEIGHT);
     for (int i = 0; i < WIDTH * HEIGHT; i++)
-        putchar((int)(radiance[i] / 3 < 1 ? 85 * radiance[i] : 255)); /* of three shadings */
+        putchar((int)(radiance[i] / 3 < 1 ? 85 * radiance[i]
+                                          : 255)); /* the band shows three shadings */
     return 0;
 }
 #endif

@@ -1,8 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # The trusted core stands alone: raster/reference compiles with data/maths and nothing else of the
-# program, by gcc, by clang, and for WebAssembly. test/oracle/alone.c draws a picture with it; all draw the same
-# bits. Of the C library the core calls memory functions, and functions that round as IEC 60559 says.
+# program, by gcc, by clang, and for WebAssembly. test/oracle/alone.c draws a picture with it; all builds
+# draw the same bits. The core calls only memory functions of the C library, and functions that round as
+# IEC 60559 says.
 # Debian's packages: clang, lld, wasi-libc, libclang-rt-dev-wasm32, and wabt for wasm-interp.
 # Lists are split into words on purpose.
 # shellcheck disable=SC2086
@@ -31,14 +32,14 @@ compiles() {
     ok $status "$output: compiles alone, without warnings"
 }
 
-# draws NAME COMMAND...: the command prints the digest. All must print the same.
+# draws NAME COMMAND...: the command prints the digest of its picture. All digests must be equal.
 draws() {
     name=$1
     shift
     run "$@"
     digest=$(sed 's/.*i64://' "$tmp/out")
     [ "$status" = 0 ] && [ "${digest:-0}" != 0 ]
-    ok $? "$name: draws"
+    ok $? "$name: draws a picture"
     [ -n "$digest" ] && [ "$digest" = "${first:=$digest}" ]
     ok $? "$name: the same bits as the first (digest ${digest:-none})"
     echo "# $name: $(wc -c <"$name") bytes"

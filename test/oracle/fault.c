@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
-/* Plants one fault between the program and OSMesa, to prove that the cross-check finds it. Loaded
- * before OSMesa with LD_PRELOAD; the environment variable FAULT is the fault's number in
- * test/README.md. Faults in where and how things are drawn touch every draw call; those in samples,
- * bands and passes touch the passes of colours, which the program draws by glDrawElements.
+/* Plants one fault between the program and OSMesa, to prove that the cross-check finds it.
+ * LD_PRELOAD loads this library before OSMesa; the environment variable FAULT is the fault's number
+ * in test/README.md. Faults of place and state change every draw call; faults of samples, bands and
+ * passes change the passes of colours, which the program draws by glDrawElements.
  *
  * 0 and CONTROL are no faults: CONTROL lights by the shader below, and 0 keeps the passes in the
- * file named by FAULT_PASSES, from which fault 4 takes them. */
+ * file named by FAULT_PASSES, where fault 4 reads them. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <math.h>
@@ -23,13 +23,13 @@
 enum { CONTROL = -1, CHANNELS = 4 };
 
 static float *buffer;
-static void *steps; /* what the buffer is a copy of, where colours have 8 or 16 bits; NULL: none */
+static void *steps; /* the original of the buffer if colours have 8 or 16 bits; NULL: none */
 static GLenum steps_type;
 static int buffer_width, buffer_height;
 static GLenum matrix_mode;
-static GLdouble model_view[16]; /* the last one loaded */
-static bool coloured;           /* whether the pass being drawn is one of colours */
-static int passes;              /* of colours, finished */
+static GLdouble model_view[16]; /* the matrix loaded last */
+static bool coloured;           /* the current pass draws colours */
+static int passes;              /* finished passes of colours */
 
 static int fault(void)
 {
@@ -37,7 +37,8 @@ static int fault(void)
     return number ? atoi(number) : 0;
 }
 
-/* ISO C casts no object pointer to a function pointer; POSIX promises that this works. */
+/* ISO C does not allow a cast from an object pointer to a function pointer; POSIX promises that
+ * this works. */
 static void real(const char *name, void *function)
 {
     void *symbol = dlsym(RTLD_NEXT, name);
@@ -46,7 +47,7 @@ static void real(const char *name, void *function)
 
 /* ---- parameters ---- */
 
-/* A parameter that OpenGL gets under another name or with another value. */
+/* Changes the name or the value of a parameter before OpenGL receives it. */
 static const struct parameter_fault {
     int fault;
     GLenum name, becomes;
@@ -63,7 +64,8 @@ static const struct parameter_fault {
     {64, GL_TEXTURE_WRAP_T, GL_TEXTURE_WRAP_T, 0, GL_MIRRORED_REPEAT},
 };
 
-/* Components of a vector that OpenGL gets wrong: in a colour, bands of each pass. */
+/* Changes components of a vector before OpenGL receives them: the components of a colour are the
+ * bands of a pass. */
 static const struct vector_fault {
     int fault;
     GLenum name;
@@ -94,7 +96,7 @@ static void spoil_parameter(GLenum *name, GLfloat *value)
 void glTexParameteri(GLenum target, GLenum name, GLint value)
 {
     void (*next)(GLenum, GLenum, GLint);
-    GLfloat spoiled = (GLfloat)value; /* exact: names in OpenGL have 16 bits */
+    GLfloat spoiled = (GLfloat)value; /* exact, since names in OpenGL have 16 bits */
     real("glTexParameteri", &next);
     spoil_parameter(&name, &spoiled);
     next(target, name, (GLint)spoiled);
@@ -116,7 +118,7 @@ void glMaterialf(GLenum face, GLenum name, GLfloat value)
     next(face, name, value);
 }
 
-/* values has 3 components in a direction, 4 otherwise. */
+/* A direction has 3 values, other parameters have 4. */
 static void spoil_vector(GLenum name, const GLfloat *values, GLfloat out[4])
 {
     memcpy(out, values, (name == GL_SPOT_DIRECTION ? 3 : 4) * sizeof *out);
@@ -147,7 +149,7 @@ void glMaterialfv(GLenum face, GLenum name, const GLfloat *values)
     void (*next)(GLenum, GLenum, const GLfloat *);
     GLfloat spoiled[4];
     real("glMaterialfv", &next);
-    /* what a material has under the name of a light's colour is white or black */
+    /* a material's value under the name of a light's colour is white or black */
     if (name == GL_AMBIENT)
         spoil_vector(name, values, spoiled);
     next(face, name, name == GL_AMBIENT ? spoiled : values);
@@ -155,7 +157,7 @@ void glMaterialfv(GLenum face, GLenum name, const GLfloat *values)
 
 /* ---- where things are drawn ---- */
 
-/* Scales what a projection shows about the middle of the picture and moves it right by pixels. */
+/* Scales a projection's picture about its middle and moves it to the right by pixels. */
 static void move(GLdouble matrix[16], double factor_x, double factor_y, double right)
 {
     for (int column = 0; column < 4; column++) {
@@ -165,7 +167,8 @@ static void move(GLdouble matrix[16], double factor_x, double factor_y, double r
     }
 }
 
-/* The picture of 9 is turned back when it is finished: it has the edges of the other side. */
+/* Fault 9 draws the picture turned by 180 degrees and turns it back at the end, so that it has the
+ * edges of the other side. */
 static const struct projection_fault {
     int fault;
     double factor_x, factor_y, right;
@@ -284,7 +287,7 @@ static void spoil_state(void)
 static const char affine[] = "noperspective in vec4 gl_Color;\n"
                              "void main() { gl_FragColor = gl_Color; }\n";
 
-/* The first light alone, seen from infinity. */
+/* Lights by the first light alone, seen from infinity. */
 static const char lighting[] =
     "void main() {\n"
     "    vec3 p = vec3(gl_ModelViewMatrix * gl_Vertex), v = vec3(0, 0, 1);\n"
@@ -366,7 +369,7 @@ static void use_shader(void)
 
 /* ---- drawing ---- */
 
-/* A draw call: of indices, or of vertices from `first` on. */
+/* A draw call with indices, or with vertices from `first` on. */
 struct draw {
     GLenum mode, type;
     const void *indices;
@@ -387,7 +390,7 @@ static void draw_part(const struct draw *draw, GLsizei from, GLsizei to)
         arrays(draw->mode, draw->first + from, to - from);
 }
 
-/* The last triangle by 1/256 pixel to the right. */
+/* Draws the last triangle moved to the right by 1/256 pixel. */
 static void draw_cracked(const struct draw *draw, GLsizei count)
 {
     void (*load)(const GLdouble *);
@@ -483,7 +486,7 @@ static size_t pixel_count(void)
     return (size_t)buffer_width * (size_t)buffer_height;
 }
 
-/* Brings steps into the buffer, or back, rounded to the nearest. */
+/* Copies the steps of 8 or 16 bits into the buffer, or back with rounding to the nearest. */
 static void copy_steps(bool back)
 {
     float whole = steps_type == GL_UNSIGNED_BYTE ? 255 : 65535;
@@ -500,7 +503,7 @@ static void copy_steps(bool back)
     }
 }
 
-/* By 180 degrees. */
+/* Turns the picture by 180 degrees. */
 static void turn_back(unsigned char *picture, size_t pixel_bytes)
 {
     size_t n = pixel_count() * pixel_bytes;
@@ -512,8 +515,8 @@ static void turn_back(unsigned char *picture, size_t pixel_bytes)
     }
 }
 
-/* Spoils what is read after the pass of numbers: depth and stencil, bottom up, beside the numbers
- * in the buffer, from the top down. The pixel in the middle. */
+/* Changes the middle pixel of the values that the program reads after the pass of numbers: depth
+ * and stencil, whose rows run upwards, and the numbers in the buffer, whose rows run downwards. */
 static void spoil_identity(GLuint *depths)
 {
     size_t across = (size_t)buffer_width, height = (size_t)buffer_height;
@@ -522,10 +525,10 @@ static void spoil_identity(GLuint *depths)
     if (fault() == 69)
         *depth += 1678u << 8; /* 1/10000 of 2^24 steps, above 8 bits of stencil */
     if (fault() == 70)
-        *triangle = 1.0F - *triangle; /* the other one of a plane */
+        *triangle = 1.0F - *triangle; /* the other triangle of a plane */
     if (fault() == 71)
         *depth += 5;
-    if (fault() == 72) { /* no triangle, at the depth of the background */
+    if (fault() == 72) { /* no triangle, with the depth of the background */
         *depth |= 0xffffffu << 8;
         memset(triangle, 0, CHANNELS * sizeof *triangle);
     }
@@ -542,7 +545,7 @@ void glReadPixels(GLint x, GLint y, GLsizei width, GLsizei height, GLenum format
     spoil_identity(pixels);
 }
 
-/* Without a fault, writes the pass to the file; with fault 4, reads its neighbour from there. */
+/* Writes the pass to the file if there is no fault; fault 4 reads the neighbouring pass from it. */
 static void exchange_passes(void)
 {
     const char *path = getenv("FAULT_PASSES"), *mode = passes == 0 ? "wb" : "ab";
@@ -560,7 +563,8 @@ static void exchange_passes(void)
         abort();
 }
 
-/* A sample times a factor, with an offset where anything is drawn, in levels (0: without end). */
+/* Multiplies samples by a factor, adds an offset where an object is drawn, and rounds to a number
+ * of levels (0: no rounding). */
 static const struct sample_fault {
     int fault;
     float factor, offset, levels, rounding;
@@ -578,7 +582,7 @@ static void spoil_samples(const struct sample_fault *row)
     }
 }
 
-/* The pixel in the middle; 44 and 45 take an edge to run through it, from top to bottom. */
+/* Changes the middle pixel; faults 44 and 45 assume that a vertical edge runs through it. */
 static void spoil_pixel(float *pixel)
 {
     const float *left = pixel - CHANNELS, *right = pixel + CHANNELS;
@@ -601,7 +605,7 @@ static void spoil_picture(void)
     for (size_t i = 0; i < sizeof sample_faults / sizeof *sample_faults; i++)
         if (fault() == sample_faults[i].fault)
             spoil_samples(&sample_faults[i]);
-    if (fault() == 58 && passes % 2 == 1) /* the second group of lights, where there are two */
+    if (fault() == 58 && passes % 2 == 1) /* the second group of lights if there are two */
         memset(buffer, 0, CHANNELS * pixel_count() * sizeof *buffer);
     for (size_t i = 0; i < pixel_count() && fault() == 3; i++) {
         float *pixel = buffer + CHANNELS * i, first = pixel[0];

@@ -9,7 +9,7 @@ MUTANT=${MUTANT:-build/test/spectral-mutant}
 FAULT_PASSES=$tmp/passes
 export FAULT_PASSES
 
-# Number, fault and scene, as in test/README.md. 1 to 46 are what any implementation may do wrong.
+# Number, fault and scene, as in test/README.md. Any implementation may have faults 1 to 46.
 cat >"$tmp/table" <<'TABLE'
 | 1 | one triangle of each mesh is missing | patches |
 | 2 | a triangle of one pixel is missing | crumb |
@@ -99,7 +99,7 @@ render() { # FAULT SCENE [OPTION...]
         -o "$tmp/out.tif" "$@"
 }
 
-# The smallest error, in counts, that the check sees for certain everywhere inside surfaces.
+# Prints the smallest error, in counts, that the check surely finds everywhere inside surfaces.
 smooth_floor() { # PROGRAM SCENE
     "$1" render "test/cases/faults/$2.scene" -o /dev/null --quiet --json - |
         sed -n 's/.*"smooth_floor_worst_counts": *\([^,}]*\).*/\1/p'
@@ -109,7 +109,7 @@ is_above() { # LIMIT VALUE
     awk -v limit="$1" -v value="$2" 'BEGIN { exit !(value != "" && value + 0 > limit) }'
 }
 
-# The program sees what is 2 counts or more; the mutant must say that it does not.
+# The program finds errors of 2 counts; the mutant must report that it does not.
 finds_mutant() { # SCENE
     floor=$(smooth_floor "$SPECTRAL" "$1")
     is_above 0.01 "$floor" && ! is_above 2 "$floor" && is_above 2 "$(smooth_floor "$MUTANT" "$1")"
@@ -128,12 +128,12 @@ for scene in test/cases/faults/*.scene; do
     for GALLIUM_DRIVER in softpipe llvmpipe; do
         export GALLIUM_DRIVER
         exits 0 "without a fault the pictures agree: $scene on $GALLIUM_DRIVER" render 0 "$scene"
-        prints '^unexplained +0$' "and no pixel is unexplained"
+        prints '^unexplained +0$' "without a fault no pixel is unexplained: $scene on $GALLIUM_DRIVER"
         rm -f "$tmp/out.tif"
     done
 done
 for scene in sheared grazing near; do
-    exits 0 "the shader that faults are planted in has none itself: $scene" render -1 "$scene"
+    exits 0 "the shader for planted faults passes without a fault: $scene" render -1 "$scene"
     rm -f "$tmp/out.tif"
 done
 
@@ -141,7 +141,7 @@ while IFS='|' read -r _ number name scene _; do
     number=$((number))
     scene=${scene# }
     scene=${scene% }
-    [ $number != 4 ] || run render 0 "$scene" # whose passes are swapped
+    [ $number != 4 ] || run render 0 "$scene" # keeps the passes that fault 4 swaps
     rm -f "$tmp/out.tif"
     if [ $number = 46 ]; then finds_mutant "$scene"; else finds "$number" "$scene"; fi
     missed=$?
@@ -165,14 +165,14 @@ done
 GALLIUM_DRIVER=llvmpipe
 
 exits 1 "one wrong sample fails the whole picture" render 43 patches
-prints '^unexplained +1$' "and its pixel is the only one that is unexplained"
+prints '^unexplained +1$' "only the pixel of the wrong sample is unexplained"
 exits 1 "--keep stores a stack that failed" render 43 patches --keep
 grep -aq 'cross-check: DIFFERENT' "$tmp/out.tif"
-ok $? "with the verdict in it"
+ok $? "the kept stack records the verdict"
 rm -f "$tmp/out.tif"
 for depth in 16 32f; do
     for fault in 48 68; do
-        exits 3 "unchecked, NaN is refused all the same at depth $depth: $fault" \
+        exits 3 "NaN is refused even unchecked, at depth $depth: $fault" \
             render "$fault" patches --no-check --depth "$depth"
         absent "$tmp/out.tif" "depth $depth"
     done

@@ -1,32 +1,33 @@
 /* SPDX-License-Identifier: MIT */
-/* A second reference, slow and simple, that shares nothing with
- * raster/reference but the plan and its structs: a pixel is inside a triangle if the three
- * homogeneous edge functions say so (Olano and Greer, Triangle Scan Conversion using 2D Homogeneous
- * Coordinates, 1997), so that nothing is clipped, no corner is divided by its w, and triangles
- * through the eye need no care. Vertices are lit as in the OpenGL 2.1 specification,
- * section 2.14.1.
+/* A second reference, slow and simple. It shares only the plan and its structs with
+ * raster/reference. A pixel is inside a triangle if the three homogeneous edge functions say so
+ * (Olano and Greer, Triangle Scan Conversion using 2D Homogeneous Coordinates, 1997). So nothing is
+ * clipped, no corner is divided by its w, and triangles through the eye are no special case.
+ * Vertices are lit as in the OpenGL 2.1 specification, section 2.14.1.
  *
- * It computes in long double, whose 64 bits on x86 (113 elsewhere) make its own error 2^-11 of what
- * it looks for. Where long double is double, both references are equally far from the truth: the
- * comparison still sees every mistake, but differences may reach twice the bounds.
+ * It computes in long double, whose 64 bits on x86 (113 elsewhere) make its own error 2^-11 of the
+ * error it measures. On machines where long double is double, both references have equal errors:
+ * the comparison still finds every mistake, but differences may reach twice the bounds.
  *
  * Bounds are on the error of raster/reference in double, u = 2^-53 being its unit roundoff:
  *
  * - A vertex goes through two products with a matrix, each four multiplications and three
  *   additions: 4 roundings of each term, 8 of each homogeneous coordinate, 9 with those of second
  *   order. Division and viewport add 3, relative to 1 + |x / w| halves of the picture.
- * - A corner that clipping makes rounds 3 times more, relative to the ends of its edge. Where along
- *   the edge it lies does not matter: its weights move with it.
+ * - A corner made by clipping has 3 more roundings, relative to the ends of its edge. Its place
+ *   along the edge does not matter: its weights move with it.
  * - Edge functions: a corner off by e in x and y changes a x b by e (|a|_1 + |b|_1) + 2 e^2;
  *   differences to the centre (2), products and their difference (2) round 4 times.
  * - Interpolation: with f_i = E_i / w_i, a value r = sum f_i a_i / sum f_i is off by
  *   sum |a_i - r| (e_i / w_i + |f_i| e_w) / sum f_i, over 1 minus the relative error of the sum of
- *   f; where that exceeds a quarter there is no bound; e_i bounds the error of E_i, e_w that of 1 /
- * w. Weights, their sums and the corners' shares round 16 times, relative to the largest of them.
+ *   f. No bound exists if that error exceeds a quarter. e_i bounds the error of E_i, and e_w that
+ *   of 1 / w. Weights, their sums and the corners' shares round 16 times, relative to the largest
+ *   of them.
  * - Weights of vertices: the program's own bounds for OpenGL's single precision, which count
  *   roundings of the same formulas, times 2^-29. They are at most linear in u from there on down
- *   (powers of cosines are convex where exponents are at least 1), but for lights about to set and
- *   spots about to end, where a vertex may be lit or not. Sums over lights round twice a light. */
+ *   (powers of cosines are convex where exponents are at least 1), except for vertices at a
+ *   light's horizon or at the edge of a spot, which may be lit or not. Sums over lights round
+ *   twice for each light. */
 #ifndef SLOW_H
 #define SLOW_H
 
@@ -72,7 +73,7 @@ static struct triple triple_unit(struct triple a)
     return length > 0 ? triple_sum(none, a, 1 / length) : none;
 }
 
-/* The product of a matrix with a column, and the sum of its terms' magnitudes. */
+/* Computes the product of a matrix with a column, and the sum of its terms' magnitudes. */
 static void slow_transform(const struct matrix *m, const long double in[4],
                            const long double in_magnitude[4], long double out[4],
                            long double magnitude[4])
@@ -86,7 +87,7 @@ static void slow_transform(const struct matrix *m, const long double in[4],
     }
 }
 
-/* Cofactors of the upper left 3x3: its inverse transpose times its determinant. */
+/* Computes the cofactors of the upper left 3x3: its inverse transpose times its determinant. */
 static long double cofactor(const struct matrix *m, int i, int j)
 {
     int i1 = (i + 1) % 3, i2 = (i + 2) % 3, j1 = (j + 1) % 3, j2 = (j + 2) % 3;
@@ -106,7 +107,8 @@ static bool slow_mirrored(const struct matrix *m)
 
 struct slow_vertex {
     long double clip[4], e_clip[4];
-    long double value[2][SLOW_ATTRIBUTES], error[2][SLOW_ATTRIBUTES]; /* of front and back */
+    long double value[2][SLOW_ATTRIBUTES],
+        error[2][SLOW_ATTRIBUTES]; /* weights of front and back */
 };
 
 static struct triple slow_normal(const struct matrix *m, struct vector normal)
@@ -119,8 +121,9 @@ static struct triple slow_normal(const struct matrix *m, struct vector normal)
     return triple_unit((struct triple){out[0], out[1], out[2]});
 }
 
-/* The value if its gate is open, above 0. So near to 0 that rounding may decide, all is in doubt;
- * no error of the gate reaches 2^-40 unless a triangle is flattened a thousandfold. */
+/* Returns the value if its gate is above 0, else 0. If the gate is so near to 0 that rounding may
+ * decide, the whole value is in doubt; no error of the gate reaches 2^-40 unless a triangle is
+ * flattened a thousandfold. */
 static long double slow_gate(long double gate, long double value, long double *doubt)
 {
     if (fabsl(gate) < 0x1p-40L)
@@ -128,7 +131,7 @@ static long double slow_gate(long double gate, long double value, long double *d
     return gate > 0 ? value : 0;
 }
 
-/* The part of a light that distance and spot leave. */
+/* Returns the fraction of a light that is left by distance and spot. */
 static long double slow_falloff(const struct plan *plan, int index, struct triple path,
                                 long double *doubt)
 {
@@ -147,8 +150,8 @@ static long double slow_falloff(const struct plan *plan, int index, struct tripl
     return slow_gate(cosine - (long double)from->cutoff_cosine, left * in_cone, doubt);
 }
 
-/* The weight of one light in a diffuse or specular term. *doubt is what rounding may turn on and
- * off. */
+/* Returns the weight of one light in a diffuse or specular term. *doubt is the part that rounding
+ * may turn on or off. */
 static long double slow_weight(const struct plan *plan, int index, enum reflection reflection,
                                double gloss, struct triple normal, struct triple eye,
                                long double *doubt)
@@ -202,7 +205,7 @@ static void slow_light(const struct lit_scene *lit, int s, int index, struct tri
     }
 }
 
-/* All vertices of a surface; NULL: no memory. */
+/* Returns all vertices of a surface; NULL: no memory. */
 static struct slow_vertex *slow_vertices(const struct lit_scene *lit, int s)
 {
     const struct instance *instance = lit->surfaces[s].instance;
@@ -221,9 +224,9 @@ static struct slow_vertex *slow_vertices(const struct lit_scene *lit, int s)
     return out;
 }
 
-/* ---- triangles as raster/ may compute them, which only bounds need ---- */
+/* ---- triangles as raster/ may compute them; only the bounds need them ---- */
 
-/* A corner of what the near and far plane leave. */
+/* A corner of the triangle clipped by the near and far plane. */
 struct slow_corner {
     long double clip[4], e_clip[4], share[3];
     long double x, y, z, inverse_w, e_px, e_z, e_w; /* in the window; e_w is relative */
@@ -235,7 +238,7 @@ struct slow_triangle {
     const struct slow_vertex *vertex[3];
     struct slow_corner corner[SLOW_CORNERS];
     int n_corners;
-    long double left, right, top, bottom; /* of all pixel centres that it may touch */
+    long double left, right, top, bottom; /* range of all pixel centres that it may touch */
 };
 
 static struct slow_corner slow_cut(const struct slow_corner *a, const struct slow_corner *b,
@@ -252,7 +255,7 @@ static struct slow_corner slow_cut(const struct slow_corner *a, const struct slo
     return out;
 }
 
-/* Leaves what is on one side of the near (sign 1) or far (sign -1) plane. */
+/* Keeps the part on the inner side of the near (sign 1) or far (sign -1) plane. */
 static void slow_clip(struct slow_triangle *triangle, int sign)
 {
     struct slow_corner in[SLOW_CORNERS];
@@ -319,7 +322,7 @@ static struct slow_triangle slow_triangle(const struct scene *scene, const struc
     return out;
 }
 
-/* An edge function of the window, from a to b, and the bound on its error. */
+/* Computes the edge function in the window from a to b, and the bound on its error. */
 struct slow_edge {
     long double value, error;
 };
@@ -336,17 +339,17 @@ static struct slow_edge slow_edge(const struct slow_corner *a, const struct slow
     return out;
 }
 
-/* A triangle of the fan that raster/ makes of the corners, at a pixel: the factors by which the
- * differences of its corners from a value there are off. */
-struct slow_piece {
+/* A triangle at a pixel, from the fan that raster/ makes of the corners. The factors multiply the
+ * differences between the corners and a value there, and give its error. */
+struct slow_fan_triangle {
     const struct slow_corner *corner[3];
     long double factor[3], linear_factor[3]; /* with perspective, and without */
     bool bounded;
 };
 
-/* False where the pixel is clear of the piece. */
-static bool slow_piece(const struct slow_triangle *triangle, int index, long double px,
-                       long double py, struct slow_piece *out)
+/* Returns false if the pixel is surely outside this triangle of the fan. */
+static bool slow_fan_triangle(const struct slow_triangle *triangle, int index, long double px,
+                              long double py, struct slow_fan_triangle *out)
 {
     struct slow_edge edge[3];
     long double sum = 0, linear_sum = 0, error = 0, linear_error = 0, sign = 0;
@@ -382,14 +385,14 @@ static bool slow_piece(const struct slow_triangle *triangle, int index, long dou
 /* A triangle's fragment at a pixel centre. */
 struct slow_fragment {
     const struct slow_triangle *triangle;
-    long double share[3]; /* perspective-correct barycentric coordinates */
+    long double share[3]; /* barycentric coordinates, correct in perspective */
     long double px, py, depth, e_depth;
-    bool definite; /* drawn, whichever way double precision rounds */
+    bool definite; /* drawn however double precision rounds */
     int side;      /* 1: seen from behind; -1: rounding may choose */
 };
 
-/* How far double precision is from the edges that the planes have left: -1 clearly outside one, 1
- * clearly inside all of them, otherwise 0. */
+/* Compares the pixel with the edges that the planes have left, in double precision: -1 if surely
+ * outside one, 1 if surely inside all, otherwise 0. */
 static int slow_clearance(const struct slow_triangle *triangle, long double turn, long double px,
                           long double py)
 {
@@ -409,28 +412,27 @@ static int slow_clearance(const struct slow_triangle *triangle, long double turn
     return clearance;
 }
 
-/* The worst error of depth in the pieces at the pixel. */
+/* Returns the largest error of depth in the fan's triangles at the pixel. */
 static long double slow_depth_error(const struct slow_triangle *triangle, long double px,
                                     long double py, long double depth)
 {
     long double worst = 0;
     for (int p = 0; p + 2 < triangle->n_corners; p++) {
-        struct slow_piece piece;
-        if (!slow_piece(triangle, p, px, py, &piece))
+        struct slow_fan_triangle fan;
+        if (!slow_fan_triangle(triangle, p, px, py, &fan))
             continue;
-        if (!piece.bounded)
+        if (!fan.bounded)
             return HUGE_VALL;
         long double error = 8 * u * fabsl(depth);
         for (int i = 0; i < 3; i++)
-            error +=
-                piece.linear_factor[i] * fabsl(piece.corner[i]->z - depth) + piece.corner[i]->e_z;
+            error += fan.linear_factor[i] * fabsl(fan.corner[i]->z - depth) + fan.corner[i]->e_z;
         worst = fmaxl(worst, error);
     }
     return worst;
 }
 
-/* The side that is seen: y points downwards, so that what is counter-clockwise in OpenGL's window
- * turns the other way here. -1 where double precision may see no area, or the other side. */
+/* Returns the side that is seen. y points downwards, so a triangle that is counter-clockwise in
+ * OpenGL's window is clockwise here. -1 if double precision may find no area, or the other side. */
 static int slow_side(const struct slow_triangle *triangle, bool clockwise, long double px,
                      long double py)
 {
@@ -444,8 +446,8 @@ static int slow_side(const struct slow_triangle *triangle, bool clockwise, long 
     return fabsl(area) <= error ? -1 : clockwise == triangle->mirrored;
 }
 
-/* Edge functions of the corners (X, Y, w), moved so that the pixel centre is the origin; returns
- * their determinant. */
+/* Computes the edge functions of the corners (X, Y, w), moved so that the pixel centre is the
+ * origin; returns their determinant. */
 static long double slow_edges(const struct scene *scene, const struct slow_triangle *triangle,
                               long double px, long double py, long double out[3])
 {
@@ -465,7 +467,7 @@ static long double slow_edges(const struct scene *scene, const struct slow_trian
 
 /* The shares b of the corners solve sum b_i (X_i, Y_i, w_i) = (0, 0, 1): they are the edge
  * functions over the determinant, their sum is 1 / w at the pixel, and depth is linear in them.
- * False where nothing can be drawn. */
+ * Returns false if no fragment can be drawn. */
 static bool slow_fragment(const struct scene *scene, const struct slow_triangle *triangle, int x,
                           int y, struct slow_fragment *out)
 {
@@ -494,21 +496,22 @@ static bool slow_fragment(const struct scene *scene, const struct slow_triangle 
            (out->depth >= -out->e_depth && out->depth <= 1 + out->e_depth);
 }
 
-/* How far interpolation is off in a piece at the pixel. */
-static long double slow_off(const struct slow_triangle *triangle, const struct slow_piece *piece,
-                            int side, int attribute, long double value)
+/* Returns the error of interpolation in a triangle of the fan at the pixel. */
+static long double slow_off(const struct slow_triangle *triangle,
+                            const struct slow_fan_triangle *fan, int side, int attribute,
+                            long double value)
 {
     long double off = 0;
     for (int i = 0; i < 3; i++) {
         long double at_corner = 0;
         for (int j = 0; j < 3; j++)
-            at_corner += piece->corner[i]->share[j] * triangle->vertex[j]->value[side][attribute];
-        off += piece->factor[i] * fabsl(at_corner - value);
+            at_corner += fan->corner[i]->share[j] * triangle->vertex[j]->value[side][attribute];
+        off += fan->factor[i] * fabsl(at_corner - value);
     }
     return off;
 }
 
-/* The bound on an attribute of one side; HUGE_VALL: none. */
+/* Returns the bound on an attribute of one side; HUGE_VALL: no bound. */
 static long double slow_bound(const struct slow_fragment *fragment, int side, int attribute,
                               long double value)
 {
@@ -520,12 +523,12 @@ static long double slow_bound(const struct slow_fragment *fragment, int side, in
         largest = fmaxl(largest, fabsl(vertex->value[side][attribute]));
     }
     for (int p = 0; p + 2 < triangle->n_corners; p++) {
-        struct slow_piece piece;
-        if (!slow_piece(triangle, p, fragment->px, fragment->py, &piece))
+        struct slow_fan_triangle fan;
+        if (!slow_fan_triangle(triangle, p, fragment->px, fragment->py, &fan))
             continue;
-        if (!piece.bounded)
+        if (!fan.bounded)
             return HUGE_VALL;
-        worst = fmaxl(worst, slow_off(triangle, &piece, side, attribute, value));
+        worst = fmaxl(worst, slow_off(triangle, &fan, side, attribute, value));
     }
     return worst + error + 16 * u * largest;
 }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* The reference is checked too: raster/reference in double against test/oracle/slow.h in long
- * double, over random scenes and hard triangles. Each pixel must show a surface that double
- * precision may show there, with weights within double precision's own bound; and within the
- * program's bounds for OpenGL's single precision, times 2^-29, which count more roundings of the
- * same formulas. Then edges: signs are right wherever rounding cannot turn them, and of triangles
- * that share edges one covers each pixel centre. */
+/* Checks the reference: compares raster/reference in double with test/oracle/slow.h in long double,
+ * over random scenes and hard triangles. Each pixel must show a surface that double precision may
+ * show there. Its weights must be within double precision's own bound, and within the program's
+ * bounds for OpenGL's single precision times 2^-29, which count more roundings of the same
+ * formulas. Then it checks edges: signs are right unless rounding can turn them, and exactly one of
+ * several triangles that share edges covers each pixel centre. */
 #include <stdlib.h>
 
 #include "data/maths/maths.h"
@@ -29,7 +29,8 @@ static void stop_unless(bool good, const char *text)
     }
 }
 
-/* A small generator of its own (Knuth's MMIX constants), so that every machine tests the same. */
+/* A small generator in this file (Knuth's MMIX constants), so that every machine tests the same
+ * scenes. */
 static double random_in(uint64_t *state, double low, double high)
 {
     *state = *state * 6364136223846793005u + 1442695040888963407u;
@@ -41,7 +42,7 @@ static int random_below(uint64_t *state, int n)
     return (int)random_in(state, 0, n);
 }
 
-/* Ten to a power between two. */
+/* Returns ten to a random power between two. */
 static double random_power(uint64_t *state, double low, double high)
 {
     return exp(log(10) * random_in(state, low, high));
@@ -53,22 +54,22 @@ struct point {
 
 static struct point random_point(uint64_t *state, double low, double high)
 {
-    struct point out; /* in this order: that of initializers is the compiler's */
+    struct point out; /* in this order: the compiler chooses the order of initializers */
     out.x = random_in(state, low, high);
     out.y = random_in(state, low, high);
     out.z = random_in(state, low, high);
     return out;
 }
 
-/* ---- one picture by both ---- */
+/* ---- one picture by both references ---- */
 
 struct both {
     struct scene scene;
     struct plan plan;
     struct lit_scene lit;
-    struct slow_vertex **vertices; /* of each surface */
+    struct slow_vertex **vertices; /* vertices of each surface */
     struct slow_triangle *triangles;
-    struct slow_fragment *fragments; /* room for one of each triangle */
+    struct slow_fragment *fragments; /* room for one fragment of each triangle */
     int n_triangles;
 };
 
@@ -121,7 +122,8 @@ static int n_chunks(const struct both *picture)
 
 /* ---- the plan's lights ---- */
 
-/* The worst difference / bound of a place in eye space, or of a unit vector if w is 0. */
+/* Returns the largest difference / bound of a position in eye space, or of a unit vector if w is 0.
+ */
 static long double place_ratio(const struct plan *plan, struct vector from, int w, struct vector to)
 {
     struct triple p = w ? triple_of(from) : triple_unit(triple_of(from));
@@ -133,7 +135,7 @@ static long double place_ratio(const struct plan *plan, struct vector from, int 
     if (!w)
         place = triple_unit(place);
     const long double off[3] = {place.x - seen.x, place.y - seen.y, place.z - seen.z};
-    for (int i = 0; i < 3; i++) /* 4 roundings of each term; 4 for each length, where it is 1 */
+    for (int i = 0; i < 3; i++) /* 4 roundings of each term, and 4 of each length if it is 1 */
         worst = fmaxl(worst, fabsl(off[i]) / ((4 * magnitude[i] + (w ? 0 : 8)) * u));
     return worst;
 }
@@ -159,15 +161,15 @@ static void judge_lights(const struct plan *plan, long double *worst)
 
 struct counted {
     long pixels, covered;
-    long settled;   /* one surface must be there */
+    long settled;   /* one surface must be drawn there */
     long unbounded; /* on triangles too thin for double precision */
     long wrong_surface, wrong_weight;
     long double worst;        /* difference / bound of settled pixels */
-    long double worst_scaled; /* the same with bounds for single precision, scaled down */
+    long double worst_scaled; /* difference / bound for single precision, scaled down */
     long double worst_light;
 };
 
-/* A row of a pixel if a fragment is there, and double precision's bound (HUGE_VALL: none). */
+/* Computes a row of a pixel for this fragment, and double precision's bound (HUGE_VALL: none). */
 struct expected {
     long double value, bound;
 };
@@ -186,7 +188,7 @@ static struct expected expect_row(const struct both *picture, const struct slow_
     out.bound = slow_bound(fragment, side, row, out.value);
     if (row < shaded->n_terms)
         return out;
-    /* in texels: one rounding more */
+    /* texels have one more rounding */
     long double texels =
         row == shaded->n_terms ? shaded->texture->image.width : shaded->texture->image.height;
     out.bound = texels * (out.bound + u * fabsl(out.value));
@@ -194,13 +196,13 @@ static struct expected expect_row(const struct both *picture, const struct slow_
     return out;
 }
 
-/* The worst difference / bound of a pixel's rows if this fragment is there; -1: no bound. Where
- * `errors` are given, the bounds are the program's own for single precision times 2^-29, and what
- * double rounds that is no part of them, 16 times the value. */
+/* Returns the largest difference / bound of a pixel's rows for this fragment; -1: no bound. If
+ * `errors` are given, the bounds are the program's own for single precision times 2^-29, plus 16
+ * roundings of the value in double that those bounds do not count. */
 static long double ratio_of(const struct both *picture, const struct slow_fragment *fragment,
                             int side, const double *weights, const float *errors, size_t stride)
 {
-    const long double least = 1e-60L; /* far below what single precision can say */
+    const long double least = 1e-60L; /* far below the range of single precision */
     long double worst = 0;
     for (int row = 0; row < pixel_rows(picture->lit.surfaces[fragment->triangle->surface].instance);
          row++) {
@@ -250,7 +252,8 @@ static int legal_fragments(struct both *picture, int x, int y, bool *definite)
     return n_legal;
 }
 
-/* A pixel's rows with the program's bounds for single precision; errors NULL: it knows none. */
+/* Sets a pixel's rows and the program's bounds for single precision; errors is NULL if it has none.
+ */
 struct bounded_rows {
     const double *rows;
     const float *errors;
@@ -337,17 +340,17 @@ static void judge_scene(const char *path, bool exact, struct counted *counted)
     close_picture(&picture);
 }
 
-/* At least the given part of the covered pixels must have had a single right surface. */
+/* At least the given fraction of the covered pixels must have had exactly one possible surface. */
 static void check_counted(const struct counted *counted, double part_settled, const char *name)
 {
     CHECK(counted->wrong_surface == 0, "%s: each pixel shows what double precision may show", name);
-    CHECK(counted->wrong_weight == 0, "%s: with weights within its bound", name);
+    CHECK(counted->wrong_weight == 0, "%s: weights are within double precision's bound", name);
     if (counted->worst_scaled > 0)
-        CHECK(counted->worst_scaled <= 1, "%s: and within bounds for single precision, scaled down",
-              name);
+        CHECK(counted->worst_scaled <= 1,
+              "%s: weights are within the bounds for single precision, scaled down", name);
     CHECK(counted->covered > 300 && counted->unbounded * 100 < counted->covered &&
               (double)counted->settled >= part_settled * (double)counted->covered,
-          "%s: nearly always there is a bound and no choice", name);
+          "%s: nearly every pixel has a bound and one possible surface", name);
     CHECK(counted->worst > 0.001L, "%s: the bound is not far too wide", name);
     printf("# %ld pixels, %ld covered, %ld settled, %ld unbounded, %ld + %ld wrong, worst "
            "difference / bound %.3Lf, scaled down %.3Lf\n",
@@ -380,7 +383,7 @@ static void put_camera(FILE *file, uint64_t *state)
                                         "perspective 100 near 0.3 far 9"};
     static const char *const viewers[] = {"local", "infinite"};
     static const char *const shadings[] = {"smooth", "smooth", "flat"};
-    static const double distances[] = {4, 2.5, 3, 0.8}; /* the last one amid the objects */
+    static const double distances[] = {4, 2.5, 3, 0.8}; /* the last light lies among the objects */
     int kind = random_below(state, 4);
     struct point eye = random_point(state, -distances[kind], distances[kind]);
     fprintf(file, "camera %s eye %.4f %.4f %.4f", kinds[kind], eye.x, eye.y,
@@ -417,7 +420,7 @@ static void put_light(FILE *file, uint64_t *state)
     }
 }
 
-/* Mirrored or flattened a hundredfold now and then. */
+/* Sometimes mirrored, or flattened a hundredfold. */
 static void put_object(FILE *file, uint64_t *state)
 {
     static const char *const shapes[] = {"sphere 1 10 7", "torus 0.4 0.9 7 10", "box 1 1.5 2",
@@ -473,7 +476,7 @@ static void check_random_scenes(void)
 
 /* ---- hard triangles ---- */
 
-/* A pixel of the picture, its centre. */
+/* The centre of a pixel of the picture. */
 static struct point random_centre(uint64_t *state)
 {
     int pixel = random_below(state, WIDTH * HEIGHT);
@@ -526,7 +529,7 @@ static void hard_triangle(enum hard kind, uint64_t *state, struct point out[3])
 
 struct eye_view {
     bool perspective;
-    double scale; /* of everything */
+    double scale; /* scale of everything */
 };
 
 static void put_vertex(FILE *file, uint64_t *state, struct point p)
@@ -535,14 +538,14 @@ static void put_vertex(FILE *file, uint64_t *state, struct point p)
     fprintf(file, "v %.17g %.17g %.17g\nvn %.4f %.4f 1\n", p.x, p.y, p.z, to.x, to.y);
 }
 
-/* From the window into the space of the eye: parallel, or at a right angle vertically. */
+/* Converts window coordinates to eye space: parallel, or with a vertical angle of 90 degrees. */
 static struct point unproject(struct eye_view view, struct point p)
 {
     double by = view.perspective ? 2 * p.z / HEIGHT : 1;
     return (struct point){by * (p.x - WIDTH / 2), by * (HEIGHT / 2 - p.y), -p.z};
 }
 
-/* A scene of one mesh, which is written next; closed by the caller. */
+/* Opens a scene of one mesh; the caller writes the mesh next and closes the file. */
 static FILE *open_mesh(struct eye_view view, char path[4096])
 {
     char mesh[4096 + 8];
@@ -595,7 +598,7 @@ static void check_hard_triangles(enum hard kind, struct eye_view view, const cha
     check_counted(&counted, kind == ON_GRID ? 0.8 : 0.97, name);
 }
 
-/* Corners all round the eye: in front of it, beside it and behind. */
+/* Places corners all round the eye: in front of it, beside it and behind it. */
 static void check_around_eye(void)
 {
     const struct eye_view view = {true, 1};
@@ -620,7 +623,7 @@ static void check_around_eye(void)
 
 /* ---- triangles that share edges ---- */
 
-/* Draws a picture of one mesh with one triangle, which takes the place of the first one. */
+/* Draws a picture of one mesh with one triangle, which replaces the first one. */
 static void draw_alone(struct both *picture, int triangle, bool covered[WIDTH * HEIGHT])
 {
     struct mesh *mesh = &picture->plan.meshes[0].mesh;
@@ -637,8 +640,8 @@ static void draw_alone(struct both *picture, int triangle, bool covered[WIDTH * 
     instance->n_triangles = mesh->n_triangles;
 }
 
-/* Every pixel of the rows from first to last must be covered by one triangle of the mesh, any other
- * by none. */
+/* Exactly one triangle of the mesh must cover each pixel of the rows from first to last, and no
+ * triangle any other pixel. */
 static void check_once(const char *path, int first, int last, const char *name)
 {
     struct both picture;
@@ -654,12 +657,12 @@ static void check_once(const char *path, int first, int last, const char *name)
     close_picture(&picture);
     for (int p = 0; p < WIDTH * HEIGHT; p++)
         wrong += counts[p] != (p / WIDTH >= first && p / WIDTH <= last);
-    if (!CHECK(wrong == 0, "%s: of %d triangles one covers each pixel", name, n))
+    if (!CHECK(wrong == 0, "%s: exactly one of %d triangles covers each pixel", name, n))
         printf("# %d pixels otherwise\n", wrong);
 }
 
 /* A grid of squares cut in halves, larger than the picture: corners and edges lie on pixel centres,
- * but for one corner in `moved`. */
+ * except for one corner in `moved`. */
 static void check_grid(struct eye_view view, int moved, const char *name)
 {
     enum { STEP = 4, ACROSS = WIDTH / STEP + 4, DOWN = HEIGHT / STEP + 4 };
@@ -688,8 +691,8 @@ static void check_grid(struct eye_view view, int moved, const char *name)
     check_once(path, 0, HEIGHT - 1, name);
 }
 
-/* A floor 0.9 below the eye: at the row of centre y it is 0.9 HEIGHT / 2 / (y - HEIGHT / 2) away,
- * from 1, where the near plane is, in row 29 to 29 in row 16. */
+/* A floor 0.9 below the eye: in the row with centre y its distance is 0.9 HEIGHT / 2 / (y - HEIGHT
+ * / 2), from 1 in row 29, at the near plane, to 29 in row 16. */
 static void check_floor(void)
 {
     const struct eye_view view = {true, 1};
@@ -708,7 +711,7 @@ static void check_floor(void)
             put_face(file, i + 2, i + SIDE + 2, i + SIDE + 1);
         }
     fclose(file);
-    check_once(path, HEIGHT / 2, 29, "a floor that is cut near and far");
+    check_once(path, HEIGHT / 2, 29, "a floor that the near and far plane cut");
 }
 
 /* ---- signs ---- */
@@ -724,7 +727,7 @@ static void grow(double *parts, int *n, double more)
     parts[(*n)++] = more;
 }
 
-/* The sign of ax by - bx ay without error, as long as nothing underflows: the largest part of the
+/* Returns the sign of ax by - bx ay without error if no product underflows: the largest part of the
  * expansion that is not 0 decides (Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast
  * Robust Geometric Predicates, 1997). */
 static int exact_sign(double ax, double ay, double bx, double by)
@@ -740,7 +743,8 @@ static int exact_sign(double ax, double ay, double bx, double by)
     return sign;
 }
 
-/* 1: the centre of a pixel is inside a triangle in front of the eye, -1: outside, 0: on an edge. */
+/* Returns 1 if a pixel's centre is inside a triangle in front of the eye, -1 if outside, 0 if on an
+ * edge. */
 static int turn_round(const struct surface *surface, const int32_t triangle[3], int pixel)
 {
     double x[3], y[3];
@@ -760,7 +764,7 @@ static int turn_round(const struct surface *surface, const int32_t triangle[3], 
     return least == most && least != 0;
 }
 
-/* A few units in the last place away. */
+/* Moves a number by a few units in the last place. */
 static double nudged(uint64_t *state, double value)
 {
     for (int i = random_below(state, 4); i > 0; i--)
@@ -777,7 +781,7 @@ static void check_signs(void)
         struct point p = random_centre(&state);
         double size = random_power(&state, -3, 6), x[3] = {p.x + 1}, y[3] = {p.y - 2};
         struct point to = random_point(&state, -size, size);
-        for (int c = 1; c < 3; c++) { /* in line with the centre, or one of four not */
+        for (int c = 1; c < 3; c++) { /* in line with the centre; one of four is not */
             double along = random_in(&state, -1, 1);
             x[c] = nudged(&state, p.x + (i % 4 ? along * to.x : to.z));
             y[c] = nudged(&state, p.y + along * to.y);
@@ -792,17 +796,17 @@ static void check_signs(void)
         edges_at(x_back, y_back, p.x, p.y, &back);
         unequal += back.e[0] < -e || back.e[0] > -e;
     }
-    CHECK(near > POINTS / 4, "many corners are in line with the centre but for a few roundings");
+    CHECK(near > POINTS / 4, "many corners are in line with the centre except for a few roundings");
     CHECK(wrong == 0, "an edge function above its rounding error has the right sign");
-    CHECK(unequal == 0, "and the opposite one, to the bit, from the other end");
+    CHECK(unequal == 0, "the edge function from the other end is exactly the opposite");
     CHECK(exact_sign(1, 1 + 0x1p-52, 1 - 0x1p-52, 1) > 0 && exact_sign(3, 1, 6, 2) == 0 &&
               exact_sign(0x1p30 + 1, 0x1p30, 0x1p30 + 2, 0x1p30 + 1) > 0,
-          "where the rounded difference is 0 the exact sign is still known");
+          "the exact sign is known even if the rounded difference is 0");
 }
 
-/* Triangles so thin that the rounded corners decide: a centre is covered if the corners as they lie
- * in the window, moved by the centre, turn round it, and not if they do not. On an edge either may
- * be, which grids decide. */
+/* Triangles are so thin that the rounded corners decide: a centre is covered exactly if the corners
+ * in the window, moved by the centre, turn round it. On an edge both results are allowed here; the
+ * grids check which is right. */
 static void check_needles(struct eye_view view, const char *name)
 {
     enum { TRIANGLES = 1000 };
@@ -831,8 +835,8 @@ static void check_needles(struct eye_view view, const char *name)
         }
     }
     close_picture(&picture);
-    CHECK(inside > TRIANGLES / 10, "%s: some cover a centre", name);
-    CHECK(wrong == 0, "%s: covered is what lies inside without rounding", name);
+    CHECK(inside > TRIANGLES / 10, "%s: some triangles cover a centre", name);
+    CHECK(wrong == 0, "%s: a triangle covers exactly the centres inside it without rounding", name);
     printf("# %d inside, %d otherwise\n", inside, wrong);
 }
 
@@ -844,17 +848,18 @@ int main(void)
     check_hard_triangles(SLIVERS, parallel, "slivers");
     check_hard_triangles(SLIVERS, perspective, "slivers in perspective");
     check_hard_triangles(EDGES_ON_CENTRES, parallel, "edges through pixel centres");
-    check_hard_triangles(EDGES_ON_CENTRES, huge, "such edges, far larger and in perspective");
+    check_hard_triangles(EDGES_ON_CENTRES, huge,
+                         "edges through pixel centres, far larger and in perspective");
     check_hard_triangles(CORNERS_ON_CENTRES, perspective, "corners on pixel centres");
-    check_hard_triangles(CORNERS_ON_CENTRES, tiny, "such corners, far smaller");
-    check_hard_triangles(FAR_OFF, parallel, "corners far off");
-    check_hard_triangles(FAR_OFF, perspective, "corners far off in perspective");
+    check_hard_triangles(CORNERS_ON_CENTRES, tiny, "corners on pixel centres, far smaller");
+    check_hard_triangles(FAR_OFF, parallel, "distant corners");
+    check_hard_triangles(FAR_OFF, perspective, "distant corners in perspective");
     check_hard_triangles(FAR_AWAY, parallel, "corners where single precision has no bound");
     check_hard_triangles(ON_GRID, parallel, "corners on a grid, without error");
     check_around_eye();
     check_grid(parallel, 0, "a grid on pixel centres");
     check_grid(parallel, 3, "a grid with moved corners");
-    check_grid(perspective, 3, "such a grid in perspective");
+    check_grid(perspective, 3, "a grid with moved corners in perspective");
     check_grid(huge, 0, "a huge grid in perspective");
     check_floor();
     check_signs();

@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Inputs that must be refused. The first line of each file in test/cases/bad says where, relative to
-# test/cases/bad, and with which words:
+# Inputs that must be refused. The first line of each file in test/cases/bad gives the place, relative to
+# test/cases/bad, and the words of the message:
 #   # expect: FILE:LINE:COLUMN: error: WORDS
 . test/run/tap.sh
 
@@ -16,28 +16,28 @@ done
 
 printf '%s\n' 'material unused no/such/file.txt' 'material m { diffuse 0.5 }' \
     'object sphere 1 9 9 material m' >"$tmp/unused.scene"
-exits 0 "a material that no object uses is not even read" "$SPECTRAL" plan "$tmp/unused.scene"
+exits 0 "a material that no object uses is not read" "$SPECTRAL" plan "$tmp/unused.scene"
 
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n' >"$tmp/range.obj"
 printf 'material m { diffuse 0.5 }\nobject mesh range.obj material m\n' >"$tmp/mesh.scene"
 exits 2 "a face index out of range is refused" "$SPECTRAL" plan "$tmp/mesh.scene"
-says 'range\.obj:4:7: error: ' "at its place in the OBJ file"
+says 'range\.obj:4:7: error: ' "the message names the place in the OBJ file"
 printf 'material m { diffuse 0.5 }\nobject mesh none.obj material m\n' >"$tmp/mesh.scene"
 exits 2 "a missing mesh is refused" "$SPECTRAL" plan "$tmp/mesh.scene"
-says 'mesh\.scene:2:13: error: .*none\.obj' "where the scene names it"
+says 'mesh\.scene:2:13: error: .*none\.obj' "the message names the place in the scene"
 
-exits 2 "a texture that is none is refused by render, too" \
+exits 2 "a file that is no texture is refused by render, too" \
     "$SPECTRAL" render test/cases/bad/texture-not-tiff.scene -o "$tmp/none.tif"
-one_line "a texture that is none"
-absent "$tmp/none.tif" "a texture that is none"
+one_line "a file that is no texture"
+absent "$tmp/none.tif" "a file that is no texture"
 
 # a corner of the square is where the light is
 printf '%s\n' 'material m { diffuse 0.5 }' 'object plane 2 2 material m' \
     'light d65 1 position 1 1 0 attenuation 0 0 1' >"$tmp/near.scene"
-exits 2 "a light that weakens with distance must not be at a vertex" \
+exits 2 "a light that weakens with distance is refused at a vertex" \
     "$SPECTRAL" render "$tmp/near.scene" -o "$tmp/near.tif"
 says 'near\.scene:2:1: error: vertex [1-4] of this object reflects no finite radiance' \
-    "the object and the vertex are named"
+    "the message names the object and the vertex"
 one_line "a light at a vertex"
 absent "$tmp/near.tif" "a light at a vertex"
 
@@ -46,24 +46,24 @@ printf '%s\n' 'material m { diffuse 0.5 spectral-texture stack.tif }' 'object pl
     'light d65 1 direction 0 0 1' 'size 4 4' >"$tmp/spectral.scene"
 for sampling in basis:3 rgb xyz; do
     exits 2 "$sampling takes no spectral texture" "$SPECTRAL" plan "$tmp/spectral.scene" --sampling "$sampling"
-    says "spectral\.scene:1:26: error: $sampling " "and points to it"
+    says "spectral\.scene:1:26: error: $sampling " "the message points to the spectral texture and names $sampling"
     one_line "a spectral texture under $sampling"
 done
 for sampling in box:3 riemann:50 gauss:3 adaptive:0.01; do
-    exits 0 "$sampling takes one, by OpenGL and the reference alike" \
+    exits 0 "$sampling takes a spectral texture, by OpenGL and by the reference" \
         "$SPECTRAL" render "$tmp/spectral.scene" --sampling "$sampling" -o /dev/null
 done
 run "$SPECTRAL" plan "$tmp/spectral.scene" --sampling gauss:3
-prints '^texture .*, at the wavelength of each page$' "plan says what of it is taken"
+prints '^texture .*, at the wavelength of each page$' "plan says which wavelengths of the texture are used"
 run "$SPECTRAL" plan "$tmp/spectral.scene" --wavelengths 1000:100000:1000 --sampling gauss:3
 [ "$status" = 2 ]
 ok $? "a range that is too wide to be sampled is refused"
-says '^--wavelengths:1:1: error: wavelengths from 1000 to 100000 nm' "at its place"
+says '^--wavelengths:1:1: error: wavelengths from 1000 to 100000 nm' "the message names the place"
 one_line "a range that is too wide"
 printf '%s\n' 'material m { diffuse 0.5 }' 'object plane 9 9 material m' \
     'light 1e200 1e100 direction 0 0 1' >"$tmp/bright.scene"
-exits 2 "a light beyond what can be summed up is not sampled" \
+exits 2 "a light whose sum overflows is refused for sampling" \
     "$SPECTRAL" plan "$tmp/bright.scene" --sampling adaptive:0.01
-says 'bright\.scene:3:7: error: radiance 1e\+300 cannot be sampled; expected 1e\+290 at most' "at its place"
+says 'bright\.scene:3:7: error: radiance 1e\+300 cannot be sampled; expected 1e\+290 at most' "the message names the place"
 one_line "a light that is too bright"
 done_testing

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A page in a headless Chromium, driven over its debugging pipe (the Chrome DevTools Protocol)."""
+"""A page in a headless Chromium, controlled over its debugging pipe (the Chrome DevTools Protocol)."""
 import json
 import os
 import shutil
@@ -10,7 +10,7 @@ PATIENCE_S = 120
 
 
 class Browser:
-    """Keeps what the page did wrong in `complaints`, and the addresses it asked for in `requests`."""
+    """`complaints` collects the page's errors, `requests` the addresses that it requests."""
 
     def __init__(self, folder):
         self.complaints, self.requests, self.number, self.session = [], [], 0, None
@@ -75,7 +75,7 @@ class Browser:
                 return answer["result"]
 
     def evaluate(self, expression):
-        """The value of an expression of JavaScript, once it is settled."""
+        """Returns the value of a JavaScript expression; waits if it is a promise."""
         answer = self.send("Runtime.evaluate", expression=expression, awaitPromise=True,
                            returnByValue=True)
         if "exceptionDetails" in answer:

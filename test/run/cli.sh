@@ -1,26 +1,26 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The command line as its users meet it: exit codes, messages, outputs that are whole or not there.
+# Tests the command line: exit status, messages, and outputs that are complete or absent.
 . test/run/tap.sh
 small="--size 40x30 --wavelengths 400:700:50"
 
 # shellcheck disable=SC2086  # $small is a list of words
 {
-    exits 0 "--help explains" "$SPECTRAL" --help
-    prints '^usage: ' "on standard output"
-    exits 0 "--version tells versions" "$SPECTRAL" --version
-    prints '^spectral [0-9]' "of the program"
-    prints 'Mesa' "of OSMesa"
-    prints 'LIBTIFF' "of libtiff"
+    exits 0 "--help prints the usage" "$SPECTRAL" --help
+    prints '^usage: ' "the usage is on standard output"
+    exits 0 "--version prints versions" "$SPECTRAL" --version
+    prints '^spectral [0-9]' "--version prints the program's version"
+    prints 'Mesa' "--version prints OSMesa's version"
+    prints 'LIBTIFF' "--version prints libtiff's version"
     exits 2 "no command is bad usage" "$SPECTRAL"
     exits 2 "an unknown command is bad usage" "$SPECTRAL" rendr
     exits 2 "an unknown option is bad usage" "$SPECTRAL" render --sise 4x4
-    says "no option '--sise'" "which is named"
+    says "no option '--sise'" "the message names the unknown option"
     exits 2 "an option of another command is bad usage" "$SPECTRAL" plan --keep
     exits 2 "a missing value is bad usage" "$SPECTRAL" render --size
     exits 2 "two scenes are bad usage" "$SPECTRAL" plan patches spheres
     exits 2 "an unknown scene is bad input" "$SPECTRAL" plan colourchecker
-    says 'colorchecker' "and the built-in ones are named"
+    says 'colorchecker' "the message lists the built-in scenes"
     for bad in --size=0x10 --size=10 '--size=64x48#x' --wavelengths=400,,500 --size=1000000000x4 --wavelengths=700:400:10 \
         --wavelengths=400:700:0 --wavelengths=nan --light=2=d65 --light=d65 --light=1=d66 \
         --ambient=-1 --renderer=vulkan --depth=12 --buffer=12 --shading=gouraud --tessellation=0 --sampling=simpson:3 \
@@ -31,17 +31,17 @@ small="--size 40x30 --wavelengths 400:700:50"
         absent "$tmp/bad.tif" "$bad"
     done
 
-    exits 0 "list lists" "$SPECTRAL" list
-    exits 0 "list observers" "$SPECTRAL" list observers
-    prints '^  cie1931$' "lists the CIE 1931 observer"
+    exits 0 "list prints its lists" "$SPECTRAL" list
+    exits 0 "list observers prints the observers" "$SPECTRAL" list observers
+    prints '^  cie1931$' "the observers include CIE 1931"
     exits 2 "an unknown list is bad usage" "$SPECTRAL" list lamps
-    exits 0 "plan needs no picture" "$SPECTRAL" plan patches $small
-    prints '^bands +7 ' "and tells the bands"
-    prints '^passes +3 ' "the passes"
-    prints '^specular +no \(no lit material has gloss\)' "and why an effect is not simulated"
-    exits 0 "a light of intensity 0 is planned away" \
+    exits 0 "plan works without a picture" "$SPECTRAL" plan patches $small
+    prints '^bands +7 ' "plan prints the number of bands"
+    prints '^passes +3 ' "plan prints the number of passes"
+    prints '^specular +no \(no lit material has gloss\)' "plan prints why an effect is not simulated"
+    exits 0 "plan leaves out a light of intensity 0" \
         "$SPECTRAL" plan patches $small --light '1=d65*0'
-    prints '^light 1 +off: intensity 0' "and said so"
+    prints '^light 1 +off: intensity 0' "plan says that the light is off"
 
     # Outputs.
     exits 0 "render writes a stack" "$SPECTRAL" render patches $small -o "$tmp/a.tif" --quiet
@@ -49,13 +49,13 @@ small="--size 40x30 --wavelengths 400:700:50"
     ok $? "--quiet prints nothing"
     exits 0 "a stack is made again" "$SPECTRAL" render patches $small --output="$tmp/b.tif"
     cmp -s "$tmp/a.tif" "$tmp/b.tif"
-    ok $? "byte for byte"
-    exits 0 "the reference's stack too" \
+    ok $? "both stacks have the same bytes"
+    exits 0 "the reference's stack is made" \
         "$SPECTRAL" render patches $small --renderer raster --threads 1 -o "$tmp/c.tif"
-    exits 0 "with any number of threads" \
+    exits 0 "the reference's stack is made by three threads, unchecked" \
         "$SPECTRAL" render patches $small --renderer raster --threads 3 --no-check -o "$tmp/d.tif"
     cmp -s "$tmp/c.tif" "$tmp/d.tif"
-    ok $? "byte for byte, checked or not"
+    ok $? "both have the same bytes, checked or not"
     cp "$tmp/c.tif" "$tmp/old.tif"
     exits 2 "an unwritable folder is bad input" \
         "$SPECTRAL" render patches $small -o "$tmp/no/such/folder/a.tif"
@@ -64,17 +64,17 @@ small="--size 40x30 --wavelengths 400:700:50"
         "$SPECTRAL" render patches $small -o /dev/full
     one_line "a full device"
     [ -c /dev/full ]
-    ok $? "and the device is still one"
-    exits 3 "JSON to a full device too" \
+    ok $? "the device is still a device"
+    exits 3 "JSON to a full device is a failure of the system" \
         "$SPECTRAL" render patches $small -o /dev/null --quiet --json /dev/full
-    exits 2 "a report that cannot be written is found before anything is" \
+    exits 2 "a report that cannot be written is refused before any output is written" \
         "$SPECTRAL" render patches $small -o "$tmp/unreported.tif" --json "$tmp/no/such/folder.json"
     absent "$tmp/unreported.tif" "a report that cannot be written"
     exits 2 "bad input leaves an old output alone" \
         "$SPECTRAL" render patches --size 0x0 -o "$tmp/old.tif"
     cmp -s "$tmp/c.tif" "$tmp/old.tif"
-    ok $? "byte for byte"
-    exits 0 "/dev/null: the pictures are compared, nothing is written" \
+    ok $? "the old output keeps its bytes"
+    exits 0 "with /dev/null the pictures are compared and no file is written" \
         "$SPECTRAL" render patches $small -o /dev/null
     "$SPECTRAL" plan >/dev/full 2>"$tmp/err"
     [ $? = 3 ]
@@ -86,20 +86,20 @@ small="--size 40x30 --wavelengths 400:700:50"
     "$SPECTRAL" render patches $small -o /dev/stdout --json "$tmp/pipe.json" 2>"$tmp/err" |
         cat >"$tmp/piped.tif"
     cmp -s "$tmp/a.tif" "$tmp/piped.tif"
-    ok $? "a stack through a pipe is the same to the byte; the table goes elsewhere"
+    ok $? "a stack through a pipe has the same bytes; the table goes to standard error"
 
-    # Interrupted in the middle: nothing is left behind, an old file stands.
+    # An interrupted render leaves no file behind and keeps an old one.
     "$SPECTRAL" render colorchecker --size 3000x2000 -o "$tmp/old.tif" >"$tmp/out" 2>&1 &
     sleep 1
-    kill -TERM $! # a background job of sh ignores SIGINT, which is handled alike
+    kill -TERM $! # a background job of sh ignores SIGINT; the program handles both signals in the same way
     wait $!
     [ $? = 143 ]
     ok $? "an interrupted render ends by the signal"
     cmp -s "$tmp/c.tif" "$tmp/old.tif" && [ "$(find "$tmp" -name '*.tmp' -o -name '.*tmp*' | wc -l)" = 0 ]
-    ok $? "and leaves an old output alone and nothing beside it"
+    ok $? "an interrupted render leaves an old output alone, and no other file"
 
     # JSON.
-    exits 0 "results as JSON" "$SPECTRAL" render patches $small -o "$tmp/j.tif" --json "$tmp/j.json"
+    exits 0 "render writes its results as JSON" "$SPECTRAL" render patches $small -o "$tmp/j.tif" --json "$tmp/j.json"
     /usr/bin/python3 - "$tmp" >"$tmp/out" 2>"$tmp/err" <<'PYTHON'
 import hashlib, json, sys
 tmp = sys.argv[1]
@@ -122,11 +122,11 @@ assert report["effects"]["lights"] == 1 and report["effects"]["specular"] is Fal
 assert report["work"]["gl_passes"] == 3 and report["work"]["specular_vertices"] == 0
 assert report["work"]["terms"] == 24, report["work"]
 PYTHON
-    ok $? "with every field, and the SHA-256 of the stack"
+    ok $? "the JSON has every field, and the SHA-256 of the stack"
 }
 
 printf '%s\n' "$PWD/data/builtin/materials/colorchecker/01-dark-skin.txt" \
     "$PWD/data/builtin/materials/colorchecker/15-red.txt" >"$tmp/two.list"
 exits 0 "a thesis list file is a scene" "$SPECTRAL" plan "$tmp/two.list"
-prints '^materials +3 ' "with its materials and the background"
+prints '^materials +3 ' "plan counts its materials and the background"
 done_testing

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Pictures of light, surfaces and perspective whose radiance is known in closed form, rendered with
-both renderers and compared in every band. Prints TAP."""
+"""Renders pictures of light, surfaces and perspective with both renderers and compares every band with
+radiances in closed form. Prints TAP."""
 import sys
 
 import numpy as np
@@ -18,7 +18,7 @@ def matt(renderer):
     picture.agrees(per_band(D65 * RED), f"{renderer}: a matt square facing the light is light x reflectance")
     picture = Picture("oblique", renderer,
                       HEAD + "light d65 1 direction 0 0 1\n" + SQUARE + " rotate 60 0 1 0")
-    picture.agrees(per_band(0.5 * D65 * RED), f"{renderer}: turned by 60 degrees it is half of that")
+    picture.agrees(per_band(0.5 * D65 * RED), f"{renderer}: a square turned by 60 degrees has half of that radiance")
     picture = Picture("ambient", renderer, HEAD + "ambient a 0.3\n" + SQUARE)
     picture.agrees(per_band(0.3 * LAMP_A * RED), f"{renderer}: ambient light alone is intensity x light x reflectance")
 
@@ -33,9 +33,9 @@ def plastic(renderer):
 
 def two_lights(renderer):
     first, second = "light d65 1 position 2 1 8\n", "light a 0.5 direction -1 0 1\n"
-    body = "material shiny { diffuse RED gloss 20 }\nobject sphere 0.9 30 30 material shiny"
+    surface = "material shiny { diffuse RED gloss 20 }\nobject sphere 0.9 30 30 material shiny"
     head = "size 61 61\ncamera ortho 2\n"
-    both, one, other = (Picture(name, renderer, head + lights + body, "--full-scale", "8")
+    both, one, other = (Picture(name, renderer, head + lights + surface, "--full-scale", "8")
                         for name, lights in (("both", first + second), ("first", first), ("second", second)))
     error = np.abs(both.radiance - one.radiance - other.radiance).max()
     tolerance = both.tolerance + one.tolerance + other.tolerance
@@ -44,7 +44,7 @@ def two_lights(renderer):
 
 
 def watertight(renderer):
-    """A square of 3200 triangles whose corners lie on pixel centres or beside them at random."""
+    """A square of 3200 triangles; corners lie on pixel centres or, at random, beside them."""
     cells, random = 40, np.random.default_rng(1)
     steps = np.arange(cells + 1) / cells * 4 - 2
     x, y = (v + random.integers(0, 2, v.shape) * random.uniform(-0.04, 0.04, v.shape)

@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The 24 ColorChecker materials are what their source holds, made again by the converter.
+# The converter makes the 24 ColorChecker materials again from their source; the files must be equal.
 . test/run/tap.sh
 
 exits 0 "the converter runs" /usr/bin/python3 test/make/colorchecker.py "$tmp/made"

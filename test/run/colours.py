@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""CIELAB and colour differences, for scripts that do not take the program's word for colours."""
+"""CIELAB and colour differences, for scripts that compute colours independently of the program."""
 import numpy as np
 
 
@@ -20,7 +20,7 @@ def cie94(standard, sample):
 
 
 def ciede2000(one, two):
-    """As Sharma, Wu and Dalal write it (Color Res. Appl. 30, 21-30, 2005)."""
+    """CIEDE2000 after Sharma, Wu and Dalal (Color Res. Appl. 30, 21-30, 2005)."""
     (l1, a1, b1), (l2, a2, b2) = one, two
     mean_c7 = ((np.hypot(a1, b1) + np.hypot(a2, b2)) / 2) ** 7
     g = 0.5 * (1 - np.sqrt(mean_c7 / (mean_c7 + 25.0 ** 7)))

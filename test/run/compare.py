@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""What compare prints of two stacks is computed once more with numpy, pixel by pixel, from published
-formulas; some differences are known in closed form. Prints TAP."""
+"""Computes compare's output for two stacks once more with numpy, pixel by pixel, from published formulas; some
+differences have closed forms. Prints TAP."""
 import os
 import re
 import subprocess
@@ -15,11 +15,11 @@ from colours import cie94, cielab, ciede2000
 from rendered import SPECTRAL, TMP, check, done, write
 
 NUMBER = r"([-+.e\d]+)"
-SIX_DIGITS = 6e-6  # relative: what is printed
-FLOAT = 1e-7       # relative: what the map holds
+SIX_DIGITS = 6e-6  # relative: printed numbers
+FLOAT = 1e-7       # relative: values of the map
 
 
-# ---- the same with numpy ----
+# ---- comparison with numpy ----
 
 def xyz_weights(observer, nm):
     rows = [line.split(",") for line in open(f"data/builtin/tables/{observer}.csv") if line[0].isdigit()]
@@ -31,7 +31,7 @@ def xyz_weights(observer, nm):
 
 
 def angles(a, b):
-    """In degrees, from half-angles of unit vectors (Kahan)."""
+    """Spectral angle in degrees, from half-angles of unit vectors (Kahan)."""
     a, b = a / np.sqrt((a * a).sum(0)), b / np.sqrt((b * b).sum(0))
     return np.degrees(2 * np.arctan2(np.sqrt(((a - b) ** 2).sum(0)), np.sqrt(((a + b) ** 2).sum(0))))
 
@@ -58,8 +58,8 @@ def read_map(path):
     return np.moveaxis(pixels, -1, 0) if pixels.shape[-1] == 3 else pixels
 
 
-class Told:
-    """What is printed: a table of bands, then a line for each quantity."""
+class Printed:
+    """Numbers that compare printed: a table of bands, then a line for each quantity."""
 
     def __init__(self, text):
         rows = re.findall(rf"^{NUMBER} +{NUMBER} +(\d+),(\d+) +{NUMBER}$", text, re.M)
@@ -82,14 +82,14 @@ def near(seen, expected, relative=SIX_DIGITS):
     return np.allclose(seen, expected, rtol=relative, atol=1e-30)
 
 
-# ---- known in closed form ----
+# ---- closed forms ----
 
 def test_same():
     result = compare(A, A, "--white", "d65")
-    told = Told(result.stdout)
-    check(result.returncode == 0, "a stack is the same as itself", result.stderr)
-    check(told.largest is None and told.rms == 0 and told.angle == [0, 0, 0, "none"]
-          and told.ciede2000 == [0, 0, 0, "none"], "no statistic of that tells of a difference", result.stdout)
+    printed = Printed(result.stdout)
+    check(result.returncode == 0, "a stack equals itself", result.stderr)
+    check(printed.largest is None and printed.rms == 0 and printed.angle == [0, 0, 0, "none"]
+          and printed.ciede2000 == [0, 0, 0, "none"], "every statistic of equal stacks is 0", result.stdout)
 
 
 def test_one_pixel():
@@ -98,57 +98,59 @@ def test_one_pixel():
     step = float(changed[3, 7, 5]) - float(PIXELS[3, 7, 5])
     other = stack("one-pixel.tif", changed, NM)
     result = compare(A, other, "--white", "d65")
-    told = Told(result.stdout)
+    printed = Printed(result.stdout)
     check(result.returncode == 1 and len(result.stderr.splitlines()) == 1,
           "one sample that differs makes exit 1, and one line says so", result.stderr)
-    check(near(told.largest, [step, NM[3], 5, 7]), "its wavelength, pixel and value are told", result.stdout)
-    check(len(told.bands) == 1 and near(told.bands[0], [NM[3], step, 5, 7, step / np.sqrt(W * H)]),
-          "and no other wavelength tells of a difference")
-    check(told.angle[1] == 0 < told.angle[2] and told.angle[3] == "5,7" and told.ciede2000[3] == "5,7",
-          "angle and CIEDE2000 are largest there, and 0 at 95 % of the pixels", told.angle, told.ciede2000)
+    check(near(printed.largest, [step, NM[3], 5, 7]), "the line gives its wavelength, pixel and value", result.stdout)
+    check(len(printed.bands) == 1 and near(printed.bands[0], [NM[3], step, 5, 7, step / np.sqrt(W * H)]),
+          "no other wavelength is listed")
+    check(printed.angle[1] == 0 < printed.angle[2] and printed.angle[3] == "5,7" and printed.ciede2000[3] == "5,7",
+          "angle and CIEDE2000 are largest there, and 0 at 95 % of the pixels", printed.angle, printed.ciede2000)
     percent = 100 * step / float(PIXELS.max())
     for tolerance, status in ((f"{step:.17g}", 0), (f"{step * 0.999:.9g}", 1), (f"{percent * 1.001:.9g}%", 0),
-                              (f"{percent * 0.999:.9g}%", 1), (f"{told.ciede2000[2] * 1.001:.9g}dE00", 0),
-                              (f"{told.ciede2000[2] * 0.999:.9g}dE00", 1), (f"{told.cie94[2] * 1.001:.9g}dE94", 0),
-                              (f"{told.cie94[2] * 0.999:.9g}dE94", 1), (f"{told.cie76[2] * 1.001:.9g}dE76", 0),
-                              (f"{told.cie76[2] * 0.999:.9g}dE76", 1)):
+                              (f"{percent * 0.999:.9g}%", 1), (f"{printed.ciede2000[2] * 1.001:.9g}dE00", 0),
+                              (f"{printed.ciede2000[2] * 0.999:.9g}dE00", 1), (f"{printed.cie94[2] * 1.001:.9g}dE94",
+                                                                               0),
+                              (f"{printed.cie94[2] * 0.999:.9g}dE94", 1), (f"{printed.cie76[2] * 1.001:.9g}dE76", 0),
+                              (f"{printed.cie76[2] * 0.999:.9g}dE76", 1)):
         result = compare(A, other, "--white", "d65", "--tolerance", tolerance)
         check(result.returncode == status, f"a tolerance of {tolerance} makes exit {status}", result.stderr)
 
 
 def test_angles():
-    told = Told(compare(A, stack("twice.tif", 2 * PIXELS, NM)).stdout)
-    check(told.angle == [0, 0, 0, "none"], "twice the radiance everywhere: spectral angles of 0")
+    printed = Printed(compare(A, stack("twice.tif", 2 * PIXELS, NM)).stdout)
+    check(printed.angle == [0, 0, 0, "none"], "twice the radiance everywhere gives spectral angles of 0")
     nm = [500, 600]
     rows = (([1, 0], [0, 1], 90), ([0, 0], [0, 0], 0), ([0, 0], [0.5, 0], 90), ([1, 1], [0, 3], 45),
             ([3, 4], [4, 3], np.degrees(np.arctan2(7, 24))))
     for a, b, expected in rows:
         one, two = (stack(f"{n}.tif", np.reshape(p, (2, 1, 1)), nm) for n, p in (("one", a), ("two", b)))
-        told = Told(compare(one, two).stdout)
-        check(near(told.angle[2], expected), f"{a} and {b}: {expected:.6g} degrees", told.angle)
+        printed = Printed(compare(one, two).stdout)
+        check(near(printed.angle[2], expected), f"{a} and {b}: {expected:.6g} degrees", printed.angle)
     step = 2.0 ** -23
     one, two = stack("flat.tif", np.ones((2, 1, 1)), nm), stack("tilted.tif", [[[1]], [[1 + step]]], nm)
-    told = Told(compare(one, two).stdout)
-    check(near(told.angle[2], np.degrees(np.arctan(step / (2 + step)))),
-          "a single bit of a float: the angle to 6 digits, where an arc cosine has none", told.angle)
+    printed = Printed(compare(one, two).stdout)
+    check(near(printed.angle[2], np.degrees(np.arctan(step / (2 + step)))),
+          "the angle of a single bit of a float has 6 digits, where an arc cosine would have none", printed.angle)
 
 
-# ---- everything once more ----
+# ---- random stacks, compared with numpy ----
 
 def test_statistics(name, a_pixels, b_pixels, nm, observer):
     a, b = stack(name + "-a.tif", a_pixels, nm), stack(name + "-b.tif", b_pixels, nm, "zlib")
     out = os.path.join(TMP, name + "-map.tif")
     result = compare(a, b, "--white", "a", "--detector", observer, "--map", out)
-    told, seen = Told(result.stdout), read_map(out)
+    printed, seen = Printed(result.stdout), read_map(out)
     a, b = a_pixels.astype(np.float64), b_pixels.astype(np.float64)
     difference = abs(a - b)
     flat = difference.reshape(len(nm), -1)
     at = flat.argmax(1)
     expected = np.array([nm, flat.max(1), at % a.shape[2], at // a.shape[2], np.sqrt((flat ** 2).mean(1))]).T
-    check(result.returncode == 1 and near(told.bands, expected),
-          f"{name}: of each wavelength the largest difference, its pixel and the RMS")
-    check(near(told.largest, expected[flat.max(1).argmax()][[1, 0, 2, 3]]) and
-          near(told.rms, np.sqrt((flat ** 2).mean())), f"{name}: and of all", told.largest, told.rms)
+    check(result.returncode == 1 and near(printed.bands, expected),
+          f"{name}: each wavelength has the right largest difference, pixel and RMS")
+    check(near(printed.largest, expected[flat.max(1).argmax()][[1, 0, 2, 3]]) and
+          near(printed.rms, np.sqrt((flat ** 2).mean())),
+          f"{name}: the largest difference and the RMS of all are right", printed.largest, printed.rms)
     light = np.array([line.split(",") for line in open("data/builtin/tables/a.csv") if line[0].isdigit()], float).T
     weights = xyz_weights(observer, np.array(nm, float))
     white = weights @ np.interp(nm, *light, 0, 0)
@@ -157,19 +159,19 @@ def test_statistics(name, a_pixels, b_pixels, nm, observer):
     pictures = difference.max(0), angles(a, b), ciede2000(*labs)
     not_in_map = np.linalg.norm(labs[0] - labs[1], axis=0), cie94(*labs)
     for values, statistics, row, what in zip(
-            pictures[1:] + not_in_map, (told.angle, told.ciede2000, told.cie76, told.cie94),
+            pictures[1:] + not_in_map, (printed.angle, printed.ciede2000, printed.cie76, printed.cie94),
             (*seen[1:], *not_in_map), ("spectral angles", "CIEDE2000", "CIE76", "CIE94")):
         most = values.max()
         quantile = np.quantile(values, 0.95, method="inverted_cdf")
         y, x = np.unravel_index(values.argmax(), values.shape)
         check(near(statistics[0], values.mean(), 1e-5) and near(statistics[2], most, 1e-5) and
-              statistics[3] == f"{x},{y}", f"{name}: mean, largest and its pixel of {what}", statistics)
+              statistics[3] == f"{x},{y}", f"{name}: mean, largest value and pixel of {what} are right", statistics)
         check(quantile * (1 - 1e-5) <= statistics[1] <= quantile * (1 + 1 / 1024 + 1e-5),
-              f"{name}: their 95th percentile, by 1/1024 too high at most", statistics[1], quantile)
-        check(abs(row - values).max() <= 1e-6 * most, f"{name}: the map holds them pixel by pixel",
+              f"{name}: the 95th percentile of {what} is at most 1/1024 too high", statistics[1], quantile)
+        check(abs(row - values).max() <= 1e-6 * most, f"{name}: the map holds {what} pixel by pixel",
               abs(row - values).max())
     check(abs(seen[0] - pictures[0]).max() <= FLOAT * pictures[0].max(),
-          f"{name}: and the largest difference of all wavelengths")
+          f"{name}: the map holds the largest difference of all wavelengths")
 
 
 def test_threads(a, b):
@@ -184,7 +186,7 @@ def test_threads(a, b):
 # ---- components ----
 
 def components():
-    """Of one sampling they are compared, and colours by the response that is recorded."""
+    """Components are compared if their sampling is the same; their colours come from the recorded response."""
     scene = "wavelengths 400 700 10\nsize 16 12\ncamera ortho 4\nobject plane 3 2 material m\nlight d65 1 direction 0 0 1\n"
     paths = []
     for name, paint, sampling in (("one", "0.5", "rgb"), ("other", "gaussian:600,90", "rgb"), ("xyz", "0.5", "xyz")):
@@ -214,7 +216,7 @@ def components():
         bases.append(os.path.join(TMP, source.replace("scene", "basis.tif")))
         subprocess.run([SPECTRAL, "render", os.path.join(TMP, source), "--sampling", "basis:1", "--renderer", "raster",
                         "--quiet", "-o", bases[-1]], check=True)
-    check(compare(bases[0], bases[0]).returncode == 0, "a basis is the same as itself")
+    check(compare(bases[0], bases[0]).returncode == 0, "a basis equals itself")
     refused(*bases, "hold components of different samplings: basis:1 for cie1931, and basis:1 for cie1931 of other "
             "spectra")
     refused(one, xyz, "hold components of different samplings: rgb for cie1931, and xyz for cie1931$")
@@ -223,7 +225,7 @@ def components():
     refused(one, other, "expected --detector cie1931", "--detector", "cie1964")
 
 
-# ---- what cannot be compared ----
+# ---- refused stacks ----
 
 def refused(a, b, pattern, *options):
     out = os.path.join(TMP, "never.tif")
@@ -254,8 +256,8 @@ def test_refusals():
     refused(A, A, "records no white", "--tolerance", "1dE00")
     for tolerance in "", "x", "1e", "-1", "%", "dE00", "1dE", "1%%", "inf", "nan":
         refused(A, A, "--tolerance", "--tolerance", tolerance)
-    told = Told(compare(A, stack("some.tif", PIXELS + 1, NM)).stdout)
-    check(told.ciede2000 is None and told.angle is not None, "without a white there is no CIEDE2000")
+    printed = Printed(compare(A, stack("some.tif", PIXELS + 1, NM)).stdout)
+    check(printed.ciede2000 is None and printed.angle is not None, "without a white there is no CIEDE2000")
 
 
 NM = [400, 450, 500, 550, 600, 650, 700]
@@ -269,7 +271,7 @@ test_one_pixel()
 test_angles()
 test_statistics("random", PIXELS, NOISY, NM, "cie1931")
 test_statistics("other-observer", PIXELS, NOISY, NM, "cie1964")
-LARGE = random.random((40, 500, 900), dtype=np.float32)  # 144 MB of both: in two chunks of rows
+LARGE = random.random((40, 500, 900), dtype=np.float32)  # read in two chunks of rows
 test_statistics("large", LARGE, LARGE * random.random(LARGE.shape, dtype=np.float32),
                 list(range(400, 600, 5)), "cie1931")
 test_threads(A, os.path.join(TMP, "one-pixel.tif"))

@@ -1,9 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""spectral cost: what it measures is true of errors, never of times; what it recommends holds when it
-is rendered, developed and compared here with a reference made separately; and nothing stays behind
-when it is interrupted. What it recommends is verified for one built-in scene, and with FULL for
-all of them. Prints TAP."""
+"""Checks spectral cost. Its errors are compared with theory; its times are never checked. Its recommendations are
+rendered, developed and compared here with a separate reference, for one built-in scene, or for all with
+FULL. An interrupted run must leave nothing behind. Prints TAP."""
 import csv
 import glob
 import io
@@ -39,7 +38,7 @@ object sphere 2.4 10 8 material green
 object plane 3 3 material red translate -4 0 0
 object plane 3 3 material blue translate 4 0 0
 """
-# Flat, and under a light far away: shadings are all alike, and there is nothing to tessellate.
+# Flat, under a light at infinity: all shadings are equal, and there is nothing to tessellate.
 FLAT = f"""wavelengths 400 700 10
 size 24 16
 camera ortho 12
@@ -60,7 +59,7 @@ def run(*arguments, **options):
 
 
 def cost(scene, *options):
-    """The table by names; the last word is its text."""
+    """Returns the table by names; the text of the table comes last."""
     result = run("cost", scene, "--quiet", "--csv", "-", *FEW, *options)
     if result.returncode != 0:
         bail_out("cost of", scene, result.stderr)
@@ -84,7 +83,8 @@ def is_in_order(row):
 
 
 def dominated(rows, index, own, others):
-    """Whether another is as fast and as close, and better in one; with what luck of whom."""
+    """Returns whether another row is as fast and as accurate, and better in one; `own` and `others` name the columns
+    of their times."""
     time_, error_ = float(rows[index][own]), float(rows[index]["dE00_95"])
     for i, other in enumerate(rows):
         t, e = float(other[others]), float(other["dE00_95"])
@@ -114,13 +114,13 @@ def tables(scene):
             "smooth llvmpipe", "smooth llvmpipe buffer 8", "smooth llvmpipe buffer 16",
             "smooth llvmpipe checked", "smooth softpipe", "phong x4 depth 8", "phong x4 depth 32f")
     for end in ends:
-        check(any(name.split(" ", 1)[1] == end for name in first), f"so is {end}", *first)
+        check(any(name.split(" ", 1)[1] == end for name in first), f"{end} is measured", *first)
     check(all(map(is_in_order, first.values())),
           "fastest, median and slowest are in this order, and so are errors", *first.values())
     check([float(row["seconds"]) for row in first.values()]
-          == sorted(float(row["seconds"]) for row in first.values()), "entries are in the order of seconds")
+          == sorted(float(row["seconds"]) for row in first.values()), "entries are in order of seconds")
     seen = {name: (row["frontier"], row["within_noise"]) for name, row in first.items()}
-    check(seen == marks(first), "the frontier, and what is within noise of it, follow from the table",
+    check(seen == marks(first), "the frontier, and the entries within noise of it, follow from the table",
           {name: (seen[name], mark) for name, mark in marks(first).items() if seen[name] != mark})
     errors = [{name: [row[key] for key in row if key.startswith(("dE", "radiance"))]
                for name, row in table.items()} for table in (first, second)]
@@ -129,11 +129,11 @@ def tables(scene):
     certain = [name for name in first if first[name]["within_noise"] == second[name]["within_noise"] == "0"]
     order = [[name for name in table if name in certain and table[name]["frontier"] == "1"]
              for table in (first, second)]
-    check(order[0] == order[1], "the frontier of both runs is the same, but for what is within noise", *order)
+    check(order[0] == order[1], "both runs have the same frontier, except for entries within noise", *order)
     return first
 
 
-# ---- known truths, of errors ----
+# ---- errors known from theory ----
 
 def falls(table, names, what):
     errors = [error(table, name) for name in names]
@@ -144,7 +144,8 @@ def smooth_light(table):
     falls(table, [f"riemann:{n} phong x4" for n in (40, 20, 10, 5, 1)], "riemann's error falls with the step")
     own, same = (table[f"{name} phong x4"] for name in ("own wavelengths", "riemann:10"))
     check(all(own[key] == same[key] for key in own if key.startswith(("dE", "radiance"))),
-          "own wavelengths, every 10 nm, are as close as riemann:10, in colours and radiances", own, same)
+          "the scene's own wavelengths, every 10 nm, are as accurate as riemann:10 in colours and radiances", own,
+          same)
     check(error(table, "gauss:8 phong x4") < error(table, "riemann:40 phong x4"),
           "under smooth light 8 nodes of gauss are better than 8 samples of riemann",
           error(table, "gauss:8 phong x4"), error(table, "riemann:40 phong x4"))
@@ -152,16 +153,16 @@ def smooth_light(table):
                    key=lambda name: int(name[6:].split()[0]))
     falls(table, bases, "a basis's error falls with its components")
     check(error(table, bases[-1], "radiance_error") < 1e-4,
-          "and is that of 16-bit samples where they are as many as there are", table[bases[-1]])
+          "with all components a basis has the error of 16-bit samples", table[bases[-1]])
     good = bases[-1].split()[0]
     falls(table, [f"{good} {name}" for name in ("smooth", "smooth x2", "smooth x4")],
-          "smooth shading comes closer to phong the finer the tessellation")
+          "smooth shading approaches phong with finer tessellation")
     falls(table, [f"{good} {name}" for name in ("phong x4 depth 8", "phong x4", "phong x4 depth 32f")],
-          "deeper pages are closer")
+          "deeper pages are more accurate")
     check(error(table, f"{good} phong x4 depth 32f") < 1e-4, "float pages of all components are exact",
           table[f"{good} phong x4 depth 32f"])
     check(all(table[f"{name} phong x4"]["radiance_error"] == "" for name in ("rgb", "xyz")),
-          "rgb and xyz tell no radiances")
+          "rgb and xyz have no radiances")
 
 
 def emission_lines(scene):
@@ -170,7 +171,7 @@ def emission_lines(scene):
     good = error(table, "adaptive:0.001 phong x4", "dE00_95")
     check(poor > 1 and good < 0.5, "under a fluorescent tube gauss:8 is poor, and adaptive recovers", poor, good)
     text = run("cost", scene, "--light", "1=fluorescent", "--size", "6x4", *FEW).stdout
-    check("emission peaks at" in text, "and the table says why", text)
+    check("emission peaks at" in text, "the table says why", text)
 
 
 def three_numbers():
@@ -187,7 +188,7 @@ def three_numbers():
 # ---- recommendations ----
 
 def tristimulus(stack, observer):
-    """XYZ of each pixel [channel, y, x], the white, and the pixels that show something."""
+    """XYZ of each pixel [channel, y, x], the white, and a mask of the pixels that show an object."""
     picture = os.path.join(TMP, "xyz.tif")
     result = run("develop", stack, "--xyz", "--observer", observer, "-o", picture)
     white = next(line for line in result.stdout.splitlines() if line.startswith("white"))
@@ -202,7 +203,7 @@ def render(stack, scene, options):
 
 
 def shows_object(stack):
-    """Of each pixel, a black object's too: by the map behind the last page."""
+    """Mask of the pixels that show an object, even a black one, from the map after the last page."""
     with tifffile.TiffFile(stack) as tiff:
         offset, size = re.search(r"object_map: (\d+) (\d)\n", tiff.pages[0].description).groups()
         shape = tiff.pages[0].shape
@@ -221,14 +222,14 @@ def quantile(scene, options, given, observer):
 
 
 def radiances(stack):
-    """Wavelengths, and the radiance of each pixel there; of float pages."""
+    """Wavelengths of a stack of float pages, and the radiance of each pixel there."""
     with tifffile.TiffFile(stack) as tiff:
         return (np.array([float(page.tags["PageName"].value.split()[0]) for page in tiff.pages]),
                 np.array([page.asarray().ravel() for page in tiff.pages], float))
 
 
 def radiance_errors(scene, table):
-    """Of small pictures every pixel counts; between its pages a stack is linear."""
+    """The error of a small picture counts every pixel; a stack is linear between its pages."""
     stack, fine = os.path.join(TMP, "stack.tif"), ["--shading=phong", "--tessellation=4", "--renderer=raster",
                                                    "--depth=32f"]
     render(stack, scene, ["--sampling=riemann:1", *fine])
@@ -244,10 +245,10 @@ def radiance_errors(scene, table):
 
 
 def holds(scene, given, observer, named, command):
-    """A line that names a setting, and the one that renders it."""
+    """Returns the line that names a configuration, and the command that renders it."""
     name = " ".join([os.path.basename(scene), *given, observer, *named.split(":")[:1]])
     words = shlex.split(command)
-    check(words[:3] == ["spectral", "render", scene], f"{name}: as one would type it", command)
+    check(words[:3] == ["spectral", "render", scene], f"{name}: the printed command is complete", command)
     said, seen = float(named.rsplit(" ", 1)[1]), quantile(scene, words[3:], given, observer)
     check(seen <= 0.5 and abs(seen - said) <= 0.01 * said + 1e-4,
           f"{name}: rendered and compared separately, 95 % of the pixels are within 0.5", seen, said)
@@ -256,22 +257,22 @@ def holds(scene, given, observer, named, command):
 
 
 def recommends(scene, *given, observer="cie1931"):
-    """What is named first may have no spectra; then another has."""
+    """If the first recommendation has no spectra, cost names a second one that has them."""
     result = run("cost", scene, "--tolerance", "0.5", "--quiet", "--observer", observer, *FEW, *given)
     lines = result.stdout.splitlines()
     check(result.returncode == 0 and lines and lines[0].startswith("within 0.5 CIEDE2000: "),
-          f"{scene}: a setting within 0.5 is named", result.stdout, result.stderr)
+          f"{scene}: cost names a configuration within 0.5", result.stdout, result.stderr)
     spectral = [holds(scene, given, observer, *lines[i:i + 2]) for i in range(0, len(lines) - 1, 2)]
     check(spectral == [True] or (spectral == [False, True] and lines[2].startswith("with spectra: ")),
-          f"{scene}: it, or a second one, renders a stack of wavelengths", *lines)
+          f"{scene}: that configuration, or a second one, renders a stack of wavelengths", *lines)
 
 
 def refusals(scene):
     lines = run("cost", scene, "--budget", "1e6", "--quiet", *FEW).stdout.splitlines()
     check(len(lines) == 4 and "basis:" in lines[0] and lines[2].startswith("with spectra: riemann:1 phong x4"),
-          "of all settings a basis is closest, and of those with wavelengths every nm", *lines)
+          "a basis is the most accurate configuration, and every nm the most accurate one with wavelengths", *lines)
     result = run("cost", scene, "--budget", "1e-9", "--quiet", *FEW)
-    check(result.returncode == 1 and len(result.stderr.splitlines()) == 1, "no configuration is within 1e-9 s",
+    check(result.returncode == 1 and len(result.stderr.splitlines()) == 1, "no configuration takes at most 1e-9 s",
           result.stderr)
     for options, status in ((["--runs", "4"], 2), (["--observer", "dcs200-camera"], 2), (["--tolerance", "x"], 2),
                             (["--csv", "/missing/a.csv"], 2), (["--svg", TMP], 2)):
@@ -301,7 +302,7 @@ def interrupt(number, whole_group, wait):
     except ProcessLookupError:
         left = False
     name = f"{signal.Signals(number).name} to {'the group' if whole_group else 'it alone'} after {wait} s"
-    check(process.returncode == -number and not output, f"{name}: it ends by the signal, and prints nothing",
+    check(process.returncode == -number and not output, f"{name}: cost ends by the signal and prints nothing",
           process.returncode, output)
     check(not os.listdir(folder) and not left, f"{name}: no file and no process is left", os.listdir(folder))
 
@@ -313,7 +314,7 @@ def interruptions(scene):
         interrupt(signal.SIGTERM, False, wait)
     result = run("cost", scene, env={**os.environ, "TMPDIR": os.path.join(TMP, "missing")})
     check(result.returncode == 3 and len(result.stderr.splitlines()) == 1 and not result.stdout,
-          "a TMPDIR that is not there: one line, exit 3", result.returncode, result.stderr)
+          "a missing TMPDIR gives one line and exit 3", result.returncode, result.stderr)
 
 
 small = write("small scene's.scene", SCENE)

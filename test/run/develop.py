@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Developed pictures are computed once more with numpy, from the stack, the tables and published
-matrices, and compared pixel by pixel; some are known in closed form. Prints TAP."""
+"""Computes developed pictures once more with numpy, from the stack, the tables and published matrices, and
+compares them pixel by pixel; some have closed forms. Prints TAP."""
 import io
 import os
 import re
@@ -31,14 +31,14 @@ CONES["fairchild"] = CONES["von-kries"]
 MONITOR = [[0.03426, -0.01633, -0.005365], [-0.01026, 0.01911, 0.0002522], [0.000529, -0.001811, 0.00867]]
 
 
-# ---- the same with numpy ----
+# ---- development with numpy ----
 
 def table(name):
     return np.array([line.split(",") for line in open(f"data/builtin/tables/{name}.csv") if line[0].isdigit()], float).T
 
 
 def widths(nm):
-    """What a wavelength stands for: half-way to its neighbours, the first and the last a whole step."""
+    """Width of each wavelength: half-way to both neighbours; a whole step for the first and the last."""
     steps = np.diff(nm)
     return (np.append(steps[:1], steps) + np.append(steps, steps[-1:])) / 2
 
@@ -91,7 +91,7 @@ class Stack:
         self.radiance = np.asarray(radiance, np.float32).astype(float)
 
     def channels(self, detector, kind="none", luminance=None):
-        """Adapted XYZ, or what a balanced camera sees; and the white's."""
+        """Adapted XYZ, or the channels of a balanced camera, of the picture and of the white."""
         of = weights(detector, self.nm)
         white = of @ self.white if self.white is not None else None
         if detector in CAMERAS:
@@ -109,7 +109,7 @@ def run(*arguments, **options):
 
 
 def developed(stack, *options):
-    """Samples [y, x, channel], and what the program prints."""
+    """Samples [y, x, channel] of the developed picture, and the program's output."""
     path = os.path.join(TMP, "developed.tif")
     result = run(stack.path, "-o", path, *options)
     if result.returncode != 0:
@@ -129,13 +129,13 @@ def number(text, key):
 
 
 def is_near(seen, expected, name, relative=1e-6):
-    """Within a millionth of the largest: floats are stored in single precision."""
+    """Checks values within a millionth of the largest: floats are stored in single precision."""
     error = np.abs(seen - expected).max() / np.abs(expected).max()
     check(error <= relative, name, f"relative error {error}")
 
 
 def is_encoded(seen, expected, bits, name):
-    """The last bit may differ where the exact value is half-way between two, within 1e-6 of a step."""
+    """Checks samples. The last bit may differ if the exact value is within 1e-6 of half-way between two steps."""
     exact = expected * (2**bits - 1)
     wrong = (np.abs(seen - exact) > 0.5 + 1e-6) | np.isnan(seen)
     check(seen.shape == expected.shape and not wrong.any() and np.ptp(expected) > 0.3, name,
@@ -143,7 +143,7 @@ def is_encoded(seen, expected, bits, name):
 
 
 def foreign(name, nm, radiance, **options):
-    """A stack of floats with OME-XML, not written by the program."""
+    """Writes a stack of floats with OME-XML, without the program."""
     path = os.path.join(TMP, name + ".ome.tif")
     radiance = np.asarray(radiance, np.float32)
     tifffile.imwrite(path, radiance, ome=True, photometric="minisblack", **options, metadata={
@@ -179,14 +179,14 @@ def flat_spectra():
     sums = np.sum(curves, 1)
     xyz, _ = developed(flat, "--xyz")
     is_near(xyz, np.broadcast_to(100 * sums / sums[1], (4, 5, 3)),
-            "radiance 1 everywhere has Y = 100 and X, Z of equal energy")
+            "a radiance of 1 everywhere has Y = 100, and X and Z of equal energy")
     for kind in "von-kries", "bradford", "cat16":
         xyz, _ = developed(flat, "--xyz", "--white", "1", "--adaptation", kind)
         is_near(xyz, np.broadcast_to(D65, (4, 5, 3)), f"{kind} takes the white to D65")
         for bits in "8", "16":
             rgb, text = developed(flat, "--white", "1", "--adaptation", kind, "--bits", bits)
             check((rgb == 2 ** int(bits) - 1).all() and number(text, "out of gamut") == 0,
-                  f"{kind}: the white is white in {bits} bits, and in gamut", text)
+                  f"{kind}: the white is white in {bits} bits and in gamut", text)
     values, _ = developed(flat, "--lab", "--white", "1")
     check(np.abs(values - [100, 0, 0]).max() <= 1e-4, "the white is L* = 100, a* = b* = 0")
     for camera in CAMERAS:
@@ -209,27 +209,28 @@ def factors(stack):
             check(rgb.max() == 2 ** int(bits) - 1 and "auto" in printed(text, "exposure"),
                   f"auto reaches the top of {bits} bits {' '.join(options)}")
     xyz, text = developed(stack, "--exposure", "auto", "--xyz")
-    check(xyz[..., 1].max() == 100, "auto brings the largest Y to just 100")
-    is_near(xyz, base / base[..., 1].max() * 100, "auto multiplies all by the same")
+    check(xyz[..., 1].max() == 100, "auto brings the largest Y to exactly 100")
+    is_near(xyz, base / base[..., 1].max() * 100, "auto multiplies all values by the same factor")
     black = foreign("black", [400, 500, 600], np.zeros((3, 4, 5)))
     rgb, text = developed(black, "--exposure", "auto")
     check((rgb == 0).all() and number(text, "exposure") == 1, "a black picture stays black at exposure 1")
 
 
-# ---- all once more ----
+# ---- pictures compared with numpy ----
 
 def recomputed(stack):
     for observer in OBSERVERS:
         xyz, white = stack.channels(observer)
         seen, text = developed(stack, "--detector", observer, "--xyz")
         is_near(seen, xyz, f"{observer}: XYZ")
-        told = [float(word) for word in re.findall(r"[-\d.e]+", printed(text, "white"))[:3]]
-        check(np.allclose(told, white, rtol=1e-5), f"{observer}: the white's XYZ is told", text)
+        shown = [float(word) for word in re.findall(r"[-\d.e]+", printed(text, "white"))[:3]]
+        check(np.allclose(shown, white, rtol=1e-5), f"{observer}: develop prints the white's XYZ", text)
         own, *curves = table(observer)
         covered = (own > stack.nm[0] - 2.5) & (own < stack.nm[-1] + 2.5)
         lost = [np.abs(curve[~covered]).sum() / np.abs(curve).sum() for curve in curves]
-        told = [float(word) / 100 for word in re.findall(r"[\d.e-]+(?= %)", printed(text, "unseen"))]
-        check(np.allclose(told, lost, atol=2e-6), f"{observer}: what lies outside the wavelengths is told", told, lost)
+        shown = [float(word) / 100 for word in re.findall(r"[\d.e-]+(?= %)", printed(text, "unseen"))]
+        check(np.allclose(shown, lost, atol=2e-6),
+              f"{observer}: develop prints the part outside the wavelengths", shown, lost)
     for kind, options in (("none", {}), ("von-kries", {}), ("bradford", {}), ("cat16", {}), ("fairchild", {}),
                           ("fairchild", {"luminance": 318.3})):
         word = kind + "".join(f":{value}" for value in options.values())
@@ -259,7 +260,7 @@ def recomputed(stack):
 
 def foreign_stacks():
     random = np.random.default_rng(6)
-    nm = [380, 405.5, 450, 500, 520, 560, 590, 640, 650, 720]  # more than are added up at a time
+    nm = [380, 405.5, 450, 500, 520, 560, 590, 640, 650, 720]  # more than the program adds up at a time
     radiance = random.random((len(nm), 30, 40)) * 2
     stacks = [("OME-XML", foreign("random", nm, radiance)),
               ("deflated OME-XML", foreign("deflated", nm, radiance, compression="zlib"))]
@@ -279,7 +280,7 @@ def foreign_stacks():
         stack.white = np.interp(nm, *table("d65"))
         linear = stack.channels("cie1931", "fairchild")[0] @ display_matrix("srgb").T
         seen, _ = developed(stack, "--white", "d65", "--adaptation", "fairchild")
-        is_encoded(seen, encode("srgb", linear), 8, f"a stack with {name}: adapted to a white that is given")
+        is_encoded(seen, encode("srgb", linear), 8, f"a stack with {name} is adapted to a given white")
     single = foreign("single", [550], np.full((1, 2, 2), 3))
     xyz, _ = developed(single, "--xyz")
     own, *curves = table("cie1931")
@@ -297,30 +298,33 @@ def readers(stack):
             page, pixels = tiff.pages[0], tiff.asarray()
             profile = page.tags[34675].value
             check(page.photometric == 2 and page.bitspersample == int(bits) and len(tiff.pages) == 1,
-                  f"{bits} bits: one page of RGB")
+                  f"{bits} bits: the picture has one page of RGB")
         check(np.array_equal(gdal.Open(path).ReadAsArray().transpose(1, 2, 0), pixels),
-              f"{bits} bits: GDAL sees the same")
+              f"{bits} bits: GDAL reads the same values")
         check(profile[36:40] == b"acsp" and profile[16:20] == b"RGB " and
-              int.from_bytes(profile[:4], "big") == len(profile), f"{bits} bits: an ICC profile of RGB")
+              int.from_bytes(profile[:4],
+                             "big") == len(profile), f"{bits} bits: the picture has an ICC profile of RGB")
     run(stack.path, "-o", path)
     with Image.open(path) as image:
         check(image.mode == "RGB" and np.array_equal(np.asarray(image), tifffile.imread(path))
-              and image.info["icc_profile"] == profile, "Pillow sees the same, and the profile")
+              and image.info["icc_profile"] == profile, "Pillow reads the same values and the profile")
     run(stack.path, "-o", path, "--xyz", "--adaptation", "fairchild", "--exposure", "2")
     with tifffile.TiffFile(path) as tiff:
         names = [page.tags["PageName"].value for page in tiff.pages]
         floats, how = tiff.asarray(), tiff.pages[0].description
-    check(names == ["X", "Y", "Z"] and floats.shape == (3,) + stack.radiance.shape[1:], "XYZ: three pages, named")
+    check(names == ["X", "Y", "Z"] and floats.shape == (3,) + stack.radiance.shape[1:],
+          "XYZ: the picture has three named pages")
     whole = gdal.Open(path)
     check(all(np.array_equal(gdal.Open(name).ReadAsArray(), page)
-              for (name, _), page in zip(whole.GetSubDatasets(), floats)), "XYZ: GDAL sees the same")
+              for (name, _), page in zip(whole.GetSubDatasets(), floats)), "XYZ: GDAL reads the same values")
     with Image.open(path) as image:
         for page in range(3):
             image.seek(page)
-            check(np.array_equal(np.asarray(image), floats[page]), f"XYZ: Pillow sees the same on page {page + 1}")
+            check(np.array_equal(np.asarray(image), floats[page]),
+                  f"XYZ: Pillow reads the same values on page {page + 1}")
     for words in ("developed by +spectral", "stack +.*lights[.]tif", "detector +cie1931",
                   "white +XYZ .* [(]recorded[)]", "adaptation +fairchild to 8 cd/m2", "exposure +2"):
-        check(re.search(words, how), f"the file tells: {words}", how)
+        check(re.search(words, how), f"the file records: {words}", how)
 
 
 def chunks_and_threads():
@@ -349,7 +353,8 @@ def chunks_and_threads():
         whole = whole if whole.shape[2] == 3 else np.moveaxis(whole, 0, 2)
         for path, rows in files[1:]:
             seen, _ = developed(Stack(path, nm, counts[:, rows]), *options)
-            check(np.array_equal(seen, whole[rows]), f"rows alone are those of the whole {' '.join(options)}")
+            check(np.array_equal(seen, whole[rows]),
+                  f"rows developed alone equal those of the whole picture {' '.join(options)}")
 
 
 # ---- sampling ----
@@ -371,8 +376,9 @@ def tristimulus(path, *options):
 
 
 def samplings():
-    """As if it were sampled is as it is sampled, but that lights and reflectances are multiplied before, not
-    after, they are made linear between their samples."""
+    """Developing a stack as if it were sampled equals rendering it sampled, except for the order: the stack
+    multiplies
+    lights and reflectances first and interpolates the product."""
     full = sampled_stack("full.tif")
     nm = np.arange(380.0, 731)
     radiance = tifffile.imread(full).astype(float)
@@ -380,21 +386,22 @@ def samplings():
         seen, text = tristimulus(full, "--sampling", f"riemann:{step}")
         expected = np.tensordot(radiance[::step], weights("cie1931", nm[::step]).T, (0, 0))
         check(abs(seen - expected).max() <= 1e-6 * expected.max() and f"riemann:{step} for cie1931" in text,
-              f"riemann:{step} of a stack takes every page {step}", text)
+              f"riemann:{step} of a stack uses every page number {step}", text)
     for method in "gauss:8", "gauss:6,open", "gauss:9,xyz", "gauss:12,acc":
         for options in (), ("--adaptation", "cat16", "--white", "a"):
             seen, text = tristimulus(full, "--sampling", method, *options)
-            expected, told = tristimulus(sampled_stack("sampled.tif", "--sampling", method), *options)
-            whites = [re.search(r"XYZ (\S+) (\S+) (\S+),", each).groups() for each in (text, told)]
+            expected, shown = tristimulus(sampled_stack("sampled.tif", "--sampling", method), *options)
+            whites = [re.search(r"XYZ (\S+) (\S+) (\S+),", each).groups() for each in (text, shown)]
             error, white = abs(seen - expected).max(), abs(np.array(whites, float) @ [1, 1, 1])
             check(error <= 1e-3 * expected.max() and abs(white[0] - white[1]) <= 1e-3 * white[0]
-                  and f"{method} for cie1931 (recorded)" in told,
-                  f"{method} {' '.join(options)}: rendered so, or developed so", error, whites, text, told)
+                  and f"{method} for cie1931 (recorded)" in shown,
+                  f"{method} {' '.join(options)}: sampling in render equals sampling in develop", error, whites, text,
+                  shown)
     steady = foreign("steady", np.arange(380, 731, 10), np.full((36, 4, 5), 0.25))
     exact = 0.25 * weights("cie1931", nm).sum(1)
     for method in "box:5", "gauss:1", "gauss:7", "gauss:6,open", "gauss:9,lms", "gauss:12,acc":
         seen, text = tristimulus(steady.path, "--sampling", method)
-        check(abs(seen - exact).max() <= 1e-6 * exact.max(), f"{method}: a radiance that is the same everywhere is exact",
+        check(abs(seen - exact).max() <= 1e-6 * exact.max(), f"{method}: a constant radiance is exact",
               seen[0, 0], exact, text)
     boxes, _ = tristimulus(full, "--sampling", "box:351")
     check(abs(boxes - tristimulus(full)[0]).max() < 0.1, "as many boxes as nm change little")
@@ -405,30 +412,32 @@ def samplings():
     for source, *options in (*([path] for path in stacks), (full, "--sampling", "gauss:8"),
                              (full, "--sampling", "gauss:9,xyz")):
         _, text = tristimulus(source, *options)
-        told = [float(word) / 100 for word in re.findall(r"[\d.e-]+(?= %)", printed(text, "unseen"))]
-        check(len(told) == 3 and np.allclose(told, lost, rtol=1e-3), f"{os.path.basename(source)} {' '.join(options)}: "
-              "unseen is what lies outside the cells of 1 nm", told, lost)
+        shown = [float(word) / 100 for word in re.findall(r"[\d.e-]+(?= %)", printed(text, "unseen"))]
+        check(len(shown) == 3 and np.allclose(shown, lost, rtol=1e-3),
+              f"{os.path.basename(source)} {' '.join(options)}: "
+              "the unseen part lies outside the cells of 1 nm", shown, lost)
     return full, stacks[0], stacks[1], steady.path
 
 
 def components(path):
-    """What is no stack of wavelengths is developed by the response that it records."""
+    """A stack of components is developed by the response that it records."""
     with tifffile.TiffFile(path) as tiff:
         text = tiff.pages[0].description
         pages = np.array([page.asarray() for page in tiff.pages], float)
         names = [page.tags[285].value for page in tiff.pages]
     response = np.array(re.search("\nresponse: (.*)", text).group(1).split(), float).reshape(3, 3)
-    seen, told = tristimulus(path)
+    seen, shown = tristimulus(path)
     expected = np.moveaxis(np.tensordot(response, pages, (1, 0)), 0, -1)
-    check(abs(seen - expected).max() <= 1e-6 * expected.max() and "components        3, of 380 to 730 nm" in told,
-          "rgb is developed by its response", told)
+    check(abs(seen - expected).max() <= 1e-6 * expected.max() and "components        3, of 380 to 730 nm" in shown,
+          "rgb is developed by its recorded response", shown)
     linear = display_matrix("srgb") @ response
     check(abs(linear - np.eye(3)).max() < 1e-3 and len(set(names)) == 3 and "nm" not in "".join(names),
-          "which is that of sRGB, and its pages have names", linear, names)
+          "that response is sRGB's, and its pages have names", linear, names)
 
 
 def black_and_forged(rgb):
-    """The response to no components is 0, and so is the picture. What a file says drives no terminal."""
+    """A response without components is 0, and the picture is black. Control characters of a file do not reach the
+    terminal."""
     scene = ("wavelengths 400 700 10\nsize 8 6\ncamera ortho 4\nobject plane 3 2 material m\n"
              "light d65 1 direction 0 0 1\nmaterial m { diffuse 0 }\n")
     for name, text in ("black", scene), ("unlit", re.sub("light.*", "", scene)):
@@ -445,10 +454,10 @@ def black_and_forged(rgb):
                                                  b"sampling: %1B\nsampling_detector: cie1931"))
     result = run(forged, "-o", out.name + ".out")
     check(result.returncode == 0 and b"? for cie1931 (recorded)" in result.stdout and b"\33" not in result.stdout,
-          "a control character is no part of what is printed", result.stdout, result.stderr)
+          "a control character is not printed", result.stdout, result.stderr)
 
 
-# ---- what must fail ----
+# ---- refusals ----
 
 def refusals(stack, full, box, rgb, whiteless):
     path = os.path.join(TMP, "refused.tif")
@@ -492,11 +501,11 @@ def full_disks(stack):
         resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
     result = run(stack.path, "-o", os.path.join(TMP, "full.tif"), preexec_fn=limit, restore_signals=False)
     check(result.returncode == 3 and result.stderr.count(b"\n") == 1 and sorted(os.listdir(TMP)) == before,
-          "a full disk: exit 3, one line, and nothing is left", result.stderr)
+          "a full disk gives exit 3, one line and no file", result.stderr)
     result = run(stack.path, "-o", "/dev/full")
-    check(result.returncode == 3 and result.stderr.count(b"\n") == 1, "a full device: exit 3", result.stderr)
+    check(result.returncode == 3 and result.stderr.count(b"\n") == 1, "a full device gives exit 3", result.stderr)
     result = run(stack.path, "-o", os.path.join(TMP, "quiet.tif"), "--quiet")
-    check(result.returncode == 0 and result.stdout == result.stderr == b"", "--quiet says nothing")
+    check(result.returncode == 0 and result.stdout == result.stderr == b"", "--quiet prints nothing")
 
 
 lights = rendered()

@@ -1,9 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# A release archive is the same bytes wherever and by whomever it is made; what it holds is whole, runs
-# and carries its licences. Installing puts the program and its manual where PREFIX says.
-# One archive is made in this folder, of objects that the tests have built; another one elsewhere. FULL=1
-# builds all objects of both anew, OSMesa's as well.
+# A release archive has the same bytes in any folder and by any user. Its content is complete, runs, and includes
+# its licences. Installing puts the program and its manual below PREFIX. One archive is made in this folder, from
+# objects that the tests have built, and another one elsewhere. FULL=1 builds all objects of both again, OSMesa's
+# as well.
 . test/run/tap.sh
 
 # made_in FOLDER BUILD MASK: another path, another umask, another time zone
@@ -28,9 +28,9 @@ made_in another/folder/of/a/longer/name elsewhere 077
 wait $!
 archive=$(cd "$made" && echo spectral-*.tar.gz)
 cmp "$made/$archive" "$tmp/another/folder/of/a/longer/name/elsewhere/$archive"
-ok $? "$archive is the same bytes twice"
+ok $? "both $archive have the same bytes"
 [ "$(find "$root" -name 'spectral-*' -maxdepth 1 | wc -l)" = 0 ]
-ok $? "and lies in the folder for all that is made"
+ok $? "no archive lies outside the build folder"
 
 tar -C "$tmp" -xzf "$made/$archive"
 release=$tmp/${archive%.tar.gz}
@@ -38,38 +38,38 @@ release=$tmp/${archive%.tar.gz}
 ok $? "SHA256SUMS lists each file with its SHA-256"
 for file in spectral spectral.1 README.md LICENSE data/builtin/scenes/room.scene data/gallery/room.png; do
     [ -s "$release/$file" ]
-    ok $? "it holds $file"
+    ok $? "the archive holds $file"
 done
-# Each library that the program is linked with, Mesa, and what the compiler adds: GNU's.
+# Each library that the program is linked with, Mesa, and the compiler's own libraries, which are GNU's.
 for library in mesa libtiff libwebp libzstd liblzma liblerc libjpeg libdeflate zlib libc6 libgcc 'libstdc[+][+]'; do
     grep -q "^$library.*[[:space:]][0-9]" "$release/licences/VERSIONS" &&
         find "$release/licences" -type f -size +0 | grep -Eq "/${library}[^/]*$"
-    ok $? "the licence and the version of $library"
+    ok $? "the archive has licence and version of $library"
 done
 ! grep -rlE 'GPL-?[0-9]' "$release/licences" | grep -vE '/(libgcc.*|libstdc.*|libc6-dev|liblzma-dev|libzstd-dev)$'
-ok $? "nothing in it is under the GPL alone: the GNU libraries allow it, two others offer a choice"
+ok $? "no part is under the GPL alone: GNU libraries have exceptions, two others offer a choice"
 tar -tvzf "$made/$archive" >"$tmp/listing"
 ! grep -vE '^[-d]rwxr-xr-x 0/0 |^-rw-r--r-- 0/0 ' "$tmp/listing"
-ok $? "all can read it, and its owner is nobody of this machine"
+ok $? "everybody can read its files, and their owner is no user of this machine"
 tar -tzf "$made/$archive" | sed 's:/$::; s:/: :g' | LC_ALL=C sort -c
-ok $? "its files are sorted, not as they lie on the disk"
+ok $? "its files are sorted"
 sed 's/^[^ ]*  //' "$release/SHA256SUMS" | LC_ALL=C sort -c
-ok $? "in SHA256SUMS, too"
+ok $? "the files in SHA256SUMS are sorted"
 ! grep -v " $(date -u -d "$(sed -n 's/^[.]Dd //p' spectral.1)" +%Y-%m-%d) " "$tmp/listing"
-ok $? "its date is that of the manual page"
+ok $? "its files have the date of the manual page"
 exits 0 "its program renders its scene" "$release/spectral" render "$release/data/builtin/scenes/room.scene" \
     --size 60x40 -o "$tmp/room.tif"
 "$SPECTRAL" render "$release/data/builtin/scenes/room.scene" --size 60x40 --renderer raster --quiet -o "$tmp/a.tif" &&
     "$release/spectral" render --again "$tmp/a.tif" --quiet -o "$tmp/b.tif"
-ok $? "and makes a stack of $SPECTRAL again"
+ok $? "its program makes a stack of $SPECTRAL again"
 
-exits 0 "install" ./build.sh install "$tmp/prefix"
+exits 0 "install succeeds" ./build.sh install "$tmp/prefix"
 cmp -s "$SPECTRAL" "$tmp/prefix/bin/spectral" && cmp -s spectral.1 "$tmp/prefix/share/man/man1/spectral.1"
-ok $? "puts program and manual below PREFIX"
+ok $? "install puts program and manual below PREFIX"
 (cd "$tmp" && "$OLDPWD/build.sh" install here) && [ -x "$tmp/here/bin/spectral" ]
-ok $? "which may be one of the folder that it is called from"
-exits 0 "install with DESTDIR" env DESTDIR="$tmp/staged" ./build.sh install usr
+ok $? "PREFIX may be relative to the folder of the call"
+exits 0 "install succeeds with DESTDIR" env DESTDIR="$tmp/staged" ./build.sh install usr
 [ -x "$tmp/staged/usr/bin/spectral" ] && [ -s "$tmp/staged/usr/share/man/man1/spectral.1" ]
-ok $? "puts them below that"
+ok $? "install puts program and manual below DESTDIR"
 exits 2 "install without PREFIX is refused" ./build.sh install
 done_testing

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Pictures of single effects whose radiance is known in closed form, rendered with both renderers
-and compared in every band. Prints TAP."""
+"""Renders pictures of single effects with both renderers and compares every band with radiances in closed form.
+Prints TAP."""
 import os
 import sys
 
@@ -23,7 +23,7 @@ def normalise(a):
 
 
 def rotation(degrees, axis):
-    """Right-handed, after Rodrigues."""
+    """Right-handed rotation after Rodrigues."""
     x, y, z = normalise(np.array(axis, float))
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     turn = np.radians(degrees)
@@ -57,32 +57,32 @@ def fluorescence(renderer):
     lines = (f"{nm} {r!r}\nf {nm} {ex!r} {em!r}\n" for nm, r, ex, em in
              zip(WAVELENGTHS, RED.tolist(), EXCITATION.tolist(), EMISSION.tolist()))
     write("paint.txt", "".join(lines))
-    body = "material paint paint.txt\nobject plane 12 8 material paint"
+    surface = "material paint paint.txt\nobject plane 12 8 material paint"
 
     def holds(name, lights, expected, *options):
-        Picture("paint", renderer, FLAT + lights + body, *options).agrees(per_band(expected),
-                                                                          f"{renderer}: {name}")
+        Picture("paint", renderer, FLAT + lights + surface, *options).agrees(per_band(expected),
+                                                                             f"{renderer}: {name}")
 
     black_light = "light uv 0.8 direction 0 0 1\n"
     holds("under a black light a surface is uv R + N Em", black_light, 0.8 * (UV * RED + excited(UV)))
-    holds("turned away by 60 degrees both are half of that",
+    holds("turned away by 60 degrees both terms are halved",
           "light uv 0.8 direction 1.7320508075688772 0 1\n", 0.4 * (UV * RED + excited(UV)))
     holds("ambient light and two lights each have their own N",
           "ambient a 0.3\nlight d65 0.5 direction 0 0 1\n" + black_light,
           0.3 * (LAMP_A * RED + excited(LAMP_A)) + 0.5 * (D65 * RED + excited(D65))
           + 0.8 * (UV * RED + excited(UV)))
     dark = UV == 0  # from 540 nm on
-    holds("where the black light is 0 there is N Em all the same", black_light, 0.8 * excited(UV)[dark],
+    holds("N Em is also added at wavelengths where the black light is 0", black_light, 0.8 * excited(UV)[dark],
           "--wavelengths", ",".join(map(str, WAVELENGTHS[dark])))
     emission = 0.5 * np.exp(-4 * np.log(2) * ((WAVELENGTHS - 520) / 60) ** 2)
     before, at, after = (UV[WAVELENGTHS == nm][0] for nm in (395, 400, 405))
-    # the mean of |nm - 400| over the line is 1/sqrt(4 pi ln 2), the light linear on both sides; the
+    # the mean of |nm - 400| over the line is 1/sqrt(4 pi ln 2), and the light is linear on both sides; the
     # program's sum in steps of 1/40 of the line's width is off by less than a millionth
     n = at + (before + after - 2 * at) / 10 / np.sqrt(4 * np.pi * np.log(2))
     words = "diffuse RED fluorescence gaussian:400,1 gaussian:520,60*0.5"
     Picture("line", renderer, square(words, black_light)).agrees(
         per_band(0.8 * (UV * RED + n * emission)),
-        f"{renderer}: what a line excites follows the light at that line", slack=1e-6)
+        f"{renderer}: the emission excited at a line follows the light at that line", slack=1e-6)
 
 
 def bispectral(renderer):
@@ -99,14 +99,14 @@ def bispectral(renderer):
     given = 2 * share[:, 1] / [10, 15, 20]  # a line of 1 nm, spread over the bands of emission
     expected = np.interp(WAVELENGTHS, emission, given, 0, 0) + 0.3 * 2 * (WAVELENGTHS == 400)
     picture("column", [380.0, 400.0, 420.0], emission, share, "line.csv").agrees(
-        per_band(expected), f"{renderer}: a line light gives out its column of a Donaldson matrix")
+        per_band(expected), f"{renderer}: a line light excites its column of a Donaldson matrix")
     excitation = [float(nm) for nm in WAVELENGTHS if nm <= 430]
     emission = [float(nm) for nm in range(450, 610, 10)]
     share = np.random.default_rng(2).uniform(0, 0.04, (len(emission), len(excitation)))
     given = share @ UV[WAVELENGTHS <= 430] * 5 / 10
     expected = np.interp(WAVELENGTHS, emission, given, 0, 0) + 0.3 * UV
     picture("matrix", excitation, emission, share, "uv").agrees(
-        per_band(expected), f"{renderer}: on the light's own grid it is the product matrix x light")
+        per_band(expected), f"{renderer}: on the light's own grid the emission is matrix x light")
 
 
 # ---- textures ----
@@ -196,17 +196,17 @@ def spectral_textures(renderer):
 
     for mode in ("nearest", "linear"):
         shown("a stack as texture shows its own radiances", mode, "400:700:20", pages)
-        shown("between its pages their mean by distance", mode, "405:685:20",
+        shown("between two pages a texture is interpolated linearly", mode, "405:685:20",
               0.75 * pages[:-1] + 0.25 * pages[1:])
-        shown("beyond them the end pages", mode, "350,399,701,760", pages[[0, 0, -1, -1]])
+        shown("beyond its pages a texture keeps the end pages", mode, "350,399,701,760", pages[[0, 0, -1, -1]])
 
 
 # ---- lights ----
 
 class Target:
-    """Squares one behind the other on the z axis below the eye at the origin, each larger than the
-    one before it. A light on the axis reaches the four corners of each alike, so that each is a
-    frame of one radiance. Everything can be turned, as what is seen must not depend on that."""
+    """Squares behind one another on the z axis, below the eye at the origin, each larger than the one before it.
+    A light on the axis reaches the four corners of a square equally, so that each square is a frame of one
+    radiance. The whole scene can be turned, because the picture must not depend on it."""
     RADII = np.arange(1, 8)
     DEPTHS = -0.5 - 0.7 * RADII
 
@@ -227,7 +227,7 @@ class Target:
         return np.array([self.RADII, self.RADII, self.DEPTHS], float).T
 
     def frames(self, values):
-        """The picture of one value, or spectrum [square, band], a square."""
+        """The picture in which each square has its value, or its spectrum [square, band]."""
         x, y = pixel_grid(56, 56, 14)
         return np.moveaxis(values[np.ceil(np.maximum(abs(x), abs(y))).astype(int) - 1], -1, 0)
 
@@ -247,25 +247,25 @@ def spots(renderer):
 
     ahead, back = target.vector(0, 0, -1), target.vector(0, 0, 1)
     inside = np.arange(len(angles)) <= 3
-    holds("a spot reaches what is just inside its cutoff",
+    holds("a spot lights a corner just inside its cutoff",
           f"spot {ahead} {angles[3] + 1e-3!r} 0", cosine * inside)
-    holds("and not what is just outside it",
+    holds("a spot does not light a corner just outside its cutoff",
           f"spot {ahead} {angles[4] - 1e-3!r} 0", cosine * inside)
-    holds("it weakens with the cosine's power", f"spot {ahead} 90 7.5", cosine * cosine ** 7.5)
-    holds("its edge cuts that off", f"spot {ahead} {angles[2] + 1e-3!r} 2",
+    holds("a spot weakens with the cosine's power", f"spot {ahead} 90 7.5", cosine * cosine ** 7.5)
+    holds("the cutoff ends this power", f"spot {ahead} {angles[2] + 1e-3!r} 2",
           cosine ** 3 * (np.arange(len(angles)) <= 2))
-    holds("cutoff 180 is no spot, whatever its exponent", f"spot {back} 180 9", cosine)
-    holds("distance weakens by 1/(kc + kl d + kq d^2)", "attenuation 0.5 0.2 0.03",
+    holds("a light of cutoff 180 is no spot, for any exponent", f"spot {back} 180 9", cosine)
+    holds("a light weakens with distance by 1/(kc + kl d + kq d^2)", "attenuation 0.5 0.2 0.03",
           cosine / (0.5 + 0.2 * distance + 0.03 * distance ** 2))
-    holds("a constant part alone does too", "attenuation 2 0 0", cosine / 2)
-    holds("without a constant part as well", "attenuation 0 0 0.1", cosine / (0.1 * distance ** 2))
+    holds("attenuation may have a constant part alone", "attenuation 2 0 0", cosine / 2)
+    holds("attenuation may lack the constant part", "attenuation 0 0 0.1", cosine / (0.1 * distance ** 2))
     holds("spot and distance multiply", f"attenuation 0.5 0 0.1 spot {ahead} 60 3",
           cosine ** 4 * (angles < 60) / (0.5 + 0.1 * distance ** 2))
-    light[2] = target.DEPTHS[3] - 0.3  # between the squares, lighting those behind it
+    light[2] = target.DEPTHS[3] - 0.3  # the light is between the squares and lights those behind it
     path = light - target.corners()
     cosine = path[:, 2] / np.linalg.norm(path, axis=1)
-    holds("a spot of cutoff 90 lights what is before it", f"spot {ahead} 90 0", np.maximum(cosine, 0))
-    holds("and nothing behind it", f"spot {back} 90 0\nambient d65 0.1", 0.1 + 0 * cosine)
+    holds("a spot of cutoff 90 lights squares in front of it", f"spot {ahead} 90 0", np.maximum(cosine, 0))
+    holds("a spot of cutoff 90 lights no square behind it", f"spot {back} 90 0\nambient d65 0.1", 0.1 + 0 * cosine)
 
 
 def highlights(renderer):
@@ -287,8 +287,8 @@ def highlights(renderer):
     for name, words, more, values in (
             ("a metal's highlight has its own spectrum", "specular metal.csv gloss 30", "",
              expected(infinite, 30, metal)),
-            ("plastic's has the light's", "gloss 12.5", "", expected(infinite, 12.5, 1)),
-            ("a local viewer sees it elsewhere", "specular metal.csv gloss 128", "viewer local\n",
+            ("plastic's highlight has the light's spectrum", "gloss 12.5", "", expected(infinite, 12.5, 1)),
+            ("a local viewer sees the highlight elsewhere", "specular metal.csv gloss 128", "viewer local\n",
              expected(local, 128, metal))):
         Picture("highlight", renderer, target.scene(position, "diffuse RED " + words, more)).agrees(
             values, f"{renderer}: {name}")
@@ -297,9 +297,9 @@ def highlights(renderer):
 def many_lights(renderer):
     lights = [f"light {('d65', 'a', 'uv')[i % 3]} {0.1 + 0.05 * i:g} "
               f"{('position', 'direction')[i % 2]} {i - 6} {i % 5 - 2} {4 + i % 3}\n" for i in range(12)]
-    body = "material m { diffuse RED gloss 20 }\nobject disk 7 24 material m"
-    together = Picture("together", renderer, FLAT + "".join(lights) + body, "--full-scale", "8")
-    alone = [Picture("alone", renderer, FLAT + light + body, "--full-scale", "8") for light in lights]
+    surface = "material m { diffuse RED gloss 20 }\nobject disk 7 24 material m"
+    together = Picture("together", renderer, FLAT + "".join(lights) + surface, "--full-scale", "8")
+    alone = [Picture("alone", renderer, FLAT + light + surface, "--full-scale", "8") for light in lights]
     error = np.abs(together.radiance - sum(p.radiance for p in alone)).max()
     tolerance = sum(p.tolerance for p in (together, *alone))
     check(error <= tolerance and together.radiance.max() > 1,
@@ -313,7 +313,7 @@ def emission(renderer):
     words = "emission gaussian:600,80*0.4"
     Picture("glow", renderer, square(words)).agrees(per_band(glow), f"{renderer}: emission needs no light")
     Picture("glow", renderer, square(words + " diffuse RED", "ambient a 0.3\n", FACING)).agrees(
-        per_band(glow + 0.3 * LAMP_A * RED + D65 * RED), f"{renderer}: it adds to the reflected light")
+        per_band(glow + 0.3 * LAMP_A * RED + D65 * RED), f"{renderer}: emission adds to the reflected light")
 
 
 def sides(renderer):
@@ -331,8 +331,8 @@ def sides(renderer):
     facing, turned = np.array([0, 0, 1.0]), turn @ [0, 0, 1]
     holds("the back of a two-sided square is lit by its reversed normal", "rotate 150 0 1 0 two-sided",
           -turned)
-    holds("that of a one-sided one by its normal: ambient light only", "rotate 150 0 1 0", None)
-    holds("the front of a two-sided square is lit as ever", "rotate -30 0 1 0 two-sided",
+    holds("the back of a one-sided square has ambient light only", "rotate 150 0 1 0", None)
+    holds("the front of a two-sided square is lit as usual", "rotate -30 0 1 0 two-sided",
           rotation(-30, (0, 1, 0)) @ facing)
     for words in ("", " two-sided"):
         holds(f"a mirrored{words} square is seen from its front", "scale -1 1 1" + words, facing)
@@ -367,7 +367,8 @@ PAIR = ("ambient 1 1\nmaterial grey { diffuse 0.4 metamer steep }\n"
 
 
 def is_steep(picture, name, inside):
-    """Where a picture in ambient light shows the partner; states that all `inside` is one of both."""
+    """Mask of the pixels that show the partner, in ambient light; checks that every pixel `inside` shows one of
+    both."""
     error = [np.abs(picture.radiance - per_band(spectrum)).max(axis=0)
              for spectrum in (GREY + 0 * STEEP, STEEP)]
     check(np.minimum(*error)[inside].max() <= picture.tolerance, name)
@@ -384,7 +385,7 @@ def halves(renderer):
             ("disk", "disk 1.8 32", x ** 2 + y ** 2 < 1.75 ** 2),
             ("torus", "torus 0.5 1.2 20 30", abs(np.hypot(x, y) - 1.2) < 0.45)):
         picture = Picture("half", renderer, f"{head}object {shape} material grey")
-        steep = is_steep(picture, f"{renderer}: {name}: nothing but the two halves", inside)
+        steep = is_steep(picture, f"{renderer}: {name}: every pixel shows one of the two halves", inside)
         check((steep[inside] == (x > 0)[inside]).all(), f"{renderer}: {name}: the partner is on the right")
     turned = "object sphere 1.8 24 24 material grey rotate 40 0 0 1 rotate 50 1 2 0"
     picture = Picture("turned", renderer, head + turned)
@@ -395,7 +396,7 @@ def halves(renderer):
     across = np.tensordot(matrix[:, 0], front, 1)  # x in the object's own coordinates
     clear = disk & (abs(across) > 0.1)
     check((steep == (across > 0))[clear].all() and 100 < (steep & clear).sum() < clear.sum() - 100,
-          f"{renderer}: it is cut where its own x is 0")
+          f"{renderer}: the sphere is cut where its own x is 0")
 
 
 def halves_in_perspective(renderer):
@@ -414,21 +415,21 @@ def halves_in_perspective(renderer):
                      f"{renderer}: a leaning square in perspective has no crack", inside)
     clear = inside & (abs(across) > 1e-3)
     check(clear.sum() > 500 and (steep == (across > 0))[clear].all(),
-          f"{renderer}: its own x = 0 parts it, to a pixel")
+          f"{renderer}: the square is cut at its own x = 0, to a pixel")
 
 
 def equal_halves(renderer):
     head = "size 60 40\ncamera ortho 6\nambient d65 1\nmaterial same { diffuse RED }\nmaterial m { diffuse RED"
-    for body in ("plane 7 5", "sphere 1.8 24 24", "box 3 2 2", "teapot 1.5 6"):
-        one, two = (Picture(name, renderer, f"{head} {partner} }}\nobject {body} material m")
+    for shape in ("plane 7 5", "sphere 1.8 24 24", "box 3 2 2", "teapot 1.5 6"):
+        one, two = (Picture(name, renderer, f"{head} {partner} }}\nobject {shape} material m")
                     for name, partner in (("one", ""), ("two", "metamer same")))
         check((one.radiance == two.radiance).all(),
-              f"{renderer}: a {body.split()[0]} of two equal halves is as if it were not cut",
+              f"{renderer}: a {shape.split()[0]} of two equal halves looks as if it were not cut",
               f"{(one.radiance != two.radiance).any(axis=0).sum()} pixels differ")
 
 
 def textured_halves(renderer):
-    """Edges that cross x = 0 anywhere but in their middle: texture and outline run through the cut."""
+    """Edges cross x = 0, but never in their middle: texture and outline continue across the cut."""
     write("askew.obj", "v -2.5 -1.5 0\nv 1.2 -1.9 0.3\nv 2.7 1.4 0\nv -0.6 1.8 -0.2\nvn 0 0 1\nvt 0.1 0.3\n"
           "vt 0.9 0.1\nvt 0.8 0.7\nvt 0.2 0.9\nf 1/1/1 2/2/1 3/3/1\nf 1/1/1 3/3/1 4/4/1\n")
     texture = "diffuse RED texture grey8.tif linear"
@@ -438,7 +439,7 @@ def textured_halves(renderer):
                 for name, partner in (("one", ""), ("two", "metamer same")))
     error = np.abs(one.radiance - two.radiance).max()
     check(error <= one.tolerance + two.tolerance <= 8 * one.count and one.radiance.max() > 0.3,
-          f"{renderer}: a texture and an outline run through the cut as if it were not there",
+          f"{renderer}: a texture and an outline continue across the cut as without it",
           f"error {error / one.count} counts")
 
 
@@ -453,7 +454,7 @@ def several_materials(renderer):
     # blue up to 480 nm, green from 500 to 570, red from 600 on
     painted = np.interp(WAVELENGTHS, (480, 500, 570, 600), (0.9, 0.6, 0.6, 0.1))
     expected = np.empty((len(WAVELENGTHS), 8, 12))
-    expected[:, :4] = per_band(STEEP)  # the strips called other and more
+    expected[:, :4] = per_band(STEEP)  # the strips named other and more
     expected[:, 4:6] = per_band(painted)
     expected[:, 6:, :6] = GREY
     expected[:, 6:, 6:] = per_band(STEEP)

@@ -1,23 +1,23 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Hard cases in test/cases/hard: each scene says in lines `# holds: ...` what must hold, in the reference
-and in OpenGL, with either of Mesa's software drivers. Prints TAP.
+"""Runs the hard cases in test/cases/hard. Lines `# holds: ...` of a scene list the conditions that its picture must
+fulfil, in the reference and in OpenGL, with both of Mesa's software drivers. Prints TAP.
 
     agreed                   exit 0, no pixel unexplained, every sample finite
     refused WORDS            exit 2 and one line: a place in a scene, mesh or table, then these
                              words (a regular expression); the same line on every path
-    agreed or refused WORDS  one of both, the same on every path
+    agreed or refused WORDS  either result, but the same one on every path
     full                     no pixel shows the background
-    convex                   what is seen is one piece in every row and column: no crack, no speck
-    even                     all pixels are equal to within a count
+    convex                   the visible pixels of every row and column are connected: no crack, no speck
+    even                     all pixels are equal within a count
     black                    every sample is 0; without this word some sample is not
-    same-as SCENE            the same samples
-    same-as SCENE within N   the same but for N counts
-    mirror-of SCENE          sample x is sample W - 1 - x of the other
-    times F SCENE within N   the other's samples times a factor, but for N counts
-                             (the last three: in OpenGL besides up to both bounds, and at ambiguous
-                             pixels anything)
-    floor COUNTS             an error of so many counts would have been seen at half of the pixels
+    same-as SCENE            the samples of that scene
+    same-as SCENE within N   the samples of that scene, with differences up to N counts
+    mirror-of SCENE          sample x equals sample W - 1 - x of that scene
+    times F SCENE within N   the samples of that scene times a factor, with differences up to N counts
+                             (the last three: OpenGL may also differ by both bounds, and by any amount
+                             at ambiguous pixels)
+    floor COUNTS             the check would find an error of so many counts at half of the pixels
     bounded                  every pixel has a bound on OpenGL's error
     smooth NUMBER            the check counts exactly so many smooth interior pixels
     seconds MOST             wall-clock time of each run
@@ -43,7 +43,7 @@ from rendered import SPECTRAL, TMP, check, done, write
 FOLDER = "test/cases/hard"
 PATHS = {"reference": ("raster", "llvmpipe"), "llvmpipe": ("gl", "llvmpipe"),
          "softpipe": ("gl", "softpipe")}
-LONGEST = 60  # seconds until a run is given up
+LONGEST = 60  # seconds until the test kills a run
 MANY = 100_000
 
 
@@ -57,7 +57,7 @@ class Scene:
 
 
 class Run:
-    """A scene taken one path: exit status, messages, report, and samples [band, y, x] in counts."""
+    """One run of a scene by one path: exit status, messages, report, and samples [band, y, x] in counts."""
 
     def __init__(self, scene, path):
         renderer, driver = PATHS[path]
@@ -87,7 +87,7 @@ class Run:
             os.remove(stack)
 
 
-# ---- truths: each returns what is wrong, or nothing ----
+# ---- truths: each returns the fault, or nothing ----
 
 def agreed(run):
     if run.status != 0:
@@ -134,7 +134,7 @@ def bounded(run):
 
 
 def apart(run, other, counts, within, factor, exactly):
-    """How far the samples of two runs are apart, if more than they may be."""
+    """Says how far the samples of two runs are apart if they exceed the limit."""
     if other.counts is None:
         return f"the other scene: {other.says}"
     ratio = run.report["full_scale"] / other.report["full_scale"] / factor
@@ -173,10 +173,10 @@ def holds(runs, scene, path, words):
     return apart(run, runs[rest[0], path], counts, within, factor, words[::2] == ["same-as"])
 
 
-# ---- meshes too large to be kept ----
+# ---- meshes too large for the repository ----
 
 def fan():
-    """About a vertex at the centre of a pixel, wider than the picture."""
+    """A fan about a vertex at the centre of a pixel, wider than the picture."""
     rim = [f"v {4 * math.cos(turn)!r} {4 * math.sin(turn)!r} 0\n"
            for turn in (2 * math.pi * i / MANY for i in range(MANY))]
     faces = [f"f 1 {i + 2} {(i + 1) % MANY + 2}\n" for i in range(MANY)]
@@ -184,7 +184,7 @@ def fan():
 
 
 def pile(name, depth):
-    """One triangle behind the other, each over the whole pixel."""
+    """Triangles behind one another; each covers the whole pixel."""
     rows = [f"v -1 -1 {z!r}\nv 3 -1 {z!r}\nv -1 3 {z!r}\nf -3//1 -2//1 -1//1\n"
             for z in map(depth, range(MANY))]
     write(name, "vn 0 0 1\n" + "".join(rows))
@@ -205,14 +205,14 @@ def main():
         own = [runs[scene.name, path] for path in PATHS]
         if scene.holds[0][0] == "agreed" and ["black"] not in scene.holds:
             check(all(run.counts is None or run.counts.any() for run in own),
-                  f"{scene.name}: what is drawn is seen")
+                  f"{scene.name}: the scene is not black")
         for truth in scene.holds:
             wrong = [(path, holds(runs, scene, path, list(truth))) for path in PATHS]
             check(all(remark is None for _, remark in wrong), f"{scene.name}: {' '.join(truth)}",
                   *(f"{path}: {remark}".strip() for path, remark in wrong if remark))
         if any("refused" in truth for truth in scene.holds):
             check(len({(run.status, run.says) for run in own}) == 1,
-                  f"{scene.name}: the same from every path")
+                  f"{scene.name}: every path gives the same result")
     done()
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""The layering of the sources. Prints TAP, and fails on each place that breaks a rule.
+"""Checks the layering of the sources. Prints TAP, and fails on each place that breaks a rule.
 
 A room is a folder with one header, named like the folder: data/text/text.h. ROOMS lists the rooms
 from low to high. A file includes spectral.h, the header of its own room, and headers of rooms listed
@@ -96,7 +96,7 @@ def blank(match):
 
 
 class Source:
-    """One file, as far as the rules concern it."""
+    """The parts of one file that the rules need."""
 
     def __init__(self, text):
         self.lines = text.splitlines()
@@ -128,7 +128,7 @@ class Source:
 
     @staticmethod
     def structs_named(tokens):
-        """How often each name follows the word struct or union."""
+        """Counts how often each name follows the word struct or union."""
         return collections.Counter(name for (word, _), (name, _) in zip(tokens, tokens[1:])
                                    if word in ("struct", "union"))
 
@@ -206,7 +206,7 @@ class Source:
             self.prototypes.append(Function(name, line, 0, n_parameters, is_static))
 
     def struct(self, tokens, opening, end):
-        """Counts besides how often the struct names itself inside its braces."""
+        """A struct definition; counts also how often the struct names itself inside its braces."""
         if opening >= 2 and tokens[opening - 2][0] in ("struct", "union"):
             name, line = tokens[opening - 1]
             inside = self.structs_named(tokens[opening:end])[name]
@@ -542,7 +542,7 @@ class Copy:
 
 
 def rooms_for_faults(tree):
-    """The room with the shortest header, of those with no rights of their own, and the highest room."""
+    """Returns the room with the shortest header, among rooms without rights of their own, and the highest room."""
     special = {CORE, *CORE_MAY_INCLUDE}.union(*(rights for _, rights, _ in SYSTEM_HEADERS))
     present = [room for room in ROOMS if header_of(room) in tree.sources]
     low = [room for room in present[:-1] if room not in special]
@@ -687,10 +687,10 @@ def plants_of_reasons(tree):
 def check_plant(copy, plant, rules, reasons=REASONS):
     shown = [show(finding) for finding in copy.plant(plant.added, rules, reasons)]
     if plant.finds is None:
-        check(not shown, f"planted, and allowed: {plant.name}", *shown)
+        check(not shown, f"a planted text is allowed: {plant.name}", *shown)
     else:
         check(len(shown) == 1 and re.match(plant.finds, shown[0]),
-              f"planted, and found: {plant.name}", f"expected: {plant.finds}", *shown)
+              f"a planted fault is found: {plant.name}", f"expected: {plant.finds}", *shown)
 
 
 def check_plants(root, folder):
@@ -706,7 +706,7 @@ def check_plants(root, folder):
         check_plant(copy, plant, of_size)
     for plant, reasons in plants_of_reasons(tree):
         check_plant(copy, plant, of_size, reasons)
-    check(set(findings(folder)) == copy.before, "nothing planted is left over")
+    check(set(findings(folder)) == copy.before, "no planted text is left over")
 
 
 def test(root):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Writes TIFF files with tifffile, which shares nothing with libtiff, and with GDAL into the folder
-named: the picture of test_image.c in the variants that it lists there."""
+"""Writes the picture of test_image.c, in the variants listed there, into the given folder: with tifffile, which
+shares no code with libtiff, and with GDAL."""
 import os
 import sys
 
@@ -26,7 +26,7 @@ def gdal(items):
 
 
 def write(name, pages, extratags=None, **options):
-    """One page after the other; extratags: a list for each page."""
+    """Writes one page after the other; extratags: a list for each page."""
     with tifffile.TiffWriter(name + ".tif", **options.pop("file", {})) as tiff:
         for page, samples in enumerate(pages):
             tiff.write(samples, extratags=extratags[page] if extratags else [],
@@ -43,7 +43,7 @@ def nanometers(nm):
 
 
 def bands(name, dtype, *options, metadata=nanometers, scales=None, offsets=None):
-    """One directory, by GDAL; `metadata` gives a band's metadata, or its micrometres."""
+    """Writes one directory with GDAL; `metadata` returns a band's metadata, or its micrometres."""
     kinds = {"uint8": GDAL.GDT_Byte, "uint16": GDAL.GDT_UInt16, "float32": GDAL.GDT_Float32}
     n_bands = PAGES + ("ALPHA=YES" in options)
     file = GDAL.GetDriverByName("GTiff").Create(name + ".tif", WIDTH, HEIGHT, n_bands, kinds[dtype],

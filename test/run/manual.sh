@@ -1,8 +1,8 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
 # usage: test/run/manual.sh [renew]
-# The manual page is well formed, and describes the program as it is: each option, command and list. Its
-# list of options is that of --help, which renew writes into the page; the explanations are the page's own.
+# The manual page is well-formed and describes each option, command and list of the program. Its list of options
+# equals that of --help; renew writes this list into the page and keeps the page's own explanations.
 . test/run/tap.sh
 renewed_page() { "$SPECTRAL" --help | /usr/bin/python3 test/run/manual_options.py spectral.1; }
 if [ "${1:-}" = renew ]; then
@@ -14,20 +14,20 @@ exits 0 "the manual page has no fault" mandoc -Tlint spectral.1
 renewed_page | diff spectral.1 - >"$tmp/err"
 ok $? "the page lists the options of --help; test/run/manual.sh renew renews the list"
 mandoc -Tascii spectral.1 | col -bx >"$tmp/page"
-exits 0 "--help explains" "$SPECTRAL" --help
+exits 0 "--help prints the usage" "$SPECTRAL" --help
 options() { grep -Eo -- '(^|[ ,=])--?[a-z][a-z-]*' "$1" | tr -d ' ,=' | LC_ALL=C sort -u; }
 options "$tmp/out" >"$tmp/printed"
 options "$tmp/page" >"$tmp/documented"
 [ "$(wc -l <"$tmp/printed")" -gt 15 ]
-ok $? "many options"
+ok $? "--help lists many options"
 diff "$tmp/printed" "$tmp/documented" >"$tmp/err"
-ok $? "each has its place in the manual, and no other has"
+ok $? "the manual has these options and no others"
 for command in $(sed -n 's/^  \([a-z]*\)  *\[*[A-Z].*/\1/p' "$tmp/out"); do
     grep -Eq "^ {5}spectral $command" "$tmp/page"
-    ok $? "so has the command $command"
+    ok $? "the manual has the command $command"
 done
 for kind in $("$SPECTRAL" list | grep '^[a-z]'); do
     grep -Eqw "$kind" "$tmp/page"
-    ok $? "and the list of $kind"
+    ok $? "the manual has the list of $kind"
 done
 done_testing

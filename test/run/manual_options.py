@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: MIT
 """usage: spectral --help | manual_options.py spectral.1
 
-Prints the manual page with the list of options that --help prints. An explanation of an option, from its
-.Pp on, is the page's own and is kept."""
+Prints the manual page with the list of options that --help prints. The page's own explanation of an option, from its
+.Pp on, is kept."""
 import re
 import sys
 

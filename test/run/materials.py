@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""The sample materials: metals, metamers and fluorescent pairs. They are what their makers write,
-and what they claim is recomputed here from the digits in the files and from data/builtin/tables. Colours
+"""Checks the sample materials: metals, metamers and fluorescent pairs. Their files equal the output of their
+makers, and their claims are recomputed from the digits in the files and from data/builtin/tables. Colours
 are compared by CIEDE2000. Prints TAP."""
 import os
 import subprocess
@@ -58,7 +58,7 @@ def listed(name):
 
 # G. Sharma, W. Wu, E. N. Dalal, The CIEDE2000 color-difference formula: implementation notes,
 # supplementary test data, and mathematical observations, Color Res. Appl. 30, 21-30 (2005), table 1;
-# without those of opposite hues, where the last bit of an angle decides between two values.
+# without the pairs of opposite hues, where the last bit of an angle decides between two values.
 SHARMA = (
     ((50, 2.6772, -79.7751), (50, 0, -82.7485), 2.0425),
     ((50, 3.1571, -77.2803), (50, 0, -82.7485), 2.8615),
@@ -113,14 +113,14 @@ def check_made():
     check(made == kept, f"the makers write the {len(kept)} files that are kept and no others")
     differing = [name for name in sorted(made & kept)
                  if open(f"{TMP}/{name}").read() != open(f"{FOLDER}/{name}").read()]
-    check(not differing, f"each digit by digit {differing or ''}")
+    check(not differing, f"each file equals its maker's digit by digit {differing or ''}")
     named = {os.path.relpath(path, FOLDER) for name in
              ("metals", "fluorescence", "metamers/illuminant", "metamers/observer")
              for path in listed(name)}
-    check(named == {name for name in kept if name.endswith(".txt")}, "the lists name all of them")
+    check(named == {name for name in kept if name.endswith(".txt")}, "the lists name all files")
 
 
-# Wavelength, n and k of other films than those that the metals come from: S. Babar and J. H. Weaver,
+# Wavelength, n and k of other films than those of the sample metals: S. Babar and J. H. Weaver,
 # Optical constants of Cu, Ag, and Au revisited, Appl. Opt. 54, 477-481 (2015); F. Cheng et al., ACS
 # Nano 10, 9852-9860 (2016), supporting information (aluminium); both from refractiveindex.info, CC0.
 # Two such measurements differ by up to 0.05 in reflectance, more at the steep edges (gold 500 nm,
@@ -142,7 +142,7 @@ def check_metals():
         total[name] = diffuse + specular
         check(diffuse.min() > 0 and total[name].max() < 1 and
               abs(diffuse / total[name] - 0.15).max() < 1e-4 and values["g"] == 80,
-              f"{name}: 15 % of what it reflects is diffuse; never more than it receives "
+              f"{name}: 15 % of its reflection is diffuse, and it never reflects more than it receives "
               f"(at most {total[name].max():.5f})")
         for nm, n, k in OTHER_FILMS[name]:
             other = abs((n - 1 + 1j * k) / (n + 1 + 1j * k)) ** 2
@@ -157,10 +157,10 @@ def check_metals():
           "silver reflects little of the ultraviolet of 320 nm, but more than 95 % of visible light")
     # bare aluminium in the standard specifications of Rocky Mountain Instrument's mirror coatings
     check(all(abs(at["aluminium"][nm] - r) < 0.005 for nm, r in ((500, 0.918), (550, 0.915), (600, 0.911))),
-          "aluminium at 500, 550 and 600 nm as mirror coatings are specified")
+          "aluminium at 500, 550 and 600 nm agrees with specifications of mirror coatings")
     plan = subprocess.run([SPECTRAL, "plan", f"{FOLDER}/metals.list"], capture_output=True, text=True)
     check(plan.returncode == 0 and "specular          yes (4 of " in plan.stdout,
-          "the program reads the four and draws their highlights")
+          "the program reads the four metals and draws their highlights")
 
 
 def check_metamers(name, broken):
@@ -177,7 +177,7 @@ def check_metamers(name, broken):
         check(abs(partner / plain - 1).max() < 1e-9,
               f"{label}: XYZ equal under D65 (to {abs(partner / plain - 1).max():.1e})")
         delta = difference(*(LIGHT["d65"] * reflectance for reflectance in pair), "d65", "cie1931")
-        check(delta < 0.01, f"{label}: to the observer in all its digits, too: CIEDE2000 {delta:.4f}")
+        check(delta < 0.01, f"{label}: equal also for the observer in all its digits: CIEDE2000 {delta:.4f}")
         black = pair[1] - pair[0]
         check(abs(matrix_r @ black).max() < 1e-9 * abs(black).max(),
               f"{label}: the difference has no fundamental (black up to {abs(black).max():.3f})")
@@ -202,14 +202,14 @@ def check_fluorescence():
         check(abs(two / one - 1).max() < 1e-12,
               f"{label}: alike in every band under A (to {abs(two / one - 1).max():.1e})")
         check(NM[excitation > 0].max() < NM[emission > 0].min(),
-              f"{label}: taken in up to {NM[excitation > 0].max():g} nm, given out from "
+              f"{label}: light is absorbed up to {NM[excitation > 0].max():g} nm and emitted from "
               f"{NM[emission > 0].min():g} nm")
         # The material emits no more than the light that it absorbs at each wavelength, in
         # energy and in photons (whose energy falls with wavelength).
         energy = excitation / excitation.sum() * emission.sum()
         photons = excitation / excitation.sum() * (emission * NM).sum() / NM
         check((energy <= 1 - partner).all() and (photons <= 1 - partner).all(),
-              f"{label}: no more given out than taken in (energy {(energy / (1 - partner)).max():.2f}, "
+              f"{label}: it emits no more than it absorbs (energy {(energy / (1 - partner)).max():.2f}, "
               f"photons {(photons / (1 - partner)).max():.2f} of it at most)")
         delta = difference(*stimulus("d65"), "d65", "cie1931")
         check(delta > VISIBLE_DIFFERENCE, f"{label}: D65: CIEDE2000 {delta:.1f}")

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Real meshes: the Stanford bunny of Debian's glmark2-data, 69 thousand triangles under two lights,
-rendered by the program ($SPECTRAL) and cross-checked at every pixel of 93 wavelengths. Prints TAP."""
+"""Renders a real mesh with the program ($SPECTRAL) and cross-checks every pixel at 93 wavelengths: the Stanford
+bunny of Debian's glmark2-data, 69 thousand triangles under two lights. Prints TAP."""
 import json
 import subprocess
 import sys
@@ -34,7 +34,7 @@ VIEWS = {
 
 
 def render(name, scene):
-    """Exit status, and what the check found."""
+    """Exit status, and the results of the check."""
     path = write(name + ".scene", scene)
     result = subprocess.run([SPECTRAL, "render", path, "-o", "/dev/null", "--json", "-", "--quiet"],
                             stdout=subprocess.PIPE, check=False)
@@ -50,7 +50,7 @@ def bunny(view, words):
     check(report["exact"] >= 0.98 * report["samples"],
           f"bunny, {view}: at least 98 % of the counts are exact", report)
     check(report["smooth_pixels"] > 0 and report["smooth_floor_999_counts"] <= 2,
-          f"bunny, {view}: inside smooth surfaces an error of 4 counts would be seen", report)
+          f"bunny, {view}: an error of 4 counts inside smooth surfaces would be found", report)
     check(0.01 < report["worst_error_over_bound"] < 1,
           f"bunny, {view}: the bounds are neither exceeded nor far too wide", report)
 

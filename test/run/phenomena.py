@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Phenomena that need spectra, as the captions of the 1998 thesis state
-them (its figures 22 to 41), on pictures that the program renders and develops; the ColorChecker's
-colours; and both renderers' pictures for people. Prints TAP."""
+"""Checks phenomena that need spectra, which the captions of the 1998 thesis state (its figures 22 to 41), on
+pictures that the program renders and develops; the ColorChecker's colours; and that both renderers' developed
+pictures agree. Prints TAP."""
 import os
 import subprocess
 import sys
@@ -38,7 +38,7 @@ def render(name, *options, scene=None):
 
 
 def develop(stack, *options):
-    """Rows of pixels of three values: RGB of 8 bits, or what the options ask for."""
+    """Rows of pixels of three values: RGB of 8 bits, or the kind that the options select."""
     picture = stack[:-4] + "-developed.tif"
     run("develop", stack, "-o", picture, "--quiet", *options)
     pages = tifffile.imread(picture).astype(float)
@@ -46,7 +46,7 @@ def develop(stack, *options):
 
 
 def squares(name, list_file, light):
-    """One light that faces squares, and what is on them."""
+    """A scene of squares that face one light, with materials of a list."""
     path = write(f"{name}.scene", SQUARES.format(light=light, list=list_file))
     return render(f"{name}-{light}", scene=path)
 
@@ -64,7 +64,7 @@ def distances(picture):
 
 
 def chromaticities(xyz):
-    """0 of black"""
+    """chromaticity; 0 for black"""
     return xyz[..., :2] / np.maximum(xyz.sum(-1, keepdims=True), 1e-9)
 
 
@@ -76,7 +76,7 @@ def check_illuminant_metamerism():
            for light in ("d65", "a", "fluorescent")}
     check(max(far["d65"]) < 0.5, "illuminant metamers match under D65", far["d65"])
     for light in ("a", "fluorescent"):
-        check(min(far[light]) > 4, f"not under {light}", far[light])
+        check(min(far[light]) > 4, f"illuminant metamers differ under {light}", far[light])
 
 
 def check_observer_metamerism():
@@ -85,28 +85,27 @@ def check_observer_metamerism():
     check(max(distances(develop(stack, "--lab"))) < 0.5, "observer metamers match to CIE 1931")
     for detector in ("dcs200-camera", "transparency-film"):
         far = distances(develop(stack, "--detector", detector))
-        check(min(far) > 8, f"not to the {detector}, in 8 bits", far)
+        check(min(far) > 8, f"observer metamers differ for the {detector}, in 8 bits", far)
 
 
 # ---- fluorescence ----
 
 def check_fluorescence():
-    """figure 30: a match under A, none under D65, a glow under ultraviolet, where the other half all
-    but disappears"""
+    """figure 30: a match under A, none under D65, a glow under ultraviolet, where the other half is almost black"""
     stacks = {light: squares("fluorescence", "fluorescence.list", light) for light in ("a", "d65", "uv")}
     far = {light: distances(develop(stack, "--lab")) for light, stack in stacks.items()}
     check(max(far["a"]) < 0.5, "fluorescent and plain halves match under A", far["a"])
-    check(min(far["d65"]) > 4, "not under D65", far["d65"])
+    check(min(far["d65"]) > 4, "fluorescent and plain halves differ under D65", far["d65"])
     luminances = [(plain[1], glowing[1]) for plain, glowing in halves(develop(stacks["uv"], "--xyz"))]
     check(all(glowing > 5 * plain and glowing > 2 for plain, glowing in luminances),
-          "under ultraviolet they glow", luminances)
-    check(all(plain < 2 for plain, _ in luminances), "and the others all but disappear", luminances)
+          "fluorescent halves glow under ultraviolet", luminances)
+    check(all(plain < 2 for plain, _ in luminances), "plain halves are almost black under ultraviolet", luminances)
 
 
 # ---- metals, textures, shapes ----
 
 def check_metals():
-    """figure 32: the same diffuse reflectance, another specular one"""
+    """figure 32: two materials with equal diffuse and different specular reflectance"""
     scene = write("metals.scene", """wavelengths 380 730 10
 size 200 100
 camera ortho 8
@@ -120,7 +119,7 @@ object sphere 1.8 90 90 material metal translate 2 0 0
     highlights, rims = (lab[50, 50], lab[50, 150]), (lab[50, 50 - 38], lab[50, 150 - 38])
     check(np.linalg.norm(rims[0] - rims[1]) < 0.01, "away from highlights two materials look the same", rims)
     check(np.hypot(*highlights[0][1:]) < 1 and np.hypot(*highlights[1][1:]) > 30,
-          "the plastic's highlight is that of the light, the metal's is coloured", highlights)
+          "the plastic's highlight has the light's colour, the metal's is coloured", highlights)
 
 
 def check_textures():
@@ -135,11 +134,11 @@ object plane 4 4 material bark
     xyz = develop(render("textured", scene=scene), "--xyz")
     spread = np.ptp(chromaticities(xyz).reshape(-1, 2), axis=0)
     check(spread.max() < 1e-5, "a texture has one chromaticity", spread)
-    check(xyz[..., 1].max() > 1.5 * xyz[..., 1].min(), "and several luminances")
+    check(xyz[..., 1].max() > 1.5 * xyz[..., 1].min(), "a texture has several luminances")
 
 
 def check_shapes():
-    """figures 22, 24 and 25: a patch has one colour, whatever its shape"""
+    """figures 22, 24 and 25: the colour of a patch does not depend on its shape"""
     options = ("--size", "300x200", "--wavelengths", "380:730:10")
     flat = chromaticities(develop(render("patches", *options), "--xyz"))
     round_ = chromaticities(develop(render("colorchecker", *options), "--xyz"))
@@ -153,18 +152,18 @@ def check_shapes():
 # ---- adaptation ----
 
 def check_adaptation():
-    """figures 34 to 36: under A all looks yellow; von Kries takes that away, Fairchild some of it"""
+    """figures 34 to 36: under A everything looks yellow; von Kries removes the tint, Fairchild a part of it"""
     stack = render("patches-a", "--light", "1=a", "--size", "300x200", scene="patches")
     kinds = ("none", "von-kries", "fairchild", "bradford", "cat16")
     grey = {kind: develop(stack, "--adaptation", kind)[175, 75] for kind in kinds} # patch 20
     tint = {kind: rgb[0] - rgb[2] for kind, rgb in grey.items()}
     check(tint["none"] > 60, "a grey patch is yellow without adaptation", grey)
     for kind in ("von-kries", "bradford", "cat16"):
-        check(np.ptp(grey[kind]) <= 4, f"{kind}: it is grey", grey)
-    check(10 < tint["fairchild"] < tint["none"] - 10, "Fairchild: it keeps some of the tint", grey)
+        check(np.ptp(grey[kind]) <= 4, f"{kind}: the patch is grey", grey)
+    check(10 < tint["fairchild"] < tint["none"] - 10, "Fairchild: the patch keeps some of the tint", grey)
     tints = [np.diff(develop(stack, "--adaptation", f"fairchild:{luminance}")[175, 75][[2, 0]])[0]
              for luminance in (0.1, 10, 1000, 100000)]
-    check(all(np.diff(tints) < 0), "the more, the dimmer the light", tints)
+    check(all(np.diff(tints) < 0), "Fairchild: dimmer light leaves more of the tint", tints)
     stack = render("patches-d65", "--size", "300x200", scene="patches")
     near = np.abs(develop(stack, "--adaptation", "von-kries") - develop(stack)).max()
     check(near <= 6, "under D65 von Kries changes little", near)
@@ -173,7 +172,7 @@ def check_adaptation():
 # ---- a room ----
 
 def objects(stack):
-    """{name: mask} of what a stack records"""
+    """{name: mask} of the objects that a stack records"""
     with tifffile.TiffFile(stack) as tiff:
         lines = tiff.pages[0].description.split("<Description>")[1].split("<")[0].split("\n")
         height, width = tiff.pages[0].shape
@@ -190,24 +189,24 @@ def room(light, *options):
 
 
 def check_room():
-    """figures 39 to 41: a metameric pair under D65, under A adapted by Fairchild; fluorescent things
-    under ultraviolet; all seen among others"""
+    """figures 39 to 41: a metameric pair under D65, under A adapted by Fairchild; fluorescent things under
+    ultraviolet; all of them among other objects"""
     stacks = {light: room(light) for light in ("d65", "a", "uv")}
     pictures = {light: develop(stack, "--xyz", *(("--adaptation", "fairchild") if light == "a" else ()))
                 for light, stack in stacks.items()}
     masks = objects(stacks["d65"])
     pair = [mask for name, mask in masks if "illuminant-5" in name or name.endswith("halves")]
-    check(len(pair) == 2 and all(mask.sum() > 50 for mask in pair), "both halves of a pair are in the room",
+    check(len(pair) == 2 and all(mask.sum() > 50 for mask in pair), "the room shows both halves of a pair",
           [name for name, _ in masks])
     apart = {light: np.ptp([np.median(chromaticities(xyz[mask]), 0) for mask in pair], axis=0).max()
              for light, xyz in pictures.items()}
-    check(apart["d65"] < 1e-3, "they match under D65", apart)
-    check(apart["a"] > 0.01, "not under A", apart)
+    check(apart["d65"] < 1e-3, "the halves match under D65", apart)
+    check(apart["a"] > 0.01, "the halves differ under A", apart)
     shares = {name: pictures["uv"][mask][:, 1].mean() / pictures["d65"][mask][:, 1].mean()
               for name, mask in masks if mask.sum() > 50}
-    lamps = {"sky", "shade"}  # they shine by themselves
+    lamps = {"sky", "shade"}  # these emit light
     brightest = max((name for name in shares if name not in lamps), key=shares.get)
-    print("# what keeps most of its luminance under ultraviolet:",
+    print("# the object that keeps most of its luminance under ultraviolet:",
           sorted(((round(share, 3), name) for name, share in shares.items()), reverse=True)[:5])
     check("fluorescent" in brightest or "yellow" in brightest, "the fluorescent thing glows under ultraviolet",
           brightest)
@@ -264,8 +263,9 @@ def check_colorchecker():
 # ---- both renderers ----
 
 def check_renderers():
-    """OpenGL's picture and the reference's, for people: within 1 of 255 but on edges, where they may
-    show different objects or triangles."""
+    """The developed pictures of OpenGL and of the reference agree within 1 of 255, except on edges, where they may
+    show
+    different objects or triangles."""
     for scene in sorted(name[:-6] for name in os.listdir("data/builtin/scenes")):
         pictures = []
         for renderer in ("gl", "raster"):

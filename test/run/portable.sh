@@ -1,10 +1,9 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The reference's stacks are the same to the last byte, whatever compiler and C library made the
-# program, for whatever processor, with OpenGL or without, however many threads it has, and whether
-# the picture is checked. test/cases/golden.sha256 says which bytes: of all built-in scenes, small in counts
-# and in radiances, and at their own size. FULL=1 also renders them by gcc's other optimisations, by one
-# thread each, and at their own size by all programs; and metals on aarch64.
+# The reference's stacks have the same bytes for every compiler, C library and processor, with and without OpenGL,
+# with any number of threads, checked or not. test/cases/golden.sha256 has the digests of all built-in scenes: small
+# ones in counts and in radiances, and scenes at their own size. FULL=1 also renders them with gcc's other
+# optimisations, with one thread each, and at their own size by all programs; and metals on aarch64.
 # $STATIC is the static program with OpenGL.
 #     test/run/portable.sh renew      writes test/cases/golden.sha256 anew, by $SPECTRAL
 # Lists are split into words on purpose.
@@ -14,15 +13,15 @@ STATIC=${STATIC:-build/spectral-static}
 builds=${BUILD:-build}/portable
 golden=test/cases/golden.sha256
 small=120x80
-# compiler, option, OpenGL; -freciprocal-math would change pictures, and is not granted
+# compiler, option, OpenGL; -freciprocal-math would change pictures, so the program turns it off
 matrix='clang -O2 osmesa  musl-gcc -O2 none  aarch64-linux-gnu-gcc -O2 none'
 [ "${FULL:-0}" = 0 ] || matrix="$matrix  gcc -O0 none  gcc -O2 none  gcc -O3 none  gcc -freciprocal-math none"
 scenes=$("$SPECTRAL" list scenes | sed -n 's/^  //p')
 check=--no-check
 left_out='^$' # the stacks that are not drawn, as a pattern
 
-# stacks SIZE: a line each of name, scene and options; small ones in counts and in radiances, and
-# some by other degrees of accuracy
+# stacks SIZE: prints name, scene and options of each stack; small ones in counts and in radiances, and some
+# with other samplings, depths and shadings
 stacks() {
     all_stacks "$1" | grep -v "$left_out"
 }
@@ -72,7 +71,7 @@ as_golden() {
     ok $? "$name: the bytes of $golden"
 }
 
-# as_golden_by NAME PROGRAM...: by two threads, and with FULL=1 by one, and at the scenes' own sizes
+# as_golden_by NAME PROGRAM...: with two threads, and with FULL=1 with one, and at the scenes' own sizes
 as_golden_by() {
     title=$1
     shift
@@ -127,22 +126,22 @@ done
 plain=$builds/musl-gcc-O2/spectral
 small="--size 30x20 --wavelengths 400:700:50"
 {
-    exits 0 "without OpenGL, --version" "$plain" --version
-    prints '^without OpenGL$' "says so"
-    exits 2 "OpenGL's pixels" "$plain" render patches $small -o "$tmp/none.tif"
-    says 'built without OpenGL; add --renderer raster' "asks for --renderer raster"
+    exits 0 "a program without OpenGL prints its version" "$plain" --version
+    prints '^without OpenGL$' "its version says so"
+    exits 2 "a program without OpenGL refuses OpenGL's pixels" "$plain" render patches $small -o "$tmp/none.tif"
+    says 'built without OpenGL; add --renderer raster' "the message asks for --renderer raster"
     absent "$tmp/none.tif" "OpenGL's pixels"
-    exits 2 "nor a strict check" "$plain" render patches $small --renderer raster --strict
-    exits 0 "the reference's" "$plain" render patches $small --renderer raster -o "$tmp/plain.tif"
-    prints '^cross-check +not made: .* without OpenGL' "are said to be unchecked"
-    exits 0 "they are those of a checked stack" \
+    exits 2 "a program without OpenGL refuses a strict check" "$plain" render patches $small --renderer raster --strict
+    exits 0 "a program without OpenGL makes the reference's pixels" "$plain" render patches $small --renderer raster -o "$tmp/plain.tif"
+    prints '^cross-check +not made: .* without OpenGL' "the table says that they are unchecked"
+    exits 0 "a program with OpenGL makes the same stack again" \
         "$SPECTRAL" render --again "$tmp/plain.tif" -o "$tmp/again.tif"
-    exits 0 "a stack of another program" \
+    exits 0 "a program with OpenGL makes a checked stack" \
         "$SPECTRAL" render patches $small --renderer raster -o "$tmp/checked.tif"
-    exits 0 "is made again by it" "$plain" render --again "$tmp/checked.tif" -o "$tmp/again.tif"
-    exits 2 "arithmetic that changes pictures" env CFLAGS=-Ofast BUILD="$tmp/fast" ./build.sh
-    says '-Ofast changes pictures' "is refused by name"
+    exits 0 "the program without OpenGL makes the checked stack again" "$plain" render --again "$tmp/checked.tif" -o "$tmp/again.tif"
+    exits 2 "arithmetic that changes pictures is refused" env CFLAGS=-Ofast BUILD="$tmp/fast" ./build.sh
+    says '-Ofast changes pictures' "the message names the option"
     exits 2 "an unknown OpenGL is refused" env GL=vulkan BUILD="$tmp/vulkan" ./build.sh
-    says 'GL is osmesa or none' "by name"
+    says 'GL is osmesa or none' "the message lists the choices of GL"
 }
 done_testing

@@ -1,8 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""What probe prints of a stack is computed once more with numpy from its samples; what it prints of a
-scene must be what render stores of it, and the curves beside it what the tables hold. Plots are
-read back as XML. Prints TAP."""
+"""Computes probe's output for a stack once more with numpy from its samples. Probe's output for a scene must equal
+the stack that render stores, and its other curves must equal the tables. Plots are read back as XML. Prints TAP."""
 import csv
 import io
 import os
@@ -35,7 +34,7 @@ def probe(*arguments):
     return dict(zip([re.sub(r" \([^()]*\)$", "", name) for name in head], np.array(rows, float).T))
 
 
-def told(*arguments):
+def values_of(*arguments):
     """Lines of the text by their first words."""
     lines = run("probe", *arguments).stdout.splitlines()
     return {line[:18].strip(): line[18:] for line in lines}
@@ -61,13 +60,13 @@ def test_stack():
         check(np.allclose(seen["radiance"], region.mean(1), rtol=1e-14, atol=0)
               and np.allclose(seen["standard deviation of radiance"], region.std(1), rtol=1e-9, atol=1e-15),
               f"mean and standard deviation of {w} x {h} pixels from {x},{y}")
-    check((probe(path, 60, 40)["radiance"] == pixels[:, 40, 60]).all(), "a pixel's samples exactly")
+    check((probe(path, 60, 40)["radiance"] == pixels[:, 40, 60]).all(), "probe prints a pixel's samples exactly")
     check(probe(path, 60, 40)["radiance"].tolist() == probe(path, 60, 40, 1, 1)["radiance"].tolist(),
           "a pixel is a region of 1 x 1")
     own, *curves = table("data/builtin/tables/cie1931.csv", ",")
     k = 100 / curves[1].sum() / (own[1] - own[0])
     weights = 5 * k * np.array([np.interp(WAVELENGTHS, own, c, 0, 0) for c in curves])
-    lines, mean = told(path, 13, 7, 31, 22), pixels[:, 7:29, 13:44].mean((1, 2))
+    lines, mean = values_of(path, 13, 7, 31, 22), pixels[:, 7:29, 13:44].mean((1, 2))
     xyz, white = weights @ mean, weights @ D65
     f = np.cbrt(xyz / white)
     lab = [116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])]
@@ -76,13 +75,13 @@ def test_stack():
     for name, expected in (("XYZ", xyz), ("xy", xyz[:2] / xyz.sum()), ("Lab", lab), ("Luv", luv),
                            ("white XYZ", white)):
         seen = np.array(lines[name].split(), float)
-        check(abs(seen - expected).max() <= 0.51e-4, f"{name} of the mean", lines[name], expected)
-    text = told(path, 60, 40)
+        check(abs(seen - expected).max() <= 0.51e-4, f"{name} is that of the mean", lines[name], expected)
+    text = values_of(path, 60, 40)
     check(text["source"] == path and text["region"] == "pixel 60,40", "the text names stack and pixel", text)
     wavelength = [line for line in run("probe", path, 60, 40).stdout.splitlines() if line.startswith("550 ")]
     radiance = pixels[WAVELENGTHS == 550, 40, 60][0]
     check(len(wavelength) == 1 and abs(float(wavelength[0].split()[1]) - radiance) <= 6e-6 * radiance,
-          "a line begins with its wavelength, and its radiance follows", wavelength)
+          "a line has its wavelength and then its radiance", wavelength)
     return path
 
 
@@ -92,34 +91,34 @@ def test_foreign():
         for page, nm in enumerate((450, 550, 650)):
             out.write(np.full((4, 5), page + 0.5, np.float32), metadata=None, contiguous=False,
                       photometric="minisblack", extratags=[(285, "s", 0, f"{nm} nm", True)])
-    seen, lines = probe(path, 0, 0, 5, 4), told(path, 0, 0, 5, 4)
+    seen, lines = probe(path, 0, 0, 5, 4), values_of(path, 0, 0, 5, 4)
     check(seen["wavelength"].tolist() == [450, 550, 650] and seen["radiance"].tolist() == [0.5, 1.5, 2.5]
           and not seen["standard deviation of radiance"].any(),
-          "a stack of another program; equal pixels have no deviation")
+          "a stack of another program is probed, and equal pixels have no deviation")
     check(lines["Lab"].startswith("none") and lines["object"].startswith("unknown"),
           "its white and objects are unknown", lines)
-    check(re.fullmatch(r"[-.\d]+ [-.\d]+ [-.\d]+", told(path, 0, 0, "--white", "d65")["Lab"]),
-          "--white gives one")
+    check(re.fullmatch(r"[-.\d]+ [-.\d]+ [-.\d]+", values_of(path, 0, 0, "--white", "d65")["Lab"]),
+          "--white sets its white")
 
 
 def test_steady():
-    """Floats next to 1000 are 2^-14 apart."""
+    """The distance between floats near 1000 is 2^-14."""
     path, steps = os.path.join(TMP, "steady.tif"), np.arange(20).reshape(4, 5) % 3
     tifffile.imwrite(path, (1000 + steps * 2.0**-14).astype(np.float32), metadata=None,
                      photometric="minisblack", extratags=[(285, "s", 0, "450 nm", True)])
     spread = probe(path, 0, 0, 5, 4)["standard deviation of radiance"][0]
-    check(abs(spread / (steps.std() * 2.0**-14) - 1) < 1e-9, "a small deviation beside a large mean", spread)
+    check(abs(spread / (steps.std() * 2.0**-14) - 1) < 1e-9, "a small deviation is exact beside a large mean", spread)
 
 
 def test_many_objects():
-    """A square a pixel, 16 in a row: one too many for numbers of a byte."""
+    """256 squares, one a pixel, 16 in a row: one more than numbers of a byte can count."""
     lines = ["size 16 16", "wavelengths 500 500 1", "camera ortho 16", "light d65 1 direction 0 0 1"]
     for i in range(256):
         lines += [f"material tile-{i} {{ diffuse {(i + 1) / 256} }}",
                   f"object plane 1 1 material tile-{i} translate {i % 16 - 7.5} {7.5 - i // 16} 0"]
     scene, path = write("many.scene", "\n".join(lines) + "\n"), os.path.join(TMP, "many.tif")
     result = run("render", scene, "--renderer", "raster", "--no-check", "--quiet", "-o", path)
-    seen = [told(path, i % 16, i // 16).get("object") for i in (0, 1, 16, 253, 254, 255)]
+    seen = [values_of(path, i % 16, i // 16).get("object") for i in (0, 1, 16, 253, 254, 255)]
     check(seen == [f"tile-{i}" for i in (0, 1, 16, 253, 254, 255)], "256 objects have their names", seen,
           result.stderr)
 
@@ -134,12 +133,12 @@ def test_scene(scene, regions):
         columns = "radiance", "standard deviation of radiance"
         same += all(np.array_equal(of_scene[c], of_stack[c]) for c in columns)
         agree += np.array_equal(of_scene["radiance"], pixels[:, y, x]) if w == h == 1 else 1
-        lines = [told(scene, x, y, w, h, *SIZE), told(path, x, y, w, h)]
+        lines = [values_of(scene, x, y, w, h, *SIZE), values_of(path, x, y, w, h)]
         objects += all(lines[0][key] == lines[1][key] for key in ("object", "XYZ", "Lab", "white XYZ"))
     check(same == len(regions),
           f"{scene}: radiances of {len(regions)} pixels and regions are what render stores, to the last bit")
-    check(agree == len(regions), f"{scene}: also as read by another program")
-    check(objects == len(regions), f"{scene}: the object and colours are the stack's")
+    check(agree == len(regions), f"{scene}: another program reads the same radiances")
+    check(objects == len(regions), f"{scene}: the object and colours equal those of the stack")
 
 
 def test_curves():
@@ -162,21 +161,23 @@ object plane 1 2 material dye translate 1 0 0
     check(all(name in red and np.allclose(red[name], values, rtol=1e-12, atol=1e-300) for name, values in lights.items()),
           "each light and ambient light is intensity x spectrum", list(red))
     check(np.allclose(red["reflectance"], RED, rtol=1e-12) and "specular reflectance" not in red
-          and "excitation" not in red, "a dull object has its reflectance and nothing else")
+          and "excitation" not in red, "a matt object has its reflectance and no other curve")
     check(np.allclose(red["radiance"], sum(lights.values()) * RED, rtol=1e-6),
-          "its radiance is the product of all light, which faces it, and its reflectance")
+          "its radiance is its reflectance times all light, which faces it")
     expected = {"reflectance": 0.3, "specular reflectance": 0.25, "own light": 0.05 * D65,
                 "excitation": np.exp(-4 * np.log(2) * ((WAVELENGTHS - 370) / 40) ** 2),
                 "emission": 0.4 * np.exp(-4 * np.log(2) * ((WAVELENGTHS - 440) / 60) ** 2)}
     check(all(name in dye and np.allclose(dye[name], values, rtol=1e-12, atol=1e-300) for name, values in expected.items()),
-          "reflectances, excitation, emission and own light of a fluorescent object", list(dye))
-    check(told(scene, 10, 20)["object"] == "red" and told(scene, 30, 20)["object"] == "dye", "objects by name")
+          "a fluorescent object has reflectances, excitation, emission and its own light", list(dye))
+    check(values_of(scene, 10, 20)["object"] == "red" and values_of(scene, 30, 20)["object"] == "dye",
+          "objects have their names")
     background, both = probe(scene, 20, 1), probe(scene, 10, 20, 21, 1)
     check(not background["radiance"].any() and set(background) == set(red) - {"reflectance"},
-          "the background is black, and has lights only", list(background))
-    check(set(both) == set(background), "so has a region of two objects", list(both))
-    check(told(scene, 20, 1)["object"] == "background" and told(scene, 10, 20, 21, 1)["object"].startswith("unknown"),
-          "as the text says")
+          "the background is black, and has only lights as curves", list(background))
+    check(set(both) == set(background), "a region of two objects has only lights as curves", list(both))
+    check(values_of(scene, 20, 1)["object"] == "background" and
+          values_of(scene, 10, 20, 21, 1)["object"].startswith("unknown"),
+          "the text names the background and an unknown object")
     return scene
 
 
@@ -195,7 +196,7 @@ def test_svg(scene):
     names = [name for name in seen if name not in ("wavelength", "standard deviation of radiance")]
     check(sorted(groups) == sorted(names), "the plot has a line for each curve", list(groups), names)
     right = {"reflectance", "specular reflectance", "excitation", "emission"}
-    check(all(len(points(groups[name])) == len(WAVELENGTHS) for name in names), "of all wavelengths")
+    check(all(len(points(groups[name])) == len(WAVELENGTHS) for name in names), "each line has all wavelengths")
     for side, members in (("left", set(names) - right), ("right", right)):
         x = np.concatenate([points(groups[name])[:, 0] for name in members])
         y = np.concatenate([points(groups[name])[:, 1] for name in members])
@@ -207,13 +208,13 @@ def test_svg(scene):
               f"lines of the {side} axis share one scale, to a hundredth of a pixel")
     texts = [text.text for text in root.iter(SVG + "text")]
     check("wavelength (nm)" in texts and "radiance (W sr⁻¹ m⁻² nm⁻¹, relative)" in texts and "400" in texts,
-          "axes tell quantity and unit", texts)
-    check(not re.search(r"<script|href|\bon\w+=", result.stdout), "no script and no reference in it")
-    check(result.stdout == run("probe", scene, 30, 20, "--svg").stdout, "the same bytes each time")
+          "axes name quantity and unit", texts)
+    check(not re.search(r"<script|href|\bon\w+=", result.stdout), "the plot has no script and no reference")
+    check(result.stdout == run("probe", scene, 30, 20, "--svg").stdout, "the plot has the same bytes each time")
 
 
 def test_visible(scene):
-    """The strip: sRGB of monochromatic light, white added until no channel is negative."""
+    """The coloured strip has the sRGB of monochromatic light, with white added until no channel is negative."""
     root = ElementTree.fromstring(run("probe", scene, 30, 20, "--svg").stdout)
     stops = [(float(s.get("offset")), s.get("stop-color")) for s in root.iter(SVG + "stop")]
     nm = np.array([380 + 350 * offset for offset, _ in stops])

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""The ICC profiles as Little CMS reads them: XYZ beside D50, media-relative. Prints TAP."""
+"""Little CMS reads the ICC profiles as intended: media-relative XYZ for D50. Prints TAP."""
 import os
 import subprocess
 import sys
@@ -13,7 +13,7 @@ from rendered import TMP, check, done
 BUILD = os.environ.get("BUILD", "build")
 D50 = np.array([0.9642, 1, 0.8249])
 BRADFORD = np.array([[0.8951, 0.2664, -0.1614], [-0.7502, 1.7135, 0.0367], [0.0389, -0.0685, 1.0296]])
-# IEC 61966-2-1: linear RGB to XYZ, of the chromaticities of the primaries and of D65
+# IEC 61966-2-1: linear RGB to XYZ, from the chromaticities of the primaries and of D65
 PRIMARIES = np.array([[0.64, 0.30, 0.15], [0.33, 0.60, 0.06], [0.03, 0.10, 0.79]])
 # the thesis's monitor: from XYZ of Y = 100; linear = (gain x value)^exponent
 MONITOR = np.array([[0.03426, -0.01633, -0.005365], [-0.01026, 0.01911, 0.0002522],
@@ -52,7 +52,7 @@ for name, to_xyz in (("srgb", srgb), ("monitor", monitor)):
         subprocess.run([f"{BUILD}/test/test_profile", name], stdout=out, check=True)
     expected = beside_d50(to_xyz(VALUES / 255), to_xyz(np.ones(3)))
     difference = abs(read_by_lcms(path) - expected)
-    # Numbers of the profile are rounded to 1/65536: those of the curves count up to three times.
+    # Numbers of the profile are rounded to 1/65536; those of the curves can count up to three times.
     check(difference.max() < 4 / 65536, f"{name}: {len(VALUES)} colours through Little CMS "
           f"(largest difference {difference.max():.6f})")
 done()

@@ -1,9 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Random scenes of all that the scene language has, rendered by the program ($SPECTRAL) and cross-
-checked at every pixel of 31 wavelengths. A scene follows from its seed alone. One that fails is
-reduced to a small one that still fails, which is kept in test/cases/random/ and replayed first from then
-on. Prints TAP.
+"""Renders random scenes, with everything that the scene language has, by the program ($SPECTRAL) and cross-
+checks every pixel at 31 wavelengths. A scene follows from its seed alone. A scene that fails is reduced to a
+small one that still fails; test/cases/random/ keeps it, and later runs begin with it. Prints TAP.
 
     test/run/random_scenes.py                                  200 scenes on llvmpipe, 30 on softpipe
     test/run/random_scenes.py --first 1000 --count 5000 --driver softpipe --jobs 2 --size 100x100
@@ -31,10 +30,10 @@ FAULTS = os.environ.get("FAULTS", "build/test/fault.so")
 KEPT = "test/cases/random"
 DEFAULT_COUNT = {"llvmpipe": 200, "softpipe": 30}
 WAVELENGTHS = "wavelengths 400 700 10"
-PATIENCE_S = 300  # a scene that takes longer hangs
-SHRINK_S, MOST_SHRUNK = 240, 3  # a scene; scenes a run
+PATIENCE_S = 300  # seconds after which a scene counts as hung
+SHRINK_S, MOST_SHRUNK = 240, 3  # seconds of a scene; scenes a run
 
-# Why a scene may be refused: its numbers leave what single precision holds.
+# Reasons to refuse a scene: its numbers leave the range of single precision.
 REFUSALS = [
     "the texture must repeat less often",
     "is not finite in the window; coordinates and scales are too large",
@@ -62,7 +61,7 @@ class Dice:
         return items[int(self.random() * len(items))]
 
     def real(self, low, high):
-        """Often a round number, where formulas have their special cases."""
+        """Often draws a round number, where formulas have their special cases."""
         value = low + self.random() * (high - low)
         return float(f"{value:.4g}") if self.chance(0.85) else float(round(value))
 
@@ -70,7 +69,7 @@ class Dice:
         return float(f"{self.random():.3g}")
 
     def log(self, low, high):
-        """Each order of magnitude is as likely as the others."""
+        """Draws every order of magnitude with the same probability."""
         return float(f"{low * (high / low) ** self.random():.3g}")
 
 
@@ -114,7 +113,7 @@ def slivers(dice, step):
 
 
 def soup(dice, step):
-    """Triangles that share vertices as it happens, pass through each other, or have no area."""
+    """Triangles that share vertices at random, cross each other, or have no area."""
     points = [[round(dice.real(-2, 2) / step) * step for _ in range(3)]
               for _ in range(dice.whole(4, 12))]
     n = len(points)
@@ -122,7 +121,7 @@ def soup(dice, step):
 
 
 def prism(dice, step):
-    """Polygons as its ends, and edges that are creases or not."""
+    """A prism with polygons as its ends; edges may be creases."""
     n = dice.whole(1, 5)
     half = [((1 - t * t) / (1 + t * t), 2 * t / (1 + t * t))
             for t in ((2 * i / n - 1) for i in range(n + 1))]
@@ -134,7 +133,7 @@ def prism(dice, step):
 
 
 def normal(dice):
-    """Most are no unit vectors, and some vanish or overflow when squared in single precision."""
+    """Normals: most are no unit vectors, and the squares of some vanish or overflow in single precision."""
     length = dice.pick(0.0, 1e-19, 1e20) if dice.chance(0.03) else dice.pick(1.0, 1.0, 0.01, 30.0)
     return [length * dice.real(-1, 1) for _ in range(2)] + [length]
 
@@ -241,7 +240,7 @@ class Writer:
             depth = dice.pick(16, 16, 2, 1)  # objects may end at the near or far plane
             self.lines.append(line("camera ortho", across, "near", -depth, "far", depth))
         elif self.style == "dyadic":
-            # Edges through pixel centres, but numbers that single precision rounds.
+            # Edges pass through pixel centres, but their numbers are rounded in single precision.
             across = dice.pick(self.width / 32, self.width / 16, 5.0, 10.0)
             self.step = across / self.width * dice.pick(0.5, 1, 4)
             depth = dice.pick(16, 16, 2, 1)
@@ -402,7 +401,7 @@ class Writer:
         if self.style in ("exact", "dyadic"):
             return max(self.length(0.25, 4), self.step)
         if self.dice.chance(0.02):
-            return self.dice.log(0.01, 1000)  # longer than wide by far
+            return self.dice.log(0.01, 1000)  # much longer than wide
         return self.factor * self.dice.log(0.3, 3)
 
     def shape(self):
@@ -491,7 +490,7 @@ class Writer:
         return words
 
     def objects(self):
-        """One; or two of the same that win by order, or that share a plane."""
+        """One object; or two equal ones, where the order decides; or two in one plane."""
         dice = self.dice
         shape, options, transform = self.shape(), self.options(), self.transform()
         flat = shape.startswith(("plane", "disk", "box"))
@@ -549,7 +548,7 @@ class Result:
         return self.status != 0 and not self.refused
 
     def kind(self):
-        """Equal for failures that are the same, wherever they are."""
+        """Returns a word that is equal for failures of the same kind at any place."""
         if self.status == 1:  # colour, triangle, depth or number of fragments
             return re.search(r"OpenGL('s)?( [a-z]+)?|$", self.message)[0]
         if self.status == 2:
@@ -561,12 +560,12 @@ class Result:
 
 
 class Shrinker:
-    """Reduces a scene as long as `fails` holds: what stands in it first, then its numbers."""
+    """Reduces a scene while `fails` holds: first its statements and words, then its numbers."""
 
     def __init__(self, files, fails):
         self.files, self.fails, self.tried = dict(files), fails, set()
         self.deadline = time.monotonic() + SHRINK_S
-        self.simplify(".scene", 2)  # wavelengths and size: it is faster from then on
+        self.simplify(".scene", 2)  # wavelengths and size first, so that the rest is faster
         before = None
         while before != self.files:
             before = dict(self.files)
@@ -606,7 +605,7 @@ class Shrinker:
             length //= 2
 
     def renumber(self, name):
-        """Drops vertices that no face has. Texture coordinates and normals have their numbers."""
+        """Drops vertices that no face uses, and renumbers the others with their texture coordinates and normals."""
         if not name.endswith(".obj"):
             return
         lines = [one.split() for one in self.files[name].splitlines() if one]
@@ -629,7 +628,7 @@ class Shrinker:
             del self.files[name]
 
     def drop_words(self, name):
-        """Drops a word and what belongs to it: the numbers after it, or a word or two."""
+        """Drops a word together with the numbers or the one or two words that belong to it."""
         lines = self.files[name].splitlines()
         for i in range(len(lines)):
             for k in reversed(range(1, len(lines[i].split()))):
@@ -722,18 +721,18 @@ COVERAGE = [
 
 def check_coverage(texts, effects):
     lacking = [pattern for pattern in COVERAGE if not re.search(pattern, texts, re.M)]
-    check(not lacking, "the scenes hold all words and cases that they should", *lacking)
+    check(not lacking, "the scenes contain all words and cases of the list", *lacking)
     idle = [name for name in effects[0] if not any(effect[name] for effect in effects)]
     check(idle == ["phong", "tessellation"],
-          "and call for every effect that OpenGL has, as far as it lies in scenes", *idle)
+          "the scenes use every effect of OpenGL that a scene can ask for", *idle)
 
 
 def replay(driver):
-    """The scenes that failed once."""
+    """Replays the scenes that failed once."""
     for path in sorted(glob.glob(os.path.join(KEPT, f"*-{driver}.scene"))):
         result = Result(path, driver)
         name = os.path.basename(path)
-        check(result.status == 0, f"{driver}: what failed once is drawn: {name}", result.message)
+        check(result.status == 0, f"{driver}: a scene that failed once passes: {name}", result.message)
 
 
 def keep_small(seed, files, driver, result, folder):
@@ -790,18 +789,19 @@ def run(driver, seeds, options):
 def judge(driver, n, total, failed, refused):
     ratio = total["worst_error_over_bound"]
     check(not failed, f"{driver}: all of {n} scenes are drawn", f"not {failed}")
-    check(refused <= 0.05 * n, f"{driver}: hardly any is refused", f"{refused} of {n}")
+    check(refused <= 0.05 * n, f"{driver}: few scenes are refused", f"{refused} of {n}")
     check(total["unexplained_pixels"] == 0 < total["pixels"],
           f"{driver}: every pixel is explained at all wavelengths", total)
     check(total["unbounded_pixels"] < 1e-5 * total["pixels"],
           f"{driver}: fewer than one pixel in 100000 has no bound", total)
     check(0.05 < ratio <= 1, f"{driver}: the bounds are neither exceeded nor far too wide", ratio)
     depth_ratio = total["worst_depth_error_over_bound"]
-    check(0.05 < depth_ratio <= 1, f"{driver}: nor are those of depth", depth_ratio)
+    check(0.05 < depth_ratio <= 1,
+          f"{driver}: the bounds on depth are neither exceeded nor far too wide", depth_ratio)
 
 
 def check_shrinker(size):
-    """A fault planted in the GL path, in the first short scene where it shows."""
+    """Plants a fault in the GL path and shrinks the first short scene that shows it."""
     fault = {"LD_PRELOAD": FAULTS, "FAULT": "24"}
     for seed in range(1, 100):
         files = scene(seed, size)
@@ -812,9 +812,9 @@ def check_shrinker(size):
     path = keep(small, os.path.join(TMP, "kept"), f"{seed}-llvmpipe")
     text, before = ("".join(some.values()) for some in (small, files))
     check(Result(path, "llvmpipe", **fault).status == 1,
-          "a scene that shows a planted fault still does when shrunk", text)
-    check(Result(path, "llvmpipe").status == 0, "and without the fault it is drawn", text)
-    check(text.count("\n") <= 6, "and has no more lines than it takes", text)
+          "a shrunk scene still shows the planted fault", text)
+    check(Result(path, "llvmpipe").status == 0, "the shrunk scene passes without the fault", text)
+    check(text.count("\n") <= 6, "the shrunk scene has no unnecessary line", text)
     print(f"# shrunk from {before.count(chr(10))} lines:\n# " + text.strip().replace("\n", "\n# "))
 
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
-"""Shared by scripts that hold pictures against closed forms: scenes rendered by the program
-($SPECTRAL) and read back with tifffile; spectra read from the tables. Everything expected is
-computed from the tables and geometry, nothing from the program."""
+"""Helps scripts that compare pictures with closed forms: renders scenes by the program ($SPECTRAL), reads them back
+with tifffile, and reads spectra from the tables. Expected values come from the tables and geometry, never from
+the program."""
 import json
 import os
 import subprocess
@@ -10,7 +10,7 @@ import sys
 import numpy as np
 import tifffile
 
-from tap import bail_out, check, done  # noqa: F401  the scripts take them from here
+from tap import bail_out, check, done  # noqa: F401  the scripts import them from here
 
 SPECTRAL = os.environ.get("SPECTRAL", "build/spectral")
 TMP = os.path.join(os.environ.get("TEST_TMP", "build/tmp"),
@@ -62,8 +62,8 @@ class Picture:
         self.tolerance = (0.5 + bound) * self.count
 
     def agrees(self, expected, name, where=np.s_[:, :, :], slack=0):
-        """`slack` bounds the relative rounding of what the program reads. A tolerance above 8 counts
-        would say little, and fails."""
+        """`slack` bounds the relative rounding of what the program reads. A tolerance above 8 counts is too wide, and
+        fails."""
         seen = self.radiance[where]
         error = np.abs(seen - expected).max()
         tolerance = self.tolerance + slack * np.max(expected)

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Wavelength sampling from render to develop: what each method makes of a chart whose radiances are
-light x reflectance is computed once more with numpy, at every nm, from the tables; theory says which
-spectra a method must get right, and which not; hard cases are right or refused. Prints TAP."""
+"""Checks wavelength sampling from render to develop. The result of each method for a chart, whose radiances are
+light x reflectance, is computed once more with numpy, at every nm, from the tables. Theory says for which spectra
+a method must be exact, and for which not. Hard cases are right or refused. Prints TAP."""
 import glob
 import json
 import os
@@ -25,7 +25,7 @@ FIXED = ["gauss:9,xyz", "gauss:9,lms", "gauss:8,acc", "basis:6", "rgb", "xyz"]
 SMALL = "wavelengths 380 730 5\nsize 8 8\ncamera ortho 2\n"
 
 
-# ---- the same with numpy ----
+# ---- sums with numpy ----
 
 def weights(observer, nm):
     """Equation 11 of the thesis; k from the observer's own table at 1 nm."""
@@ -56,7 +56,7 @@ def run(*arguments):
 
 
 def picture(path):
-    """[y, x, channel]"""
+    """XYZ of a developed stack [y, x, channel]"""
     samples = tifffile.imread(path).astype(float)
     return samples if samples.shape[2] == 3 else np.moveaxis(samples, 0, 2)
 
@@ -71,7 +71,7 @@ class Sampled:
         self.report = json.loads(self.result.stdout) if self.result.returncode == 0 else None
 
     def is_refused(self):
-        """In one line; anything else but success is a crash."""
+        """Returns whether the command was refused in one line; any other failure is a crash."""
         return self.result.returncode == 2 and self.result.stderr.count("\n") == 1
 
     def pages(self):
@@ -93,7 +93,7 @@ class Sampled:
 
 
 def chart(sampling, *options, detector="cie1931"):
-    """XYZ of the 24 patches, [patch, channel], and how many pages there were."""
+    """XYZ of the 24 patches, [patch, channel], and the number of pages."""
     stack = Sampled("patches", sampling, "--size", "60x40", *options)
     if stack.report is None:
         print("#", stack.result.stderr)
@@ -102,19 +102,19 @@ def chart(sampling, *options, detector="cie1931"):
 
 
 def is_near(seen, expected, name, magnitude=None):
-    """Pages and pictures are single precision: each value is off by 2^-24 of its own, and so is what
-    they are multiplied with; `magnitude` is the sum of the magnitudes that make a channel."""
+    """Pages and pictures have single precision: each value, and each factor, has an error of 2^-24 of itself;
+    `magnitude` is the sum of the magnitudes of a channel's terms."""
     magnitude = np.abs(expected).max() if magnitude is None else magnitude
     error = np.abs(seen - expected).max()
     check(error <= 3 * 2**-24 * magnitude, name, f"error {error} of {magnitude}")
 
 
 def error(seen, expected):
-    """The largest of all channels and patches, of the white's Y."""
+    """The largest error of all channels and patches, relative to the white's Y."""
     return np.abs(seen - expected).max() / (EYE[1] @ D65)
 
 
-# ---- each method as it is defined ----
+# ---- the definition of each method ----
 
 def exact(light):
     return np.array([EYE @ (light * r) for r in CHART])
@@ -127,12 +127,13 @@ def check_riemann():
         is_near(chart(f"riemann:{step}")[0],
                 np.array([weights("cie1931", nm) @ (D65 * r)[at] for r in CHART]),
                 f"riemann:{step} is a sum over every {step} nm")
-    check(chart("riemann:5")[1] == 71, "a page each: 71 for 350 nm by 5")
+    check(chart("riemann:5")[1] == 71, "each wavelength has a page: 71 for 350 nm by 5")
 
 
 def boxes(n):
-    """[box, nm]: which cells of 1 nm are in which box, of equal area under the observer's functions; a
-    box ends with the cell that brings the area of all before to its part."""
+    """[box, nm]: the cells of 1 nm in each box. Boxes have equal areas under the observer's functions; a box ends
+    with
+    the cell at which the total area reaches the box's share."""
     area = np.cumsum(np.abs(EYE).sum(0))
     ends = np.append(0, np.searchsorted(area, area[-1] * np.arange(1, n + 1) / n * (1 - 1e-12)) + 1)
     number = np.arange(len(NM))
@@ -146,18 +147,18 @@ def check_box():
         expected = np.array([(EYE @ shares.T) @ ((mean @ D65) * (mean @ r)) for r in CHART])
         seen, pages = chart(f"box:{n}")
         is_near(seen, expected, f"box:{n}: means of light and reflectance over boxes of equal area")
-        check(pages == n, f"of which there are {n}", pages)
+        check(pages == n, f"box:{n} has {n} pages", pages)
 
 
 def primaries():
-    """sRGB's, from its chromaticities: linear red, green and blue to XYZ."""
+    """The matrix of sRGB from its chromaticities: linear red, green and blue to XYZ."""
     white = np.array([0.3127, 0.3290, 0.3583]) * 100 / 0.3290
     columns = np.array([[0.64, 0.33, 0.03], [0.30, 0.60, 0.10], [0.15, 0.06, 0.79]]).T
     return columns * np.linalg.solve(columns, white)
 
 
 def three_numbers(light, matrix, clips):
-    """Lights times reflectances as three numbers each; those of a reflectance are seen under D65."""
+    """Products of light and reflectance as three numbers each; the reflectance's numbers are those under D65."""
     values = np.linalg.inv(matrix) @ EYE
     clip = (lambda v: v.clip(0)) if clips else (lambda v: v)
     return np.array([matrix @ (clip(values @ light) * clip(values @ (D65 * r) / (values @ D65)))
@@ -171,11 +172,12 @@ def check_three_numbers():
             seen, pages = chart(method, "--light", f"1={name}")
             magnitude = 3 * (EYE @ light).max()  # sRGB's matrix has negative parts
             is_near(seen, three_numbers(light, matrix, method == "rgb"),
-                    f"{method} under {name}: three numbers of a light times three of a reflectance", magnitude)
-            check(pages == 3, "in three pages")
+                    f"{method} under {name}: a radiance is three numbers of a light times three of a reflectance",
+                    magnitude)
+            check(pages == 3, "the stack has three pages")
     check(error(chart("xyz")[0], exact(D65)) < 1e-6, "under D65 itself xyz is right")
     wrong = error(chart("xyz", "--light", "1=a")[0], exact(light_of("a")))
-    check(wrong > 0.01, "under illuminant A it is not", wrong)
+    check(wrong > 0.01, "under illuminant A xyz is not right", wrong)
 
 
 def check_basis():
@@ -188,13 +190,14 @@ def check_basis():
             part = components[:k]
             expected = (products @ part.T) @ (EYE @ part.T).T
             magnitude = 4 * np.abs(EYE).sum(0) @ products.max(0)  # coordinates are sheared
-            is_near(seen, expected, f"basis:{k} under {name}: what {k} singular vectors leave", magnitude)
+            is_near(seen, expected, f"basis:{k} under {name}: the error is that of {k} singular vectors", magnitude)
             errors.append(error(seen, truth))
-        check(errors[0] > errors[2] > errors[3] > errors[4], f"its errors fall with K under {name}", errors)
-        check(errors[4] < 2e-6, "and it is exact at the rank, 24", errors[4])
+        check(errors[0] > errors[2] > errors[3] > errors[4],
+              f"the errors of basis:K fall with K under {name}", errors)
+        check(errors[4] < 2e-6, "basis:24 is exact, since the rank is 24", errors[4])
 
 
-# ---- what theory says of quadrature ----
+# ---- theory of quadrature ----
 
 def polynomial_scene():
     """Light and reflectance are linear: their product is of degree 2, and no less."""
@@ -213,9 +216,9 @@ def check_exactness():
         is_near(Sampled(scene, method).xyz()[4, 4], truth, f"{method} is exact for degree 2", 4 * scale)
     for method in "gauss:2", "gauss:2,open", "gauss:3,xyz", "box:2", "riemann:50":
         wrong = np.abs(Sampled(scene, method).xyz()[4, 4] - truth).max() / truth[1]
-        check(wrong > 1e-4, f"{method} is not", wrong)
+        check(wrong > 1e-4, f"{method} is not exact for degree 2", wrong)
     seen = Sampled(scene, "gauss:2").xyz()[4, 4]
-    is_near(seen.sum(), truth.sum(), "but X + Y + Z, by which gauss:2 is weighted, it has: to degree 3", 4 * scale)
+    is_near(seen.sum(), truth.sum(), "gauss:2 is exact to degree 3 for X + Y + Z, its weight function", 4 * scale)
 
 
 def check_gauss():
@@ -233,10 +236,10 @@ def check_gauss():
           f" {', '.join(f'{r:.3f}' for r in ratios)}", errors)
     errors = [error(chart(f"riemann:{step}", *lamp)[0], truth) for step in (100, 50, 25)]
     check(errors[1] < errors[0] / 4 and errors[2] < errors[1] / 4,
-          "half the step leaves less than a quarter: riemann is of second order, or better", errors)
+          "half the step leaves less than a quarter of the error: riemann is of second order or better", errors)
     stack = Sampled("patches", "gauss:9,acc")
     check(stack.is_refused() and "8 samples" in stack.result.stderr,
-          "a rule that does not exist is refused, and it is said which one does", stack.result.stderr)
+          "a rule that does not exist is refused, and the message names one that exists", stack.result.stderr)
 
 
 def check_adaptive():
@@ -247,14 +250,15 @@ def check_adaptive():
             seen, n = chart(f"adaptive:{tolerance}", "--light", f"1={name}")
             wrong = np.abs(seen - truth).max() / (EYE @ light).max()
             pages.append(n)
-            check(wrong <= tolerance + 3 * 2**-24, f"adaptive:{tolerance} under {name}: {n} pages, within it",
+            check(wrong <= tolerance + 3 * 2**-24,
+                  f"adaptive:{tolerance} under {name}: {n} pages are within the tolerance",
                   f"error {wrong}")
-        check(pages[0] < pages[1] < pages[2] < 351, "the closer, the more pages, but never every nm", pages)
+        check(pages[0] < pages[1] < pages[2] < 351, "a smaller tolerance takes more pages, but never every nm", pages)
     light = light_of("fluorescent")
     seen, n = chart("adaptive:0.001", "--light", "1=fluorescent")
     fixed = chart(f"gauss:{min(n, 64)}", "--light", "1=fluorescent")[0]
     check(error(fixed, exact(light)) > 2 * error(seen, exact(light)),
-          "under a tube, quadrature that knows no peaks is off by more than twice as much",
+          "under a tube, quadrature without peaks has more than twice the error",
           error(fixed, exact(light)), error(seen, exact(light)))
 
 
@@ -270,16 +274,17 @@ def check_other_detector():
                        for path in sorted(glob.glob("data/builtin/materials/colorchecker/*.txt"))])
         of = EYE_10 @ lagrange(nodes).T
         seen = stack.xyz("--detector", "cie1964")[5::10, 5::10].reshape(-1, 3)
-        is_near(seen, at @ of.T, f"{method} serves another observer, by the polynomial through its {n} pages",
+        is_near(seen, at @ of.T, f"{method} works for another observer, by the polynomial through its {n} pages",
                 np.abs(of).sum(1).max() * at.max())
     legendre = (np.polynomial.legendre.leggauss(8)[0] * (LAST + 1 - FIRST) + LAST + FIRST) / 2
     nodes = Sampled("patches", "gauss:8,open", "--size", "60x40").nodes()
-    check(np.abs(nodes - legendre).max() < 1e-9, "gauss:8,open has Gauss's and Legendre's wavelengths", nodes)
+    check(np.abs(nodes - legendre).max() < 1e-9,
+          "gauss:8,open has the wavelengths of Gauss-Legendre quadrature", nodes)
     shares = boxes(10)
     mean = shares / shares.sum(1)[:, None]
     is_near(chart("box:10", detector="cie1964")[0],
             np.array([(EYE_10 @ shares.T) @ ((mean @ D65) * (mean @ r)) for r in CHART]),
-            "box:10 serves another observer, by its boxes")
+            "box:10 works for another observer, by its boxes")
     for method, limit in ("adaptive:0.0001", 0.001), ("riemann:1", 1e-6):
         wrong = error(chart(method, detector="cie1964")[0], truth)
         check(wrong < limit, f"{method} is right for another observer, too", wrong)
@@ -287,14 +292,14 @@ def check_other_detector():
         stack = Sampled("patches", method, "--size", "60x40")
         result, _ = stack.develop("--detector", "cie1964")
         check(stack.report is not None and result.returncode == 2 and result.stderr.count("\n") == 1
-              and "cie1931" in result.stderr, f"{method} tells no other observer, and whose it is",
+              and "cie1931" in result.stderr, f"{method} refuses another observer, and the message names its own",
               result.stderr)
 
 
-# ---- what three numbers cannot show ----
+# ---- limits of three numbers ----
 
 def halves(scene, size, unit, offset, sampling, *options):
-    """CIEDE2000 between the halves of the six spheres of a grid: of equal brightness, since they are
+    """CIEDE2000 between the halves of the six spheres of a grid, scaled to equal brightness, since the halves are
     shaded differently. `unit` is a length in pixels, `offset` moves the grid."""
     xyz = Sampled(scene, sampling, "--size", f"{size[0]}x{size[1]}", *options).xyz()
     differences = []
@@ -316,7 +321,7 @@ def check_metamers():
 
 
 def check_fluorescence():
-    """The built-in scene's halves are alike under A, where one of them fluoresces a little, too."""
+    """The halves of the built-in scene look alike under A, although one of them fluoresces a little there."""
     where = "fluorescence", (60, 40), 5, 0
     true, rgb, xyz = (halves(*where, method, "--light", "1=a") for method in ("riemann:1", "rgb", "xyz"))
     check(true.max() < 0.1 and min(rgb.max(), xyz.max()) > 1,
@@ -332,12 +337,12 @@ def check_fluorescence():
         difference = ciede2000(cielab(dull, white), cielab(glow, white))
         cannot = method in ("rgb", "xyz")
         check(difference == 0 if cannot else difference > 10, f"{method} {'cannot show' if cannot else 'shows'}"
-              f" what fluoresces in daylight: {difference:.2f} CIEDE2000 from what does not")
+              f" fluorescence in daylight: {difference:.2f} CIEDE2000 between a pair")
     check_glow()
 
 
 def check_glow():
-    """The built-in scene under a black light."""
+    """Renders the built-in scene under a black light."""
     glow = ["--size", "60x40", "--light", "1=uv"]
     truth = Sampled("fluorescence", "riemann:1", *glow).xyz()
 
@@ -346,10 +351,10 @@ def check_glow():
 
     for method, limit in ("basis:30", 3e-6), ("adaptive:0.01", 0.01), ("adaptive:0.0001", 0.0001):
         wrong = off(method)
-        check(wrong < limit, f"{method} shows how it glows under a black light, within {limit}", wrong)
+        check(wrong < limit, f"{method} shows the glow under a black light, within {limit}", wrong)
     for few, many in ("box:10", "box:60"), ("gauss:10,open", "gauss:40,open"):
         wrong = off(few), off(many)
-        check(wrong[0] > 5 * wrong[1], f"{many} shows it better than {few}", wrong)
+        check(wrong[0] > 5 * wrong[1], f"{many} shows the glow better than {few}", wrong)
 
 
 # ---- OpenGL ----
@@ -389,8 +394,8 @@ STRIPS = ["gaussian:600,80*0.8", "gaussian:520,90*0.6"]
 
 def check_hard(name, scene, light, strips, *options, at=np.s_[:],
                exact_by=("riemann:1", "adaptive:0.0001", "basis:24")):
-    """Nothing but finite pictures and refusals in one line; and right where a method promises it, within
-    1/10000 of what the light is."""
+    """Checks that every method gives a finite picture or a refusal in one line, and is within 1/10000 of the light if
+    it promises to be exact."""
     truth, scale = [EYE[:, at] @ (light * r)[at] for r in strips], (EYE[:, at] @ light[at]).max()
     wrong, refused = [], []
     for method in sorted({*METHODS, *exact_by}):
@@ -427,13 +432,14 @@ def check_hard_cases():
                exact_by=("riemann:1", "riemann:10", "box:1", "gauss:1", "gauss:1,open", "adaptive:0.0001", "basis:1"))
     check_hard("two neighbours", scene, D65, [RED, GREEN], "--wavelengths", "550,551", at=np.s_[170:172])
     refused = check_hard("wavelengths that no eye sees", scene, dark, [RED, GREEN], "--wavelengths", "900:1000:5")
-    check({"box:8", "gauss:8", "adaptive:0.0001", *FIXED} <= set(refused), "those by eye are refused there", refused)
+    check({"box:8", "gauss:8", "adaptive:0.0001", *FIXED} <= set(refused),
+          "methods that need an observer are refused there", refused)
     for factor in "1e-30", "1e30":
         light = float(factor) * D65
         check_hard(f"a light of {factor}", scene_of("hard", f"d65*{factor}", *STRIPS), light, [RED, GREEN])
-    check(chart("basis:99")[1] == 24, "a basis of 99 is one of 24 where there are 24 patches")
+    check(chart("basis:99")[1] == 24, "a basis of 99 has 24 components for 24 patches")
     check(Sampled(scene_of("hard", "d65", STRIPS[0], STRIPS[0]), "basis:9").pages() == 1,
-          "and one of 1 where all are alike")
+          "a basis of equal spectra has 1 component")
 
 
 check_riemann()

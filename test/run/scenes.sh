@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Every built-in scene is drawn by OpenGL as the reference says, under other lights, too.
+# OpenGL's picture of every built-in scene agrees with the reference, under other lights, too.
 . test/run/tap.sh
 
 agrees() { # NAME OPTION...
@@ -19,14 +19,14 @@ done
 for variant in GALLIUM_OVERRIDE_CPU_CAPS=sse2 DRAW_USE_LLVM=0 GALLIUM_DRIVER=softpipe \
     'GALLIUM_DRIVER=softpipe DRAW_USE_LLVM=0'; do
     for scene in colorchecker room pasture; do
-        # split into words on purpose
+        # the shell splits this into words on purpose
         # shellcheck disable=SC2086
         exits 0 "$scene, $variant: the pictures agree" env $variant "$SPECTRAL" render "$scene" \
             --size 300x200 --wavelengths 400:700:60 -o /dev/null
     done
 done
 
-# At its own size, an error above 2 counts would be seen at nearly every smooth pixel.
+# At the scene's own size, the check would find an error above 2 counts at nearly every smooth pixel.
 for scene in data/builtin/scenes/*.scene; do
     name=$(basename "$scene" .scene)
     exits 0 "$name: the pictures agree at its own size" "$SPECTRAL" render "$name" -o /dev/null \
@@ -35,15 +35,15 @@ for scene in data/builtin/scenes/*.scene; do
         END { exit !(n > 10000 && floor > 0 && floor <= 2) }' "$tmp/out"
     ok $? "$name: 99.9 % of the smooth pixels have a floor of 2 counts or less"
 done
-# The path of a compiled-in scene works as its name does; the scene's own paths lead to compiled-in files.
+# The path of a compiled-in scene works like its name; the paths in the scene lead to compiled-in files.
 agrees "a compiled-in scene by its path" builtin:scenes/patches.scene --wavelengths 550
 for light in a uv fluorescent; do
     agrees "fluorescence under $light" fluorescence --light "1=$light"
     agrees "metamers under $light" metamers --light "1=$light"
 done
 
-# A fluorescent pair seen face to face: the halves are equal in every band under incandescent light,
-# and the right one glows under ultraviolet.
+# Fluorescent pairs seen from the front: both halves are equal in every band under incandescent light, and the
+# right half glows under ultraviolet.
 cat >"$tmp/pairs.scene" <<'SCENE'
 size 300 200
 camera ortho 12
@@ -75,5 +75,5 @@ halves 'right[40:].sum() > 4 * left[40:].sum()' 'above 500 nm only the right hal
 
 "$SPECTRAL" render pasture --size 90x60 --wavelengths 380:730:25 --renderer raster \
     -o "$tmp/picture.tif" --quiet && cmp "$tmp/picture.tif" data/builtin/textures/picture.tif
-ok $? "the picture in the room is the stack that the program writes of the pasture"
+ok $? "the picture in the room equals the program's stack of the pasture"
 done_testing

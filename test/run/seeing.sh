@@ -1,6 +1,6 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The commands that look at stacks as their users meet them: develop, probe, compare and view.
+# Tests the commands that read stacks: develop, probe, compare and view.
 . test/run/tap.sh
 small="--size 60x40 --wavelengths 400:700:20"
 stack=$tmp/stack.tif
@@ -57,18 +57,18 @@ refused "adaptation of a camera" 'does not adapt' develop "$stack" --detector dc
     --adaptation cat16 -o "$tmp/none"
 refused "both --xyz and --lab" 'exclude' develop "$stack" --xyz --lab -o "$tmp/none"
 exits 0 "a foreign stack is developed" "$SPECTRAL" develop "$tmp/foreign.ome.tif" -o "$tmp/foreign.tif"
-exits 0 "with a white, adapted too" "$SPECTRAL" develop "$tmp/foreign.ome.tif" --white a \
+exits 0 "a foreign stack is adapted to a given white" "$SPECTRAL" develop "$tmp/foreign.ome.tif" --white a \
     --adaptation cat16 -o "$tmp/foreign.tif"
 "$SPECTRAL" render patches --size 9x9 --wavelengths 600:700:20 --light 1=uv -o "$tmp/dark.tif" --quiet
 refused "adaptation to a light beyond the wavelengths" 'records no white' develop "$tmp/dark.tif" \
     --adaptation cat16 -o "$tmp/none"
-exits 0 "develop tells what it did" "$SPECTRAL" develop "$stack" -o "$tmp/seen.tif"
-prints '^detector +cie1931' "the detector"
-prints '^out of gamut +[0-9]+' "how many pixels are out of gamut"
-prints '^unseen +[0-9.]+ %' "and what the wavelengths leave out"
-exits 0 "--quiet is quiet" "$SPECTRAL" develop "$stack" -o "$tmp/seen.tif" --quiet
+exits 0 "develop prints a report" "$SPECTRAL" develop "$stack" -o "$tmp/seen.tif"
+prints '^detector +cie1931' "develop prints the detector"
+prints '^out of gamut +[0-9]+' "develop prints the number of pixels out of gamut"
+prints '^unseen +[0-9.]+ %' "develop prints the part of the sensitivity outside the wavelengths"
+exits 0 "develop accepts --quiet" "$SPECTRAL" develop "$stack" -o "$tmp/seen.tif" --quiet
 [ ! -s "$tmp/out" ] && [ ! -s "$tmp/err" ]
-ok $? "and prints nothing"
+ok $? "--quiet prints nothing"
 case $SPECTRAL in /*) program=$SPECTRAL ;; *) program=$PWD/$SPECTRAL ;; esac
 (cd "$tmp" && exec "$program" develop stack.tif --quiet)
 [ -s "$tmp/stack-developed.tif" ]
@@ -78,7 +78,7 @@ one_line "a full device"
 cp "$tmp/seen.tif" "$tmp/kept.tif"
 exits 2 "bad input leaves an old picture alone" "$SPECTRAL" develop "$tmp/cut.tif" -o "$tmp/seen.tif"
 cmp -s "$tmp/seen.tif" "$tmp/kept.tif"
-ok $? "byte for byte"
+ok $? "the old picture keeps its bytes"
 "$SPECTRAL" develop "$stack" -o /dev/stdout 2>"$tmp/err" | cat >"$tmp/piped.tif"
 cmp -s "$tmp/seen.tif" "$tmp/piped.tif"
 ok $? "a picture goes through a pipe"
@@ -101,13 +101,13 @@ render $tmp/mine.scene --size 9x9 -o /dev/null --json $tmp/mine.scene
 view $tmp/mine.scene --size 9x9 -o $tmp/mine.scene
 EOF
 cmp -s "$stack" "$tmp/mine.tif" && cmp -s "$tmp/mine.scene" "$tmp/kept.scene"
-ok $? "and so what is read stays"
+ok $? "the inputs stay as they were"
 exits 0 "a table of three sensitivities is a detector" \
     "$SPECTRAL" develop "$stack" --detector data/builtin/tables/dcs200-camera.csv -o "$tmp/camera.tif"
 "$SPECTRAL" develop "$stack" --detector dcs200-camera -o "$tmp/built-in.tif" --quiet
 "$python" -c 'import sys, tifffile; a, b = map(tifffile.imread, sys.argv[1:]); sys.exit(int((a != b).any()))' \
     "$tmp/camera.tif" "$tmp/built-in.tif"
-ok $? "and sees what the built-in one does"
+ok $? "its picture equals that of the built-in detector"
 
 # ---- probe ----
 
@@ -119,21 +119,21 @@ refused "a camera has no tristimulus values" 'dcs200-camera' probe "$stack" 0 0 
 refused "a stack has its own size" 'size' probe "$stack" 0 0 --size 9x9 -o "$tmp/none"
 refused "probe of an unknown scene" 'no-such' probe no-such 0 0 -o "$tmp/none"
 refused "probe of half a stack" 'cut.tif' probe "$tmp/cut.tif" 0 0 -o "$tmp/none"
-exits 0 "probe tells a spectrum" "$SPECTRAL" probe "$stack" 5 5
-prints '^ *400 ' "wavelength by wavelength"
-prints 'W sr-1 m-2 nm-1' "with its unit"
-prints '01-dark-skin' "the object"
-prints '^XYZ ' "and its colour"
-exits 0 "of a region" "$SPECTRAL" probe "$stack" 2 2 4 4 --csv
-prints '^"wavelength \(nm\)","radiance' "as a table, too"
-exits 0 "as a plot" "$SPECTRAL" probe "$stack" 2 2 4 4 --svg -o "$tmp/plot.svg"
+exits 0 "probe prints a spectrum" "$SPECTRAL" probe "$stack" 5 5
+prints '^ *400 ' "probe prints a line for each wavelength"
+prints 'W sr-1 m-2 nm-1' "probe prints the unit of radiance"
+prints '01-dark-skin' "probe prints the object"
+prints '^XYZ ' "probe prints the colour"
+exits 0 "probe prints the spectrum of a region" "$SPECTRAL" probe "$stack" 2 2 4 4 --csv
+prints '^"wavelength \(nm\)","radiance' "probe prints a table"
+exits 0 "probe writes a plot" "$SPECTRAL" probe "$stack" 2 2 4 4 --svg -o "$tmp/plot.svg"
 "$python" -c 'import sys, xml.etree.ElementTree as e; sys.exit(0 if e.parse(sys.argv[1]).getroot().tag.endswith("svg") else 1)' \
     "$tmp/plot.svg"
-ok $? "which is well-formed"
-exits 0 "of a scene" "$SPECTRAL" probe patches 5 5 --size 60x40
-prints 'light 1 \(d65\)' "with its light"
-prints 'reflectance' "and its reflectance"
-exits 0 "of a foreign stack" "$SPECTRAL" probe "$tmp/foreign.ome.tif" 5 5
+ok $? "the plot is well-formed"
+exits 0 "probe prints the spectrum of a scene" "$SPECTRAL" probe patches 5 5 --size 60x40
+prints 'light 1 \(d65\)' "probe of a scene prints its light"
+prints 'reflectance' "probe of a scene prints its reflectance"
+exits 0 "probe prints the spectrum of a foreign stack" "$SPECTRAL" probe "$tmp/foreign.ome.tif" 5 5
 "$SPECTRAL" probe "$stack" 5 5 >/dev/full 2>"$tmp/err"
 [ $? = 3 ]
 ok $? "a full standard output is noticed"
@@ -143,18 +143,18 @@ ok $? "a full standard output is noticed"
 exits 0 "a stack is equal to itself" "$SPECTRAL" compare "$stack" "$stack"
 exits 1 "two lights give different stacks" "$SPECTRAL" compare "$stack" "$tmp/a.tif"
 one_line "a difference"
-exits 0 "within a tolerance they are equal" "$SPECTRAL" compare "$stack" "$tmp/a.tif" --tolerance 200%
-exits 1 "not within a smaller one" "$SPECTRAL" compare "$stack" "$tmp/a.tif" --tolerance 0.1dE00
-exits 1 "the map is written all the same" \
+exits 0 "they are equal within a tolerance" "$SPECTRAL" compare "$stack" "$tmp/a.tif" --tolerance 200%
+exits 1 "they differ beyond a smaller tolerance" "$SPECTRAL" compare "$stack" "$tmp/a.tif" --tolerance 0.1dE00
+exits 1 "the map is written although they differ" \
     "$SPECTRAL" compare "$stack" "$tmp/a.tif" --map "$tmp/map.tif" --quiet
 "$python" -c 'import sys, tifffile; sys.exit(int(tifffile.imread(sys.argv[1]).shape != (3, 40, 60)))' "$tmp/map.tif"
-ok $? "three pages of a value a pixel"
+ok $? "the map has three pages"
 "$SPECTRAL" compare "$stack" "$tmp/a.tif" --map /dev/stdout 2>"$tmp/err" | cat >"$tmp/piped.tif"
 cmp -s "$tmp/map.tif" "$tmp/piped.tif"
-ok $? "and goes through a pipe, the table beside it"
-says '^CIEDE2000 ' "on standard error"
-exits 1 "a white of next to no light" "$SPECTRAL" compare "$stack" "$tmp/a.tif" --white 1e-290
-prints '^CIEDE2000 +[0-9]' "has finite differences"
+ok $? "the map goes through a pipe"
+says '^CIEDE2000 ' "the table then goes to standard error"
+exits 1 "stacks are compared under a nearly black white" "$SPECTRAL" compare "$stack" "$tmp/a.tif" --white 1e-290
+prints '^CIEDE2000 +[0-9]' "a nearly black white gives finite differences"
 for bad in 1.5abc -1 5dE77 nan %; do
     refused "compare --tolerance=$bad" '--tolerance' compare "$stack" "$stack" "--tolerance=$bad"
 done
@@ -168,11 +168,11 @@ refused "compare with half a stack" 'cut.tif' compare "$stack" "$tmp/cut.tif" --
 # ---- view ----
 
 exits 0 "view writes a page" "$SPECTRAL" view patches --size 60x40 -o "$tmp/page.html"
-prints '^page +.*page.html' "and says so"
+prints '^page +.*page.html' "view prints the name of the page"
 grep -q '<script' "$tmp/page.html" && ! grep -Eq '(src|href)="?(https?:)?//' "$tmp/page.html"
-ok $? "which names no other address"
+ok $? "the page names no other address"
 refused "a page of 25 megapixels" '--size' view --size 5000x5000 -o "$tmp/none"
-# The page waits for somebody to read the pipe; by then all threads but the first hold signals back.
+# The page waits until its pipe is read; meanwhile all threads except the first block signals.
 mkfifo "$tmp/pipe"
 "$SPECTRAL" view patches --size 60x40 --threads 3 -o "$tmp/pipe" --quiet &
 viewer=$!
@@ -183,10 +183,10 @@ for _ in 1 2 3 4 5 6 7 8 9 10; do
     sleep 0.2
 done
 [ "$held" = 2 ] && [ "$(find "/proc/$viewer/task" -mindepth 1 -maxdepth 1 | wc -l)" = 3 ]
-ok $? "no thread takes the SIGTERM that would leave an unfinished page"
+ok $? "no other thread receives the SIGTERM, which would leave an unfinished page"
 cat "$tmp/pipe" >"$tmp/piped.html"
 wait "$viewer"
-ok $? "which goes through a pipe"
+ok $? "the page goes through a pipe"
 refused "view of an unknown scene" 'no-such' view no-such -o "$tmp/none"
 exits 3 "a page for a full device is a failure of the system" "$SPECTRAL" view patches --size 60x40 -o /dev/full
 done_testing

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Shading by triangle, vertex and pixel against closed forms and against each other; tessellation;
-and what OpenGL's colour buffers and the pages round. Prints TAP."""
+"""Compares shading by triangle, vertex and pixel with closed forms and with each other; checks tessellation, and the
+rounding of OpenGL's colour buffers and of pages. Prints TAP."""
 import json
 import os
 import subprocess
@@ -66,7 +66,7 @@ def falls(errors, order):
 # ---- against closed forms ----
 
 def sphere():
-    """Its normal at a pixel is the pixel's place; the light is in front of all that is looked at."""
+    """A sphere's normal at a pixel is its position there; the light is in front of every pixel's point."""
     scene = "size 120 120\ncamera ortho 2\nlight 1 1 direction 0.3 0.2 1\n" + ONE + "object sphere 1 24 12 material matt\n"
     x, y = pixels(120, 2)
     inside = np.hypot(x, y) < 0.7
@@ -77,11 +77,11 @@ def sphere():
     check(falls(errors, 2), "phong: a sphere comes near N.L with the second order of its tessellation", errors)
     fine = reference(scene, "phong", "--tessellation", "20").samples[0]
     error = np.abs(fine[inside] - truth).max()
-    check(error < 1e-4, "finely tessellated it is N.L at each pixel", error)
+    check(error < 1e-4, "phong: a finely tessellated sphere is N.L at each pixel", error)
 
 
 def approaches(name, shape, where):
-    """Interior pixels only: where both surfaces show a point of the same side."""
+    """Compares interior pixels only, where both surfaces show a point of the same side."""
     scene = ("size 120 120\ncamera ortho 2.4\nlight 1 1 direction 0.2 -0.3 1\nambient 1 0.1\n" + ONE +
              f"object {shape} material matt\n")
     x, y = pixels(120, 2.4)
@@ -92,12 +92,12 @@ def approaches(name, shape, where):
         for shading, errors in off.items():
             errors.append(rms((reference(scene, shading, "--tessellation", factor).samples[0] - phong)[inside]))
     check(falls(off["smooth"], 2), f"smooth shading of a {name} approaches phong with the second order", off)
-    check(falls(off["flat"], 1), f"flat shading of a {name} with the first", off)
+    check(falls(off["flat"], 1), f"flat shading of a {name} approaches phong with the first order", off)
 
 
 def highlight():
-    """In the middle of a triangle whose vertices are far from it: normals are all alike, the viewer is
-    far away."""
+    """A highlight in the middle of a triangle, far from its vertices: all normals are equal, the viewer is
+    infinite."""
     write("large.obj", "v -30 -20 0\nv 30 -20 0\nv 0 40 0\nf 1 2 3\n")
     scene = ("size 81 81\ncamera ortho 8\nlight 1 1 position 0 0 6\n" + ONE +
              "object mesh large.obj material shiny\n")
@@ -107,14 +107,14 @@ def highlight():
     truth = (half[2] / np.linalg.norm(half, axis=0)) ** 40
     phong, smooth = (reference(scene, shading).samples[0] for shading in ("phong", "smooth"))
     check(np.abs(phong - truth).max() < 1e-6 and phong.max() > 0.999,
-          "phong shows a highlight in the middle of a large triangle as its closed form has it",
+          "phong shows a highlight in the middle of a large triangle, equal to its closed form",
           np.abs(phong - truth).max())
-    check(smooth.max() < 0.05, "where smooth shading has none", smooth.max())
+    check(smooth.max() < 0.05, "smooth shading shows no highlight there", smooth.max())
 
 
 def ellipsoids():
-    """Seen in perspective and lit from near: normals under scales that differ or mirror, distance,
-    attenuation and spot are each pixel's own; the inside of a two-sided one is lit as such."""
+    """An ellipsoid in perspective under a near light: normals under unequal or mirroring scales, distance,
+    attenuation and spot are computed at each pixel; the inside of a two-sided ellipsoid has reversed normals."""
     size, extent, cutoff = 90, np.tan(np.radians(20)), 8
     for name, eye, light, scale, inwards in (("stretched", 3, (1.5, 2, 4), (1.4, 0.6, 1), 1),
                                              ("mirrored", 3, (1.5, 2, 4), (-1.4, 0.6, 1), 1),
@@ -141,13 +141,13 @@ def ellipsoids():
         error = np.abs(reference(scene, "phong").samples[0] - truth)[inside]
         check(error.max() < 1e-4 * truth[inside].max() and np.count_nonzero(truth[inside]) > 300 and
               np.count_nonzero(truth[inside] == 0) > 100,
-              f"phong of a {name} ellipsoid is its closed form under a near spot that weakens with distance", error.max(),
+              f"phong of a {name} ellipsoid equals its closed form under a near spot that weakens with distance",
+              error.max(),
               truth[inside].max(), inside.sum())
 
 
 def planes():
-    """Where nothing changes between vertices all shadings are one; so do both sides of a leaf, and
-    textures."""
+    """All shadings are equal if nothing changes between vertices, also on both sides of a leaf and with textures."""
     tifffile.imwrite(os.path.join(TMP, "grey.tif"), np.arange(64, dtype=np.uint8).reshape(8, 8) * 4)
     head = ("size 60 60\ncamera perspective 40 near 1 far 20 eye 1 2 5 look 0 0 0\nambient 1 0.1\n"
             "light 1 1 direction 0.4 0.2 1\nlight 1 0.5 direction 0.4 0.2 -1\n" + ONE +
@@ -157,14 +157,15 @@ def planes():
                        ("box", "box 1 2 1.5 material drawn rotate 30 1 0 0")):
         phong, smooth = (reference(head + f"object {line}\n", shading) for shading in ("phong", "smooth"))
         off = np.abs(phong.samples - smooth.samples).max()
-        check(off <= 1e-6 and smooth.samples.max() > 0.3, f"phong of a {name} under light from afar is smooth", off)
+        check(off <= 1e-6 and smooth.samples.max() > 0.3,
+              f"phong of a {name} under a light at infinity equals smooth shading", off)
     seen = int(np.count_nonzero(smooth.samples))
     check(phong.report["work"]["points_lit"] >= seen > 500 and phong.report["work"]["vertices_lit"] == 0,
-          "phong lights points, one a pixel, and no vertices", phong.report["work"], seen)
+          "phong lights one point a pixel, and no vertices", phong.report["work"], seen)
     check(smooth.report["work"]["points_lit"] == 0, "smooth shading lights no points")
 
 
-# ---- what phong may reach ----
+# ---- the largest radiance of phong ----
 
 def full_scale():
     scene = "size 61 61\ncamera ortho 4\n" + ONE + "object plane 8 8 material matt\n"
@@ -172,13 +173,15 @@ def full_scale():
     near = scene + f"light 1 1 position {8 * pixel} {3 * pixel} 0.5 attenuation 0 0 1\n"
     lit = reference(near, "phong")
     check(0.999 * lit.full_scale < lit.samples.max() <= lit.full_scale * (1 + 1e-6) and abs(lit.full_scale - 4) < 1e-9,
-          "full scale is what a square may reach at the foot of a light that weakens with distance",
+          "full scale is the largest radiance of a square, at the foot of a light that weakens with distance",
           lit.full_scale, lit.samples.max())
     for where, squared in (("5 4.5 1", 2.25), ("5 0.3 1", 2)):
         beside = reference(scene + f"light 1 1 position {where} attenuation 0 0 1\n", "phong")
-        check(abs(beside.full_scale * squared - 1) < 1e-9, f"beside the square, at {where}, it is at its edge", beside.full_scale)
+        check(abs(beside.full_scale * squared - 1) < 1e-9,
+              f"for a light beside the square, at {where}, the largest radiance is at the edge", beside.full_scale)
     both = reference(scene + "light 1 1 direction 0 0 1\nlight 1 3 direction 0 0 1\n", "phong")
-    check(abs(both.full_scale - 4) < 1e-9 and abs(both.samples.max() - 4) < 1e-6, "lights add up to it", both.full_scale)
+    check(abs(both.full_scale - 4) < 1e-9 and abs(both.samples.max() - 4) < 1e-6,
+          "the lights add up in the full scale", both.full_scale)
     away = scene.replace("material matt\n", "material matt translate 0 0 -1\n")
     for light, radiance in (("attenuation 0 0 1", 2.0 ** 60), ("spot 0 0 -1 40 2", 1)):
         above = reference(away + f"light 1 1 position 0 0 {2.0 ** -30 - 1!r} {light}\n", "phong", "--full-scale", "1e20").samples.max()
@@ -187,8 +190,9 @@ def full_scale():
     phong = ("--shading", "phong", "--renderer", "raster", "-o", "/dev/null")
     refused = run(touching, *phong)
     check(refused.returncode == 2 and "touching.scene:7" in refused.stderr and "--full-scale" in refused.stderr,
-          "a light without limit on a surface is refused where it stands", refused.stderr)
-    check(run(touching, *phong, "--full-scale", "100").returncode == 0, "unless a full scale is given")
+          "a light without limit on a surface is refused, and the message names its place", refused.stderr)
+    check(run(touching, *phong, "--full-scale", "100").returncode == 0,
+          "a light without limit on a surface is accepted with --full-scale")
     for name in SCENES:
         picture = Picture(name, "--size", "150x100", "--shading", "phong", "--renderer", "raster")
         check(picture.report["clipped_samples"] == 0 and picture.report["check"] is picture.report["buffer_bits"] is None and
@@ -220,7 +224,7 @@ def tessellation():
         check(np.array_equal(scaled.samples, written.samples) and scaled.report["work"] == written.report["work"],
               f"tessellation {factor} of {shape} is {becomes}")
     check(of("disk 1 9", "--tessellation", "1e9").report["work"]["vertices_lit"] < 1e5,
-          "counts stay within what the scene language allows")
+          "counts stay within the limits of the scene language")
 
 
 # ---- buffers and pages ----
@@ -233,7 +237,7 @@ def buffers():
     for driver in ("llvmpipe", "softpipe"):
         for bits in steps:
             check(not Picture(even, "--renderer", driver, "--buffer", bits, "--full-scale", "1").report["check"]["biased"],
-                  f"{driver}: {bits} bits, which round a plain surface all the same way, are not called biased")
+                  f"{driver}: {bits} bits are not called biased although they round a plain surface in one direction")
         for name, scene, passes in (("nine lights", groups, 2), *((name, name, 1) for name in ("spheres", "room", "textures"))):
             options = ("--renderer", driver) + (() if "\n" in scene else ("--size", "60x40", "--wavelengths", "400:700:25"))
             floats = Picture(scene, *options, "--depth", "32f")
@@ -241,14 +245,14 @@ def buffers():
             for bits, most in steps.items():
                 picture = Picture(scene, *options, "--depth", "32f", "--buffer", bits)
                 off = np.abs(picture.samples - floats.samples).max() / picture.full_scale
-                bound = passes * (0.5 / most + 2 ** -22)  # which are four roundings of single precision
+                bound = passes * (0.5 / most + 2 ** -22)  # four roundings in single precision
                 check(picture.agreed() and picture.report["clipped_samples"] == 0 and 0.9 * 0.5 / most < off <= bound,
-                      f"{driver}, {name}: one of {bits} bits agrees, and is off by half a step a pass at most",
+                      f"{driver}, {name}: a buffer of {bits} bits agrees; its error is at most half a step a pass",
                       f"off by {off * most} steps")
 
 
 def faults():
-    """Planted between the program and OpenGL, by their numbers in test/README.md."""
+    """Faults planted between the program and OpenGL, by their numbers in test/README.md."""
     library = os.environ.get("FAULTS", "build/test/fault.so")
     large = ("1 patches", "3 patches", "5 patches", "11 patches", "15 patches", "24 glossy", "38 patches", "42 patches",
              "48 patches", "58 groups", "62 textures", "69 patches", "70 patches")
@@ -261,7 +265,7 @@ def faults():
                   f"a buffer of {bits} bits: fault {number} is found in {scene}", found.stderr)
         for scene in ("patches", "glossy", "groups", "textures"):
             none = run(f"test/cases/faults/{scene}.scene", "--buffer", bits, "-o", "/dev/null", FAULT="0", LD_PRELOAD=library)
-            check(none.returncode == 0, f"and no fault is none: {scene}", none.stderr)
+            check(none.returncode == 0, f"without a fault the same buffer agrees: {scene}", none.stderr)
 
 
 def clipping():
@@ -272,10 +276,11 @@ def clipping():
             dark = Picture(text, "--buffer", bits, "--full-scale", "0.3")
             expected = reference(text, "smooth").samples > 0.3
             check(dark.agreed() and abs(dark.report["clipped_samples"] - expected.sum()) < 0.05 * expected.sum(),
-                  f"{bits} bits, {name}: what is cut off at full scale agrees, and is counted",
+                  f"{bits} bits, {name}: samples clipped at full scale agree, and are counted",
                   dark.report["clipped_samples"], expected.sum())
             bright = Picture(text, "--buffer", bits, "--full-scale", "1")
-            check(bright.agreed() and bright.report["clipped_samples"] == 0, f"{bits} bits, {name}: below it nothing is")
+            check(bright.agreed() and bright.report["clipped_samples"] == 0,
+                  f"{bits} bits, {name}: no sample is clipped below full scale")
 
 
 def pages():
@@ -290,7 +295,7 @@ def pages():
     half = Picture("spheres", "--size", "120x80", "--depth", "8", "--full-scale", str(floats.full_scale / 2))
     expected = np.count_nonzero(floats.samples / floats.full_scale * 2 >= 255.5 / 255)
     check(half.report["clipped_samples"] == expected > 0 and half.samples.max() == 255,
-          "what a page of 8 bits cannot hold is counted, and stored as 255", half.report["clipped_samples"], expected)
+          "samples above a page's 8 bits are counted, and stored as 255", half.report["clipped_samples"], expected)
     many = "size 120 120\ncamera ortho 20\nlight 1 1 direction 0 0 1\n" + ONE + "".join(
         f"object plane 1 1 material matt translate {x - 9} {y - 8} 0\n" for x in range(19) for y in range(17))
     check(Picture(many, "--depth", "8").agreed(), "an object map of more than 255 objects lies beside pages of 8 bits")
@@ -302,7 +307,7 @@ def drivers():
             result = run("patches", "--renderer", driver, "--size", "30x20", "--json", "-", "-o", "/dev/null",
                          GALLIUM_DRIVER=other)
             check(result.returncode == 0 and json.loads(result.stdout)["gl_renderer"].startswith(driver),
-                  f"{driver} by name draws, even where the environment names {other}", result.stderr)
+                  f"--renderer names {driver} and it draws, even if the environment names {other}", result.stderr)
     if not os.path.exists(STATIC):
         print("# there is no static program, which has no llvmpipe")
         return

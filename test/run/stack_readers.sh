@@ -1,19 +1,19 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# Other people's readers see what is in a stack: tifffile, GDAL and ImageJ each print one line a
-# page, its label and a checksum of its samples, and so does a walker that knows only TIFF 6.0.
-# All must agree. A reader that is not installed is skipped. Bands that GDAL writes are read, too.
+# Readers of other programs read stacks correctly: tifffile, GDAL and ImageJ each print one line a page, its label
+# and a checksum of its samples, and so does a small walker that knows only TIFF 6.0. All must agree. A reader that
+# is not installed is skipped. The program also reads bands that GDAL writes.
 . test/run/tap.sh
-python=${PYTHON:-/usr/bin/python3} # the one that sees the system's modules
+python=${PYTHON:-/usr/bin/python3} # the Python that finds the system's modules
 imagej=${IMAGEJ_JAR:-/usr/share/java/ij.jar}
 stack=$tmp/colorchecker.tif
 
-sees() { # READER COMMAND...: it ends well and prints the same lines as the walker
+sees() { # READER COMMAND...: the command succeeds and prints the same lines as the walker
     reader=$1
     shift
     exits 0 "$reader finds the stack in order" "$@"
     cp "$tmp/out" "$tmp/seen"
-    exits 0 "$reader sees every page, its wavelength and its samples" \
+    exits 0 "$reader reads every page, its wavelength and its samples" \
         diff "$tmp/expected" "$tmp/seen"
 }
 
@@ -159,7 +159,7 @@ END
 write_readers
 for options in '--depth 8' '--sampling rgb' '--sampling basis:4 --depth 8' ''; do
     # shellcheck disable=SC2086 # options are words
-    exits 0 "a stack is rendered ${options:-plainly}" \
+    exits 0 "a stack is rendered ${options:-without options}" \
         "$SPECTRAL" render colorchecker --size 60x40 $options -o "$stack" --quiet
     all_see
 done
@@ -169,9 +169,9 @@ if "$python" -c 'import osgeo.gdal' >/dev/null 2>&1; then
         # shellcheck disable=SC2086 # options are words
         exits 0 "GDAL writes its pages as bands, $options" \
             "$python" "$tmp/to_bands.py" "$stack" "$tmp/bands.tif" $options
-        exits 0 "they are developed" "$SPECTRAL" develop "$tmp/bands.tif" --white 1 -o "$tmp/developed.tif"
-        exits 0 "to the same picture" "$python" "$tmp/same.py" "$tmp/pages.tif" "$tmp/developed.tif"
-        exits 0 "and differ from the stack in no count" \
+        exits 0 "GDAL's bands are developed" "$SPECTRAL" develop "$tmp/bands.tif" --white 1 -o "$tmp/developed.tif"
+        exits 0 "both developed pictures are equal" "$python" "$tmp/same.py" "$tmp/pages.tif" "$tmp/developed.tif"
+        exits 0 "GDAL's bands equal the stack in every count" \
             "$SPECTRAL" compare "$stack" "$tmp/bands.tif" --white 1
     done
 else

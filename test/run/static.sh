@@ -1,7 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The static program ($STATIC) is one hardened file that runs where there is nothing else, and its
-# reference stores the same bytes as that of $SPECTRAL.
+# The static program ($STATIC) is one hardened file that runs in an otherwise empty system. Its reference stores
+# the same bytes as that of $SPECTRAL.
 . test/run/tap.sh
 STATIC=${STATIC:-build/spectral-static}
 [ -x "$STATIC" ] || skip_all "no $STATIC: ./build.sh static"
@@ -19,19 +19,19 @@ prints ', stripped$' "it is stripped"
 run readelf -hldW "$STATIC"
 prints '^ +Type: +DYN' "it runs at any address"
 lacks 'INTERP|NEEDED' "it names no loader and no library"
-lacks 'TEXTREL' "nothing is relocated in its code"
+lacks 'TEXTREL' "no relocation changes its code"
 prints 'GNU_RELRO' "relocated data is read-only afterwards"
-prints 'FLAGS_1.* NOW' "all is relocated at the start"
+prints 'FLAGS_1.* NOW' "all relocations happen at the start"
 prints 'GNU_STACK.* RW ' "it asks for a stack that holds no code"
-lacks ' [RW ]WE ' "nothing is writable and executable"
+lacks ' [RW ]WE ' "no segment is both writable and executable"
 [ "$(wc -c <"$STATIC")" -le 20000000 ]
-ok $? "it has 20 MB at most"
+ok $? "it has at most 20 MB"
 run strings -a "$STATIC"
-lacks '/(root|home|tmp|work|build)/' "it names no folder of whoever built it"
+lacks '/(root|home|tmp|work|build)/' "it names no folder of its builder"
 ! grep -Fq -e "$PWD/" -e "${XDG_CACHE_HOME:-$HOME/.cache}/" "$tmp/out"
-ok $? "nor this folder, nor the cache"
+ok $? "it names neither this folder nor the cache"
 
-# The program before it was stripped has the names of its functions: ours, and Mesa's.
+# The program before stripping has the names of its functions, its own and Mesa's.
 if [ -f "$STATIC.symbols" ]; then
     strip -o "$tmp/stripped" "$STATIC.symbols" && cmp -s "$STATIC" "$tmp/stripped"
     ok $? "it is $STATIC.symbols without the symbols"
@@ -40,7 +40,7 @@ if [ -f "$STATIC.symbols" ]; then
         prints '<__stack_chk_fail>' "$function guards its stack"
     done
     run objdump -d --disassemble=gl_open "$STATIC.symbols"
-    prints '<_+snprintf_chk>' "gl_open checks the size of what it writes"
+    prints '<_+snprintf_chk>' "gl_open checks the size of its output"
 else
     skip "no $STATIC.symbols, which shows whether functions guard their stack"
 fi
@@ -62,7 +62,7 @@ cp "$STATIC" "$root/spectral"
 draws_alone() { # WHERE COMMAND...
     where=$1
     shift
-    # $enter is split into words on purpose
+    # the shell splits $enter into words on purpose
     # shellcheck disable=SC2086
     exits 0 "$where, OpenGL and the reference agree" $enter "$root" "$@"
     prints '^OpenGL +softpipe' "$where, OpenGL is its own"
@@ -89,31 +89,31 @@ equal_stacks() { # SCENE OPTION...
     "$STATIC" render "$@" --renderer raster --no-check --quiet -o "$tmp/a.tif" &&
         "$SPECTRAL" render "$@" --renderer raster --no-check --quiet -o "$tmp/b.tif" &&
         cmp "$tmp/a.tif" "$tmp/b.tif"
-    ok $? "the reference's stack of $* is that of $SPECTRAL to the byte"
+    ok $? "the reference's stack of $* has the same bytes as that of $SPECTRAL"
 }
 for scene in data/builtin/scenes/*.scene; do
     equal_stacks "$(basename "$scene" .scene)" --size 300x200
 done
 equal_stacks colorchecker
 
-exits 2 "a picture for the library that is left out" \
+exits 2 "a picture for the omitted library is refused" \
     "$STATIC" render test/cases/bad/texture-jbig.scene --size 8x8 --renderer raster --no-check -o /dev/null
-says 'its compression \(34661\)' "is refused"
+says 'its compression \(34661\)' "the message names the compression"
 
 # ---- threads and signals ----
 
 run env OMP_DISPLAY_AFFINITY=true "$STATIC" render colorchecker --size 300x200 --renderer raster --no-check \
     --threads 2 -o /dev/null
 [ "$(grep -c 'thread 0x' "$tmp/err")" = 2 ]
-ok $? "two threads are two threads"
+ok $? "--threads 2 runs two threads"
 
 mkdir "$tmp/cut"
 run timeout --preserve-status -s INT 1 env --default-signal=INT \
     "$STATIC" render colorchecker --size 6000x4000 -o "$tmp/cut/stack.tif"
 [ "$status" = 130 ]
-ok $? "Ctrl-C ends it"
+ok $? "Ctrl-C ends the program"
 [ -z "$(ls -A "$tmp/cut")" ]
-ok $? "and leaves no file"
+ok $? "Ctrl-C leaves no file"
 
 start=$(date +%s%N)
 for _ in 1 2 3 4 5 6 7 8 9 10; do

@@ -1,9 +1,9 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""OpenGL's pixels from the static program ($STATIC), which brings softpipe, against those of $SPECTRAL
-on llvmpipe. Each program reports how near its OpenGL is to the same reference, so that both pictures
-are as near to each other: in all samples but those that either finds apart, and but for ambiguous
-pixels, where each may show another surface. Floors leave half a count of rounding to each."""
+"""Compares OpenGL's pixels from the static program ($STATIC), which contains softpipe, with those of $SPECTRAL on
+llvmpipe. Each program reports the distance of its OpenGL from the same reference; this bounds the distance of both
+pictures in all samples, except samples that either program finds apart, and ambiguous pixels, where each may show
+another surface. Floors leave half a count of rounding to each."""
 import json
 import os
 import subprocess
@@ -20,11 +20,11 @@ from tap import skip_all
 SIZE = (["--size", "600x400"] if os.environ.get("FULL") else
         ["--size", "300x200", "--wavelengths", "300:760:46"])
 STATIC = os.environ.get("STATIC", "build/spectral-static")
-SMOOTH = 256  # counts from pixel to pixel; SMOOTH_COUNTS in spectral.h
+SMOOTH = 256  # counts between neighbouring pixels; SMOOTH_COUNTS in spectral.h
 
 
 def render(program, scene, renderer, *options):
-    """The stack as [band, y, x], and the report; none of the latter where the program failed."""
+    """The stack as [band, y, x], and the report, or None if the program failed."""
     path = os.path.join(TMP, "stack.tif")
     environment = dict(os.environ, GALLIUM_DRIVER="llvmpipe") if program == SPECTRAL else None
     result = subprocess.run([program, "render", scene, "-o", path, "--renderer", renderer, *SIZE,
@@ -53,8 +53,8 @@ def compare(scene):
     if ours is None or theirs is None:
         return
     drivers = [report["gl_renderer"].split()[0] for report in (our_report, their_report)]
-    check(drivers == ["softpipe", "llvmpipe"], f"{scene}: drawn by softpipe and by llvmpipe")
-    check(our_report["full_scale"] == their_report["full_scale"], f"{scene}: the full scale is one")
+    check(drivers == ["softpipe", "llvmpipe"], f"{scene}: softpipe draws one picture and llvmpipe the other")
+    check(our_report["full_scale"] == their_report["full_scale"], f"{scene}: both have the same full scale")
     checks = [report["check"] for report in (our_report, their_report)]
     ambiguous = sum(each["ambiguous_pixels"] for each in checks)
     samples = np.abs(ours - theirs)
@@ -65,7 +65,7 @@ def compare(scene):
     for where, name in ((inside, "inside surfaces"), (~inside, "on edges")):
         print(f"# {scene}: of {where.sum()} pixels {name} {np.count_nonzero(pixels[where])} differ, "
               f"{np.count_nonzero(pixels[where] > 1)} by more than 1 count, by at most {pixels[where].max()}")
-    # Samples that both report to equal the reference's count, or to be within one of it.
+    # Samples that both programs report as equal to the reference's count, or within one count.
     for key, counts in (("exact", 0), ("within_1", 2)):
         apart = np.count_nonzero(samples > counts)
         most = sum(each["samples"] - each[key] for each in checks) + ambiguous * len(samples)
@@ -75,7 +75,7 @@ def compare(scene):
     floors = 1 + sum(each["floor_worst_counts"] for each in checks)
     apart = np.count_nonzero(pixels > floors)
     print(f"# {scene}: {apart} pixels differ by more than {floors:.1f} counts; {ambiguous} may")
-    check(apart <= ambiguous, f"{scene}: no further apart than both floors, but at ambiguous pixels")
+    check(apart <= ambiguous, f"{scene}: both are within the sum of their floors, except at ambiguous pixels")
 
 
 def main():

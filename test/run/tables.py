@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""The tables of observers and illuminants: they are what their sources say. Prints TAP."""
+"""The tables of observers and illuminants agree with their sources. Prints TAP."""
 import math
 import os
 import subprocess
@@ -21,7 +21,7 @@ def table(name):
 subprocess.run(["/usr/bin/python3", "-B", "test/make/observers.py", TMP], check=True)
 for name in sorted(os.listdir(TMP)):
     check(open(f"{TMP}/{name}").read() == open(f"{FOLDER}/{name}").read(),
-          f"{name} is what its maker writes, digit by digit")
+          f"{name} equals its maker's output, digit by digit")
 
 # CIE 15:2004, with c2 = 1.435e7 nm K and 2848 K
 differing = [nm for nm, (value,) in table("a").items() if value != "%.6f" % float(

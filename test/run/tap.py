@@ -6,7 +6,7 @@ count = failures = 0
 
 
 def check(holds, name, *remarks):
-    """Each remark, a value that explains a failure, is printed only where the truth fails."""
+    """Prints the truth. Remarks are values that explain a failure; they are printed only if the truth fails."""
     global count, failures
     count += 1
     print("ok" if holds else "not ok", count, "-", name, flush=True)
@@ -28,6 +28,6 @@ def skip_all(reason):
 
 
 def bail_out(*reason):
-    """Ends all tests: without this nothing that follows means anything."""
+    """Ends all tests, because the following ones would mean nothing."""
     print("Bail out!", *reason)
     sys.exit(1)

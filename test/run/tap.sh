@@ -43,7 +43,7 @@ says() {
     ok $? "$2"
 }
 
-prints() { # the same for standard output
+prints() { # PATTERN NAME: the last command printed a line on standard output that matches
     grep -Eq -- "$1" "$tmp/out"
     ok $? "$2"
 }

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""The viewer's page in a headless Chromium: its pixels, spectra and numbers are those of the program's
-own commands for whatever the menus say, and people reach all of it by pointer, keyboard, on a phone
-and in the dark. Prints TAP."""
+"""Tests the viewer's page in a headless Chromium: its pixels, spectra and numbers equal those of the program's own
+commands for every choice in the menus. All of it is usable by pointer and keyboard, on a phone and in the dark.
+Prints TAP."""
 import base64
 import html.parser
 import os
@@ -26,7 +26,7 @@ SIZE = "120x80"
 PROGRAM = os.path.abspath(SPECTRAL)
 browser = Browser(os.path.join(TMP, "browser"))
 
-STRANGE = 'a </script><b>&amp; \\ <!-- <script>'  # a name in which HTML, JSON and JavaScript see more
+STRANGE = 'a </script><b>&amp; \\ <!-- <script>'  # a name with characters that HTML, JSON and JavaScript interpret
 
 
 def write_matrix():
@@ -34,7 +34,7 @@ def write_matrix():
 
 
 def scene_of_strange_names():
-    """With a light that is off, one of a file, a surface that fluoresces by a matrix, and a back."""
+    """A scene with a light that is off, a light from a file, a surface that fluoresces by a matrix, and a back."""
     write_matrix()
     write("lamp.csv", "wavelength_nm,power\n380,0.4\n500,1.2\n600,0.9\n720,1.5\n")
     grey = "material grey { diffuse 0.5 }"
@@ -53,7 +53,7 @@ object plane 1 1 material grey two-sided rotate 160 0 1 0 translate 0.7 0 0
 
 
 def scene_of_two_of_each():
-    """Ambient lights, one of which makes a surface fluoresce, and spectral textures."""
+    """A scene with two ambient lights, where one makes a surface fluoresce, and spectral textures."""
     write_matrix()
     run("render", "patches", "--no-check", "--renderer", "raster", "--size", "16x12", "--quiet",
         "--wavelengths", "420:680:20", "-o", os.path.join(TMP, "texture.tif"))
@@ -94,7 +94,7 @@ def rendered(scene, *options):
 
 
 def developed(stack, *options):
-    """The picture as [y, x, channel], and what the program says of it."""
+    """The picture as [y, x, channel], and the program's output."""
     path = os.path.join(TMP, "developed.tif")
     words = run("develop", stack, "-o", path, *options)
     picture = tifffile.imread(path)
@@ -108,7 +108,7 @@ def settle():
 
 
 def choose(menu, name):
-    """As a person would: among what the menu offers."""
+    """Chooses one of the menu's options, as a person would."""
     browser.evaluate(f"""(() => {{
         const menu = document.getElementById({menu!r});
         const option = [...menu.options].find(({{text}}) => text.split(" ")[0] === {name!r});
@@ -186,23 +186,23 @@ COMBINATIONS = {
 
 
 def set_lights(lights):
-    for light, told in lights.items():
+    for light, lamp in lights.items():
         menu = "ambients-1" if light == "ambient" else f"lights-{light}"
-        name, intensity = told.rsplit("*", 1)
+        name, intensity = lamp.rsplit("*", 1)
         choose(menu, name)
         type_number(menu + "-intensity", intensity)
 
 
 def set_eye(options):
-    told = dict(option.lstrip("-").split("=") for option in options)
-    adaptation, _, luminance = told.get("adaptation", "none").partition(":")
-    choose("detector", told.get("detector", "cie1931"))
+    chosen = dict(option.lstrip("-").split("=") for option in options)
+    adaptation, _, luminance = chosen.get("adaptation", "none").partition(":")
+    choose("detector", chosen.get("detector", "cie1931"))
     choose("adaptation", adaptation)
-    choose("display", told.get("display", "srgb"))
+    choose("display", chosen.get("display", "srgb"))
     type_number("luminance", luminance)
-    tick("auto", told.get("exposure") == "auto")
-    if told.get("exposure") != "auto":
-        type_number("exposure", told.get("exposure", 1))
+    tick("auto", chosen.get("exposure") == "auto")
+    if chosen.get("exposure") != "auto":
+        type_number("exposure", chosen.get("exposure", 1))
 
 
 def figures(words):
@@ -210,7 +210,7 @@ def figures(words):
 
 
 def per_cent(words):
-    """The numbers before signs of per cent, which the page shows to a tenth."""
+    """The numbers before per cent signs; the page shows them to a tenth."""
     return np.array(re.findall(r"([\d.]+)\s%", words), float)
 
 
@@ -219,8 +219,8 @@ def out_of_gamut(words):
 
 
 def light_options(lights):
-    return [f"--ambient={told}" if light == "ambient" else f"--light={light}={told}"
-            for light, told in lights.items()]
+    return [f"--ambient={lamp}" if light == "ambient" else f"--light={light}={lamp}"
+            for light, lamp in lights.items()]
 
 
 def menus(scene):
@@ -234,30 +234,31 @@ def menus(scene):
         seen = pixels()
         what = " ".join(light_options(lights) + options) or "as it is"
         check(distance(seen, expected) <= 1 and seen[:, :, :3].max() > 30 and (seen[:, :, 3] == 255).all(),
-              f"{scene}, {what}: pixels are within 1 of 255 of what develop shows",
+              f"{scene}, {what}: pixels are within 1 of 255 of develop's picture",
               f"largest distance {distance(seen, expected)}")
         differ = np.mean(seen[:, :, :3] != expected)  # a fifth of it, by rounding to 16 bits
-        check(differ < 0.01, f"{scene}, {what}: and of 100 samples 99 are the same", differ)
+        check(differ < 0.01, f"{scene}, {what}: 99 of 100 samples are equal to develop's", differ)
         lost, unseen = per_cent(text("lost")), per_cent(words.split("unseen")[1].split("\n")[0])
-        check(np.abs(lost - unseen).max() <= 0.051, f"{scene}, {what}: so much of the sensitivity is lost",
+        check(np.abs(lost - unseen).max() <= 0.051,
+              f"{scene}, {what}: the lost part of the sensitivity equals develop's",
               lost, unseen)
         if "observer" in words:
             white, recorded = figures(text("white")), figures(words.split("white")[1].split("\n")[0])
             check(np.allclose(white, [*recorded[3:], recorded[1]], atol=0.006) and
                   np.allclose(white[:2], recorded[3:], atol=6e-5),
-                  f"{scene}, {what}: the white is the one that develop tells", white, recorded)
+                  f"{scene}, {what}: the white is the one that develop prints", white, recorded)
         counted = int(text("gamut").split(":")[1].split()[0])
         check(abs(counted - out_of_gamut(words)) <= expected[:, :, 0].size // 1000,
-              f"{scene}, {what}: as many pixels are out of gamut, but for a thousandth",
+              f"{scene}, {what}: the number of pixels out of gamut is right to a thousandth",
               f"{counted}, develop says {out_of_gamut(words)}")
     browser.evaluate("controls.reset()")
     settle()
     expected, _ = developed(rendered(scene))
-    check(distance(pixels(), expected) <= 1, f"{scene}: reset shows the scene as it is")
+    check(distance(pixels(), expected) <= 1, f"{scene}: reset shows the original scene")
 
 
 def all_offered():
-    """That the combinations leave none out."""
+    """Checks that the combinations include every option."""
     options = [word for pairs in COMBINATIONS.values() for _, words in pairs for word in words]
     for menu in ("detector", "adaptation", "display"):
         offered = set(browser.evaluate(f"[...document.getElementById({menu!r}).options].map(o => o.text)"))
@@ -299,10 +300,10 @@ def stack_of(scene, *options):
 
 
 def spectra(scene, name, places, **lights):
-    """A weight is rounded to a part of 2 x 65535 of its plane's largest, and a plane's largest is 1
-    where no light is nearer than its attenuation's 1: of a few terms that is 1e-4 of the light."""
+    """A weight is rounded to 1 / (2 x 65535) of the largest weight of its plane. That is 1 unless a light is nearer
+    than the distance of attenuation 1, so a few terms are off by 1e-4 of the light."""
     browser.open(view(scene, name))
-    lights = {int(key[1:]) if key[0] == "_" else key: told for key, told in lights.items()}
+    lights = {int(key[1:]) if key[0] == "_" else key: lamp for key, lamp in lights.items()}
     click_pixel(*places[0])
     values()
     set_lights(lights)
@@ -318,24 +319,24 @@ def spectra(scene, name, places, **lights):
         click_pixel(x, y)
         check(text("picked").startswith(f"Pixel {x}, {y}: "), f"{name}: a click picks pixel {x}, {y}",
               text("picked"))
-        seen, told = values(), numbers()
+        seen, shown = values(), numbers()
         error = np.abs(seen["radiance"] - radiance[:, y, x]).max()
         check(error <= tolerance and radiance[:, y, x].max() > 50 * tolerance,
               f"{name}: the spectrum of pixel {x}, {y} is the stack's", f"error {error}, tolerance {tolerance}")
-        check(np.abs(told["XYZ"] - xyz[y, x]).max() < 0.01 and np.abs(told["L*a*b*"] - lab[y, x]).max() < 0.05,
-              f"{name}: so are its XYZ and CIELAB", told, xyz[y, x], lab[y, x])
-        check((told["RGB, 0 to 255"] == pixels()[y, x, :3]).all(), f"{name}: and its RGB is the picture's")
+        check(np.abs(shown["XYZ"] - xyz[y, x]).max() < 0.01 and np.abs(shown["L*a*b*"] - lab[y, x]).max() < 0.05,
+              f"{name}: XYZ and CIELAB are the stack's", shown, xyz[y, x], lab[y, x])
+        check((shown["RGB, 0 to 255"] == pixels()[y, x, :3]).all(), f"{name}: RGB is the picture's")
 
 
 def causes():
-    """What makes a spectrum: columns are those of the files."""
+    """The spectra behind a pixel's radiance equal the columns of the files."""
     browser.open(view("fluorescence", "fluorescence"))
     choose("objects", browser.evaluate(
         "[...objects.options].find(({text}) => text.includes('yellow')).text.split(' ')[0]"))
     set_lights({1: "uv*0.5"})
     settle()
     halves = browser.evaluate("[...objects.options].map(o => o.text).filter(text => text.includes('yellow'))")
-    check(len(halves) == 2, "the halves of an object are listed each by itself", halves)
+    check(len(halves) == 2, "the list of objects has each half of an object", halves)
     for half in halves:
         choose("objects", half.split(" ")[0])
         settle()
@@ -346,35 +347,37 @@ def causes():
     check(np.allclose(seen["light 1 (uv)"], light, rtol=1e-5),
           "the light's spectrum is its table x its intensity")
     check("emission" in seen and "reflectance" in seen and seen["excitation"].max() > 0.1,
-          "reflectance, excitation and emission are told, too", list(seen))
+          "reflectance, excitation and emission are shown, too", list(seen))
     part = seen["fluorescence"] / seen["emission"].clip(1e-9)
     part = part[seen["emission"] > 0.1]
-    check(part.min() > 0 and np.ptp(part) < 1e-3 * part.max(), "what fluoresces has the shape of the emission")
-    check((seen["radiance"] >= seen["fluorescence"] - 1e-6).all(), "and is a part of the radiance")
+    check(part.min() > 0 and np.ptp(part) < 1e-3 * part.max(),
+          "the fluorescent radiance has the shape of the emission")
+    check((seen["radiance"] >= seen["fluorescence"] - 1e-6).all(),
+          "the fluorescent radiance is a part of the radiance")
 
 
 def difference(one, other):
-    """ΔE*ab of two pixels, as the page shows it when one is kept and the other picked."""
+    """ΔE*ab of two pixels, as the page shows it if one is kept and the other picked."""
     click_pixel(*one)
     browser.evaluate("document.getElementById('keep').click()")
     kept = numbers()["L*a*b*"]
     click_pixel(*other)
-    told = numbers()
+    shown = numbers()
     beside = any(name.startswith("kept") for name in values())
     browser.evaluate("document.getElementById('keep').click()")
-    expected = np.sqrt(np.sum((told["L*a*b*"] - kept) ** 2))
-    return told["ΔE*ab to the kept"][0], expected, beside
+    expected = np.sqrt(np.sum((shown["L*a*b*"] - kept) ** 2))
+    return shown["ΔE*ab to the kept"][0], expected, beside
 
 
 def metamers():
-    """Pixels on both sides of the cut through an object whose halves match under D65."""
+    """Two pixels on both sides of the cut through an object with halves that match under D65."""
     browser.open(view("metamers", "metamers"))
     y, left = browser.evaluate("""(() => {
         const at = surfaces.findIndex((surface, i) => surface === 2 && surfaces[i + 1] === 3);
         return [Math.floor(at / scene.width) + 3, at % scene.width];
     })()""")
     alike, expected, beside = difference((left, y), (left + 1, y))
-    check(abs(alike - expected) < 2e-3 and beside, "a kept pixel is compared with by ΔE*ab and its spectrum",
+    check(abs(alike - expected) < 2e-3 and beside, "a kept pixel is compared by ΔE*ab and its spectrum",
           alike, expected, beside)
     browser.evaluate("document.getElementById('keep').click()")
     for detector in ("cie1964", "cie2006-2", "cie1931"):
@@ -389,7 +392,7 @@ def metamers():
 
 
 def command_line(scene, name, lights):
-    """The page shows the commands that make its picture, from whatever folder."""
+    """The page shows the commands that make its picture; they work from any folder."""
     browser.open(view(scene, name))
     set_lights(lights)
     set_eye(["--detector=cie1964", "--adaptation=fairchild:40", "--exposure=1.25", "--display=monitor"])
@@ -401,7 +404,7 @@ def command_line(scene, name, lights):
     subprocess.run(["sh", "-c", text("commands")], cwd=folder, check=True, stdout=subprocess.DEVNULL,
                    env={**os.environ, "PATH": f"{folder}:{os.environ['PATH']}"})
     made = tifffile.imread(os.path.join(folder, "developed.tif"))
-    check(distance(seen, made) <= 1, f"{name}: the commands that the page tells make its picture", text("commands"))
+    check(distance(seen, made) <= 1, f"{name}: the commands that the page shows make its picture", text("commands"))
 
 
 # ---- people ----
@@ -429,14 +432,14 @@ def keyboard():
         browser.key(key)
     check(text("picked").startswith("Pixel 31, 39: "), "arrow keys and Enter pick a pixel", text("picked"))
     before = pixels()
-    check(tab_to("lights-1") and outlined(), "it reaches the menu of a light")
+    check(tab_to("lights-1") and outlined(), "the keyboard reaches the menu of a light")
     browser.key("ArrowDown")
     chosen = browser.evaluate("document.activeElement.selectedOptions[0].text")
     expected, _ = developed(rendered("colorchecker", f"--light=1={chosen}"))
     seen = pixels()
     check(distance(seen, expected) <= 1 and distance(seen, before) > 10,
           f"an arrow key changes the light, to {chosen}")
-    check(tab_to("objects"), "it reaches the list of objects")
+    check(tab_to("objects"), "the keyboard reaches the list of objects")
     browser.key("ArrowDown")
     settle()
     check(text("picked").split(": ")[1] == browser.evaluate("objects.selectedOptions[0].text"),
@@ -484,13 +487,13 @@ def widths():
         browser.size(width, 740)
         settle()
         wide = browser.evaluate("[document.documentElement.scrollWidth, innerWidth]")
-        check(wide[0] <= wide[1] == width, f"nothing lies beside a screen of {width} pixels", wide)
+        check(wide[0] <= wide[1] == width, f"the page fits a screen of {width} pixels", wide)
     browser.size(360, 740)
     browser.evaluate("detector.scrollIntoView()")
     settle()
     bottom = browser.evaluate("picture.getBoundingClientRect().bottom")
     top = browser.evaluate("picture.getBoundingClientRect().top")
-    check(0 <= top < bottom <= 400, "on a phone the picture stays in sight while the menus go by", top, bottom)
+    check(0 <= top < bottom <= 400, "on a phone the picture stays in sight while the menus scroll", top, bottom)
     browser.size(1280, 900)
 
 
@@ -506,7 +509,7 @@ def saving():
     rows = open(path).read().splitlines()
     seen = values()
     saved = np.array([row.split(",")[1] for row in rows[1:]], float)
-    check(np.allclose(saved, seen["radiance"], rtol=1e-5), "the saved values are the table's", rows[:2])
+    check(np.allclose(saved, seen["radiance"], rtol=1e-5), "the saved values equal the table's", rows[:2])
 
 
 def wait_for_file(path):
@@ -519,7 +522,7 @@ def wait_for_file(path):
 # ---- the file ----
 
 class Parser(html.parser.HTMLParser):
-    """Collects what a browser would load."""
+    """Collects the addresses that a browser would load."""
 
     def __init__(self):
         super().__init__()
@@ -543,7 +546,7 @@ def file():
         fetch("data:,nothing").catch(() => {});
         setTimeout(() => then("nothing"), 5000);
     })""")
-    check(blocked == "connect-src", "and its policy lets nothing be loaded", blocked)
+    check(blocked == "connect-src", "its policy blocks all loading", blocked)
     browser.complaints.clear()  # Chromium reports that on the console
     again = os.path.join(TMP, "again.html")
     os.replace(path, again)
@@ -556,8 +559,9 @@ def strange_names():
     spectra(scene, "strange", [(32, 40), (40, 30), (88, 40)], ambient="d65*0.5", _1="uv*0.7")
     named = browser.evaluate("[...objects.options].map(({text}) => text)")
     check(any(name.endswith(f". {STRANGE} (sphere)") for name in named),
-          "names of strange characters are shown as they are", named)
-    check(scene in browser.evaluate("document.title") and text("name") == scene, "so is the scene's")
+          "names with strange characters are shown literally", named)
+    check(scene in browser.evaluate("document.title") and text("name") == scene,
+          "the scene's name is shown literally")
 
 
 def two_of_each():
@@ -568,7 +572,7 @@ def two_of_each():
 
 
 def small():
-    """A picture that is shown enlarged."""
+    """A picture that the page enlarges."""
     browser.open(view("colorchecker", "small", "--size", "60x40"))
     check(browser.evaluate("getComputedStyle(picture).imageRendering") == "pixelated",
           "enlarged pixels are not blurred")
@@ -585,7 +589,7 @@ def small():
 
 
 def axis(anchor, across):
-    """Of an axis of the plot the function from places to values, by its first and last numbers."""
+    """Returns the function from places on an axis of the plot to values, from the axis's first and last numbers."""
     labels = browser.evaluate(f"""[...document.querySelectorAll('#chart text[text-anchor={anchor}]')]
         .map(node => [Number(node.getAttribute({across!r})), Number(node.textContent)])""")
     ticks = [label for label in labels if label[1] is not None]
@@ -594,20 +598,22 @@ def axis(anchor, across):
 
 
 def plot():
-    """What its axes say of the curve, from the file's SVG."""
+    """Reads the values of the curve from the SVG, by its axes."""
     browser.open(view("colorchecker", "colorchecker"))
     seen = values()
     points = np.array(re.findall(r"[\d.]+", browser.evaluate(
         "document.querySelector('#chart .radiance').getAttribute('d')")), float).reshape(-1, 2)
     nm = axis("middle", "x")(points[:, 0])
     radiance = axis("end", "y")(points[:, 1] + 4)
-    check(np.abs(nm - seen["nm"]).max() < 0.02, "the plot's axis tells the wavelengths")
+    check(np.abs(nm - seen["nm"]).max() < 0.02, "the plot's lower axis shows the wavelengths")
     left, width = browser.evaluate("['x', 'width'].map(name => Number(document.querySelector('#chart .axis')"
                                    ".getAttribute(name)))")
-    check(np.abs(points[[0, -1], 0] - [left, left + width]).max() < 0.02, "from one end to the other")
-    check(np.abs(radiance - seen["radiance"]).max() < 0.002, "and the other one the radiances",
+    check(np.abs(points[[0, -1], 0] - [left, left + width]).max() < 0.02,
+          "the axis extends from the first to the last wavelength")
+    check(np.abs(radiance - seen["radiance"]).max() < 0.002, "the plot's left axis shows the radiances",
           radiance, seen["radiance"])
-    check(points[seen["radiance"].argmax(), 1] < points[seen["radiance"].argmin(), 1], "the larger, the higher")
+    check(points[seen["radiance"].argmax(), 1] < points[seen["radiance"].argmin(), 1],
+          "a larger radiance is higher in the plot")
     drawn = "document.querySelectorAll('#chart .curve').length"
     before = browser.evaluate(drawn)
     browser.evaluate("document.querySelector('#curves input').click()")
@@ -616,7 +622,7 @@ def plot():
     observed = numbers()["XYZ"]
     choose("detector", "dcs200-camera")
     settle()
-    check((numbers()["XYZ"] == observed).all(), "with a camera, XYZ are those of the CIE 1931 observer")
+    check((numbers()["XYZ"] == observed).all(), "XYZ are those of the CIE 1931 observer even with a camera")
 
 
 def slider():
@@ -627,33 +633,34 @@ def slider():
     type_number("lights-1-intensity", "")
     settle()
     check(browser.evaluate("document.getElementById('lights-1-slider').value") == "0",
-          "no number stands for no light, and the slider shows it")
+          "an empty number means no light, and the slider shows it")
     choose("adaptation", "von-kries")
     settle()
-    check(told_trouble("cannot adapt"), "where the eye cannot adapt the page says so", text("message"))
+    check(shows_message("cannot adapt"), "the page says so if the eye cannot adapt", text("message"))
 
 
-def told_trouble(words):
+def shows_message(words):
     return words in text("message") and not browser.evaluate("document.getElementById('message').hidden")
 
 
 def troubles():
     browser.open(view("colorchecker", "colorchecker"))
-    check(browser.evaluate("document.getElementById('message').hidden"), "no trouble, no message")
+    check(browser.evaluate("document.getElementById('message').hidden"),
+          "the page shows no message without a problem")
     once = numbers()["RGB, linear"]
     type_number("exposure", 2)
     settle()
-    check(np.allclose(numbers()["RGB, linear"], 2 * once, atol=2e-5), "linear channels are told as exposed")
+    check(np.allclose(numbers()["RGB, linear"], 2 * once, atol=2e-5), "linear channels are shown after exposure")
     for wrong in ("", "0", "-1"):
         type_number("exposure", wrong)
         settle()
-        check(told_trouble("exposure"), f"an exposure of '{wrong}' is complained of", text("message"))
+        check(shows_message("exposure"), f"the page rejects an exposure of '{wrong}'", text("message"))
     script = browser.send("Page.addScriptToEvaluateOnNewDocument", source="delete window.DecompressionStream")
     type_number("exposure", 1)
     settle()
     browser.send("Page.reload")
     browser.wait("document.getElementById('message')?.hidden === false")
-    check(told_trouble("This browser cannot"), "an old browser's user is told", text("message"))
+    check(shows_message("This browser cannot"), "an old browser shows a message", text("message"))
     browser.send("Page.removeScriptToEvaluateOnNewDocument", **script)
     browser.complaints.clear()  # Chromium reports that on the console
 
@@ -675,10 +682,10 @@ def main():
     schemes()
     widths()
     saving()
-    check(not browser.complaints, "the console stays empty, and nothing is thrown", *browser.complaints)
+    check(not browser.complaints, "the console stays empty, and no exception is thrown", *browser.complaints)
     strange_names()
     two_of_each()
-    check(not browser.complaints, "of such scenes, too", *browser.complaints)
+    check(not browser.complaints, "the console stays empty for strange scenes, too", *browser.complaints)
     small()
     plot()
     slider()

@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""An effect that a scene does not use costs nothing, and one that it does only what it needs: the
-work that the program counts where it is done. Prints TAP."""
+"""Checks the program's own counters of work: an effect that a scene does not use costs nothing, and a used effect
+costs no more than it needs. Prints TAP."""
 import json
 import os
 import subprocess
@@ -45,7 +45,7 @@ def plain():
     check(result["work"] == {"gl_passes": PASSES, "draw_calls": PASSES, "vertices_lit": 4, "points_lit": 0,
                              "specular_vertices": 0, "power_functions": 0, "excitation_integrals": 0,
                              "textures_loaded": 0, "materials_loaded": 1, "terms": 1},
-          "a matt square under a light: one term, and no power function", result["work"])
+          "a matt square under a light has one term and no power function", result["work"])
     check(used(result["effects"]) == {"lights", "diffuse"} and result["effects"]["lights"] == 1,
           "its only effects are a light and diffuse reflection", result["effects"])
     return result
@@ -60,9 +60,9 @@ def prepare():
                     os.path.join(TMP, "stack.tif")], check=True)
 
 
-# Words added to the plain scene, the effects that they turn on, and the counters that they raise, with
-# the rise. A power function at each of 4 vertices, by the reference; its bound takes the same
-# one again, and both of its ends. A cut through a square meets 3 edges, which each half has.
+# Words added to the plain scene, the effects that they turn on, and the counters that they raise, with the rise. The
+# reference computes a power function at each of 4 vertices; its bound computes it again, and at
+# both ends of the bound. A cut through a square meets 3 edges, which each half has.
 POWERS = {"power_functions": 16}
 HIGHLIGHT = {"terms": 1, "specular_vertices": 4, **POWERS}
 ADDED = (
@@ -73,7 +73,7 @@ ADDED = (
      HIGHLIGHT),
     ("attenuation", {"light": LIGHT + " attenuation 1 0.1 0"}, "attenuation", {}),
     ("a spot without exponent", {"light": LIGHT + " spot 0 0 -1 40 0"}, "spot", {}),
-    ("a spot with one", {"light": LIGHT + " spot 0 0 -1 40 2"}, "spot", POWERS),
+    ("a spot with an exponent", {"light": LIGHT + " spot 0 0 -1 40 2"}, "spot", POWERS),
     ("fluorescence", {"words": "diffuse 0.5 fluorescence uv gaussian:550,60*0.3"}, "fluorescence",
      {"excitation_integrals": 1}),
     ("a Donaldson matrix", {"words": "diffuse 0.5 donaldson matrix.csv"}, "bispectral",
@@ -95,7 +95,7 @@ NOTHING = (
     ("a light of intensity 0", {"more": "light d65 0 position 0 0 8 spot 0 0 -1 40 2"}),
     ("a light of spectrum 0", {"more": "light 0 1 position 0 0 8"}),
     ("a light of factor 0", {"more": "light d65*0 1 direction 0 0 1"}),
-    ("eight of them", {"more": "light d65 0 direction 0 0 1\n" * 8}),
+    ("eight lights of intensity 0", {"more": "light d65 0 direction 0 0 1\n" * 8}),
     ("a light that is 0 at all of the picture's wavelengths",
      {"more": "light gaussian:300,1 1 direction 0 0 1"}),
     ("ambient light of intensity 0", {"more": "ambient d65 0"}),
@@ -103,7 +103,7 @@ NOTHING = (
     ("emission 0", {"words": "diffuse 0.5 emission 0"}),
     ("gloss 0", {"words": "diffuse 0.5 specular 0.5 gloss 0"}),
     ("specular 0", {"words": "diffuse 0.5 specular 0 gloss 20"}),
-    ("a local viewer of matt things", {"more": "viewer local"}),
+    ("a local viewer of matt objects", {"more": "viewer local"}),
     ("attenuation 1 0 0", {"light": LIGHT + " attenuation 1 0 0"}),
     ("a spot of cutoff 180", {"light": LIGHT + " spot 0 0 -1 180 5"}),
     ("materials without an object, whose files do not exist",
@@ -120,26 +120,26 @@ def additions(before):
     for name, scene in NOTHING:
         after = report(scene_of(**scene))
         check(after["work"] == before["work"] and after["effects"] == before["effects"],
-              f"{name}: the work is as without", after["work"], after["effects"])
+              f"{name}: the work is the same as without it", after["work"], after["effects"])
 
 
 def minimal_terms():
     two = LIGHT + "\nlight a 1 direction 0 1 1"
     for name, words, light, terms in (
             ("matt under ambient light and two lights", "diffuse 0.5", two + "\nambient a 1", 3),
-            ("plastic under the same", "diffuse 0.5 gloss 5", two + "\nambient a 1", 5),
+            ("plastic under ambient light and two lights", "diffuse 0.5 gloss 5", two + "\nambient a 1", 5),
             ("emission joins ambient light", "diffuse 0.5 emission 1", LIGHT + "\nambient a 1", 2),
             ("two ambient lights join", "diffuse 0.5", "ambient a 1\nambient d65 1", 1),
             ("lights of one spectrum share their terms", "diffuse 0.5 gloss 5",
              two + "\nlight d65*2 0.3 position 1 1 9 spot 0 0 -1 50 2\nlight 0.5 1 direction 0 0 1"
              "\nlight 0.7 2 direction 0 1 1", 6),
             ("black with a highlight", "diffuse 0 specular 0.5 gloss 5", LIGHT, 1),
-            ("what only emits", "emission 1", LIGHT, 1),
+            ("an object that only emits", "emission 1", LIGHT, 1),
             ("black", "diffuse 0", two, 0)):
         work = report(scene_of(words, light))["work"]
-        check(work["terms"] == terms, f"{name}: {terms} terms", work["terms"])
+        check(work["terms"] == terms, f"{name}: there are {terms} terms", work["terms"])
     check(report(scene_of("emission 1", two))["effects"]["lights"] == 0,
-          "lights that nothing reflects do not shine")
+          "lights that no material reflects are not computed")
     unlit = report(scene_of("diffuse 0.5 texture none.tif", ""))
     check(unlit["work"]["textures_loaded"] == 0, "a texture in the dark is not opened")
 
@@ -150,12 +150,12 @@ def excitation():
     second = f"{PLANE}\nmaterial n {{ diffuse 0.5 }}\nobject plane 1 1 material n translate 4 0 0"
     work = report(scene_of("diffuse 0.5 fluorescence uv 0.1", lights, objects=second))["work"]
     check(work["excitation_integrals"] == 3,
-          "one fluorescent object of two: an integral for each of two lights and ambient light, once",
+          "one fluorescent object of two takes one integral for each of two lights and the ambient light",
           work["excitation_integrals"])
     work = report(scene_of("diffuse 0.5 fluorescence uv 0.1", "light uv 1 direction 0 0 1"),
                   "--wavelengths", "600:700:50")["work"]
     check(work["excitation_integrals"] == 1 and work["terms"] == 1,
-          "a black light that the picture does not show excites all the same")
+          "a black light outside the picture's wavelengths still excites")
 
 
 def passes():
@@ -173,7 +173,7 @@ def sharing():
     many = "\n".join(f"{PLANE} translate {i} 0 0" for i in range(24))
     work = report(scene_of("diffuse 0.5 texture grey.tif fluorescence uv 0.1", objects=many))["work"]
     check((work["materials_loaded"], work["textures_loaded"], work["terms"], work["excitation_integrals"])
-          == (1, 1, 1, 1), "24 objects of one material: one material, texture, term and integral", work)
+          == (1, 1, 1, 1), "24 objects of one material take one material, texture, term and integral", work)
     for filters, loaded in (("nearest", 1), ("linear", 2)):
         work = report(scene_of("diffuse 0.5 texture grey.tif nearest",
                                more=f"material n {{ diffuse 0.4 texture grey.tif {filters} }}",
@@ -201,7 +201,7 @@ def reasons():
         check(line in lines, "plan says: " + line, words)
     words = run("plan", scene_of("emission 1")).stdout
     check("no material reflects it" in words and "no light shines" in words,
-          "plan says of a light: no material reflects it", words)
+          "plan says that no material reflects a light", words)
 
 
 prepare()

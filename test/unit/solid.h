@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Measures a mesh without trusting how it was built: vertices at the same place
- * are merged by their bits, then volume and edges are counted. */
+/* Measures a mesh without trusting its builder: merges vertices whose positions are equal to the
+ * bit, then measures the volume and counts edges. */
 #ifndef SOLID_H
 #define SOLID_H
 
@@ -15,11 +15,11 @@ struct solid {
     int places;          /* different positions */
     int edges;           /* undirected, between places */
     int open_edges;      /* directed edges without their reverse */
-    int repeated_edges;  /* directed edges that occur again */
+    int repeated_edges;  /* directed edges that occur more than once */
     double volume;       /* by the divergence theorem, positive when facing outwards */
     double worst_area;   /* the smallest triangle area over its longest edge squared */
     double worst_length; /* the largest | |normal| - 1 | */
-    double worst_facing; /* the smallest cosine between a vertex normal and its facet */
+    double worst_facing; /* the smallest cosine between a vertex normal and its triangle's normal */
     bool texture_inside; /* all s and t in [0, 1] */
 };
 
@@ -35,7 +35,7 @@ static inline int solid_compare_edges(const void *a, const void *b)
     return (p > q) - (p < q);
 }
 
-/* place[v]: the number of vertex v's place. Returns how many there are. */
+/* Sets place[v] to the number of vertex v's position. Returns the number of positions. */
 static inline int solid_merge(const struct mesh *mesh, int *place)
 {
     const struct vertex **sorted = malloc((size_t)mesh->n_vertices * sizeof *sorted);
@@ -114,7 +114,7 @@ static inline struct solid solid_measure(const struct mesh *mesh)
     return out;
 }
 
-/* Vertices - edges + faces, of places. */
+/* Returns vertices - edges + faces, with vertices counted by position. */
 static inline int solid_euler(const struct solid *solid, const struct mesh *mesh)
 {
     return solid->places - solid->edges + mesh->n_triangles;

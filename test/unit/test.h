@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A test program prints TAP for prove: one line a truth about the program. Each failure shows the
- * values it saw. A test ends with `return test_end();`. */
+/* A test program prints TAP for prove: one line for each truth about the program. A failed truth
+ * also prints the values seen. A test ends with `return test_end();`. */
 #ifndef TEST_H
 #define TEST_H
 
@@ -14,7 +14,7 @@
 
 static int test_count, test_failures;
 
-/* Prints ok or not ok, and the truth in words. */
+/* Prints "ok" or "not ok", then the truth in words. Returns `holds`. */
 static bool test_truth(bool holds, const char *file, int line, const char *format, ...)
 {
     va_list arguments;
@@ -32,7 +32,7 @@ static bool test_truth(bool holds, const char *file, int line, const char *forma
 
 #define CHECK(condition, ...) test_truth((condition), __FILE__, __LINE__, __VA_ARGS__)
 
-/* |seen - expected| <= tolerance; NaN never is. The text comes after the numbers. */
+/* Checks that |seen - expected| <= tolerance. NaN fails. The text follows the numbers. */
 #define CHECK_NEAR(seen, expected, tolerance, ...)                                                 \
     do {                                                                                           \
         double seen_ = (seen), expected_ = (expected), tolerance_ = (tolerance);                   \
@@ -47,7 +47,7 @@ static bool test_truth(bool holds, const char *file, int line, const char *forma
             printf("# saw      %s\n# expected %s\n", seen_, expected_);                            \
     } while (0)
 
-/* The folder for temporary files, made if need be. */
+/* Returns the folder for temporary files, and makes it if it does not exist. */
 static inline const char *test_folder(void)
 {
     const char *folder = getenv("TEST_TMP");
@@ -57,7 +57,7 @@ static inline const char *test_folder(void)
     return folder;
 }
 
-/* Writes a text file; `path` again. */
+/* Writes a text file and returns `path`. */
 static inline const char *test_write(const char *path, const char *content)
 {
     FILE *file = fopen(path, "w");

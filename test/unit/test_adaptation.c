@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Adaptations and displays against the thesis's equations worked by hand, and published values. */
+/* Compares adaptations and displays with the thesis's equations worked by hand and with published
+ * values. */
 #include "data/colour/colour.h"
 #include "spectral.h"
 #include "test.h"
@@ -32,22 +33,23 @@ static void check_complete(void)
     for (int i = 0; i < 3; i++) {
         matrix_of(complete[i], 0, lamp, matrix);
         colour_apply(matrix, lamp, seen);
-        check_columns(seen, 95.0455927, 100, 108.9057751, 1e-6, "white becomes D65 of Y = 100");
+        check_columns(seen, 95.0455927, 100, 108.9057751, 1e-6, "the white becomes D65 of Y = 100");
         matrix_of(complete[i], 0, display_white, matrix);
         colour_apply(matrix, lamp, seen);
-        check_columns(seen, lamp[0], lamp[1], lamp[2], 1e-12, "to D65 nothing changes");
+        check_columns(seen, lamp[0], lamp[1], lamp[2], 1e-12,
+                      "adapting D65 to D65 changes nothing");
     }
     matrix_of(ADAPTATION_NONE, 0, lamp, matrix);
     colour_apply(matrix, lamp, seen);
     CHECK(seen[0] == lamp[0] && seen[1] == lamp[1] && seen[2] == lamp[2],
-          "without adaptation nothing changes");
+          "no adaptation changes no colour");
 }
 
-/* Equations 18 to 20, with the unrounded matrix, of the colour 40, 30, 10 under A.
+/* Equations 18 to 20, with the unrounded matrix, for the colour 40, 30, 10 under A.
  *   white  L = 0.4002 x 109.85 + 0.7076 x 100 - 0.0808 x 35.58 = 111.847106
  *          M = -0.2263 x 109.85 + 1.1653 x 100 + 0.0457 x 35.58 = 93.296951
  *          S = 0.9182 x 35.58 = 32.669556
- *   colour L = 36.428, M = 26.364, S = 9.182; of the display's white 99.9976596, 99.9981763,
+ *   colour L = 36.428, M = 26.364, S = 9.182; for the display's white 99.9976596, 99.9981763,
  *          99.9972827 (the thesis takes 100 for each)
  *   adapted L = 36.428 / 111.847106 x 99.9976596 = 32.5686991, M = 28.2576428, S = 28.1049136
  *   X = 1.8600666 L - 1.1294801 M + 0.2198983 S, Y = 0.3612229 L + 0.6388043 M - 0.0000071 S,
@@ -59,46 +61,53 @@ static void check_von_kries(void)
     double matrix[3][3], seen[3];
     matrix_of(ADAPTATION_VON_KRIES, 0, lamp, matrix);
     colour_apply(matrix, colour, seen);
-    check_columns(seen, 34.8437280, 29.8154644, 30.6087058, 1e-6, "von Kries by hand");
-    check_columns(seen, 34.84484, 29.81624, 30.60961, 40 * 3.6e-5, "and with the thesis's inverse");
+    check_columns(seen, 34.8437280, 29.8154644, 30.6087058, 1e-6,
+                  "von Kries agrees with the value worked by hand");
+    check_columns(seen, 34.84484, 29.81624, 30.60961, 40 * 3.6e-5,
+                  "von Kries agrees with the thesis's rounded inverse");
 }
 
-/* Equations 21 to 23 of the same colour.
+/* Equations 21 to 23 for the same colour.
  *   equal energy L = 102.7, M = 98.47, S = 91.82
  *   white / equal 1.0890663, 0.9474657, 0.3558000; together 2.3923320
  *   m = 3 x 1.0890663 / 2.3923320 = 1.3656962, 1.1881282, 0.4461755
  *   10^(1/3) = 2.1544347: p = (3.1544347 + m) / (3.1544347 + 1/m) = 1.1629854, 1.0867017, 0.6673104
  *   adapted, p x those of von Kries: 37.8769202, 30.7076288, 18.7547017
- * and of luminance 1: p = 1.2318508, 1.1219246, 0.5767554; 40.1197770, 31.7029445, 16.2096603. */
+ * and at luminance 1: p = 1.2318508, 1.1219246, 0.5767554; 40.1197770, 31.7029445, 16.2096603. */
 static void check_fairchild(void)
 {
     const double colour[3] = {40, 30, 10};
     double matrix[3][3], complete[3][3], seen[3], other[3], xy[2], xy_complete[2];
     matrix_of(ADAPTATION_FAIRCHILD, 10, lamp, matrix);
     colour_apply(matrix, colour, seen);
-    check_columns(seen, 39.8940667, 33.2980437, 20.4255083, 1e-6, "Fairchild by hand");
+    check_columns(seen, 39.8940667, 33.2980437, 20.4255083, 1e-6,
+                  "Fairchild agrees with the value worked by hand");
     colour_apply(matrix, lamp, seen);
     chromaticity(seen, xy);
     chromaticity(display_white, xy_complete);
-    CHECK(xy[0] > xy_complete[0] + 0.01, "its white stays yellower than D65 (x %.4f)", xy[0]);
+    CHECK(xy[0] > xy_complete[0] + 0.01, "Fairchild's white stays yellower than D65 (x %.4f)",
+          xy[0]);
     matrix_of(ADAPTATION_FAIRCHILD, 1, lamp, matrix);
     colour_apply(matrix, colour, seen);
-    check_columns(seen, 42.3820902, 34.7440451, 17.6537359, 1e-6, "less in dim light");
+    check_columns(seen, 42.3820902, 34.7440451, 17.6537359, 1e-6,
+                  "Fairchild adapts less in dim light");
     matrix_of(ADAPTATION_FAIRCHILD, 1e12, lamp, matrix);
     matrix_of(ADAPTATION_VON_KRIES, 0, lamp, complete);
     colour_apply(matrix, colour, seen);
     colour_apply(complete, colour, other);
     /* p differs from 1 by (m - 1/m) / 10^4, which is 1.8e-4 of S */
-    check_columns(seen, other[0], other[1], other[2], 40 * 2e-4, "complete in endless light");
+    check_columns(seen, other[0], other[1], other[2], 40 * 2e-4,
+                  "Fairchild adapts completely in very bright light");
     matrix_of(ADAPTATION_FAIRCHILD, 10, equal, matrix);
     matrix_of(ADAPTATION_VON_KRIES, 0, equal, complete);
     colour_apply(matrix, colour, seen);
     colour_apply(complete, colour, other);
-    check_columns(seen, other[0], other[1], other[2], 1e-12, "and to equal energy");
+    check_columns(seen, other[0], other[1], other[2], 1e-12,
+                  "Fairchild agrees with von Kries under equal energy");
 }
 
-/* B. Lindbloom's matrix from D50 to D65, www.brucelindbloom.com, Chromatic Adaptation: of whites
- * 0.96422, 1, 0.82521 and 0.95047, 1, 1.08883. */
+/* B. Lindbloom's matrix from D50 to D65, www.brucelindbloom.com, Chromatic Adaptation, for the
+ * whites 0.96422, 1, 0.82521 and 0.95047, 1, 1.08883. */
 static void check_bradford(void)
 {
     static const double published[9] = {0.9555766, -0.0230393, 0.0631636,  -0.0282895, 1.0099416,
@@ -111,17 +120,18 @@ static void check_bradford(void)
     colour_product(back, from_d50, seen);
     for (int i = 0; i < 9; i++)
         worst = fmax(worst, fabs(seen[i / 3][i % 3] - published[i]));
-    CHECK_NEAR(worst, 0, 0.51e-7, "Bradford from D50 to D65 as published, in 7 decimals");
+    CHECK_NEAR(worst, 0, 0.51e-7,
+               "Bradford from D50 to D65 agrees with the published matrix to 7 decimals");
 }
 
 /* The columns of the inverse of its matrix, which C. Li et al., Color Res. Appl. 42, 703-718 (2017)
- * print in 8 decimals, each keep their direction: they excite one kind of cones only. */
+ * print in 8 decimals, each keep their direction: each column excites one kind of cone only. */
 static void check_cat16(void)
 {
     static const double cones[3][3] = {{1.86206786, 0.38752654, -0.01584150},
                                        {-1.01125463, 0.62144744, -0.03412294},
                                        {0.14918677, -0.00897398, 1.04996444}};
-    /* 0.401288 X + 0.650173 Y - 0.051461 Z and so on, of D65 over A:
+    /* 0.401288 X + 0.650173 Y - 0.051461 Z and so on, D65 over A:
      * 97.553556 / 107.267804, 101.648295 / 94.580946, 108.498635 / 38.579081 */
     static const double gain[3] = {0.9094393, 1.0747228, 2.8123696};
     double matrix[3][3], seen[3], worst = 0;
@@ -135,7 +145,7 @@ static void check_cat16(void)
     adaptation_cones(ADAPTATION_CAT16, matrix);
     colour_apply(matrix, (const double[]){1, 1, 1}, seen);
     for (int i = 0; i < 3; i++)
-        CHECK_NEAR(seen[i], 1, 1e-15, "equal energy has response 1 of CAT16's cones %d", i);
+        CHECK_NEAR(seen[i], 1, 1e-15, "equal energy gives CAT16's cones %d the response 1", i);
 }
 
 static void check_refused(void)
@@ -165,7 +175,7 @@ static void check_names(void)
               "%s is read", adaptation_name((enum adaptation_kind)kind));
     CHECK(adaptation_read("--adaptation", "fairchild:318.3", &adaptation, &err) &&
               adaptation.kind == ADAPTATION_FAIRCHILD && adaptation.luminance == 318.3,
-          "and a luminance");
+          "its luminance is read");
     static const char *const bad[] = {"",
                                       "kries",
                                       "fairchild:",
@@ -184,15 +194,15 @@ static void check_names(void)
     CHECK(display_read("--display", "srgb", &display, &err) && display == DISPLAY_SRGB &&
               display_read("--display", "monitor", &display, &err) && display == DISPLAY_MONITOR,
           "both displays are read");
-    CHECK(!display_read("--display", "sRGB", &display, &err), "no other");
+    CHECK(!display_read("--display", "sRGB", &display, &err), "any other name is refused");
     CHECK_TEXT(err.text, "error: --display: expected srgb or monitor, found 'sRGB'",
-               "and the message says so");
+               "the message lists both displays");
 }
 
 /* ---- displays ---- */
 
-/* IEC 61966-2-1 has the matrix to XYZ in 4 decimals; W3C's CSS Color Module Level 4 that from XYZ
- * in full, of the same chromaticities. */
+/* IEC 61966-2-1 gives the matrix to XYZ with 4 decimals; W3C's CSS Color Module Level 4 gives the
+ * matrix from XYZ in full, for the same chromaticities. */
 static void check_srgb(void)
 {
     static const double to_xyz[9] = {0.4124, 0.3576, 0.1805, 0.2126, 0.7152,
@@ -208,18 +218,22 @@ static void check_srgb(void)
         worst = fmax(worst, fabs(100 * matrix[i / 3][i % 3] - from_xyz[i]));
         worst_inverse = fmax(worst_inverse, fabs(inverse[i / 3][i % 3] / 100 - to_xyz[i]));
     }
-    CHECK_NEAR(worst, 0, 1e-12, "sRGB's matrix as published");
-    CHECK_NEAR(worst_inverse, 0, 0.51e-4, "and its inverse in 4 decimals");
+    CHECK_NEAR(worst, 0, 1e-12, "sRGB's matrix from XYZ agrees with the published one");
+    CHECK_NEAR(worst_inverse, 0, 0.51e-4,
+               "its inverse agrees with the published one to 4 decimals");
     colour_apply(matrix, display_white, white);
-    check_columns(white, 1, 1, 1, 1e-14, "D65 is the largest red, green and blue");
+    check_columns(white, 1, 1, 1, 1e-14, "D65 has red, green and blue 1");
     /* 1.055 x 0.18^(1/2.4) - 0.055 and so on */
-    CHECK_NEAR(display_encode(DISPLAY_SRGB, 0, 0.18), 0.46135612950044164, 1e-15, "sRGB of 0.18");
-    CHECK_NEAR(display_encode(DISPLAY_SRGB, 1, 0.5), 0.7353569830524495, 1e-15, "of 0.5");
+    CHECK_NEAR(display_encode(DISPLAY_SRGB, 0, 0.18), 0.46135612950044164, 1e-15,
+               "sRGB encodes 0.18");
+    CHECK_NEAR(display_encode(DISPLAY_SRGB, 1, 0.5), 0.7353569830524495, 1e-15, "sRGB encodes 0.5");
     CHECK_NEAR(display_encode(DISPLAY_SRGB, 2, 0.21404114048223255), 0.5, 1e-15,
-               "half way up is 0.214");
-    CHECK_NEAR(display_encode(DISPLAY_SRGB, 0, 0.002), 0.02584, 1e-16, "the linear part");
-    CHECK_NEAR(display_encode(DISPLAY_SRGB, 0, 0.0031308), 0.04045, 1e-7, "which ends at 0.04045");
-    CHECK(display_largest(DISPLAY_SRGB, 0) == 1, "all up to 1 is shown");
+               "sRGB encodes 0.214 as 0.5");
+    CHECK_NEAR(display_encode(DISPLAY_SRGB, 0, 0.002), 0.02584, 1e-16,
+               "the linear part encodes 0.002");
+    CHECK_NEAR(display_encode(DISPLAY_SRGB, 0, 0.0031308), 0.04045, 1e-7,
+               "the linear part ends at 0.04045");
+    CHECK(display_largest(DISPLAY_SRGB, 0) == 1, "the largest linear value is 1");
 }
 
 static void check_clipped(void)
@@ -241,7 +255,7 @@ static void check_clipped(void)
                       display_encode(kinds[i], channel, 7) == 1 &&
                       display_encode(kinds[i], channel, 0) == 0 &&
                       display_encode(kinds[i], channel, -1) == 0,
-                  "what is beyond is clipped");
+                  "values outside the range are clipped");
         }
 }
 
@@ -258,10 +272,11 @@ static void check_monitor(void)
     display_matrix(DISPLAY_MONITOR, matrix);
     colour_apply(matrix, white, seen);
     for (int i = 0; i < 3; i++) {
-        CHECK_NEAR(seen[i], linear[i], 1e-12, "the monitor's channel %d of D65", i);
+        CHECK_NEAR(seen[i], linear[i], 1e-12, "the monitor's linear channel %d of D65", i);
         CHECK_NEAR(display_encode(DISPLAY_MONITOR, i, linear[i]), value[i], 1e-10,
-                   "as it shows it");
-        CHECK_NEAR(display_largest(DISPLAY_MONITOR, i), largest[i], 1e-10, "and its largest value");
+                   "the monitor encodes it");
+        CHECK_NEAR(display_largest(DISPLAY_MONITOR, i), largest[i], 1e-10,
+                   "the channel's largest linear value");
     }
 }
 

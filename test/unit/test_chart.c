@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Plots are whole XML whatever is plotted; axes go in round steps; every point lies where its
- * numbers say. test/run/probe.py reads plots of spectra back. */
+/* Plots are well-formed XML for any values; axes have round steps; every point lies where its
+ * numbers put it. test/run/probe.py reads plots of spectra back. */
 #include "data/chart/chart.h"
 #include "test.h"
 
@@ -22,7 +22,7 @@ static int count_of(const char *text, const char *part)
     return count;
 }
 
-/* True if elements close in order, and nothing is a bare < or &. Attributes have no '>'. */
+/* Returns whether elements close in order and no bare < or & occurs. Attributes hold no '>'. */
 static bool is_well_formed(const char *text)
 {
     enum { DEEPEST = 16 };
@@ -52,7 +52,7 @@ static bool is_well_formed(const char *text)
     return depth == 0;
 }
 
-/* A chart of one line of n points. */
+/* Returns a chart of one line with n points. */
 static struct chart chart_of(struct chart_line *line, int n, const double *x, const double *y)
 {
     *line = (struct chart_line){.name = "line", .n = n, .x = x, .y = y};
@@ -92,12 +92,13 @@ static void test_ticks(void)
     const char *const more[] = {"0.0", "0.2", "×10⁵", NULL};
     check_labels(nm, (double[]){0.1, 0.71}, visible, "round wavelengths and radiances, from 0");
     check_labels(nm, (double[]){0.1, 1111}, hundreds, "no decimals where steps are whole");
-    check_labels(nm, (double[]){1e307, 2.1e307}, large, "large numbers as multiples of a power");
-    check_labels(nm, (double[]){0, 7e-308}, small, "so small ones");
-    check_labels(nm, (double[]){-0.04, -0.001}, negative, "negative numbers up to 0");
+    check_labels(nm, (double[]){1e307, 2.1e307}, large,
+                 "large numbers are multiples of a power of ten");
+    check_labels(nm, (double[]){0, 7e-308}, small, "small numbers are multiples of a power of ten");
+    check_labels(nm, (double[]){-0.04, -0.001}, negative, "an axis of negative numbers ends at 0");
     check_labels(nm, (double[]){0, 1.6}, halves, "steps of 1, 2 or 5");
-    check_labels(nm, (double[]){0, 94000}, most, "numbers of up to five digits");
-    check_labels(nm, (double[]){0, 100000}, more, "no more digits than that");
+    check_labels(nm, (double[]){0, 94000}, most, "labels have up to five digits");
+    check_labels(nm, (double[]){0, 100000}, more, "labels never have more than five digits");
 }
 
 static void check_degenerate(int n, const double *x, const double *y, const char *part,
@@ -123,17 +124,17 @@ static void test_degenerate(void)
     const double extreme[] = {-1.7e308, 1.7e308, 5e-324, 0}, least[] = {5e-324, 5e-324, 0, 0};
     const double close[] = {550, 550.0000000001, 550, 550};
     check_degenerate(1, x, flat, "<circle", "one point is a dot");
-    check_degenerate(4, x, zero, "L", "zeros are a line");
-    check_degenerate(4, x, flat, "L", "a constant is a line");
-    check_degenerate(4, x, holed, "<circle", "what is no number interrupts the line");
-    check_degenerate(4, x, none, "</svg>", "a line of nothing but that is none");
-    check_degenerate(0, NULL, NULL, "</svg>", "so is one without points");
-    check_degenerate(4, x, extreme, "L", "the largest numbers are a line");
-    check_degenerate(4, x, least, "L", "so are the smallest");
-    check_degenerate(4, close, flat, "L", "and points at one place");
+    check_degenerate(4, x, zero, "L", "zeros draw a line");
+    check_degenerate(4, x, flat, "L", "a constant draws a line");
+    check_degenerate(4, x, holed, "<circle", "a value that is not finite interrupts the line");
+    check_degenerate(4, x, none, "</svg>", "a line without finite values is not drawn");
+    check_degenerate(0, NULL, NULL, "</svg>", "a line without points is not drawn");
+    check_degenerate(4, x, extreme, "L", "the largest numbers draw a line");
+    check_degenerate(4, x, least, "L", "the smallest numbers draw a line");
+    check_degenerate(4, close, flat, "L", "points at one place draw a line");
     const struct chart empty = {.title = "", .x_label = "", .y_label = ""};
     char *svg = svg_of(&empty);
-    CHECK(is_well_formed(svg), "a chart without lines is one");
+    CHECK(is_well_formed(svg), "a chart without lines is well-formed");
     free(svg);
 }
 
@@ -148,24 +149,24 @@ static void test_places(void)
     int n = d == NULL ? 0
                       : sscanf(d, " d=\"M%lf,%lfL%lf,%lfL%lf,%lf\"", &at[0], &at[1], &at[2], &at[3],
                                &at[4], &at[5]);
-    CHECK(n == 6, "three points are a path of three");
-    CHECK_NEAR(at[2] - at[0], at[4] - at[2], 0.011, "equal steps of x are equal");
+    CHECK(n == 6, "three points draw a path of three points");
+    CHECK_NEAR(at[2] - at[0], at[4] - at[2], 0.011, "equal steps of x have equal widths");
     CHECK_NEAR(at[1] - at[3], 2 * (at[1] - at[5]), 0.021, "twice the value is twice as high");
     CHECK(strstr(svg, "fill-opacity") == NULL && strstr(svg, "visible") == NULL,
-          "without spread there is no band, without wavelengths no spectrum");
+          "a chart without spread has no grey band, and without wavelengths no spectrum");
     free(svg);
     line.spread = spread;
     chart.wavelengths = true;
     svg = svg_of(&chart);
     CHECK(count_of(svg, "fill-opacity") == 1 && count_of(svg, "url(#visible)") == 1,
-          "with them there are");
+          "a chart with both has a grey band and a spectrum");
     CHECK(strstr(svg, "<stop offset=\"0.0000\"") != NULL &&
               strstr(svg, "<stop offset=\"1.0000\"") != NULL,
-          "the spectrum begins and ends with it");
+          "the coloured spectrum begins and ends with the axis");
     free(svg);
     line.spread = (double[]){3, 3, 3};
     svg = svg_of(&chart);
-    CHECK(strstr(svg, ">-") == NULL, "a band around what is not negative ends at 0");
+    CHECK(strstr(svg, ">-") == NULL, "the grey band around values that are not negative ends at 0");
     free(svg);
 }
 
@@ -181,8 +182,8 @@ static void test_text(void)
     CHECK(is_well_formed(svg), "names are escaped");
     CHECK(strstr(svg, "&#60;b&#62; &#38; &#34;quotes&#34; \xef\xbf\xbd \xef\xbf\xbd \xef\xbf\xbd "
                       "\xc3\xa4</text>") != NULL,
-          "what XML has no character for is replaced");
-    CHECK_TEXT(svg, again, "the same bytes each time");
+          "bytes that XML cannot hold are replaced");
+    CHECK_TEXT(svg, again, "the same chart has the same bytes each time");
     free(svg);
     free(again);
     memset(longest, 'w', sizeof longest - 1);
@@ -190,7 +191,7 @@ static void test_text(void)
     line.name = chart.title = chart.x_label = chart.y_label = longest;
     svg = svg_of(&chart);
     CHECK(is_well_formed(svg) && strlen(svg) < 20000 && strstr(svg, "w…</text>") != NULL,
-          "long texts are cut to what fits");
+          "long texts are cut to the room");
     free(svg);
 }
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Colour spaces and differences against published values, and values worked by hand. */
+/* Compares colour spaces and differences with published values and with values worked by hand. */
 #include "data/colour/colour.h"
 #include "data/maths/maths.h"
 #include "test.h"
@@ -51,13 +51,14 @@ static void check_sharma(void)
 {
     for (int i = 0; i < 34; i++) {
         const double forth = ciede2000_difference(sharma[i].one, sharma[i].two);
-        CHECK_NEAR(forth, sharma[i].difference, rounding, "CIEDE2000 of published pair %d", i + 1);
+        CHECK_NEAR(forth, sharma[i].difference, rounding, "CIEDE2000 agrees with published pair %d",
+                   i + 1);
         CHECK_NEAR(ciede2000_difference(sharma[i].two, sharma[i].one), forth, 1e-12,
-                   "and the other way round");
+                   "the pair differs as much the other way round");
     }
 }
 
-/* The paper's equations 2 to 22 with the C library's functions. */
+/* Evaluates the paper's equations 2 to 22 with the C library's functions. */
 static double textbook(const double one[3], const double two[3])
 {
     const double degree = PI / 180;
@@ -81,7 +82,7 @@ static double textbook(const double one[3], const double two[3])
     return sqrt(by_l * by_l + by_c * by_c + by_h * by_h + rt * by_c * by_h);
 }
 
-/* Colours from -128 to 128 in a and b: a linear congruential sequence. */
+/* Draws colours with a and b from -128 to 128 by a linear congruential sequence. */
 static double next(uint32_t *state, double lowest, double highest)
 {
     *state = *state * 1664525u + 1013904223u;
@@ -100,8 +101,8 @@ static void check_textbook(void)
         worst = fmax(worst, fabs(seen - textbook(colour[0], colour[1])));
         unequal = fmax(unequal, fabs(seen - ciede2000_difference(colour[1], colour[0])));
     }
-    CHECK_NEAR(worst, 0, 1e-10, "100000 pairs are as the paper's equations say");
-    CHECK_NEAR(unequal, 0, 1e-10, "and the same the other way round");
+    CHECK_NEAR(worst, 0, 1e-10, "100000 pairs agree with the paper's equations");
+    CHECK_NEAR(unequal, 0, 1e-10, "100000 pairs differ as much the other way round");
 }
 
 static void check_limits(void)
@@ -115,7 +116,7 @@ static void check_limits(void)
 }
 
 /* c = 50 of (30, 40): S_C = 1 + 0.045 x 50 = 3.25, S_H = 1 + 0.015 x 50 = 1.75. */
-/* Lasers and mistyped whites have next to none of X, Y or Z. */
+/* Lasers and mistyped whites have an X, Y or Z near 0. */
 static void check_overflow(void)
 {
     const double bright[3] = {1e38, 1e38, -1e38}, grey[3] = {50, 50, 50};
@@ -126,7 +127,7 @@ static void check_overflow(void)
         cielab(grey, traces[i], two);
         const double difference = ciede2000_difference(one, two);
         CHECK(difference > 10 && isfinite(difference),
-              "beside a trace of white %d colours differ by a finite %g", i, difference);
+              "under a nearly black white %d colours differ by a finite %g", i, difference);
     }
 }
 
@@ -137,14 +138,15 @@ static void check_older(void)
     const double grey[3] = {62, 0, 0}, small[3] = {50, 3, 4};
     CHECK_NEAR(cie76_difference(small, grey), 13, 1e-13, "CIE76: the root of 12^2 + 3^2 + 4^2");
     CHECK_NEAR(cie94_difference(standard, duller), 10 / 3.25, 1e-13,
-               "CIE94: a chroma of 40 instead of 50");
+               "CIE94 compares a chroma of 40 with a standard of 50");
     CHECK_NEAR(cie94_difference(duller, standard), 10 / 2.8, 1e-13,
-               "which is more to a standard of 40");
+               "CIE94 is larger for a standard of 40");
     CHECK_NEAR(cie94_difference(standard, turned), 8.0812203564176860, 1e-12,
-               "another hue: the root of 10^2 + 10^2 over 1.75");
+               "CIE94 of another hue: the root of 10^2 + 10^2 over 1.75");
     /* dL 2; C 42.426407, dC 7.573593, dC^2 57.359313; dH^2 = 100 - 57.359313 = 42.640687;
      * 4 + 57.359313 / 10.5625 + 42.640687 / 3.0625 = 23.353957 */
-    CHECK_NEAR(cie94_difference(standard, other), 4.8325932, 1e-7, "all three at once");
+    CHECK_NEAR(cie94_difference(standard, other), 4.8325932, 1e-7,
+               "CIE94 of another lightness, chroma and hue");
 }
 
 static void check_cielab(double x, double y, double z, const double white[3], double l, double a,
@@ -158,15 +160,15 @@ static void check_cielab(double x, double y, double z, const double white[3], do
     CHECK_NEAR(lab[2], b, tolerance, "%s: b*", what);
 }
 
-/* White 95.047, 100, 108.883 and the red of sRGB: B. Lindbloom, www.brucelindbloom.com, his
- * conversion of sRGB (255, 0, 0). */
+/* White 95.047, 100, 108.883 and the red of sRGB, (255, 0, 0), as converted by B. Lindbloom,
+ * www.brucelindbloom.com. */
 static const double lindbloom_d65[3] = {95.047, 100, 108.883};
 
 static void check_lab(void)
 {
     const double white[3] = {80, 100, 40}, no_blue[3] = {80, 100, 0};
     check_cielab(80, 100, 40, white, 100, 0, 0, 1e-13, "white");
-    check_cielab(10, 12.5, 5, white, 42, 0, 0, 1e-12, "an eighth of it: 116 / 2 - 16");
+    check_cielab(10, 12.5, 5, white, 42, 0, 0, 1e-12, "an eighth of white: 116 / 2 - 16");
     /* roots 0.5, 0.6, 0.7: 116 x 0.6 - 16, 500 x -0.1, 200 x -0.1 */
     check_cielab(10, 21.6, 13.72, white, 53.6, -50, -20, 1e-12, "a green");
     check_cielab(0, 0, 0, white, 0, 0, 0, 1e-13, "black");
@@ -174,12 +176,11 @@ static void check_lab(void)
     check_cielab(0.08, 0.1, 0.04, white, 0.9032963, 0, 0, 1e-7, "a thousandth of white");
     check_cielab(0, -0.1, 0, white, -0.9032963, 500 * 0.0077870370, 200 * -0.0077870370, 1e-6,
                  "negative Y");
-    /* 500 x 841/108 x -0.01, and the same of Z with 200 */
+    /* 500 x 841/108 x -0.01 for X, and 200 x 841/108 x 0.01 for Z */
     check_cielab(-0.8, 0, -0.4, white, 0, -38.9351852, 15.5740741, 1e-7, "negative X and Z");
     check_cielab(41.24564, 21.26729, 1.93339, lindbloom_d65, 53.2408, 80.0925, 67.2032, 0.5e-4,
-                 "the red of sRGB, as published");
-    check_cielab(10, 12.5, 0, no_blue, 42, 0, 200 * (0.5 - 4. / 29), 1e-12,
-                 "a white without Z leaves Z out");
+                 "CIELAB of sRGB's red, as published");
+    check_cielab(10, 12.5, 0, no_blue, 42, 0, 200 * (0.5 - 4. / 29), 1e-12, "a white without Z");
 }
 
 static void check_cieluv(double x, double y, double z, const double white[3], double l, double u,
@@ -196,14 +197,14 @@ static void check_cieluv(double x, double y, double z, const double white[3], do
 static void check_luv(void)
 {
     const double white[3] = {100, 100, 100}; /* u' 4/19, v' 9/19 */
-    check_cieluv(12.5, 12.5, 12.5, white, 42, 0, 0, 1e-12, "CIELUV, a grey");
-    check_cieluv(0, 0, 0, white, 0, 0, 0, 1e-13, "CIELUV, black");
+    check_cieluv(12.5, 12.5, 12.5, white, 42, 0, 0, 1e-12, "CIELUV of a grey");
+    check_cieluv(0, 0, 0, white, 0, 0, 0, 1e-13, "CIELUV of black");
     /* u' = 100/250, v' = 112.5/250: 13 x 42 x (0.4 - 4/19), 13 x 42 x (0.45 - 9/19) */
-    check_cieluv(25, 12.5, 12.5, white, 42, 103.4526316, -12.9315789, 1e-7, "CIELUV, a red");
-    check_cieluv(0.1, 0.1, 0.1, white, 0.9032963, 0, 0, 1e-7, "CIELUV, a thousandth of white");
+    check_cieluv(25, 12.5, 12.5, white, 42, 103.4526316, -12.9315789, 1e-7, "CIELUV of a red");
+    check_cieluv(0.1, 0.1, 0.1, white, 0.9032963, 0, 0, 1e-7, "CIELUV of a thousandth of white");
     /* The XYZ have 5 decimals: u*, 13 L* x (u' - un'), may be off by 5e-5 for X and Y. */
     check_cieluv(41.24564, 21.26729, 1.93339, lindbloom_d65, 53.2408, 175.0151, 37.7564, 1e-4,
-                 "CIELUV, the red of sRGB, as published");
+                 "CIELUV of sRGB's red, as published");
 }
 
 static void check_chromaticity(void)
@@ -213,11 +214,11 @@ static void check_chromaticity(void)
     chromaticity(orange, xy);
     CHECK(xy[0] == 0.3 && xy[1] == 0.2, "x and y are shares of the sum");
     chromaticity(black, xy);
-    CHECK(xy[0] == 0 && xy[1] == 0, "black has none");
+    CHECK(xy[0] == 0 && xy[1] == 0, "black has no x and y");
     chromaticity(display_white, xy);
-    CHECK_NEAR(xy[0], 0.3127, 1e-15, "x of a display's white");
-    CHECK_NEAR(xy[1], 0.3290, 1e-15, "and its y");
-    CHECK(display_white[1] == 100, "of Y = 100");
+    CHECK_NEAR(xy[0], 0.3127, 1e-15, "the display's white has D65's x");
+    CHECK_NEAR(xy[1], 0.3290, 1e-15, "the display's white has D65's y");
+    CHECK(display_white[1] == 100, "the display's white has Y = 100");
 }
 
 static void check_matrices(void)
@@ -233,14 +234,14 @@ static void check_matrices(void)
         worst = fmax(worst, fabs(inverse[i / 3][i % 3] - by_hand[i]));
         worst_product = fmax(worst_product, fabs(product[i / 3][i % 3] - (i % 4 == 0)));
     }
-    CHECK_NEAR(worst, 0, 1e-15, "the inverse of a matrix");
-    CHECK_NEAR(worst_product, 0, 1e-15, "times the matrix is 1");
+    CHECK_NEAR(worst, 0, 1e-15, "the inverse agrees with the cofactors");
+    CHECK_NEAR(worst_product, 0, 1e-15, "the inverse times the matrix is the identity");
     colour_apply(m, column, out);
     CHECK(out[0] == 4 && out[1] == 14 && out[2] == 10, "a matrix acts on columns");
     double swapped[3][3] = {{0, 1, 0}, {1, 0, 0}, {0, 0, 1}};
     colour_product(swapped, m, product);
     CHECK(product[0][2] == 4 && product[1][0] == 2 && product[2][2] == 3,
-          "the second of a product acts first");
+          "the second factor of a product acts first");
 }
 
 int main(void)

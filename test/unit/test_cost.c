@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Conclusions from times and errors, and processes whose result comes back. Times are made up
- * here, so that what follows from them is known. */
+/* Conclusions from times and errors, and processes that return a result. The times are invented
+ * here, so that the right conclusions are known. */
 #include "test.h"
 
 #include <signal.h>
@@ -44,21 +44,24 @@ static void frontier(void)
         CHECK(entries[i].uncertain == uncertain[i], "entry %d is %swithin noise", i,
               uncertain[i] ? "" : "not ");
     }
-    CHECK(cost_within(&cost, 2, false) == &entries[2], "within 2 the fastest of those is named");
-    CHECK(cost_within(&cost, 100, false) == &entries[0], "within 100 the fastest of all");
-    CHECK(cost_within(&cost, 0, false) == &entries[5], "within 0 what has no error");
+    CHECK(cost_within(&cost, 2, false) == &entries[2],
+          "within an error of 2 the fastest entry is named");
+    CHECK(cost_within(&cost, 100, false) == &entries[0],
+          "within an error of 100 the fastest of all entries is named");
+    CHECK(cost_within(&cost, 0, false) == &entries[5],
+          "within an error of 0 the entry without error is named");
     CHECK(cost_affordable(&cost, 4, false) == &entries[2],
-          "in 4 s the most accurate, of equals the faster");
+          "in 4 s the most accurate entry is named, and the faster of two equals");
     CHECK(cost_affordable(&cost, 1, false) == &entries[0], "a budget may be used up");
-    CHECK(!cost_affordable(&cost, 0.99, false), "in 0.99 s there is none");
+    CHECK(!cost_affordable(&cost, 0.99, false), "in 0.99 s no entry is named");
     CHECK(!cost_within(&cost, 100, true) && !cost_affordable(&cost, 100, true),
-          "none of them has spectra");
+          "no entry of the three has spectra");
     entries[4].accuracy.spectral = true;
     CHECK(cost_within(&cost, 2.5, true) == &entries[4] &&
               cost_affordable(&cost, 100, true) == &entries[4],
-          "where spectra are wanted the only one that has them is named");
+          "a request for spectra names the only entry that has them");
     entries[5].accuracy.quantile_95 = 0.5;
-    CHECK(!cost_within(&cost, 0.4, false), "within 0.4 there is none");
+    CHECK(!cost_within(&cost, 0.4, false), "within 0.4 no entry is named");
 }
 
 static void equals(void)
@@ -67,7 +70,7 @@ static void equals(void)
     struct cost cost = {.entries = entries, .n = 2};
     cost_mark(&cost);
     CHECK(entries[0].best && entries[1].best && !entries[0].uncertain,
-          "of two that are the same both are on the frontier");
+          "two equal entries are both on the frontier");
 }
 
 /* ---- configurations ---- */
@@ -86,17 +89,16 @@ static void words(void)
         "--sampling=gauss:8,open", "--detector=cie1964", "--shading=smooth", "--tessellation=2",
         "--renderer=llvmpipe",     "--buffer=16",        "--depth=32f"};
     CHECK(configuration_entry(&configuration, "cie1964", &seen, &err) && seen.n_words == 7,
-          "a setting of everything is seven words, without --no-check");
+          "a configuration with every option has seven words, without --no-check");
     for (int i = 0; i < seen.n_words && i < 7; i++)
         CHECK_TEXT(seen.words[i], expected[i], "word %d is %s", i + 1, expected[i]);
     CHECK_TEXT(seen.name, "gauss:8,open smooth x2 llvmpipe checked buffer 16 depth 32f",
-               "its name tells them all");
+               "its name contains all its options");
     cost_entry_free(&seen);
     CHECK(configuration_standard("cie1931", &seen, &err) && seen.n_words == 7,
-          "the default observer is no word");
+          "the default observer adds no word");
     CHECK_TEXT(seen.words[6], "--full-scale=65535",
-               "the standard has a full scale, so that phong "
-               "shading is never refused");
+               "the reference has a full scale, so that phong shading is never refused");
     cost_entry_free(&seen);
 }
 
@@ -109,11 +111,11 @@ static void csv(void)
     const struct configuration configuration = {.sampling = "rgb", .tessellation = 1};
     configuration_entry(&configuration, "a \"film\".csv", &entries[0], &err);
     char *text = cost_csv(&cost);
-    CHECK_TEXT(strchr(text, '\n') + 1,
-               "\"rgb smooth\",\"--sampling=rgb --detector=a \"\"film\"\".csv --shading=smooth "
-               "--renderer=raster --no-check\",2,1,3,0.05,0.1,0.2,,0,0\n",
-               "a line of the table, with an observer whose name has quotation marks, and no "
-               "radiances");
+    CHECK_TEXT(
+        strchr(text, '\n') + 1,
+        "\"rgb smooth\",\"--sampling=rgb --detector=a \"\"film\"\".csv --shading=smooth "
+        "--renderer=raster --no-check\",2,1,3,0.05,0.1,0.2,,0,0\n",
+        "a line of the table holds an observer with quotation marks in its name, and no radiances");
     free(text);
     cost_entry_free(&entries[0]);
 }
@@ -149,19 +151,20 @@ static void processes(void)
     int number = 21, out = 0;
     double seconds = -1;
     CHECK(process_run(doubles, &number, &out, sizeof out, &seconds, &err) && out == 42,
-          "what a process finds comes back");
-    CHECK(seconds > 0, "with its seconds");
-    CHECK(number == 21, "and it has its own copy of all else");
+          "a process returns its result");
+    CHECK(seconds > 0, "a process returns its seconds");
+    CHECK(number == 21, "a process has its own copy of all other memory");
     CHECK(!process_run(refuses, &number, &out, sizeof out, NULL, &err) && err.status == EXIT_INPUT,
-          "its failure comes back");
-    CHECK_TEXT(err.text, "error: seven is no colour", "in its own words");
+          "a process returns its failure");
+    CHECK_TEXT(err.text, "error: seven is no colour",
+               "the message of the failure is the process's own");
     err = (struct error){.status = EXIT_AGREED};
     CHECK(!process_run(dies, &number, &out, sizeof out, NULL, &err) && err.status == EXIT_SYSTEM,
-          "one that is killed is a failure of the system");
-    CHECK(strstr(err.text, "Killed") != NULL, "which tells the signal");
+          "a killed process is a failure of the system");
+    CHECK(strstr(err.text, "Killed") != NULL, "the message names the signal");
 }
 
-/* Tells that it was not ended before its end. */
+/* Writes to the pipe to show that nothing ended the process early. */
 static bool lingers(void *context, void *out, struct error *err)
 {
     const int *to = context;
@@ -177,13 +180,14 @@ static void interruption(void)
     char byte;
     const struct sigaction ignored = {.sa_handler = SIG_IGN};
     void *held = signals_hold();
-    CHECK(pipe(ends) == 0, "a pipe");
+    CHECK(pipe(ends) == 0, "a pipe is made");
     raise(SIGTERM);
     CHECK(!process_run(lingers, &ends[1], NULL, 0, NULL, &err) && err.status == EXIT_SYSTEM,
-          "a signal that waits ends a process");
-    CHECK(strstr(err.text, "interrupted") != NULL, "and is told as an interruption");
+          "a waiting signal ends a process");
+    CHECK(strstr(err.text, "interrupted") != NULL,
+          "the message says that the process was interrupted");
     close(ends[1]);
-    CHECK(read(ends[0], &byte, 1) == 0, "the process did not live on");
+    CHECK(read(ends[0], &byte, 1) == 0, "the interrupted process is gone");
     close(ends[0]);
     sigaction(SIGTERM, &ignored, NULL); /* drops it */
     signals_release(held);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* A stack's record of its scene: its lights, the white they make, and which object each pixel
- * shows, all against what was written into the scene by hand. A stack whose record is forged,
- * damaged or missing is read as one of others; what is no spectral stack is refused. */
+/* A stack's record of its scene, that is the lights, their white, and the object at each pixel, is
+ * compared with the scene, which was written by hand. A stack whose record is forged, damaged or
+ * missing is read like a stack of another program; a file that is no spectral stack is refused. */
 #include "data/method/method.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
@@ -50,7 +50,7 @@ static bool render_stack(const char *name, const char *size, enum kept kept, str
     return render_sampled(name, size, kept, NULL, err);
 }
 
-/* A stack of the scene, open. */
+/* Renders the scene and opens its stack. */
 static bool open_scene(const char *text, enum kept kept, struct cube *cube)
 {
     struct error err = {0};
@@ -59,7 +59,7 @@ static bool open_scene(const char *text, enum kept kept, struct cube *cube)
                  "a scene is rendered, its stack opened %s", err.text);
 }
 
-/* -3 for all where they cannot be read. */
+/* All objects are -3 if they cannot be read. */
 static void read_row(const struct cube *cube, int y, int n, int *out)
 {
     struct error err = {0};
@@ -112,15 +112,17 @@ static void test_mean(void)
                     "light 0.25*2 1 position 0 0 9\n",
                     REFERENCE, &cube))
         return;
-    check_white(&cube, NULL, mean, "two lights and an ambient one");
-    check_white(&cube, "lamp.csv*2", lamp, "a spectrum of the command line");
+    check_white(&cube, NULL, mean, "a scene has two lights and an ambient one");
+    check_white(&cube, "lamp.csv*2", lamp, "the command line adds a spectrum");
     CHECK_NEAR(record_illumination(&cube.record), 8, 0, "their intensities add up");
-    CHECK(cube.record.lights.n == 2 && cube.record.ambients.n == 1, "and are told apart");
+    CHECK(cube.record.lights.n == 2 && cube.record.ambients.n == 1,
+          "lights and ambient lights are listed separately");
     CHECK_TEXT(cube.record.lights.text[0], "lamp.csv*3", "the first light");
-    CHECK_TEXT(cube.record.lights.text[1], "0.25*2*1", "the second, whose spectrum has a factor");
-    CHECK_TEXT(cube.record.ambients.text[0], "2*4", "the ambient one");
+    CHECK_TEXT(cube.record.lights.text[1], "0.25*2*1",
+               "the second light, whose spectrum has a factor");
+    CHECK_TEXT(cube.record.ambients.text[0], "2*4", "the ambient light");
     check_no_white(&cube, "0", "the white is 0 at all of the stack's wavelengths");
-    check_no_white(&cube, "no such light", "--white:1:1: error: ");
+    check_no_white(&cube, "an unknown light is refused", "--white:1:1: error: ");
     check_no_white(&cube, "", "expected one line");
     check_no_white(&cube, "-1", "--white:1:1: error: ");
     cube_close(&cube);
@@ -136,7 +138,7 @@ static void test_d65(void)
                     "material paint { diffuse 0.5 }\nlight d65 0.3 direction 0 0 1\n",
                     REFERENCE, &cube))
         return;
-    check_white(&cube, NULL, d65, "D65 alone");
+    check_white(&cube, NULL, d65, "a scene with D65 alone");
     cube_close(&cube);
 }
 
@@ -154,17 +156,17 @@ static void test_dark(void)
         if (!open_scene(scenes[i], REFERENCE, &cube))
             return;
         CHECK(cube.record.white.n == 0 && record_illumination(&cube.record) == 0,
-              "what does not shine makes no white");
-        CHECK(cube.record.lights.n == (i > 0), "even where there is a light");
+              "a scene without light has no white");
+        CHECK(cube.record.lights.n == (i > 0), "the record lists a light even if it adds no light");
         check_no_white(&cube, NULL, "records no white");
-        check_white(&cube, "1", &one, "one of the command line");
+        check_white(&cube, "1", &one, "a white of the command line");
         cube_close(&cube);
     }
 }
 
 /* ---- the object map ---- */
 
-/* Ten pixels a unit: three squares of which the last one hides a part of the first. */
+/* Ten pixels a unit: three squares; the last one hides a part of the first. */
 static int square_at(int x, int y)
 {
     if (x >= 10 && x < 20 && y >= 5 && y < 15)
@@ -192,16 +194,16 @@ static void test_squares(enum kept kept)
         wrong += row[i % 40] != (kept == UNCHECKED_GL ? -1 : square_at(i % 40, i / 40));
         wrong += row[i % 40] != object_at(&cube, i % 40, i / 40);
     }
-    CHECK(wrong == 0, "the map is known where %s: %d pixels are wrong",
+    CHECK(wrong == 0, "the map is right where %s: %d pixels are wrong",
           kept == REFERENCE    ? "the reference draws"
           : kept == CHECKED_GL ? "OpenGL is checked"
-                               : "nobody checks OpenGL, and then tells nothing",
+                               : "nobody checks OpenGL, and then there is no map",
           wrong);
-    CHECK(cube.record.objects.n == (kept == UNCHECKED_GL ? 0 : 3), "with every object");
+    CHECK(cube.record.objects.n == (kept == UNCHECKED_GL ? 0 : 3), "the record lists every object");
     if (cube.record.objects.n == 3) {
-        CHECK_TEXT(cube.record.objects.text[1], "blue", "whose name is its material's");
+        CHECK_TEXT(cube.record.objects.text[1], "blue", "an object is named after its material");
         CHECK_TEXT(cube.record.objects.text[2], cube.record.objects.text[0],
-                   "which others may share");
+                   "two objects may share a name");
     }
     cube_close(&cube);
 }
@@ -226,9 +228,9 @@ static void test_many(void)
             read_row(&cube, i / COLUMNS, COLUMNS, row);
         wrong += row[i % COLUMNS] != i + 1;
     }
-    CHECK(wrong == 0, "%d objects are told apart: %d wrong", COLUMNS * ROWS, wrong);
+    CHECK(wrong == 0, "%d objects are distinguished: %d wrong", COLUMNS * ROWS, wrong);
     CHECK(cube.record.objects.n == COLUMNS * ROWS && cube.record.map_bytes == 2,
-          "by numbers of two bytes");
+          "the numbers take two bytes");
     cube_close(&cube);
 }
 
@@ -243,9 +245,9 @@ static void test_patches(void)
         return;
     for (int i = 0; i < 24; i++)
         wrong += object_at(&cube, 25 + 50 * (i % 6), 25 + 50 * (i / 6)) != i + 1;
-    CHECK(wrong == 0, "the centre of each patch shows it: %d wrong", wrong);
-    CHECK(object_at(&cube, 50, 50) == 0, "and between them is background");
-    CHECK_TEXT(cube.record.objects.text[18], "19-white", "the 19th is the white one");
+    CHECK(wrong == 0, "the centre of each patch shows that patch: %d wrong", wrong);
+    CHECK(object_at(&cube, 50, 50) == 0, "the gap between patches shows background");
+    CHECK_TEXT(cube.record.objects.text[18], "19-white", "the 19th patch is the white one");
     cube_close(&cube);
 }
 
@@ -264,7 +266,7 @@ static int *read_map(const char *scene, enum kept kept)
     return maps[kept];
 }
 
-/* Inside an object, with its eight neighbours. */
+/* Returns whether the pixel and its eight neighbours show one object. */
 static void test_renderers(const char *scene)
 {
     const int *reference = read_map(scene, REFERENCE), *gl = read_map(scene, CHECKED_GL);
@@ -279,11 +281,11 @@ static void test_renderers(const char *scene)
             wrong += same && gl[y * 120 + x] != reference[y * 120 + x];
         }
     CHECK(inside > 120 * 80 / 2 && wrong == 0,
-          "%s: OpenGL shows the same objects but on edges: %d of %d pixels do not", scene, wrong,
+          "%s: OpenGL shows the same objects inside of edges: %d of %d pixels do not", scene, wrong,
           inside);
 }
 
-/* ---- stacks of others, and forged ones ---- */
+/* ---- stacks of other programs, and forged ones ---- */
 
 static char *read_whole(size_t *length)
 {
@@ -301,7 +303,7 @@ static bool write_whole(const char *bytes, size_t length)
     return file != NULL && fwrite(bytes, 1, length, file) == length && fclose(file) == 0;
 }
 
-/* Where `text` lies among the bytes; of a stack's record it does once. */
+/* Returns the offset of `text` among the bytes; it occurs once in a stack's record. */
 static char *find(char *bytes, size_t length, const char *text)
 {
     for (size_t i = 0; i + strlen(text) <= length; i++)
@@ -310,8 +312,8 @@ static char *find(char *bytes, size_t length, const char *text)
     return bytes;
 }
 
-/* The stack with `from` overwritten and its end moved: it opens, with or without its record, but
- * tells no objects. */
+/* Overwrites `from` in the stack and moves its end: the stack opens, with or without its record,
+ * but without objects. */
 static void check_forged(const char *from, const char *to, int longer, bool own)
 {
     size_t length;
@@ -324,9 +326,9 @@ static void check_forged(const char *from, const char *to, int longer, bool own)
     if (CHECK(write_whole(bytes, (size_t)((long)length + longer)) &&
                   cube_open("forged.tif", &cube, &err),
               "'%.13s' made '%.13s', %d bytes more: it opens %s", from, to, longer, err.text)) {
-        CHECK(object_at(&cube, 1, 1) == -1, "but tells no objects");
-        CHECK((cube.record.text != NULL) == own && (cube.record.white.n > 0) == own, "and is %s",
-              own ? "still our own" : "one of others");
+        CHECK(object_at(&cube, 1, 1) == -1, "it has no objects");
+        CHECK((cube.record.text != NULL) == own && (cube.record.white.n > 0) == own,
+              "it is read as %s", own ? "a stack of spectral" : "a stack of another program");
         CHECK(image_read(&cube.image, 1, 1, 1, row, &err) && cube.image.scale > 0,
               "its pixels can be read %s", err.text);
         cube_close(&cube);
@@ -342,7 +344,7 @@ static void test_forged(void)
                     "material paint { diffuse 0.5 }\nlight d65 1 direction 0 0 1\n",
                     REFERENCE, &cube))
         return;
-    CHECK(object_at(&cube, 1, 1) == 1, "an object is told");
+    CHECK(object_at(&cube, 1, 1) == 1, "a pixel's object is read");
     const unsigned long long at = cube.record.map_offset;
     snprintf(offset, sizeof offset, "object_map: %llu 1", at);
     snprintf(more, sizeof more, "object_map: %llu 1", at + 1);
@@ -362,7 +364,7 @@ static void test_forged(void)
     check_forged("program: ", "programme", 0, false);
 }
 
-/* A number that no object has. */
+/* Writes a number that belongs to no object. */
 static void test_stray(void)
 {
     size_t length;
@@ -372,12 +374,12 @@ static void test_stray(void)
     bytes[length - 16] = 2;
     CHECK(write_whole(bytes, length) && cube_open("forged.tif", &cube, &err) &&
               object_at(&cube, 0, 0) == -1 && object_at(&cube, 1, 1) == 1,
-          "a number without an object tells nothing %s", err.text);
+          "a number without an object makes the map invalid %s", err.text);
     cube_close(&cube);
     free(bytes);
 }
 
-/* Two pages of 4x3 pixels by libtiff. */
+/* Writes two pages of 4x3 pixels with libtiff. */
 static bool write_pages(int bits, int n_samples, int format, const char *const names[2])
 {
     static const unsigned char pixels[4 * 3 * 4 * 3];
@@ -402,7 +404,7 @@ static bool write_pages(int bits, int n_samples, int format, const char *const n
     return good;
 }
 
-/* In one line that names the file and says `what`. */
+/* Checks that the file is refused in one line that names it and contains `what`. */
 static void check_refusal(const char *name, const char *what)
 {
     struct cube cube;
@@ -421,8 +423,8 @@ static void test_foreign(void)
     struct cube cube;
     struct error err = {0};
     CHECK(write_pages(16, 1, whole, rising) && cube_open(path, &cube, &err),
-          "a stack of others opens %s", err.text);
-    CHECK(cube.record.text == NULL && object_at(&cube, 0, 0) == -1, "it tells no objects");
+          "a stack of another program opens %s", err.text);
+    CHECK(cube.record.text == NULL && object_at(&cube, 0, 0) == -1, "it has no objects");
     check_no_white(&cube, NULL, "records no white");
     cube_close(&cube);
     CHECK(write_pages(16, 1, whole, NULL), "pages without names are written");
@@ -443,7 +445,7 @@ static void test_foreign(void)
     check_refusal("12 bits", "its samples are 1 of 12 bits, unsigned");
 }
 
-/* A stack of our own is cut short, at any place but in its object map. */
+/* A stack of spectral is refused if it is cut short anywhere but in its object map. */
 static void test_cuts(void)
 {
     struct error err = {0};
@@ -453,22 +455,22 @@ static void test_cuts(void)
     const off_t pixels = (off_t)cube.record.map_offset;
     cube_close(&cube);
     CHECK(truncate(path, pixels) == 0 && cube_open(path, &cube, &err), "it opens without its map");
-    CHECK(object_at(&cube, 1, 1) == -1 && cube.record.white.n == 4, "which is all that it lacks");
+    CHECK(object_at(&cube, 1, 1) == -1 && cube.record.white.n == 4, "it lacks nothing but the map");
     cube_close(&cube);
     CHECK(truncate(path, pixels - 1) == 0, "a byte of its pixels is cut off");
     check_refusal("cut within pixels",
                   "page 4 (700 nm): its pixels end beyond the end of the file");
-    CHECK(truncate(path, pixels / 2) == 0, "its directories are cut");
+    CHECK(truncate(path, pixels / 2) == 0, "its directories are cut off");
     check_refusal("cut within directories", "error: ");
-    CHECK(truncate(path, 4) == 0, "its head is cut");
+    CHECK(truncate(path, 4) == 0, "its head is cut short");
     check_refusal("cut within its head", "libtiff: ");
-    CHECK(truncate(path, 0) == 0, "all is cut");
+    CHECK(truncate(path, 0) == 0, "every byte is cut");
     check_refusal("an empty file", "libtiff: ");
 }
 
 /* ---- sampled stacks ---- */
 
-/* A scene with a lamp that rises from 1 by 3 in 350 nm. */
+/* Renders a scene with a lamp that rises by 3 in 350 nm, from 1. */
 #define LAMP_SCENE                                                                                 \
     "wavelengths 380 730 1\n" PLANE "material paint { diffuse 0.5 }\n"                             \
     "light lamp.csv 1 direction 0 0 1\n"
@@ -483,14 +485,14 @@ static bool open_sampled(const char *sampling, struct cube *cube)
                  "%s: rendered and opened %s", sampling, err.text);
 }
 
-/* The white of a fixed sampling is exact: the 1 nm sum of its detector. */
+/* A fixed sampling records its white exactly: the detector's sum at 1 nm. */
 static void white_at_1nm(double out[3])
 {
     enum { N = 351 };
     double nm[N], white[N], weights[3 * N];
     struct detector detector;
     struct error err = {0};
-    if (!CHECK(detector_read("cie1931", &detector, &err), "there is an observer"))
+    if (!CHECK(detector_read("cie1931", &detector, &err), "the observer is read"))
         return;
     for (int i = 0; i < N; i++) {
         nm[i] = 380 + i;
@@ -521,7 +523,7 @@ static void check_response(const struct cube *cube, const char *spectrum, double
     const bool open = cube_weights(cube, &other, weights, &err);
     CHECK(open == (cube->record.response.n == 0) &&
               (open || strstr(err.text, "expected --detector cie1931") != NULL),
-          "%s: another detector is served where it is not fixed %s", name, err.text);
+          "%s: another detector works unless the sampling is fixed for one %s", name, err.text);
     detector_free(&detector);
     detector_free(&other);
 }
@@ -530,8 +532,8 @@ static void test_sampled(void)
 {
     const struct {
         const char *sampling;
-        double tolerance; /* of the white: linear, so that most have it but for the 10 digits in
-                             which pages tell their wavelengths */
+        double tolerance; /* of the white, which is linear: most samplings reproduce it but for the
+                             10 digits of the recorded wavelengths */
         bool fixed, components;
     } samplings[] = {{"gauss:8", 1e-9, false, false},     {"gauss:8,open", 1e-9, false, false},
                      {"gauss:9,xyz", 1e-12, true, false}, {"basis:2", 1e-12, true, true},
@@ -545,22 +547,22 @@ static void test_sampled(void)
         if (!open_sampled(samplings[i].sampling, &cube))
             continue;
         const char *name = samplings[i].sampling;
-        CHECK_TEXT(cube.record.sampling, name, "%s: recorded", name);
+        CHECK_TEXT(cube.record.sampling, name, "%s: the sampling is recorded", name);
         CHECK(cube.components == samplings[i].components &&
                   (cube.record.response.n > 0) == samplings[i].fixed &&
                   cube_needs_radiance(&cube, "this", &err) == !samplings[i].components,
-              "%s: fixed and components as they should be %s", name, err.text);
+              "%s: the record says rightly if it is fixed and has components %s", name, err.text);
         check_response(&cube, NULL, samplings[i].tolerance, name);
         check_response(&cube, "lamp.csv", samplings[i].tolerance, name);
         CHECK(cube_white(&cube, NULL, white, &err) == !samplings[i].components &&
                   (!cube.components ||
                    cube.image.wavelengths_nm[cube.image.n_pages - 1] == cube.image.n_pages),
-              "%s: radiances of the white where pages have wavelengths %s", name, err.text);
+              "%s: the white has radiances if pages have wavelengths %s", name, err.text);
         cube_close(&cube);
     }
 }
 
-/* --white gives each box the white that a scene with such a light records. */
+/* --white gives each box the same white as a scene with that light records. */
 static void test_boxes(void)
 {
     double white[64], again[64];
@@ -569,19 +571,19 @@ static void test_boxes(void)
     if (!open_sampled("box:7", &cube))
         return;
     CHECK(cube_white(&cube, NULL, white, &err) && cube_white(&cube, "lamp.csv", again, &err),
-          "box:7: there are both whites %s", err.text);
+          "box:7: both whites are computed %s", err.text);
     for (int i = 0; i < cube.image.n_pages; i++)
-        CHECK_NEAR(again[i], white[i], 1e-12, "the mean of box %d", i + 1);
+        CHECK_NEAR(again[i], white[i], 1e-12, "box %d has the same mean", i + 1);
     cube_close(&cube);
 }
 
-/* A radiance of 1 everywhere is what the white 1 is, in all of the detector's channels. */
+/* A radiance of 1 everywhere equals the white 1 in all of the detector's channels. */
 static void test_equal(void)
 {
     const char *const samplings[] = {"gauss:8", "gauss:9,xyz", "basis:2", "rgb"};
     struct detector detector;
     struct error err = {0};
-    if (!CHECK(detector_read("cie1931", &detector, &err), "there is an observer"))
+    if (!CHECK(detector_read("cie1931", &detector, &err), "the observer is read"))
         return;
     for (size_t i = 0; i < sizeof samplings / sizeof samplings[0]; i++) {
         double weights[3 * 64], equal[3], white[3];
@@ -593,16 +595,16 @@ static void test_equal(void)
                   cube_equal_response(&cube, &detector, weights, equal, &err) &&
                   cube_white_response(&cube, &(struct white_request){"1", true}, weights, &found,
                                       white, &err),
-              "%s: there are both %s", samplings[i], err.text);
+              "%s: both whites are computed %s", samplings[i], err.text);
         for (int channel = 0; channel < 3; channel++)
-            CHECK_NEAR(equal[channel], white[channel], 1e-12, "%s: in channel %d", samplings[i],
-                       channel + 1);
+            CHECK_NEAR(equal[channel], white[channel], 1e-12, "%s: they agree in channel %d",
+                       samplings[i], channel + 1);
         cube_close(&cube);
     }
     detector_free(&detector);
 }
 
-/* A file's numbers may be finite, and their sums not. */
+/* The numbers of a file may be finite although their sums are not. */
 static void test_huge(void)
 {
     double weights[3 * 64], white[3];
@@ -611,7 +613,7 @@ static void test_huge(void)
     struct cube cube;
     struct error err = {0};
     if (!open_sampled("gauss:9,xyz", &cube) ||
-        !CHECK(detector_read("cie1931", &detector, &err), "there is an observer"))
+        !CHECK(detector_read("cie1931", &detector, &err), "the observer is read"))
         return;
     cube.record.white_response.value[1] = 1e300;
     CHECK(!cube_white_response(&cube, &(struct white_request){NULL, true}, weights, &found, white,
@@ -627,13 +629,13 @@ static void test_huge(void)
     cube_close(&cube);
 }
 
-/* A light that the detector does not see is no white to adapt to; a picture it still makes. */
+/* A light that the detector does not see gives no white to adapt to, but still gives a picture. */
 static void test_unseen(void)
 {
     const char *const samplings[] = {"gauss:8", "gauss:9,xyz", "basis:2", "rgb"};
     struct detector detector;
     struct error err = {0};
-    if (!CHECK(detector_read("cie1931", &detector, &err), "there is an observer"))
+    if (!CHECK(detector_read("cie1931", &detector, &err), "the observer is read"))
         return;
     test_write("lamp.csv", "300,1\n350,1\n");
     test_write("cube.scene",
@@ -656,12 +658,12 @@ static void test_unseen(void)
         CHECK(!cube_white_response(&cube, &(struct white_request){NULL, true}, weights, &found,
                                    white, &err) &&
                   strstr(err.text, "records no white") != NULL,
-              "%s: and none where it is needed %s", samplings[i], err.text);
+              "%s: an adaptation to its white is refused %s", samplings[i], err.text);
         err = (struct error){0};
         CHECK(!cube_white_response(&cube, &(struct white_request){"lamp.csv", true}, weights,
                                    &found, white, &err) &&
                   strstr(err.text, "0 at all of the stack's wavelengths") != NULL,
-              "%s: nor as an option %s", samplings[i], err.text);
+              "%s: it is refused as the option --white %s", samplings[i], err.text);
         cube_close(&cube);
     }
     detector_free(&detector);
@@ -670,9 +672,9 @@ static void test_unseen(void)
 int main(void)
 {
     const char *folder = test_folder();
-    if (!CHECK(chdir(folder) == 0, "there is a folder for temporary files"))
+    if (!CHECK(chdir(folder) == 0, "the folder for temporary files exists"))
         return test_end();
-    TIFFSetWarningHandler(NULL); /* of the writer in this test */
+    TIFFSetWarningHandler(NULL); /* the writer in this test */
     test_mean();
     test_d65();
     test_dark();

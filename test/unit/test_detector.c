@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Detectors against the CIE's published white points, and weights and losses worked by hand. */
+/* Compares detectors with the CIE's published white points, and weights and losses with values
+ * worked by hand. */
 #include "data/base/base.h"
 #include "data/colour/colour.h"
 #include "data/spectra/spectra.h"
@@ -9,7 +10,7 @@
 
 enum { PATH_SIZE = 512, MOST = 1024 };
 
-/* A zeroed detector stands for an error. */
+/* Returns a zeroed detector after an error. */
 static struct detector read_detector(const char *name, struct error *err)
 {
     struct detector out;
@@ -60,7 +61,7 @@ static int grid(double first, double last, double step, double out[MOST])
     return n;
 }
 
-/* A detector's channels for a light, or for a radiance of 1 where light is NULL. */
+/* Computes a detector's channels for a light, or for a radiance of 1 if light is NULL. */
 static void channels(const struct detector *detector, const struct spectrum *light,
                      const double *nm, int n, double out[3])
 {
@@ -76,7 +77,7 @@ static void channels(const struct detector *detector, const struct spectrum *lig
 
 /* ---- the CIE's tables ---- */
 
-/* As the CIE publishes them (CIE 15:2004): sums over 380 to 780 nm every 5 nm. */
+/* The CIE's published values (CIE 15:2004) are sums over 380 to 780 nm every 5 nm. */
 static const struct white {
     const char *observer, *light;
     double x, y;
@@ -108,14 +109,14 @@ static void check_whites(void)
         double xy[2], other[2];
         white_point(w, 380, 780, 5, xy);
         CHECK_NEAR(xy[0], w->x, 0.5e-5, "x of %s to %s as published", w->light, w->observer);
-        CHECK_NEAR(xy[1], w->y, 0.5e-5, "and y");
-        /* Illuminants have a sample every 5 nm: every nm is linear between these. */
+        CHECK_NEAR(xy[1], w->y, 0.5e-5, "y agrees, too");
+        /* Illuminants have a sample every 5 nm and are linear between samples. */
         white_point(w, 360, 830, 1, other);
         CHECK(fabs(other[0] - xy[0]) < 3e-5 && fabs(other[1] - xy[1]) < 3e-5,
-              "all wavelengths, every nm, change less than 0.00003");
+              "sums over all wavelengths, every nm, differ by less than 0.00003");
         white_point(w, 300, 760, 5, other);
         CHECK(fabs(other[0] - xy[0]) < 3e-5 && fabs(other[1] - xy[1]) < 3e-5,
-              "and so does ending at 760 nm");
+              "sums that end at 760 nm differ by less than 0.00003");
     }
 }
 
@@ -151,13 +152,14 @@ static void check_tables(void)
         printf("# %s, 300 to 760 nm every 5 nm: X %.4f Y %.4f Z %.4f, lost %.2g %.2g %.2g\n",
                tables[i].name, xyz[0], xyz[1], xyz[2], lost[0], lost[1], lost[2]);
         CHECK(!tables[i].observer || fabs(xyz[1] - 100) < 0.01,
-              "within 0.01 from 300 to 760 nm every 5 nm");
-        CHECK(lost[0] < 3e-4 && lost[1] < 3e-4 && lost[2] < 3e-4, "which loses below 0.03 %%");
+              "sums from 300 to 760 nm every 5 nm are within 0.01");
+        CHECK(lost[0] < 3e-4 && lost[1] < 3e-4 && lost[2] < 3e-4,
+              "these sums lose less than 0.03 %%");
         detector_free(&detector);
     }
     for (size_t i = 0; i < builtin_file_count; i++)
         built_in += table_is_detector(&builtin_files[i]);
-    CHECK(built_in == sizeof tables / sizeof tables[0], "no other table is a detector");
+    CHECK(built_in == sizeof tables / sizeof tables[0], "any other table is refused as a detector");
 }
 
 /* ---- weights ---- */
@@ -169,19 +171,21 @@ static void check_weights(void)
     struct detector observer = content("nm,x,y,z\n300 1 2 4\n600 1 2 4\n");
     double out[9];
     detector_weights(&camera, uneven, 3, out);
-    CHECK(out[0] == 10 && out[1] == 20 && out[2] == 30, "half-way, and a whole step at the ends");
-    CHECK(out[3] == 20 && out[5] == 60 && out[6] == 40 && out[8] == 120, "times the sensitivity");
+    CHECK(out[0] == 10 && out[1] == 20 && out[2] == 30,
+          "a wavelength stands for half a step on each side, and for a whole step at an end");
+    CHECK(out[3] == 20 && out[5] == 60 && out[6] == 40 && out[8] == 120,
+          "a weight is the step times the sensitivity");
     detector_weights(&camera, single, 1, out);
     CHECK(out[0] == 1 && out[1] == 2 && out[2] == 4, "one wavelength stands for 1 nm");
     detector_weights(&camera, outside, 2, out);
-    CHECK(out[0] == 0 && out[1] == 20, "no sensitivity outside its table");
+    CHECK(out[0] == 0 && out[1] == 20, "the sensitivity is 0 outside its table");
     /* two samples of 300 nm: the sum of y is 1200, and k = 1/12 */
     detector_weights(&observer, uneven, 3, out);
-    CHECK_NEAR(out[3], 10 * 2 / 12., 1e-15, "an observer's are scaled by its own table");
-    CHECK_NEAR(out[8], 30 * 4 / 12., 1e-14, "whatever the wavelengths are");
+    CHECK_NEAR(out[3], 10 * 2 / 12., 1e-15, "an observer's weights are scaled by its own table");
+    CHECK_NEAR(out[8], 30 * 4 / 12., 1e-14, "the scale does not depend on the wavelengths");
     struct detector lobed = content("nm,x,y,z\n300 1 3 4\n600 1 -1 4\n");
     detector_weights(&lobed, uneven, 3, out); /* the sum of y is 600, and k = 1/6 */
-    CHECK_NEAR(out[0], 10 / 6., 1e-14, "a negative y counts as such");
+    CHECK_NEAR(out[0], 10 / 6., 1e-14, "a negative y reduces the sum");
     detector_free(&lobed);
     detector_free(&camera);
     detector_free(&observer);
@@ -199,7 +203,7 @@ static void check_thesis(void)
     for (int i = 0; i < 3 * n; i++)
         worst = fmax(worst, fabs(weights[i] -
                                  5 * detector.sensitivity[i / n].value[i % n] * 100 / (5 * sum)));
-    CHECK_NEAR(worst, 0, 1e-13, "on its grid the weights are those of the thesis");
+    CHECK_NEAR(worst, 0, 1e-13, "the weights on the thesis's grid agree with the thesis");
     detector_free(&detector);
 }
 
@@ -210,7 +214,7 @@ static double lost_of(const char *text, double first, double last, double step)
     struct detector detector = content(text);
     double nm[MOST], out[3];
     detector_lost(&detector, nm, grid(first, last, step, nm), out);
-    CHECK(out[1] == out[0] && out[2] == out[0], "alike channels lose alike");
+    CHECK(out[1] == out[0] && out[2] == out[0], "equal channels lose equal shares");
     detector_free(&detector);
     return out[0];
 }
@@ -219,15 +223,18 @@ static void check_lost(void)
 {
     static const char level[] = "400 1 1 1\n410 1 1 1\n420 1 1 1\n430 1 1 1\n";
     static const char odd[] = "400 1 1 1\n410 -3 -3 -3\n";
-    CHECK(lost_of(level, 400, 430, 10) == 0, "nothing on its own grid");
-    CHECK(lost_of(level, 300, 700, 3) == 0, "nor on a wider one");
-    CHECK(lost_of(level, 500, 600, 10) == 1, "everything elsewhere");
-    CHECK(lost_of(level, 380, 390, 10) == 1, "also just beside it");
-    CHECK(lost_of(level, 397.5, 412.5, 5) == 0.5, "half, from 395 to 415 of 395 to 435 nm");
-    CHECK_NEAR(lost_of(level, 420, 420, 1), 39. / 40, 1e-15, "all but 1 nm of 40");
+    CHECK(lost_of(level, 400, 430, 10) == 0, "a detector loses nothing on its own grid");
+    CHECK(lost_of(level, 300, 700, 3) == 0, "a detector loses nothing on a wider grid");
+    CHECK(lost_of(level, 500, 600, 10) == 1, "a detector loses everything on a distant grid");
+    CHECK(lost_of(level, 380, 390, 10) == 1,
+          "a detector loses everything on a grid just beside its own");
+    CHECK(lost_of(level, 397.5, 412.5, 5) == 0.5,
+          "the grid from 395 to 415 nm loses half of 395 to 435 nm");
+    CHECK_NEAR(lost_of(level, 420, 420, 1), 39. / 40, 1e-15,
+               "one wavelength loses all but 1 nm of 40");
     CHECK(lost_of(odd, 400, 405, 10) == lost_of(odd, 400, 400.5, 1) &&
               fabs(lost_of(odd, 400, 400, 1) - (1 - 1. / 40)) < 1e-15,
-          "negative ones count by their size");
+          "negative sensitivities count by their size");
 }
 
 /* ---- reading ---- */
@@ -251,7 +258,7 @@ static void check_heads(void)
         CHECK(detector.observer == files[i].observer && detector.sensitivity[2].count > 0 &&
                   detector.sensitivity[0].value[0] == 1 && detector.sensitivity[1].value[0] == 2 &&
                   detector.sensitivity[2].value[0] == 3,
-              "file %zu is %s", i, files[i].observer ? "an observer" : "a camera");
+              "file %zu is read as %s", i, files[i].observer ? "an observer" : "a camera");
         detector_free(&detector);
         detector_free(&detector);
     }
@@ -269,7 +276,7 @@ static void check_odd_names(void)
     }
 }
 
-/* The content of a file, and the message that refuses it, from the line on. */
+/* The content of a file, and the message that refuses it, from the line number on. */
 static const char *const bad_files[][2] = {
     {"nm,x,y\n400,1,2\n", ":2:1: error: 2 value columns; a detector has 3, as 'wavelength,x,y,z'"},
     {"400 1 2 3 4\n", ":1:1: error: 4 value columns; a detector has 3, as 'wavelength,x,y,z'"},
@@ -295,19 +302,20 @@ static void check_refused(void)
     for (size_t i = 0; i < sizeof bad_files / sizeof bad_files[0]; i++) {
         read_detector(test_write(temporary("bad", path), bad_files[i][0]), &err);
         CHECK(err.status == EXIT_INPUT && strncmp(err.text, path, strlen(path)) == 0,
-              "bad file %zu is blamed", i);
-        CHECK_TEXT(err.text + strlen(path), bad_files[i][1], "where it is bad");
+              "the message names bad file %zu", i);
+        CHECK_TEXT(err.text + strlen(path), bad_files[i][1],
+                   "the message names the place and the fault");
     }
     read_detector("cie1932", &err);
     CHECK(err.status == EXIT_INPUT && strstr(err.text, "'cie1932'") != NULL &&
               strstr(err.text, " cie2006-10 ") != NULL && strstr(err.text, "d65") == NULL,
           "an unknown name lists the detectors");
     read_detector("d65", &err);
-    CHECK(strstr(err.text, "1 value columns; a detector has 3") != NULL, "a light is none");
+    CHECK(strstr(err.text, "1 value columns; a detector has 3") != NULL, "a light is no detector");
     read_detector("cie1931:2", &err);
-    CHECK(err.status == EXIT_INPUT, "nor is a column of one");
+    CHECK(err.status == EXIT_INPUT, "a column of a detector is no detector");
     read_detector("/", &err);
-    CHECK(err.status == EXIT_INPUT, "nor a folder");
+    CHECK(err.status == EXIT_INPUT, "a folder is no detector");
 }
 
 int main(void)

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT */
-/* Functions of our own against the C library's in long double. Those are right to a unit in their
- * own last place, which is 2^-11 of one here: enough to see a bound of 0.501. */
+/* Compares the program's functions with the C library's in long double. The library is right to a
+ * unit in its own last place, 2^-11 units here, which suffices to check a bound of 0.501. */
 #include <float.h>
 
 #include "data/maths/maths.h"
 #include "test.h"
 
-/* A number from 0 to 1, without 1 (splitmix64, S. Vigna, public domain). */
+/* Draws a number from 0 to 1, without 1 (splitmix64, S. Vigna, public domain). */
 static double next_random(uint64_t *state)
 {
     uint64_t z = *state += 0x9e3779b97f4a7c15;
@@ -15,7 +15,8 @@ static double next_random(uint64_t *state)
     return (double)((z ^ z >> 31) >> 11) * 0x1p-53;
 }
 
-/* The larger of `worst` and |seen - exact|, in units in the last place; NaN is larger. */
+/* Returns the larger of `worst` and |seen - exact|, in units in the last place; NaN counts as
+ * larger. */
 static double worse(double worst, double seen, long double exact)
 {
     int exponent;
@@ -31,7 +32,7 @@ static double worse_power(double worst, double base, double exponent)
     return worse(worst, power(base, exponent), powl((long double)base, (long double)exponent));
 }
 
-/* Correctly rounded by GNU MPFR 4.2.0: mpfr_pow, then mpfr_subnormalize. */
+/* GNU MPFR 4.2.0 rounded these correctly: mpfr_pow, then mpfr_subnormalize. */
 static const struct {
     double base, exponent, power;
 } rounded[] = {
@@ -79,16 +80,16 @@ static void check_ends(void)
     CHECK(zero, "0^x is 0");
     CHECK(one, "1^x is 1");
     CHECK(power(0.5, 1e300) == 0 && power(0.5, 1075) == 0 && power(0x1.8p-1, 1e4) == 0,
-          "what is too small is 0");
+          "a power that is too small is 0");
     CHECK(power(0.5, 1074) == 0x1p-1074 && power(0x1.0000000000001p-1, 1075) == 0x1p-1074,
-          "down to half of the smallest number");
+          "a power above half of the smallest number is not 0");
     CHECK(power(2, 1024) == HUGE_VAL && power(2, 1e300) == HUGE_VAL && power(1.9, 1e4) == HUGE_VAL,
-          "what is too large is infinite");
+          "a power that is too large is infinite");
     CHECK(power(0x1.fffffffffffffp+1023, 1) == DBL_MAX && power(2, 1023) == 0x1p1023,
-          "up to the largest number");
+          "a power up to the largest number is finite");
 }
 
-/* Powers that a double holds. */
+/* A double holds these powers exactly. */
 static void check_exact(void)
 {
     int wrong_powers = 0, wrong_roots = 0, wrong_twos = 0;
@@ -110,7 +111,7 @@ static void check_exact(void)
           wrong_twos);
 }
 
-/* Where the logarithm is hardest, 0.0169 from that of a root, and at random. */
+/* Bases lie where the logarithm is hardest, 0.0169 from that of a root, and at random. */
 static void check_power(void)
 {
     uint64_t state = 1;
@@ -128,9 +129,9 @@ static void check_power(void)
         root = worse(root, power(x, 0.5), sqrtl((long double)x));
     }
     CHECK_NEAR(gloss, 0, 0.501, "x^y for x up to 2, y up to 128 (%.4f units)", gloss);
-    CHECK_NEAR(near_one, 0, 0.501, "the same for x just below 1 (%.4f units)", near_one);
-    CHECK_NEAR(steep, 0, 0.51, "for y up to 10,000 (%.4f units)", steep);
-    CHECK_NEAR(tiny, 0, 0.51, "and where it is below the normal numbers (%.4f units)", tiny);
+    CHECK_NEAR(near_one, 0, 0.501, "x^y for x just below 1 (%.4f units)", near_one);
+    CHECK_NEAR(steep, 0, 0.51, "x^y for y up to 10,000 (%.4f units)", steep);
+    CHECK_NEAR(tiny, 0, 0.51, "x^y below the normal numbers (%.4f units)", tiny);
     CHECK_NEAR(root, 0, 0.501, "x^0.5 is the square root (%.4f units)", root);
 }
 
@@ -187,16 +188,17 @@ static void check_exponential(void)
     CHECK_NEAR(worst, 0, 1.2, "e^x (%.2f units)", worst);
     CHECK_NEAR(decay, 0, 2.1, "1 - e^-x (%.2f units)", decay);
     CHECK(exponential(0) == 1 && exponential(-1000) == 0 && exponential(1000) == HUGE_VAL,
-          "e^x at its ends");
+          "e^x is right at 0 and far outside its range");
     CHECK(exponential(-745.13) == 0x1p-1074 && exponential(709.78) < HUGE_VAL,
-          "e^x is a double up to its ends");
+          "e^x is neither 0 nor infinite just inside its range");
     CHECK(one_minus_decay(0) == 0 && one_minus_decay(1e-300) == 1e-300 && one_minus_decay(41) == 1,
-          "1 - e^-x at its ends");
-    CHECK(one_minus_decay(37.4) == 1 - DBL_EPSILON / 2, "and below 1 as long as a double can be");
+          "1 - e^-x is right at the ends of its range");
+    CHECK(one_minus_decay(37.4) == 1 - DBL_EPSILON / 2,
+          "1 - e^-x is below 1 as long as a double can be");
 }
 
-/* The tangents are longest, and the series with them, at 90 degrees. 5 units are what there is at
- * most; the contract grants more. */
+/* The tangents are longest, and the series with them, at 90 degrees. The largest error is 5 units;
+ * the contract allows more. */
 static void check_angle(void)
 {
     uint64_t state = 5;
@@ -207,10 +209,11 @@ static void check_angle(void)
         worst = worse(worst, angle_of((double)sinl(angle), (double)cosl(angle)), angle);
     }
     CHECK_NEAR(worst, 0, 6, "the angle of a sine and a cosine (%.2f units)", worst);
-    CHECK(angle_of(0, 1) == 0 && angle_of(0, -1) == PI, "its ends are 0 and pi");
+    CHECK(angle_of(0, 1) == 0 && angle_of(0, -1) == PI, "the angles at the ends are 0 and pi");
 }
 
-/* True if these are the sine and cosine of so many times 45 degrees; no zero is negative. */
+/* Returns whether these are the sine and cosine of `eighths` times 45 degrees, without a negative
+ * zero. */
 static bool of_eighths(int eighths, double sine, double cosine)
 {
     const double root = 0x1.6a09e667f3bcdp-1; /* of 1/2 */
@@ -239,12 +242,13 @@ static void check_eighths(void)
     sine_cosine(-0.0, &sine, &cosine);
     const bool zero = of_eighths(0, sine, cosine);
     sine_cosine(-0x1p-1074, &sine, &cosine);
-    CHECK(zero && of_eighths(0, sine, cosine), "the sine of -0, and one too small, is 0");
+    CHECK(zero && of_eighths(0, sine, cosine),
+          "the sine of -0, and a sine that is too small, is 0");
     CHECK(wrong_degrees == 0, "multiples of 45 degrees are exact (%d wrong)", wrong_degrees);
     CHECK(wrong_turns == 0, "eighths of a turn are exact (%d wrong)", wrong_turns);
 }
 
-/* The sine of so many quarters of a turn and `off` degrees, at most 45. */
+/* Returns the sine of a number of quarter turns plus `off` degrees, at most 45. */
 static long double exact_sine(int quarters, long double off)
 {
     const long double angle = off * (3.141592653589793238462643383279502884L / 180);
@@ -262,9 +266,9 @@ static double worse_degrees(double worst, double angle)
     return worse(worst, cosine, exact_sine(quarters + 1, off));
 }
 
-/* At any angle, near multiples of 45 degrees and near 0. The mean tells whether the last bits of
- * the angle count: of 30 to 40 degrees it is 0.253 units for the sine and 0.278 for the cosine, and
- * would be 0.25 if all were rounded correctly. */
+/* At any angle, near multiples of 45 degrees and near 0. The mean error shows if the last bits of
+ * the angle count: from 30 to 40 degrees it is 0.253 units for the sine and 0.278 for the cosine;
+ * correct rounding would give 0.25. */
 static void check_degrees(void)
 {
     const int count = 100000;
@@ -280,10 +284,10 @@ static void check_degrees(void)
         cosines += worse(0, cosine, exact_sine(1, (long double)angle)) / count;
     }
     CHECK_NEAR(any, 0, 2, "sine and cosine up to 720 degrees (%.2f units)", any);
-    CHECK_NEAR(near, 0, 2, "near multiples of 45 degrees (%.2f units)", near);
-    CHECK_NEAR(tiny, 0, 2, "near 0 (%.2f units)", tiny);
+    CHECK_NEAR(near, 0, 2, "sine and cosine near multiples of 45 degrees (%.2f units)", near);
+    CHECK_NEAR(tiny, 0, 2, "sine and cosine near 0 (%.2f units)", tiny);
     CHECK_NEAR(sines, 0, 0.26, "the mean error of sines (%.3f units)", sines);
-    CHECK_NEAR(cosines, 0, 0.29, "and of cosines (%.3f units)", cosines);
+    CHECK_NEAR(cosines, 0, 0.29, "the mean error of cosines (%.3f units)", cosines);
 }
 
 static double worse_turn(double worst, int64_t part, int64_t whole)
@@ -315,9 +319,9 @@ static void check_turns(void)
         unmirrored += s != -sine || c != cosine;
     }
     CHECK_NEAR(any, 0, 1.5, "sine and cosine of parts of a turn (%.2f units)", any);
-    CHECK_NEAR(near, 0, 1.5, "near eighths of one (%.2f units)", near);
+    CHECK_NEAR(near, 0, 1.5, "sine and cosine near eighths of a turn (%.2f units)", near);
     CHECK(unequal == 0, "whole turns change nothing (%d times)", unequal);
-    CHECK(unmirrored == 0, "the rest of a turn mirrors its part (%d times not)", unmirrored);
+    CHECK(unmirrored == 0, "the rest of a turn mirrors the part (%d times not)", unmirrored);
 }
 
 int main(void)

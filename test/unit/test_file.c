@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Reads that fail cleanly, names that resolve, outputs that appear whole or not at all, and the
- * digests that FIPS 180-4's own examples publish. */
+/* Reads fail cleanly, names resolve, outputs appear whole or not at all, and digests agree with
+ * FIPS 180-4's own examples. */
 #include <dirent.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -18,7 +18,7 @@
 enum { PATH_SIZE = 512 };
 static const struct place nowhere = {NULL, 0, 0};
 
-/* A path in a folder of this test's own, so that leftovers can be counted. */
+/* Returns a path in a folder that only this test uses, so that leftovers can be counted. */
 static const char *temporary(const char *name, char path[PATH_SIZE])
 {
     const char *folder = test_folder();
@@ -46,7 +46,7 @@ static void put(const char *path, const char *bytes, size_t length)
     fclose(file);
 }
 
-/* True when the file holds just this string. */
+/* Returns whether the file holds exactly this string. */
 static bool holds(const char *path, const char *string)
 {
     struct error err = {0};
@@ -86,13 +86,13 @@ static void check_reads(void)
     put(path, large, sizeof large - 1);
     CHECK(holds(path, large), "a larger file is read");
     put(path, "ab\0c", 4);
-    CHECK(refuses_read(path, "byte 3 is NUL"), "a NUL byte is refused and told");
+    CHECK(refuses_read(path, "byte 3 is NUL"), "a NUL byte is refused and its place named");
     CHECK(truncate(path, (off_t)1 << 40) == 0 && refuses_read(path, "too long"),
           "a terabyte is refused before it is read");
     CHECK(refuses_read("/dev/zero", "byte 1 is NUL"), "an endless file of zeros ends");
     CHECK(refuses_read(temporary("none", path), "scene:2:3: error: cannot read"),
-          "a missing file is blamed on who names it");
-    CHECK(refuses_read(temporary(".", folder), "folder"), "a folder is no file");
+          "the message for a missing file names the place that refers to it");
+    CHECK(refuses_read(temporary(".", folder), "folder"), "a folder is refused as a file");
     CHECK(refuses_read("builtin:none", "built-in"), "an unknown built-in file is refused");
 }
 
@@ -159,8 +159,10 @@ static void check_builtin(void)
     CHECK(builtin_path("tables/", "d65", ".csv", path, sizeof path) &&
               strcmp(path, "builtin:tables/d65.csv") == 0,
           "a built-in path is composed");
-    CHECK(!builtin_path("tables/", "d66", ".csv", path, sizeof path), "an unknown one is not");
-    CHECK(!builtin_path("tables/", "d65", ".csv", small, sizeof small), "nor one too long");
+    CHECK(!builtin_path("tables/", "d66", ".csv", path, sizeof path),
+          "an unknown built-in path is refused");
+    CHECK(!builtin_path("tables/", "d65", ".csv", small, sizeof small),
+          "a built-in path that is too long is refused");
 }
 
 static void check_replacement(void)
@@ -189,11 +191,12 @@ static void check_replacement(void)
     CHECK(output_open(&output, link, &err) && write(output.descriptor, "new", 3) == 3 &&
               holds(path, "old"),
           "the old file stands until the commit");
-    CHECK(output_commit(&output, &err) && holds(path, "new"), "then the new one is there");
+    CHECK(output_commit(&output, &err) && holds(path, "new"), "the commit replaces the old file");
     output_discard(&output);
-    CHECK(stat(path, &status) == 0 && (status.st_mode & 0777) == 0606, "with the old one's mode");
-    CHECK(lstat(link, &status) == 0 && S_ISLNK(status.st_mode), "and a link stays a link");
-    CHECK(count_entries() == before + 2, "no temporary is left");
+    CHECK(stat(path, &status) == 0 && (status.st_mode & 0777) == 0606,
+          "the new file has the old one's mode");
+    CHECK(lstat(link, &status) == 0 && S_ISLNK(status.st_mode), "a link stays a link");
+    CHECK(count_entries() == before + 2, "no temporary file is left");
     unlink(link);
     umask(022);
 }
@@ -208,21 +211,24 @@ static void check_refusals(void)
 {
     char path[PATH_SIZE], name[PATH_SIZE];
     int before;
-    CHECK(write_status(temporary(".", path)) == EXIT_INPUT, "a folder cannot be written");
+    CHECK(write_status(temporary(".", path)) == EXIT_INPUT, "a folder cannot be written to");
     before = count_entries();
-    CHECK(write_status(temporary("no/file", path)) == EXIT_INPUT, "nor into a missing folder");
-    CHECK(write_status(temporary("out/file", path)) == EXIT_INPUT, "nor below a file");
-    CHECK(write_status(temporary("new/", path)) == EXIT_INPUT, "nor a name that ends in /");
-    CHECK(write_status("") == EXIT_INPUT, "nor the empty name");
-    CHECK(write_status("builtin:a") == EXIT_INPUT, "nor a built-in file");
+    CHECK(write_status(temporary("no/file", path)) == EXIT_INPUT,
+          "a missing folder cannot be written into");
+    CHECK(write_status(temporary("out/file", path)) == EXIT_INPUT,
+          "a path below a file cannot be written");
+    CHECK(write_status(temporary("new/", path)) == EXIT_INPUT,
+          "a name that ends in / cannot be written");
+    CHECK(write_status("") == EXIT_INPUT, "the empty name cannot be written");
+    CHECK(write_status("builtin:a") == EXIT_INPUT, "a built-in file cannot be written");
     memset(name, 'n', 300);
     name[300] = '\0';
-    CHECK(write_status(name) == EXIT_INPUT, "nor a name that is too long");
+    CHECK(write_status(name) == EXIT_INPUT, "a name that is too long cannot be written");
     symlink("missing", temporary("dangling", path));
-    CHECK(write_status(path) == EXIT_INPUT, "nor a link to nothing");
+    CHECK(write_status(path) == EXIT_INPUT, "a link to nothing cannot be written");
     unlink(path);
     name[250] = '\0';
-    CHECK(write_status(temporary(name, path)) == EXIT_AGREED, "a long name finds a temporary");
+    CHECK(write_status(temporary(name, path)) == EXIT_AGREED, "a long name gets a temporary file");
     unlink(path);
     if (geteuid() != 0) {
         put(temporary("locked", path), "x", 1);
@@ -230,7 +236,7 @@ static void check_refusals(void)
         CHECK(write_status(path) == EXIT_INPUT, "a write-protected file is kept");
         unlink(path);
     }
-    CHECK(count_entries() == before, "refusals leave nothing");
+    CHECK(count_entries() == before, "refused outputs leave no file");
 }
 
 static void check_devices(void)
@@ -244,7 +250,7 @@ static void check_devices(void)
     if (access("/dev/full", W_OK) == 0)
         CHECK(write_status("/dev/full") == EXIT_SYSTEM && stat("/dev/full", &status) == 0 &&
                   S_ISCHR(status.st_mode),
-              "a full device is the system's failure");
+              "a full device is reported as a failure of the system");
     mkfifo(temporary("pipe", path), 0600);
     child = fork();
     if (child == 0)
@@ -256,12 +262,12 @@ static void check_devices(void)
     waitpid(child, &ended, 0);
     CHECK(WIFEXITED(ended) && WEXITSTATUS(ended) == 0 && stat(path, &status) == 0 &&
               S_ISFIFO(status.st_mode),
-          "and stays a pipe");
+          "the pipe stays a pipe");
     unlink(path);
     setenv("TMPDIR", "/none", 1);
-    CHECK(write_status("/dev/null") == EXIT_SYSTEM, "without TMPDIR's folder it cannot");
+    CHECK(write_status("/dev/null") == EXIT_SYSTEM, "a copy fails without TMPDIR's folder");
     unsetenv("TMPDIR");
-    CHECK(count_entries() == before, "copies leave no temporary");
+    CHECK(count_entries() == before, "copies leave no temporary file");
 }
 
 static void check_signals(void)
@@ -275,7 +281,7 @@ static void check_signals(void)
           "no signal waits at first");
     raise(SIGTERM);
     CHECK(output_interrupted(), "a signal waits while an output is open");
-    signal(SIGTERM, SIG_IGN); /* forgets the one that waits */
+    signal(SIGTERM, SIG_IGN); /* drops the waiting signal */
     raise(SIGTERM);
     CHECK(!output_interrupted(), "an ignored signal does not count");
     output_discard(&output);
@@ -289,11 +295,12 @@ static void check_signals(void)
         _exit(0);
     }
     waitpid(child, &ended, 0);
-    CHECK(WIFSIGNALED(ended) && WTERMSIG(ended) == SIGINT, "it comes when the output is gone");
-    CHECK(count_entries() == before, "and leaves nothing behind");
+    CHECK(WIFSIGNALED(ended) && WTERMSIG(ended) == SIGINT,
+          "the signal arrives when the output is gone");
+    CHECK(count_entries() == before, "the interrupted output leaves no file");
 }
 
-/* The exit status of a child that writes where only 4096 bytes fit. */
+/* Returns the exit status of a child process that may write only 4096 bytes. */
 static int write_full(const char *path)
 {
     static char large[1 << 20];
@@ -319,13 +326,13 @@ static void check_full(void)
     before = count_entries();
     CHECK(write_full("-") == EXIT_SYSTEM, "a standard output that is full is noticed");
     CHECK(write_full(path) == EXIT_SYSTEM && holds(path, "kept") && count_entries() == before,
-          "when the bytes do not fit, the old file stands and the temporary is gone");
+          "if the bytes do not fit, the old file stands and the temporary file is gone");
 }
 
 static void check_digest(void)
 {
     /* FIPS 180-4's examples (NIST, "Examples with Intermediate Values"): one block, two blocks;
-     * and those of one million a and of the empty message from the same source. */
+     * then one million "a" and the empty message, from the same source. */
     static const char two_blocks[] = "abcdbcdecdefdefgefghfghighijhijkijkljklmklmnlmnomnopnopq";
     static char million[1000000];
     char path[PATH_SIZE], out[65];
@@ -357,7 +364,7 @@ static void check_digest(void)
     CHECK_TEXT(out, "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0",
                "a million a in pieces of all sizes");
     CHECK(!digest_file(temporary(".", path), out, &err) && err.status == EXIT_SYSTEM,
-          "a folder has no digest");
+          "the digest of a folder is refused");
 }
 
 /* ---- memory ---- */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Excitation and Donaldson matrices against the thesis's sums in long double, integrals in closed
- * form, and the balance of energy. */
+/* Compares excitation and Donaldson matrices with the thesis's sums in long double, with integrals
+ * in closed form, and with the balance of energy. */
 #include <float.h>
 #include <stdlib.h>
 #include <sys/stat.h>
@@ -13,7 +13,7 @@
 enum { PATH_SIZE = 512 };
 static const double half_epsilon = DBL_EPSILON / 2; /* of a rounding */
 
-/* An absent spectrum stands for an error. */
+/* Returns an absent spectrum after an error. */
 static struct spectrum read_word(const char *line)
 {
     struct spectrum out = {0};
@@ -24,12 +24,12 @@ static struct spectrum read_word(const char *line)
     text_next_line(&text);
     text_word(&text, &word);
     spectrum_read(&word, 0, HUGE_VAL, &out, &err);
-    out.place.path = NULL; /* the text goes */
+    out.place.path = NULL; /* the text is not kept */
     text_free(&text);
     return out;
 }
 
-/* Owns nothing. */
+/* Returns a spectrum that owns nothing. */
 static struct spectrum samples(double *nm, double *value, int count)
 {
     return (struct spectrum){
@@ -48,7 +48,7 @@ static struct spectrum constant(double value)
 
 /* ---- the mean ---- */
 
-/* Equations 6 to 9 as they stand. */
+/* Evaluates equations 6 to 9 literally. */
 static double plain_mean(const struct spectrum *light, const struct spectrum *excitation)
 {
     long double product = 0, sum = 0;
@@ -79,10 +79,10 @@ static void check_plain_sums(void)
         worst = fmax(worst, fabs(seen / plain_mean(&light, &excitation) - 1));
         excitation.count = 41; /* the rest is 0 */
         CHECK_NEAR(excitation_mean(&light, &excitation) / seen, 1, bound,
-                   "with the zeros or without");
+                   "zeros at the ends change nothing");
         excitation.count = 30; /* ends far above 0 */
         CHECK_NEAR(excitation_mean(&light, &excitation) / plain_mean(&light, &excitation), 1, bound,
-                   "where the excitation ends at once, too");
+                   "the mean is that quotient also if the excitation ends abruptly");
         excitation.count = 93;
         spectrum_free(&light);
     }
@@ -92,7 +92,7 @@ static void check_plain_sums(void)
 static void check_limits(void)
 {
     struct spectrum uv = read_word("uv"), light = read_word("d65"), flat = constant(0.3);
-    struct spectrum body = read_word("blackbody:2856");
+    struct spectrum blackbody = read_word("blackbody:2856");
     double mean = excitation_mean(&light, &uv), one_nm[] = {431}, one[] = {7};
     struct spectrum single = samples(one_nm, one, 1), outside = samples(one_nm, one, 1);
     long double sum = 0;
@@ -100,34 +100,33 @@ static void check_limits(void)
     light.factor = ldexp(1, -900);
     CHECK(excitation_mean(&light, &uv) == ldexp(mean, -900), "a faint light scales exactly");
     light.factor = ldexp(1, 1000);
-    CHECK(excitation_mean(&light, &uv) == ldexp(mean, 1000), "and a bright one");
+    CHECK(excitation_mean(&light, &uv) == ldexp(mean, 1000), "a bright light scales exactly");
     light.factor = 1;
     uv.factor = ldexp(1, -1000);
     CHECK(excitation_mean(&light, &uv) == mean, "a weak excitation has the same mean");
     uv.factor = 1e300;
     CHECK_NEAR(excitation_mean(&light, &uv) / mean, 1, 4 * 93 * half_epsilon,
-               "and an excitation of 1e300");
+               "an excitation of 1e300 has the same mean");
     flat.parameter[0] = DBL_MAX;
     CHECK(excitation_mean(&flat, &uv) == DBL_MAX, "the largest number is its own mean");
     CHECK(excitation_mean(&light, &single) == spectrum_at(&light, 431, SPECTRUM_ZERO),
-          "one sample takes the light there");
+          "an excitation of one sample takes the light there");
     one_nm[0] = 299;
     CHECK(excitation_mean(&light, &outside) == 0 && excitation_mean(&outside, &uv) == 0,
           "a light outside the excitation gives nothing");
     flat.parameter[0] = 2;
     for (int nm = 300; nm <= 780; nm++)
-        sum += (long double)spectrum_at(&body, nm, SPECTRUM_ZERO);
-    CHECK_NEAR(excitation_mean(&body, &flat) / (double)(sum / 481), 1, 2 * 485 * half_epsilon,
+        sum += (long double)spectrum_at(&blackbody, nm, SPECTRUM_ZERO);
+    CHECK_NEAR(excitation_mean(&blackbody, &flat) / (double)(sum / 481), 1, 2 * 485 * half_epsilon,
                "two smooth spectra are taken every nm from 300 to 780");
     uv.factor = 0;
-    CHECK(excitation_mean(&light, &uv) == 0, "no excitation, no NaN");
+    CHECK(excitation_mean(&light, &uv) == 0, "an excitation of 0 gives no NaN");
     spectrum_free(&uv);
     spectrum_free(&light);
-    spectrum_free(&body);
+    spectrum_free(&blackbody);
 }
 
-/* Excitations that are piecewise linear and 0 at their ends, so that trapezoids sum them exactly.
- */
+/* Excitations are piecewise linear and 0 at their ends, so that trapezoids sum them exactly. */
 static void check_union(void)
 {
     double nm[] = {400, 410, 420}, value[] = {0, 1, 0};
@@ -141,7 +140,7 @@ static void check_union(void)
     CHECK_NEAR(excitation_mean(&light, &tooth), 0.08, 10 * half_epsilon,
                "a line between the samples of the excitation is not lost");
     CHECK_NEAR(excitation_mean(&tooth, &light), 0.4, 10 * half_epsilon,
-               "nor is an excitation between those of the light");
+               "an excitation between the samples of the light is not lost");
     light = samples(ramp_nm, ramp, 2);
     CHECK_NEAR(excitation_mean(&light, &tooth), 4.1, 4.1 * 10 * half_epsilon,
                "a ramp's mean is its value at the excitation's centre of mass");
@@ -151,7 +150,8 @@ static void check_union(void)
           "samples beyond the excitation do not change the weight of its end");
 }
 
-/* 1 + (nm - 410)^2 every h, over the tooth 1 - |nm - 410| / 10: the mean is 1 + 100 / 6. */
+/* The light 1 + (nm - 410)^2, sampled every h nm, over the tooth 1 - |nm - 410| / 10: the mean is 1
+ * + 100 / 6. */
 static double parabola_error(double h)
 {
     enum { MOST = 4096 };
@@ -176,7 +176,7 @@ static void check_convergence(void)
                    "every %g nm, a parabola comes near its integral", h);
 }
 
-/* Integral of the product of two gaussians over that of the second. */
+/* Returns the integral of the product of two gaussians, divided by the integral of the second. */
 static double overlap(double distance, double width, double excitation_width)
 {
     const double a = 4 * log(2) / (width * width);
@@ -191,18 +191,21 @@ static void check_gaussians(void)
     struct spectrum tooth = samples(nm, value, 3);
     struct spectrum light = gaussian(380, 40), excitation = gaussian(400, 40);
     double a, h = 1, variation;
-    /* Both have their points at whole nm: an even grid, on which sums of gaussians are integrals.
-     * 341 terms round as in the plain sums, and exponents by 3 units, which x e^-x < 0.4 damps. */
+    /* Both spectra have their points at whole nm, an even grid, where sums of gaussians equal
+     * integrals. 341 terms round as in the plain sums, and exponents by 3 units, which x e^-x < 0.4
+     * damps. */
     CHECK_NEAR(excitation_mean(&light, &excitation) / overlap(20, 40, 40), 1,
                2 * (341 + 20) * half_epsilon, "the overlap of two gaussians is the analytic one");
     /* Uneven trapezoids miss at most h^2 / 8 times the integral of |f''|, which for e^(-a x^2) is 4
      * times its steepest slope, sqrt(2 a / e), over its area, sqrt(pi / a). */
     light = gaussian(380.3, 56);
     excitation = gaussian(371, 40);
-    a = 4 * log(2) / (40 * 40.0) + 4 * log(2) / (56 * 56.0); /* the narrower: of the product */
+    a = 4 * log(2) / (40 * 40.0) +
+        4 * log(2) / (56 * 56.0); /* the product has the narrower width */
     variation = 4 * sqrt(2 * a / exp(1)) / sqrt(pi / a);
     CHECK_NEAR(excitation_mean(&light, &excitation) / overlap(9.3, 56, 40), 1,
-               2 * h * h / 8 * variation, "on an uneven grid within the bound of trapezoids");
+               2 * h * h / 8 * variation,
+               "on an uneven grid the error is within the bound of trapezoids");
     /* Wavelengths of the line are rounded to 2^-45 nm, relative to its width; the points that mark
      * its ends, at 2^-64, stand for up to 3 nm each. */
     light = gaussian(404.7, 1e-3);
@@ -211,7 +214,8 @@ static void check_gaussians(void)
                "a laser line between the samples of the excitation is not lost");
     excitation = gaussian(404.7, 1e-300);
     light = constant(0.7);
-    CHECK(excitation_mean(&light, &excitation) == 0.7, "nor is the narrowest excitation");
+    CHECK(excitation_mean(&light, &excitation) == 0.7,
+          "the narrowest excitation between the samples of the light is not lost");
 }
 
 /* ---- the matrix ---- */
@@ -223,7 +227,7 @@ static const char *write_matrix(const char *content)
     return test_write(path, content);
 }
 
-/* A zeroed matrix stands for an error. */
+/* Returns a zeroed matrix after an error. */
 static struct donaldson read_matrix(const char *content, double diffuse, struct error *err)
 {
     const struct spectrum reflectance = constant(diffuse);
@@ -264,11 +268,13 @@ static void check_line(void)
     CHECK_TEXT(given.name != NULL ? given.name : "", "donaldson", "the spectrum has a name");
     CHECK(spectrum_at(&given, 399, SPECTRUM_ZERO) == 0 &&
               spectrum_at(&given, 451, SPECTRUM_ZERO) == 0,
-          "and nowhere else");
+          "it emits at no other wavelength");
     /* a line of integral 3, and bands of 20, 25 and 30 nm */
-    CHECK_NEAR(given.value[0], 0.1 * 3 / 20, 8 * half_epsilon, "a line gives its column");
-    CHECK_NEAR(given.value[1], 0.2 * 3 / 25, 8 * half_epsilon, "in each row");
-    CHECK_NEAR(given.value[2], 0.1 * 3 / 30, 8 * half_epsilon, "by the widths of their bands");
+    CHECK_NEAR(given.value[0], 0.1 * 3 / 20, 8 * half_epsilon,
+               "a laser line excites its own column");
+    CHECK_NEAR(given.value[1], 0.2 * 3 / 25, 8 * half_epsilon, "each row emits its share");
+    CHECK_NEAR(given.value[2], 0.1 * 3 / 30, 8 * half_epsilon,
+               "each share is divided by the width of its band");
     spectrum_free(&given);
     nm[1] = 311, nm[2] = 312, nm[3] = 313;
     given = emission_under(&matrix, &light);
@@ -279,7 +285,8 @@ static void check_line(void)
     given = emission_under(&matrix, &light);
     /* its wings end at 2^-64; the wavelengths are rounded to 2^-45 nm */
     CHECK_NEAR(given.value[0] / (0.14 * 0.1 * sqrt(acos(-1) / (4 * log(2))) / 20), 1,
-               4 * ldexp(1, -45) / 0.1 + 1e-14, "and a gaussian one");
+               4 * ldexp(1, -45) / 0.1 + 1e-14,
+               "a gaussian line between two columns is shared between them");
     spectrum_free(&given);
     nm[0] = 331, nm[1] = 332, nm[2] = 333;
     light = samples(nm, value, 3);
@@ -326,7 +333,7 @@ static void check_factors(void)
     }
 }
 
-/* Writes columns that emit all that the diffuse reflectance leaves, in shares of 2^-10. */
+/* Writes columns that emit all light that the diffuse reflectance leaves, in shares of 2^-10. */
 static void check_energy(void)
 {
     static const char *const lights[] = {"uv", "fluorescent", "0.8", "blackbody:3000"};
@@ -346,7 +353,8 @@ static void check_energy(void)
     matrix = read_matrix(content, 0.5, &err);
     CHECK_TEXT(err.text, "", "a column may emit all that the surface absorbs");
     for (size_t k = 0; k < sizeof lights / sizeof lights[0]; k++) {
-        static const double width[] = {30, 60, 120, 150}; /* of bands at 400, 430, 520 and 670 */
+        static const double width[] = {30, 60, 120,
+                                       150}; /* the widths of bands at 400, 430, 520 and 670 nm */
         struct spectrum light = read_word(lights[k]), given = emission_under(&matrix, &light);
         double in = 0, out = 0;
         for (int i = 0; i < COLUMNS; i++)
@@ -354,7 +362,7 @@ static void check_energy(void)
         for (int j = 0; j < given.count; j++)
             out += width[j] * given.value[j];
         CHECK_NEAR(out / in, 1, (3 * COLUMNS + 20) * half_epsilon,
-                   "under %s it emits what it absorbs", lights[k]);
+                   "under %s it emits all light that it absorbs", lights[k]);
         spectrum_free(&light);
         spectrum_free(&given);
     }
@@ -377,7 +385,7 @@ static void check_extremes(void)
     light = constant(1e308);
     CHECK(!donaldson_emission(&matrix, &light, &given, &err) && err.status == EXIT_INPUT &&
               given.kind == SPECTRUM_NONE && given.value == NULL,
-          "what no number holds is refused");
+          "an emission beyond the largest number is refused");
     matrix.excitation.count = 1;
     light = constant(0.5);
     given = emission_under(&matrix, &light);
@@ -442,7 +450,7 @@ static void check_diffuse_and_size(void)
     CHECK(!donaldson_read(write_matrix("nm 300 360 500\n600 0.5 0.4 0.11\n"), nowhere, &diffuse,
                           &matrix, &err) &&
               strstr(err.text, ":1:12: error: at 500 nm") != NULL,
-          "beyond its samples, too, the matrix keeps to it");
+          "the matrix is also held to the diffuse reflectance beyond its samples");
     for (int i = 0; i < 4097; i++)
         at += sprintf(at, " %d", 1000 + i);
     matrix = read_matrix(wide, 0.5, &err);

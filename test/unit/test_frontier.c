@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The chart of accuracy and cost is whole XML whatever is plotted; points lie where their numbers
- * say; labels cover neither each other nor points, and nothing lies outside the chart. */
+/* The chart of accuracy and cost is well-formed XML for any values; points lie where their numbers
+ * put them; labels cover neither each other nor points, and nothing lies outside the chart. */
 #include "data/chart/chart.h"
 #include "test.h"
 
@@ -34,7 +34,7 @@ static int count_of(const char *text, const char *part)
     return count;
 }
 
-/* ---- what is in the file ---- */
+/* ---- reading the file ---- */
 
 struct item {
     double x, y, left, right, top, bottom;
@@ -48,8 +48,7 @@ static double attribute(const char *element, const char *name, double otherwise)
     return at != NULL && at < end ? strtod(at + strlen(name), NULL) : otherwise;
 }
 
-/* The next element of this kind, with the room that its characters take at most: 0.6 of their
- * size. */
+/* Finds the next element of this kind. Its characters are at most 0.6 of their size wide. */
 static const char *next_text(const char *at, struct item *out)
 {
     at = strstr(at, "<text");
@@ -77,7 +76,7 @@ static const char *next_text(const char *at, struct item *out)
     return end;
 }
 
-/* The marker of the point of this name. */
+/* Finds the marker of the point with this name. */
 static bool find_marker(const char *svg, const char *name, double *x, double *y)
 {
     char title[256];
@@ -104,10 +103,10 @@ static void test_places(void)
     for (int i = 0; i < 4; i++)
         CHECK(find_marker(svg, points[i].name, &x[i], &y[i]), "%s is there", points[i].name);
     CHECK_NEAR(x[1] - x[0], x[2] - x[1], 0.02, "equal factors of cost are equal distances");
-    CHECK_NEAR(y[1] - y[0], y[2] - y[1], 0.02, "and of error");
-    CHECK(x[1] > x[0] && y[1] > y[0], "cost grows to the right, error upwards");
-    CHECK_NEAR(x[3], x[2], 0, "equal costs are above each other");
-    CHECK_NEAR(y[3], y[0], 0, "equal errors beside each other");
+    CHECK_NEAR(y[1] - y[0], y[2] - y[1], 0.02, "equal factors of error are equal distances");
+    CHECK(x[1] > x[0] && y[1] > y[0], "cost grows to the right and error upwards");
+    CHECK_NEAR(x[3], x[2], 0, "points of equal cost lie above each other");
+    CHECK_NEAR(y[3], y[0], 0, "points of equal error lie beside each other");
     const char *const labels[] = {">0.1<",     ">1<",          ">10<",     ">0.01<",
                                   ">seconds<", ">difference<", ">beaten<", ">three<"};
     for (size_t i = 0; i < sizeof labels / sizeof labels[0]; i++)
@@ -115,11 +114,12 @@ static void test_places(void)
     char steps[128];
     snprintf(steps, sizeof steps, "M%.2f,%.2fL%.2f,%.2fL%.2f,%.2fL%.2f,%.2fL%.2f,%.2f\"", x[0],
              y[0], x[1], y[0], x[1], y[1], x[2], y[1], x[2], y[2]);
-    CHECK(strstr(svg, steps) != NULL, "the frontier is joined by steps: first cost, then error");
+    CHECK(strstr(svg, steps) != NULL,
+          "steps join the frontier: first along cost, then along error");
     free(svg);
 }
 
-/* True if the drawing of a point contains this. */
+/* Returns whether the drawing of a point contains this text. */
 static bool is_marked(const char *svg, const char *name, const char *part)
 {
     char title[256];
@@ -129,8 +129,8 @@ static bool is_marked(const char *svg, const char *name, const char *part)
     return found != NULL && found < end;
 }
 
-/* Without colours: a disk on the frontier, a circle off it, a dashed ring around what may be
- * either. */
+/* The marks differ without colours: a disk on the frontier, a circle off it, a dashed ring around a
+ * point within noise of it. */
 static void test_markers(void)
 {
     struct frontier_point points[] = {point_of("best", 0.1, 5, true),
@@ -140,13 +140,13 @@ static void test_markers(void)
     char *svg = svg_of(points, 3);
     CHECK(is_marked(svg, "best", "r=\"4.5\" fill=\"#0072b2\"") &&
               !is_marked(svg, "best", "stroke-dasharray"),
-          "what is on the frontier is a disk");
+          "a point on the frontier is a disk");
     CHECK(is_marked(svg, "beaten", "r=\"2.8\" fill=\"#fff\"") &&
               !is_marked(svg, "beaten", "stroke-dasharray"),
-          "what is not, a smaller circle");
+          "a point off the frontier is a smaller circle");
     CHECK(is_marked(svg, "either", "r=\"2.8\" fill=\"#fff\"") &&
               is_marked(svg, "either", "stroke-dasharray"),
-          "and a ring is around what is within noise");
+          "a ring surrounds a point within noise");
     free(svg);
 }
 
@@ -157,7 +157,7 @@ static void test_edge_label(void)
                                             point_of("exact", 2, 0, true)};
     char *svg = svg_of(points, 2);
     CHECK(strstr(svg, ">≤ 0.0099<") != NULL && strstr(svg, ">0.01<") == NULL,
-          "a tick that the edge's label covers has none");
+          "a tick has no label where the edge's label would cover it");
     free(svg);
 }
 
@@ -170,10 +170,10 @@ static void test_edge(void)
     char *svg = svg_of(points, 4);
     CHECK(find_marker(svg, "fine", &x, &fine) && find_marker(svg, "exact", &x, &exact) &&
               find_marker(svg, "close", &x, &close),
-          "all are there");
+          "all points are drawn");
     CHECK_NEAR(fine, exact, 0, "no error, and one below 1/1000 of the largest, lie on the edge");
-    CHECK(close < exact, "one above does not");
-    CHECK(strstr(svg, ">≤ 0.005<") != NULL, "the edge tells what it stands for");
+    CHECK(close < exact, "an error above 1/1000 of the largest does not");
+    CHECK(strstr(svg, ">≤ 0.005<") != NULL, "the edge's label names the errors it stands for");
     free(svg);
 }
 
@@ -190,11 +190,11 @@ static void check_whole(const char *name, const struct frontier_point *points, i
     CHECK(inside && texts > 5, "%s: no text lies outside the chart", name);
     CHECK(strstr(svg, "nan") == NULL && strstr(svg, "inf") == NULL &&
               strstr(svg, "</svg>\n") != NULL && strstr(svg, "& ") == NULL,
-          "%s: whole, and of numbers", name);
+          "%s: the text is complete and holds only finite numbers", name);
     CHECK(count_of(svg, "<g>") + count_of(svg, "<g ") == count_of(svg, "</g>") &&
               count_of(svg, "<text") == count_of(svg, "</text>"),
-          "%s: what opens closes", name);
-    CHECK_TEXT(again, svg, "%s: the same twice", name);
+          "%s: every opened element is closed", name);
+    CHECK_TEXT(again, svg, "%s: a second drawing has the same bytes", name);
     char path[256];
     snprintf(path, sizeof path, "%s/frontier.svg", test_folder());
     test_write(path, svg);
@@ -216,7 +216,7 @@ static void test_degenerate(void)
     check_whole("no point", points, 0);
     check_whole("one point", points, 1);
     points[0].error = 0;
-    check_whole("one without error", points, 1);
+    check_whole("one point without error", points, 1);
     for (int i = 0; i < 4; i++)
         points[i] = point_of("a <b> & \"c\" \x01\xff", 2, 3, i % 2 == 0);
     check_whole("equal costs, equal errors, names of all kinds", points, 4);
@@ -225,10 +225,10 @@ static void test_degenerate(void)
     check_whole("long names", points, 4);
     points[0] = point_of("fast", 1e-300, 1e-300, true);
     points[1] = point_of("slow", 1e300, 1e300, false);
-    check_whole("any size", points, 2);
+    check_whole("points of any size", points, 2);
 }
 
-/* A third of them crowded in one place. */
+/* Draws points, a third of them crowded in one place. */
 static void fill(struct frontier_point *points, char (*names)[64], int n)
 {
     unsigned random = 7;
@@ -258,7 +258,7 @@ static bool meet(const struct item *a, const struct item *b)
     return a->left < b->right && b->left < a->right && a->top < b->bottom && b->top < a->bottom;
 }
 
-/* Labels of points are those whose text is in the middle, inside the frame. */
+/* Labels of points are the centred texts inside the frame. */
 static void test_labels(int n)
 {
     static char names[MANY][64];
@@ -284,7 +284,8 @@ static void test_labels(int n)
             .left = x - radius, .right = x + radius, .top = y - radius, .bottom = y + radius};
         for (int k = 0; k < n_labels; k++)
             covered += meet(&marker, &labels[k]);
-        CHECK(count_of(svg, points[i].name) >= 2, "its name is shown, not only told to a pointer");
+        CHECK(count_of(svg, points[i].name) >= 2,
+              "its name is drawn as text, and not only as a tooltip");
     }
     CHECK(covered == 0, "%d points are covered", covered);
     free(svg);

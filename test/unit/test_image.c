@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* One picture of a closed form, written by libtiff here, by tifffile (test/run/images.py) and by
- * the program itself in the variants that TIFF knows, must read back to the same radiances; what is
- * broken, cut short or of another kind is refused. */
+/* Reads one picture back to the same radiances from every variant of TIFF. The picture has a closed
+ * form; libtiff writes it here, tifffile writes it in test/run/images.py, and the program writes it
+ * itself. Files that are broken, cut short or of another kind are refused. */
 #include <fcntl.h>
 #include <float.h>
 #include <stdlib.h>
@@ -140,7 +140,7 @@ static bool write_pages(const struct variant *variants, int n)
     return good;
 }
 
-/* The expected value of a pixel, with ITU-R BT.709's luma. */
+/* Returns the expected value of a pixel, with ITU-R BT.709's luma. */
 static double radiance_at(const struct variant *v, int page, int x, int y, double scale)
 {
     const double largest = v->bits == 8 ? 255 : v->bits == 16 ? 65535 : 64;
@@ -172,10 +172,11 @@ static void check_page(struct image *image, const struct variant *v, int page, d
         const double off = fabs((double)seen[i] - (double)(float)expected) - allowed;
         furthest = off > furthest ? off : furthest;
     }
-    CHECK_NEAR(furthest, 0, 0, "%s: every value of page %d", v->name, page);
+    CHECK_NEAR(furthest, 0, 0, "%s: every value of page %d is right", v->name, page);
 }
 
-/* Rows of any number, from anywhere, in any order of pages and rows, are those of whole pages. */
+/* Any number of rows, from any place, in any order of pages and rows, equals the rows of whole
+ * pages. */
 static void check_rows(struct image *image, const char *name)
 {
     static float whole[PAGES][PIXELS], some[PIXELS];
@@ -192,7 +193,7 @@ static void check_rows(struct image *image, const char *name)
                 same = same && image_read(image, page, y, sizes[i], some, &err) &&
                        memcmp(some, whole[page] + (size_t)y * WIDTH, n * sizeof *some) == 0;
             }
-    CHECK(same, "%s: any rows are those of the whole page %s", name, err.text);
+    CHECK(same, "%s: rows read alone equal those of the whole page %s", name, err.text);
 }
 
 static bool open_whole(struct image *image, const char *file, const char *name, int n_pages)
@@ -200,7 +201,8 @@ static bool open_whole(struct image *image, const char *file, const char *name, 
     struct error err = {0};
     return CHECK(image_open(file, from, image, &err), "%s: opens %s", name, err.text) &&
            CHECK(image->width == WIDTH && image->height == HEIGHT && image->n_pages == n_pages,
-                 "%s: %dx%d pixels, pages %d", name, image->width, image->height, image->n_pages);
+                 "%s: it has %dx%d pixels and %d pages", name, image->width, image->height,
+                 image->n_pages);
 }
 
 static void check_variant(const struct variant *v)
@@ -210,7 +212,7 @@ static void check_variant(const struct variant *v)
         return;
     if (open_whole(&image, path, v->name, 1)) {
         CHECK(image.wavelengths_nm == NULL, "%s: records no wavelength", v->name);
-        CHECK_NEAR(image.scale, 1, 0, "%s: and no scale", v->name);
+        CHECK_NEAR(image.scale, 1, 0, "%s: records no scale", v->name);
         check_page(&image, v, 0, 1);
         check_rows(&image, v->name);
     }
@@ -259,8 +261,8 @@ static void test_variants(void)
         check_variant(&variants[i]);
 }
 
-/* One colour all over survives JPEG but for rounding: its luma is that of ITU-R BT.601 in the file,
- * and of BT.709 here. */
+/* A uniform colour survives JPEG but for rounding. The file holds ITU-R BT.601's luma; the reader
+ * computes BT.709's. */
 static void test_jpeg(void)
 {
     enum { SIDE = 32 };
@@ -287,11 +289,11 @@ static void test_jpeg(void)
           "JPEG is read %s", err.text);
     for (int i = 0; i < SIDE * SIDE; i++)
         furthest = fmax(furthest, fabs((double)seen[i] - luma));
-    CHECK_NEAR(furthest, 0, 1.5 / 255, "as RGB, whose luma is taken");
+    CHECK_NEAR(furthest, 0, 1.5 / 255, "JPEG is read as RGB and reduced to its luma");
     image_close(&image);
 }
 
-/* Grey of three equal samples is that grey, to the bit; white is 1. */
+/* Three equal samples give the same grey as one, to the bit; white is 1. */
 static void test_luma(void)
 {
     static uint16_t grey[65536], colour[65536 * 3];
@@ -323,9 +325,9 @@ static void test_luma(void)
                image_read(&images[1], page, 0, images[1].height, seen[1], &err) &&
                memcmp(seen[0], seen[1], sizeof seen[0]) == 0;
         CHECK_NEAR((double)seen[1][16383], (double)(float)((16384 * page + 16383) / 65535.0), 0,
-                   "the last grey of page %d", page);
+                   "the last grey of page %d is right", page);
     }
-    CHECK(same, "all 65536 greys are the same from one sample and from three");
+    CHECK(same, "all 65536 greys are equal from one sample and from three");
     image_close(&images[0]);
     image_close(&images[1]);
     unlink("grey.tif");
@@ -342,11 +344,11 @@ static void check_told(const char *name, const struct variant *pages, int n, con
         return;
     if (open_whole(&image, path, name, n)) {
         CHECK((image.wavelengths_nm != NULL) == (nm != NULL), "%s: wavelengths are %s", name,
-              nm != NULL ? "told" : "not told");
+              nm != NULL ? "recorded" : "not recorded");
         for (int page = 0; page < n && nm != NULL && image.wavelengths_nm != NULL; page++)
-            CHECK_NEAR(image.wavelengths_nm[page], nm[page], 1e-12, "%s: that of page %d", name,
-                       page);
-        CHECK_NEAR(image.scale, scale, 0, "%s: scale", name);
+            CHECK_NEAR(image.wavelengths_nm[page], nm[page], 1e-12, "%s: the wavelength of page %d",
+                       name, page);
+        CHECK_NEAR(image.scale, scale, 0, "%s: the scale", name);
         for (int page = n - 1; page >= 0; page--)
             check_page(&image, &pages[page], page, scale);
     }
@@ -383,19 +385,19 @@ static void test_told(void)
                        .gdal = SCALE("1"), .description = "full_scale: 7\n"}};
     check_told("page names", named, 3, nm, 1);
     check_told("names, GDAL's nanometers and its micrometres", mixed, 3, nm, 1);
-    check_told("a wavelength told twice", twice, 2, NULL, 1);
+    check_told("a repeated wavelength", twice, 2, NULL, 1);
     check_told("falling wavelengths", falling, 2, NULL, 1);
     check_told("wavelength 0", zero, 2, NULL, 1);
     check_told("a page without a name", lacking, 3, NULL, 1);
     check_told("names of ten digits", near, 2, close, 1);
-    check_told("a wavelength in who knows what", metres, 1, NULL, 1);
+    check_told("a wavelength in an unknown unit", metres, 1, NULL, 1);
     check_told("GDAL's scale", scaled, 2, NULL, 0.001 * 65535);
     check_told("GDAL's scale of bytes", bytes, 1, NULL, 510);
     check_told("an exact full scale", exact, 1, NULL, 2.5);
     check_told("float pages", floating, 1, NULL, 1);
 }
 
-/* A stack of our own comes back as the very radiances: count x full_scale / 65535. */
+/* A stack of spectral reads back exactly as its radiances: count x full_scale / 65535. */
 static void test_stack(void)
 {
     enum { MANY = 400 };
@@ -426,9 +428,9 @@ static void test_stack(void)
           "a stack is written %s", err.text);
     if (!open_whole(&image, path, "a stack", MANY))
         return;
-    CHECK(image.scale == full_scale, "with its full scale, to the bit");
+    CHECK(image.scale == full_scale, "its full scale is read back to the bit");
     for (int k = 0; k < MANY; k++) {
-        const int page = k * 171 % MANY; /* each once, to and fro */
+        const int page = k * 171 % MANY; /* each page once, forwards and backwards in turn */
         close = close && image.wavelengths_nm != NULL &&
                 fabs(image.wavelengths_nm[page] - nm[page]) < 1e-7;
         exact = exact && image_read(&image, page, 0, image.height, seen, &err);
@@ -437,8 +439,8 @@ static void test_stack(void)
                 (double)seen[i] == (double)(float)(count_at(page % 8, i % WIDTH, i / WIDTH, 0, 16) /
                                                    65535.0 * full_scale);
     }
-    CHECK(close, "its wavelengths to ten digits");
-    CHECK(exact, "and all radiances, its pages in any order %s", err.text);
+    CHECK(close, "its wavelengths are read back to ten digits");
+    CHECK(exact, "all its radiances are read back, in any order of pages %s", err.text);
     image_close(&image);
 }
 
@@ -509,11 +511,11 @@ static void test_foreign(void)
                   err.text))
             CHECK(image.wavelengths_nm == NULL &&
                       strstr(image.no_wavelengths, untold[i].what) != NULL,
-                  "but not its wavelengths: %s", image.no_wavelengths);
+                  "its wavelengths are refused: %s", image.no_wavelengths);
         image_close(&image);
     }
     CHECK(image_open("bands_rgb.tif", from, &image, &err) && image.coloured && image.n_pages == 1,
-          "bands that are RGB are one page %s", err.text);
+          "bands that are RGB are read as one page %s", err.text);
     image_close(&image);
     CHECK(!image_open("volume.tif", from, &image, &err) && strstr(err.text, "37x29x3") != NULL,
           "a volume is refused: %s", err.text);
@@ -521,7 +523,8 @@ static void test_foreign(void)
 
 /* ---- refusals ---- */
 
-/* Refused in one line that begins with the place, names the file and says `what`. */
+/* Checks that the file is refused in one line that begins with the place, names the file and
+ * contains `what`. */
 static void check_refusal(const char *file, const char *name, const char *what)
 {
     static float seen[PIXELS];
@@ -572,20 +575,22 @@ static void test_refused_pages(void)
                          scaled[] = {{PAGE, .gdal = SCALE("1")}, {PAGE, .gdal = SCALE("2")}};
     for (size_t i = 0; i < sizeof variants / sizeof variants[0]; i++) {
         CHECK(write_pages(&variants[i], 1), "'%s' is written", variants[i].name);
-        check_refusal(path, "such a page", variants[i].name);
+        check_refusal(path, "a page that is refused", variants[i].name);
     }
     CHECK(write_pages(wide, 2), "pages of 16 and 8 bits are written");
-    check_refusal(path, "a stack of them", "page 2: it has 37x29x8 bits, the first page 37x29x16");
+    check_refusal(path, "a stack of unequal pages",
+                  "page 2: it has 37x29x8 bits, the first page 37x29x16");
     CHECK(write_pages(scaled, 2), "pages of scales 1 and 2 are written");
-    check_refusal(path, "a stack of them", "page 2: its scale is not positive, or not that");
+    check_refusal(path, "a stack of unequal pages",
+                  "page 2: its scale is not positive, or not that");
     TIFF *tiff = TIFFOpen(path, "w");
     CHECK(tiff != NULL && write_page(tiff, wide, 0, WIDTH) && write_page(tiff, wide, 0, WIDTH - 1),
           "pages of two widths are written");
     TIFFClose(tiff);
-    check_refusal(path, "a stack of them", "page 2: it has 36x29x16 bits");
+    check_refusal(path, "a stack of unequal pages", "page 2: it has 36x29x16 bits");
 }
 
-/* Samples of one page that are no bands. */
+/* Writes pages whose samples are not bands. */
 static void test_no_bands(void)
 {
     const struct {
@@ -597,7 +602,7 @@ static void test_no_bands(void)
         {"bands_scales.tif", "page 2 (500 nm): its scale is not positive, or not that"},
         {"bands_offset.tif", "page 3 (700 nm): its samples have an offset"}};
     for (size_t i = 0; i < sizeof files / sizeof files[0]; i++)
-        check_refusal(files[i].file, "such a file", files[i].what);
+        check_refusal(files[i].file, "a file that is refused", files[i].what);
 }
 
 static size_t read_bytes(const char *file, unsigned char *out, size_t capacity)
@@ -611,7 +616,7 @@ static size_t read_bytes(const char *file, unsigned char *out, size_t capacity)
 
 static void write_bytes(const char *file, const void *bytes, size_t length)
 {
-    unlink(file); /* an old file is slow to overwrite */
+    unlink(file); /* to overwrite an old file is slow */
     FILE *out = fopen(file, "wb");
     if (out == NULL || fwrite(bytes, 1, length, out) != length || fclose(out) != 0)
         CHECK(false, "%s is written", file);
@@ -636,7 +641,7 @@ static void test_refused_files(void)
     unlink("pipe.tif");
 }
 
-/* Sets the value of a tag in the first directory of a little-endian classic TIFF to a LONG. */
+/* Sets a tag in the first directory of a little-endian classic TIFF to a LONG. */
 static void patch(unsigned char *bytes, int tag, uint32_t value)
 {
     size_t at = bytes[4] | (size_t)bytes[5] << 8 | (size_t)bytes[6] << 16;
@@ -650,7 +655,7 @@ static void patch(unsigned char *bytes, int tag, uint32_t value)
         }
 }
 
-/* libtiff only warns of a JPEG stream that ends early, and makes the rest up. */
+/* libtiff only warns about a JPEG stream that ends early, and invents the missing pixels. */
 static void test_short_jpeg(void)
 {
     const struct variant v = {"JPEG", NULL, 8, 1, 1, .compression = COMPRESSION_JPEG};
@@ -686,8 +691,7 @@ static void test_claims(void)
     }
 }
 
-/* Strips that do not follow each other: the first of two takes the place of the second, and the
- * second that of the first. */
+/* Exchanges the places of two strips, so that they do not follow each other. */
 static void test_swapped_strips(void)
 {
     const struct variant v = {PAGE, .rows = 15};
@@ -703,7 +707,7 @@ static void test_swapped_strips(void)
     const size_t length = read_bytes(path, bytes, sizeof bytes);
     TIFF *tiff = TIFFOpen(path, "r+");
     const uint64_t at[2] = {TIFFGetStrileOffset(tiff, 0), TIFFGetStrileOffset(tiff, 1)};
-    CHECK(at[1] == at[0] + half && length > 0, "they follow each other");
+    CHECK(at[1] == at[0] + half && length > 0, "the second strip follows the first");
     TIFFClose(tiff);
     memcpy(kept, bytes + at[0], half);
     memmove(bytes + at[0], bytes + at[1], (HEIGHT - 15) * WIDTH * 2);
@@ -721,12 +725,12 @@ static void test_swapped_strips(void)
     write_bytes(path, bytes, length);
     CHECK(image_open(path, from, &image, &err) && image_read(&image, 0, 0, HEIGHT, swapped, &err) &&
               memcmp(whole, swapped, sizeof whole) == 0,
-          "and read the same when they lie the other way round %s", err.text);
+          "exchanged strips read the same %s", err.text);
     check_rows(&image, "strips in another order");
     image_close(&image);
 }
 
-/* No file that lacks its end passes, wherever it was cut. */
+/* A file without its end is refused, wherever it is cut. */
 static void check_cuts(const char *name)
 {
     static unsigned char bytes[65536];
@@ -743,7 +747,7 @@ static void check_cuts(const char *name)
         passed += read || (err.status == EXIT_AGREED && image.n_pages == PAGES);
         image_close(&image);
     }
-    CHECK(length > 0 && passed == 0, "%s: no shorter file passes", name);
+    CHECK(length > 0 && passed == 0, "%s: every shorter file is refused", name);
     unlink("cut.tif");
 }
 
@@ -812,9 +816,9 @@ int main(void)
     char command[512];
     snprintf(command, sizeof command, "/usr/bin/python3 test/run/images.py '%s'", folder);
     if (!CHECK(system(command) == 0, "tifffile writes its pictures") ||
-        !CHECK(chdir(folder) == 0, "there is a folder for temporary files"))
+        !CHECK(chdir(folder) == 0, "the folder for temporary files exists"))
         return test_end();
-    TIFFSetWarningHandler(NULL); /* of the writer in this test */
+    TIFFSetWarningHandler(NULL); /* the writer in this test */
     test_variants();
     test_jpeg();
     test_luma();

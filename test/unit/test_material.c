@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Material files of the thesis's format, and the same in a scene's words. Refusals stand in
- * test/cases/bad; here is what must be accepted, and what it means. */
+/* Material files of the thesis's format, and materials in a scene, are accepted and mean what their
+ * authors expect. test/cases/bad has those that are refused. */
 #include <stdlib.h>
 #include <sys/stat.h>
 
@@ -19,7 +19,7 @@ static const char *write_material(const char *name, const char *content)
     return test_write(path, content);
 }
 
-/* An absent diffuse spectrum stands for an error. */
+/* Returns a material without a diffuse spectrum after an error. */
 static struct material read_file(const char *path, struct error *err)
 {
     struct material out;
@@ -46,19 +46,19 @@ static void check_matt_file(void)
                                                                 "500\t0.75"),
                                   &err);
     CHECK_TEXT(err.text, "", "a file of wavelengths and reflectances is a material");
-    CHECK_TEXT(m.name, "matt.v2", "its name is the file's, without folder and ending");
+    CHECK_TEXT(m.name, "matt.v2", "its name is the file name without folder and ending");
     CHECK(m.diffuse.kind == SPECTRUM_SAMPLED && m.diffuse.count == 2, "it has two samples");
     CHECK_NEAR(spectrum_at(&m.diffuse, 450, SPECTRUM_HOLD), 0.5, 0,
                "halfway between two samples is their mean");
     CHECK(m.diffuse.place.line == 3 && m.diffuse.place.column == 3 &&
               m.diffuse.place.path == m.path,
-          "its place is its first sample, in a path that lives as long as the material");
+          "its source place is its first sample, in a path that lives as long as the material");
     CHECK_TEXT(m.diffuse.name, "matt.v2", "the spectrum is named after the material");
     CHECK(m.gloss == 0 && m.gloss_place.line == 0 && m.specular.kind == SPECTRUM_NONE &&
               m.excitation.kind == SPECTRUM_NONE && m.texture == NULL && m.partner == NULL,
-          "what the file does not say is absent");
+          "values that the file does not define are absent");
     material_free(&m);
-    CHECK(m.name == NULL && m.diffuse.count == 0, "freed, it is zeroed");
+    CHECK(m.name == NULL && m.diffuse.count == 0, "a freed material is zeroed");
     material_free(&m);
 }
 
@@ -71,14 +71,15 @@ static void check_full_file(void)
                                   &err);
     const char *slash = m.texture != NULL ? strrchr(m.texture, '/') : NULL;
     CHECK_TEXT(err.text, "", "lines of all kinds mix in any order, small or capital");
-    CHECK(m.gloss == 128 && m.gloss_place.line == 1, "gloss 128 and reflectances 0 and 1 are good");
+    CHECK(m.gloss == 128 && m.gloss_place.line == 1,
+          "gloss 128 and reflectances 0 and 1 are accepted");
     CHECK(m.specular.count == 2 && m.specular.value[1] == 1 && m.diffuse.count == 2 &&
               m.diffuse.value[1] == 0,
           "specular and diffuse samples stay apart");
-    CHECK(m.specular.place.line == 2, "the specular place is its first line");
+    CHECK(m.specular.place.line == 2, "the specular source place is its first line");
     CHECK(m.excitation.count == 2 && m.emission.count == 2 && m.excitation.value[0] == 2 &&
               m.emission.value[1] == 3 && m.emission.wavelength_nm[1] == 520,
-          "f gives excitation, then emission; they may exceed 1");
+          "f defines excitation, then emission; they may exceed 1");
     CHECK(slash != NULL && strcmp(slash, "/my wood.tif") == 0 &&
               strncmp(m.texture, m.path, (size_t)(slash - m.texture)) == 0,
           "a quoted texture lies beside the material file");
@@ -96,11 +97,11 @@ static void check_partner(void)
         CHECK(m.partner->diffuse.value[0] == 0.25 && m.partner->specular.value[0] == 0.75 &&
                   m.partner->excitation.count == 1 && m.partner->gloss == 20,
               "the partner has its own values");
-        CHECK_TEXT(m.partner->name, "pair", "the partner has its material's name");
+        CHECK_TEXT(m.partner->name, "pair", "the partner has the name of its material");
     }
     CHECK(m.diffuse.value[0] == 0.5 && m.gloss == 10 && m.specular.kind == SPECTRUM_NONE &&
               m.excitation.kind == SPECTRUM_NONE,
-          "the material keeps its own");
+          "the material keeps its own values");
     material_free(&m);
 }
 
@@ -114,11 +115,11 @@ static void check_patches(void)
     for (int nm = 300; nm <= 800; nm++)
         above = above && spectrum_at(&white.diffuse, nm, SPECTRUM_HOLD) >
                              5 * spectrum_at(&black.diffuse, nm, SPECTRUM_HOLD);
-    CHECK(above, "the white patch reflects several times what the black one does, at any nm");
+    CHECK(above, "the white patch reflects several times more than the black one at every nm");
     material_free(&white);
     material_free(&black);
     white = read_file("builtin:materials/none.txt", &err);
-    CHECK(white.name == NULL && err.status == EXIT_INPUT, "a missing material is bad input");
+    CHECK(white.name == NULL && err.status == EXIT_INPUT, "a missing material is refused as input");
 }
 
 static void check_words(void)
@@ -132,17 +133,19 @@ static void check_words(void)
                                    "metamer \"other one\" } tail",
                                    &rest, &err);
     CHECK_TEXT(err.text, "", "words may span lines, with comments between them");
-    CHECK_NEAR(spectrum_at(&m.diffuse, 500, SPECTRUM_HOLD), 0.2, 1e-16, "diffuse has a factor");
+    CHECK_NEAR(spectrum_at(&m.diffuse, 500, SPECTRUM_HOLD), 0.2, 1e-16,
+               "the diffuse spectrum has its factor");
     CHECK(m.gloss == 30 && m.gloss_place.line == 2 && m.gloss_place.column == 3,
-          "gloss is 30, and known to stand in line 2");
+          "gloss is 30, with line 2 as its source place");
     CHECK(m.specular.kind == SPECTRUM_SAMPLED && m.excitation.parameter[0] == 380 &&
               m.emission.factor == 2 && m.glow.kind == SPECTRUM_BLACKBODY,
           "each word fills its own spectrum");
-    CHECK_TEXT(m.texture, "scenes/wood.tif", "a texture is relative to the scene");
-    CHECK(m.texture_linear, "and linear where it says so");
-    CHECK_TEXT(m.partner_name, "other one", "a partner is a name in the scene");
-    CHECK(m.name == NULL && m.path == NULL && m.partner == NULL, "name and path are the scene's");
-    CHECK(text_word(&rest, &word) && word_is(&word, "tail"), "reading stops behind the }");
+    CHECK_TEXT(m.texture, "scenes/wood.tif", "a texture's path is relative to the scene");
+    CHECK(m.texture_linear, "the filter is linear if the scene says so");
+    CHECK_TEXT(m.partner_name, "other one", "a partner is named as in the scene");
+    CHECK(m.name == NULL && m.path == NULL && m.partner == NULL,
+          "the material has the name and path of the scene");
+    CHECK(text_word(&rest, &word) && word_is(&word, "tail"), "reading stops after the }");
     material_free(&m);
     text_free(&rest);
 }
@@ -154,28 +157,30 @@ static void check_absent_words(void)
     struct material m = read_words(" emission 1 }", &rest, &err);
     CHECK(err.status == EXIT_AGREED && m.diffuse.kind == SPECTRUM_CONSTANT &&
               spectrum_at(&m.diffuse, 500, SPECTRUM_HOLD) == 0,
-          "what shines without a diffuse reflectance reflects nothing");
+          "a material with emission alone reflects nothing");
     material_free(&m);
     text_free(&rest);
     m = read_words(" diffuse 1 donaldson b.csv spectral-texture s.tif }", &rest, &err);
     CHECK(err.status == EXIT_AGREED && m.donaldson_place.line == 1 && m.spectral_texture != NULL &&
               m.donaldson_place.column == 12,
-          "a matrix and a stack go together");
-    CHECK_TEXT(m.donaldson, "scenes/b.csv", "the matrix is relative to the scene");
-    CHECK(!m.texture_linear, "a stack is nearest by default");
+          "a matrix and a stack may be combined");
+    CHECK_TEXT(m.donaldson, "scenes/b.csv", "the matrix's path is relative to the scene");
+    CHECK(!m.texture_linear, "a stack's filter is nearest by default");
     material_free(&m);
     text_free(&rest);
     m = read_words(" diffuse 1 spectral-texture s.tif linear }", &rest, &err);
-    CHECK(err.status == EXIT_AGREED && m.texture_linear, "and linear where it says so");
+    CHECK(err.status == EXIT_AGREED && m.texture_linear,
+          "the filter is linear if the scene says so");
     material_free(&m);
     text_free(&rest);
     m = read_words(" diffuse 1 texture a.tif }", &rest, &err);
-    CHECK(err.status == EXIT_AGREED && !m.texture_linear, "a texture is nearest by default");
+    CHECK(err.status == EXIT_AGREED && !m.texture_linear,
+          "a texture's filter is nearest by default");
     material_free(&m);
     text_free(&rest);
     m = read_words(" gloss 10 }", &rest, &err);
     CHECK(err.status == EXIT_INPUT && m.diffuse.kind == SPECTRUM_NONE,
-          "gloss alone is no material");
+          "gloss alone is refused as a material");
     text_free(&rest);
 }
 

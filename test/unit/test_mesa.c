@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
-/* Where Mesa's two software drivers differ from OpenGL or from each other, and what the program
- * relies on in both: each as a measurement through OSMesa. test/README.md tells of each. Facts
- * about Mesa must hold in 22.3.6; where another version behaves otherwise, that is said and
- * skipped. What the program relies on must hold in every version. */
+/* Measures, through OSMesa, how Mesa's two software drivers differ from OpenGL and from each other,
+ * and the behaviour of both that the program relies on. test/README.md explains each measurement.
+ * Facts about Mesa must hold in 22.3.6; if another version behaves otherwise, the test says so and
+ * skips the fact. Behaviour that the program relies on must hold in every version. */
 #include <stdint.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -21,7 +21,7 @@ enum { SIZE = 256, SUBPIXELS = 256, DEPTH_MAX = 0xffffff };
 /* Rows run upwards, as in OpenGL's window coordinates. */
 struct canvas {
     float colour[SIZE][SIZE][4];        /* OSMesa's buffer */
-    uint32_t depth_stencil[SIZE][SIZE]; /* of the last material(): 24 bits above 8 */
+    uint32_t depth_stencil[SIZE][SIZE]; /* from the last material(): 24 bits above 8 */
     uint64_t random;
 };
 
@@ -31,10 +31,10 @@ enum { ONE_SIDE_ZERO, BOTH_ZERO, POWERS };
 enum { BYTE_TEXELS, FLOAT_TEXELS, TEXELS };
 enum { SMALLEST, SMALL, LARGE, LARGEST, LENGTHS };
 
-/* Measured facts of a driver. Counts are of pixels where nothing else is said. */
+/* Measured facts about a driver. Counts are pixels unless noted. */
 struct facts {
     char renderer[64], version[64];
-    bool left, right, top, bottom; /* is the edge of a rectangle drawn that meets pixel centres? */
+    bool left, right, top, bottom; /* does a rectangle draw an edge that meets pixel centres? */
     long edge_centres, off_left_bottom, off_right_top, off_edges;
     struct {
         long pixels, holes, doubles;
@@ -60,7 +60,7 @@ struct facts {
 
 /* ---- the canvas ---- */
 
-/* Knuth's MMIX constants, so that every machine draws the same. */
+/* Knuth's MMIX constants, so that every machine draws the same numbers. */
 static uint32_t random_bits(struct canvas *canvas)
 {
     canvas->random = canvas->random * 6364136223846793005u + 1442695040888963407u;
@@ -87,7 +87,8 @@ static bool open_context(struct canvas *canvas, int format)
     return context && OSMesaMakeCurrent(context, canvas->colour, GL_FLOAT, SIZE, SIZE);
 }
 
-/* Window coordinates as they are, window z = z; every fragment counts in the stencil. */
+/* Sets the state: coordinates are window coordinates, window z = z, and the stencil counts every
+ * fragment. */
 static void set_state(void)
 {
     glClampColorARB(GL_CLAMP_VERTEX_COLOR_ARB, GL_FALSE);
@@ -148,8 +149,8 @@ static void rectangle_rule(struct canvas *canvas, struct facts *facts)
     facts->top = fragments_at(canvas, 4, 6);
 }
 
-/* Corners in subpixels; the first edge runs through a pixel centre in a small direction, and so
- * through many. */
+/* Corners are in subpixels. The first edge runs through a pixel centre in a direction of small
+ * integers, and so through many centres. */
 static void random_corners(struct canvas *canvas, long corner[3][2])
 {
     for (int j = 0; j < 2; j++) {
@@ -167,8 +168,8 @@ static void random_corners(struct canvas *canvas, long corner[3][2])
     }
 }
 
-/* Where a pixel's centre lies: on an edge that is drawn if left and bottom edges are, or if right
- * and top ones are; at a corner neither rule may draw it. */
+/* Says where a pixel's centre lies: on an edge that the rule for left and bottom edges draws, or on
+ * one that the rule for right and top edges draws. At a corner neither rule may draw it. */
 enum { OUT, IN, ON_LEFT_BOTTOM, ON_RIGHT_TOP, ON_CORNER };
 static int exact_place(long corner[3][2], long x, long y)
 {
@@ -231,8 +232,8 @@ static void fill_rule(struct canvas *canvas, struct facts *facts)
 
 enum { CELLS = 12 };
 
-/* A net of triangles around the middle of the canvas whose inner corners are shaken, all at
- * pixel centres. */
+/* Makes a net of triangles around the middle of the canvas. All corners lie at pixel centres; the
+ * inner ones are moved at random. */
 static void random_net(struct canvas *canvas, double cell, double net[CELLS + 1][CELLS + 1][2])
 {
     for (int i = 0; i <= CELLS; i++)
@@ -258,7 +259,8 @@ static void draw_net(double net[CELLS + 1][CELLS + 1][2])
     glEnd();
 }
 
-/* Every pixel inside the net should be drawn once. A larger net is clipped at the canvas. */
+/* Counts holes and doubles: every pixel inside the net should be drawn once. A larger net is
+ * clipped at the canvas. */
 static void shared_edges(struct canvas *canvas, struct facts *facts)
 {
     static const double cell[MESHES] = {20, 40};
@@ -344,7 +346,7 @@ static void slivers(struct canvas *canvas, struct facts *facts)
     glColor3f(1, 1, 1);
 }
 
-/* Slivers that run anticlockwise, though just so, with front faces culled. */
+/* Draws slivers that run only just anticlockwise, with front faces culled. */
 static void facing(struct canvas *canvas, struct facts *facts)
 {
     glEnable(GL_CULL_FACE);
@@ -437,7 +439,7 @@ static void ties(struct canvas *canvas, struct facts *facts)
     glColor3f(1, 1, 1);
 }
 
-/* A triangle with an edge on the far plane that runs through pixel centres. */
+/* Draws a triangle with an edge on the far plane; the edge runs through pixel centres. */
 static void random_far_triangle(struct canvas *canvas, double corner[3][3])
 {
     for (int j = 0; j < 2; j++) {
@@ -450,7 +452,7 @@ static void random_far_triangle(struct canvas *canvas, double corner[3][3])
         corner[i][2] = i < 2 ? 1 : 0.75;
 }
 
-/* No fragment may be drawn that is nearer than 0.75 or changes the stencil. */
+/* Every drawn fragment must have a depth of at least 0.75 and leave the stencil as it was. */
 static void far_plane(struct canvas *canvas, struct facts *facts)
 {
     glEnable(GL_DEPTH_TEST);
@@ -481,7 +483,7 @@ static void far_plane(struct canvas *canvas, struct facts *facts)
 
 static const GLfloat white[4] = {1, 1, 1, 1}, black[4] = {0, 0, 0, 1};
 
-/* The red of a rectangle with this normal. */
+/* Returns the red of a rectangle with this normal. */
 static double lit(const struct canvas *canvas, double x, double y, double z)
 {
     glNormal3d(x, y, z);
@@ -502,8 +504,8 @@ static void direct_light(GLfloat x, GLfloat y, GLfloat z)
     glLightfv(GL_LIGHT0, GL_POSITION, direction);
 }
 
-/* The normal stands at right angles to the half vector, yet is lit: the highlight is 0^shininess.
- * The front, which is seen, has shininess 0. */
+/* The normal is at right angles to the half vector, but the surface is lit: the highlight is
+ * 0^shininess. The visible front has shininess 0. */
 static void zero_power(struct canvas *canvas, struct facts *facts)
 {
     set_material(black, white);
@@ -577,7 +579,7 @@ static void buffers(struct canvas *canvas, struct facts *facts)
         facts->unclamped[i] = (double)canvas->colour[0][0][i];
 }
 
-/* The first number of a pixel that is red, in a buffer asked to be BGRA. */
+/* Returns the first number of a red pixel in a buffer that was requested as BGRA. */
 static void buffer_order(struct canvas *canvas, struct facts *facts)
 {
     if (!open_context(canvas, OSMESA_BGRA))
@@ -603,7 +605,7 @@ static void filtering(struct canvas *canvas, struct facts *facts)
         else
             glTexImage2D(GL_TEXTURE_2D, 0, GL_LUMINANCE32F_ARB, 2, 1, 0, GL_LUMINANCE, GL_FLOAT,
                          floats);
-        glBegin(GL_QUADS); /* s from the middle of a texel to that of the other */
+        glBegin(GL_QUADS); /* s from the centre of one texel to the centre of the other */
         for (int i = 0; i < 4; i++) {
             bool right = i == 1 || i == 2;
             glTexCoord2d(right ? 0.75 : 0.25, 0.5);
@@ -628,7 +630,7 @@ struct soup {
     unsigned index[CORNERS];
 };
 
-/* Triangles of several sizes, some through the near plane. */
+/* Makes triangles of several sizes; some cross the near plane. */
 static void random_soup(struct canvas *canvas, struct soup *soup)
 {
     for (int t = 0; t < TRIANGLES; t++) {
@@ -705,7 +707,7 @@ static void check_names(const struct canvas *canvas, const struct soup *soup, st
         }
 }
 
-/* The stencil of all triangles at once against the sum of each alone. */
+/* Compares the stencil of all triangles at once with the sum of the stencils of each alone. */
 static void check_counts(struct canvas *canvas, const struct soup *soup, struct facts *facts)
 {
     static const int some = TRIANGLES / 2;
@@ -794,8 +796,8 @@ static bool measure(struct facts *facts)
     return true;
 }
 
-/* A driver is chosen once in a process, so that each is measured in one of its own. Returns the
- * end of a pipe from which the facts come. */
+/* A process can choose its driver only once, so each driver is measured in its own process. Returns
+ * the end of a pipe that delivers the facts. */
 static int start_measuring(const char *driver, pid_t *child)
 {
     int ends[2];
@@ -821,9 +823,9 @@ static bool fetch_facts(int end, pid_t child, struct facts *out)
     return waitpid(child, &status, 0) == child && status == 0 && whole;
 }
 
-/* ---- what is so ---- */
+/* ---- facts ---- */
 
-/* A fact about the version that was measured. */
+/* Checks a fact about the version that was measured; skips it in another version that differs. */
 static void known(const struct facts *facts, bool holds, const char *standard)
 {
     const char *driver = strncmp(facts->renderer, "llvmpipe", 8) == 0 ? "llvmpipe" : "softpipe";
@@ -873,14 +875,14 @@ static void check_llvmpipe(const struct facts *f)
 {
     known(f, f->left && f->bottom && !f->right && !f->top, "draws left and bottom edges");
     known(f, f->edge_centres > 5000 && f->off_left_bottom == 0 && f->off_edges == 0,
-          "keeps to that rule on edges of any slope");
+          "follows that rule on edges of any slope");
     known(f, f->mesh[INSIDE].holes + f->mesh[INSIDE].doubles == 0, "draws shared edges once");
     known(f, f->mesh[CLIPPED].holes + f->mesh[CLIPPED].doubles == 0,
           "draws shared edges of clipped triangles once");
     known(f, f->sliver[COLLINEAR].pixels > 0, "draws fragments of triangles without area");
     known(f, f->sliver[COLLINEAR].not_finite == f->sliver[COLLINEAR].pixels,
-          "gives them no finite colour");
-    known(f, f->sliver[COLLINEAR].depth_passed == 0, "lets none of them pass a depth test");
+          "gives triangles without area no finite colour");
+    known(f, f->sliver[COLLINEAR].depth_passed == 0, "lets no fragment of them pass a depth test");
     known(f, f->sliver[NEARLY_COLLINEAR].largest > 10,
           "extrapolates on slivers to more than ten times the largest colour");
     known(f, f->front_as_back > 0, "takes slivers' front faces for back faces");
@@ -896,7 +898,7 @@ static void check_softpipe(const struct facts *f)
 {
     known(f, f->right && f->top && !f->left && !f->bottom, "draws right and top edges");
     known(f, f->off_right_top > 0 && f->off_right_top * 100 < f->edge_centres && f->off_edges == 0,
-          "breaks that rule on less than one in a hundred centres on edges");
+          "breaks that rule at less than one in a hundred centres on edges");
     known(f, f->mesh[INSIDE].holes > 0 && f->mesh[INSIDE].doubles > 0,
           "leaves holes and doubles on shared edges");
     known(f, f->mesh[CLIPPED].holes > 0 && f->mesh[CLIPPED].doubles > 0,
@@ -912,28 +914,30 @@ static void check_softpipe(const struct facts *f)
     known(f, f->texture_error[BYTE_TEXELS] < 1e-6, "filters bytes in single precision");
 }
 
-/* Alike in both drivers. */
+/* Both drivers behave alike here. */
 static void check_both(const struct facts *f)
 {
     known(f, f->power[BOTH_ZERO] == 1, "gives 0^0 = 1 where both sides have shininess 0");
     known(f, f->normal[SMALLEST] == 0 && f->normal[LARGEST] == 0,
           "makes normals of length 1e-19 and 1e20 black under GL_NORMALIZE");
     known(f, fabs(f->normal[SMALL] - 1) < 1e-6 && fabs(f->normal[LARGE] - 1) < 1e-6,
-          "normalizes those of length 2e-19 and 1e19");
-    known(f, fabs(f->singular - 0.8) < 1e-6, "takes the inverse of a singular matrix for identity");
+          "normalizes normals of length 2e-19 and 1e19");
+    known(f, fabs(f->singular - 0.8) < 1e-6,
+          "treats the inverse of a singular matrix as the identity");
     known(f, f->clamped[0] == 1 && f->clamped[1] == 0,
           "clamps vertex colours by default in a float buffer");
     known(f, f->before_finish == 0 && f->after_finish == 2, "fills the buffer at glFinish");
-    known(f, f->bgra_first == 1, "takes a float buffer asked to be BGRA for RGBA");
+    known(f, f->bgra_first == 1, "stores RGBA in a float buffer that was requested as BGRA");
 }
 
-/* The cross-check rests on these, whatever the version. */
+/* The cross-check relies on these in every version. */
 static void check_needed(const struct facts *f)
 {
     CHECK(f->gl_error == GL_NO_ERROR, "%s: OpenGL reports no error", f->renderer);
     CHECK(f->unclamped[0] == 2 && f->unclamped[1] == -1,
           "%s: without clamps colours keep their value", f->renderer);
-    CHECK(f->cleared[0] == 2 && f->cleared[1] == -1, "%s: so do clear colours", f->renderer);
+    CHECK(f->cleared[0] == 2 && f->cleared[1] == -1,
+          "%s: without clamps clear colours keep their value", f->renderer);
     CHECK(f->texture_error[FLOAT_TEXELS] < 1e-6, "%s: floats are filtered in single precision",
           f->renderer);
     CHECK(f->tie_pixels > 0 && f->less_second == 0 && f->lequal_first == 0,
@@ -945,10 +949,10 @@ static void check_needed(const struct facts *f)
     CHECK(f->fragments > 10000 && f->identity_counts == 0, "%s: the stencil counts fragments",
           f->renderer);
     CHECK(f->identity_coverage == 0 && f->identity_depths == 0,
-          "%s: what is drawn flat and lit covers the same pixels at the same depths", f->renderer);
+          "%s: flat and lit drawings cover the same pixels at the same depths", f->renderer);
 }
 
-/* The exit status of the program on a scene of test/cases/mesa/. */
+/* Returns the exit status of the program on a scene of test/cases/mesa/. */
 static int spectral_exit(const char *driver, const char *scene, const char *option)
 {
     const char *program = getenv("SPECTRAL");
@@ -964,11 +968,12 @@ static int spectral_exit(const char *driver, const char *scene, const char *opti
 static void check_program(const struct facts *f, const char *driver)
 {
     bool watertight = f->mesh[INSIDE].holes == 0;
-    CHECK(spectral_exit(driver, "seam", "") == 0, "%s: the program forgives edge holes", driver);
+    CHECK(spectral_exit(driver, "seam", "") == 0, "%s: the program passes edge holes", driver);
     known(f, spectral_exit(driver, "seam", "--strict") == (watertight ? 0 : 1),
           watertight ? "has no holes in seam.scene"
                      : "has holes in seam.scene that --strict finds");
-    CHECK(spectral_exit(driver, "sliver", "") == 0, "%s: the program judges no slivers", driver);
+    CHECK(spectral_exit(driver, "sliver", "") == 0,
+          "%s: the program neither passes nor fails slivers", driver);
 }
 
 int main(void)
@@ -985,7 +990,7 @@ int main(void)
         bool right = strncmp(facts[i].renderer, names[i], strlen(names[i])) == 0;
         if (!CHECK(whole, "%s was measured", names[i]))
             continue;
-        if (!right) { /* a Mesa built without it */
+        if (!right) { /* Mesa was built without this driver */
             printf("ok %d # SKIP OSMesa gives %s for %s\n", ++test_count, facts[i].renderer,
                    names[i]);
             continue;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The OBJ reader and mesh builder against closed forms: both renderers share them, so nothing else
- * would notice if they were wrong. */
+/* Compares the OBJ reader and mesh builder with closed forms. Both renderers share them, so no
+ * other test would find their errors. */
 #include <float.h>
 #include <sys/stat.h>
 #include <time.h>
@@ -39,7 +39,7 @@ static void write_obj(const char *text)
     fclose(file);
 }
 
-/* Reads the file written last. */
+/* Reads the file that was written last. */
 static struct mesh read_obj(bool unitize, double crease_deg)
 {
     struct error err = {.text = ""};
@@ -80,8 +80,8 @@ static struct mesh read_cube(const char *faces, double crease_deg)
     return read_text(text, crease_deg);
 }
 
-/* The largest difference between the normals and the ideal ones: of the facets, along one axis, or
- * of the corners, along the diagonals. */
+/* Returns the largest difference between the normals and the ideal ones: either face normals, along
+ * one axis, or corner normals, along the diagonals. */
 static double cube_normal_error(const struct mesh *mesh, bool smooth)
 {
     double worst = 0;
@@ -111,16 +111,20 @@ static void check_cubes(void)
             const char *shown = f ? "triangles" : "squares";
             CHECK(mesh.n_vertices == (creases[c].smooth ? 8 : 24) && mesh.n_triangles == 12,
                   "a cube of %s, crease %g: %s", shown, creases[c].crease_deg,
-                  creases[c].smooth ? "one vertex a corner" : "each square has its own vertices");
+                  creases[c].smooth ? "each corner has one vertex"
+                                    : "each square has its own vertices");
             CHECK_NEAR(cube_normal_error(&mesh, creases[c].smooth), 0, 4 * DBL_EPSILON,
-                       "%s: angles weigh, so that diagonals do not matter", shown);
-            CHECK(solid.open_edges == 0 && solid_euler(&solid, &mesh) == 2, "%s: closed", shown);
-            CHECK_NEAR(solid.volume, 8, 8 * DBL_EPSILON, "%s: volume", shown);
+                       "%s: normals are weighted by angles, so that diagonals do not matter",
+                       shown);
+            CHECK(solid.open_edges == 0 && solid_euler(&solid, &mesh) == 2,
+                  "%s: the cube is closed", shown);
+            CHECK_NEAR(solid.volume, 8, 8 * DBL_EPSILON, "%s: the volume is right", shown);
             mesh_free(&mesh);
         }
 }
 
-/* Turned, and written with six digits as most programs do, right angles are right only nearly. */
+/* Right angles of a rotated cube are only nearly right once its coordinates have six digits, as
+ * most programs write them. */
 static void check_turned_cube(void)
 {
     const struct vector axis = {1, 2, 3};
@@ -138,13 +142,13 @@ static void check_turned_cube(void)
         fclose(file);
         struct mesh mesh = read_obj(false, crease);
         CHECK(mesh.n_vertices == (crease <= 90 ? 24 : 8),
-              "a cube at an angle has its edges at crease %d like one that stands straight",
-              crease);
+              "a rotated cube has the same edges at crease %d as an upright one", crease);
         mesh_free(&mesh);
     }
 }
 
-/* A sphere's averaged normals come near the true ones, and the face order does not matter. */
+/* Averaged normals of a sphere are close to the true ones, and do not depend on the order of faces.
+ */
 static void check_sphere_normals(void)
 {
     const int n = 40;
@@ -176,9 +180,11 @@ static void check_sphere_normals(void)
                     fmax(difference,
                          vector_length(vector_subtract(v->normal, meshes[1].vertices[k].normal)));
     }
-    /* Facets lean by up to half a step, pi / 80, against the sphere; averages by its square. */
-    CHECK_NEAR(worst, 0, pi / 80 * pi / 80, "averaged normals are a sphere's, at size 1e-30");
-    CHECK_NEAR(difference, 0, 16 * DBL_EPSILON, "whatever the order of faces");
+    /* Triangles tilt by up to half a step, pi / 80, against the sphere; averaged normals by its
+     * square. */
+    CHECK_NEAR(worst, 0, pi / 80 * pi / 80,
+               "averaged normals are those of a sphere, at size 1e-30");
+    CHECK_NEAR(difference, 0, 16 * DBL_EPSILON, "the order of faces does not matter");
     mesh_free(&meshes[0]);
     mesh_free(&meshes[1]);
 }
@@ -189,7 +195,8 @@ static void write_polygon(const double (*at)[2], int n)
 {
     FILE *file = begin_obj();
 
-    for (int i = 0; i < n; i++) /* in the plane z = 2 x - y, so that nothing is axis-parallel */
+    for (int i = 0; i < n;
+         i++) /* in the plane z = 2 x - y, so that no edge is parallel to an axis */
         fprintf(file, "v %.17g %.17g %.17g\n", at[i][0], at[i][1], 2 * at[i][0] - at[i][1]);
     fputs("f", file);
     for (int i = 1; i <= n; i++)
@@ -207,9 +214,9 @@ static double flat_area(const struct mesh *mesh, int i)
     return vector_cross(vector_subtract(b, a), vector_subtract(c, a)).z / 2;
 }
 
-/* A true triangulation: no triangle is turned over and together they have the polygon's own edges
- * as their border, so that they cover each point inside once and none outside; the areas say the
- * same once more. */
+/* Checks a triangulation: no triangle is turned over, and the border of all triangles is the
+ * polygon's own edges, so that they cover each point inside once and no point outside. The sum of
+ * areas confirms this. */
 static void check_polygon(const double (*at)[2], int n, const char *name)
 {
     double sum = 0, shoelace = 0, smallest = HUGE_VAL;
@@ -225,15 +232,15 @@ static void check_polygon(const double (*at)[2], int n, const char *name)
         const double *a = at[i], *b = at[(i + 1) % n];
         shoelace += (a[0] * b[1] - a[1] * b[0]) / 2;
     }
-    CHECK(mesh.n_triangles == n - 2, "%s: n - 2 triangles", name);
-    CHECK(smallest > 0, "%s: none turned over or without area", name);
+    CHECK(mesh.n_triangles == n - 2, "%s: there are n - 2 triangles", name);
+    CHECK(smallest > 0, "%s: no triangle is turned over or without area", name);
     CHECK_NEAR(sum / shoelace, 1, 4 * DBL_EPSILON * n, "%s: areas add up", name);
     CHECK(solid.open_edges == n && solid.repeated_edges == 0, "%s: its border is the polygon's",
           name);
     mesh_free(&mesh);
 }
 
-/* A small generator of our own, so that the polygons are the same everywhere. */
+/* A small generator in this file, so that the polygons are the same everywhere. */
 static double next_random(uint32_t *state)
 {
     *state = *state * 1664525u + 1013904223u;
@@ -285,7 +292,8 @@ static void check_polygons(void)
     check_polygon((const double(*)[2])spiral, 200, "spiral");
 }
 
-/* A hole joined to the border by a bridge that is walked twice, as many programs write it. */
+/* A hole is joined to the border by a bridge that the outline runs along twice, as many programs
+ * write it. */
 static void check_hole(void)
 {
     struct mesh mesh = read_text("v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\n"
@@ -305,7 +313,8 @@ static void check_hole(void)
     mesh_free(&mesh);
 }
 
-/* Convex polygons take time in proportion to their length; others at most the square. */
+/* The time for convex polygons is proportional to their number of corners; for others it is at most
+ * its square. */
 static void check_long_polygons(void)
 {
     const int lengths[2] = {100000, 20000};
@@ -325,13 +334,13 @@ static void check_long_polygons(void)
         struct mesh mesh = read_obj(false, 90);
         const double seconds = (double)(clock() - start) / CLOCKS_PER_SEC;
         CHECK(mesh.n_triangles == n - 2, "%s of %d corners is cut", round ? "tangle" : "disk", n);
-        CHECK(seconds < 10, "and does not take for ever: %.2f s", seconds);
+        CHECK(seconds < 10, "the cut takes a short time: %.2f s", seconds);
         mesh_free(&mesh);
     }
     free(at);
 }
 
-/* Polygons that would stop a careless program must end, with finite unit normals. */
+/* Degenerate polygons must not loop for ever, and must have finite unit normals. */
 static void check_senseless(void)
 {
     const struct {
@@ -363,7 +372,7 @@ static void check_senseless(void)
     }
 }
 
-/* A facet without area leans on its neighbours, and they do not notice it. */
+/* A triangle without area takes its neighbours' normals and does not change them. */
 static void check_zero_area(void)
 {
     struct mesh mesh = read_text("v 0 0 0\nv 0 1 0\nv 0 0 1\nv 0 2 0\nf 1 2 3\nf 1 2 4\n", 90);
@@ -371,8 +380,8 @@ static void check_zero_area(void)
 
     for (int i = 0; i < 3; i++)
         all = all && mesh.vertices[i].normal.x == 1;
-    CHECK(all && mesh.n_vertices == 4, "a facet without area shares its neighbours' normals");
-    CHECK(mesh.vertices[3].normal.z == 1, "where it has no neighbour the normal is 0 0 1");
+    CHECK(all && mesh.n_vertices == 4, "a triangle without area shares its neighbours' normals");
+    CHECK(mesh.vertices[3].normal.z == 1, "without a neighbour its normal is 0 0 1");
     mesh_free(&mesh);
 }
 
@@ -398,12 +407,12 @@ static void check_forms(void)
 
     CHECK(plain.n_vertices == 3 && plain.vertices[1].s == 0.25 && plain.vertices[1].t == 0.5 &&
               plain.vertices[1].normal.z == 1,
-          "coordinates as written, normals of unit length");
+          "coordinates are as written, and normals have unit length");
     CHECK(same_mesh(&plain, &negative), "indices that count back mean the same");
     CHECK(same_mesh(&plain, &continued), "a backslash continues the line");
     CHECK(same_mesh(&plain, &skipping), "other known statements change nothing");
     CHECK(without.n_vertices == 3 && without.vertices[0].normal.z == 1,
-          "vn 0 0 0 means none: the facet's own");
+          "vn 0 0 0 means no normal: the triangle's own is used");
     CHECK(without.vertices[0].s == 0 && without.vertices[1].s == 1 && without.vertices[2].s == 0 &&
               without.vertices[0].t == 0 && without.vertices[2].t == 1,
           "without vt, texture spans the bounding box");
@@ -423,14 +432,14 @@ static void check_sharing(void)
 
     CHECK(mesh.n_vertices == 5 && mesh.triangles[1][0] == mesh.triangles[0][0] &&
               mesh.triangles[1][1] != mesh.triangles[0][2],
-          "corners alike share a vertex, others do not");
+          "equal corners share a vertex, others do not");
     CHECK(mesh.triangles[0][0] == 0 && mesh.triangles[0][1] == 1 && mesh.triangles[0][2] == 2 &&
               mesh.triangles[1][1] == 3 && mesh.triangles[1][2] == 4,
-          "in order of first use");
+          "vertices are in order of first use");
     mesh_free(&mesh);
 }
 
-/* Two squares, of which the second is of two triangles, and an edge that is not drawn. */
+/* A file with two squares, the second made of two triangles, and an edge that is not drawn. */
 static void check_parts(void)
 {
     struct mesh mesh = read_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
@@ -443,19 +452,20 @@ static void check_parts(void)
 
     if (CHECK(mesh.n_parts == 3 && mesh.n_triangles == 5 && mesh.part && mesh.part_names,
               "names of usemtl divide a mesh")) {
-        CHECK(memcmp(mesh.part, parts, sizeof parts) == 0, "each triangle is of its face's part");
+        CHECK(memcmp(mesh.part, parts, sizeof parts) == 0,
+              "each triangle belongs to its face's part");
         CHECK_TEXT(mesh.part_names[0], "", "faces without a name are a part");
         CHECK_TEXT(mesh.part_names[1], "red", "parts are in order of first use by a face");
         CHECK_TEXT(mesh.part_names[2], "two words", "a quoted name is one word");
     }
     mesh_free(&mesh);
-    CHECK(!mesh.part && !mesh.part_names && mesh.n_parts == 0, "freed is empty");
+    CHECK(!mesh.part && !mesh.part_names && mesh.n_parts == 0, "a freed mesh is empty");
     mesh = read_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nusemtl only\nf 1 2 3\n", 90);
     CHECK(mesh.n_parts == 1 && mesh.part && strcmp(mesh.part_names[0], "only") == 0,
           "a single part keeps its name");
     plain = read_text("v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\nusemtl late\n", 90);
     CHECK(plain.n_parts == 1 && !plain.part && !plain.part_names,
-          "where no face has a name the mesh is one part");
+          "without named faces the mesh is one part");
     CHECK(same_mesh(&mesh, &plain), "names change nothing else");
     mesh_free(&mesh);
     mesh_free(&plain);
@@ -478,10 +488,10 @@ static void check_unitize(void)
         CHECK(fmax(-a.x, b.x) == 1 && c.x == b.x, "unitized at %g: the longest side reaches 1",
               scales[i]);
         CHECK_NEAR(b.x - a.x, 2, 2 * DBL_EPSILON, "unitized: it is 2 long");
-        CHECK_NEAR(c.y - a.y, 2 / 3.2, 4 * DBL_EPSILON, "unitized: others in proportion");
-        CHECK_NEAR(c.y + a.y, 0, 4 * DBL_EPSILON, "unitized: about the origin");
+        CHECK_NEAR(c.y - a.y, 2 / 3.2, 4 * DBL_EPSILON, "unitized: other sides are in proportion");
+        CHECK_NEAR(c.y + a.y, 0, 4 * DBL_EPSILON, "unitized: its centre is the origin");
         CHECK_NEAR(vector_length(mesh.vertices[0].normal), 1, 2 * DBL_EPSILON,
-                   "unitized: normals of unit length");
+                   "unitized: normals have unit length");
         mesh_free(&mesh);
     }
 }
@@ -537,7 +547,7 @@ static void check_refusals(void)
         CHECK(!mesh_read(obj_path, nowhere, false, 90, &mesh, &err) && !mesh.vertices &&
                   err.status == EXIT_INPUT,
               "is refused");
-        CHECK_TEXT(err.text, expected, "says where and why");
+        CHECK_TEXT(err.text, expected, "the message says where and why");
     }
 }
 
@@ -546,16 +556,16 @@ static void check_reserve(void)
     struct error err = {.text = ""};
     struct mesh mesh = {.n_vertices = 0};
 
-    CHECK(mesh_reserve(&mesh, 1, 1, &err) && mesh.vertices && mesh.triangles, "room is made");
+    CHECK(mesh_reserve(&mesh, 1, 1, &err) && mesh.vertices && mesh.triangles, "the mesh grows");
     mesh.vertices[0].s = 0.5;
     mesh.n_vertices = 1;
     CHECK(mesh_reserve(&mesh, 1000, 1000, &err) && mesh.vertices[0].s == 0.5 &&
               mesh.n_vertices == 1,
-          "what there is stays");
+          "its vertices and triangles stay");
     CHECK(!mesh_reserve(&mesh, SIZE_MAX, 0, &err) && err.status == EXIT_SYSTEM,
-          "more than can be numbered is no memory");
+          "more vertices than a number can count are refused as out of memory");
     mesh_free(&mesh);
-    CHECK(!mesh.vertices && mesh.n_vertices == 0, "freed is empty");
+    CHECK(!mesh.vertices && mesh.n_vertices == 0, "a freed mesh is empty");
     mesh_free(&mesh);
 }
 

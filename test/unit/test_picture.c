@@ -45,7 +45,7 @@ static void fill_row(const struct picture_options *options, int y, void *row)
     }
 }
 
-/* `step` rows at a time. */
+/* Writes the picture, `step` rows at a time. */
 static bool write_rows(struct picture_writer *writer, int step, struct error *err)
 {
     const struct picture_options *options = &writer->options;
@@ -89,7 +89,7 @@ static double read_sample(const struct picture_options *options, const void *row
                                           : -7 * (double)((const float *)row)[at];
 }
 
-/* How many samples of the current page are not what was written. */
+/* Returns the number of samples of the current page that differ from those written. */
 static int wrong_samples(TIFF *tiff, const struct picture_options *options, int page)
 {
     const int n = options->samples == PICTURE_FLOAT ? 1 : 3;
@@ -133,17 +133,20 @@ static void check_picture(const char *path, const struct picture_options *option
     uint64_t end = 0;
     if (!CHECK(tiff != NULL && stat(path, &status) == 0, "%s: libtiff opens it", path))
         return;
-    CHECK(TIFFNumberOfDirectories(tiff) == (unsigned)n_pages, "%s: %d pages", path, n_pages);
+    CHECK(TIFFNumberOfDirectories(tiff) == (unsigned)n_pages, "%s: it has %d pages", path, n_pages);
     for (int page = 0; page < n_pages; page++) {
         CHECK(TIFFSetDirectory(tiff, (uint16_t)page) && texts_are_right(tiff, options, page),
-              "%s, page %d: description, software, name and profile", path, page + 1);
-        CHECK(wrong_samples(tiff, options, page) == 0, "%s, page %d: every sample", path, page + 1);
+              "%s, page %d: description, software, name and profile are right", path, page + 1);
+        CHECK(wrong_samples(tiff, options, page) == 0, "%s, page %d: every sample is right", path,
+              page + 1);
         const uint64_t offset = TIFFGetStrileOffset(tiff, 0);
         CHECK(TIFFNumberOfStrips(tiff) == 1 && (page == 0 ? offset % 4 == 0 : offset == end),
-              "%s, page %d: one strip, the first one at a multiple of 4 bytes", path, page + 1);
+              "%s, page %d: it has one strip, and the first page's begins at a multiple of 4 bytes",
+              path, page + 1);
         end = offset + TIFFGetStrileByteCount(tiff, 0);
     }
-    CHECK(end == (uint64_t)status.st_size, "%s: pixels without gaps up to the end", path);
+    CHECK(end == (uint64_t)status.st_size, "%s: pixels fill the file up to its end without gaps",
+          path);
     TIFFClose(tiff);
 }
 
@@ -166,13 +169,13 @@ static void test_samples(void)
                       err.text))
                 check_picture(path, &options);
             CHECK(write_picture(other, &options, 2, &err) && same_files(path, other),
-                  "%s: the same two rows at a time", path);
+                  "%s: written two rows at a time it has the same bytes", path);
             unlink(other);
             unlink(path);
         }
 }
 
-/* The last row alone is written: the file has holes, and takes no room. */
+/* Writes only the last row, so that the file is sparse and takes no room. */
 static void test_big(enum picture_samples samples, int size)
 {
     const char *path = "picture_big.tif";
@@ -248,7 +251,7 @@ static void test_full_disk(void)
           "a full device: %s", err.text);
 }
 
-/* A picture that is not committed leaves what was there. */
+/* A picture that is not committed leaves the old file. */
 static void test_discard(void)
 {
     const struct picture_options options = options_of(PICTURE_8, 300, 301);
@@ -265,7 +268,7 @@ static void test_discard(void)
     FILE *file = fopen(path, "r");
     CHECK(file != NULL && fgets(kept, sizeof kept, file) != NULL && strcmp(kept, "kept") == 0 &&
               files_here() == before,
-          "discarded, it leaves the file as it was, and nothing else");
+          "a discarded picture leaves the file as it was, and no other file");
     if (file != NULL)
         fclose(file);
     unlink(path);
@@ -283,7 +286,7 @@ static void test_damage(void)
               ftruncate(writer.pages.output.descriptor, status.st_size - 1) == 0,
           "a picture loses its last byte");
     CHECK(!picture_commit(&writer, &err) && err.status == EXIT_SYSTEM && access(path, F_OK) != 0,
-          "it does not appear: %s", err.text);
+          "the damaged picture does not appear: %s", err.text);
 }
 
 /* A reader in another process takes up to `most` bytes of a pipe into a file. */
@@ -305,13 +308,13 @@ static void test_pipe(void)
     const char *pipe = "picture_pipe", *copy = "picture_copy.tif", *path = "picture_file.tif";
     struct error err = {0};
     signal(SIGPIPE, SIG_IGN);
-    if (!CHECK(mkfifo(pipe, 0600) == 0, "there is a pipe"))
+    if (!CHECK(mkfifo(pipe, 0600) == 0, "a pipe is made"))
         return;
     pid_t child = read_pipe(pipe, copy, SIZE_MAX);
     CHECK(write_picture(pipe, &options, 50, &err), "a picture goes through a pipe %s", err.text);
     waitpid(child, NULL, 0);
     CHECK(write_picture(path, &options, 50, &err) && same_files(copy, path),
-          "the same bytes come out of it as lie in a file");
+          "the pipe delivers the same bytes as a file");
     child = read_pipe(pipe, copy, 10);
     CHECK(!write_picture(pipe, &options, 50, &err) && err.status == EXIT_SYSTEM,
           "a pipe that closes: %s", err.text);
@@ -324,10 +327,10 @@ static void test_pipe(void)
 int main(void)
 {
     const char *folder = test_folder();
-    if (!CHECK(chdir(folder) == 0, "there is a folder for temporary files"))
+    if (!CHECK(chdir(folder) == 0, "the folder for temporary files exists"))
         return test_end();
     mkdir("test_picture", 0777);
-    if (!CHECK(chdir("test_picture") == 0, "and one of this test"))
+    if (!CHECK(chdir("test_picture") == 0, "this test's folder exists"))
         return test_end();
     test_samples();
     test_big(PICTURE_8, 40000);

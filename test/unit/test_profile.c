@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* ICC profiles, read as the specification says. `test_profile srgb` writes one to standard output,
- * for readers of others. */
+/* Reads ICC profiles as the specification says. `test_profile srgb` writes a profile to standard
+ * output, for the readers of other programs. */
 #include "data/colour/colour.h"
 #include "test.h"
 
@@ -27,7 +27,7 @@ static bool named(const struct profile *profile, size_t at, const char *name)
     return at + 4 <= profile->length && memcmp(profile->bytes + at, name, 4) == 0;
 }
 
-/* Where a tag's data lie, and their size; 0: there is none. */
+/* Finds a tag's data and their size; 0 means no such tag. */
 static size_t tag(const struct profile *profile, const char *name, size_t *size)
 {
     for (size_t i = 0; i < number(profile, 128); i++)
@@ -40,17 +40,18 @@ static size_t tag(const struct profile *profile, const char *name, size_t *size)
 
 static void check_header(const struct profile *profile)
 {
-    CHECK(number(profile, 0) == profile->length && profile->length % 4 == 0, "its size");
+    CHECK(number(profile, 0) == profile->length && profile->length % 4 == 0,
+          "the profile records its size");
     CHECK(profile->bytes[8] == 4 && profile->bytes[9] == 0x30 && named(profile, 12, "mntr") &&
               named(profile, 16, "RGB ") && named(profile, 20, "XYZ ") &&
               named(profile, 36, "acsp"),
-          "a display's, from RGB to XYZ, of version 4.3");
+          "it is a display's profile, from RGB to XYZ, of version 4.3");
     CHECK(number(profile, 68) == 0xF6D6 && number(profile, 72) == 0x10000 &&
               number(profile, 76) == 0xD32D,
-          "D50 as the specification writes it");
+          "its D50 is the specification's");
 }
 
-/* All data lie behind the table and within the file, on multiples of 4, and none on others. */
+/* All data lie after the table and within the file, at multiples of 4, and do not overlap. */
 static void check_table(const struct profile *profile)
 {
     static const struct {
@@ -60,7 +61,7 @@ static void check_table(const struct profile *profile)
                     {"gTRC", "para"}, {"bTRC", "para"}};
     const size_t n = sizeof required / sizeof required[0];
     size_t end = 132 + 12 * n, size;
-    CHECK(number(profile, 128) == n, "%zu tags", n);
+    CHECK(number(profile, 128) == n, "it has %zu tags", n);
     for (size_t i = 0; i < n; i++) {
         const size_t at = tag(profile, required[i].name, &size);
         CHECK(at == end && named(profile, at, required[i].type) && number(profile, at + 4) == 0 &&
@@ -68,10 +69,10 @@ static void check_table(const struct profile *profile)
               "%s follows, of type '%s'", required[i].name, required[i].type);
         end = (at + size + 3) / 4 * 4;
     }
-    CHECK(end == profile->length, "and nothing more");
+    CHECK(end == profile->length, "no data follow the last tag");
 }
 
-/* The three numbers of each colorant in its row. */
+/* Reads each colorant's three numbers into its row. */
 static void colorants(const struct profile *profile, double out[3][3])
 {
     static const char *const names[] = {"rXYZ", "gXYZ", "bXYZ"};
@@ -91,11 +92,11 @@ static void check_white(const struct profile *profile)
         CHECK_NEAR(colour[0][i] + colour[1][i] + colour[2][i], d50[i], 1.5 / 65536 + 1e-5,
                    "the colorants add up to D50, %c", "XYZ"[i]);
         CHECK_NEAR(fixed(profile, tag(profile, "wtpt", &size) + 8 + 4 * (size_t)i), d50[i],
-                   0.5 / 65536 + 1e-9, "and so is its white");
+                   0.5 / 65536 + 1e-9, "the white has D50's coordinates");
     }
 }
 
-/* A channel's value behind its curve; ICC.1:2010, 10.15. */
+/* Applies a channel's curve to a value; ICC.1:2010, 10.15. */
 static double curve(const struct profile *profile, const char *name, double value)
 {
     size_t size;
@@ -111,8 +112,8 @@ static double curve(const struct profile *profile, const char *name, double valu
                : fixed(profile, at + 24) * value;
 }
 
-/* The curve takes back what a display encodes; its numbers are off by 0.5/65536 each, which changes
- * it by up to 6 times that. */
+/* The curve inverts the display's encoding. Its numbers are rounded to 0.5/65536 each, which
+ * changes a value by up to 6 times that. */
 static void check_curves(const struct profile *profile, enum display_kind kind)
 {
     static const char *const names[] = {"rTRC", "gTRC", "bTRC"};
@@ -125,7 +126,7 @@ static void check_curves(const struct profile *profile, enum display_kind kind)
             const double back = curve(profile, names[channel], shown);
             worst = isnan(back) ? HUGE_VAL : fmax(worst, fabs(back - part));
         }
-        CHECK_NEAR(worst, 0, 3. / 65536, "%s is the way back of %s", names[channel],
+        CHECK_NEAR(worst, 0, 3. / 65536, "%s is the inverse of %s", names[channel],
                    display_name(kind));
     }
 }
@@ -145,11 +146,11 @@ static void check_srgb(const struct profile *profile)
     colorants(profile, colour);
     for (int i = 0; i < 9; i++)
         worst = fmax(worst, fabs(colour[i / 3][i % 3] / d50[i % 3] - known[i] / his_d50[i % 3]));
-    CHECK_NEAR(worst, 0, 0.7e-4, "the colorants of sRGB as published, beside D50");
+    CHECK_NEAR(worst, 0, 0.7e-4, "sRGB's colorants agree with those published for D50");
 }
 
-/* The chromatic adaptation taken back, and the scale that makes white of Y = 1, leave XYZ which the
- * display's own matrix makes one channel of. */
+/* Undoes the chromatic adaptation and the scale to a white of Y = 1: the display's own matrix must
+ * then turn a colorant's XYZ into one channel. */
 static void check_monitor(const struct profile *profile)
 {
     double colour[3][3], chad[3][3], back[3][3], matrix[3][3], worst = 0, scale = 0;
@@ -172,7 +173,7 @@ static void check_monitor(const struct profile *profile)
         }
     }
     /* 1/65536 of XYZ is 1e-4 of the linear values, with the matrix's and the white's scale */
-    CHECK_NEAR(worst, 0, 3e-4, "the monitor's primaries at their largest");
+    CHECK_NEAR(worst, 0, 3e-4, "the monitor's colorants are its primaries at their largest value");
 }
 
 int main(int n_arguments, char **arguments)

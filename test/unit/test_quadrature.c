@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Quadrature against published tables, closed forms, and what makes a rule Gaussian: sums of
- * polynomials. */
+/* Compares quadrature with published tables, with closed forms, and with the sums of polynomials
+ * that define a Gaussian rule. */
 #include "data/maths/maths.h"
 #include "data/spectra/spectra.h"
 #include "test.h"
@@ -44,7 +44,8 @@ static const double weight_64[] = {
     0.011168139460131128819,  0.0088467598263639477231, 0.0065044579689783628561,
     0.0041470332605624676353, 0.0017832807216964329473};
 
-/* The largest error of the nodes and weights of -1 to 1 beside those of the positive half. */
+/* Returns the largest error of the nodes and weights on -1 to 1, given those of the positive half.
+ */
 static double worst_error(int n, const double *node, const double *weight)
 {
     struct quadrature rule;
@@ -62,21 +63,23 @@ static double worst_error(int n, const double *node, const double *weight)
 static void test_published(void)
 {
     const double root = sqrt(1.0 / 3), one[] = {1};
-    CHECK_NEAR(worst_error(2, &root, one), 0, 1e-15, "2 nodes: +-sqrt(1/3)");
+    CHECK_NEAR(worst_error(2, &root, one), 0, 1e-15, "2 nodes are +-sqrt(1/3)");
     CHECK_NEAR(worst_error(3, (double[]){0, sqrt(0.6)}, (double[]){8.0 / 9, 5.0 / 9}), 0, 1e-15,
-               "3 nodes: 0 and +-sqrt(3/5)");
+               "3 nodes are 0 and +-sqrt(3/5)");
     CHECK_NEAR(worst_error(4,
                            (double[]){sqrt(3.0 / 7 - 2.0 / 7 * sqrt(1.2)),
                                       sqrt(3.0 / 7 + 2.0 / 7 * sqrt(1.2))},
                            (double[]){(18 + sqrt(30)) / 36, (18 - sqrt(30)) / 36}),
-               0, 1e-15, "4 nodes by their closed form");
+               0, 1e-15, "4 nodes agree with their closed form");
     CHECK_NEAR(
         worst_error(
             5, (double[]){0, sqrt(5 - 2 * sqrt(10.0 / 7)) / 3, sqrt(5 + 2 * sqrt(10.0 / 7)) / 3},
             (double[]){128.0 / 225, (322 + 13 * sqrt(70)) / 900, (322 - 13 * sqrt(70)) / 900}),
-        0, 1e-15, "5 nodes by their closed form");
-    CHECK_NEAR(worst_error(16, node_16, weight_16), 0, 1e-14, "16 nodes as published");
-    CHECK_NEAR(worst_error(64, node_64, weight_64), 0, 1e-14, "64 nodes as published");
+        0, 1e-15, "5 nodes agree with their closed form");
+    CHECK_NEAR(worst_error(16, node_16, weight_16), 0, 1e-14,
+               "16 nodes agree with the published ones");
+    CHECK_NEAR(worst_error(64, node_64, weight_64), 0, 1e-14,
+               "64 nodes agree with the published ones");
 }
 
 static void test_legendre_sums(void)
@@ -115,14 +118,14 @@ static void test_interval(void)
         worst = fmax(worst, fabs(rule.node[i] - (580 + 200.5 * x)));
         sum += rule.weight[i];
     }
-    CHECK_NEAR(worst, 0, 401e-14, "nodes of another interval are right to 1e-14 of it");
-    CHECK_NEAR(sum, 401, 401e-14, "weights add up to it");
+    CHECK_NEAR(worst, 0, 401e-14, "nodes of another interval are right to 1e-14 of its length");
+    CHECK_NEAR(sum, 401, 401e-14, "weights add up to its length");
 }
 
 /* ---- discrete weights ---- */
 
-/* The largest error of the sums of Chebyshev's polynomials up to 2n - 1, in parts of the sum of
- * magnitudes of the weights. */
+/* Returns the largest error of the sums of Chebyshev's polynomials up to degree 2n - 1, relative to
+ * the sum of the weights' magnitudes. */
 static double worst_sum(const double *x, const double *w, int count, const struct quadrature *rule)
 {
     const double centre = (x[0] + x[count - 1]) / 2, half = (x[count - 1] - x[0]) / 2;
@@ -163,11 +166,11 @@ static void check_closed_form(const char *name, const double *x, const double *w
             worst = fmax(worst, fabs(rule.node[k - 1] - centre + sqrt(square)));
         }
     }
-    CHECK_NEAR(worst, 0, 1e-13 * count, "%s: 2, 3 and 4 nodes by their closed form", name);
+    CHECK_NEAR(worst, 0, 1e-13 * count, "%s: 2, 3 and 4 nodes agree with their closed form", name);
 }
 
 /* Recurrence coefficients: W. Gautschi, Orthogonal Polynomials (Oxford, 2004), table 1.2, or DLMF
- * 18.22: k^2 (m^2 - k^2) / (4 (4 k^2 - 1)) of m equal weights, k (m - k + 1) / 4 of the binomial.
+ * 18.22: k^2 (m^2 - k^2) / (4 (4 k^2 - 1)) for m equal weights, k (m - k + 1) / 4 for the binomial.
  */
 static void test_closed_forms(void)
 {
@@ -204,11 +207,11 @@ static void test_exactness(void)
             least = fmin(least, rule.weight[i]);
     }
     CHECK(found, "a positive weight has a rule for every n");
-    CHECK_NEAR(worst, 0, 1e-12, "which is exact for polynomials up to 2n - 1");
-    CHECK(least > 0, "and whose weights are positive");
+    CHECK_NEAR(worst, 0, 1e-12, "the rule is exact for polynomials up to degree 2n - 1");
+    CHECK(least > 0, "the rule's weights are positive");
 }
 
-/* As many nodes as points: the points themselves. */
+/* If there are as many nodes as points, the nodes are the points. */
 static void check_all_points(const char *name, const double *x, const double *w, int count)
 {
     struct quadrature rule;
@@ -219,7 +222,7 @@ static void check_all_points(const char *name, const double *x, const double *w,
         weight = fmax(weight, fabs(rule.weight[i] - w[i]));
     }
     CHECK_NEAR(node, 0, 1e-11, "%s: as many nodes as points are the points", name);
-    CHECK_NEAR(weight, 0, 1e-11, "%s: with their weights", name);
+    CHECK_NEAR(weight, 0, 1e-11, "%s: the nodes have the weights of the points", name);
 }
 
 static void test_all_points(void)
@@ -235,7 +238,7 @@ static void test_all_points(void)
     check_all_points("64 points", x, w, 64);
 }
 
-/* A weight is right to its own digits, however small it is beside the others. */
+/* Each weight has full relative accuracy, even if it is much smaller than the others. */
 static void test_small_weights(void)
 {
     double x[LARGEST_QUADRATURE], w[LARGEST_QUADRATURE], worst = 0;
@@ -248,7 +251,7 @@ static void test_small_weights(void)
     const bool found = quadrature_discrete(x, w, count, count, &rule);
     for (int j = 0; j < count && found; j++)
         worst = fmax(worst, fabs(rule.weight[j] / w[j] - 1));
-    CHECK(found && worst < 1e-11, "binomial weights from 1 to 1e11 are found, each to 1e-11");
+    CHECK(found && worst < 1e-11, "binomial weights from 1 to 1e11 are each right to 1e-11");
     printf("# %.3g\n", worst);
 }
 
@@ -257,14 +260,14 @@ static void test_signs(void)
     const double x[] = {-2, -1, 0, 1, 2}, w[] = {1, -0.2, 1, -0.2, 1};
     struct quadrature rule;
     CHECK(quadrature_discrete(x, w, 5, 2, &rule), "a weight of both signs has 2 nodes");
-    CHECK_NEAR(rule.node[1], sqrt(7.6 / 2.6), 1e-14, "where its moments say");
-    CHECK_NEAR(rule.weight[0], 1.3, 1e-14, "each with half of the sum");
-    CHECK(!quadrature_discrete(x, w, 5, 3, &rule), "but no 3 that are not beyond its ends");
+    CHECK_NEAR(rule.node[1], sqrt(7.6 / 2.6), 1e-14, "its moments determine the nodes");
+    CHECK_NEAR(rule.weight[0], 1.3, 1e-14, "each node has half of the sum");
+    CHECK(!quadrature_discrete(x, w, 5, 3, &rule), "it has no 3 nodes within its ends");
     check_all_points("both signs", x, w, 5);
     CHECK(!quadrature_discrete(x, (double[]){1, 0, 0, 0, -1}, 5, 1, &rule),
           "a weight whose sum is 0 has no node");
     CHECK(!quadrature_discrete(x, (double[]){2, 0, 0, 0, -1}, 5, 1, &rule),
-          "nor has one whose mean lies outside");
+          "a weight whose mean lies outside its points has no node");
 }
 
 static void test_few_points(void)
@@ -272,9 +275,10 @@ static void test_few_points(void)
     const double x[] = {400, 500, 600}, w[] = {0, 2, 0}, none[] = {0, 0, 0};
     struct quadrature rule;
     CHECK(quadrature_discrete(x, w, 3, 1, &rule) && rule.node[0] == 500 && rule.weight[0] == 2,
-          "one point of weight is its node");
-    CHECK(!quadrature_discrete(x, w, 3, 2, &rule), "more nodes than points of weight are refused");
-    CHECK(!quadrature_discrete(x, none, 3, 1, &rule), "so is no weight at all");
+          "the only point with weight is the node");
+    CHECK(!quadrature_discrete(x, w, 3, 2, &rule),
+          "more nodes than points with weight are refused");
+    CHECK(!quadrature_discrete(x, none, 3, 1, &rule), "weights of 0 alone are refused");
     CHECK(quadrature_discrete(x, (double[]){0, 0, 1}, 3, 1, &rule) && rule.node[0] == 600,
           "a node may be the last point");
 }
@@ -290,7 +294,7 @@ static void test_lagrange(void)
     double cube = 0;
     for (int i = 0; i < 4; i++)
         cube += quadrature_lagrange(node, 4, i, 520) * power(node[i] / 100, 3);
-    CHECK_NEAR(cube, 5.2 * 5.2 * 5.2, 1e-12, "and add up to a cubic between four nodes");
+    CHECK_NEAR(cube, 5.2 * 5.2 * 5.2, 1e-12, "four of them reproduce a cubic between their nodes");
 }
 
 int main(void)

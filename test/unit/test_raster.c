@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Clipping and bounds: clipping loses and doubles nothing, and the bounds on interpolation
- * hold for single precision arithmetic as Mesa does it, without being far too wide. */
+/* Clipping neither loses nor doubles any area. The bounds on interpolation hold for Mesa's
+ * arithmetic in single precision, and are not far too wide. */
 #include <stdlib.h>
 
 #include "data/maths/maths.h"
@@ -10,7 +10,8 @@
 #include "raster/reference/reference.h"
 #include "test.h"
 
-/* A small generator of its own (Knuth's MMIX constants), so that every machine tests the same. */
+/* A small generator in this file (Knuth's MMIX constants), so that every machine tests the same
+ * triangles. */
 static double random_in(uint64_t *state, double low, double high)
 {
     *state = *state * 6364136223846793005u + 1442695040888963407u;
@@ -41,7 +42,7 @@ static int clip_triangle(const struct corner whole[3], const struct clip_plane *
     return n;
 }
 
-/* Area in barycentric coordinates, as a part of the whole triangle's. */
+/* Returns the area in barycentric coordinates, as a fraction of the whole triangle's. */
 static double part_of(const struct corner *corners, int n)
 {
     double sum = 0;
@@ -82,20 +83,19 @@ static void check_clipping(void)
             cuts += inner[a].inner != inner[a].outer;
         same = same && found == cuts;
     }
-    CHECK_NEAR(worst_area, 0, 1e-13,
-               "what a plane leaves and what it takes add up to the triangle");
-    CHECK_NEAR(worst_share, 0, 1e-14, "barycentric coordinates of cut corners add up to 1");
-    CHECK(same, "an edge is cut at the same corner, to the bit, whichever way it runs");
+    CHECK_NEAR(worst_area, 0, 1e-13, "the parts on both sides of a plane add up to the triangle");
+    CHECK_NEAR(worst_share, 0, 1e-14, "the barycentric coordinates of cut corners add up to 1");
+    CHECK(same, "an edge is cut at the same corner, to the bit, in either direction");
 
     struct corner whole[3], left[CLIP_CORNERS];
     struct clip_plane behind = {{0, 0, 0, 0}, -1};
     random_triangle(&state, whole);
     CHECK(clip_triangle(whole, &behind, 1, left) == 0, "a triangle outside leaves nothing");
     CHECK(clip_triangle(whole, NULL, 0, left) == 3 && memcmp(left, whole, sizeof whole) == 0,
-          "no planes leave the triangle as it is");
+          "clipping without planes does not change the triangle");
 }
 
-/* A triangle in the plane z = w: rounding tells its corners in and out by turns. */
+/* A triangle lies in the plane z = w: rounding puts its corners inside and outside in turns. */
 static void check_flat_clipping(void)
 {
     static const struct clip_plane planes[CLIP_PLANES] = {{{-1, 0, 0, 1}, 0}, {{1, 0, 0, 1}, 0},
@@ -121,11 +121,11 @@ static void check_flat_clipping(void)
         most = n > most ? n : most;
     }
     CHECK(most > 5 && most <= CLIP_CORNERS,
-          "a triangle in a plane has no more corners after it than there is room for");
+          "a triangle in a clipping plane keeps at most as many corners as there is room for");
 }
 
-/* Interpolation as llvmpipe and softpipe do it, in single precision: planes of a/w and 1/w through
- * the corners, with their origin at the framebuffer's, divided at the pixel. */
+/* Interpolates as llvmpipe and softpipe do, in single precision: planes of a/w and 1/w pass through
+ * the corners, start at the framebuffer's origin, and are divided at the pixel. */
 static double single_precision(const float x[3], const float y[3], const float w[3],
                                const float values[3], float px, float py)
 {
@@ -157,7 +157,7 @@ static double inverse_w_at(const struct clipped_triangle *o, double px, double p
     return sum / area;
 }
 
-/* NaN outside the triangle, where nothing is drawn. */
+/* Returns NaN outside the triangle, where nothing is drawn. */
 static double exact(const struct clipped_triangle *o, const double values[3], double px, double py)
 {
     double sum = 0, weight = 0, turn = 0;
@@ -174,7 +174,7 @@ static double exact(const struct clipped_triangle *o, const double values[3], do
     return sum / weight;
 }
 
-/* The worst error / bound over random triangles of about `size` pixels. */
+/* Finds the worst error / bound over random triangles of about `size` pixels. */
 static void check_bounds(double size, double depth_range, const char *name)
 {
     enum { TRIANGLES = 20000 };
@@ -214,8 +214,8 @@ static void check_bounds(double size, double depth_range, const char *name)
                                 (bound.constant + (bound.fixed + bound.per_d * d) / least));
         bounded++;
     }
-    CHECK(bounded > TRIANGLES / 2, "%s: most have a bound at the pixel in their middle", name);
-    if (!CHECK(worst < 1 && worst > 0.02, "%s: it holds, and is not far too wide", name))
+    CHECK(bounded > TRIANGLES / 2, "%s: most triangles have a bound at their middle pixel", name);
+    if (!CHECK(worst < 1 && worst > 0.02, "%s: the bound holds, and is not far too wide", name))
         printf("# worst error / bound %g of %d\n", worst, bounded);
 }
 
@@ -224,32 +224,33 @@ static void check_exactness(void)
     const double last_bit[] = {1, 0x1p-23}, beyond[] = {1, 0x1p-24}, signs[] = {1, -1, 0x1p-30},
                  halves[] = {0.5, 0.25, 8192}, denormal[] = {0x1p-140}, zeros[] = {0, 0};
     CHECK(exact_sum(last_bit, 2) && !exact_sum(beyond, 2),
-          "a sum is exact that spans 24 bits, and no more");
-    CHECK(!exact_sum(signs, 3), "what cancels counts all the same: the order may be another");
+          "a sum that spans 24 bits is exact, a wider one is not");
+    CHECK(!exact_sum(signs, 3),
+          "terms that cancel count, too, since the driver may add them in another order");
     CHECK(exact_sum(halves, 3) && exact_sum(zeros, 2), "short fractions and zeros are exact");
-    CHECK(!exact_sum(denormal, 1), "what single precision flushes to 0 is not");
+    CHECK(!exact_sum(denormal, 1), "a value that single precision flushes to 0 is not exact");
     const double row[4] = {0.5, -0.25, 3, 1}, tenth[4] = {0.1, 0, 0, 1}, v[4] = {1, 2, 3, 1};
-    CHECK(exact_row(row, v) && !exact_row(tenth, v), "a tenth is not held in single precision");
+    CHECK(exact_row(row, v) && !exact_row(tenth, v), "single precision does not hold a tenth");
     struct matrix turned = matrix_rotation(30, (struct vector){0, 0, 1}),
                   doubled = matrix_scaling((struct vector){2, 2, 2});
     CHECK(exact_product(&doubled, &doubled) && !exact_product(&doubled, &turned),
-          "nor is a rotation by 30 degrees");
+          "single precision does not hold a rotation by 30 degrees");
 }
 
 static void check_drivers(void)
 {
     const struct driver *llvmpipe = driver_of("llvmpipe (LLVM 15.0.6, 256 bits)"),
                         *softpipe = driver_of("softpipe"), *unknown = driver_of("Mesa Foo");
-    CHECK_TEXT(llvmpipe->name, "llvmpipe", "a driver is known by how its name begins");
-    CHECK_TEXT(unknown->name, "unknown", "and another one is not");
-    CHECK(driver_of(NULL) == unknown, "none at all is another one");
+    CHECK_TEXT(llvmpipe->name, "llvmpipe", "a driver is identified by the beginning of its name");
+    CHECK_TEXT(unknown->name, "unknown", "any other name is an unknown driver");
+    CHECK(driver_of(NULL) == unknown, "a missing name is an unknown driver");
     CHECK(unknown->grid_px >= llvmpipe->grid_px && unknown->grid_px >= softpipe->grid_px &&
               unknown->edge_roundings >= llvmpipe->edge_roundings &&
               unknown->edge_roundings >= softpipe->edge_roundings &&
               unknown->depth_roundings >= llvmpipe->depth_roundings &&
               unknown->depth_roundings >= softpipe->depth_roundings && !unknown->watertight &&
               unknown->fill_rule == FILL_ANY,
-          "it gets the wider of all bounds");
+          "an unknown driver gets the widest of all bounds");
 }
 
 static void check_floor(void)
@@ -261,11 +262,13 @@ static void check_floor(void)
           "a floor counts pixels and keeps the worst");
     for (int part = 1; part <= 9; part++) {
         double at = floor_quantile(&floor, 0.1 * part);
-        CHECK(at >= part * 0.9999 && at <= part * 1.13,
-              "%d0 %% lie below what is printed, at most an eighth too high", part);
+        CHECK(
+            at >= part * 0.9999 && at <= part * 1.13,
+            "%d0 %% of the pixels lie below the printed bound, which is at most an eighth too high",
+            part);
     }
     floor_note(&floor, HUGE_VAL);
-    CHECK(floor.bins[FLOOR_BINS - 1] == 1 && isinf(floor.worst), "an infinite one is the worst");
+    CHECK(floor.bins[FLOOR_BINS - 1] == 1 && isinf(floor.worst), "an infinite floor is the worst");
 }
 
 int main(void)

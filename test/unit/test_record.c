@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A record that was written reads back as it was, whatever bytes its names have, through the file's
- * own XML; and one that was forged does no harm. */
+/* A record reads back from the file's XML unchanged, with any bytes in its names. A forged record
+ * does no harm. */
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -13,10 +13,10 @@
 #include "spectral.h"
 #include "test.h"
 
-/* Bytes that XML, lines or UTF-8 give a meaning, and one that is no UTF-8. */
+/* Bytes that have a meaning in XML, lines or UTF-8, and one that is not UTF-8. */
 static char strange[] = "--light=1=a <b>&amp;\"c\"\n%41 \t\x7f\xff\xc3\xa4: d";
 
-/* A stack of one pixel that was made so; the image is left open. */
+/* Writes a stack of one pixel with this record; the image stays open. */
 static bool written(const char *path, const struct record *record, struct image *image,
                     struct error *err)
 {
@@ -65,26 +65,27 @@ static void check_round_trip(const char *path)
     CHECK_TEXT(read.renderer, made.renderer, "the renderer");
     CHECK_TEXT(read.full_scale, "2.5", "the full scale");
     CHECK(read.n_options == MAX_RECORDED, "all options: %d", read.n_options);
-    CHECK_TEXT(read.options[MAX_RECORDED - 1], strange, "the last as the first");
+    CHECK_TEXT(read.options[MAX_RECORDED - 1], strange, "the last option");
     CHECK(read.lights.n == 2 && read.ambients.n == 1 && read.objects.n == 3,
           "lights, ambient lights and objects");
     CHECK_TEXT(read.lights.text[0], "d65*1", "the first light");
-    CHECK_TEXT(read.lights.text[1], strange, "the second");
-    CHECK_TEXT(read.ambients.text[0], "0.5*0.1", "the ambient one");
+    CHECK_TEXT(read.lights.text[1], strange, "the second light");
+    CHECK_TEXT(read.ambients.text[0], "0.5*0.1", "the ambient light");
     CHECK_TEXT(read.objects.text[0], "", "an object without a name");
-    CHECK_TEXT(read.objects.text[1], strange, "one with a strange one");
-    CHECK_TEXT(read.objects.text[2], "object_map: 1 1", "one that looks like a line");
-    CHECK(read.map_bytes == 0, "which is none");
+    CHECK_TEXT(read.objects.text[1], strange, "an object with a strange name");
+    CHECK_TEXT(read.objects.text[2], "object_map: 1 1",
+               "an object whose name looks like a line of the record");
+    CHECK(read.map_bytes == 0, "that name is not read as a line of the record");
     CHECK(read.white.n == 1 && read.white.value[0] == 1.0 / 3, "the white, to the bit");
     CHECK(record_illumination(&read) == 0.1 + 0.2, "the illumination, to the bit");
     CHECK_TEXT(image.verdict, "a verdict", "the verdict, without blanks");
-    CHECK_NEAR(image.scale, 2.5, 0, "no name is taken for the scale");
+    CHECK_NEAR(image.scale, 2.5, 0, "no name is read as the scale");
     record_free(&read);
     record_free(&read);
     image_close(&image);
 }
 
-/* A record that was made by hand, but for how it was sampled. */
+/* Writes a record by hand, except for the sampling. */
 static bool sampled(const char *path, struct record *made, struct record *read)
 {
     struct image image;
@@ -96,8 +97,8 @@ static bool sampled(const char *path, struct record *made, struct record *read)
                "a sampling is written and read %s", err.text))
         return false;
     image_close(&image);
-    CHECK_TEXT(read->sampling, "gauss:1,xyz", "its name");
-    CHECK_TEXT(read->sampling_detector, strange, "for whom");
+    CHECK_TEXT(read->sampling, "gauss:1,xyz", "the sampling's name is read back");
+    CHECK_TEXT(read->sampling_detector, strange, "the sampling's detector is read back");
     return true;
 }
 
@@ -114,18 +115,18 @@ static void check_samplings(const char *path)
     if (sampled(path, &open, &read)) {
         CHECK(read.segments.n == 2 && memcmp(read.segments.value, segments, sizeof segments) == 0 &&
                   read.response.n == 0 && !read.components && read.white_response.n == 0,
-              "segments, to the bit, and nothing else");
+              "segments are read back to the bit, and nothing else");
         record_free(&read);
     }
     if (sampled(path, &fixed, &read)) {
         CHECK(read.response.n == 3 && memcmp(read.response.value, response, sizeof response) == 0 &&
                   read.segments.n == 0,
-              "the response, to the bit and with its signs");
+              "the response is read back to the bit, with its signs");
         CHECK(read.components && read.white_response.n == 3 && record_illumination(&read) == 2 &&
                   memcmp(read.white_response.value, white, sizeof white) == 0 &&
                   read.range_nm.n == 2 &&
                   memcmp(read.range_nm.value, range_nm, sizeof range_nm) == 0,
-              "what it makes of the white, its range, and that it has components");
+              "the response to the white, the range and the components are read back");
         record_free(&read);
     }
 }
@@ -195,15 +196,15 @@ static void check_refusals(void)
           "other lines are left alone %s", err.text);
     record_free(&record);
     snprintf(text, sizeof text, "%s" SAMPLED RESPONSE "components: yes\n</Description>", whole);
-    CHECK(record_read(&image, &record, &err) && record.components, "a whole sampling is not %s",
-          err.text);
+    CHECK(record_read(&image, &record, &err) && record.components,
+          "a complete sampling is refused %s", err.text);
     record_free(&record);
     image.wavelengths_nm = (double[]){500};
-    CHECK(!record_read(&image, &record, &err), "components at wavelengths are");
+    CHECK(!record_read(&image, &record, &err), "components at wavelengths are refused");
     check_refused("", "nothing");
     check_refused(whole, "a description without end");
     snprintf(text, sizeof text, "%s</Description>", whole + strlen("<Description>"));
-    check_refused(text, "one without beginning");
+    check_refused(text, "a description without beginning");
     check_refused("<Description>program: p\nscene: s\n</Description>", "half a record");
     for (size_t i = 0; i < sizeof lines / sizeof lines[0]; i++) {
         snprintf(text, sizeof text, "%s%s\n</Description>", whole, lines[i]);
@@ -216,7 +217,7 @@ static void check_refusals(void)
     check_refused(text, "one option too many");
 }
 
-/* True if a record of these segments is taken for pages at 1, 2, ... nm. */
+/* Returns whether a record of these segments is accepted for pages at 1, 2, ... nm. */
 static bool is_taken(int n, const char *segments, int repeated)
 {
     static double nm[100];
@@ -241,18 +242,19 @@ static bool is_taken(int n, const char *segments, int repeated)
 
 static void check_segments(void)
 {
-    CHECK(is_taken(3, "0 2.5 0 2.5 2.5 4", 0), "segments that follow each other are taken");
-    CHECK(is_taken(3, "0 1.5 1.7 2.5 2.5 1000001", 0), "and gaps between them, to 1e6 nm");
-    CHECK(!is_taken(3, "0 1.5 1.7 2.5 2.5 1000002", 0), "but not beyond");
-    CHECK(!is_taken(3, "0 1.5 1.2 2.5 2.5 4", 0), "they do not overlap");
-    CHECK(!is_taken(3, "0 1.5 0 2.5 2.5 4", 0), "not with the same beginning either");
-    CHECK(!is_taken(3, "0 1.5 0 2.5 0 1.5", 0), "nor return");
-    CHECK(!is_taken(3, "2 4 0.5 1 0 0.4", 0), "nor fall");
+    CHECK(is_taken(3, "0 2.5 0 2.5 2.5 4", 0), "segments that follow each other are accepted");
+    CHECK(is_taken(3, "0 1.5 1.7 2.5 2.5 1000001", 0),
+          "gaps between segments are accepted, up to 1e6 nm");
+    CHECK(!is_taken(3, "0 1.5 1.7 2.5 2.5 1000002", 0), "segments beyond 1e6 nm are refused");
+    CHECK(!is_taken(3, "0 1.5 1.2 2.5 2.5 4", 0), "segments that overlap are refused");
+    CHECK(!is_taken(3, "0 1.5 0 2.5 2.5 4", 0), "segments with the same beginning are refused");
+    CHECK(!is_taken(3, "0 1.5 0 2.5 0 1.5", 0), "segments that return are refused");
+    CHECK(!is_taken(3, "2 4 0.5 1 0 0.4", 0), "segments that decrease are refused");
     CHECK(!is_taken(3, "1.1 1.5 1.5 2.5 2.5 4", 0) && !is_taken(3, "0 1.5 1.5 2.5 2.5 2.9", 0),
-          "a page lies in its own");
+          "a page outside its own segment is refused");
     CHECK(is_taken(LARGEST_QUADRATURE, "", LARGEST_QUADRATURE) &&
               !is_taken(LARGEST_QUADRATURE + 1, "", LARGEST_QUADRATURE + 1),
-          "with no more others than a quadrature has nodes");
+          "more pages in a segment than a quadrature has nodes are refused");
 }
 
 int main(void)

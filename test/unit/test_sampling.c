@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Samplings against the sum over every nm: errors of a known order, exact where they have to be,
- * and hard cases. */
+/* Compares samplings with the sum over every nm: their errors have a known order, they are exact
+ * where they must be, and they survive hard cases. */
 #include "data/base/base.h"
 #include "data/material/material.h"
 #include "data/maths/maths.h"
@@ -44,7 +44,7 @@ static void put_light(struct stage *stage, const char *light, double first, int 
         fine->lights[j] = spectrum_at(&stage->light, first + j, SPECTRUM_ZERO);
 }
 
-/* Owns the reflectance from then on. */
+/* The scene owns the reflectance afterwards. */
 static void put_reflectance(struct stage *stage, struct spectrum reflectance)
 {
     struct fine_spectra *fine = &stage->fine;
@@ -61,7 +61,7 @@ static void put_surface(struct stage *stage, const char *text)
     put_reflectance(stage, spectrum_of(text));
 }
 
-/* The patches of the ColorChecker under a light. */
+/* Makes a scene of the ColorChecker's patches under a light. */
 static struct stage chart(const char *light, double first, int n_nm)
 {
     static const char folder[] = "materials/colorchecker/";
@@ -96,7 +96,7 @@ static void clear(struct stage *stage)
 
 /* ---- making and using samplings ---- */
 
-/* Zeroed after an error, which is in err. */
+/* Returns a zeroed sampling and fills err after an error. */
 static struct sampling sampling_of(const struct stage *stage, const char *text,
                                    const char *detector, struct error *err)
 {
@@ -118,7 +118,8 @@ static struct sampling made(const struct stage *stage, const char *text)
     return out;
 }
 
-/* A surface in the light: the page values of both, or the components of the product. */
+/* Computes one page of a surface in the light: the product of both page values, or a component of
+ * the product. */
 static double page_of(const struct stage *stage, const struct sampling *s, int surface, int page)
 {
     const struct spectral_pages pages = s->pages;
@@ -141,13 +142,13 @@ static void channels_of(const struct stage *stage, const struct sampling *s, int
     detector_response(s->weights, pages, s->pages.n, out);
 }
 
-static void truth_of(const struct stage *stage, const struct sampling *s, int surface,
-                     double out[3])
+static void exact_response(const struct stage *stage, const struct sampling *s, int surface,
+                           double out[3])
 {
     detector_response(s->fine.weights, stage->fine.products + surface * s->fine.n, s->fine.n, out);
 }
 
-/* Errors of all channels of all surfaces, in parts of the light's largest response. */
+/* Computes the errors of all channels of all surfaces, relative to the light's largest response. */
 struct errors {
     double rms, worst;
 };
@@ -160,11 +161,11 @@ static struct errors errors_of(const struct stage *stage, const struct sampling 
     detector_response(s->fine.weights, stage->fine.lights, s->fine.n, light);
     const double scale = fmax(light[0], fmax(light[1], light[2]));
     for (int i = 0; i < stage->n; i++) {
-        double seen[3], truth[3];
+        double seen[3], exact[3];
         channels_of(stage, s, i, seen);
-        truth_of(stage, s, i, truth);
+        exact_response(stage, s, i, exact);
         for (int channel = 0; channel < 3; channel++) {
-            const double error = fabs(seen[channel] - truth[channel]) / scale;
+            const double error = fabs(seen[channel] - exact[channel]) / scale;
             out.worst = fmax(out.worst, error);
             out.rms += error * error / (3 * stage->n);
         }
@@ -222,10 +223,10 @@ static void test_names(void)
     }
 }
 
-/* ---- known truths ---- */
+/* ---- known errors ---- */
 
 /* Hats of width 160 nm, whose corners are wavelengths of every sampling: the error of each corner
- * is the square of the step times its bend / 12. The range has all of them. */
+ * is the square of the step times its change of slope / 12. The range contains all hats. */
 static const char *hats(void)
 {
     static char path[512];
@@ -247,9 +248,10 @@ static void test_riemann(void)
     const double at_10 = error_of(&stage, "riemann:10").rms;
     const double at_20 = error_of(&stage, "riemann:20").rms;
     CHECK_NEAR(at_20 / at_10, (400 - 1) / (100 - 1.0), 0.05,
-               "the error of riemann has the square of the step (beside that of 1 nm): 20 and 10");
-    CHECK_NEAR(at_10 / at_5, (100 - 1) / (25 - 1.0), 0.05, "10 and 5");
-    CHECK_NEAR(error_of(&stage, "riemann:1").worst, 0, 1e-15, "every nm is exact");
+               "riemann's error (less that of 1 nm) grows with the square of the step: 20 and 10");
+    CHECK_NEAR(at_10 / at_5, (100 - 1) / (25 - 1.0), 0.05,
+               "riemann's error grows with the square of the step: 10 and 5");
+    CHECK_NEAR(error_of(&stage, "riemann:1").worst, 0, 1e-15, "riemann with every nm is exact");
     clear(&stage);
 }
 
@@ -259,13 +261,13 @@ static void test_smooth_light(void)
     CHECK(stage.n == 24, "24 patches");
     const double gauss_8 = error_of(&stage, "gauss:8").rms;
     CHECK(pages_of(&stage, "riemann:57") == 8 && gauss_8 < error_of(&stage, "riemann:57").rms,
-          "under d65 8 of gauss are better than 8 of riemann");
+          "under d65, 8 pages of gauss are better than 8 of riemann");
     CHECK(error_of(&stage, "gauss:32").rms < gauss_8 && gauss_8 < error_of(&stage, "gauss:2").rms,
-          "errors of gauss fall with their number");
+          "errors of gauss fall with the number of pages");
     CHECK(error_of(&stage, "box:64").rms < error_of(&stage, "box:16").rms &&
               error_of(&stage, "box:16").rms < error_of(&stage, "box:4").rms,
-          "so do those of boxes");
-    CHECK(error_of(&stage, "gauss:64,open").worst < 0.001, "64 open ones within 0.1 %%");
+          "errors of boxes fall with the number of pages");
+    CHECK(error_of(&stage, "gauss:64,open").worst < 0.001, "64 open boxes are within 0.1 %%");
     clear(&stage);
 }
 
@@ -279,7 +281,7 @@ static void test_tube(void)
     CHECK(found, "the tube's line at 535 nm is found");
     CHECK(errors_of(&stage, &s).worst <= 0.01, "adaptive:0.01 is within its tolerance");
     CHECK(error_of(&stage, "gauss:8").worst > 0.1 && error_of(&stage, "gauss:16").worst > 0.05,
-          "plain gauss is not by far");
+          "plain gauss is far from this tolerance");
     sampling_free(&s);
     clear(&stage);
 }
@@ -300,7 +302,7 @@ static void test_tolerances(const char *light, int n_peaks)
         sampling_free(&s);
     }
     CHECK(within, "%s: adaptive keeps every tolerance", light);
-    CHECK(most <= 441, "%s: with no more pages than nm", light);
+    CHECK(most <= 441, "%s: adaptive has at most one page for each nm", light);
     clear(&stage);
 }
 
@@ -316,16 +318,17 @@ static void test_adaptive(void)
     test_tolerances("fluorescent", -1);
 }
 
-/* Pages cost time: what suffices is known where the light is simple. */
+/* Pages cost time. The sufficient number is known for simple lights. */
 static void test_few_pages(void)
 {
     struct stage tube = chart("fluorescent", 380, 401), day = chart("d65", 380, 401);
     struct stage narrow = chart("gaussian:546.5,0.5", 380, 401);
     const int coarse = pages_of(&tube, "adaptive:0.1"), fine = pages_of(&tube, "adaptive:0.01");
     CHECK(pages_of(&narrow, "adaptive:0.001") <= 4,
-          "a line of 2 nm has a page each, and one before and behind");
-    CHECK(coarse <= 8 && fine <= 34 && fine > coarse, "the tube has up to 8 pages, then up to 34");
-    CHECK(pages_of(&day, "adaptive:0.01") <= 17, "daylight has up to 17");
+          "a line of 2 nm has a page for each nm, and one on either side");
+    CHECK(coarse <= 8 && fine <= 34 && fine > coarse,
+          "the tube needs at most 8 pages, and 34 for the smaller tolerance");
+    CHECK(pages_of(&day, "adaptive:0.01") <= 17, "daylight needs at most 17 pages");
     printf("# tube %d and %d\n", coarse, fine);
     clear(&tube);
     clear(&day);
@@ -342,12 +345,13 @@ static void test_peaks(void)
     struct sampling s = made(&stage, "adaptive:0.01");
     CHECK(s.n_peaks == 4 && s.peak_nm[0] == 440 && s.peak_nm[1] == 550 && s.peak_nm[2] == 645 &&
               s.peak_nm[3] == 700,
-          "peaks are what is above its neighbours by half the mean, the first nm of a flat one");
+          "a peak exceeds its neighbours by half the mean; a flat one lies at its first nm");
     sampling_free(&s);
     clear(&stage);
 }
 
-/* Under a dim light and a bright one, in this order: what the dim one shows is judged by it. */
+/* A scene has a dim light and then a bright one: errors under the dim light are relative to the dim
+ * light. */
 static void test_dim_light(void)
 {
     struct stage stage = single("1*0.001", "gaussian:610,6", 380, 401);
@@ -357,7 +361,8 @@ static void test_dim_light(void)
     stage.fine.lights = lights;
     stage.fine.n_lights = 2;
     struct sampling s = made(&stage, "adaptive:0.001");
-    CHECK(errors_of(&stage, &s).worst <= 0.001, "the tolerance is of the light that shines");
+    CHECK(errors_of(&stage, &s).worst <= 0.001,
+          "the tolerance is relative to the light that shines");
     sampling_free(&s);
     clear(&stage);
 }
@@ -385,8 +390,9 @@ static void test_basis(void)
         sampling_free(&s);
     }
     CHECK(falls, "with every component the rms error of radiances falls");
-    CHECK_NEAR(before, 0, 1e-10, "until, at the rank, radiances are exact");
-    CHECK_NEAR(error_of(&stage, "basis:24").worst, 0, 1e-10, "and channels");
+    CHECK_NEAR(before, 0, 1e-10, "with as many components as the rank, radiances are exact");
+    CHECK_NEAR(error_of(&stage, "basis:24").worst, 0, 1e-10,
+               "with as many components as the rank, channels are exact");
     clear(&stage);
 }
 
@@ -410,7 +416,7 @@ static void test_coordinates(const char *light)
     clear(&stage);
 }
 
-/* Rounding of pages reaches radiances by at most this, in parts of the brightest. */
+/* Rounding of pages changes radiances by at most this, relative to the brightest. */
 static void check_magnified(const struct stage *stage, const char *name, double most)
 {
     struct sampling s = made(stage, name);
@@ -427,7 +433,7 @@ static void check_magnified(const struct stage *stage, const char *name, double 
         worst = fmax(worst, sum * largest_page / largest);
     }
     printf("# %s magnifies by %.3g\n", name, worst);
-    CHECK(worst <= most, "%s magnifies what is rounded off by no more than %g", name, most);
+    CHECK(worst <= most, "%s magnifies rounding errors by at most %g", name, most);
     sampling_free(&s);
 }
 
@@ -456,44 +462,44 @@ static void test_three_numbers(void)
     struct sampling rgb = made(&stage, "rgb");
     double worst = 0;
     for (int i = 0; i < stage.n; i++) {
-        double seen[3], truth[3];
+        double seen[3], exact[3];
         bool clipped = false;
         for (int page = 0; page < 3; page++)
             clipped = clipped || page_of(&stage, &rgb, i, page) <= 0;
         channels_of(&stage, &rgb, i, seen);
-        truth_of(&stage, &rgb, i, truth);
+        exact_response(&stage, &rgb, i, exact);
         for (int channel = 0; channel < 3 && !clipped; channel++)
-            worst = fmax(worst, fabs(seen[channel] - truth[channel]));
+            worst = fmax(worst, fabs(seen[channel] - exact[channel]));
     }
     CHECK_NEAR(worst, 0, 1e-10, "under d65 rgb is exact where nothing is clipped");
-    CHECK_NEAR(error_of(&stage, "xyz").worst, 0, 1e-12, "and xyz everywhere");
+    CHECK_NEAR(error_of(&stage, "xyz").worst, 0, 1e-12, "xyz is exact everywhere");
     const struct spectral_pages pages = rgb.pages;
     struct spectrum white = spectrum_of("1"), green = spectrum_of("gaussian:510,5");
     CHECK_NEAR(page_value(&pages, &white, 1, SPECTRUM_HOLD), 1, 1e-14,
-               "a reflectance of 1 has 1 of each");
+               "a reflectance of 1 has 1 in each component");
     CHECK(page_value(&pages, &green, 0, SPECTRUM_ZERO) == 0 &&
               page_value(&pages, &green, 1, SPECTRUM_ZERO) > 0,
-          "a spectral green has no red: less than that is clipped");
+          "a spectral green has a red of 0: a negative red is clipped");
     spectrum_free(&white);
     spectrum_free(&green);
     sampling_free(&rgb);
     clear(&stage);
 }
 
-/* Polynomials of the wavelength, up to a degree, are seen as they are. */
+/* Polynomials of the wavelength, up to a degree, give exact responses. */
 static void check_polynomials(const struct stage *stage, const char *text, int degree)
 {
     struct sampling s = made(stage, text);
     double worst = s.pages.n > 0 ? 0 : HUGE_VAL;
     for (int k = 0; k <= degree; k++)
         for (int channel = 0; channel < 3; channel++) {
-            double truth = 0, seen = 0;
+            double exact = 0, seen = 0;
             for (int j = 0; j < s.fine.n; j++)
-                truth += s.fine.weights[channel * s.fine.n + j] * power(s.fine.nm[j] / 800, k);
+                exact += s.fine.weights[channel * s.fine.n + j] * power(s.fine.nm[j] / 800, k);
             for (int page = 0; page < s.pages.n; page++)
                 seen += s.weights[channel * s.pages.n + page] *
                         power(s.pages.wavelength_nm[page] / 800, k);
-            worst = fmax(worst, fabs(seen - truth));
+            worst = fmax(worst, fabs(seen - exact));
         }
     CHECK_NEAR(worst, 0, 1e-9, "%s is exact for polynomials of degree %d", text, degree);
     sampling_free(&s);
@@ -512,31 +518,31 @@ static void test_polynomials(void)
     clear(&stage);
 }
 
-/* The two greys are alike under d65. */
+/* The two greys look alike under d65. */
 static void test_metamers(const char *light, bool alike)
 {
     static const char path[] = "builtin:materials/metamers/illuminant-1-grey.txt";
     struct material grey;
     struct error err = {0};
     struct stage stage = {.n = 0};
-    double truth[2][3], rgb[2][3], gauss[2][3];
+    double exact[2][3], rgb[2][3], gauss[2][3];
     put_light(&stage, light, 380, 321);
     CHECK(material_read(path, (struct place){.path = NULL}, &grey, &err), "metamers are read");
     put_reflectance(&stage, grey.diffuse);
     put_reflectance(&stage, grey.partner->diffuse);
     struct sampling three = made(&stage, "rgb"), many = made(&stage, "gauss:32,open");
     for (int i = 0; i < 2; i++) {
-        truth_of(&stage, &three, i, truth[i]);
+        exact_response(&stage, &three, i, exact[i]);
         channels_of(&stage, &three, i, rgb[i]);
         channels_of(&stage, &many, i, gauss[i]);
     }
-    const double differ = fabs(truth[0][0] - truth[1][0]);
+    const double differ = fabs(exact[0][0] - exact[1][0]);
     printf("# %s: they differ by %.3g in X\n", light, differ);
     CHECK(alike ? differ < 0.02 : differ > 1, "%s: metamers are %s", light,
           alike ? "alike" : "different");
-    CHECK_NEAR(rgb[0][0], rgb[1][0], 0.02, "%s: to rgb they are alike", light);
-    CHECK_NEAR(gauss[0][0] - gauss[1][0], truth[0][0] - truth[1][0], 0.2, "%s: gauss tells them",
-               light);
+    CHECK_NEAR(rgb[0][0], rgb[1][0], 0.02, "%s: rgb gives both greys the same response", light);
+    CHECK_NEAR(gauss[0][0] - gauss[1][0], exact[0][0] - exact[1][0], 0.2,
+               "%s: gauss distinguishes the greys", light);
     sampling_free(&three);
     sampling_free(&many);
     grey.diffuse = grey.partner->diffuse = (struct spectrum){0};
@@ -595,7 +601,7 @@ static void test_black(void)
         CHECK(is_sound(&s) && seen[0] == 0 && seen[1] == 0 && seen[2] == 0,
               "%s: an all-black scene is black", all[i]);
         if (s.method.kind == SAMPLING_BASIS)
-            CHECK(s.pages.n == 1 && s.rank == 0, "of one component, rank 0");
+            CHECK(s.pages.n == 1 && s.rank == 0, "an all-black scene has one component of rank 0");
         sampling_free(&s);
     }
     clear(&stage);
@@ -609,9 +615,10 @@ static void test_line(void)
     struct stage stage = chart(path, 380, 401);
     struct sampling s = made(&stage, "adaptive:0.001"), basis = made(&stage, "basis:9");
     CHECK(s.n_peaks == 1 && s.peak_nm[0] == 555, "a light of a single sample is a peak");
-    CHECK_NEAR(errors_of(&stage, &s).worst, 0, 1e-3, "and adaptive sees it");
+    CHECK_NEAR(errors_of(&stage, &s).worst, 0, 1e-3, "adaptive resolves the single sample");
     CHECK(basis.rank == 1 && basis.pages.n == 1, "its products have rank 1");
-    CHECK_NEAR(errors_of(&stage, &basis).worst, 0, 1e-12, "of which one component is exact");
+    CHECK_NEAR(errors_of(&stage, &basis).worst, 0, 1e-12,
+               "one component of the single line is exact");
     check_all("a single line", &stage);
     sampling_free(&s);
     sampling_free(&basis);
@@ -625,8 +632,9 @@ static void test_identical(void)
     for (int i = 0; i < 9; i++)
         put_surface(&stage, i % 2 == 0 ? "0.5" : "0.25");
     struct sampling s = made(&stage, "basis:7");
-    CHECK(s.pages.n == 1 && s.rank == 1, "spectra that are alike but for a factor have rank 1");
-    CHECK_NEAR(errors_of(&stage, &s).worst, 0, 1e-13, "and are exact with it");
+    CHECK(s.pages.n == 1 && s.rank == 1, "spectra that differ by a factor have rank 1");
+    CHECK_NEAR(errors_of(&stage, &s).worst, 0, 1e-13,
+               "one component of proportional spectra is exact");
     sampling_free(&s);
     check_all("identical spectra", &stage);
     clear(&stage);
@@ -638,7 +646,7 @@ static void test_rank(void)
     put_surface(&stage, "gaussian:450,100*1e-10");
     put_surface(&stage, "gaussian:650,100*1e-14");
     struct sampling s = made(&stage, "basis:3");
-    CHECK(s.rank == 2 && s.pages.n == 2, "rank counts what is above 1e-12 of the largest");
+    CHECK(s.rank == 2 && s.pages.n == 2, "the rank counts components above 1e-12 of the largest");
     sampling_free(&s);
     clear(&stage);
 }
@@ -652,8 +660,8 @@ static void test_apart(void)
     put_surface(&stage, "gaussian:650,1*1e-200");
     struct sampling s = made(&stage, "basis:3"), fewer = made(&stage, "basis:2");
     CHECK(s.rank == 3 && is_sound(&s) && errors_of(&stage, &s).worst < 1e-210,
-          "spectra apart, and tiny, are exact");
-    CHECK(is_sound(&fewer), "and finite with fewer components");
+          "separate, tiny spectra are exact");
+    CHECK(is_sound(&fewer), "separate, tiny spectra stay finite with fewer components");
     sampling_free(&s);
     sampling_free(&fewer);
     clear(&stage);
@@ -668,7 +676,7 @@ static void test_one_wavelength(void)
     for (size_t i = 0; i < sizeof good / sizeof good[0]; i++) {
         struct sampling s = made(&stage, good[i]);
         CHECK(s.pages.n == 1 && is_sound(&s), "one wavelength: %s has one page", good[i]);
-        CHECK_NEAR(errors_of(&stage, &s).worst, 0, 1e-14, "which is exact");
+        CHECK_NEAR(errors_of(&stage, &s).worst, 0, 1e-14, "this page is exact");
         sampling_free(&s);
     }
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
@@ -710,7 +718,7 @@ static void test_refusals(void)
             check_refusal(&dark, all[i], "cie1931", "sees nothing");
     struct sampling open = made(&dark, "gauss:8,open"), steps = made(&dark, "riemann:10");
     CHECK(open.pages.n == 8 && steps.pages.n == 5,
-          "what leaves the detector open needs none that sees");
+          "a sampling without a fixed detector accepts one that sees nothing");
     sampling_free(&open);
     sampling_free(&steps);
     clear(&stage);
@@ -718,7 +726,7 @@ static void test_refusals(void)
     clear(&blue);
 }
 
-/* The number that a refusal proposes has a solution. */
+/* A refusal proposes a number of pages that has a solution. */
 static void test_unsolvable(void)
 {
     struct stage stage = chart("d65", 380, 401);
@@ -740,27 +748,27 @@ static void test_unsolvable(void)
     }
     printf("# %d of 10 have no solution\n", refused);
     CHECK(refused > 0 && solved == refused,
-          "functions that change sign: what is refused comes with a number that is not");
+          "functions that change sign: each refusal proposes a number that is accepted");
     clear(&stage);
 }
 
-/* ---- what others do with samplings ---- */
+/* ---- uses of samplings ---- */
 
-/* A stack's record gives the weights again, to the last bit, and for any detector: a radiance of
- * 1 everywhere is seen as it is. */
+/* A stack's record yields the same weights again, to the last bit, for any detector: a radiance of
+ * 1 everywhere has the exact response. */
 static void test_recorded(void)
 {
     static const char *const names[] = {"box:8", "gauss:8", "gauss:33,open", "adaptive:0.001"};
     struct stage stage = chart("fluorescent", 380.3, 400);
     struct detector own, other;
     struct error err = {0};
-    double again[3 * MOST_PAGES], grid[MOST_NM], truth[3 * MOST_NM], white[3], seen[3];
+    double again[3 * MOST_PAGES], grid[MOST_NM], exact[3 * MOST_NM], white[3], seen[3];
     CHECK(detector_read("cie1931", &own, &err) && detector_read("dcs200-camera", &other, &err),
           "detectors are read");
     for (int j = 0; j < 400; j++)
         grid[j] = 380.3 + j;
-    detector_weights(&other, grid, 400, truth);
-    detector_response(truth, NULL, 400, white);
+    detector_weights(&other, grid, 400, exact);
+    detector_response(exact, NULL, 400, white);
     for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
         struct sampling s = made(&stage, names[i]);
         sampling_weights(&own, s.pages.wavelength_nm, s.segment_nm, s.pages.n, again);
@@ -769,8 +777,8 @@ static void test_recorded(void)
         sampling_weights(&other, s.pages.wavelength_nm, s.segment_nm, s.pages.n, again);
         detector_response(again, NULL, s.pages.n, seen);
         if (s.method.kind != SAMPLING_BOX)
-            CHECK_NEAR(seen[1], white[1], 1e-9 * white[1], "%s: a camera sees white as it is",
-                       names[i]);
+            CHECK_NEAR(seen[1], white[1], 1e-9 * white[1],
+                       "%s: a camera's response to white is exact", names[i]);
         sampling_free(&s);
     }
     detector_free(&own);
@@ -778,7 +786,7 @@ static void test_recorded(void)
     clear(&stage);
 }
 
-/* Between pages radiances are linear, in boxes constant. */
+/* Radiances are linear between pages and constant in boxes. */
 static void test_synthesis(void)
 {
     static const char *const names[] = {"box:8", "riemann:7", "gauss:8", "gauss:6,acc",
@@ -797,9 +805,11 @@ static void test_synthesis(void)
             sums = fmax(sums, fabs(sum - 1));
             line = fmax(line, fabs(value - fmin(fmax(x, s.pages.wavelength_nm[0]), last)));
         }
-        CHECK_NEAR(sums, 0, 1e-15, "%s: a constant radiance is told as it is", names[i]);
+        CHECK_NEAR(sums, 0, 1e-15, "%s: a constant radiance is reconstructed exactly", names[i]);
         if (s.method.kind != SAMPLING_BOX)
-            CHECK_NEAR(line, 0, 1e-11, "%s: so is a linear one, held at the ends", names[i]);
+            CHECK_NEAR(line, 0, 1e-11,
+                       "%s: a linear radiance is reconstructed exactly, and held at the ends",
+                       names[i]);
         sampling_free(&s);
     }
     clear(&stage);
@@ -814,11 +824,12 @@ static void check_print(const struct stage *stage, const char *text, const char 
     FILE *file = fopen(path, "w+");
     sampling_print(&s, file);
     rewind(file);
-    CHECK(fgets(line, sizeof line, file) != NULL && fgetc(file) == EOF, "%s: one line", text);
+    CHECK(fgets(line, sizeof line, file) != NULL && fgetc(file) == EOF,
+          "%s: the description is one line", text);
     fclose(file);
-    CHECK_TEXT(line, expected, "%s: what it tells of itself", text);
+    CHECK_TEXT(line, expected, "%s: the description is right", text);
     sampling_label(&s, 1, seen);
-    CHECK_TEXT(seen, label, "%s: label of the second page", text);
+    CHECK_TEXT(seen, label, "%s: the second page has its label", text);
     sampling_free(&s);
 }
 
@@ -855,7 +866,7 @@ static void test_without(void)
     const struct scene scene = {.wavelengths_nm = &nm, .n_wavelengths = 1};
     const struct spectral_pages pages = scene_pages(&scene);
     CHECK(page_value(&pages, &light, 0, SPECTRUM_ZERO) == spectrum_at(&light, 450, SPECTRUM_ZERO),
-          "without a sampling a page is the value at its wavelength");
+          "without a sampling a page is the radiance at its wavelength");
     spectrum_free(&light);
 }
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Scenes: what each statement means, held against the thesis's figures and against products of
- * transforms written out by hand; and the command line's overrides. Refusals stand in test/bad. */
+/* Compares each statement of a scene with the thesis's figures and with products of transforms
+ * written out by hand, and checks the command line's overrides. test/cases/bad has the scenes that
+ * are refused. */
 #include <stdlib.h>
 #include <sys/stat.h>
 
@@ -30,7 +31,7 @@ static const char *write_text(const char *name, const char *content)
     return test_write(temporary(name), content);
 }
 
-/* A scene that cannot be read is a failed check, and empty. */
+/* Returns the scene. If it cannot be read, the check fails and the scene is empty. */
 static struct scene read_scene(const char *name)
 {
     struct scene scene;
@@ -50,24 +51,25 @@ static bool same_vector(struct vector a, double x, double y, double z)
     return a.x == x && a.y == y && a.z == z;
 }
 
-/* ---- settings ---- */
+/* ---- view, size and lights ---- */
 
 static void check_defaults(void)
 {
     struct scene s = read_string("# nothing but a light\nlight d65 1 position 0 0 8\n");
     CHECK(s.n_wavelengths == 93 && s.wavelengths_nm[0] == 300 && s.wavelengths_nm[1] == 305 &&
               s.wavelengths_nm[92] == 760,
-          "by default 93 wavelengths, 300 to 760 nm by 5 nm");
-    CHECK(s.width == 1200 && s.height == 800, "by default 1200 x 800 pixels");
+          "by default there are 93 wavelengths, 300 to 760 nm by 5 nm");
+    CHECK(s.width == 1200 && s.height == 800, "by default a picture has 1200 x 800 pixels");
     CHECK(!s.camera.perspective && s.camera.extent == 12 && s.camera.near == -10 &&
               s.camera.far == 10 && same_vector(s.camera.eye, 0, 0, 0) &&
               same_vector(s.camera.look, 0, 0, -1) && same_vector(s.camera.up, 0, 1, 0),
-          "by default an orthographic view along -z, 12 wide and from -10 to 10 deep");
+          "by default the view is orthographic along -z, 12 wide and from -10 to 10 deep");
     CHECK(!s.local_viewer && s.shading == SHADING_SMOOTH,
-          "by default an infinite viewer, smooth shading");
-    CHECK(s.n_ambients == 0 && s.n_objects == 0 && s.n_materials == 0, "and nothing else");
+          "by default the viewer is infinite and shading smooth");
+    CHECK(s.n_ambients == 0 && s.n_objects == 0 && s.n_materials == 0,
+          "by default a scene has nothing else");
     scene_free(&s);
-    CHECK(s.path == NULL && s.n_files == 0 && s.wavelengths_nm == NULL, "freed, it is zeroed");
+    CHECK(s.path == NULL && s.n_files == 0 && s.wavelengths_nm == NULL, "a freed scene is zeroed");
     s = read_string("camera perspective 60 eye 0 1 0 look 0 0 -10\n");
     CHECK(s.camera.perspective && s.camera.extent == 60 && s.camera.near == 1 &&
               s.camera.far == 64 && same_vector(s.camera.eye, 0, 1, 0) &&
@@ -76,17 +78,17 @@ static void check_defaults(void)
     scene_free(&s);
 }
 
-static void check_settings(void)
+static void check_view(void)
 {
     struct scene s = read_string("viewer local\nshading flat\nsize 262144 1\n"
                                  "camera ortho 2 up 0 0 1 far 7 near -3 look 1 0 0 eye 2 0 0\n"
                                  "ambient a 0.25\nambient 2 0\n");
-    CHECK(s.local_viewer && s.shading == SHADING_FLAT, "viewer and shading");
-    CHECK(s.width == 262144 && s.height == 1, "the widest picture");
+    CHECK(s.local_viewer && s.shading == SHADING_FLAT, "viewer and shading are read");
+    CHECK(s.width == 262144 && s.height == 1, "the widest picture is accepted");
     CHECK(s.camera.near == -3 && s.camera.far == 7 && same_vector(s.camera.up, 0, 0, 1),
           "camera words come in any order");
     CHECK(s.n_ambients == 2 && s.ambients[0].intensity == 0.25 && s.ambients[1].intensity == 0,
-          "ambient lights add up; intensity 0 is off");
+          "all ambient lights are listed, even one of intensity 0");
     scene_free(&s);
 }
 
@@ -103,11 +105,12 @@ static void check_lights(void)
               "a light with a position fades with distance");
         CHECK(l[0].spot && same_vector(l[0].spot_direction, 0, 0, -2) &&
                   l[0].spot_cutoff_deg == 90 && l[0].spot_exponent == 128,
-              "and can be a spot");
+              "a light with a position can be a spot");
         CHECK(l[1].directional && same_vector(l[1].position, 0, 1, 1) && l[1].intensity == 3 &&
                   l[1].spectrum.factor == 2 && l[1].attenuation[0] == 1 && !l[1].spot,
               "a direction is kept as written, and its light does not fade");
-        CHECK(l[2].spot && l[2].spot_cutoff_deg == 180, "cutoff 180 lets everything through");
+        CHECK(l[2].spot && l[2].spot_cutoff_deg == 180,
+              "a spot with cutoff 180 shines in all directions");
     }
     scene_free(&s);
 }
@@ -116,34 +119,37 @@ static void check_lights(void)
 
 static void check_wavelengths(void)
 {
-    /* 350 / 0.1 is a little below or above 3500 in binary; the end belongs to the range. */
+    /* 350 / 0.1 is slightly below or above 3500 in binary; the end belongs to the range. */
     struct scene s = read_string("wavelengths 380 730 0.1\n");
     bool near = s.n_wavelengths == 3501;
     for (int i = 0; near && i < 3501; i++)
         near = fabs(s.wavelengths_nm[i] - (3800 + i) / 10.0) <= 0x1p-43; /* 1 unit at 512..1024 */
-    CHECK(near, "3501 wavelengths by 0.1 nm, each within one rounding of its decimal");
+    CHECK(near, "there are 3501 wavelengths by 0.1 nm, each within one rounding of its decimal");
     scene_free(&s);
     s = read_string("wavelengths 400 700 7\n");
     CHECK(s.n_wavelengths == 43 && s.wavelengths_nm[42] == 694, "an end between steps is left out");
     scene_free(&s);
     s = read_string("wavelengths 400 700 299.9999\n");
-    CHECK(s.n_wavelengths == 2 && s.wavelengths_nm[1] == 699.9999, "a near end is not the end");
+    CHECK(s.n_wavelengths == 2 && s.wavelengths_nm[1] == 699.9999,
+          "an end just after a step is left out");
     scene_free(&s);
     s = read_string("wavelengths 555 555 1e300\n");
-    CHECK(s.n_wavelengths == 1 && s.wavelengths_nm[0] == 555, "one wavelength with any step");
+    CHECK(s.n_wavelengths == 1 && s.wavelengths_nm[0] == 555,
+          "a range of one wavelength may have any step");
     scene_free(&s);
     s = read_string("wavelengths list 400 450.5 1e3 1000000\n");
     CHECK(s.n_wavelengths == 4 && s.wavelengths_nm[1] == 450.5 && s.wavelengths_nm[3] == 1e6,
-          "a list need not be even");
+          "a list may be uneven");
     scene_free(&s);
     s = read_string("wavelengths 1 65535 1\n");
-    CHECK(s.n_wavelengths == 65535 && s.wavelengths_nm[65534] == 65535, "65535 wavelengths");
+    CHECK(s.n_wavelengths == 65535 && s.wavelengths_nm[65534] == 65535,
+          "65535 wavelengths are accepted");
     scene_free(&s);
 }
 
 /* ---- objects ---- */
 
-/* The thesis's rows, scale and first position for n objects, as its NOTES give them. */
+/* The rows, scale and first position for n objects, from the thesis's NOTES. */
 static const struct grid {
     int n, columns;
     double scale, first_x, first_y, last_x, last_y;
@@ -171,11 +177,11 @@ static void check_grid(const struct grid *grid)
         corner = matrix_direction(&s.objects[0].transform, one);
         CHECK(same_vector(first, grid->scale * grid->first_x, grid->scale * grid->first_y,
                           grid->scale * 6),
-              "the first of %d at its place", grid->n);
+              "the first of %d objects is at its place", grid->n);
         CHECK(same_vector(last, grid->scale * grid->last_x, grid->scale * grid->last_y,
                           grid->scale * 6),
-              "the last of %d at its place", grid->n);
-        CHECK_NEAR(corner.x, 3 * grid->scale, 1e-15, "objects scale like their places");
+              "the last of %d objects is at its place", grid->n);
+        CHECK_NEAR(corner.x, 3 * grid->scale, 1e-15, "objects are scaled like their distances");
     }
     scene_free(&s);
 }
@@ -188,13 +194,13 @@ static void check_transforms(void)
                                  "object sphere 1 8 8 translate 1 0 0 rotate 90 0 0 1 "
                                  "scale -2 material m\n");
     struct vector p = {1, 1, 1};
-    if (CHECK(s.n_objects == 2, "two objects")) {
+    if (CHECK(s.n_objects == 2, "there are two objects")) {
         /* (2,3,4), turned (-3,2,4), moved (-2,2,4) */
         CHECK(same_vector(matrix_point(&s.objects[0].transform, p), -2, 2, 4),
               "transforms apply in the order written");
         /* (2,1,1), turned (-1,2,1), mirrored and doubled (2,-4,-2) */
         CHECK(same_vector(matrix_point(&s.objects[1].transform, p), 2, -4, -2),
-              "one factor scales all axes, and may mirror");
+              "a single factor scales all axes, and may be negative");
     }
     scene_free(&s);
 }
@@ -215,19 +221,19 @@ static void check_shapes(void)
                     "object mesh models/cow.obj unitize crease 30 material m\n"
                     "object mesh /room.obj materials room.map\n");
     const struct shape *cow, *room;
-    if (CHECK(s.n_objects == 10, "every shape, at its smallest and largest counts")) {
+    if (CHECK(s.n_objects == 10, "every shape accepts its smallest and largest counts")) {
         for (int i = 0; i < 8; i++)
             CHECK(s.objects[i].shape.kind == kinds[i] && s.objects[i].shape.parameter[0] > 0,
                   "a %s", shape_name(kinds[i]));
         CHECK(s.objects[0].shape.repeat[0] == 1 && s.objects[0].shape.repeat[1] == 1 &&
                   !s.objects[0].shape.planar && !s.objects[0].two_sided,
-              "by default a texture fits once on the shape's own coordinates, one-sided");
+              "by default a shape is one-sided, and a texture covers its own coordinates once");
         CHECK(s.objects[1].shape.parameter[3] == 4096 && s.objects[0].shape.parameter[0] == 2.8,
-              "parameters in the order written");
+              "parameters are in the order written");
         cow = &s.objects[8].shape;
         CHECK(cow->unitize && cow->crease_deg == 30 && cow->place.column == 13 &&
                   strcmp(cow->path, temporary("models/cow.obj")) == 0,
-              "a mesh file is relative to the scene, and not opened");
+              "a mesh file's path is relative to the scene, and the file is not opened");
         room = &s.objects[9].shape;
         CHECK(!room->unitize && room->crease_deg == 90 && s.objects[9].material == -1 &&
                   strcmp(room->path, "/room.obj") == 0 &&
@@ -244,7 +250,7 @@ static void check_materials(void)
     s = read_string("object sphere 1 8 8 material late\nmaterial \"un used\" none.txt\n"
                     "material late red.txt\nmaterial half { diffuse 1 metamer late }\n"
                     "object sphere 1 8 8 material late\nobject sphere 1 8 8 material half\n");
-    if (CHECK(s.n_materials == 3, "a file that nothing uses need not exist")) {
+    if (CHECK(s.n_materials == 3, "an unused file need not exist")) {
         CHECK(s.objects[0].material == 1 && s.objects[1].material == 1 &&
                   s.objects[2].material == 2,
               "a material may be used before it is defined");
@@ -252,14 +258,14 @@ static void check_materials(void)
               "a file's material has the scene's name");
         CHECK(s.materials[0].diffuse.kind == SPECTRUM_NONE &&
                   strcmp(s.materials[0].path, temporary("none.txt")) == 0,
-              "an unused one keeps name and path only");
+              "an unused material keeps only name and path");
     }
     scene_free(&s);
     s = read_string("material a { diffuse 1 metamer b }\nmaterial b red.txt\n"
                     "material c { diffuse 1 metamer missing }\nobject plane 1 1 material a\n");
     CHECK(s.n_materials == 3 && s.materials[1].diffuse.count == 1,
-          "a partner is read for the material that names it, and only then must exist");
-    CHECK(s.materials[0].partner_index == 1, "and found");
+          "a partner is read, and must exist, only if a used material names it");
+    CHECK(s.materials[0].partner_index == 1, "the partner is found");
     scene_free(&s);
 }
 
@@ -272,11 +278,11 @@ static void check_object_words(void)
     if (CHECK(s.n_objects == 1, "words of an object come in any order"))
         CHECK(s.objects[0].two_sided && s.objects[0].shape.planar &&
                   s.objects[0].shape.repeat[0] == 2.5 && s.objects[0].shape.repeat[1] == 1e-3,
-              "two-sided, planar and repeat hold for any shape");
+              "two-sided, planar and repeat apply to any shape");
     scene_free(&s);
     s = read_string("checker two.list plane 1 1 repeat 3 4 two-sided\n");
     CHECK(s.n_objects == 2 && s.objects[1].shape.repeat[1] == 4 && s.objects[1].two_sided,
-          "and for each object of a checker");
+          "two-sided and repeat apply to each object of a checker");
     scene_free(&s);
 }
 
@@ -305,20 +311,22 @@ static void check_map(void)
     if (CHECK(s.n_objects == 3 && s.objects[0].n_assignments == 4 &&
                   s.objects[1].n_assignments == 4,
               "a map names materials of the scene and entries of MTL files")) {
-        CHECK_TEXT(s.objects[0].assignments[0].name, "wall", "by the names of usemtl");
-        CHECK_TEXT(s.objects[0].assignments[1].name, "", "or \"\" for faces without one");
-        CHECK_TEXT(s.objects[0].assignments[2].name, "two words", "which may be quoted");
-        CHECK_TEXT(s.objects[0].assignments[3].name, "*", "and * for all others");
+        CHECK_TEXT(s.objects[0].assignments[0].name, "wall",
+                   "a map's line begins with a name from usemtl");
+        CHECK_TEXT(s.objects[0].assignments[1].name, "", "\"\" stands for faces without a name");
+        CHECK_TEXT(s.objects[0].assignments[2].name, "two words", "a name may be quoted");
+        CHECK_TEXT(s.objects[0].assignments[3].name, "*", "* stands for all other names");
         CHECK(s.objects[0].assignments[1].place.line == 4 &&
                   s.objects[0].assignments[1].place.column == 3,
-              "each knows its place in the map");
+              "each line keeps its source place in the map");
         CHECK(used(&s, 0, 0)->from_rgb && used(&s, 0, 0)->diffuse.value[0] == 0.5 &&
                   strcmp(used(&s, 0, 0)->path, temporary("maps/a.mtl")) == 0,
-              "an MTL file is relative to the map");
-        CHECK(used(&s, 0, 1)->diffuse.count == 1, "materials are read, defined later or not");
+              "an MTL file's path is relative to the map");
+        CHECK(used(&s, 0, 1)->diffuse.count == 1,
+              "materials are read even if they are defined later");
         CHECK(!used(&s, 0, 3)->from_rgb && used(&s, 0, 3)->diffuse.parameter[0] == 0.125,
-              "a material of the scene is not mistaken for an MTL entry of its name");
-        CHECK(used(&s, 0, 0) == used(&s, 1, 0), "the same entry is the same material");
+              "a material of the scene is not confused with an MTL entry of the same name");
+        CHECK(used(&s, 0, 0) == used(&s, 1, 0), "two uses of one entry share a material");
         CHECK(s.materials[used(&s, 0, 2)->partner_index].diffuse.count == 1,
               "partners are found and read");
     }
@@ -344,28 +352,28 @@ static void check_mtl(void)
     struct scene s = read_entry("Ka 1 1\nKd 1 .6 .2\nillum 2\nKs 0.5 0.5 0.5\nNs 1000\n"
                                 "map_Kd wood.png\nd 1.0\nKe 3 3 3\nKrzl\n");
     const struct material *m = s.materials;
-    if (CHECK(s.n_materials == 1, "an entry is read, and others are not")) {
-        CHECK_TEXT(m->name, "x", "its name is the entry's");
+    if (CHECK(s.n_materials == 1, "only the named entry is read")) {
+        CHECK_TEXT(m->name, "x", "its name is the name in the map");
         CHECK(m->from_rgb && m->place.line == 4 && m->place.column == 8 &&
                   strcmp(m->place.path, temporary("one.mtl")) == 0,
-              "its place is the entry's name");
+              "its source place is the entry's name");
         for (size_t i = 0; i < sizeof spread / sizeof spread[0]; i++)
             CHECK_NEAR(spectrum_at(&m->diffuse, spread[i].nm, SPECTRUM_HOLD), spread[i].value,
-                       1e-15, "red, green and blue at %g nm", spread[i].nm);
-        CHECK(m->gloss == 128 && m->gloss_place.line == 9, "Ns is cut off at 128");
+                       1e-15, "red, green and blue have the right value at %g nm", spread[i].nm);
+        CHECK(m->gloss == 128 && m->gloss_place.line == 9, "Ns is limited to 128");
         for (int nm = 300; nm <= 760; nm++)
             if (spectrum_at(&m->specular, nm, SPECTRUM_HOLD) != 0.5 ||
                 spectrum_at(&m->glow, nm, SPECTRUM_ZERO) != 3)
-                CHECK(false, "grey is constant, at %d nm too", nm);
+                CHECK(false, "a grey is constant, also at %d nm", nm);
         CHECK(m->specular.kind == SPECTRUM_SAMPLED && m->glow.kind == SPECTRUM_SAMPLED,
-              "Ks with Ns is specular, Ke is emission");
+              "Ks with Ns becomes specular, and Ke emission");
     }
     scene_free(&s);
     s = read_entry("Kd 0 0 0\nKs 0 0 0\nNs 20\nKe 0 0 0\n");
     CHECK(s.n_materials == 1 && s.materials[0].diffuse.kind == SPECTRUM_SAMPLED &&
               s.materials[0].specular.kind == SPECTRUM_NONE && s.materials[0].gloss == 0 &&
               s.materials[0].glow.kind == SPECTRUM_NONE,
-          "black highlights and emission are none, but diffuse is always there");
+          "black highlights and black emission are absent, but diffuse is always present");
     scene_free(&s);
     s = read_entry("Ks 0.5 0.5 0.5\nKe 1 0 0\nNs 0\n");
     CHECK(s.n_materials == 1 && s.materials[0].specular.kind == SPECTRUM_NONE &&
@@ -384,10 +392,10 @@ static void check_includes(void)
     write_text("lights.scene", "light 1 1 position 0 0 8\nlight 1 2 position 0 -6 8\n");
     s = read_string("include lights.scene\nsize 10 20\ninclude \"lights.scene\"\n");
     CHECK(s.n_lights == 4 && s.lights[3].intensity == 2 && s.width == 10,
-          "a file may be included twice, though not by itself");
+          "a file may be included twice");
     CHECK(s.n_lights == 4 && strcmp(s.lights[1].place.path, temporary("lights.scene")) == 0 &&
               s.lights[1].place.line == 2,
-          "a light knows the file and line that made it");
+          "a light keeps the file and line that defined it");
     scene_free(&s);
 }
 
@@ -396,16 +404,16 @@ static void check_thesis_scene(void)
     struct scene s = read_scene("colorchecker"), list;
     const double *torus;
     struct vector at;
-    if (CHECK(s.n_objects == 25 && s.n_materials == 25, "24 tori before a background")) {
+    if (CHECK(s.n_objects == 25 && s.n_materials == 25, "the scene has 24 tori and a background")) {
         CHECK(s.n_lights == 1 && same_vector(s.lights[0].position, 0, 0, 8) &&
                   s.lights[0].intensity == 1 && s.n_ambients == 0,
-              "the thesis's light, and no ambient");
+              "the scene has the thesis's light and no ambient light");
         at = matrix_point(&s.objects[0].transform, (struct vector){0, 0, 0});
         CHECK(s.objects[0].shape.parameter[0] == 14 && s.objects[0].shape.parameter[1] == 40 &&
                   same_vector(at, 0, 0, -16),
-              "a sphere of radius 14 at z = -16 behind");
+              "the background is a sphere of radius 14 at z = -16");
         CHECK(spectrum_at(&s.materials[s.objects[0].material].diffuse, 500, SPECTRUM_HOLD) == 0.2,
-              "of reflectance 0.2");
+              "the background's reflectance is 0.2");
         torus = s.objects[24].shape.parameter;
         CHECK(torus[0] == 1.05 && torus[1] == 1.65 && torus[2] == 30 && torus[3] == 30 &&
                   strcmp(s.materials[s.objects[24].material].name, "24-black") == 0,
@@ -421,7 +429,7 @@ static void check_thesis_scene(void)
     write_text("one.list", "\n# the only one\nred.txt\n");
     list = read_scene(temporary("one.list"));
     CHECK(list.n_objects == 2 && strcmp(list.materials[list.objects[1].material].name, "red") == 0,
-          "a list of one material is a list");
+          "a list may have one material");
     scene_free(&list);
     scene_free(&s);
 }
@@ -432,20 +440,20 @@ static void check_builtin_scenes(void)
     struct scene s = read_scene("patches");
     CHECK(s.n_objects == 24 && s.n_lights == 1 && s.lights[0].directional &&
               s.objects[0].shape.kind == SHAPE_PLANE,
-          "patches are 24 planes in parallel light");
+          "the scene patches has 24 planes in parallel light");
     scene_free(&s);
     s = read_scene("spheres");
     CHECK(s.n_lights == 2 && s.n_ambients == 1 && s.local_viewer && s.camera.perspective,
-          "spheres have two lights and a near viewer");
+          "the scene spheres has two lights and a local viewer");
     scene_free(&s);
     CHECK(!scene_read("no such scene", &s, &err) && err.status == EXIT_INPUT && s.path == NULL,
-          "an unknown scene is bad input");
+          "an unknown scene is refused as input");
     CHECK_TEXT(err.text,
                "error: found no file and no built-in scene 'no such scene'; "
                "built-in are colorchecker, fluorescence, metals, metamers, pasture, patches, room, "
                "spheres, "
                "textures",
-               "the message names what there is");
+               "the message lists the built-in scenes");
 }
 
 /* ---- the command line ---- */
@@ -455,7 +463,7 @@ static void refuse(bool (*set)(struct scene *, const char *, struct error *), st
 {
     struct error err = {0};
     CHECK(!set(scene, value, &err) && err.status == EXIT_INPUT, "'%s' is refused", value);
-    CHECK_TEXT(err.text, message, "and the message points into it");
+    CHECK_TEXT(err.text, message, "the message points into the option");
 }
 
 static void check_overrides(void)
@@ -465,28 +473,29 @@ static void check_overrides(void)
     CHECK(scene_set_wavelengths(&s, "400:700:100", &err) && s.n_wavelengths == 4 &&
               s.wavelengths_nm[3] == 700,
           "START:END:STEP replaces the wavelengths");
-    CHECK_TEXT(s.wavelengths_place.path, "--wavelengths", "which then come from the option");
+    CHECK_TEXT(s.wavelengths_place.path, "--wavelengths",
+               "the wavelengths have the option as their source place");
     CHECK(scene_set_wavelengths(&s, "555", &err) && s.n_wavelengths == 1 &&
               s.wavelengths_nm[0] == 555,
-          "one wavelength");
+          "the option may have one wavelength");
     CHECK(scene_set_wavelengths(&s, "400,450.5,700", &err) && s.n_wavelengths == 3 &&
               s.wavelengths_nm[1] == 450.5,
-          "a list");
+          "the option may be a list");
     CHECK(scene_set_size(&s, "640x480", &err) && s.width == 640 && s.height == 480, "WxH");
     CHECK(scene_set_light(&s, "1=a", &err) && s.lights[0].intensity == 2 &&
               strcmp(s.lights[0].spectrum.name, "a") == 0,
-          "a spectrum leaves the intensity");
+          "a spectrum alone keeps the intensity");
     CHECK(scene_set_light(&s, "1=d65*0.5", &err) && s.lights[0].intensity == 0.5 &&
               s.lights[0].spectrum.factor == 1,
-          "*INTENSITY sets it, and is no factor");
+          "*INTENSITY sets the intensity, and is no factor of the spectrum");
     CHECK(scene_set_light(&s, "1=data/builtin/tables/a.csv*2", &err) &&
               s.lights[0].intensity == 2 && s.lights[0].spectrum.place.column == 3,
-          "a file is relative to the current folder");
+          "a file's path is relative to the current folder");
     CHECK(scene_set_ambient(&s, "d65", &err) && s.n_ambients == 1 && s.ambients[0].intensity == 1,
-          "one ambient replaces all, with intensity 1");
+          "--ambient replaces all ambient lights, with intensity 1");
     CHECK(scene_set_ambient(&s, "d65*0.1", &err) && s.ambients[0].intensity == 0.1 &&
               s.ambients[0].spectrum.factor == 1,
-          "or the one given");
+          "--ambient may give an intensity");
     CHECK_TEXT(err.text, "", "no override failed");
     scene_free(&s);
 }
@@ -530,11 +539,14 @@ static void check_shading(void)
     struct scene s = read_string("shading phong\n");
     struct error err = {EXIT_AGREED, ""};
     CHECK(s.shading == SHADING_PHONG && s.tessellation == 1,
-          "a scene says how it is shaded; tessellation is as it says");
-    CHECK(scene_set_shading(&s, "flat", &err) && s.shading == SHADING_FLAT, "another shading");
-    CHECK(scene_set_shading(&s, "smooth", &err) && s.shading == SHADING_SMOOTH, "and again");
-    CHECK(scene_set_tessellation(&s, "0.25", &err) && s.tessellation == 0.25, "a factor");
-    CHECK_TEXT(err.text, "", "none of these failed");
+          "a scene sets its shading; the factor of tessellation is 1 by default");
+    CHECK(scene_set_shading(&s, "flat", &err) && s.shading == SHADING_FLAT,
+          "the option sets another shading");
+    CHECK(scene_set_shading(&s, "smooth", &err) && s.shading == SHADING_SMOOTH,
+          "the option sets the shading again");
+    CHECK(scene_set_tessellation(&s, "0.25", &err) && s.tessellation == 0.25,
+          "the option sets the factor of tessellation");
+    CHECK_TEXT(err.text, "", "no option of these failed");
     refuse(scene_set_shading, &s, "dull",
            "--shading:1:1: error: unknown shading 'dull'; known are smooth, flat, phong");
     refuse(scene_set_shading, &s, "flat phong",
@@ -546,7 +558,7 @@ static void check_shading(void)
     scene_free(&s);
 }
 
-/* One shape by a factor: lengths stay, counts are those expected. */
+/* Multiplies the counts of one shape by a factor: lengths stay, and counts are as expected. */
 static void check_tessellated(enum shape_kind kind, const double from[4], double factor,
                               const double expected[4])
 {
@@ -582,7 +594,7 @@ static void check_tessellation(void)
         check_tessellated(all[i].kind, all[i].from, all[i].factor, all[i].expected);
 }
 
-/* The row of values is `factor` at every nm. */
+/* Returns whether all values of the row are `factor`. */
 static bool is_constant(const double *row, int n, double factor)
 {
     bool same = true;
@@ -592,7 +604,7 @@ static bool is_constant(const double *row, int n, double factor)
 }
 
 /* Light 1 has the spectrum of light 2, light 4 does not shine; the mesh and the textures that the
- * scene names do not exist. `part` is half of a map's object, `unused` of none. */
+ * scene names do not exist. `half` belongs to a map's object, `unused` to no object. */
 static const char spectral_scene[] =
     "wavelengths list 400 450.5 500.2\n"
     "light 2 3 position 0 0 9\n"
@@ -614,37 +626,42 @@ static void check_spectra(void)
     write_text("spectral.map", "a material glossy\nb material half\n");
     struct scene s = read_string(spectral_scene);
     bool done = scene_spectra(&s, &spectra, &err);
-    CHECK_TEXT(err.text, "", "spectra of a scene are made without its mesh and its textures");
+    CHECK_TEXT(err.text, "", "spectra of a scene are computed without its mesh and its textures");
     if (!done)
         return;
     const int n = spectra.n_nm;
-    CHECK(spectra.first_nm == 400 && n == 101, "at every nm from the first wavelength on");
-    CHECK(spectra.n_lights == 4, "lights: two, ambient light and emission (%d)", spectra.n_lights);
-    CHECK(is_constant(spectra.lights, n, 6), "lights of one spectrum are one");
-    CHECK(spectra.lights[n + 50] == 1, "a light of another, at its peak");
-    CHECK(is_constant(spectra.lights + 2 * n, n, 0.5), "the ambient light");
-    CHECK(is_constant(spectra.lights + 3 * n, n, 4), "the emission");
+    CHECK(spectra.first_nm == 400 && n == 101,
+          "spectra have a value at every nm from the first wavelength on");
+    CHECK(spectra.n_lights == 4, "the lights are two, then the ambient light and the emission (%d)",
+          spectra.n_lights);
+    CHECK(is_constant(spectra.lights, n, 6), "lights with the same spectrum are added");
+    CHECK(spectra.lights[n + 50] == 1,
+          "a light with another spectrum is separate, here at its peak");
+    CHECK(is_constant(spectra.lights + 2 * n, n, 0.5), "the ambient light is constant");
+    CHECK(is_constant(spectra.lights + 3 * n, n, 4), "the emission is constant");
     CHECK(spectra.n_products == 3 + 5 + 3,
-          "products: of what is matt three, of what is glossy five, and no unused ones (%d)",
+          "matt materials have three products, glossy ones five, unused ones none (%d)",
           spectra.n_products);
-    CHECK(is_constant(spectra.products, n, 0.25), "ambient light x reflectance");
-    CHECK(is_constant(spectra.products + n, n, 3), "light x reflectance");
-    CHECK(is_constant(spectra.products + 3 * n, n, 4.125), "ambient light and emission");
-    CHECK(is_constant(spectra.products + 5 * n, n, 6), "light x specular reflectance");
-    CHECK(is_constant(spectra.products + 9 * n, n, 0.75), "the half of an object");
+    CHECK(is_constant(spectra.products, n, 0.25), "a product is ambient light x reflectance");
+    CHECK(is_constant(spectra.products + n, n, 3), "a product is light x reflectance");
+    CHECK(is_constant(spectra.products + 3 * n, n, 4.125),
+          "a product is ambient light x reflectance + emission");
+    CHECK(is_constant(spectra.products + 5 * n, n, 6), "a product is light x specular reflectance");
+    CHECK(is_constant(spectra.products + 9 * n, n, 0.75),
+          "a part of an object has its own products");
     fine_spectra_free(&spectra);
     scene_free(&s);
     s = read_string("wavelengths list 400 66000\n");
     CHECK(!scene_spectra(&s, &spectra, &err) && err.status == EXIT_INPUT &&
               strstr(err.text, ":1:1: error: wavelengths from 400 to 66000 nm") != NULL,
-          "a range without end is refused (%s)", err.text);
+          "a range that is too long is refused (%s)", err.text);
     scene_free(&s);
 }
 
 int main(void)
 {
     check_defaults();
-    check_settings();
+    check_view();
     check_lights();
     check_wavelengths();
     for (size_t i = 0; i < sizeof grids / sizeof grids[0]; i++)

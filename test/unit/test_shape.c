@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* The built-in shapes against closed forms: both renderers share them, so nothing else would notice
- * if they were wrong. */
+/* Compares the built-in shapes with closed forms. Both renderers share them, so no other test would
+ * find their errors. */
 #include <float.h>
 
 #include "data/maths/maths.h"
@@ -11,7 +11,7 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* Conditions that all solids fulfil; `holes` is the number of handles through it. */
+/* A solid to check; `holes` is the number of holes through it. */
 struct closed_shape {
     const char *name;
     enum shape_kind kind;
@@ -20,13 +20,13 @@ struct closed_shape {
     double volume; /* of the polyhedron */
 };
 
-/* The area of a regular n-gon of circumradius 1. */
+/* Returns the area of a regular n-gon of circumradius 1. */
 static double regular_area(double n)
 {
     return n / 2 * sin(2 * pi / n);
 }
 
-/* A lathe of n slices is a stack of frusta over regular n-gons. */
+/* Returns the volume of a lathe of n slices, that is a stack of frusta over regular n-gons. */
 static double sphere_volume(double radius, int slices, int stacks)
 {
     double sum = 0;
@@ -38,7 +38,7 @@ static double sphere_volume(double radius, int slices, int stacks)
     return radius * radius * radius * regular_area(slices) * sum;
 }
 
-/* Pappus, with regular polygons for both circles. */
+/* Returns a volume by Pappus's theorem, with regular polygons for both circles. */
 static double torus_volume(double tube, double ring, int sides, int rings)
 {
     return regular_area(rings) * 2 * ring * regular_area(sides) * tube * tube;
@@ -65,13 +65,14 @@ static void check_closed(const struct closed_shape *shape)
           "%s: each edge meets its reverse exactly once", shape->name);
     CHECK(solid_euler(&solid, &mesh) == 2 - 2 * shape->holes, "%s: Euler characteristic %d",
           shape->name, 2 - 2 * shape->holes);
-    /* Rounding: each of the triangles adds a few epsilons of the whole at most. */
+    /* Rounding adds at most a few epsilons of the whole for each triangle. */
     CHECK_NEAR(solid.volume / shape->volume, 1, 4 * DBL_EPSILON * mesh.n_triangles,
-               "%s: outward, with the polyhedron's volume", shape->name);
-    CHECK_NEAR(solid.worst_length, 0, 4 * DBL_EPSILON, "%s: unit normals", shape->name);
-    CHECK(solid.worst_facing > 0, "%s: normals on the side of their facets", shape->name);
-    CHECK(solid.worst_area > 1e-4, "%s: no triangle without area", shape->name);
-    CHECK(solid.texture_inside, "%s: texture coordinates in [0, 1]", shape->name);
+               "%s: it faces outwards and has the polyhedron's volume", shape->name);
+    CHECK_NEAR(solid.worst_length, 0, 4 * DBL_EPSILON, "%s: normals have unit length", shape->name);
+    CHECK(solid.worst_facing > 0, "%s: normals are on the side of their triangles' normals",
+          shape->name);
+    CHECK(solid.worst_area > 1e-4, "%s: every triangle has an area", shape->name);
+    CHECK(solid.texture_inside, "%s: texture coordinates lie in [0, 1]", shape->name);
     mesh_free(&mesh);
 }
 
@@ -95,7 +96,7 @@ static void check_solids(void)
         check_closed(&shapes[i]);
 }
 
-/* The rim of a disk of radius 1 shows the shapes' own cosine and sine. */
+/* The rim of a disk of radius 1 has the shapes' own cosine and sine. */
 static double worst_circle_error(int n)
 {
     const double parameter[4] = {1, n, 0, 0};
@@ -110,7 +111,7 @@ static double worst_circle_error(int n)
         for (int k = 0; k < 2; k++) {
             const double size = fabs(seen[k]);
             const double error = (double)fabsl((long double)seen[k] - true_value[k]);
-            /* The reference's own angle, rounded twice to 64 bits, may be off by 2^-60. */
+            /* The expected angle is rounded twice to 64 bits, so it may be off by 2^-60. */
             worst = fmax(worst, (error - 0x1p-60) / (nextafter(size, 2) - size));
         }
     }
@@ -134,8 +135,10 @@ static void check_circle(void)
     mesh_free(&mesh);
     for (int n = 3; n < 400; n++)
         worst = fmax(worst, worst_circle_error(n));
-    CHECK_NEAR(worst, 0, 1.5, "3 to 399 slices: sine and cosine within 1.5 last places");
-    CHECK_NEAR(worst_circle_error(1000003), 0, 1.5, "so for 1000003 slices");
+    CHECK_NEAR(worst, 0, 1.5,
+               "for 3 to 399 slices sine and cosine are within 1.5 units in the last place");
+    CHECK_NEAR(worst_circle_error(1000003), 0, 1.5,
+               "for 1000003 slices sine and cosine are within 1.5 units in the last place");
 }
 
 static void check_curved_normals(void)
@@ -180,8 +183,8 @@ static void check_cone_normals(void)
         worst = fmax(worst, fabs(vector_dot(v->normal, vector_subtract(v->position, apex))));
         worst = fmax(worst, fabs(v->normal.z - 0.6)); /* 3-4-5 triangle */
     }
-    CHECK_NEAR(worst, 0, 16 * DBL_EPSILON, "cone: normals stand on its lines");
-    CHECK(tips == 12, "cone: one tip a slice, each with the normal of its middle");
+    CHECK_NEAR(worst, 0, 16 * DBL_EPSILON, "cone: normals are perpendicular to its lines");
+    CHECK(tips == 12, "cone: each slice has its own tip, with the normal of its middle");
     mesh_free(&mesh);
 }
 
@@ -215,7 +218,7 @@ static void check_flat(void)
     }
 }
 
-/* Texture runs to the right and upwards, seen from outside: s, t and normal are right-handed. */
+/* Seen from outside, s runs to the right and t upwards: s, t and normal are right-handed. */
 static void check_texture_direction(void)
 {
     const struct {
@@ -243,7 +246,7 @@ static void check_texture_direction(void)
     }
 }
 
-/* Counts the vertices on the axis whose normal is exactly along it, upwards at the top. */
+/* Counts the vertices on the axis with a normal exactly along it, upwards at the top. */
 static int true_poles(const struct mesh *mesh)
 {
     int n = 0;
@@ -269,21 +272,24 @@ static void check_teapot(int divisions)
         skew += mesh.vertices[i].position.z;
     }
     CHECK(mesh.n_triangles == 64 * divisions * divisions - 8 * divisions,
-          "teapot %d: two triangles a square, one at the poles", divisions);
-    /* Open are the lid, the body's rim, and both ends of handle and spout. */
+          "teapot %d: each square has two triangles, and one at the poles", divisions);
+    /* The lid, the pot's rim, and both ends of handle and spout are open. */
     CHECK(solid.open_edges == 16 * divisions && solid.repeated_edges == 0,
           "teapot %d: patches meet along all their edges", divisions);
     CHECK(true_poles(&mesh) == 8 * divisions,
           "teapot %d: poles sit on the axis with normals along it", divisions);
-    CHECK_NEAR(solid.worst_length, 0, 4 * DBL_EPSILON, "teapot %d: unit normals", divisions);
-    CHECK(solid.worst_area > 1e-4, "teapot %d: no triangle without area", divisions);
-    CHECK(solid.volume > 0 && solid.texture_inside, "teapot %d: faces outwards", divisions);
+    CHECK_NEAR(solid.worst_length, 0, 4 * DBL_EPSILON, "teapot %d: normals have unit length",
+               divisions);
+    CHECK(solid.worst_area > 1e-4, "teapot %d: every triangle has an area", divisions);
+    CHECK(solid.volume > 0 && solid.texture_inside, "teapot %d: it faces outwards", divisions);
     /* glutSolidTeapot(2): heights 0 to 3.15 less 1.5. */
-    CHECK_NEAR(lowest, -1.5, DBL_EPSILON, "teapot %d: stands at -0.75 of its size", divisions);
-    CHECK_NEAR(highest, 1.65, 2 * DBL_EPSILON, "teapot %d: ends at 0.825 of its size", divisions);
-    CHECK_NEAR(skew, 0, 1e-12 * mesh.n_vertices, "teapot %d: its sides balance", divisions);
+    CHECK_NEAR(lowest, -1.5, DBL_EPSILON, "teapot %d: its foot is at -0.75 of its size", divisions);
+    CHECK_NEAR(highest, 1.65, 2 * DBL_EPSILON, "teapot %d: its top is at 0.825 of its size",
+               divisions);
+    CHECK_NEAR(skew, 0, 1e-12 * mesh.n_vertices, "teapot %d: both sides are symmetric", divisions);
     if (divisions == 40) /* fewer cut the spout's sharp lip short */
-        CHECK(solid.worst_facing > 0.9, "teapot %d: normals follow their facets", divisions);
+        CHECK(solid.worst_facing > 0.9, "teapot %d: normals are close to their triangles' normals",
+              divisions);
     mesh_free(&mesh);
 }
 
@@ -295,9 +301,10 @@ static void check_failure(void)
     struct mesh mesh;
 
     CHECK(!shape_build(&shape, &mesh, &err) && err.status == EXIT_INPUT,
-          "a mesh file that is not there is bad input");
-    CHECK(strncmp(err.text, "some.scene:3:8: error: ", 23) == 0, "blamed on the scene's line");
-    CHECK(!mesh.vertices && !mesh.triangles, "and leaves an empty mesh");
+          "a missing mesh file is refused as input");
+    CHECK(strncmp(err.text, "some.scene:3:8: error: ", 23) == 0,
+          "the message names the scene's line");
+    CHECK(!mesh.vertices && !mesh.triangles, "the mesh stays empty");
 }
 
 int main(void)

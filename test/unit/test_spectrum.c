@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Spectra against closed forms and physical constants: readers share no code with the check of
- * pictures, so that an error here would go unseen there. */
+/* Compares spectra with closed forms and physical constants. Both renderers share the readers of
+ * spectra, so the check of pictures would not find their errors. */
 #include <float.h>
 #include <stdlib.h>
 #include <sys/stat.h>
@@ -19,7 +19,7 @@ static const char *temporary(const char *name, char path[PATH_SIZE])
     return path;
 }
 
-/* Reads the first word of a line; an absent spectrum stands for an error. */
+/* Reads the first word of a line; returns an absent spectrum after an error. */
 static struct spectrum read_between(const char *line, double lowest, double highest,
                                     struct error *err)
 {
@@ -33,7 +33,7 @@ static struct spectrum read_between(const char *line, double lowest, double high
     if (!spectrum_read(&word, lowest, highest, &out, err))
         CHECK(out.kind == SPECTRUM_NONE && out.name == NULL && out.value == NULL,
               "a refused spectrum is left empty");
-    out.place.path = NULL; /* the text goes */
+    out.place.path = NULL; /* the text is not kept */
     text_free(&text);
     return out;
 }
@@ -56,7 +56,7 @@ static double value_of(const char *line, double nm)
     return value;
 }
 
-/* The message that refuses a reflectance. */
+/* Returns the message that refuses a reflectance. */
 static const char *refusal(const char *line, struct error *err)
 {
     struct spectrum spectrum = read_between(line, 0, 1, err);
@@ -75,7 +75,7 @@ static struct spectrum read_content(const char *content)
     return read_word(line);
 }
 
-/* How the file is refused: the message from its line number on, or as it is. */
+/* Returns the message that refuses the file, from its line number on if there is one. */
 static const char *refused_content(const char *content, const char *column, struct error *err)
 {
     char path[PATH_SIZE], line[PATH_SIZE + 16];
@@ -92,21 +92,22 @@ static const char *refused_content(const char *content, const char *column, stru
 static void check_words(void)
 {
     struct spectrum s = read_word("d65*0.5");
-    CHECK(s.kind == SPECTRUM_SAMPLED && s.factor == 0.5, "a built-in name with a factor");
+    CHECK(s.kind == SPECTRUM_SAMPLED && s.factor == 0.5, "a built-in name may have a factor");
     CHECK_TEXT(s.name, "d65*0.5", "its name is as written");
-    CHECK(s.place.line == 1 && s.place.column == 1, "its place is the word's");
+    CHECK(s.place.line == 1 && s.place.column == 1, "its source place is the word");
     spectrum_free(&s);
     spectrum_free(&s);
-    CHECK(value_of("0.25", 500) == 0.25, "a number is the same at every wavelength");
-    CHECK(value_of("0.25*3", 1) == 0.75, "times its factor");
-    CHECK(value_of("2e-1", 1) == 0.2, "in any notation");
+    CHECK(value_of("0.25", 500) == 0.25, "a number is constant over wavelengths");
+    CHECK(value_of("0.25*3", 1) == 0.75, "a number is multiplied by its factor");
+    CHECK(value_of("2e-1", 1) == 0.2, "numbers may have any notation");
     CHECK(value_of("gaussian:380,40", 380) == 1, "a gaussian is 1 at its centre");
     CHECK_NEAR(value_of("gaussian:380,40*3", 400), 1.5, DBL_EPSILON,
-               "and half that at half its width");
-    CHECK(value_of("gaussian:380,1e-300", 381) == 0, "a narrow one vanishes beside it");
+               "a gaussian is 1/2 at half its width from the centre");
+    CHECK(value_of("gaussian:380,1e-300", 381) == 0,
+          "a narrow gaussian vanishes beside its centre");
     CHECK(value_of("cie1931:2", 555) == value_of("builtin:tables/cie1931.csv:2", 555) &&
               value_of("cie1931:2", 555) > 0.99,
-          "column 2 of an observer");
+          "column 2 of an observer is read");
 }
 
 static void check_builtin(void)
@@ -153,7 +154,7 @@ static void check_blackbody(void)
         for (double nm = 200; nm <= 2000; nm += 7.3) {
             double expected = planck_ratio(temperatures[i], nm);
             double x = 1.44e7 / (nm * temperatures[i]), x0 = 1.44e7 / (560 * temperatures[i]);
-            /* x0 and x are rounded three times each, and e^(x0 - x) passes on their errors; some
+            /* x0 and x are rounded three times each, and e^(x0 - x) propagates their errors; some
              * 20 roundings follow. */
             double bound = DBL_EPSILON * (10 + 2 * (x0 + x));
             worst = fmax(worst, fabs(spectrum_at(&s, nm, SPECTRUM_ZERO) / expected - 1) / bound);
@@ -166,14 +167,14 @@ static void check_blackbody(void)
             largest = value_of("blackbody:2897.771955", nm);
             at = nm;
         }
-    CHECK_NEAR(at, 1000, 0.02, "its peak obeys Wien's law");
+    CHECK_NEAR(at, 1000, 0.02, "a blackbody's peak obeys Wien's law");
     /* Far in the infrared Rayleigh and Jeans's T / nm^4 remains: (560/nm)^4 (e^x0 - 1) / x0 with
-     * x0 = c2 / (560 T) = 0.025692445; what it leaves out is c2 / (2 nm T) = 8e-6 of it. */
+     * x0 = c2 / (560 T) = 0.025692445; it neglects c2 / (2 nm T) = 8e-6 of the value. */
     CHECK_NEAR(value_of("blackbody:1e6", 9e5) /
                    (pow(560 / 9e5, 4) * expm1(0.025692445) / 0.025692445),
-               1, 1e-5, "and Rayleigh and Jeans's far in the infrared");
+               1, 1e-5, "a blackbody follows Rayleigh and Jeans's law far in the infrared");
     CHECK(value_of("blackbody:1000", 1e-3) == 0 && value_of("blackbody:1000", 1e-200) == 0,
-          "it vanishes at short wavelengths, without a NaN");
+          "a blackbody vanishes at short wavelengths, without a NaN");
 }
 
 static void check_interpolation(void)
@@ -183,19 +184,19 @@ static void check_interpolation(void)
     CHECK(spectrum_at(&s, 400, SPECTRUM_ZERO) == 0.1 &&
               spectrum_at(&s, 410, SPECTRUM_ZERO) == 0.3 &&
               spectrum_at(&s, 430.5, SPECTRUM_ZERO) == 0.7,
-          "samples are met to the last bit");
+          "the spectrum equals its samples to the last bit");
     CHECK_NEAR(spectrum_at(&s, 402.5, SPECTRUM_ZERO), 0.15, DBL_EPSILON,
-               "between them it is linear");
+               "the spectrum is linear between samples");
     CHECK_NEAR(spectrum_at(&s, 430, SPECTRUM_ZERO), 0.7 - 0.4 * 0.5 / 20.5, DBL_EPSILON,
-               "on uneven steps too");
+               "the spectrum is linear between uneven samples");
     CHECK(spectrum_at(&s, 399.9, SPECTRUM_ZERO) == 0 && spectrum_at(&s, 431, SPECTRUM_ZERO) == 0,
-          "outside it is 0");
+          "SPECTRUM_ZERO is 0 outside the samples");
     CHECK(spectrum_at(&s, 399.9, SPECTRUM_HOLD) == 0.1 &&
               spectrum_at(&s, 431, SPECTRUM_HOLD) == 0.7,
-          "or holds the end");
+          "SPECTRUM_HOLD keeps the end values outside the samples");
     CHECK(spectrum_extrapolates(&s, 399.9) && spectrum_extrapolates(&s, 430.6) &&
               !spectrum_extrapolates(&s, 400) && !spectrum_extrapolates(&s, 430.5),
-          "extrapolation is told");
+          "extrapolation is detected");
     spectrum_free(&s);
     s = read_content("400 0.3\n500 0.3\n600 1\n");
     bool inside = true, level = true;
@@ -209,7 +210,7 @@ static void check_interpolation(void)
     s = read_content("555 2\n");
     CHECK(spectrum_at(&s, 555, SPECTRUM_ZERO) == 2 && spectrum_at(&s, 554, SPECTRUM_ZERO) == 0 &&
               spectrum_at(&s, 1, SPECTRUM_HOLD) == 2,
-          "one sample is a spectrum");
+          "a spectrum may have one sample");
     spectrum_free(&s);
 }
 
@@ -237,7 +238,7 @@ static void check_formats(void)
     }
 }
 
-/* The content of a file, and the message that refuses it as a reflectance, from the line on.
+/* The content of a file, and the message that refuses it as a reflectance, from the line number on.
  */
 static const char *const bad_files[][2] = {
     {"400 0.1\n400 0.2\n",
@@ -288,11 +289,11 @@ static void check_bad_files(void)
           "several columns need a choice");
     CHECK(strstr(refused_content("400 0.1 0.2\n", ":3", &err),
                  "has no value column 3; its last is 2") != NULL,
-          "which must exist");
+          "a chosen column must exist");
     CHECK(refused_content("400 0.1 0.2\n", ":2", &err)[0] == '\0' && err.status == EXIT_AGREED,
           "a column that exists is read");
     CHECK(refused_content("400 7 0.2\n", ":2", &err)[0] == '\0',
-          "the other columns' values are not held against the range");
+          "the values of other columns are not checked against the range");
 }
 
 static void check_bad_words(void)
@@ -335,16 +336,16 @@ static void check_bad_words(void)
     refusal("d66", &err);
     CHECK(strncmp(err.text, "line:1:1: error: no built-in spectrum and no file 'd66'", 55) == 0 &&
               strstr(err.text, " d65 ") != NULL,
-          "an unknown name lists what there is");
+          "the message for an unknown name lists the built-in spectra");
     CHECK_TEXT(refusal("0.5*x", &err),
                "line:1:5: error: factor must be a number such as 2.5 or 1e-3, not 'x'",
-               "a bad factor is blamed where it stands");
+               "the message names the place of a bad factor");
     CHECK_TEXT(refusal("\"0.5*x\"", &err),
                "line:1:6: error: factor must be a number such as 2.5 or 1e-3, not 'x'",
-               "in quotes too");
+               "the message names the place of a bad factor in quotes");
     CHECK_TEXT(refusal("gaussian:380,-1", &err),
                "line:1:14: error: width -1 is not above 0; it lies between 0 and 1000000",
-               "and so is a part of a formula");
+               "the message names the place of a bad width");
     read_between("blackbody:5", 0, HUGE_VAL, &err);
     CHECK(strstr(err.text, "reaches values that are too large") != NULL,
           "a blackbody too cold for its infrared is refused");
@@ -364,11 +365,11 @@ static void check_append(void)
               s.place.line == 3,
           "samples are appended");
     CHECK(!spectrum_append(&s, 1000, 1, place, &err) && s.count == 1000,
-          "one that does not increase is refused, and changes nothing");
+          "a sample that does not increase in wavelength is refused, and changes nothing");
     CHECK(!spectrum_append(&s, 1001, HUGE_VAL, place, &err) &&
               !spectrum_append(&s, (double)NAN, 1, place, &err) &&
               !spectrum_append(&s, 1001, (double)NAN, place, &err),
-          "nor infinite nor undefined");
+          "an infinite or undefined sample is refused");
     spectrum_free(&s);
     CHECK(spectrum_at(&s, 500, SPECTRUM_HOLD) == 0, "an absent spectrum is 0");
 }

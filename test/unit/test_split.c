@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Meshes in parts: cutting in half must open no crack, lose no area and depend on no direction. */
+/* Cuts meshes in half: a cut must not open a crack, lose area or depend on a direction. */
 #include <float.h>
 
 #include "data/maths/maths.h"
@@ -43,7 +43,7 @@ static struct mesh part_of(const struct mesh *mesh, int part)
     return out;
 }
 
-/* Moves all vertices, turned first so that no coordinate is a round number. */
+/* Rotates all vertices, so that no coordinate is a round number, then moves them. */
 static void place_mesh(struct mesh *mesh, double x, double angle_deg)
 {
     const struct vector by = {x, 0, 0}, axis = {1, 2, 3};
@@ -79,7 +79,7 @@ static double area(const struct mesh *mesh)
     return sum;
 }
 
-/* Every triangle is of the part that its side of x = 0 makes it. */
+/* Returns whether every triangle belongs to the part on its side of x = 0. */
 static bool is_sorted(const struct mesh *mesh)
 {
     for (int i = 0; i < mesh->n_triangles; i++)
@@ -91,7 +91,8 @@ static bool is_sorted(const struct mesh *mesh)
     return true;
 }
 
-/* The first vertices are the old ones, the others at exactly 0 and of unit normal. */
+/* Returns whether the first vertices are the old ones, and the others are at exactly x = 0 with
+ * unit normals. */
 static bool new_vertices_lie_on_the_plane(const struct mesh *from, const struct mesh *to)
 {
     bool good = memcmp(from->vertices, to->vertices,
@@ -105,7 +106,7 @@ static bool new_vertices_lie_on_the_plane(const struct mesh *from, const struct 
     return good;
 }
 
-/* x turned round, and each triangle's sense of rotation with it. */
+/* Negates x, and reverses the order of each triangle's corners. */
 static struct mesh mirror(const struct mesh *mesh)
 {
     struct mesh out = part_of(mesh, 0);
@@ -129,8 +130,8 @@ static bool is_mirrored(const struct vertex *a, const struct vertex *b)
            a->normal.y == b->normal.y && a->normal.z == b->normal.z && a->s == b->s && a->t == b->t;
 }
 
-/* A number that is the same for the same triangles in whatever order and rotation: it sums a
- * product that names three vertices and their cyclic order. */
+/* Returns a number that does not depend on the order of triangles nor on which corner is first: a
+ * sum of products that identify three vertices and their cyclic order. */
 static uint64_t fingerprint(const struct mesh *mesh, int part, bool turned)
 {
     uint64_t sum = 0;
@@ -153,11 +154,11 @@ static void check_mirrored(const struct mesh *mesh, const struct mesh *halves, c
 
     for (int i = 0; good && i < halves->n_vertices; i++)
         good = is_mirrored(&halves->vertices[i], &others.vertices[i]);
-    CHECK(good, "%s: mirrored, the cut has mirrored vertices, bit for bit", name);
+    CHECK(good, "%s: the cut of the mirrored mesh has mirrored vertices, bit for bit", name);
     CHECK(halves->n_triangles == others.n_triangles &&
               fingerprint(halves, 0, false) == fingerprint(&others, 1, true) &&
               fingerprint(halves, 1, false) == fingerprint(&others, 0, true),
-          "%s: and mirrored triangles", name);
+          "%s: the cut of the mirrored mesh has mirrored triangles", name);
     mesh_free(&other);
     mesh_free(&others);
 }
@@ -170,11 +171,11 @@ static void check_cut(const struct mesh *mesh, const char *name)
     const struct solid sides[2] = {solid_measure(&left), solid_measure(&right)};
 
     CHECK(halves.n_parts == 2 && !halves.part_names && is_sorted(&halves),
-          "%s: no triangle crosses x = 0, and each is of its side", name);
+          "%s: no triangle crosses x = 0, and each belongs to its side", name);
     CHECK(new_vertices_lie_on_the_plane(mesh, &halves), "%s: new vertices are at exactly 0", name);
     CHECK_NEAR(area(&halves) / area(mesh), 1, 1e-12, "%s: the area stays", name);
     CHECK_NEAR(area(&left) + area(&right), area(&halves), 1e-12 * area(mesh),
-               "%s: both parts are the whole", name);
+               "%s: both parts together are the whole", name);
     CHECK_NEAR(after.volume, before.volume, 1e-12 * fabs(before.volume), "%s: the volume stays",
                name);
     CHECK(before.open_edges == 0 && after.open_edges == 0, "%s: no crack opens", name);
@@ -220,7 +221,7 @@ static bool crosses_at(const struct mesh *mesh, int edge, struct vector *from, s
     return from->x * to->x < 0;
 }
 
-/* Border edges from one side to the other. */
+/* Counts border edges from one side to the other. */
 static int crossing_border(const struct mesh *mesh)
 {
     struct vector a, b, c, d;
@@ -236,7 +237,7 @@ static int crossing_border(const struct mesh *mesh)
     return n;
 }
 
-/* An open surface keeps its border, but for those edges of it that the cut divides. */
+/* An open surface keeps its border, except for border edges that the cut divides. */
 static void check_teapot(void)
 {
     const struct shape teapot = {.kind = SHAPE_TEAPOT, .parameter = {1, 7}};
@@ -249,7 +250,7 @@ static void check_teapot(void)
     CHECK_NEAR(area(&halves) / area(&mesh), 1, 1e-12, "the teapot's area stays");
     CHECK(crossing_border(&mesh) > 0 &&
               after.open_edges == before.open_edges + crossing_border(&mesh),
-          "the teapot's border stays, but for %d edges that are divided: %d and %d",
+          "the teapot's border stays, except for %d divided edges: %d and %d",
           crossing_border(&mesh), before.open_edges, after.open_edges);
     check_mirrored(&mesh, &halves, "teapot");
     mesh_free(&mesh);
@@ -278,7 +279,7 @@ static double next_random(uint32_t *state)
     return *state / 2147483648.0 - 1;
 }
 
-/* Triangles of all sizes, which now and then have corners at x = 0, small or huge ones. */
+/* Makes triangles of all sizes; some have corners at x = 0, or at tiny or huge x. */
 static void check_soup(void)
 {
     enum { CORNERS = 30000 };
@@ -299,28 +300,28 @@ static void check_soup(void)
     }
     struct mesh mesh = triangles(vertices, CORNERS), halves = cut(&mesh);
     CHECK(is_sorted(&halves) && new_vertices_lie_on_the_plane(&mesh, &halves),
-          "of 10000 triangles none crosses any more");
-    /* The pieces of a triangle follow one another, and have its normal. */
+          "no triangle of 10000 crosses x = 0 after the cut");
+    /* The parts of a triangle follow one another, and have its normal. */
     for (int i = 0, k = 0; i < mesh.n_triangles; i++) {
         const struct vector whole = twice_area(&mesh, i);
         const int32_t first = mesh.triangles[i][0];
-        struct vector pieces = {0, 0, 0};
+        struct vector together = {0, 0, 0};
         for (; k < halves.n_triangles; k++) {
             const int32_t *c = halves.triangles[k];
             const int32_t least =
                 c[0] < c[1] ? (c[0] < c[2] ? c[0] : c[2]) : (c[1] < c[2] ? c[1] : c[2]);
             if (least > first + 2)
                 break;
-            const struct vector piece = twice_area(&halves, k);
-            worst = fmin(worst, vector_dot(piece, whole) / vector_dot(whole, whole));
-            pieces = vector_add(pieces, piece);
+            const struct vector part = twice_area(&halves, k);
+            worst = fmin(worst, vector_dot(part, whole) / vector_dot(whole, whole));
+            together = vector_add(together, part);
         }
-        lost = fmax(lost, vector_length(vector_subtract(pieces, whole)));
+        lost = fmax(lost, vector_length(vector_subtract(together, whole)));
         sum += vector_length(whole);
     }
-    CHECK(worst > -1e-12, "no piece is turned over");
-    CHECK_NEAR(lost / sum, 0, 1e-12, "and the pieces of each are the whole of it");
-    CHECK_NEAR(area(&halves) / area(&mesh), 1, 1e-12, "the soup's area stays");
+    CHECK(worst > -1e-12, "no part of a triangle is turned over");
+    CHECK_NEAR(lost / sum, 0, 1e-12, "the parts of each triangle add up to it");
+    CHECK_NEAR(area(&halves) / area(&mesh), 1, 1e-12, "the area of all triangles stays");
     check_mirrored(&mesh, &halves, "soup");
     mesh_free(&mesh);
     mesh_free(&halves);
@@ -332,15 +333,15 @@ static void check_cases(void)
     static const struct {
         const char *name;
         double x[3];
-        int pieces, vertices, left; /* new ones; pieces in part 0 */
+        int triangles, vertices, left; /* new vertices; triangles in part 0 */
     } cases[] = {{"one corner left", {-1, 1, 3}, 3, 2, 1},
                  {"one corner right", {1, -1, -3}, 3, 2, 2},
                  {"through a corner", {0, -1, 2}, 2, 1, 1},
-                 {"an edge on it, left", {0, 0, -1}, 1, 0, 1},
-                 {"an edge on it, right", {0, 0, 1}, 1, 0, 0},
-                 {"a corner on it", {0, 1, 2}, 1, 0, 0},
-                 {"in it", {0, 0, 0}, 1, 0, 1},
-                 {"in it, -0", {-0.0, 0, -0.0}, 1, 0, 1},
+                 {"an edge on x = 0, left", {0, 0, -1}, 1, 0, 1},
+                 {"an edge on x = 0, right", {0, 0, 1}, 1, 0, 0},
+                 {"a corner on x = 0", {0, 1, 2}, 1, 0, 0},
+                 {"all corners at 0", {0, 0, 0}, 1, 0, 1},
+                 {"all corners at 0 or -0", {-0.0, 0, -0.0}, 1, 0, 1},
                  {"left", {-1, -2, -3}, 1, 0, 1},
                  {"right", {1, 2, 3}, 1, 0, 0}};
 
@@ -355,16 +356,16 @@ static void check_cases(void)
             struct mesh mesh = triangles(v, 3), halves = cut(&mesh);
             for (int k = 0; k < halves.n_triangles; k++)
                 left += halves.part[k] == 0;
-            CHECK(halves.n_triangles == cases[i].pieces && left == cases[i].left &&
+            CHECK(halves.n_triangles == cases[i].triangles && left == cases[i].left &&
                       halves.n_vertices == 3 + cases[i].vertices,
-                  "%s, turned %d: %d pieces, %d of them left", cases[i].name, turn, cases[i].pieces,
-                  cases[i].left);
+                  "%s, turned %d: %d triangles, %d of them left", cases[i].name, turn,
+                  cases[i].triangles, cases[i].left);
             mesh_free(&mesh);
             mesh_free(&halves);
         }
 }
 
-/* Vertices between the ends, by hand. */
+/* Compares new vertices with interpolation worked by hand. */
 static void check_between(void)
 {
     const struct vertex v[3] = {{{-1, 0.1, 4}, {0, 1, 0}, 0, 1},
@@ -372,15 +373,18 @@ static void check_between(void)
                                 {{1, 0.1, 0}, {0, -1, 0}, 0.5, 1}};
     struct mesh mesh = triangles(v, 3), halves = cut(&mesh);
 
-    if (CHECK(halves.n_vertices == 5, "two new vertices")) {
+    if (CHECK(halves.n_vertices == 5, "there are two new vertices")) {
         const struct vertex *a = &halves.vertices[3], *b = &halves.vertices[4];
-        CHECK(a->position.y == 0.1 && b->position.y == 0.1, "what is equal at both ends stays");
-        CHECK(a->position.z == 5 && b->position.z == 2 && a->s == 0.25, "others in proportion");
-        CHECK_NEAR(a->t, 0.825, DBL_EPSILON, "t too");
+        CHECK(a->position.y == 0.1 && b->position.y == 0.1,
+              "a coordinate that both ends share stays");
+        CHECK(a->position.z == 5 && b->position.z == 2 && a->s == 0.25,
+              "other coordinates and s are interpolated");
+        CHECK_NEAR(a->t, 0.825, DBL_EPSILON, "t is interpolated");
         /* 3/4 of (0,1,0) and 1/4 of (1,0,0) */
-        CHECK_NEAR(a->normal.x, 1 / sqrt(10), DBL_EPSILON, "normals turn on the way");
-        CHECK_NEAR(a->normal.y, 3 / sqrt(10), DBL_EPSILON, "and have unit length");
-        CHECK(b->normal.y == 1, "of opposite ones halfway that of the first vertex is taken");
+        CHECK_NEAR(a->normal.x, 1 / sqrt(10), DBL_EPSILON, "normals are interpolated");
+        CHECK_NEAR(a->normal.y, 3 / sqrt(10), DBL_EPSILON, "interpolated normals have unit length");
+        CHECK(b->normal.y == 1,
+              "half-way between opposite normals the first vertex's normal is used");
     }
     mesh_free(&mesh);
     mesh_free(&halves);
@@ -396,19 +400,19 @@ static void check_parts(void)
     again = cut(&halves);
     CHECK(again.n_triangles == halves.n_triangles && again.n_vertices == halves.n_vertices &&
               memcmp(again.part, halves.part, (size_t)again.n_triangles * sizeof *again.part) == 0,
-          "cutting again changes nothing");
+          "a second cut changes nothing");
     none = part_of(&halves, 2);
     CHECK(none.n_triangles == 0 && none.n_vertices == 0 && none.n_parts == 1,
-          "a part that no triangle is of is empty");
+          "a part without triangles is empty");
     mesh_free(&none);
     none = part_of(&halves, 0);
     CHECK(none.vertices[0].position.x == -1 && none.n_parts == 1 && !none.part,
-          "a part has only the vertices that it uses, and is one part itself");
+          "a part has only the vertices that it uses, and has one part itself");
     mesh_planar(&mesh);
     for (int i = 0; i < mesh.n_vertices; i++) {
         const struct vertex *v = &mesh.vertices[i];
         if (v->s != (v->position.x + 1) / 2 || v->t != (v->position.y + 2) / 4)
-            CHECK(false, "planar coordinates of vertex %d", i);
+            CHECK(false, "vertex %d has planar coordinates", i);
     }
     CHECK(mesh.vertices[0].s == 1, "planar coordinates span the bounding box");
     mesh_free(&mesh);

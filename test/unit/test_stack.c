@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Stacks are read back twice: with libtiff, and byte by byte with a small walker of directories
- * that shares nothing with it, for what libtiff does not show (where each thing lies). */
+/* Reads stacks back twice: with libtiff, and byte by byte with a small walker of directories that
+ * shares no code with it and finds where each part lies, which libtiff does not show. */
 #include <fcntl.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -44,7 +44,7 @@ static bool write_rectangle(struct stack_writer *writer, int page, int x, int y,
     return stack_write(writer, &(struct stack_rectangle){page, x, y, width, height}, counts, err);
 }
 
-/* Every page in rectangles of at most tile x tile pixels, the last page and row first. */
+/* Writes every page in rectangles of at most tile x tile pixels, the last page and row first. */
 static bool write_small(const char *path, int tile, const char *verdict, struct error *err)
 {
     struct stack_options options = small_options();
@@ -64,7 +64,7 @@ static bool write_small(const char *path, int tile, const char *verdict, struct 
     return stack_finish(&writer, verdict, err) && stack_commit(&writer, err);
 }
 
-/* Allocated; *length is 0 where there is no file. */
+/* Returns the allocated content; *length is 0 if there is no file. */
 static unsigned char *read_whole(const char *path, size_t *length)
 {
     FILE *file = fopen(path, "rb");
@@ -126,10 +126,10 @@ static void test_layout(const char *path)
 {
     size_t length;
     unsigned char *bytes = read_whole(path, &length);
-    CHECK(length > 8 && memcmp(bytes, "II*\0", 4) == 0, "a classic little-endian TIFF");
+    CHECK(length > 8 && memcmp(bytes, "II*\0", 4) == 0, "the file is a classic little-endian TIFF");
     struct layout layout = walk(bytes);
     bool contiguous = true, right = true;
-    CHECK(layout.n_pages == PAGES, "%d pages in the chain", PAGES);
+    CHECK(layout.n_pages == PAGES, "the chain has %d pages", PAGES);
     CHECK(layout.directories_end <= layout.offset[0], "all directories lie before all pixels");
     CHECK(layout.offset[0] % 4 == 0, "the pixels start at a multiple of 4 bytes");
     for (int page = 0; page < PAGES; page++) {
@@ -141,9 +141,9 @@ static void test_layout(const char *path)
                                  count_at(page, i % WIDTH, i / WIDTH);
     }
     CHECK(contiguous, "pages follow each other without gaps");
-    CHECK(right, "every sample is where it belongs");
+    CHECK(right, "every sample is in its place");
     CHECK(layout.offset[PAGES - 1] + WIDTH * HEIGHT * 2 == length,
-          "the last byte of the file is that of the last pixel");
+          "the file ends with the last pixel");
     free(bytes);
 }
 
@@ -156,20 +156,21 @@ static void test_first_page(TIFF *tiff)
               text[strlen(text) - 1] == '>',
           "page 0 is described by XML from < to >");
     CHECK(strstr(text, "Type=\"uint16\"") != NULL && strstr(text, "SizeC=\"4\"") != NULL,
-          "OME-XML tells type and number of channels");
+          "OME-XML records type and number of channels");
     CHECK(strstr(text, "Name=\"452.5 nm\" SamplesPerPixel=\"1\" EmissionWavelength=\"452.5\"") !=
               NULL,
-          "OME-XML tells a fractional wavelength");
+          "OME-XML records a fractional wavelength");
     CHECK(strstr(text, "Name=\"a&lt;b&gt;&amp;&quot;c&quot;.scene\"") != NULL,
           "the scene's name is escaped");
     CHECK(strstr(text, "full_scale: 2.5\n") != NULL && strstr(text, "renderer: test\n") != NULL,
-          "full scale and provenance are told");
+          "full scale and provenance are recorded");
     CHECK(TIFFGetField(tiff, TIFFTAG_SOFTWARE, &text) != 0, "the software is named");
-    CHECK_TEXT(text, "spectral " SPECTRAL_VERSION, "with its version");
+    CHECK_TEXT(text, "spectral " SPECTRAL_VERSION, "the software's version is recorded");
     CHECK(TIFFGetField(tiff, 65000, &count, &centres) && count == PAGES,
           "tag 65000 holds all wavelengths");
     for (int page = 0; page < PAGES && centres != NULL; page++)
-        CHECK_NEAR((double)centres[page], wavelengths[page], 0, "wavelength of page %d", page);
+        CHECK_NEAR((double)centres[page], wavelengths[page], 0,
+                   "tag 65000 holds the wavelength of page %d", page);
     CHECK(TIFFGetField(tiff, 65111, &count, &text) && count == STACK_VERDICT &&
               strncmp(text, "check: agreed ", 14) == 0,
           "tag 65111 holds the verdict");
@@ -181,30 +182,32 @@ static void test_later_page(TIFF *tiff)
     uint32_t subfile = 0;
     uint16_t page = 0, total = 0;
     CHECK(TIFFSetDirectory(tiff, 2) != 0, "page 2 opens");
-    CHECK(TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &text) != 0, "is described");
-    CHECK_TEXT(text, "wavelength_nm=452.5", "by its wavelength");
-    CHECK(TIFFGetField(tiff, TIFFTAG_PAGENAME, &text) != 0, "is named");
-    CHECK_TEXT(text, "452.5 nm", "by its wavelength");
+    CHECK(TIFFGetField(tiff, TIFFTAG_IMAGEDESCRIPTION, &text) != 0, "page 2 has a description");
+    CHECK_TEXT(text, "wavelength_nm=452.5", "it is the page's wavelength");
+    CHECK(TIFFGetField(tiff, TIFFTAG_PAGENAME, &text) != 0, "page 2 has a name");
+    CHECK_TEXT(text, "452.5 nm", "it is the page's wavelength");
     CHECK(TIFFGetField(tiff, TIFFTAG_PAGENUMBER, &page, &total) && page == 2 && total == PAGES,
-          "page 2 of 4");
+          "it is numbered page 2 of 4");
     CHECK(TIFFGetField(tiff, TIFFTAG_SUBFILETYPE, &subfile) && subfile == FILETYPE_PAGE,
-          "a page of many");
-    CHECK(TIFFGetField(tiff, TIFFTAG_ORIENTATION, &page) == 0, "no orientation is told");
+          "it is marked as one of several pages");
+    CHECK(TIFFGetField(tiff, TIFFTAG_ORIENTATION, &page) == 0, "no orientation is recorded");
     uint32_t count = 0;
-    CHECK(TIFFGetField(tiff, TIFFTAG_GDAL_METADATA, &count, &text) != 0, "has GDAL metadata");
+    CHECK(TIFFGetField(tiff, TIFFTAG_GDAL_METADATA, &count, &text) != 0,
+          "page 2 has GDAL metadata");
     CHECK(strstr(text, "<Item name=\"CENTRAL_WAVELENGTH_UM\" sample=\"0\" domain=\"IMAGERY\">"
                        "0.4525</Item>") != NULL,
-          "with its wavelength in micrometres");
+          "GDAL metadata record its wavelength in micrometres");
     /* ((452.5 - 305) + (760 - 452.5)) / 2 = 227.5 nm */
-    CHECK(strstr(text, ">0.2275</Item>") != NULL, "with its local spacing as width");
+    CHECK(strstr(text, ">0.2275</Item>") != NULL,
+          "GDAL metadata record its local spacing as width");
     const char *scale = strstr(text, "role=\"scale\">");
     CHECK_NEAR(scale != NULL ? atof(scale + 13) : 0, 2.5 / 65535, 0,
-               "with the radiance of a count");
+               "GDAL metadata record the radiance of a count");
 }
 
 static void test_tags(const char *path)
 {
-    TIFFSetWarningHandler(NULL); /* private tags are meant */
+    TIFFSetWarningHandler(NULL); /* private tags are intended */
     TIFF *tiff = TIFFOpen(path, "r");
     if (!CHECK(tiff != NULL, "libtiff opens the stack"))
         return;
@@ -230,10 +233,10 @@ static void test_small(void)
     CHECK(write_small(whole, WIDTH, "check: agreed", &err), "a stack is written %s", err.text);
     test_layout(whole);
     test_tags(whole);
-    CHECK(write_small(tiles, 3, "check: agreed", &err), "in tiles as well");
+    CHECK(write_small(tiles, 3, "check: agreed", &err), "a stack is written in tiles");
     CHECK(same_files(whole, tiles), "tiles in any order give the same bytes as whole pages");
     CHECK(write_small(whole, WIDTH, "check: agreed", &err) && same_files(whole, tiles),
-          "written over the old file: the same bytes again");
+          "writing over the old file gives the same bytes");
     char verdict[2 * STACK_VERDICT];
     memset(verdict, 'v', sizeof verdict - 1);
     verdict[sizeof verdict - 1] = '\0';
@@ -241,13 +244,13 @@ static void test_small(void)
     size_t length, other_length;
     free(read_whole(whole, &length));
     free(read_whole(other, &other_length));
-    CHECK(length == other_length, "the verdict does not change the size");
+    CHECK(length == other_length, "the verdict does not change the file's size");
     unlink(whole);
     unlink(tiles);
     unlink(other);
 }
 
-/* A number for every pixel of the object map. */
+/* Returns a number for each pixel of the object map. */
 static int object_at(int x, int y)
 {
     return (17 * x + 400 * y) % 1000;
@@ -266,7 +269,7 @@ static bool write_map(struct stack_writer *writer, int x, int y, int width, int 
     return stack_write(writer, &(struct stack_rectangle){PAGES, x, y, width, height}, bytes, err);
 }
 
-/* Behind the pages, where the description says: little-endian, row by row. */
+/* Finds the map after the pages, where the description says: little-endian, row by row. */
 static void check_map(const char *path, int map_bytes)
 {
     size_t length;
@@ -274,15 +277,15 @@ static void check_map(const char *path, int map_bytes)
     const struct layout layout = walk(bytes);
     const uint64_t pages = layout.offset[PAGES - 1] + WIDTH * HEIGHT * 2;
     char line[64];
-    bool told = false, right = length == pages + (uint64_t)(WIDTH * HEIGHT * map_bytes);
+    bool found = false, right = length == pages + (uint64_t)(WIDTH * HEIGHT * map_bytes);
     snprintf(line, sizeof line, "\nobject_map: %d %d\n", (int)pages, map_bytes);
     for (size_t i = 0; i + strlen(line) <= length; i++)
-        told = told || memcmp(bytes + i, line, strlen(line)) == 0;
-    CHECK(told, "the description tells where the map of %d bytes lies", map_bytes);
+        found = found || memcmp(bytes + i, line, strlen(line)) == 0;
+    CHECK(found, "the description records where the map of %d bytes lies", map_bytes);
     for (int i = 0; right && i < WIDTH * HEIGHT; i++)
         right = number_at(bytes + pages + i * map_bytes, map_bytes) ==
                 (uint64_t)object_at(i % WIDTH, i / WIDTH) % (map_bytes == 1 ? 256 : 65536);
-    CHECK(right, "every number is where it belongs, up to the end of the file");
+    CHECK(right, "every number is in its place, up to the end of the file");
     free(bytes);
 }
 
@@ -298,32 +301,35 @@ static void test_map(int map_bytes)
               write_map(&writer, 0, 0, 3, HEIGHT, &err),
           "a map of %d bytes is written %s", map_bytes, err.text);
     for (int page = 0; page < PAGES; page++)
-        CHECK(write_rectangle(&writer, page, 0, 0, WIDTH, HEIGHT, &err), "and page %d", page);
-    CHECK(stack_finish(&writer, "", &err) && stack_commit(&writer, &err), "it commits %s",
+        CHECK(write_rectangle(&writer, page, 0, 0, WIDTH, HEIGHT, &err), "page %d is written",
+              page);
+    CHECK(stack_finish(&writer, "", &err) && stack_commit(&writer, &err), "the stack commits %s",
           err.text);
     check_map(path, map_bytes);
-    CHECK(stack_open(&writer, "stack_other.tif", &options, &err), "another opens %s", err.text);
+    CHECK(stack_open(&writer, "stack_other.tif", &options, &err), "another stack opens %s",
+          err.text);
     for (int page = 0; page < PAGES; page++)
-        CHECK(write_rectangle(&writer, page, 0, 0, WIDTH, HEIGHT, &err), "and has page %d", page);
+        CHECK(write_rectangle(&writer, page, 0, 0, WIDTH, HEIGHT, &err),
+              "the other stack's page %d is written", page);
     CHECK(
         write_map(&writer, 0, 0, WIDTH, HEIGHT, &err) &&
             stack_write(&writer, &(struct stack_rectangle){PAGES, 4, 3, 1, 1}, "\xff\xff", &err) &&
             stack_finish(&writer, "", &err) && stack_compare(&writer, path, &difference, &err),
-        "they are compared %s", err.text);
+        "the stacks are compared %s", err.text);
     CHECK(difference.found && difference.in_map && difference.page == -1 && difference.x == 4 &&
               difference.y == 3,
-          "a difference of the map is found at its place");
+          "a difference in the map is found at its place");
     CHECK(stack_write(&writer, &(struct stack_rectangle){1, 0, 0, 1, 1}, "\xff\xff", &err) &&
               stack_compare(&writer, path, &difference, &err),
-          "they are compared once more %s", err.text);
+          "the stacks are compared once more %s", err.text);
     CHECK(difference.found && !difference.in_map && difference.page == 1 && difference.x == 0 &&
               difference.y == 0,
-          "the first sample of a page is the page's");
+          "a difference in a page's first sample is found in that page");
     stack_discard(&writer);
     unlink(path);
 }
 
-/* The smallest stack, in floats: no spacing, no full scale in the numbers. */
+/* The smallest stack of floats has no spacing and no full scale in its numbers. */
 static void test_float(void)
 {
     const double wavelength = 555;
@@ -341,27 +347,27 @@ static void test_float(void)
     uint32_t count = 0;
     const char *text = "";
     const char *path = "stack_float.tif";
-    CHECK(stack_open(&writer, path, &options, &err), "a stack of 2x2x1 floats");
+    CHECK(stack_open(&writer, path, &options, &err), "a stack of 2x2x1 floats opens");
     CHECK(stack_write(&writer, &(struct stack_rectangle){0, 0, 0, 2, 2}, radiance, &err) &&
               stack_finish(&writer, "", &err) && stack_commit(&writer, &err),
-          "is written");
+          "the stack of floats is written");
     TIFF *tiff = TIFFOpen(path, "r");
-    if (!CHECK(tiff != NULL, "and opens"))
+    if (!CHECK(tiff != NULL, "libtiff opens it"))
         return;
     CHECK(TIFFGetField(tiff, TIFFTAG_BITSPERSAMPLE, &bits) && bits == 32 &&
               TIFFGetField(tiff, TIFFTAG_SAMPLEFORMAT, &format) && format == SAMPLEFORMAT_IEEEFP,
-          "as floats");
+          "its samples are floats");
     CHECK(TIFFReadEncodedStrip(tiff, 0, seen, sizeof seen) == sizeof seen &&
               memcmp(seen, radiance, sizeof seen) == 0,
-          "bit by bit as written");
+          "its samples are as written to the bit");
     CHECK(TIFFGetField(tiff, TIFFTAG_GDAL_METADATA, &count, &text) &&
               strstr(text, "FWHM") == NULL && strstr(text, "role=\"scale\">1</Item>") != NULL,
-          "without width, with scale 1");
+          "it records no width, and scale 1");
     TIFFClose(tiff);
     unlink(path);
 }
 
-/* One page of one row; only its last sample is written, so that the file stays sparse. */
+/* Writes only the last sample of a page of one row, so that the file stays sparse. */
 static void check_large(int width, int map_bytes, bool big)
 {
     const double wavelength = 555;
@@ -381,17 +387,18 @@ static void check_large(int width, int map_bytes, bool big)
     CHECK(writer.pages.big == big, "%d pixels: %s", width, big ? "BigTIFF" : "classic");
     uint64_t end = pages_offset(&writer.pages, 0) + (uint64_t)width * 2;
     uint64_t whole = end + (uint64_t)width * (uint64_t)map_bytes;
-    CHECK(big ? whole > UINT32_MAX : whole <= UINT32_MAX, "%d pixels: as 4 GiB ask for", width);
-    CHECK(map_bytes == 0 || pages_offset(&writer.pages, 1) == end, "%d pixels: then the map",
+    CHECK(big ? whole > UINT32_MAX : whole <= UINT32_MAX,
+          "%d pixels: it is a BigTIFF if it exceeds 4 GiB", width);
+    CHECK(map_bytes == 0 || pages_offset(&writer.pages, 1) == end, "%d pixels: the map is written",
           width);
     CHECK(stack_write(&writer, &(struct stack_rectangle){0, width - 1, 0, 1, 1}, &last, &err) &&
               stack_finish(&writer, "", &err) && stack_commit(&writer, &err),
           "%d pixels: commits %s", width, err.text);
     int file = open(path, O_RDONLY);
-    CHECK(pread(file, head, 4, 0) == 4 && head[2] == (big ? 43 : 42), "%d pixels: magic number",
-          width);
+    CHECK(pread(file, head, 4, 0) == 4 && head[2] == (big ? 43 : 42),
+          "%d pixels: the magic number is right", width);
     CHECK(pread(file, tail, 2, (off_t)end - 2) == 2 && number_at(tail, 2) == last,
-          "%d pixels: the last sample", width);
+          "%d pixels: the last sample is in its place", width);
     close(file);
     unlink(path);
 }
@@ -399,7 +406,7 @@ static void check_large(int width, int map_bytes, bool big)
 static void test_large(void)
 {
     check_large(INT32_MAX - 8192, 0, false); /* 16 KiB below 4 GiB: room for the directory */
-    check_large(INT32_MAX, 0, true);         /* 4 GiB - 2 of pixels: none */
+    check_large(INT32_MAX, 0, true);         /* 4 GiB - 2 of pixels: no room */
     check_large(INT32_MAX / 3 * 2 - 8192, 1, false);
     check_large(INT32_MAX / 3 * 2, 1, true); /* the map passes 4 GiB */
 }
@@ -420,8 +427,8 @@ static void test_many_pages(void)
     for (int page = 1; page < MANY; page++)
         contiguous = contiguous && pages_offset(&writer.pages, page) ==
                                        pages_offset(&writer.pages, page - 1) + 12;
-    CHECK(contiguous, "and follow each other");
-    CHECK(stack_finish(&writer, "", &err) && stack_commit(&writer, &err), "and commit %s",
+    CHECK(contiguous, "their pages follow each other");
+    CHECK(stack_finish(&writer, "", &err) && stack_commit(&writer, &err), "the pages commit %s",
           err.text);
     unlink(path);
 }
@@ -455,7 +462,7 @@ static void test_refusals(void)
     options.n_wavelengths = 2;
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         options.wavelengths_nm = bad[i];
-        check_refusal(options, "a wavelength that does not rise to a finite one");
+        check_refusal(options, "a last wavelength that is not finite");
     }
     for (size_t i = 0; i < sizeof worse / sizeof worse[0]; i++) {
         options = small_options();
@@ -468,7 +475,8 @@ static void test_refusals(void)
     }
 }
 
-/* Opens a small stack over an old file, lets `damage` at it, and sees it refused at the end. */
+/* Opens a small stack over an old file, calls `damage` on it, and checks that the commit is
+ * refused. */
 static void check_damage(const char *what, void (*damage)(const struct stack_writer *writer))
 {
     struct stack_options options = small_options();
@@ -476,15 +484,15 @@ static void check_damage(const char *what, void (*damage)(const struct stack_wri
     struct error err = {0};
     const char *path = "stack_damaged.tif";
     FILE *old = fopen(path, "w");
-    if (!CHECK(old != NULL && fputs("old", old) >= 0 && fclose(old) == 0, "an old file stands"))
+    if (!CHECK(old != NULL && fputs("old", old) >= 0 && fclose(old) == 0, "an old file exists"))
         return;
     CHECK(stack_open(&writer, path, &options, &err), "%s: the stack opens", what);
     damage(&writer);
     CHECK(!(stack_finish(&writer, "", &err) && stack_commit(&writer, &err)) &&
               err.status == EXIT_SYSTEM,
-          "%s: refused: %s", what, err.text);
+          "%s: the commit is refused: %s", what, err.text);
     stack_discard(&writer);
-    CHECK(writer.pages.output.temporary == NULL, "%s: all is freed", what);
+    CHECK(writer.pages.output.temporary == NULL, "%s: the writer is freed", what);
     size_t length;
     unsigned char *bytes = read_whole(path, &length);
     CHECK(length == 3 && memcmp(bytes, "old", 3) == 0, "%s: the old file is as it was", what);
@@ -498,7 +506,7 @@ static void cut_off(const struct stack_writer *writer)
     CHECK(ftruncate(writer->pages.output.descriptor, last) == 0, "one byte is cut off");
 }
 
-/* The link from the last directory but one: as if a page were missing. */
+/* Clears the link from the last directory but one, as if a page were missing. */
 static void unlink_page(const struct stack_writer *writer)
 {
     unsigned char bytes[4] = {0};
@@ -525,7 +533,7 @@ static void limit_files(rlim_t bytes)
 {
     struct rlimit limit = {0, 0};
     getrlimit(RLIMIT_FSIZE, &limit);
-    fflush(stdout); /* which may be a file itself */
+    fflush(stdout); /* standard output may be a file itself */
     limit.rlim_cur = bytes < limit.rlim_max ? bytes : limit.rlim_max;
     setrlimit(RLIMIT_FSIZE, &limit);
 }
@@ -545,17 +553,17 @@ static void test_full_disk(void)
               "no room for more than %d bytes: %s", (int)size, err.text);
     }
     struct error err = {0};
-    CHECK(stack_open(&writer, path, &options, &err), "with room, it opens");
+    CHECK(stack_open(&writer, path, &options, &err), "the stack opens while there is room");
     limit_files((rlim_t)pages_offset(&writer.pages, PAGES - 1));
     bool written = write_rectangle(&writer, PAGES - 1, 0, 0, WIDTH, HEIGHT, &err);
     limit_files(RLIM_INFINITY);
     CHECK(!written && err.status == EXIT_SYSTEM, "no room for the last page: %s", err.text);
     stack_discard(&writer);
     stack_discard(&writer);
-    CHECK(access(path, F_OK) != 0, "nothing is left of it");
+    CHECK(access(path, F_OK) != 0, "the stack leaves no file");
 }
 
-/* Pages of 8 bits, and pages that have labels instead of wavelengths, or both. */
+/* Pages may have 8 bits, and labels instead of wavelengths, or both. */
 static void check_narrow(int bits, const char *const *labels)
 {
     const char *path = "stack_narrow.tif";
@@ -582,15 +590,15 @@ static void check_narrow(int bits, const char *const *labels)
                err.text))
         return;
     CHECK((image.wavelengths_nm == NULL) == (labels != NULL) && image.n_pages == PAGES,
-          "wavelengths are told where there are some");
+          "wavelengths are recorded if there are any");
     CHECK(image.scale == options.full_scale, "the scale is exact");
     CHECK((strstr(image.description, bits == 8 ? "/ 255" : "/ 65535") != NULL) &&
               strstr(image.description, bits == 8 ? "\"uint8\"" : "\"uint16\"") != NULL,
-          "the description tells the bits");
+          "the description records the bits");
     CHECK((strstr(image.description, "EmissionWavelength") == NULL) == (labels != NULL) &&
               (strstr(image.description, " nm") == NULL) == (labels != NULL) &&
               (strstr(image.description, "Name=\"a &lt;b&gt;\"") == NULL) == (labels == NULL),
-          "and no wavelength of a label");
+          "a label has no wavelength");
     bool same = image_read(&image, PAGES - 1, 0, HEIGHT, row, &err);
     for (int i = 0; i < WIDTH * HEIGHT; i++)
         same = same && row[i] == (float)((uint8_t)(7 * i + 60 * (PAGES - 1)) /
@@ -616,7 +624,7 @@ static void test_narrow(void)
 int main(void)
 {
     const char *folder = test_folder();
-    if (!CHECK(chdir(folder) == 0, "there is a folder for temporary files"))
+    if (!CHECK(chdir(folder) == 0, "the folder for temporary files exists"))
         return test_end();
     test_small();
     test_map(1);

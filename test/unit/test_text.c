@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Words, numbers and their places. Numbers are held against strtod, whose roundings are exact. */
+/* Words, numbers and their places. Numbers are compared with strtod, which rounds correctly. */
 #include <errno.h>
 #include <float.h>
 #include <limits.h>
@@ -28,24 +28,24 @@ static void check_words(void)
           "a byte order mark is no part of the first word");
     CHECK(text_word(&text, &word) && word_is(&word, "two") && word.place.column == 5 &&
               word.place.line == 1,
-          "a tab separates, and counts as one column");
+          "a tab separates words, and counts as one column");
     CHECK(!text_word(&text, &word), "a comment ends the line");
     CHECK(text_next_line(&text) && !text_word(&text, &word), "an empty line has no words");
     CHECK(text_next_line(&text) && text_word(&text, &word) && word.quoted &&
               !word_is(&word, "a # b"),
-          "a quoted word is no keyword");
+          "a quoted word is no statement name");
     copy = word_copy(&word);
     CHECK_TEXT(copy, "a # b", "a quoted word holds blanks and #");
     free(copy);
     CHECK(text_word(&text, &word) && word_is(&word, "c") && word.place.column == 9 &&
               word.place.line == 3,
-          "a comment may follow a word at once");
+          "a comment may follow a word without a blank");
     CHECK(text_next_line(&text) && text_word(&text, &word) && word_is(&word, "last"),
           "the last line needs no newline");
     CHECK(!word_is(&word, "las") && !word_is(&word, "lastly"), "a word is compared whole");
     CHECK(!text_next_line(&text) && !text_next_line(&text) && text_place(&text).line == 4 &&
               text_place(&text).column == 5,
-          "the end stays the end, after the last word");
+          "the end stays after the last word");
     text_free(&text);
     text = open_string("");
     CHECK(!text_next_line(&text) && text_place(&text).line == 0, "an empty text has no line");
@@ -59,7 +59,7 @@ static void check_words(void)
     text_free(&text);
 }
 
-/* The error of reading the first word of a line as a number, "" when there is none. */
+/* Returns the error of reading the first word of a line as a number, or "". */
 static const char *number_error(const char *string, double lowest, double highest,
                                 struct error *err)
 {
@@ -89,20 +89,22 @@ static void check_refusals(void)
                "a refused number is shown with its place");
     CHECK_TEXT(number_error("  200", 0, 128, &err),
                "t:1:3: error: gloss 200 is above 128; it lies between 0 and 128",
-               "a range is told");
+               "the message names the range");
     CHECK_TEXT(number_error("-1", 0, HUGE_VAL, &err),
-               "t:1:1: error: gloss -1 is below 0; it is at least 0", "so is a lower bound");
+               "t:1:1: error: gloss -1 is below 0; it is at least 0",
+               "the message names a lower bound");
     CHECK_TEXT(number_error("0", DBL_MIN, HUGE_VAL, &err),
                "t:1:1: error: gloss 0 is not above 0; it is always above 0",
                "the smallest number as a bound reads as above 0");
     CHECK_TEXT(number_error("3", -HUGE_VAL, 2, &err),
-               "t:1:1: error: gloss 3 is above 2; it is at most 2", "and an upper bound");
+               "t:1:1: error: gloss 3 is above 2; it is at most 2",
+               "the message names an upper bound");
     CHECK_TEXT(number_error("", 0, 1, &err), "t: error: expected gloss",
-               "a missing word in no line is blamed on the file");
+               "the message for a missing word without a line names the file");
     CHECK_TEXT(number_error(" # 1", 0, 1, &err), "t:1:2: error: expected gloss",
-               "a missing word is blamed on the line's end");
+               "the message for a missing word names the line's end");
     CHECK_TEXT(number_error("1 2", 0, 1, &err),
-               "t:1:3: error: '2' is too much: gloss takes no more", "more words are refused");
+               "t:1:3: error: '2' is too much: gloss takes no more", "extra words are refused");
     CHECK_TEXT(number_error("1 \"2", 0, 1, &err),
                "t:1:3: error: the quote before '2' must be closed on its line and a blank follow "
                "it",
@@ -173,7 +175,7 @@ static void check_values(void)
             read_number(string) != strtod(string, NULL))
             wrong++;
     }
-    CHECK(wrong == 0, "20000 random decimals are rounded as by strtod");
+    CHECK(wrong == 0, "20000 random decimals are rounded as strtod rounds them");
     CHECK(number_error("1e-3", 1e-3, 1e-3, &err)[0] == '\0', "bounds are inclusive");
 }
 
@@ -205,7 +207,8 @@ static void check_integers(void)
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         CHECK(!read_integer(bad[i], 0, 10, &value), "'%s' is no count from 0 to 10", bad[i]);
     CHECK(read_integer("+10", 0, 10, &value) && value == 10, "an integer may have a plus");
-    CHECK(read_integer("-0007", -7, 0, &value) && value == -7, "and a minus and zeros");
+    CHECK(read_integer("-0007", -7, 0, &value) && value == -7,
+          "an integer may have a minus and zeros");
     snprintf(largest, sizeof largest, "%ld", LONG_MAX);
     CHECK(read_integer(largest, 0, LONG_MAX, &value) && value == LONG_MAX,
           "the largest integer is read");
@@ -240,7 +243,7 @@ static void check_errors(void)
           "a long message keeps the cause");
     err = (struct error){0};
     error_memory(&err);
-    CHECK(err.status == EXIT_SYSTEM, "no memory is the system's failure");
+    CHECK(err.status == EXIT_SYSTEM, "a lack of memory is a failure of the system");
 }
 
 int main(void)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Textures of stacks that the program writes itself: which way up they lie, and what stands between
- * and beyond their wavelengths. */
+/* Textures from stacks that the program writes: their orientation, and their values between and
+ * beyond their wavelengths. */
 #include <stdlib.h>
 #include <sys/stat.h>
 #include <tiffio.h>
@@ -16,15 +16,15 @@ static const double page_nm[PAGES] = {400, 500, 700};
 static const struct place from = {"a.scene", 3, 7};
 static const char *const path = "texture.tif";
 
-/* Radiance of a pixel, x to the right and t upwards. Page 1 is so bright that what is not exactly
- * page 2 has lost its digits. */
+/* Returns the radiance of a pixel, with x to the right and t upwards. Page 1 is so bright that any
+ * part of it in page 2 would destroy the digits of page 2. */
 static float radiance_at(int page, int x, int t)
 {
     static const float base[PAGES] = {0, 0x1p60f, 2};
     return base[page] + (float)x + 0.125f * (float)t;
 }
 
-/* A stack of floats, as large as it is told; every value `times` what it is above. */
+/* Writes a stack of floats with this many pages; every value is `times` the radiance above. */
 static bool write_stack(int n_pages, float times)
 {
     const struct stack_options options = {.width = WIDTH,
@@ -66,27 +66,28 @@ static void test_grey(void)
     struct texture texture;
     struct error err = {0};
     if (!write_stack(1, 1) ||
-        !CHECK(read_stack(false, true, &texture, &err), "a grey texture %s", err.text))
+        !CHECK(read_stack(false, true, &texture, &err), "a grey texture is read %s", err.text))
         return;
-    CHECK(!texture.spectral && texture.linear, "is not spectral, and linear as asked");
-    CHECK(texture.image.width == WIDTH && texture.image.height == HEIGHT, "of the page's size");
+    CHECK(!texture.spectral && texture.linear,
+          "it is not spectral, and its filter is linear as requested");
+    CHECK(texture.image.width == WIDTH && texture.image.height == HEIGHT, "it has the page's size");
     CHECK(plane_is(texture.plane[0], 0), "its bottom row comes first");
     CHECK(texture.plane[1] == NULL, "it has one plane");
-    CHECK_NEAR(texture.largest, 4.25, 0, "its largest value");
+    CHECK_NEAR(texture.largest, 4.25, 0, "its largest value is found");
     CHECK(texture_load(&texture, page_nm, PAGES, &err) && plane_is(texture.plane[0], 0),
           "it is the same at all wavelengths");
     texture_free(&texture);
     texture_free(&texture);
-    CHECK(texture.plane[0] == NULL && texture.image.file == NULL, "and leaves nothing");
+    CHECK(texture.plane[0] == NULL && texture.image.file == NULL, "a freed texture is empty");
     CHECK(write_stack(1, 0) && read_stack(false, false, &texture, &err),
-          "a black texture is one too %s", err.text);
-    CHECK_NEAR(texture.largest, 0, 0, "of nothing");
-    CHECK(!texture.linear, "nearest as asked");
+          "a black texture is read %s", err.text);
+    CHECK_NEAR(texture.largest, 0, 0, "its largest value is 0");
+    CHECK(!texture.linear, "its filter is nearest as requested");
     texture_free(&texture);
 }
 
-/* Loads one wavelength, next to another one that must not matter, and sees page + share of the way
- * to the next one, the nearest float. */
+/* Loads one wavelength, together with another that must not matter. Expects the interpolation
+ * between `page` and the next page at `share`, rounded to the nearest float. */
 static void check_between(struct texture *texture, double nm, int page, double share)
 {
     const double asked[] = {620, nm};
@@ -100,7 +101,7 @@ static void check_between(struct texture *texture, double nm, int page, double s
         const float expected = (float)(low + share * (high - low));
         furthest = fmax(furthest, fabs((double)texture->plane[1][i] - (double)expected));
     }
-    CHECK_NEAR(furthest, 0, 0, "%g nm lies %g behind page %d", nm, share, page);
+    CHECK_NEAR(furthest, 0, 0, "%g nm lies %g of a step after page %d", nm, share, page);
 }
 
 static void test_spectral(void)
@@ -108,13 +109,16 @@ static void test_spectral(void)
     struct texture texture;
     struct error err = {0};
     if (!write_stack(PAGES, 1) ||
-        !CHECK(read_stack(true, false, &texture, &err), "a spectral texture %s", err.text))
+        !CHECK(read_stack(true, false, &texture, &err), "a spectral texture is read %s", err.text))
         return;
-    CHECK(texture.spectral && !texture.linear, "is spectral, and nearest as asked");
-    CHECK_NEAR(texture.largest, 0x1p60, 0, "its largest value, of a page amid the others");
-    CHECK(texture_load(&texture, page_nm, PAGES, &err), "three planes at once %s", err.text);
+    CHECK(texture.spectral && !texture.linear,
+          "it is spectral, and its filter is nearest as requested");
+    CHECK_NEAR(texture.largest, 0x1p60, 0, "its largest value is found, in a page between others");
+    CHECK(texture_load(&texture, page_nm, PAGES, &err), "three planes are loaded at once %s",
+          err.text);
     for (int page = 0; page < PAGES; page++)
-        CHECK(plane_is(texture.plane[page], page), "%g nm is its page", page_nm[page]);
+        CHECK(plane_is(texture.plane[page], page), "the plane of %g nm is that page",
+              page_nm[page]);
     check_between(&texture, 400, 0, 0);
     check_between(&texture, 425, 0, 0.25);
     check_between(&texture, 500, 1, 0);
@@ -125,9 +129,9 @@ static void test_spectral(void)
     check_between(&texture, 2500, 2, 0);
     texture_free(&texture);
     CHECK(write_stack(1, 1) && read_stack(true, true, &texture, &err),
-          "a stack of one page is a spectral texture %s", err.text);
+          "a stack of one page is read as a spectral texture %s", err.text);
     CHECK(texture_load(&texture, page_nm, PAGES, &err) && plane_is(texture.plane[2], 0),
-          "the same everywhere %s", err.text);
+          "it is equal at all wavelengths %s", err.text);
     texture_free(&texture);
 }
 
@@ -161,7 +165,7 @@ static void test_refusals(void)
     check_refusal(read, &texture, &untold, "records no wavelengths; expected a stack");
 }
 
-/* A file that is cut while it is open: the planes fail, and say where. */
+/* A file is cut short while it is open: its planes fail, and the message says where. */
 static void test_cut(void)
 {
     struct texture texture;
@@ -172,16 +176,16 @@ static void test_cut(void)
         CHECK(false, "a stack is read, then cut %s", err.text);
         return;
     }
-    CHECK(texture_load(&texture, page_nm, 2, &err), "what is left can be loaded %s", err.text);
+    CHECK(texture_load(&texture, page_nm, 2, &err), "a remaining page can be loaded %s", err.text);
     CHECK(!texture_load(&texture, page_nm, 3, &err) && strstr(err.text, "page 3 (700 nm)") != NULL,
-          "what is lost cannot: %s", err.text);
+          "a lost page cannot be loaded: %s", err.text);
     texture_free(&texture);
 }
 
 int main(void)
 {
     const char *folder = test_folder();
-    if (!CHECK(chdir(folder) == 0, "there is a folder for temporary files"))
+    if (!CHECK(chdir(folder) == 0, "the folder for temporary files exists"))
         return test_end();
     test_grey();
     test_spectral();

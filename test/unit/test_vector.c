@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Vectors and matrices against closed forms, exact where exactness is promised. */
+/* Compares vectors and matrices with closed forms, exactly where the contract promises exactness.
+ */
 #include <float.h>
 
 #include "data/maths/maths.h"
@@ -18,7 +19,7 @@ static struct vector vector(double x, double y, double z)
     return v;
 }
 
-/* The largest difference of two vectors' components. */
+/* Returns the largest difference of two vectors' components. */
 static double distance(struct vector a, struct vector b)
 {
     return fmax(fabs(a.x - b.x), fmax(fabs(a.y - b.y), fabs(a.z - b.z)));
@@ -30,8 +31,8 @@ static void check_vectors(void)
     CHECK(same(vector_add(a, b), vector(-3, 7, 10)), "addition");
     CHECK(same(vector_subtract(a, b), vector(5, -3, -4)), "subtraction");
     CHECK(same(vector_scale(a, -2), vector(-2, -4, -6)), "scaling");
-    CHECK(vector_dot(a, b) == 27, "dot product");
-    CHECK(same(vector_cross(a, b), vector(-1, -19, 13)), "cross product");
+    CHECK(vector_dot(a, b) == 27, "the dot product is right");
+    CHECK(same(vector_cross(a, b), vector(-1, -19, 13)), "the cross product is right");
     CHECK(same(vector_cross(x_axis, y_axis), z_axis), "x cross y is z");
 }
 
@@ -43,13 +44,14 @@ static void check_lengths(void)
         struct vector v = {2 * scales[i], -3 * scales[i], 6 * scales[i]};
         CHECK(vector_length(v) == 7 * scales[i], "2 -3 6 has length 7, times %g", scales[i]);
         CHECK(distance(vector_normalise(v), vector(2. / 7, -3. / 7, 6. / 7)) == 0,
-              "and its unit vector is right to the last bit, times %g", scales[i]);
+              "its unit vector is right to the last bit, times %g", scales[i]);
     }
-    CHECK(same(vector_normalise(vector(0, 0, 0)), vector(0, 0, 0)), "the zero vector stays");
-    CHECK(vector_length(vector(0, 0, 0)) == 0, "its length is 0");
-    CHECK(vector_length(vector(0, HUGE_VAL, 1)) == HUGE_VAL, "an infinite length is infinite");
+    CHECK(same(vector_normalise(vector(0, 0, 0)), vector(0, 0, 0)), "the zero vector stays 0");
+    CHECK(vector_length(vector(0, 0, 0)) == 0, "the length of the zero vector is 0");
+    CHECK(vector_length(vector(0, HUGE_VAL, 1)) == HUGE_VAL,
+          "the length of an infinite vector is infinite");
     seen = vector_length(vector(0, (double)NAN, 1));
-    CHECK(seen != seen, "NaN is not hidden");
+    CHECK(seen != seen, "a NaN makes the length NaN");
 }
 
 static void check_quarters(void)
@@ -69,7 +71,8 @@ static void check_quarters(void)
     CHECK(same(matrix_direction(&about_y, z_axis), x_axis), "z turned by 90 about y is x");
 }
 
-/* Half a unit in the last place of 1 is 2^-53; a component sums a few products of such values. */
+/* Half a unit in the last place of 1 is 2^-53, and a component sums a few products of such values.
+ */
 static const double few_ulps = 8 * DBL_EPSILON;
 
 static void check_rotations(void)
@@ -87,7 +90,7 @@ static void check_rotations(void)
     }
     /* The radians of the expected value carry three roundings of at most pi: 1.05e-15. */
     CHECK_NEAR(worst, 0, few_ulps, "x turned about z is (cos, sin, 0)");
-    CHECK_NEAR(longest, 0, few_ulps, "a turn keeps lengths, and what lies along the axis");
+    CHECK_NEAR(longest, 0, few_ulps, "a rotation keeps lengths, and vectors along the axis");
     struct matrix third = matrix_rotation(120, vector(1, 1, 1));
     CHECK_NEAR(distance(matrix_direction(&third, x_axis), y_axis), 0, few_ulps,
                "a third of a turn about the diagonal takes x to y");
@@ -99,10 +102,12 @@ static void check_products(void)
                   scale = matrix_scaling(vector(2, 3, 4)), identity = matrix_identity();
     struct matrix both = matrix_product(move, scale), other = matrix_product(scale, move);
     struct matrix unchanged = matrix_product(identity, both);
-    CHECK(same(matrix_point(&both, vector(1, 1, 1)), vector(3, 5, 7)), "a after b scales first");
-    CHECK(same(matrix_point(&other, vector(1, 1, 1)), vector(4, 9, 16)), "or moves first");
+    CHECK(same(matrix_point(&both, vector(1, 1, 1)), vector(3, 5, 7)),
+          "translation after scaling scales first");
+    CHECK(same(matrix_point(&other, vector(1, 1, 1)), vector(4, 9, 16)),
+          "scaling after translation moves first");
     CHECK(same(matrix_direction(&both, vector(1, 1, 1)), vector(2, 3, 4)),
-          "a direction does not move");
+          "a translation does not move a direction");
     CHECK(memcmp(&unchanged, &both, sizeof both) == 0, "the identity changes nothing");
 }
 
@@ -110,20 +115,21 @@ static void check_look_at(void)
 {
     const struct vector eye = {1, 2, 3}, look = {4, -5, 6};
     struct matrix m = matrix_look_at(vector(0, 0, 0), vector(0, 0, -1), y_axis);
-    CHECK(same(matrix_point(&m, vector(1, 2, -3)), vector(1, 2, -3)), "the default view is plain");
+    CHECK(same(matrix_point(&m, vector(1, 2, -3)), vector(1, 2, -3)),
+          "the default view changes no coordinate");
     m = matrix_look_at(vector(5, 0, 0), vector(0, 0, 0), vector(0, 0, 1e200));
     CHECK(same(matrix_point(&m, vector(5, 1, 2)), vector(1, 2, 0)),
-          "from +x with z up, y is to the right");
+          "seen from +x with z up, y is to the right");
     m = matrix_look_at(eye, look, y_axis);
     CHECK_NEAR(distance(matrix_point(&m, eye), vector(0, 0, 0)), 0, few_ulps,
-               "the eye is the origin");
+               "the eye becomes the origin");
     CHECK_NEAR(distance(matrix_point(&m, look), vector(0, 0, -sqrt(67))), 0, 8 * few_ulps,
-               "what is looked at lies straight ahead");
+               "the point looked at lies straight ahead");
     CHECK(matrix_direction(&m, y_axis).x == 0 && matrix_direction(&m, y_axis).y > 0,
           "up is up in the picture");
 }
 
-/* A plane's normal stays perpendicular to the plane, whatever the transformation. */
+/* A plane's normal stays perpendicular to the plane under any transformation. */
 static void check_normals(void)
 {
     static const double scales[] = {1, 1e-100, 1e100, 1e-300, 1e300};
@@ -139,22 +145,23 @@ static void check_normals(void)
         struct vector ta = vector_normalise(matrix_direction(&m, a));
         struct vector tb = vector_normalise(matrix_direction(&m, b));
         CHECK_NEAR(fmax(fabs(vector_dot(n, ta)), fabs(vector_dot(n, tb))), 0, few_ulps,
-                   "perpendicular to the plane");
+                   "its normal is perpendicular to the plane");
         CHECK_NEAR(vector_dot(n, vector_normalise(vector_cross(ta, tb))), 1, few_ulps,
-                   "and on the side that its edges turn about");
+                   "its normal is on the side from which the edges run anticlockwise");
     }
     struct matrix mirror = matrix_scaling(vector(-1, 1, 1)), move = matrix_translation(x_axis);
     CHECK(matrix_normal(&mirror, &out) && same(vector_normalise(matrix_direction(&out, a)),
                                                vector_normalise(vector(-a.x, a.y, a.z))),
-          "a mirror takes normals to the mirrored side: what was outward stays outward");
+          "a mirror keeps outward normals outward");
     CHECK(matrix_normal(&move, &out) && same(matrix_direction(&out, a), vector_scale(a, 0.25)),
-          "moving does not turn a normal");
+          "a translation does not turn a normal");
     struct matrix flat = matrix_scaling(vector(1, 0, 1)), none = matrix_scaling(vector(0, 0, 0));
     struct matrix endless = matrix_scaling(vector(1, HUGE_VAL, 1)),
                   undefined = matrix_scaling(vector(1, 1, (double)NAN));
-    CHECK(!matrix_normal(&flat, &out) && !matrix_normal(&none, &out), "flat ones have none");
+    CHECK(!matrix_normal(&flat, &out) && !matrix_normal(&none, &out),
+          "a flat matrix has no normals");
     CHECK(!matrix_normal(&endless, &out) && !matrix_normal(&undefined, &out),
-          "nor have infinite and undefined ones");
+          "an infinite or undefined matrix has no normals");
 }
 
 int main(void)
