@@ -398,7 +398,8 @@ bool survey_notes(struct cost *cost, struct error *err)
                           "and no light is near"},
         {!survey->tessellated,
          "no shape has slices or stacks, so that --tessellation changes nothing"},
-        {!gl_is_built(), "this program was built without OpenGL: raster renders all configurations"}};
+        {!gl_is_built(),
+         "this program was built without OpenGL: raster renders all configurations"}};
     bool done = note_lights(cost, err);
     for (size_t i = 0; i < sizeof notes / sizeof notes[0]; i++)
         done = done && (!notes[i].holds || cost_note(cost, err, "%s", notes[i].note));

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Lists the known properties of each implementation of OpenGL. Bounds, candidates and check read it. */
+/* Lists the known properties of each implementation of OpenGL. Bounds, candidates and check read
+ * it. */
 #ifndef DRIVER_H
 #define DRIVER_H
 
