@@ -86,6 +86,10 @@ if [ "${1:-}" = renew ]; then
     exec mv "$tmp/golden" "$golden"
 fi
 
+for size in $small ''; do
+    grep -q " $(golden_hashes "$size" | sha256sum | cut -c 1-16) " README.md
+    ok $? "README prints the digest of all stacks, ${size:-own size}"
+done
 [ -n "$scenes" ] && [ "$(wc -l <"$golden")" = "$({ stacks $small; stacks ''; } | wc -l)" ]
 ok $? "$golden has each built-in scene small and at its own size"
 
