@@ -281,38 +281,41 @@ static void settle(struct check *check, size_t index)
 
 /* ---- floors ---- */
 
-/* Returns whether a pixel and its neighbours lie inside one surface, and the pixel's radiance
- * changes little. */
-static bool is_smooth(const struct check *check, size_t pixel)
+static bool surely_shows(const struct chunk *chunk, size_t pixel, int32_t surface)
 {
-    const struct chunk *chunk = check->chunk;
-    size_t width = (size_t)chunk->picture.at.width, n_pixels = count_pixels(chunk), n = 0,
-           neighbours[4];
-    if ((double)chunk->steepness[pixel] * FULL_COUNT > SMOOTH_COUNTS * check->full_scale)
-        return false;
-    if (pixel % width > 0)
-        neighbours[n++] = pixel - 1;
-    if (pixel % width < width - 1)
-        neighbours[n++] = pixel + 1;
-    if (pixel >= width)
-        neighbours[n++] = pixel - width;
-    if (pixel + width < n_pixels)
-        neighbours[n++] = pixel + width;
-    for (size_t i = 0; i < n; i++)
-        if (chunk->is_ambiguous[neighbours[i]] ||
-            chunk->picture.surface[neighbours[i]] != chunk->picture.surface[pixel])
-            return false;
-    return true;
+    return !chunk->is_ambiguous[pixel] && chunk->picture.surface[pixel] == surface;
 }
 
-static void note_floors(struct check *check)
+/* Returns whether a pixel and its neighbours in the tile lie inside one surface, and the pixel's
+ * radiance changes little. */
+static bool is_smooth(const struct check *check, const struct tile *tile, size_t pixel)
+{
+    const struct chunk *chunk = check->chunk, *last = tile->chunks + tile->n_chunks - 1;
+    const size_t width = (size_t)chunk->picture.at.width, n_pixels = count_pixels(chunk);
+    const size_t column = pixel % width;
+    const int32_t surface = chunk->picture.surface[pixel];
+    if ((double)chunk->steepness[pixel] * FULL_COUNT > SMOOTH_COUNTS * check->full_scale)
+        return false;
+    if ((column > 0 && !surely_shows(chunk, pixel - 1, surface)) ||
+        (column < width - 1 && !surely_shows(chunk, pixel + 1, surface)))
+        return false;
+    if (pixel >= width && !surely_shows(chunk, pixel - width, surface))
+        return false;
+    if (pixel < width && chunk > tile->chunks &&
+        !surely_shows(chunk - 1, count_pixels(chunk - 1) - width + column, surface))
+        return false;
+    return pixel + width < n_pixels ? surely_shows(chunk, pixel + width, surface)
+                                    : chunk == last || surely_shows(chunk + 1, column, surface);
+}
+
+static void note_floors(struct check *check, const struct tile *tile)
 {
     const struct chunk *chunk = check->chunk;
     for (size_t i = 0; i < count_pixels(chunk); i++) {
         if (chunk->is_ambiguous[i] || chunk->picture.surface[i] < 0)
             continue;
         floor_note(&check->verdict.floor, (double)check->floor[i]);
-        if (is_smooth(check, i))
+        if (is_smooth(check, tile, i))
             floor_note(&check->verdict.smooth_floor, (double)check->floor[i]);
     }
 }
@@ -365,11 +368,11 @@ void check_pass(struct check *check, int first_band, const float *pixels, size_t
         judge_ambiguous(check, first_band + c, c, pixels, stride);
 }
 
-void check_close(struct check *check, struct check_verdict *total)
+void check_close(struct check *check, const struct tile *tile, struct check_verdict *total)
 {
     for (size_t i = 0; i < check->chunk->n_ambiguous; i++)
         settle(check, i);
-    note_floors(check);
+    note_floors(check, tile);
     check->verdict.pixels = count_pixels(check->chunk);
     for (size_t i = 0; i < check->verdict.pixels; i++)
         check->verdict.unexplained += check->failed[i];

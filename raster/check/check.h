@@ -83,8 +83,9 @@ void check_identity(struct check *check, const struct gl *gl, const struct recta
 /* Judges the bands of one GL pass. `pixels` is the chunk's first pixel, 4 floats each, rows
  * `stride` pixels apart, in units of full_scale. */
 void check_pass(struct check *check, int first_band, const float *pixels, size_t stride);
-/* Settles ambiguous pixels, adds the chunk's verdict to *total, and frees the check. */
-void check_close(struct check *check, struct check_verdict *total);
+/* Settles ambiguous pixels, adds the chunk's verdict to *total, and frees the check. The tile has
+ * the chunk and its neighbours, all of them drawn. */
+void check_close(struct check *check, const struct tile *tile, struct check_verdict *total);
 
 /* ---- inside this room ---- */
 

@@ -56,7 +56,7 @@ static void close_checks(struct render_state *state, const struct tile *tile)
 {
     for (int i = 0; state->checks && i < tile->n_chunks; i++)
         if (state->checks[i].chunk)
-            check_close(&state->checks[i], &state->result->check);
+            check_close(&state->checks[i], tile, &state->result->check);
     free(state->checks);
     state->checks = NULL;
 }
