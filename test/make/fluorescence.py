@@ -70,7 +70,7 @@ def material(name):
 
 def main(folder):
     write(folder + "/fluorescence.list",
-          "# Pairs alike in every wavelength under illuminant A, of which one fluoresces.\n"
+          "# Pairs with the same radiance in every band under illuminant A. One of each pair fluoresces.\n"
           "# How they are modelled, and the licence: in each file.\n",
           *("fluorescence/%s.txt\n" % name for name in PAIRS))
     for name in PAIRS:
