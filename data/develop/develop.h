@@ -74,9 +74,8 @@ struct development {
     void *samples;   /* as picture_write takes them; owned */
 };
 /* Finds the weights that take the pages of the cube to linear display channels, or to XYZ (also for
- * CIELAB), at exposure 1. Fills in the white, and all members
- * of the result that pixels do not decide.
- * Refuses a detector that sees none of the wavelengths. In weights.c. */
+ * CIELAB), at exposure 1. Fills in the white, and all members of the result that pixels do
+ * not decide. Refuses a detector that sees none of the wavelengths. In weights.c. */
 bool develop_weights(struct development *of, struct error *err);
 
 #endif

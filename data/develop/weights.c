@@ -198,8 +198,8 @@ static void fold(double m[3][3], int n, double *weights)
     }
 }
 
-/* Adapts the weights, and the white. As in the thesis, the luminance of
- * Fairchild's adaptation is ten times the light's intensity. */
+/* Adapts the weights, and the white. As in the thesis, the luminance of Fairchild's adaptation is
+ * ten times the light's intensity. */
 static bool adapt(struct development *of, struct error *err)
 {
     const struct develop_options *options = of->options;

@@ -27,8 +27,7 @@ bool mesh_reserve(struct mesh *mesh, size_t n_vertices, size_t n_triangles, stru
  * without vn gets the mean normal of its face and of the faces there that meet it at less than
  * crease_deg, weighted by their angles; a face without area has no weight. A corner without vt gets
  * planar coordinates, as by mesh_planar. With unitize, the mesh is first moved and scaled into the
- * cube
- * [-1, 1]^3. `from` is the place that names the file. */
+ * cube [-1, 1]^3. `from` is the place that names the file. */
 bool mesh_read(const char *path, struct place from, bool unitize, double crease_deg,
                struct mesh *out, struct error *err);
 /* Finds the bounding box. Without vertices *low is HUGE_VAL and *high -HUGE_VAL. */

@@ -121,15 +121,12 @@ double sampling_seen(const struct sampling *sampling, int j)
 
 int wavelength_before(const double *wavelength_nm, int n, double nm, double *part)
 {
-    int before = 0, behind = n - 1;
     *part = 0;
-    if (behind == 0)
+    if (n < 2)
         return 0;
-    while (behind - before > 1) {
-        const int middle = before + (behind - before) / 2;
-        *(nm < wavelength_nm[middle] ? &behind : &before) = middle;
-    }
-    const double step = wavelength_nm[behind] - wavelength_nm[before];
+    const int below = samples_up_to(wavelength_nm, n, nm) - 1;
+    const int before = below < 0 ? 0 : below < n - 2 ? below : n - 2;
+    const double step = wavelength_nm[before + 1] - wavelength_nm[before];
     *part = fmax(0, fmin((nm - wavelength_nm[before]) / step, 1));
     return before;
 }

@@ -66,8 +66,7 @@ static void cut_boxes(struct sampling *out, int first, int last)
 }
 
 /* Unlike Hall's boxes, which he found by trying, these have equal areas under the detector's
- * functions. Cells at
- * the ends that the detector does not see belong to none. */
+ * functions. Cells at the ends that the detector does not see belong to none. */
 bool sample_box(const struct sampling_task *task, struct error *err)
 {
     struct sampling *out = task->out;

@@ -23,7 +23,7 @@ static double next_above(const struct spectrum *spectrum, double nm)
     }
     if (spectrum->kind != SPECTRUM_SAMPLED)
         return HUGE_VAL;
-    const int next = spectrum_count_up_to(spectrum, nm);
+    const int next = samples_up_to(spectrum->wavelength_nm, spectrum->count, nm);
     return next < spectrum->count ? spectrum->wavelength_nm[next] : HUGE_VAL;
 }
 

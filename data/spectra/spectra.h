@@ -131,8 +131,8 @@ void donaldson_free(struct donaldson *matrix);
 
 /* ---- Inside this room ---- */
 
-/* Returns the number of samples at wavelengths up to this one. */
-int spectrum_count_up_to(const struct spectrum *spectrum, double wavelength_nm);
+/* Returns how many of n increasing wavelengths are at most this one. */
+int samples_up_to(const double *wavelengths_nm, int n, double wavelength_nm);
 /* Reads a built-in table, or a file, of a wavelength and three values a line. *xyz: its header
  * names the values x, y and z. On failure the caller frees *out. */
 bool spectra_read(const char *name, struct spectrum out[3], bool *xyz, struct error *err);

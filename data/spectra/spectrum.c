@@ -26,12 +26,12 @@ static double blackbody(double temperature, double nm)
     return q * q * q * q * q * ratio * one_minus_decay(x0) / one_minus_decay(x);
 }
 
-int spectrum_count_up_to(const struct spectrum *spectrum, double wavelength_nm)
+int samples_up_to(const double *wavelengths_nm, int n, double wavelength_nm)
 {
-    int low = 0, high = spectrum->count;
+    int low = 0, high = n;
     while (low < high) {
         const int middle = low + (high - low) / 2;
-        if (spectrum->wavelength_nm[middle] > wavelength_nm)
+        if (wavelengths_nm[middle] > wavelength_nm)
             high = middle;
         else
             low = middle + 1;
@@ -46,7 +46,7 @@ static double sampled(const struct spectrum *s, double nm, enum spectrum_ends en
     const double *x = s->wavelength_nm, *y = s->value;
     if (spectrum_extrapolates(s, nm))
         return ends == SPECTRUM_ZERO ? 0 : nm < x[0] ? y[0] : y[s->count - 1];
-    const int low = spectrum_count_up_to(s, nm) - 1, high = low + 1;
+    const int low = samples_up_to(x, s->count, nm) - 1, high = low + 1;
     if (nm == x[low])
         return y[low];
     const int nearer = nm - x[low] < x[high] - nm ? low : high;

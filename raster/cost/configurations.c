@@ -16,7 +16,7 @@
 
 /* ---- the scene ---- */
 
-/* Surveys a material and, of a metamer, its partner. */
+/* Surveys a material, and the partner that its file gives it. */
 static void survey_material(const struct material *material, struct survey *out, bool *glossy)
 {
     for (; material; material = material->partner) {

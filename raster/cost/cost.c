@@ -128,9 +128,9 @@ void cost_print(const struct cost *cost, FILE *to)
             "runs              %d of each configuration after a warm-up, one after the other,\n"
             "                  each in a process of its own; seconds are the median, fastest\n"
             "                  and slowest\n"
-            "reference         every nm, phong shading, tessellation 4, in double: %.3g s\n\n",
+            "standard          every nm, phong shading, tessellation 4, in double: %.3g s\n\n",
             cost->scene, cost->survey.width, cost->survey.height, cost->survey.observer, cost->runs,
-            cost->reference_seconds);
+            cost->standard_seconds);
     fprintf(to, "   %-40s %8s  %16s %8s %8s %8s %9s\n", "configuration", "seconds",
             "fastest..slowest", "dE00", "95 %", "largest", "radiance");
     for (int i = 0; i < cost->n; i++)

@@ -70,7 +70,7 @@ struct cost {
     struct cost_entry *entries; /* room for MAX_CONFIGURATIONS; by seconds in the end; owned */
     char **notes;               /* on the scene, and on configurations that failed; owned */
     int n_notes;
-    double reference_seconds;
+    double standard_seconds;
 };
 
 /* ---- cost.c: conclusions and tables ---- */

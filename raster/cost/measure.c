@@ -130,7 +130,7 @@ static bool make_standard(struct measurement *measurement, bool *lit, struct err
     struct error own = {.status = EXIT_AGREED};
     const bool done =
         configuration_standard(request.observer, &entry, &own) &&
-        render_entry(measurement, &entry, &measurement->cost->reference_seconds, &own) &&
+        render_entry(measurement, &entry, &measurement->cost->standard_seconds, &own) &&
         process_run(summarize_job, &request, lit, sizeof *lit, NULL, &own);
     unlink(measurement->stack);
     cost_entry_free(&entry);
