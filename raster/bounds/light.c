@@ -211,9 +211,10 @@ static void add_error(struct bounded weight, double share, float *error)
     *error = sum <= (double)FLT_MAX ? (float)sum : HUGE_VALF;
 }
 
-/* Adds a light's errors to those of the terms of its spectrum. */
+/* Adds a light's errors to those of the terms of its spectrum, and its weights to those of its
+ * group, unless that is NULL. */
 static void add_light(const struct eye_light *light, const struct vertex_view *vertex,
-                      float *errors)
+                      float *errors, float *group)
 {
     const struct instance *instance = vertex->instance;
     struct path path = path_to_light(vertex, light);
@@ -228,7 +229,11 @@ static void add_light(const struct eye_light *light, const struct vertex_view *v
             weight =
                 gated_power(n_l, cosine_between(vertex->normal, half_way(vertex, path.towards)),
                             instance->gloss, vertex);
-        add_error(weakened ? bounded_product(weight, left) : weight, light->share, &errors[t]);
+        if (weakened)
+            weight = bounded_product(weight, left);
+        add_error(weight, light->share, &errors[t]);
+        if (group)
+            group[t] += (float)(light->share * weight.value);
     }
 }
 
@@ -239,6 +244,12 @@ bool reflects(const struct instance *instance, const struct eye_light *light)
         if (instance->terms[t].light == light->first)
             return true;
     return false;
+}
+
+float *group_weights(const struct surface *surface, const struct surface_bounds *bounds, int group)
+{
+    size_t n_weights = surface_attributes(surface, surface->instance->n_vertices, 0);
+    return bounds->group_weights ? bounds->group_weights + (size_t)group * n_weights : NULL;
 }
 
 /* OpenGL rounds texture coordinates once. */
@@ -258,10 +269,13 @@ void light_bounds(const struct lit_scene *lit, int surface, int index, double e_
                                  .bounded = lit->plan->options.check,
                                  .work = work};
     for (int side = 0; side < of->n_sides; side++) {
-        float *errors = bounds->errors + surface_attributes(of, index, side);
-        for (int i = 0; i < view->n_lights && view->shading != PHONG; i++)
+        size_t at = surface_attributes(of, index, side);
+        float *errors = bounds->errors + at;
+        for (int i = 0; i < view->n_lights && view->shading != PHONG; i++) {
+            float *group = group_weights(of, bounds, i / LIGHTS_PER_PASS);
             if (reflects(of->instance, &view->lights[i]))
-                add_light(&view->lights[i], &vertex, errors);
+                add_light(&view->lights[i], &vertex, errors, group ? group + at : NULL);
+        }
         if (of->instance->textured) {
             errors[of->instance->n_terms] = (float)(roundings(1) * fabs(point->s));
             errors[of->instance->n_terms + 1] = (float)(roundings(1) * fabs(point->t));

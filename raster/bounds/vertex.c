@@ -16,6 +16,12 @@ enum { TRANSFORM_ROUNDINGS = 12 };
  * negative, or 1 in a parallel view: the last row of a projection is made of 0, 1 and -1. */
 enum { EYE_ROUNDINGS = 7 };
 
+const struct surface_bounds *bounds_of(const struct lit_scene *lit,
+                                       const struct screen_triangle *screen)
+{
+    return &lit->bounds[screen->surface - lit->surfaces];
+}
+
 /* ---- position ---- */
 
 /* sum_j |m_ij| |v_j|: the rounding errors of row i are relative to it. */
@@ -255,7 +261,11 @@ static bool allocate(const struct plan *plan, const struct placed_instance *plac
     size_t n_weights = surface_attributes(surface, placed->instance.n_vertices, 0);
     bounds->vertices = calloc((size_t)placed->instance.n_vertices + 1, sizeof *bounds->vertices);
     bounds->errors = calloc(n_weights + 1, sizeof *bounds->errors);
-    return opened && bounds->vertices && bounds->errors;
+    if (plan->n_light_groups > 1 && plan->options.check)
+        bounds->group_weights =
+            calloc(n_weights * (size_t)plan->n_light_groups + 1, sizeof *bounds->group_weights);
+    return opened && bounds->vertices && bounds->errors &&
+           (bounds->group_weights || plan->n_light_groups == 1 || !plan->options.check);
 }
 
 static bool make_surface(const struct lit_scene *lit, int index, struct light_work *work,
@@ -312,6 +322,7 @@ void lit_free(struct lit_scene *lit)
         surface_close(&lit->surfaces[i]);
         free(lit->bounds[i].vertices);
         free(lit->bounds[i].errors);
+        free(lit->bounds[i].group_weights);
     }
     free(lit->surfaces);
     free(lit->bounds);

@@ -5,7 +5,7 @@
 #ifndef CANDIDATES_H
 #define CANDIDATES_H
 
-#include "raster/bounds/bounds.h"
+#include "raster/setup/setup.h"
 #include "raster/reference/reference.h"
 #include "spectral.h"
 
@@ -59,13 +59,33 @@ struct fragments {
 bool fragments_find(struct fragments *out);
 void fragments_free(struct fragments *fragments);
 /* Finds the clipped triangles that OpenGL may have at a point: bit i stands for number i. Beyond
- * the near and the far plane all are possible: single precision does not fix where they end. */
+ * the near and the far plane all are possible. */
 unsigned clipped_at(const struct fragments *fragments, const struct bounded_triangle *triangle,
                     double px, double py);
 /* True if an edge near the centre always has a triangle on either side. */
 bool is_closed(const struct seam *seam);
-/* Makes room for `needed` elements of an array. False: no memory, or more than int32_t counts. */
+/* Makes room for `needed` elements. False: no memory, or more than int32_t counts. */
 bool array_grow(void *array, size_t *capacity, size_t needed, size_t size);
+
+/* ---- pixel.c: a triangle at a pixel ---- */
+
+struct bounded_pixel; /* attributes with bounds on OpenGL's errors */
+/* NULL: no memory. The fragments must outlive it. */
+struct bounded_pixel *pixel_open(const struct fragments *fragments);
+void pixel_close(struct bounded_pixel *pixel);
+/* Computes attributes and their bounds; without a texture, weights only if weights_matter. */
+void pixel_bound(struct bounded_pixel *pixel, const struct bounded_triangle *triangle, int x, int y,
+                 bool weights_matter);
+/* Finds the places in the texture that OpenGL may sample: 1 without a texture. Take one of them. */
+int pixel_choices(const struct bounded_pixel *pixel, struct texel_point out[TEXEL_CHOICES]);
+void pixel_take_place(struct bounded_pixel *pixel, const struct texel_point *place);
+void pixel_weights(const struct bounded_pixel *pixel, double *rows); /* see put_rows */
+/* Writes bounds on their errors, and on the part that each band rounds by itself, `stride` apart.
+ */
+void pixel_errors(const struct bounded_pixel *pixel, const double *rows, size_t stride,
+                  float *errors, float *own);
+/* Bounds the change of radiance within a pixel's width, at any wavelength. */
+double pixel_steepness(const struct bounded_pixel *pixel);
 
 /* ---- chunk.c: a part of a tile, with its candidates ---- */
 
@@ -76,12 +96,11 @@ struct candidate {
     bool loose;   /* its error has no bound here */
     size_t first; /* index of its pixel_rows numbers in candidate_rows and candidate_errors */
 };
-/* The number of fragments that OpenGL may draw at a pixel, hidden ones included; modulo 256, as
- * OpenGL counts them. */
+/* How many fragments OpenGL may draw at a pixel, with hidden ones; it counts modulo 256. */
 struct overdraw {
     uint8_t least, spread; /* least .. least + spread; a spread above 255 is stored as 255 */
     uint8_t meant;         /* the number that the reference draws */
-    bool closed;           /* an edge near the centre always has a triangle on either side */
+    bool closed;           /* see is_closed */
 };
 /* A pixel with more than one candidate, or a loose one. */
 struct ambiguous_pixel {
@@ -89,11 +108,12 @@ struct ambiguous_pixel {
     int32_t first, count; /* candidates */
     bool background;      /* OpenGL may also show the background */
 };
-/* Some rows of a tile, which one thread draws: the reference's picture. A check also needs the
- * rest: */
+/* Some rows of a tile, which one thread draws: the reference's picture, and for a check the rest:
+ */
 struct chunk {
     struct picture picture;
-    float *errors;      /* of picture.rows: bounds on OpenGL's error; NULL without a check */
+    float *errors; /* of picture.rows: bounds on OpenGL's error; NULL without a check */
+    float *own;    /* of the same: bounds on what each band rounds by itself, a part of errors */
     float *depth_error; /* of picture.depth */
     struct overdraw *overdraw;
     float *steepness; /* bound on the change of radiance within a pixel's width, in any band */
@@ -101,7 +121,7 @@ struct chunk {
     struct ambiguous_pixel *ambiguous;
     struct candidate *candidates;
     double *candidate_rows;
-    float *candidate_errors;
+    float *candidate_errors, *candidate_own;
     size_t n_ambiguous, n_candidates, n_numbers;
 };
 /* Draws chunk `index`, counted from the top, of a tile: CHUNK_ROWS rows, fewer in the last chunk.

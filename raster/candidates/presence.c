@@ -60,14 +60,17 @@ enum presence triangle_presence(const struct bounded_triangle *triangle,
 /* A triangle without area touches its longest edge only. */
 enum presence clipped_presence(const struct clipped_triangle *triangle, double px, double py)
 {
-    const double *x = triangle->x, *y = triangle->y, error = most_of(triangle->edge_px);
+    const double *x = triangle->x, *y = triangle->y;
     struct edge_functions edges;
-    double slack[3];
+    double slack[3], errors[3];
+    for (int i = 0; i < 3; i++)
+        errors[i] = triangle->moved_px[i] + triangle->grid_px;
+    const double error = most_of(errors);
     if (least_of(x) - error > px || px > most_of(x) + error || least_of(y) - error > py ||
         py > most_of(y) + error)
         return IMPOSSIBLE;
     edges_at(x, y, px, py, &edges);
-    edge_slack(&edges, triangle->edge_px, slack);
+    edge_slack(&edges, errors, slack);
     double turn = edges.e[0] + edges.e[1] + edges.e[2] < 0 ? -1 : 1;
     enum presence presence = DEFINITE;
     for (int i = 0; i < 3; i++) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The verdict on each pixel. OpenGL names the triangle that it shows there: this triangle must be a
  * candidate. Its depth must be within the candidate's bound, the number of fragments must be
- * possible, and OpenGL's radiance must be that of this one triangle in all bands, each within its
- * own bound. */
+ * possible, and OpenGL's radiance must be that of this one triangle: in each band within the band's
+ * bound, and in all bands together with one set of weights. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -10,24 +10,12 @@
 #include "raster/check/check.h"
 #include "raster/plan/plan.h"
 
-/* The hypothesis that OpenGL shows a candidate: it is alive until it fails to explain a sample. */
-struct hypothesis {
-    bool alive;
-    struct check_samples samples;
-    double floor;                 /* its largest bound */
-    double seen, expected, bound; /* of the sample at which it died */
-    int band;                     /* of the same; -1: OpenGL shows another candidate */
-};
-
-static const double depth_steps = 16777215;
-
-static size_t count_pixels(const struct chunk *chunk)
+size_t chunk_pixels(const struct chunk *chunk)
 {
     return (size_t)chunk->picture.at.width * (size_t)chunk->picture.at.height;
 }
 
-/* Counts the pixel as not explained. The first such pixel is kept with its failure. */
-static void fail(struct check *check, size_t pixel, const struct check_failure *failure)
+void check_fail(struct check *check, size_t pixel, const struct check_failure *failure)
 {
     const struct rectangle *rows = &check->chunk->picture.at;
     check->failed[pixel] = true;
@@ -40,146 +28,129 @@ static void fail(struct check *check, size_t pixel, const struct check_failure *
     check->verdict.first.surface = check->chunk->picture.surface[pixel];
 }
 
-/* ---- triangle, depth and number of fragments ---- */
+/* ---- samples ---- */
 
-/* Returns whether OpenGL's depth is within the error; the background's is 1. Beyond the near or the
- * far plane, where a cut edge may still cover a centre, OpenGL stores the nearest depth that it
- * can. */
-static bool fits_depth(struct check *check, const struct shown *shown, double depth, double error)
+/* Evaluates a run into expected and bound. The cleared background, a run without a material, is
+ * exactly 0. */
+static void expect(const struct check *check, const struct run *run, int band, struct block *block)
 {
-    double off = fabs(shown->depth / depth_steps - fmin(fmax(depth, 0), 1));
-    if (off <= error && error > 0 && error < HUGE_VAL)
-        check->verdict.worst_depth_ratio = fmax(check->verdict.worst_depth_ratio, off / error);
-    return off <= error;
-}
-
-static struct check_failure depth_failure(const struct shown *shown, double depth, double error)
-{
-    return (struct check_failure){.kind = FAILURE_DEPTH,
-                                  .seen = shown->depth / depth_steps,
-                                  .expected = depth,
-                                  .bound = error};
-}
-
-/* The depth is rounded to single precision, as those of candidates: depth_error covers that. */
-static void identify_settled(struct check *check, size_t pixel, const struct shown *shown)
-{
-    const struct chunk *chunk = check->chunk;
-    bool background = chunk->picture.surface[pixel] < 0;
-    double depth = background ? 1 : (double)(float)chunk->picture.depth[pixel],
-           error = background ? 0 : (double)chunk->depth_error[pixel];
-    struct check_failure failure = {.kind = FAILURE_TRIANGLE, .shown = *shown};
-    if (shown->surface == chunk->picture.surface[pixel] &&
-        (background || shown->triangle == chunk->picture.triangle[pixel])) {
-        if (fits_depth(check, shown, depth, error))
-            return;
-        failure = depth_failure(shown, depth, error);
-    }
-    fail(check, pixel, &failure);
-}
-
-/* Only the hypothesis that OpenGL shows stays alive. */
-static void identify_ambiguous(struct check *check, size_t index, const struct shown *shown)
-{
-    const struct chunk *chunk = check->chunk;
-    const struct ambiguous_pixel *ambiguous = &chunk->ambiguous[index];
-    struct hypothesis *background = &check->hypotheses[chunk->n_candidates + index];
-    background->alive = background->alive && shown->surface < 0 && fits_depth(check, shown, 1, 0);
-    struct check_failure failure = {.kind = FAILURE_TRIANGLE, .shown = *shown};
-    bool any = background->alive;
-    for (int c = ambiguous->first; c < ambiguous->first + ambiguous->count; c++) {
-        const struct candidate *candidate = &chunk->candidates[c];
-        double depth = (double)candidate->depth, error = (double)candidate->depth_error;
-        bool named = candidate->surface == shown->surface && candidate->triangle == shown->triangle;
-        check->hypotheses[c].alive = named && fits_depth(check, shown, depth, error);
-        any = any || check->hypotheses[c].alive;
-        if (named)
-            failure = depth_failure(shown, depth, error);
-    }
-    if (!any)
-        fail(check, (size_t)ambiguous->pixel, &failure);
-}
-
-/* Fragments are counted modulo 256. Where triangles meet, a driver with leaking edges may have one
- * too few or too many: such pixels are counted. */
-static void count_fragments(struct check *check, size_t pixel, const struct shown *shown)
-{
-    const struct overdraw *overdraw = &check->chunk->overdraw[pixel];
-    uint8_t above = (uint8_t)(shown->fragments - overdraw->least),
-            off = (uint8_t)(shown->fragments - overdraw->meant);
-    bool leaks = overdraw->closed && off != 0, possible = above <= overdraw->spread;
-    if (leaks && possible) {
-        check->verdict.edge_holes += off >= 128;
-        check->verdict.edge_doubles += off < 128;
-    }
-    if (possible && !(leaks && check->tight_edges))
+    if (run->shaded) {
+        expect_counts(check->scene->lit->plan, run, band, check->scene->full_scale, block->expected,
+                      block->bound);
         return;
-    struct check_failure failure = {.kind = FAILURE_FRAGMENTS,
-                                    .seen = shown->fragments,
-                                    .expected = overdraw->meant,
-                                    .bound = overdraw->closed ? 0 : overdraw->spread};
-    fail(check, pixel, &failure);
+    }
+    memset(block->expected, 0, block->n * sizeof *block->expected);
+    memset(block->bound, 0, block->n * sizeof *block->bound);
 }
 
-void check_identity(struct check *check, const struct gl *gl, const struct rectangle *tile)
+/* Learns what a pilot band says of the weights of a run. */
+static void learn(const struct check *check, const struct run *run, int band, struct block *block,
+                  float *estimates)
 {
-    const struct chunk *chunk = check->chunk;
-    size_t ambiguous = 0;
-    for (size_t i = 0; i < count_pixels(chunk); i++) {
-        int x = chunk->picture.at.x - tile->x + (int)i % chunk->picture.at.width,
-            y = chunk->picture.at.y - tile->y + (int)i / chunk->picture.at.width;
-        struct shown shown = gl_shown(gl, x, y);
-        if (chunk->is_ambiguous[i])
-            identify_ambiguous(check, ambiguous++, &shown);
-        else
-            identify_settled(check, i, &shown);
-        count_fragments(check, i, &shown);
-    }
+    double difference[BLOCK];
+    expect(check, run, band, block);
+    for (size_t i = 0; i < block->n; i++)
+        difference[i] = block->seen[i] - block->expected[i];
+    if (run->shaded)
+        fit_add(check->scene->fit, run, band, difference, estimates);
+}
+
+/* Compares the samples of a run with what is expected, and with what the other bands say. Returns
+ * false where one is outside of a bound. */
+static bool compare(const struct check *check, const struct run *run, int band,
+                    const float *estimates, struct check_samples *samples, struct block *block)
+{
+    expect(check, run, band, block);
+    bool within = samples_compare(samples, block);
+    block->scale = run->shaded ? fit_explain(check->scene->fit, run, band, estimates,
+                                             block->explained, block->limit)
+                               : 0;
+    bool fits = !(block->scale > 0) || samples_compare_fit(samples, block);
+    return within && fits;
+}
+
+/* Returns whether sample i of a block is outside of a bound; *failure says of which. */
+static bool is_outside(const struct block *block, size_t i, int band, struct check_failure *failure)
+{
+    *failure = (struct check_failure){.kind = FAILURE_RADIANCE,
+                                      .band = band,
+                                      .seen = block->seen[i],
+                                      .expected = block->expected[i],
+                                      .bound = (double)block->bound[i]};
+    if (!(block->difference[i] <= block->bound[i]))
+        return true;
+    failure->kind = FAILURE_BANDS;
+    failure->expected += (double)block->explained[i];
+    failure->bound = (double)block->limit[i];
+    return block->scale > 0 && !(block->rest[i] <= block->limit[i]);
+}
+
+/* The largest error that could pass in this band alone. */
+static float band_floor(const struct block *block, size_t i)
+{
+    float alone = (float)block->scale * block->limit[i];
+    return block->scale > 0 && alone < block->bound[i] ? alone : block->bound[i];
 }
 
 /* ---- pixels with a single candidate ---- */
 
-/* Evaluates the surface of a run, or the background, into expected and bound. */
-static void expect_run(const struct check *check, size_t first, size_t n, int band,
-                       struct block *block)
+/* Some pixels of one surface, or of the background, in a row: from `first` on, n of them. */
+struct stretch {
+    size_t first, n;
+    int band;
+    const float *channel; /* OpenGL's samples, 4 floats apart */
+};
+
+static struct run run_of(const struct check *check, const struct stretch *stretch)
 {
     const struct chunk *chunk = check->chunk;
-    if (chunk->picture.surface[first] < 0) { /* the cleared background is exactly 0 */
-        memset(block->expected, 0, n * sizeof *block->expected);
-        memset(block->bound, 0, n * sizeof *block->bound);
-        return;
-    }
-    struct run run = {check->lit->bounds[chunk->picture.surface[first]].shaded,
-                      chunk->picture.rows + first, chunk->errors + first, count_pixels(chunk), n};
-    expect_counts(check->lit->plan, &run, band, check->full_scale, block->expected, block->bound);
+    const size_t first = stretch->first;
+    const int32_t surface = chunk->picture.surface[first];
+    return (struct run){.shaded = surface < 0 ? NULL : check->scene->lit->bounds[surface].shaded,
+                        .rows = chunk->picture.rows + first,
+                        .errors = chunk->errors + first,
+                        .own = chunk->own + first,
+                        .stride = chunk_pixels(chunk),
+                        .n = stretch->n};
 }
 
-static void judge_run(struct check *check, size_t first, size_t n, int band, const float *channel)
+static void load(const struct stretch *stretch, struct block *block)
+{
+    block->n = stretch->n;
+    for (size_t i = 0; i < stretch->n; i++)
+        block->seen[i] = (double)stretch->channel[4 * i] * FULL_COUNT;
+}
+
+static void learn_stretch(struct check *check, const struct stretch *stretch)
 {
     struct block block;
-    block.n = n;
-    for (size_t i = 0; i < n; i++)
-        block.seen[i] = (double)channel[4 * i] * FULL_COUNT;
-    expect_run(check, first, n, band, &block);
-    bool explained = samples_compare(&check->verdict.samples, &block);
-    float *floor = check->floor + first;
-    for (size_t i = 0; i < n; i++)
+    struct run run = run_of(check, stretch);
+    load(stretch, &block);
+    learn(check, &run, stretch->band, &block, check->estimates + stretch->first);
+}
+
+static void judge_stretch(struct check *check, const struct stretch *stretch)
+{
+    struct block block;
+    struct check_failure failure;
+    struct run run = run_of(check, stretch);
+    float *floor = check->floor + stretch->first, *alone = check->band_floor + stretch->first;
+    load(stretch, &block);
+    bool within = compare(check, &run, stretch->band, check->estimates + stretch->first,
+                          &check->verdict.samples, &block);
+    for (size_t i = 0; i < stretch->n; i++) {
+        float of_band = band_floor(&block, i);
         floor[i] = floor[i] < block.bound[i] ? block.bound[i] : floor[i];
-    for (size_t i = 0; i < n && !explained; i++) {
-        if (block.difference[i] <= block.bound[i])
-            continue;
-        fail(check, first + i,
-             &(struct check_failure){.kind = FAILURE_RADIANCE,
-                                     .band = band,
-                                     .seen = block.seen[i],
-                                     .expected = block.expected[i],
-                                     .bound = (double)block.bound[i]});
+        alone[i] = alone[i] < of_band ? of_band : alone[i];
     }
+    for (size_t i = 0; i < stretch->n && !within; i++)
+        if (is_outside(&block, i, stretch->band, &failure))
+            check_fail(check, stretch->first + i, &failure);
 }
 
 /* Returns how many pixels from `first` on, within the row and a block, show its surface without
  * ambiguity. */
-static size_t settled_run(const struct chunk *chunk, size_t first, size_t row_end)
+static size_t settled_pixels(const struct chunk *chunk, size_t first, size_t row_end)
 {
     size_t last = row_end - first < BLOCK ? row_end : first + BLOCK, at = first;
     while (at < last && !chunk->is_ambiguous[at] &&
@@ -190,48 +161,64 @@ static size_t settled_run(const struct chunk *chunk, size_t first, size_t row_en
 
 /* ---- ambiguous pixels ---- */
 
+static struct run candidate_run(const struct check *check, const struct candidate *candidate)
+{
+    const struct chunk *chunk = check->chunk;
+    return (struct run){.shaded = check->scene->lit->bounds[candidate->surface].shaded,
+                        .rows = chunk->candidate_rows + candidate->first,
+                        .errors = chunk->candidate_errors + candidate->first,
+                        .own = chunk->candidate_own + candidate->first,
+                        .stride = 1,
+                        .n = 1};
+}
+
 /* candidate NULL stands for the background. A candidate without a bound explains every number. */
 static void try_candidate(struct check *check, const struct candidate *candidate,
                           struct hypothesis *hypothesis, int band, double seen)
 {
     struct block single;
+    struct run run = {.n = 1};
+    const float *estimates = NULL;
     if (!hypothesis->alive)
         return;
     single.n = 1;
     single.seen[0] = seen;
-    single.expected[0] = 0;
-    single.bound[0] = 0;
     if (candidate) {
-        const struct chunk *chunk = check->chunk;
-        struct run run = {check->lit->bounds[candidate->surface].shaded,
-                          chunk->candidate_rows + candidate->first,
-                          chunk->candidate_errors + candidate->first, 1, 1};
-        expect_counts(check->lit->plan, &run, band, check->full_scale, single.expected,
-                      single.bound);
+        run = candidate_run(check, candidate);
+        estimates = check->candidate_estimates + candidate->first;
     }
-    hypothesis->seen = seen;
-    hypothesis->expected = single.expected[0];
-    hypothesis->bound = (double)single.bound[0];
     hypothesis->band = band;
-    hypothesis->floor = fmax(hypothesis->floor, hypothesis->bound);
-    hypothesis->alive = samples_compare(&hypothesis->samples, &single);
+    hypothesis->alive = compare(check, &run, band, estimates, &hypothesis->samples, &single);
+    hypothesis->floor = fmax(hypothesis->floor, (double)single.bound[0]);
+    hypothesis->band_floor = fmax(hypothesis->band_floor, (double)band_floor(&single, 0));
+    if (!hypothesis->alive)
+        is_outside(&single, 0, band, &hypothesis->failure);
     if (candidate && candidate->loose)
         hypothesis->alive = isfinite(seen);
 }
 
-static void judge_ambiguous(struct check *check, int band, int channel, const float *pixels,
-                            size_t stride)
+static void judge_ambiguous(struct check *check, const struct ambiguous_pixel *pixel, int band,
+                            double seen)
 {
     const struct chunk *chunk = check->chunk;
-    for (size_t i = 0; i < chunk->n_ambiguous; i++) {
-        const struct ambiguous_pixel *ambiguous = &chunk->ambiguous[i];
-        int x = ambiguous->pixel % chunk->picture.at.width,
-            y = ambiguous->pixel / chunk->picture.at.width;
-        double seen =
-            (double)pixels[((size_t)y * stride + (size_t)x) * 4 + (size_t)channel] * FULL_COUNT;
-        for (int c = ambiguous->first; c < ambiguous->first + ambiguous->count; c++)
-            try_candidate(check, &chunk->candidates[c], &check->hypotheses[c], band, seen);
-        try_candidate(check, NULL, &check->hypotheses[chunk->n_candidates + i], band, seen);
+    const size_t index = (size_t)(pixel - chunk->ambiguous);
+    for (int c = pixel->first; c < pixel->first + pixel->count; c++)
+        try_candidate(check, &chunk->candidates[c], &check->hypotheses[c], band, seen);
+    try_candidate(check, NULL, &check->hypotheses[chunk->n_candidates + index], band, seen);
+}
+
+static void learn_ambiguous(struct check *check, const struct ambiguous_pixel *pixel, int band,
+                            double seen)
+{
+    const struct chunk *chunk = check->chunk;
+    struct block single;
+    single.n = 1;
+    single.seen[0] = seen;
+    for (int c = pixel->first; c < pixel->first + pixel->count; c++) {
+        struct run run = candidate_run(check, &chunk->candidates[c]);
+        if (check->hypotheses[c].alive)
+            learn(check, &run, band, &single,
+                  check->candidate_estimates + chunk->candidates[c].first);
     }
 }
 
@@ -259,23 +246,20 @@ static void settle(struct check *check, size_t index)
          loose = !nothing && chunk->candidates[candidate].loose;
     struct check_samples samples = best->samples;
     if (loose) /* counted, but no measure of OpenGL's errors */
-        samples.largest = samples.sum = samples.sum_of_squares = samples.worst_ratio = 0;
+        samples.largest = samples.sum = samples.sum_of_squares = samples.worst_ratio =
+            samples.worst_fit_ratio = 0;
     check->verdict.ambiguous++;
     samples_add(&check->verdict.samples, &samples);
     if (!best->alive) {
-        fail(check, (size_t)ambiguous->pixel,
-             &(struct check_failure){.kind = FAILURE_RADIANCE,
-                                     .band = best->band,
-                                     .seen = best->seen,
-                                     .expected = best->expected,
-                                     .bound = best->bound});
+        check_fail(check, (size_t)ambiguous->pixel, &best->failure);
     } else if (loose) {
         check->verdict.unbounded++;
-        if (check->lit->plan->options.strict)
-            fail(check, (size_t)ambiguous->pixel,
-                 &(struct check_failure){.kind = FAILURE_UNBOUNDED});
+        if (check->scene->lit->plan->options.strict)
+            check_fail(check, (size_t)ambiguous->pixel,
+                       &(struct check_failure){.kind = FAILURE_UNBOUNDED});
     } else if (!nothing) {
         floor_note(&check->verdict.floor, best->floor);
+        floor_note(&check->verdict.band_floor, best->band_floor);
     }
 }
 
@@ -291,10 +275,10 @@ static bool surely_shows(const struct chunk *chunk, size_t pixel, int32_t surfac
 static bool is_smooth(const struct check *check, const struct tile *tile, size_t pixel)
 {
     const struct chunk *chunk = check->chunk, *last = tile->chunks + tile->n_chunks - 1;
-    const size_t width = (size_t)chunk->picture.at.width, n_pixels = count_pixels(chunk);
+    const size_t width = (size_t)chunk->picture.at.width, n_pixels = chunk_pixels(chunk);
     const size_t column = pixel % width;
     const int32_t surface = chunk->picture.surface[pixel];
-    if ((double)chunk->steepness[pixel] * FULL_COUNT > SMOOTH_COUNTS * check->full_scale)
+    if ((double)chunk->steepness[pixel] * FULL_COUNT > SMOOTH_COUNTS * check->scene->full_scale)
         return false;
     if ((column > 0 && !surely_shows(chunk, pixel - 1, surface)) ||
         (column < width - 1 && !surely_shows(chunk, pixel + 1, surface)))
@@ -302,19 +286,33 @@ static bool is_smooth(const struct check *check, const struct tile *tile, size_t
     if (pixel >= width && !surely_shows(chunk, pixel - width, surface))
         return false;
     if (pixel < width && chunk > tile->chunks &&
-        !surely_shows(chunk - 1, count_pixels(chunk - 1) - width + column, surface))
+        !surely_shows(chunk - 1, chunk_pixels(chunk - 1) - width + column, surface))
         return false;
     return pixel + width < n_pixels ? surely_shows(chunk, pixel + width, surface)
                                     : chunk == last || surely_shows(chunk + 1, column, surface);
 }
 
+#include <stdio.h>
 static void note_floors(struct check *check, const struct tile *tile)
 {
+    if (getenv("DUMP")) {
+        FILE *f = fopen(getenv("DUMP"), "ab");
+        for (size_t i = 0; i < chunk_pixels(check->chunk); i++) {
+            float v[4] = {check->chunk->is_ambiguous[i] ? -1 : check->floor[i],
+                          check->chunk->is_ambiguous[i] ? -1 : check->band_floor[i],
+                          (float)check->chunk->picture.surface[i],
+                          (float)check->chunk->picture.triangle[i]};
+            fwrite(v, sizeof v, 1, f);
+        }
+        fclose(f);
+    }
+
     const struct chunk *chunk = check->chunk;
-    for (size_t i = 0; i < count_pixels(chunk); i++) {
+    for (size_t i = 0; i < chunk_pixels(chunk); i++) {
         if (chunk->is_ambiguous[i] || chunk->picture.surface[i] < 0)
             continue;
         floor_note(&check->verdict.floor, (double)check->floor[i]);
+        floor_note(&check->verdict.band_floor, (double)check->band_floor[i]);
         if (is_smooth(check, tile, i))
             floor_note(&check->verdict.smooth_floor, (double)check->floor[i]);
     }
@@ -322,50 +320,90 @@ static void note_floors(struct check *check, const struct tile *tile)
 
 /* ---- a chunk ---- */
 
-bool check_open(const struct lit_scene *lit, const struct chunk *chunk, double full_scale,
-                struct check *out, struct error *err)
+static void release(struct check *check)
 {
-    size_t n_hypotheses = chunk->n_candidates + chunk->n_ambiguous;
-    *out = (struct check){.lit = lit,
-                          .chunk = chunk,
-                          .full_scale = full_scale,
-                          .failed = calloc(count_pixels(chunk), sizeof *out->failed),
-                          .floor = calloc(count_pixels(chunk), sizeof *out->floor),
-                          .hypotheses = calloc(n_hypotheses + 1, sizeof *out->hypotheses)};
-    if (!out->failed || !out->floor || !out->hypotheses) {
-        free(out->failed);
-        free(out->floor);
-        free(out->hypotheses);
-        *out = (struct check){.lit = NULL};
+    free(check->failed);
+    free(check->floor);
+    free(check->band_floor);
+    free(check->hypotheses);
+    free(check->estimates);
+    free(check->candidate_estimates);
+}
+
+static bool allocate(const struct chunk *chunk, struct check *out)
+{
+    const size_t n = chunk_pixels(chunk), n_rows = (size_t)out->scene->lit->plan->max_rows;
+    out->failed = calloc(n, sizeof *out->failed);
+    out->floor = calloc(n, sizeof *out->floor);
+    out->band_floor = calloc(n, sizeof *out->band_floor);
+    out->hypotheses = calloc(chunk->n_candidates + chunk->n_ambiguous + 1, sizeof *out->hypotheses);
+    out->estimates = calloc(n * n_rows + 1, sizeof *out->estimates);
+    out->candidate_estimates = calloc(chunk->n_numbers + 1, sizeof *out->candidate_estimates);
+    return out->failed && out->floor && out->band_floor && out->hypotheses && out->estimates &&
+           out->candidate_estimates;
+}
+
+bool check_open(const struct check_scene *scene, const struct chunk *chunk, struct check *out,
+                struct error *err)
+{
+    const struct plan *plan = scene->lit->plan;
+    *out = (struct check){.scene = scene, .chunk = chunk};
+    if (!allocate(chunk, out)) {
+        release(out);
+        *out = (struct check){.scene = NULL};
         return error_memory(err);
     }
-    for (size_t i = 0; i < n_hypotheses; i++)
+    for (size_t i = 0; i < chunk->n_candidates + chunk->n_ambiguous; i++)
         out->hypotheses[i] = (struct hypothesis){.alive = true, .band = -1};
     for (size_t i = 0; i < chunk->n_ambiguous; i++)
         out->hypotheses[chunk->n_candidates + i].alive = chunk->ambiguous[i].background;
     out->tight_edges =
-        lit->plan->options.strict || (lit->plan->n_instances > 0 && lit->driver->watertight);
+        plan->options.strict || (plan->n_instances > 0 && scene->lit->driver->watertight);
     return true;
+}
+
+/* What is done with the samples of a pass. */
+struct treatment {
+    void (*stretch)(struct check *check, const struct stretch *stretch);
+    void (*ambiguous)(struct check *check, const struct ambiguous_pixel *pixel, int band,
+                      double seen);
+};
+
+/* Treats the samples of the bands from first_band on. `pixels` is the chunk's first pixel, 4 floats
+ * each, rows `stride` pixels apart. */
+static void treat_pass(struct check *check, const struct treatment *treatment, int first_band,
+                       const float *pixels, size_t stride)
+{
+    const struct chunk *chunk = check->chunk;
+    const size_t width = (size_t)chunk->picture.at.width;
+    const int left = check->scene->lit->plan->n_bands - first_band,
+              n_channels = left < BANDS_PER_PASS ? left : BANDS_PER_PASS;
+    for (size_t y = 0; y < (size_t)chunk->picture.at.height; y++)
+        for (size_t x = 0, n; x<width; x += n> 0 ? n : 1) {
+            n = settled_pixels(chunk, y * width + x, (y + 1) * width);
+            for (int c = 0; c < n_channels && n > 0; c++)
+                treatment->stretch(check, &(struct stretch){y * width + x, n, first_band + c,
+                                                            pixels + (y * stride + x) * 4 + c});
+        }
+    for (size_t i = 0; i < chunk->n_ambiguous; i++) {
+        const struct ambiguous_pixel *pixel = &chunk->ambiguous[i];
+        const size_t at = (size_t)pixel->pixel, x = at % width, y = at / width;
+        for (int c = 0; c < n_channels; c++)
+            treatment->ambiguous(check, pixel, first_band + c,
+                                 (double)pixels[(y * stride + x) * 4 + (size_t)c] * FULL_COUNT);
+    }
+}
+
+void check_pilots(struct check *check, int first_band, const float *pixels, size_t stride)
+{
+    static const struct treatment treatment = {learn_stretch, learn_ambiguous};
+    treat_pass(check, &treatment, first_band, pixels, stride);
 }
 
 void check_pass(struct check *check, int first_band, const float *pixels, size_t stride)
 {
-    const struct chunk *chunk = check->chunk;
-    size_t width = (size_t)chunk->picture.at.width;
-    int n_channels = check->lit->plan->n_bands - first_band;
-    if (n_channels > BANDS_PER_PASS)
-        n_channels = BANDS_PER_PASS;
-    for (size_t y = 0; y < (size_t)chunk->picture.at.height; y++) {
-        size_t row = y * width;
-        for (size_t at = row; at < row + width;) {
-            size_t n = settled_run(chunk, at, row + width);
-            for (int c = 0; c < n_channels && n > 0; c++)
-                judge_run(check, at, n, first_band + c, pixels + (y * stride + (at - row)) * 4 + c);
-            at += n > 0 ? n : 1;
-        }
-    }
-    for (int c = 0; c < n_channels; c++)
-        judge_ambiguous(check, first_band + c, c, pixels, stride);
+    static const struct treatment treatment = {judge_stretch, judge_ambiguous};
+    treat_pass(check, &treatment, first_band, pixels, stride);
 }
 
 void check_close(struct check *check, const struct tile *tile, struct check_verdict *total)
@@ -373,11 +411,9 @@ void check_close(struct check *check, const struct tile *tile, struct check_verd
     for (size_t i = 0; i < check->chunk->n_ambiguous; i++)
         settle(check, i);
     note_floors(check, tile);
-    check->verdict.pixels = count_pixels(check->chunk);
+    check->verdict.pixels = chunk_pixels(check->chunk);
     for (size_t i = 0; i < check->verdict.pixels; i++)
         check->verdict.unexplained += check->failed[i];
     verdict_add(total, &check->verdict);
-    free(check->failed);
-    free(check->floor);
-    free(check->hypotheses);
+    release(check);
 }

@@ -50,14 +50,14 @@ static void count_equal(struct check_samples *samples, const struct block *block
     samples->within_1 += (uint64_t)within_1;
 }
 
-/* Returns whether all differences are at most `factor` times their bounds; NaN is not. */
-static bool are_within(const struct block *block, float factor, size_t all)
+/* Returns whether all values are at most `factor` times their bounds; NaN is not. */
+static bool are_within(const float *values, const float *bounds, float factor, size_t all)
 {
     int above[LANES] = {0};
     int sum = 0;
     for (size_t i = 0; i < all; i += LANES)
         for (size_t k = 0; k < LANES; k++)
-            above[k] |= !(block->difference[i + k] <= factor * block->bound[i + k]);
+            above[k] |= !(values[i + k] <= factor * bounds[i + k]);
     for (size_t k = 0; k < LANES; k++)
         sum |= above[k];
     return sum == 0;
@@ -76,14 +76,15 @@ static void raise_largest(double *largest, const struct block *block, size_t all
 }
 
 /* Looks closer only where a ratio may be larger. */
-static void raise_ratio(double *worst, const struct block *block, size_t all)
+static void raise_ratio(double *worst, const float *values, const float *bounds, size_t n,
+                        size_t all)
 {
-    if (are_within(block, (float)*worst, all))
+    if (are_within(values, bounds, (float)*worst, all))
         return;
-    for (size_t i = 0; i < block->n; i++) {
-        double difference = (double)block->difference[i], bound = (double)block->bound[i];
-        if (difference <= bound && difference > *worst * bound)
-            *worst = difference / bound;
+    for (size_t i = 0; i < n; i++) {
+        double value = (double)values[i], bound = (double)bounds[i];
+        if (value <= bound && value > *worst * bound)
+            *worst = value / bound;
     }
 }
 
@@ -93,8 +94,20 @@ bool samples_compare(struct check_samples *samples, struct block *block)
     differ(samples, block, all);
     count_equal(samples, block);
     raise_largest(&samples->largest, block, all);
-    raise_ratio(&samples->worst_ratio, block, all);
-    return are_within(block, 1, all);
+    raise_ratio(&samples->worst_ratio, block->difference, block->bound, block->n, all);
+    return are_within(block->difference, block->bound, 1, all);
+}
+
+bool samples_compare_fit(struct check_samples *samples, struct block *block)
+{
+    size_t all = fill_lanes(block);
+    for (size_t i = block->n; i < all; i++)
+        block->explained[i] = block->limit[i] = 0;
+    for (size_t i = 0; i < all; i++)
+        block->rest[i] =
+            (float)fabs(block->seen[i] - block->expected[i] - (double)block->explained[i]);
+    raise_ratio(&samples->worst_fit_ratio, block->rest, block->limit, block->n, all);
+    return are_within(block->rest, block->limit, 1, all);
 }
 
 void samples_add(struct check_samples *to, const struct check_samples *from)
@@ -106,6 +119,7 @@ void samples_add(struct check_samples *to, const struct check_samples *from)
     to->sum += from->sum;
     to->sum_of_squares += from->sum_of_squares;
     to->worst_ratio = fmax(to->worst_ratio, from->worst_ratio);
+    to->worst_fit_ratio = fmax(to->worst_fit_ratio, from->worst_fit_ratio);
 }
 
 /* ---- floors ---- */
@@ -151,6 +165,7 @@ void verdict_add(struct check_verdict *to, const struct check_verdict *from)
     samples_add(&to->samples, &from->samples);
     floor_add(&to->floor, &from->floor);
     floor_add(&to->smooth_floor, &from->smooth_floor);
+    floor_add(&to->band_floor, &from->band_floor);
     to->pixels += from->pixels;
     to->ambiguous += from->ambiguous;
     to->unexplained += from->unexplained;

@@ -9,11 +9,12 @@
  * edges in integers. softpipe follows them line by line in single precision, from unmoved corners:
  * start, slope and step round 8 times relative to the largest coordinate. Depth is rounded by the
  * one (a product in single precision, then to the nearest of 2^24 - 1 steps) and truncated by the
- * other. */
+ * other. A plane's value at a pixel rounds at the framebuffer's origin and in two sums; softpipe
+ * adds steps to the pixel's right and lower neighbours. */
 static const struct driver drivers[] = {
-    {"llvmpipe", 1.0 / 512, 0, 1, true, FILL_LEFT_BOTTOM},
-    {"softpipe", 0, 8, 1.5, false, FILL_ANY},
-    {"unknown", 1.0 / 512, 8, 1.5, false, FILL_ANY},
+    {"llvmpipe", 1.0 / 512, 0, 1, 3, true, FILL_LEFT_BOTTOM},
+    {"softpipe", 0, 8, 1.5, 5, false, FILL_ANY},
+    {"unknown", 1.0 / 512, 8, 1.5, 5, false, FILL_ANY},
 };
 
 const struct driver *driver_of(const char *gl_renderer)

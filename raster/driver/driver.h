@@ -13,6 +13,7 @@ struct driver {
     double grid_px;   /* corners are moved to a grid before edges are followed: by up to this */
     double edge_roundings;  /* of the largest window coordinate, while an edge is followed */
     double depth_roundings; /* of a depth of 1, while it is stored: half is a step of 24 bits */
+    double value_roundings; /* of a plane at a pixel, relative to its value there */
     bool watertight;        /* a pixel where triangles meet belongs to exactly one of them */
     enum fill_rule fill_rule;
 };

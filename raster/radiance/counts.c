@@ -2,9 +2,8 @@
 /* Computes the expected sample of a pixel, and stores radiances as counts. A radiance is a sum over
  * terms of weight x spectrum.
  *
- * The bound of a sample, in counts, is the sum over terms of (error of the weight) x spectrum, plus
- * the roundings of the colour sum. raster/bounds/light.c and raster/bounds/plane.c derive the
- * errors of weights. */
+ * The bound of a sample, in counts, is the sum over terms of (error of the weight) x spectrum.
+ * raster/bounds/light.c, raster/bounds/plane.c and raster/candidates/pixel.c derive the errors. */
 #include <float.h>
 #include <math.h>
 #include <string.h>
@@ -12,15 +11,14 @@
 #include "data/tiff/tiff.h"
 #include "raster/radiance/radiance.h"
 
-/* Roundings of a colour: its spectrum in single precision (1), light times material (2), a
- * texture's value and its product (2), the buffer (1); one more for the arithmetic of the bound
- * itself. Each colour and each pass that is added rounds once more. */
-enum { COLOUR_ROUNDINGS = 7 };
 /* In counts, some 10^-25 of full scale. Mesa flushes results below 2^-126 = 1.2e-38 to zero. The
  * set-up of a plane magnifies this error by one over the triangle's area (10^4 at most; smaller
  * triangles are too thin for a bound), by the distance to the framebuffer's origin (2 x 16384), and
  * by a w of up to 2048. There are 4 such steps. */
-static const double flushed = 65535 * 1.2e-38 * 1e4 * 32768 * 2048 * 4;
+double flushed_counts(void)
+{
+    return 65535 * 1.2e-38 * 1e4 * 32768 * 2048 * 4;
+}
 
 /* ---- OpenGL's colour buffer ---- */
 
@@ -71,15 +69,11 @@ static void expect_steps(const struct plan *plan, size_t n, double *expected, fl
     }
 }
 
-/* Adds the roundings of the colour sum to the bounds. A bound that is not finite becomes -1. */
-static void add_roundings(const struct plan *plan, const struct run *run, const double *expected,
-                          float *bound)
+/* Adds what may be flushed to zero. A bound that is not finite becomes -1. */
+static void add_flushed(size_t n, float *bound)
 {
-    double rounding = roundings(COLOUR_ROUNDINGS + run->shaded->n_colours + plan->n_light_groups);
-    for (size_t i = 0; i < run->n; i++) {
-        float whole = bound[i] + (float)(flushed + rounding * fabs(expected[i]));
-        bound[i] = whole <= FLT_MAX ? whole : -1;
-    }
+    for (size_t i = 0; i < n; i++)
+        bound[i] = bound[i] <= FLT_MAX ? bound[i] + (float)flushed_counts() : -1;
 }
 
 void expect_counts(const struct plan *plan, const struct run *run, int band, double full_scale,
@@ -101,7 +95,7 @@ void expect_counts(const struct plan *plan, const struct run *run, int band, dou
         apply_texture(run, band, expected, run->errors ? bound : NULL);
     if (!run->errors)
         return;
-    add_roundings(plan, run, expected, bound);
+    add_flushed(run->n, bound);
     if (buffer_steps(plan) > 0)
         expect_steps(plan, run->n, expected, bound);
 }
@@ -167,8 +161,10 @@ struct odd_samples store_reference(const struct stored_band *band, const struct 
         n = run_length(picture->surface, at, n_pixels);
         memset(counts, 0, n * sizeof *counts);
         if (picture->surface[at] >= 0) {
-            struct run run = {lit->bounds[picture->surface[at]].shaded, picture->rows + at, NULL,
-                              n_pixels, n};
+            struct run run = {.shaded = lit->bounds[picture->surface[at]].shaded,
+                              .rows = picture->rows + at,
+                              .stride = n_pixels,
+                              .n = n};
             expect_counts(band->plan, &run, band->band, band->full_scale, counts, NULL);
         }
         store(band, counts, n, clipping_limit(band->plan), at, &odd);

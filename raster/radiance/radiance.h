@@ -36,9 +36,12 @@ double buffer_rounding(const struct plan *plan);
 struct run {
     const struct shaded_material *shaded;
     const double *rows;
-    const float *errors; /* NULL: no bounds are needed */
+    const float *errors; /* of rows; NULL: no bounds are needed */
+    const float *own;    /* the part of errors that each band rounds by itself */
     size_t stride, n;
 };
+/* What results that OpenGL flushes to zero may add to a sample, in counts. */
+double flushed_counts(void);
 /* Computes the counts of a run in one band, before rounding, and bounds on OpenGL's error if the
  * run has errors. A pixel without a finite bound gets -1: no sample is within it. */
 void expect_counts(const struct plan *plan, const struct run *run, int band, double full_scale,

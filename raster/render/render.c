@@ -3,11 +3,13 @@
  * then draws three bands, checks them and writes them, before the next pass begins. */
 #include <errno.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 #include "data/sampling/sampling.h"
 #include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
+#include "raster/fit/fit.h"
 #include "raster/render/render.h"
 
 struct render_state {
@@ -17,7 +19,10 @@ struct render_state {
     struct stack_writer writer;
     bool writing;
     unsigned char *samples[BANDS_PER_PASS]; /* each has room for one band of a tile */
-    struct check *checks;                   /* one for each chunk of the current tile; NULL: none */
+    struct fit fit;
+    struct check_scene check_scene;
+    struct check *checks;            /* one for each chunk of the current tile; NULL: none */
+    float *pilots[MAX_PILOT_PASSES]; /* OpenGL's pixels of the passes that hold pilots */
     long steps, all_steps;
     double since;                   /* clock_seconds at the last clock_in */
     struct progress_line *progress; /* NULL: none */
@@ -41,8 +46,7 @@ static bool open_checks(struct render_state *state, const struct tile *tile, str
     if (!state->checks)
         return error_memory(err);
     for (int i = 0; i < tile->n_chunks; i++)
-        if (!check_open(&state->lit, &tile->chunks[i], state->result->full_scale, &state->checks[i],
-                        err))
+        if (!check_open(&state->check_scene, &tile->chunks[i], &state->checks[i], err))
             return false;
     if (!gl_identify(state->gl, err))
         return false;
@@ -74,15 +78,50 @@ static int bands_of_pass(const struct plan *plan, int pass)
     return left < BANDS_PER_PASS ? left : BANDS_PER_PASS;
 }
 
-static void check_tile(struct render_state *state, const struct tile *tile, int pass,
-                       const float *pixels)
+/* Has all chunks of a tile look at the pixels of a pass. */
+static void
+look_at_pass(struct render_state *state, const struct tile *tile, int pass, const float *pixels,
+             void (*look)(struct check *check, int first_band, const float *pixels, size_t stride))
 {
     size_t stride = (size_t)state->plan->tile_width;
 #pragma omp parallel for schedule(dynamic) num_threads(state->plan->options.threads)
     for (int i = 0; i < tile->n_chunks; i++) {
         size_t row = (size_t)i * CHUNK_ROWS;
-        check_pass(&state->checks[i], pass * BANDS_PER_PASS, pixels + row * stride * 4, stride);
+        look(&state->checks[i], pass * BANDS_PER_PASS, pixels + row * stride * 4, stride);
     }
+}
+
+/* Draws the passes that hold pilots, and learns from them. Their pixels are kept until their turn.
+ */
+static bool draw_pilots(struct render_state *state, const struct tile *tile, struct error *err)
+{
+    const size_t n = (size_t)state->plan->tile_width * (size_t)state->plan->tile_height * 4;
+    struct render_seconds *seconds = &state->result->seconds;
+    for (int p = 0; p < state->fit.n_passes; p++) {
+        const int pass = state->fit.passes[p];
+        const float *pixels;
+        if (!plan_load_textures(state->plan, pass * BANDS_PER_PASS, err))
+            return false;
+        clock_in(state, &seconds->read);
+        if (!gl_draw(state->gl, pass * BANDS_PER_PASS, state->result->full_scale, &pixels, err))
+            return false;
+        memcpy(state->pilots[p], pixels, n * sizeof *pixels);
+        clock_in(state, &seconds->gl);
+        look_at_pass(state, tile, pass, pixels, check_pilots);
+        clock_in(state, &seconds->check);
+    }
+    return true;
+}
+
+/* Finds OpenGL's pixels of a pass: a pilot's are there, others are drawn. */
+static bool draw_pass(struct render_state *state, int pass, const float **pixels, struct error *err)
+{
+    for (int p = 0; p < state->fit.n_passes; p++)
+        if (state->fit.passes[p] == pass) {
+            *pixels = state->pilots[p];
+            return true;
+        }
+    return gl_draw(state->gl, pass * BANDS_PER_PASS, state->result->full_scale, pixels, err);
 }
 
 /* Stores the samples of a chunk in one band. The chunk begins at `row` of the tile; `pixels` are
@@ -138,12 +177,11 @@ static bool render_pass(struct render_state *state, const struct tile *tile, int
     if (!plan_load_textures(state->plan, pass * BANDS_PER_PASS, err))
         return false;
     clock_in(state, &seconds->read);
-    if (state->gl &&
-        !gl_draw(state->gl, pass * BANDS_PER_PASS, state->result->full_scale, &pixels, err))
+    if (state->gl && !draw_pass(state, pass, &pixels, err))
         return false;
     clock_in(state, &seconds->gl);
     if (state->plan->options.check)
-        check_tile(state, tile, pass, pixels);
+        look_at_pass(state, tile, pass, pixels, check_pass);
     clock_in(state, &seconds->check);
     if (state->writing) {
         count_tile(state, tile, pass, pixels);
@@ -214,6 +252,7 @@ static bool render_tile(void *context, const struct tile *tile, struct error *er
     clock_in(state, &seconds->check);
     done = done && write_map(state, tile, err);
     clock_in(state, &seconds->write);
+    done = done && draw_pilots(state, tile, err);
     for (int pass = 0; done && pass < state->plan->n_passes; pass++)
         done = render_pass(state, tile, pass, err);
     close_checks(state, tile);
@@ -334,6 +373,23 @@ static bool open_stack(struct render_state *state, const char *path, struct erro
     return state->writing;
 }
 
+/* Prepares the check of all bands together. */
+static bool prepare_fit(struct render_state *state, struct error *err)
+{
+    const struct plan *plan = state->plan;
+    const size_t n = (size_t)plan->tile_width * (size_t)plan->tile_height * 4;
+    if (!fit_make(plan, state->result->full_scale, &state->fit, err))
+        return false;
+    for (int p = 0; p < state->fit.n_passes; p++) {
+        state->pilots[p] = malloc(n * sizeof *state->pilots[p]);
+        if (!state->pilots[p])
+            return error_memory(err);
+    }
+    state->check_scene = (struct check_scene){&state->lit, &state->fit, state->result->full_scale};
+    clock_in(state, &state->result->seconds.check);
+    return true;
+}
+
 /* Does everything that comes before the first pixel. */
 static bool prepare(struct render_state *state, struct error *err)
 {
@@ -348,7 +404,7 @@ static bool prepare(struct render_state *state, struct error *err)
     if (!find_full_scale(&state->lit, &result->full_scale, &result->clips, err))
         return false;
     clock_in(state, &result->seconds.raster);
-    return true;
+    return !plan->options.check || prepare_fit(state, err);
 }
 
 bool render_agreed(const struct render_result *result)
@@ -407,6 +463,10 @@ bool render(const struct plan *plan, const struct render_output *output,
         stack_discard(&state.writer); /* keeps a committed stack */
     for (int c = 0; c < BANDS_PER_PASS; c++)
         free(state.samples[c]);
+    for (int p = 0; p < MAX_PILOT_PASSES; p++)
+        free(state.pilots[p]);
+    if (state.fit.plan)
+        fit_free(&state.fit);
     gl_close(state.gl);
     lit_free(&state.lit);
     out->seconds.total = clock_seconds() - start;

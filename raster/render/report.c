@@ -86,9 +86,10 @@ static void print_check(const struct plan *plan, const struct check_verdict *ver
     fprintf(to, "mean residual     %+.6f counts%s\n", mean_residual(samples),
             is_biased(plan, verdict) ? ": OpenGL is biased" : "");
     print_floor("floor            ", &verdict->floor, to);
+    print_floor("  in one band    ", &verdict->band_floor, to);
     print_floor("  smooth interior", &verdict->smooth_floor, to);
-    fprintf(to, "worst error/bound %.3f (depth %.3f)\n", samples->worst_ratio,
-            verdict->worst_depth_ratio);
+    fprintf(to, "worst error/bound %.3f (one band %.3f, depth %.3f)\n", samples->worst_ratio,
+            samples->worst_fit_ratio, verdict->worst_depth_ratio);
     fprintf(to, "pixels            %llu, %llu ambiguous, %llu unbounded\n",
             (unsigned long long)verdict->pixels, (unsigned long long)verdict->ambiguous,
             (unsigned long long)verdict->unbounded);
@@ -147,6 +148,12 @@ static void failure_text(const struct plan *plan, const struct check_failure *fa
     case FAILURE_RADIANCE:
         band_name(plan, failure->band, page);
         snprintf(out, capacity, "at %s OpenGL %.6g, reference %.6g, bound %.3g counts", page,
+                 failure->seen, failure->expected, failure->bound);
+        break;
+    case FAILURE_BANDS:
+        band_name(plan, failure->band, page);
+        snprintf(out, capacity,
+                 "at %s OpenGL %.6g, where the other bands call for %.6g, bound %.3g counts", page,
                  failure->seen, failure->expected, failure->bound);
         break;
     case FAILURE_TRIANGLE:
@@ -280,8 +287,9 @@ static void json_work(struct json *json, const struct plan *plan,
 static void json_failure(struct json *json, const struct plan *plan,
                          const struct check_failure *first)
 {
-    static const char *const kinds[] = {"radiance", "triangle", "depth", "fragments", "unbounded"};
-    const bool has_band = first->kind == FAILURE_RADIANCE;
+    static const char *const kinds[] = {"radiance", "bands",     "triangle",
+                                        "depth",    "fragments", "unbounded"};
+    const bool has_band = first->kind == FAILURE_RADIANCE || first->kind == FAILURE_BANDS;
     const bool has_nm = has_band && !has_components(plan);
     char page[BAND_NAME];
     if (!first->found) {
@@ -323,6 +331,9 @@ static void json_check(struct json *json, const struct plan *plan,
     json_number(json, "worst_depth_error_over_bound", verdict->worst_depth_ratio);
     json_number(json, "floor_median_counts", floor_quantile(&verdict->floor, 0.5));
     json_number(json, "floor_worst_counts", verdict->floor.worst);
+    json_number(json, "band_floor_median_counts", floor_quantile(&verdict->band_floor, 0.5));
+    json_number(json, "band_floor_999_counts", floor_quantile(&verdict->band_floor, 0.999));
+    json_number(json, "band_floor_worst_counts", verdict->band_floor.worst);
     json_count(json, "smooth_pixels", verdict->smooth_floor.n);
     json_number(json, "smooth_floor_median_counts", floor_quantile(&verdict->smooth_floor, 0.5));
     json_number(json, "smooth_floor_999_counts", floor_quantile(&verdict->smooth_floor, 0.999));

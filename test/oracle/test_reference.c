@@ -9,7 +9,7 @@
 
 #include "data/maths/maths.h"
 #include "data/scene/scene.h"
-#include "raster/bounds/bounds.h"
+#include "raster/setup/setup.h"
 #include "raster/candidates/candidates.h"
 #include "raster/driver/driver.h"
 #include "raster/plan/plan.h"

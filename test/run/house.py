@@ -31,8 +31,8 @@ ROOMS = """
     data/base data/maths data/text data/options data/spectra data/colour data/mesh data/tiff
     data/pages data/material data/scene data/terms data/method data/sampling data/invocation
     data/record data/stack data/chart data/develop data/compare data/probe data/catalogue
-    raster/reference raster/plan raster/driver raster/bounds raster/candidates raster/radiance
-    raster/gl raster/check raster/render raster/inspect raster/cost raster/view
+    raster/reference raster/plan raster/driver raster/bounds raster/setup
+    raster/candidates raster/radiance raster/fit raster/gl raster/check raster/render raster/inspect raster/cost raster/view
     """.split()
 CORE = "raster/reference"
 CORE_MAY_INCLUDE = {CORE, "data/maths"}

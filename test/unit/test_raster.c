@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "data/maths/maths.h"
-#include "raster/bounds/bounds.h"
+#include "raster/setup/setup.h"
 #include "raster/check/check.h"
 #include "raster/driver/driver.h"
 #include "raster/reference/reference.h"
@@ -182,7 +182,10 @@ static void check_bounds(double size, double depth_range, const char *name)
     double worst = 0;
     int bounded = 0;
     for (int i = 0; i < TRIANGLES; i++) {
-        struct clipped_triangle clipped = {.reach_x = 1025, .reach_y = 1025};
+        struct clipped_triangle clipped = {.reach_x = 1025,
+                                           .reach_y = 1025,
+                                           .value_roundings =
+                                               driver_of("llvmpipe")->value_roundings};
         double values[3], cx = random_in(&state, 100, 900), cy = random_in(&state, 100, 900);
         float x[3], y[3], w[3], v[3];
         for (int c = 0; c < 3; c++) {
@@ -197,7 +200,7 @@ static void check_bounds(double size, double depth_range, const char *name)
         }
         /* corners, w and values are rounded once: 2^-24 relative */
         for (int c = 0; c < 3; c++)
-            clipped.slack_px[c] = roundings(1024);
+            clipped.slack_px[c] = clipped.moved_px[c] = roundings(1024);
         clipped.slack.w = roundings(2);
         bound_inverse_w(&clipped);
         /* the pixel at the centre of gravity */
@@ -211,7 +214,8 @@ static void check_bounds(double size, double depth_range, const char *name)
         struct colour_bound of_d = clipped.inverse_w_bound;
         double d = inverse_w_at(&clipped, px, py), least = d - (of_d.fixed + of_d.per_d * d);
         worst = fmax(worst, error / clipped.magnification /
-                                (bound.constant + (bound.fixed + bound.per_d * d) / least));
+                                (bound.constant + bound.own_constant +
+                                 (bound.fixed + bound.own_fixed + bound.per_d * d) / least));
         bounded++;
     }
     CHECK(bounded > TRIANGLES / 2, "%s: most triangles have a bound at their middle pixel", name);

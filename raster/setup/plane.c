@@ -12,7 +12,7 @@
  * grow with the distance to the origin. */
 #include <math.h>
 
-#include "raster/bounds/bounds.h"
+#include "raster/setup/setup.h"
 
 /* Edge vectors and what follows from them. Edge i runs from corner i to corner i + 1. */
 struct edges {
@@ -45,10 +45,11 @@ static struct edges edges_of(const struct clipped_triangle *triangle)
     edges.width = most_of(triangle->x) - least_of(triangle->x) + 1;
     edges.height = most_of(triangle->y) - least_of(triangle->y) + 1;
     edges.e_area = roundings(3 * (fabs(e) + fabs(f)) / edges.twice_area + 2);
-    double worst = most_of(triangle->slack_px), change = 8 * worst * worst, perimeter = 0;
+    double change = 0, perimeter = 0;
     for (int i = 0; i < 3; i++) { /* a corner moves the area by the length of the edge opposite */
-        double length = fabs(edges.dx[i]) + fabs(edges.dy[i]);
-        change += triangle->slack_px[(i + 2) % 3] * length;
+        double length = fabs(edges.dx[i]) + fabs(edges.dy[i]),
+               moved = triangle->moved_px[(i + 2) % 3], other = triangle->moved_px[i];
+        change += moved * length + 2 * moved * other;
         perimeter += length;
     }
     edges.thinness = change / edges.twice_area;
@@ -78,32 +79,56 @@ static double norm(struct gradient g)
     return fabs(g.x) + fabs(g.y);
 }
 
-/* Roundings of a plane through q: each gradient is a difference of two products over the area (5
- * roundings of its terms, and the area's own), used over the extent of the triangle; the plane's
- * value at the framebuffer's origin and its evaluation round 6 times relative to the distance from
- * there and 4 times relative to the value itself. */
-static double plane_rounding(const struct clipped_triangle *triangle, const struct edges *edges,
-                             const double q[3])
+/* Bounds on the roundings of a plane: those that all attributes share, and those of this one. */
+struct plane_rounding {
+    double common, own;
+};
+
+/* Roundings of a plane through q, but for those relative to its value at the pixel.
+ * A gradient is a difference of two products, each of a step of q and an edge over the area. Edges
+ * and area are computed once for all attributes: 2 roundings of each product, and the area's own.
+ * An attribute rounds its steps and products (2 of each product), the difference and its scaling
+ * (2). Gradients act over the extent of the triangle.
+ * With X and Y for the parts of the plane's value that grow with x and y from the framebuffer's
+ * origin, the value at the origin rounds X, Y, X + Y and itself; the evaluation rounds X, Y and the
+ * sum of two of the three parts: 2 X + 3 Y + 2 (X + Y). A corner's coordinates round once, for all
+ * attributes. y may run either way. */
+static struct plane_rounding plane_rounding(const struct clipped_triangle *triangle,
+                                            const struct edges *edges, const double q[3])
 {
     struct gradient g = gradient_of(edges, q);
-    double terms_x = 0, terms_y = 0;
-    for (int i = 0; i < 3; i++) {
-        double step = fabs(q[(i + 1) % 3] - q[i]);
-        terms_x += step * fabs(edges->dy[i]) / edges->twice_area;
-        terms_y += step * fabs(edges->dx[i]) / edges->twice_area;
-    }
-    return roundings(5) * (terms_x * edges->width + terms_y * edges->height) +
-           edges->e_area * (fabs(g.x) * edges->width + fabs(g.y) * edges->height) +
-           roundings(6) * (fabs(g.x) * triangle->reach_x + fabs(g.y) * triangle->reach_y) +
-           roundings(4) * largest(q);
+    double terms = 0, across = fabs(g.x) * triangle->reach_x, up = fabs(g.y) * triangle->reach_y;
+    for (int i = 0; i < 3; i++)
+        terms += fabs(q[(i + 1) % 3] - q[i]) *
+                 (fabs(edges->dy[i]) * edges->width + fabs(edges->dx[i]) * edges->height) /
+                 edges->twice_area;
+    double extent = fabs(g.x) * edges->width + fabs(g.y) * edges->height;
+    return (struct plane_rounding){
+        .common = roundings(2) * terms + edges->e_area * extent + roundings(1) * (across + up),
+        .own = roundings(2) * (terms + extent) + roundings(4) * across + roundings(5) * up};
+}
+
+/* True in a parallel view: w is 1, and neither products nor divisions by it round. */
+static bool is_parallel(const struct clipped_triangle *triangle)
+{
+    const double *d = triangle->inverse_w;
+    return d[0] == 1 && d[1] == 1 && d[2] == 1;
+}
+
+/* Roundings of D's plane relative to its value at the pixel. */
+static double inverse_w_roundings(const struct clipped_triangle *triangle)
+{
+    return is_parallel(triangle) ? 0 : roundings(triangle->value_roundings);
 }
 
 double bound_linear(const struct clipped_triangle *triangle, const double values[3],
                     double e_values)
 {
     struct edges edges = edges_of(triangle);
+    struct plane_rounding rounding = plane_rounding(triangle, &edges, values);
     return most_of(triangle->slack_px) * edges.spread * norm(gradient_of(&edges, values)) +
-           e_values * edges.spread + plane_rounding(triangle, &edges, values);
+           e_values * edges.spread + rounding.common + rounding.own +
+           roundings(triangle->value_roundings) * largest(values) * edges.spread;
 }
 
 /* The sum of |l_i| slack_px of corner i, without the part that grows with D: the sum of l_i / w_i
@@ -114,26 +139,36 @@ static double fixed_slack(const struct clipped_triangle *triangle, const struct 
            edges->slack_per_d * (edges->spread - 1) * largest(triangle->inverse_w);
 }
 
+/* Bounds the error of D, but for its part relative to D. */
+static double inverse_w_error(const struct clipped_triangle *triangle, const struct edges *edges)
+{
+    struct plane_rounding rounding = plane_rounding(triangle, edges, triangle->inverse_w);
+    return rounding.common + rounding.own;
+}
+
 void bound_inverse_w(struct clipped_triangle *triangle)
 {
     struct edges edges = edges_of(triangle);
     double slope = norm(gradient_of(&edges, triangle->inverse_w)),
-           fixed = slope * fixed_slack(triangle, &edges) +
-                   plane_rounding(triangle, &edges, triangle->inverse_w),
+           fixed = slope * fixed_slack(triangle, &edges) + inverse_w_error(triangle, &edges),
+           per_d = slope * edges.slack_per_d + inverse_w_roundings(triangle),
            magnification = HUGE_VAL;
     /* beyond, second-order terms would no longer be small */
     if (edges.thinness <= 0.75 && edges.e_area <= 0.25)
         magnification = 1.001 / ((1 - edges.thinness) * (1 - edges.e_area));
     triangle->magnification = magnification;
-    triangle->inverse_w_bound = (struct colour_bound){
-        .fixed = fixed * magnification, .per_d = slope * edges.slack_per_d * magnification};
+    triangle->inverse_w_bound =
+        (struct colour_bound){.fixed = fixed * magnification, .per_d = per_d * magnification};
 }
 
+/* The corners' products a / w round once each. Inside the triangle their errors, interpolated, are
+ * relative to a value between theirs. So are the roundings of a plane that are relative to its own
+ * value, of N and of D. The division rounds twice. */
 struct colour_bound bound_colour(const struct clipped_triangle *triangle, const double values[3])
 {
     struct edges edges = edges_of(triangle);
-    const double *d = triangle->inverse_w;
-    double n[3], slope = 0, range = 0, value = largest(values);
+    const double *d = triangle->inverse_w, products = is_parallel(triangle) ? 0 : 3;
+    double n[3], slope = 0, range = 0, value = largest(values), beyond = edges.spread - 1;
     for (int i = 0; i < 3; i++) {
         n[i] = values[i] * d[i];
         range = fmax(range, fabs(values[i] - values[(i + 1) % 3]));
@@ -142,11 +177,14 @@ struct colour_bound bound_colour(const struct clipped_triangle *triangle, const 
     for (int i = 0; i < 3; i++) /* linear in r, so largest at a corner's value */
         slope = fmax(slope,
                      norm((struct gradient){g_n.x - values[i] * g_d.x, g_n.y - values[i] * g_d.y}));
+    struct plane_rounding of_n = plane_rounding(triangle, &edges, n);
     return (struct colour_bound){
         .slope = slope,
-        .constant = triangle->slack.w * range + roundings(2) * value,
+        .constant = triangle->slack.w * range + inverse_w_roundings(triangle) * value,
         .per_d = slope * edges.slack_per_d,
-        .fixed = slope * fixed_slack(triangle, &edges) + roundings(1) * largest(n) +
-                 triangle->slack.w * range * (edges.spread - 1) * largest(d) +
-                 plane_rounding(triangle, &edges, n) + value * plane_rounding(triangle, &edges, d)};
+        .fixed = slope * fixed_slack(triangle, &edges) +
+                 triangle->slack.w * range * beyond * largest(d) + of_n.common +
+                 value * inverse_w_error(triangle, &edges),
+        .own_constant = roundings(products + triangle->value_roundings) * value,
+        .own_fixed = of_n.own + roundings(1 + triangle->value_roundings) * beyond * largest(n)};
 }

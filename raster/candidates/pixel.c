@@ -1,0 +1,333 @@
+/* SPDX-License-Identifier: MIT */
+/* A triangle at a pixel: the attributes that the reference computes there, and bounds on OpenGL's
+ * errors. An error is common to all bands where geometry makes it: positions, lighting, 1 / w and
+ * places in a texture are computed once for all of them. Each band's own roundings come on top. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "data/maths/maths.h"
+#include "data/tiff/tiff.h"
+#include "raster/candidates/candidates.h"
+#include "raster/plan/plan.h"
+
+/* Bound on OpenGL's error in one attribute of a clipped triangle: see bound_colour. */
+struct attribute_bound {
+    float constant, fixed, per_d, own_constant, own_fixed, slope;
+};
+
+struct bounded_pixel {
+    const struct fragments *fragments;
+    const struct bounded_triangle *triangle;
+    const struct surface *surface;
+    const struct shaded_material *shaded;
+    const float *corner[3], *provoking; /* errors of the triangle's vertices */
+    double *attributes;                 /* these five arrays have room for any surface */
+    float *common, *interpolation;      /* errors that bands have in common; their second part */
+    float *own, *slopes;                /* of a band by itself; change within a pixel's width */
+    struct texel_point place; /* in its texture, and the value there unless the texture is varied */
+    double value;
+    struct attribute_bound *bounds; /* [clipped triangle][max_attributes], computed when needed */
+    bool *bounded;                  /* [clipped triangle] */
+    size_t max_attributes;          /* of any surface */
+};
+
+struct bounded_pixel *pixel_open(const struct fragments *fragments)
+{
+    size_t most = (size_t)fragments->lit->plan->max_rows + 2, n_clipped = fragments->n_clipped;
+    struct bounded_pixel *out = malloc(sizeof *out);
+    if (!out)
+        return NULL;
+    *out = (struct bounded_pixel){.fragments = fragments,
+                                  .max_attributes = most,
+                                  .bounds = calloc(n_clipped * most + 1, sizeof *out->bounds),
+                                  .bounded = calloc(n_clipped + 1, sizeof *out->bounded),
+                                  .attributes = malloc(most * sizeof *out->attributes),
+                                  .common = malloc(4 * most * sizeof *out->common)};
+    if (!out->bounds || !out->bounded || !out->attributes || !out->common) {
+        pixel_close(out);
+        return NULL;
+    }
+    out->interpolation = out->common + most;
+    out->own = out->common + 2 * most;
+    out->slopes = out->common + 3 * most;
+    return out;
+}
+
+void pixel_close(struct bounded_pixel *pixel)
+{
+    if (!pixel)
+        return;
+    free(pixel->bounds);
+    free(pixel->bounded);
+    free(pixel->attributes);
+    free(pixel->common);
+    free(pixel);
+}
+
+/* ---- bounds of attributes ---- */
+
+/* Returns whether an attribute is constant over a triangle. Flat shading takes the weights of one
+ * vertex; texture coordinates still vary. */
+static bool is_flat(const struct bounded_pixel *pixel, size_t attribute)
+{
+    return pixel->fragments->lit->plan->view.shading == FLAT &&
+           attribute < (size_t)pixel->surface->instance->n_terms;
+}
+
+/* A cut starts at the end of the edge that is nearer to the plane, and adds at most half of the
+ * edge's difference, which is rounded and multiplied: 2 roundings of half the largest value, and
+ * one of the sum. */
+enum { CUT_ROUNDINGS = 2 };
+
+/* The values of an attribute at the corners of a clipped triangle. */
+struct corner_values {
+    double at[3], largest; /* largest: of any vertex of the whole triangle */
+};
+
+/* Cuts the values at the vertices: the reference's weights, or the part of a group of lights. */
+static struct corner_values cut_values(const struct bounded_pixel *pixel,
+                                       const struct clipped_triangle *clipped, size_t attribute,
+                                       const float *parts)
+{
+    const struct screen_triangle *screen = &pixel->triangle->screen;
+    const struct surface *surface = pixel->surface;
+    struct corner_values out = {.largest = 0};
+    for (int j = 0; j < 3; j++) {
+        size_t at = surface_attributes(surface, screen->vertex[j], screen->side) + attribute;
+        double value = parts ? (double)parts[at] : surface->weights[at];
+        for (int c = 0; c < 3; c++)
+            out.at[c] += clipped->share[c][j] * value;
+        out.largest = fmax(out.largest, fabs(value));
+    }
+    return out;
+}
+
+/* Sums the roundings of the groups of lights: each is a picture of its own, and gradients that
+ * cancel in the sum of the pictures do not cancel in their roundings. */
+static void add_groups(const struct bounded_pixel *pixel, const struct clipped_triangle *clipped,
+                       size_t attribute, struct colour_bound *out)
+{
+    const struct plan *plan = pixel->fragments->lit->plan;
+    const struct surface_bounds *bounds =
+        bounds_of(pixel->fragments->lit, &pixel->triangle->screen);
+    out->own_constant = out->own_fixed = 0;
+    for (int group = 0; group < plan->n_light_groups; group++) {
+        const float *parts = group_weights(pixel->surface, bounds, group);
+        struct corner_values values = cut_values(pixel, clipped, attribute, parts);
+        struct colour_bound bound = bound_colour(clipped, values.at);
+        out->own_constant += bound.own_constant;
+        out->own_fixed += bound.own_fixed;
+    }
+}
+
+/* True if the attribute is a weight that several groups of lights add to. */
+static bool is_grouped(const struct bounded_pixel *pixel, size_t attribute)
+{
+    const struct instance *instance = pixel->surface->instance;
+    return pixel->fragments->lit->plan->n_light_groups > 1 &&
+           attribute < (size_t)instance->n_terms &&
+           instance->terms[attribute].reflection != CONSTANT;
+}
+
+/* Bounds the error of one attribute in one clipped triangle: the error of its interpolation, and
+ * the amount by which position errors magnify the errors of its vertices. In a triangle without a
+ * bound the bound is the range of the attribute's values. */
+static struct colour_bound clipped_bound(const struct bounded_pixel *pixel,
+                                         const struct clipped_triangle *clipped, size_t attribute)
+{
+    const struct corner_values values = cut_values(pixel, clipped, attribute, NULL);
+    const double magnification = clipped->magnification;
+    double e_vertex = 0, e_cut = roundings(CUT_ROUNDINGS * clipped->cuts) * values.largest;
+    for (int j = 0; j < 3; j++)
+        e_vertex = fmax(e_vertex, (double)pixel->corner[j][attribute]);
+    if (!(magnification < HUGE_VAL))
+        return (struct colour_bound){.constant = most_of(values.at) - least_of(values.at)};
+    struct colour_bound bound = bound_colour(clipped, values.at);
+    if (is_grouped(pixel, attribute))
+        add_groups(pixel, clipped, attribute, &bound);
+    bound.constant = magnification * bound.constant + (magnification - 1) * e_vertex;
+    bound.fixed *= magnification;
+    bound.per_d *= magnification;
+    bound.own_constant = magnification * (bound.own_constant + e_cut);
+    bound.own_fixed *= magnification;
+    return bound;
+}
+
+/* Returns the bounds of all attributes in clipped triangle `index` of the pixel's triangle. */
+static const struct attribute_bound *attribute_bounds(struct bounded_pixel *pixel, int32_t index)
+{
+    size_t at = (size_t)(pixel->triangle->first_clipped + index);
+    struct attribute_bound *bounds = pixel->bounds + at * pixel->max_attributes;
+    for (size_t a = 0; a < (size_t)pixel->surface->n_attributes && !pixel->bounded[at]; a++) {
+        struct colour_bound bound = {.constant = 0};
+        if (!is_flat(pixel, a))
+            bound = clipped_bound(pixel, &pixel->fragments->clipped[at], a);
+        bounds[a] = (struct attribute_bound){(float)bound.constant,  (float)bound.fixed,
+                                             (float)bound.per_d,     (float)bound.own_constant,
+                                             (float)bound.own_fixed, (float)bound.slope};
+    }
+    pixel->bounded[at] = true;
+    return bounds;
+}
+
+/* Raises the interpolation's errors and the slopes to those of one clipped triangle. */
+static void raise_bounds(struct bounded_pixel *pixel, int32_t index, double inverse_w)
+{
+    const struct colour_bound *of_d =
+        &pixel->fragments->clipped[pixel->triangle->first_clipped + index].inverse_w_bound;
+    const struct attribute_bound *bounds = attribute_bounds(pixel, index);
+    /* a fragment is loose if 1 / w may not be positive */
+    double least = inverse_w * (1 - of_d->per_d) - of_d->fixed;
+    float over = least > 0 ? (float)(1 / least) : 0, d = (float)inverse_w;
+    for (size_t a = 0; a < (size_t)pixel->surface->n_attributes; a++) {
+        float common = bounds[a].constant + over * (bounds[a].fixed + d * bounds[a].per_d),
+              own = bounds[a].own_constant + over * bounds[a].own_fixed;
+        pixel->interpolation[a] = fmaxf(pixel->interpolation[a], common);
+        pixel->own[a] = fmaxf(pixel->own[a], own);
+        pixel->slopes[a] = fmaxf(pixel->slopes[a], bounds[a].slope / d);
+    }
+}
+
+/* Adds to the errors of the pixel the largest bound of the clipped triangles there, and notes the
+ * largest slopes. */
+static void add_bounds(struct bounded_pixel *pixel, double inverse_w, double px, double py)
+{
+    size_t n_attributes = (size_t)pixel->surface->n_attributes;
+    unsigned clipped =
+        pixel->triangle->n_clipped == 1 ? 1 : clipped_at(pixel->fragments, pixel->triangle, px, py);
+    for (size_t a = 0; a < n_attributes; a++)
+        pixel->interpolation[a] = pixel->own[a] = pixel->slopes[a] = 0;
+    for (int32_t i = 0; i < pixel->triangle->n_clipped; i++)
+        if (clipped >> i & 1)
+            raise_bounds(pixel, i, inverse_w);
+    for (size_t a = 0; a < n_attributes; a++)
+        pixel->common[a] += pixel->interpolation[a];
+}
+
+/* Makes a triangle the pixel's. Neighbouring pixels mostly show the same triangle, so this is
+ * called rarely. */
+static void take_triangle(struct bounded_pixel *pixel, const struct bounded_triangle *triangle)
+{
+    const struct screen_triangle *screen = &triangle->screen;
+    const struct surface *surface = screen->surface;
+    const struct surface_bounds *bounds = bounds_of(pixel->fragments->lit, screen);
+    const float *errors = bounds->errors;
+    pixel->triangle = triangle;
+    pixel->surface = surface;
+    pixel->shaded = bounds->shaded;
+    for (int j = 0; j < 3; j++)
+        pixel->corner[j] = errors + surface_attributes(surface, screen->vertex[j], screen->side);
+    pixel->provoking = errors + surface_attributes(surface, screen->provoking, screen->side);
+}
+
+/* Interpolates the errors of the vertices as the attributes are interpolated. */
+static void interpolate_errors(struct bounded_pixel *pixel, const double share[3])
+{
+    const float *const *corner = pixel->corner;
+    for (size_t a = 0; a < (size_t)pixel->surface->n_attributes; a++) {
+        double error = 0;
+        for (int j = 0; j < 3; j++)
+            error += fabs(share[j]) * (double)corner[j][a];
+        pixel->common[a] = is_flat(pixel, a) ? pixel->provoking[a] : (float)error;
+    }
+}
+
+void pixel_bound(struct bounded_pixel *pixel, const struct bounded_triangle *triangle, int x, int y,
+                 bool weights_matter)
+{
+    const struct screen_triangle *screen = &triangle->screen;
+    const struct instance *instance = screen->surface->instance;
+    struct light_work none = {0};
+    double share[3], inverse_w = shares_at(screen, x + 0.5, y + 0.5, share);
+    if (pixel->triangle != triangle)
+        take_triangle(pixel, triangle);
+    if (weights_matter || instance->textured)
+        shade(&pixel->fragments->lit->plan->view, screen, share, pixel->attributes, &none);
+    interpolate_errors(pixel, share);
+    add_bounds(pixel, inverse_w, x + 0.5, y + 0.5);
+    if (!instance->textured)
+        return;
+    float e_place[2];
+    for (int i = 0; i < 2; i++)
+        e_place[i] = pixel->common[instance->n_terms + i] + pixel->own[instance->n_terms + i];
+    pixel->place = texel_point(&instance->texels, pixel->attributes + instance->n_terms, e_place);
+}
+
+/* ---- textures ---- */
+
+void pixel_take_place(struct bounded_pixel *pixel, const struct texel_point *place)
+{
+    const struct instance *instance = pixel->surface->instance;
+    pixel->place = *place;
+    pixel->value =
+        instance->textured && !instance->varied ? texel_at(&instance->texels, place->place) : 1;
+}
+
+/* Neighbouring texels of a spectral texture may differ by the texture's largest value. */
+double pixel_steepness(const struct bounded_pixel *pixel)
+{
+    const struct instance *instance = pixel->surface->instance;
+    const struct spectral_term *terms = pixel->shaded->made.terms;
+    double step = 0, whole = 0;
+    for (int t = 0; t < instance->n_terms; t++)
+        step += (double)pixel->slopes[t] * terms[t].peak;
+    if (!instance->textured)
+        return step;
+    for (int t = 0; t < instance->n_terms; t++)
+        whole += pixel->attributes[t] * terms[t].peak;
+    struct texel_point near = pixel->place;
+    near.e_place[0] = pixel->slopes[instance->n_terms] * (float)instance->texels.width;
+    near.e_place[1] = pixel->slopes[instance->n_terms + 1] * (float)instance->texels.height;
+    double largest = pixel->shaded->texture->largest;
+    if (instance->varied)
+        return (step + whole * (double)(near.e_place[0] + near.e_place[1])) * largest;
+    return step * pixel->value + whole * texel_error(&instance->texels, &near, largest);
+}
+
+void pixel_weights(const struct bounded_pixel *pixel, double *rows)
+{
+    put_rows(pixel->surface->instance, pixel->attributes, pixel->place.place, rows, 1);
+}
+
+/* Roundings of a colour: its spectrum in single precision (1), weight times spectrum (1), and a
+ * texture's value and its product (2); two more for the arithmetic of the bound itself. Materials
+ * are white, so that their products are exact. Each colour and each pass that is added rounds once.
+ */
+static double colour_rounding(const struct bounded_pixel *pixel)
+{
+    return roundings(4 + 2 * pixel->surface->instance->textured + pixel->shaded->n_colours +
+                     pixel->fragments->lit->plan->n_light_groups);
+}
+
+/* A texture that is the same in all bands has one value for all of them, error included. */
+void pixel_errors(const struct bounded_pixel *pixel, const double *rows, size_t stride,
+                  float *errors, float *own)
+{
+    const struct instance *instance = pixel->surface->instance;
+    const size_t n_terms = (size_t)instance->n_terms;
+    const double rounding = colour_rounding(pixel);
+    double e_value = 0;
+    if (instance->textured && !instance->varied)
+        e_value = texel_error(&instance->texels, &pixel->place, pixel->shaded->texture->largest);
+    for (size_t t = 0; t < n_terms; t++) {
+        double largest = pixel->value + e_value, common = (double)pixel->common[t] * largest;
+        if (instance->textured)
+            common += fabs(pixel->attributes[t]) * e_value;
+        double alone =
+            (double)pixel->own[t] * largest + rounding * (fabs(rows[t * stride]) + common);
+        errors[t * stride] = (float)(common + alone);
+        own[t * stride] = (float)alone;
+    }
+    for (size_t i = 0; i < 2 && instance->varied; i++) {
+        errors[(n_terms + i) * stride] = pixel->place.e_place[i];
+        own[(n_terms + i) * stride] = 0;
+    }
+}
+
+int pixel_choices(const struct bounded_pixel *pixel, struct texel_point out[TEXEL_CHOICES])
+{
+    out[0] = pixel->place;
+    return pixel->surface->instance->textured
+               ? texel_choices(&pixel->surface->instance->texels, &pixel->place, out)
+               : 1;
+}

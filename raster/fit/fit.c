@@ -1,0 +1,227 @@
+/* SPDX-License-Identifier: MIT */
+/* Gains and bounds of each material, and what they say of a run of pixels. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/tiff/tiff.h"
+#include "raster/fit/fit.h"
+
+/* A pilot that explains nearly all of itself says nothing. */
+static const double most_of_itself = 0.96875;
+
+/* ---- a material ---- */
+
+/* The pilots of a material, while its bounds are computed. */
+struct pilots {
+    const struct fit *fit;
+    const struct shaded_material *shaded;
+    struct material_fit *out;
+    int n, band[MAX_PILOTS];
+};
+
+static float *at(const struct pilots *of, float *table, int term, int band)
+{
+    return &table[(size_t)term * (size_t)of->fit->plan->n_bands + (size_t)band];
+}
+
+/* Computes the gains of least squares: covariance x spectra / rounding^2, with the covariance after
+ * all pilots. False: no memory. */
+static bool make_gains(const struct pilots *of, int material)
+{
+    struct knowledge known;
+    const int n = of->shaded->n_terms;
+    bool done = knowledge_begin(of->fit, material, &known);
+    for (int k = 0; k < of->n && done; k++)
+        knowledge_add(&known, of->band[k]);
+    for (int k = 0; k < of->n && done; k++) {
+        double rounding = band_rounding(&known, of->band[k]);
+        for (int i = 0; i < n && rounding > 0; i++) {
+            double sum = 0;
+            for (int j = 0; j < n; j++)
+                sum +=
+                    known.covariance[i * n + j] * (double)*at(of, of->out->spectra, j, of->band[k]);
+            of->out->gains[k * n + i] = (float)(sum / (rounding * rounding));
+        }
+    }
+    knowledge_free(&known);
+    return done;
+}
+
+/* What the pilots explain of a band: h of each, and the sum of |S_tb g_tk|, which its roundings are
+ * relative to. */
+struct influence {
+    double h[MAX_PILOTS], size[MAX_PILOTS], sum;
+    int itself; /* the pilot that is this band; -1: none */
+};
+
+static struct influence influence_on(const struct pilots *of, int band)
+{
+    struct influence out = {.itself = -1};
+    for (int k = 0; k < of->n; k++) {
+        for (int t = 0; t < of->shaded->n_terms; t++) {
+            double part = (double)*at(of, of->out->spectra, t, band) *
+                          (double)of->out->gains[k * of->shaded->n_terms + t];
+            out.h[k] += part;
+            out.size[k] += fabs(part);
+        }
+        out.sum += fabs(out.h[k]);
+        if (of->band[k] == band)
+            out.itself = k;
+    }
+    return out;
+}
+
+/* The estimate is a sum over pilots in single precision, and so is what it explains. */
+enum { ESTIMATE_ROUNDINGS = MAX_PILOTS + 8 };
+
+static void bound_band(const struct pilots *of, int band)
+{
+    struct influence by = influence_on(of, band);
+    double kept = by.itself < 0 ? 1 : 1 - by.h[by.itself];
+    bool fitted = by.sum > 0 && kept >= 1 - most_of_itself;
+    of->out->scale[band] = fitted ? (float)(1 / kept) : 0;
+    of->out->flushed[band] = (float)(flushed_counts() * (1 + by.sum));
+    for (int t = 0; t < of->shaded->n_terms; t++) {
+        double s = (double)*at(of, of->out->spectra, t, band), own = s * fabs(kept), rest = s,
+               rounding = 0;
+        for (int k = 0; k < of->n; k++) {
+            double of_pilot = (double)*at(of, of->out->spectra, t, of->band[k]);
+            own += k == by.itself ? 0 : fabs(by.h[k]) * of_pilot;
+            rest -= by.h[k] * of_pilot;
+            rounding += by.size[k] * of_pilot;
+        }
+        *at(of, of->out->own, t, band) = (float)own;
+        *at(of, of->out->rest, t, band) =
+            (float)(fabs(rest) + roundings(ESTIMATE_ROUNDINGS) * (s + rounding));
+    }
+}
+
+static bool allocate(const struct fit *fit, const struct shaded_material *shaded,
+                     struct material_fit *out)
+{
+    size_t n_terms = (size_t)shaded->n_terms, n_bands = (size_t)fit->plan->n_bands;
+    out->spectra = calloc(n_terms * n_bands + 1, sizeof *out->spectra);
+    out->own = calloc(n_terms * n_bands + 1, sizeof *out->own);
+    out->rest = calloc(n_terms * n_bands + 1, sizeof *out->rest);
+    out->gains = calloc(n_terms * MAX_PILOTS + 1, sizeof *out->gains);
+    out->flushed = calloc(n_bands, sizeof *out->flushed);
+    out->scale = calloc(n_bands, sizeof *out->scale);
+    return out->spectra && out->own && out->rest && out->gains && out->flushed && out->scale;
+}
+
+static bool fit_material(const struct fit *fit, int material)
+{
+    const struct shaded_material *shaded = &fit->plan->materials[material];
+    struct pilots of = {.fit = fit, .shaded = shaded, .out = &fit->materials[material]};
+    if (shaded->texture && shaded->texture->spectral)
+        return true;
+    for (int p = 0; p < fit->n_passes; p++)
+        for (int c = 0; c < BANDS_PER_PASS; c++)
+            if (fit->passes[p] * BANDS_PER_PASS + c < fit->plan->n_bands)
+                of.band[of.n++] = fit->passes[p] * BANDS_PER_PASS + c;
+    if (!make_gains(&of, material))
+        return false;
+    for (int band = 0; band < fit->plan->n_bands; band++)
+        bound_band(&of, band);
+    return true;
+}
+
+/* ---- all materials ---- */
+
+static bool make_spectra(struct fit *fit, double full_scale)
+{
+    const struct plan *plan = fit->plan;
+    for (int m = 0; m < plan->n_materials; m++) {
+        const struct shaded_material *shaded = &plan->materials[m];
+        if (!allocate(fit, shaded, &fit->materials[m]))
+            return false;
+        for (size_t i = 0; i < (size_t)shaded->n_terms * (size_t)plan->n_bands; i++)
+            fit->materials[m].spectra[i] =
+                (float)(shaded->made.spectra[i] / full_scale * FULL_COUNT);
+    }
+    return true;
+}
+
+bool fit_make(const struct plan *plan, double full_scale, struct fit *out, struct error *err)
+{
+    *out = (struct fit){.plan = plan,
+                        .materials = calloc((size_t)plan->n_materials + 1, sizeof *out->materials)};
+    bool done = out->materials && make_spectra(out, full_scale) &&
+                (buffer_steps(plan) > 0 || pilots_choose(out));
+    for (int m = 0; m < plan->n_materials && done && out->n_passes > 0; m++)
+        done = fit_material(out, m);
+    return done || error_memory(err);
+}
+
+void fit_free(struct fit *fit)
+{
+    for (int m = 0; fit->materials && m < fit->plan->n_materials; m++) {
+        struct material_fit *material = &fit->materials[m];
+        free(material->spectra);
+        free(material->own);
+        free(material->rest);
+        free(material->gains);
+        free(material->flushed);
+        free(material->scale);
+    }
+    free(fit->materials);
+    *fit = (struct fit){.plan = NULL};
+}
+
+bool fit_has_pilots(const struct fit *fit, int pass)
+{
+    for (int p = 0; p < fit->n_passes; p++)
+        if (fit->passes[p] == pass)
+            return true;
+    return false;
+}
+
+/* ---- a run of pixels ---- */
+
+static const struct material_fit *material_of(const struct fit *fit, const struct run *run)
+{
+    return &fit->materials[run->shaded - fit->plan->materials];
+}
+
+/* The number of a pilot band: see struct material_fit. */
+static size_t pilot_of(const struct fit *fit, int band)
+{
+    size_t p = 0;
+    while (fit->passes[p] != band / BANDS_PER_PASS)
+        p++;
+    return p * BANDS_PER_PASS + (size_t)(band % BANDS_PER_PASS);
+}
+
+void fit_add(const struct fit *fit, const struct run *run, int band, const double *difference,
+             float *estimate)
+{
+    const size_t n_terms = (size_t)run->shaded->n_terms;
+    const float *gains = material_of(fit, run)->gains + pilot_of(fit, band) * n_terms;
+    for (size_t t = 0; t < n_terms; t++)
+        for (size_t i = 0; i < run->n; i++)
+            estimate[t * run->stride + i] += gains[t] * (float)difference[i];
+}
+
+double fit_explain(const struct fit *fit, const struct run *run, int band, const float *estimate,
+                   float *explained, float *limit)
+{
+    const struct material_fit *material = material_of(fit, run);
+    const size_t n_bands = (size_t)fit->plan->n_bands, n_terms = (size_t)run->shaded->n_terms;
+    if (!(material->scale[band] > 0))
+        return 0;
+    for (size_t i = 0; i < run->n; i++) {
+        explained[i] = 0;
+        limit[i] = material->flushed[band];
+    }
+    for (size_t t = 0; t < n_terms; t++) {
+        const size_t at = t * n_bands + (size_t)band, row = t * run->stride;
+        const float spectrum = material->spectra[at], own = material->own[at],
+                    rest = material->rest[at];
+        for (size_t i = 0; i < run->n; i++) {
+            explained[i] += estimate[row + i] * spectrum;
+            limit[i] += run->own[row + i] * own + run->errors[row + i] * rest;
+        }
+    }
+    return (double)material->scale[band];
+}

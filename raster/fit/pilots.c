@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: MIT */
+/* Chooses the pilots. What is known of the errors of weights is a covariance V; a band narrows it
+ * as one measurement does (Kalman 1960): with a for the band's spectra and r for its roundings, the
+ * product of the standard deviations shrinks by the square root of 1 + a V a / r^2. Pass by pass,
+ * the one is taken that narrows the errors of all materials most. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "raster/fit/fit.h"
+
+/* Before any band is seen, a weight may be off by this many times its own roundings. The number
+ * only steers the choice of pilots and gains: the bounds hold for every gain. */
+static const double prior = 1024;
+/* A further pass is worth its memory if it narrows the errors of some material by a fifth. */
+static const double worthwhile = 1.25;
+
+/* ---- what is known ---- */
+
+bool knowledge_begin(const struct fit *fit, int material, struct knowledge *out)
+{
+    const size_t n = (size_t)fit->plan->materials[material].n_terms;
+    *out = (struct knowledge){.material = &fit->materials[material],
+                              .n_terms = (int)n,
+                              .n_bands = fit->plan->n_bands,
+                              .covariance = calloc(n * n + 1, sizeof *out->covariance),
+                              .moved = calloc(n + 1, sizeof *out->moved)};
+    for (size_t i = 0; i < n && out->covariance; i++)
+        out->covariance[i * n + i] = prior * prior;
+    return out->covariance && out->moved;
+}
+
+void knowledge_free(struct knowledge *knowledge)
+{
+    free(knowledge->covariance);
+    free(knowledge->moved);
+}
+
+static double in_band(const struct knowledge *of, int term, int band)
+{
+    return (double)of->material->spectra[(size_t)term * (size_t)of->n_bands + (size_t)band];
+}
+
+double band_rounding(const struct knowledge *knowledge, int band)
+{
+    double sum = 0;
+    for (int t = 0; t < knowledge->n_terms; t++)
+        sum += in_band(knowledge, t, band);
+    return sum;
+}
+
+double knowledge_add(struct knowledge *knowledge, int band)
+{
+    const int n = knowledge->n_terms;
+    const double rounding = band_rounding(knowledge, band), noise = rounding * rounding;
+    double signal = 0;
+    if (!(noise > 0))
+        return 0;
+    for (int i = 0; i < n; i++) {
+        knowledge->moved[i] = 0;
+        for (int j = 0; j < n; j++)
+            knowledge->moved[i] += knowledge->covariance[i * n + j] * in_band(knowledge, j, band);
+        signal += knowledge->moved[i] * in_band(knowledge, i, band);
+    }
+    for (int i = 0; i < n; i++)
+        for (int j = 0; j < n; j++)
+            knowledge->covariance[i * n + j] -=
+                knowledge->moved[i] * knowledge->moved[j] / (noise + signal);
+    return 0.5 * log1p(signal / noise);
+}
+
+/* ---- pilots ---- */
+
+/* The state of the choice. */
+struct choice {
+    struct fit *fit;
+    struct knowledge *known; /* of each material, from the passes chosen so far */
+    double *saved;           /* room for the largest covariance */
+};
+
+static double add_pass(const struct fit *fit, struct knowledge *known, int pass)
+{
+    double narrowed = 0;
+    for (int band = pass * BANDS_PER_PASS;
+         band < (pass + 1) * BANDS_PER_PASS && band < fit->plan->n_bands; band++)
+        narrowed += knowledge_add(known, band);
+    return narrowed;
+}
+
+/* Returns by how much a pass would narrow the errors of all materials; *most: of one of them. */
+static double worth_of(struct choice *choice, int pass, double *most)
+{
+    double sum = 0;
+    for (int m = 0; m < choice->fit->plan->n_materials; m++) {
+        struct knowledge *known = &choice->known[m];
+        size_t size = (size_t)known->n_terms * (size_t)known->n_terms * sizeof *known->covariance;
+        memcpy(choice->saved, known->covariance, size);
+        double narrowed = add_pass(choice->fit, known, pass);
+        memcpy(known->covariance, choice->saved, size);
+        sum += narrowed;
+        *most = fmax(*most, narrowed);
+    }
+    return sum;
+}
+
+/* Adds the pass that is worth most. Returns false where none is worth its memory. */
+static bool choose_pass(struct choice *choice)
+{
+    struct fit *fit = choice->fit;
+    double largest = 0;
+    int best = -1;
+    for (int pass = 0; pass < fit->plan->n_passes; pass++) {
+        double most = 0, worth = fit_has_pilots(fit, pass) ? 0 : worth_of(choice, pass, &most);
+        if (worth > largest && most > log(worthwhile)) {
+            largest = worth;
+            best = pass;
+        }
+    }
+    if (best < 0)
+        return false;
+    for (int m = 0; m < fit->plan->n_materials; m++)
+        add_pass(fit, &choice->known[m], best);
+    fit->passes[fit->n_passes++] = best;
+    return fit->n_passes < MAX_PILOT_PASSES;
+}
+
+static int compare_passes(const void *a, const void *b)
+{
+    const int *first = a, *second = b;
+    return *first - *second;
+}
+
+bool pilots_choose(struct fit *fit)
+{
+    const int n_materials = fit->plan->n_materials;
+    size_t most = 0;
+    struct choice choice = {.fit = fit,
+                            .known = calloc((size_t)n_materials + 1, sizeof *choice.known)};
+    bool done = choice.known != NULL;
+    for (int m = 0; m < n_materials && done; m++) {
+        size_t n = (size_t)fit->plan->materials[m].n_terms;
+        most = n > most ? n : most;
+        done = knowledge_begin(fit, m, &choice.known[m]);
+    }
+    choice.saved = malloc(most * most * sizeof *choice.saved + 1);
+    done = done && choice.saved;
+    while (done && choose_pass(&choice))
+        ;
+    qsort(fit->passes, (size_t)fit->n_passes, sizeof *fit->passes, compare_passes);
+    for (int m = 0; m < n_materials && choice.known; m++)
+        knowledge_free(&choice.known[m]);
+    free(choice.known);
+    free(choice.saved);
+    return done;
+}

@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: MIT */
+/* Triangles as OpenGL sets them up: clipped at the tile's border and in depth, fanned, and
+ * interpolated through planes, with bounds on its errors there. "slack" bounds a position. */
+#ifndef SETUP_H
+#define SETUP_H
+
+#include "raster/bounds/bounds.h"
+#include "raster/driver/driver.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "spectral.h"
+
+/* ---- plane.c: inside a triangle that OpenGL sets up ---- */
+
+/* The bound of a value interpolated with perspective: constant + (fixed + per_d D) / (D - e). D is
+ * 1 / w at the pixel; e = fixed + per_d D is D's own bound, and less than D. This error is common
+ * to all bands. A band's own roundings add up to own_constant + own_fixed / (D - e) at most. */
+struct colour_bound {
+    double constant, fixed, per_d, own_constant, own_fixed;
+    double slope; /* over D a bound on the value's own change from pixel to pixel */
+};
+/* A triangle as OpenGL sets it up for interpolation, after clipping. */
+struct clipped_triangle {
+    double x[3], y[3], z[3], inverse_w[3], share[3][3]; /* as of struct screen_triangle */
+    double slack_px[3];      /* of each corner in x and y, off the plane of interpolated values */
+    double moved_px[3];      /* how far each may be from its place, in this plane, too */
+    int cuts;                /* how many made a corner, at most */
+    double grid_px;          /* by how much OpenGL's edges are off its corners */
+    double value_roundings;  /* of struct driver */
+    struct slack slack;      /* of any corner */
+    double reach_x, reach_y; /* largest coordinates of a pixel, from OpenGL's origin */
+    double magnification;    /* of all bounds, by thinness; HUGE_VAL: too thin for any bound */
+    struct colour_bound inverse_w_bound; /* of D; magnified */
+};
+void bound_inverse_w(struct clipped_triangle *triangle); /* sets the last two members */
+/* Bounds a value interpolated linearly in the window (depth), with corners off by e_values. */
+double bound_linear(const struct clipped_triangle *triangle, const double values[3],
+                    double e_values);
+struct colour_bound bound_colour(const struct clipped_triangle *triangle, const double values[3]);
+
+/* ---- triangle.c: a triangle as it lies in a tile ---- */
+
+/* A part of a triangle in front of the eye, with the bounds that hold for all of it. */
+struct bounded_triangle {
+    struct screen_triangle screen;    /* cut by planes that single precision may reach */
+    bool other_side;                  /* the same place once more, for its other side */
+    bool edge_on;                     /* OpenGL may see it turned the other way */
+    bool cut;                         /* by the near or the far plane */
+    bool straddles;                   /* OpenGL cuts it at the tile's border */
+    int32_t first_clipped, n_clipped; /* what OpenGL sets up for it, in the list of a chunk */
+    struct slack slack;               /* of any corner, as OpenGL interpolates */
+    double edge_px[3];  /* of each corner as OpenGL follows edges; 0: without any error */
+    double depth_error; /* of the depth at a pixel, off thin triangles; HUGE_VAL: none */
+};
+/* A part with the n_clipped triangles that OpenGL sets up for it: itself, or what clipping at the
+ * tile's border and in depth makes of its whole triangle, fanned from the first corner. */
+struct triangle_part {
+    struct bounded_triangle bounded;
+    struct clipped_triangle clipped[CLIP_CORNERS - 2];
+};
+/* Two planes cut at most two corners off; a triangle seen edge-on shows either side. */
+enum { TRIANGLE_PARTS = 2 * SCREEN_TRIANGLES };
+/* Finds the parts of one triangle of a surface that reach `rows`, which are a part of the tile.
+ * Returns how many. */
+int triangle_parts(const struct lit_scene *lit, int surface, int triangle,
+                   const struct rectangle *tile, const struct rectangle *rows,
+                   struct triangle_part out[TRIANGLE_PARTS]);
+
+/* ---- inside this room ---- */
+
+/* ---- polygon.c: what clipping makes of a triangle, with the errors that it makes ---- */
+
+/* A corner of a polygon. OpenGL's corner lies on the same edge of its triangle, but perhaps not at
+ * the same place there: the cut depends on how far the ends of the edge are from the plane. Values
+ * that are interpolated keep their plane when a corner slides in the plane of the triangle. */
+struct cut_corner {
+    double e[3]; /* of clip coordinates, off the plane of the triangle: CLIP_XY, CLIP_Z, CLIP_W */
+    double slide[3]; /* of the same, in the plane of the triangle */
+    double off;      /* distance from the planes that cut it */
+    int planes;      /* those that cut it: bit i for plane i */
+    int cuts;        /* how many made it; 0: a corner of the triangle */
+    int whole;       /* 0..2: that corner; -1: it was made by a cut */
+};
+struct polygon {
+    int n;
+    struct corner corner[CLIP_CORNERS];
+    struct cut_corner cut[CLIP_CORNERS];
+};
+/* Finds the planes in Mesa's order: right, left, top, bottom of the tile, then near, far. The last
+ * two are widened by what single precision may be off there, so that no possible pixel is lost;
+ * near not so far that w = 0 comes in. That limit loses no pixel: see check_near in vertex.c. */
+void clip_planes(const struct lit_scene *lit, const struct screen_triangle *screen,
+                 const struct rectangle *tile, struct clip_plane planes[CLIP_PLANES]);
+/* Clips the whole triangle by all planes. Its corners come in the order in which OpenGL gets them,
+ * which decides how it fans the polygon. */
+struct polygon polygon_of(const struct lit_scene *lit, const struct screen_triangle *screen,
+                          const struct rectangle *tile);
+/* The bounds of a corner that is not cut, and of any corner: off the plane of its triangle; and how
+ * far a corner may be from its place in the window, in this plane, too. */
+const struct vertex_bounds *vertex_bounds(const struct lit_scene *lit,
+                                          const struct screen_triangle *screen, int corner);
+struct slack whole_slack(const struct lit_scene *lit, const struct screen_triangle *screen,
+                         int corner);
+struct slack polygon_slack(const struct lit_scene *lit, const struct screen_triangle *screen,
+                           const struct polygon *polygon, int i);
+double moved_px(const struct lit_scene *lit, const struct screen_triangle *screen,
+                const struct polygon *polygon, int i);
+
+#endif
