@@ -8,8 +8,8 @@ test_packages='gcc clang libomp-dev lld wasi-libc libclang-rt-dev-wasm32 wabt pe
 at_once=2                                               # tests that run at the same time
 longest='portable cost scenes random_scenes hard static' # these begin first, so that no processor waits at the end
 # The mutant is the program with a fault in this file: its bounds on colours are a thousand times too wide.
-mutated=raster/radiance/counts.c
-mutation='s/whole = bound\[i\]/whole = 1000 * bound[i]/'
+mutated=raster/candidates/pixel.c
+mutation='s/(float)(common + alone)/(float)(1000 * (common + alone))/; s/(float)alone/(float)(1000 * alone)/'
 . raster/gl/static.sh
 
 needs_gl() {

@@ -36,10 +36,10 @@ struct slack {
 };
 /* From clip coordinates, in a picture of twice half_width and half_height pixels. */
 struct slack window_slack(const struct bounded clip[4], double half_width, double half_height);
-enum { CLIP_XY, CLIP_Z, CLIP_W };
+enum { CLIP_X, CLIP_Y, CLIP_Z, CLIP_W };
 struct vertex_bounds {
     float slack_px, slack_depth, slack_w; /* struct slack */
-    float e_clip[3];                      /* of clip coordinates: CLIP_XY, CLIP_Z, CLIP_W */
+    float e_clip[4];                      /* of clip coordinates, CLIP_X to CLIP_W */
     bool exact; /* x and y have no error, and lie on a grid of 1/256 pixel */
 };
 struct surface_bounds {

@@ -57,7 +57,8 @@ static void bound_place(const struct plan *plan, const double magnitude[4],
                  e_x = unit * (magnitude[0] + shift * magnitude[3]),
                  e_y = unit * (magnitude[1] + shift * magnitude[3]), e_z = unit * magnitude[2],
                  e_w = perspective ? roundings(EYE_ROUNDINGS) * magnitude[3] : 0;
-    out->e_clip[CLIP_XY] = (float)fmax(e_x, e_y);
+    out->e_clip[CLIP_X] = (float)e_x;
+    out->e_clip[CLIP_Y] = (float)e_y;
     out->e_clip[CLIP_Z] = (float)e_z;
     out->e_clip[CLIP_W] = (float)e_w;
     if (!(clip[3] > 0))
@@ -184,7 +185,7 @@ static double least_w(const struct surface *surface, const struct surface_bounds
     int n = 3;
     for (int i = 0; i < 3; i++) {
         const float *e_clip = bounds->vertices[vertex[i]].e_clip;
-        offset = fmax(offset, 2 * (double)(e_clip[CLIP_XY] + e_clip[CLIP_W]));
+        offset = fmax(offset, 2 * (double)(fmaxf(e_clip[CLIP_X], e_clip[CLIP_Y]) + e_clip[CLIP_W]));
     }
     whole_corners(surface, vertex, corners[0]);
     for (int p = 0; p < 4 && n > 0; p++) {

@@ -55,8 +55,8 @@ static void learn(const struct check *check, const struct run *run, int band, st
         fit_add(check->scene->fit, run, band, difference, estimates);
 }
 
-/* Compares the samples of a run with what is expected, and with what the other bands say. Returns
- * false where one is outside of a bound. */
+/* Compares the samples of a run with the reference, and with the weights that the other bands call
+ * for. Returns false where one is outside of a bound. */
 static bool compare(const struct check *check, const struct run *run, int band,
                     const float *estimates, struct check_samples *samples, struct block *block)
 {
@@ -69,7 +69,7 @@ static bool compare(const struct check *check, const struct run *run, int band,
     return within && fits;
 }
 
-/* Returns whether sample i of a block is outside of a bound; *failure says of which. */
+/* Returns whether sample i of a block is outside of a bound; *failure names the bound. */
 static bool is_outside(const struct block *block, size_t i, int band, struct check_failure *failure)
 {
     *failure = (struct check_failure){.kind = FAILURE_RADIANCE,
@@ -362,7 +362,7 @@ bool check_open(const struct check_scene *scene, const struct chunk *chunk, stru
     return true;
 }
 
-/* What is done with the samples of a pass. */
+/* Functions that treat the samples of a pass. */
 struct treatment {
     void (*stretch)(struct check *check, const struct stretch *stretch);
     void (*ambiguous)(struct check *check, const struct ambiguous_pixel *pixel, int band,

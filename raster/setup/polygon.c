@@ -38,20 +38,34 @@ static double plane_distance(const struct clip_plane *plane, const double clip[4
            plane->normal[3] * clip[3] + plane->offset;
 }
 
-/* Bounds the error that OpenGL makes in a corner's distance from a plane, a sum of four products,
- * and that of the corner's place in it. The offset is only ours. */
+/* Returns a corner's distance from a plane, with a bound on OpenGL's error in it: of the corner's
+ * place, and of the sum of four products. A tile's clip space is shifted by at most w, which comes
+ * into the sum. The offset is only ours. */
 static struct bounded corner_distance(const struct clip_plane *plane, const double clip[4],
                                       const struct cut_corner *cut, double *rounding)
 {
-    static const int coordinate[4] = {CLIP_XY, CLIP_XY, CLIP_Z, CLIP_W};
-    struct bounded out = {plane_distance(plane, clip), fabs(plane->offset)};
-    *rounding = 0;
+    struct bounded out = {fabs(plane_distance(plane, clip)), fabs(plane->offset)};
+    *rounding = roundings(4) * fabs(clip[CLIP_W]);
     for (int i = 0; i < 4; i++) {
         *rounding += roundings(4) * fabs(plane->normal[i] * clip[i]);
-        out.error += fabs(plane->normal[i]) * (cut->e[coordinate[i]] + cut->slide[coordinate[i]]);
+        out.error += fabs(plane->normal[i]) * cut->e[i];
+    }
+    for (int v = 0; v < cut->n_slides && v < SLIDES; v++) {
+        const double *slide = cut->slides[v], *n = plane->normal;
+        out.error += fabs(n[0] * slide[0] + n[1] * slide[1] + n[2] * slide[2] + n[3] * slide[3]);
     }
     out.error += *rounding;
     return out;
+}
+
+/* Adds the slides of a corner, times a factor. */
+static void add_slides(struct cut_corner *to, const double slides[][4], int n, double factor)
+{
+    for (int v = 0; v < n; v++) {
+        for (int i = 0; i < 4 && to->n_slides < SLIDES; i++)
+            to->slides[to->n_slides][i] = factor * slides[v][i];
+        to->n_slides += to->n_slides <= SLIDES;
+    }
 }
 
 /* Finds the errors of a corner that a cut makes between corners a and b. OpenGL starts at the end
@@ -62,28 +76,27 @@ static struct cut_corner cut_edge(const struct clip_plane *plane, const struct p
 {
     const double *p = from->corner[a].clip, *q = from->corner[b].clip;
     const struct cut_corner *of_p = &from->cut[a], *of_q = &from->cut[b];
-    double rounding_p, rounding_q;
+    double rounding_p, rounding_q, rounded = 0;
     const struct bounded at_p = corner_distance(plane, p, of_p, &rounding_p),
                          at_q = corner_distance(plane, q, of_q, &rounding_q);
-    const double apart = fabs(at_p.value) + fabs(at_q.value),
-                 t = apart > 0 ? fabs(at_p.value) / apart : 0, *near = t < 0.5 ? p : q,
+    const double apart = at_p.value + at_q.value, t = apart > 0 ? at_p.value / apart : 0,
                  error = (1 - t) * at_p.error + t * at_q.error,
                  e_t = apart > 2 * error ? error / (apart - error) + roundings(2) : 1;
-    struct cut_corner out = {.off = (1 - t) * rounding_p + t * rounding_q,
-                             .cuts = 1 + (of_p->cuts > of_q->cuts ? of_p->cuts : of_q->cuts),
+    struct cut_corner out = {.cuts = 1 + (of_p->cuts > of_q->cuts ? of_p->cuts : of_q->cuts),
                              .planes = of_p->planes & of_q->planes,
                              .whole = -1};
-    double rounded = 0;
+    const double edge[1][4] = {{q[0] - p[0], q[1] - p[1], q[2] - p[2], q[3] - p[3]}};
+    add_slides(&out, of_p->slides, of_p->n_slides, 1 - t);
+    add_slides(&out, of_q->slides, of_q->n_slides, t);
+    add_slides(&out, edge, 1, e_t);
     for (int i = 0; i < 4; i++) {
-        const int k = i < 2 ? CLIP_XY : i == 2 ? CLIP_Z : CLIP_W;
-        double rounding = roundings(1) * (2 * fabs(clip[i] - near[i]) + fabs(clip[i])),
-               e = (1 - t) * of_p->e[k] + t * of_q->e[k] + rounding,
-               slide = (1 - t) * of_p->slide[k] + t * of_q->slide[k] + e_t * fabs(q[i] - p[i]);
-        out.e[k] = fmax(out.e[k], e);
-        out.slide[k] = fmax(out.slide[k], slide);
+        double step = fabs(clip[i] - (t < 0.5 ? p[i] : q[i])),
+               rounding = roundings(1) * (2 * step + fabs(clip[i]));
+        out.e[i] = (1 - t) * of_p->e[i] + t * of_q->e[i] + rounding;
         rounded += rounding;
     }
-    out.off = fmax(out.off, (1 - t) * of_p->off + t * of_q->off) + rounded;
+    out.off =
+        fmax((1 - t) * rounding_p + t * rounding_q, (1 - t) * of_p->off + t * of_q->off) + rounded;
     return out;
 }
 
@@ -131,7 +144,7 @@ struct polygon polygon_of(const struct lit_scene *lit, const struct screen_trian
         const float *e_clip = vertex_bounds(lit, screen, corner)->e_clip;
         out.corner[i] = whole[corner];
         out.cut[i] = (struct cut_corner){.whole = corner};
-        for (int k = 0; k < 3; k++)
+        for (int k = 0; k < 4; k++)
             out.cut[i].e[k] = (double)e_clip[k];
     }
     clip_planes(lit, screen, tile, planes);
@@ -145,13 +158,13 @@ struct polygon polygon_of(const struct lit_scene *lit, const struct screen_trian
 /* The slack of a corner whose clip coordinates have these errors. A tile's clip space is shifted
  * against the picture's by at most w. */
 static struct slack corner_slack(const struct lit_scene *lit, const double clip[4],
-                                 const double e[3])
+                                 const double e[4])
 {
-    const double half = 0.5 * fmax(lit->plan->scene->width, lit->plan->scene->height), w = clip[3];
-    const struct bounded xy = {fmax(fabs(clip[0]), fabs(clip[1])),
-                               e[CLIP_XY] + lit->plan->tiled * e[CLIP_W]};
-    const struct bounded bounded[4] = {xy, xy, {w, e[CLIP_Z]}, {w, e[CLIP_W]}}; /* |z| <= w */
-    return window_slack(bounded, half, half);
+    const struct plan *plan = lit->plan;
+    struct bounded bounded[4];
+    for (int i = 0; i < 4; i++)
+        bounded[i] = (struct bounded){clip[i], e[i] + (i < CLIP_Z && plan->tiled ? e[CLIP_W] : 0)};
+    return window_slack(bounded, 0.5 * plan->scene->width, 0.5 * plan->scene->height);
 }
 
 struct slack polygon_slack(const struct lit_scene *lit, const struct screen_triangle *screen,
@@ -162,17 +175,31 @@ struct slack polygon_slack(const struct lit_scene *lit, const struct screen_tria
                            : corner_slack(lit, polygon->corner[i].clip, cut->e);
 }
 
-/* How far a corner may be from its place in the window. A corner of the tile, made by a side and by
- * the top or the bottom, is fixed by both, however far the triangle's corners are off. */
+/* Bounds how far a corner slides in the window; HUGE_VAL: anywhere. */
+static double slide_px(const struct lit_scene *lit, const double clip[4],
+                       const struct cut_corner *cut)
+{
+    const double half[2] = {0.5 * lit->plan->scene->width, 0.5 * lit->plan->scene->height};
+    double sums[2] = {0, 0}, of_w = 0;
+    for (int v = 0; v < cut->n_slides && v < SLIDES; v++) {
+        const double *slide = cut->slides[v];
+        for (int i = 0; i < 2; i++)
+            sums[i] += fabs(slide[i] - clip[i] / clip[3] * slide[3]);
+        of_w += fabs(slide[3]);
+    }
+    return cut->n_slides <= SLIDES && of_w < clip[3]
+               ? fmax(half[0] * sums[0], half[1] * sums[1]) / (clip[3] - of_w)
+               : HUGE_VAL;
+}
+
+/* A corner of the tile, made by a side and by the top or the bottom, is fixed by both, however far
+ * the triangle's corners are off. */
 double moved_px(const struct lit_scene *lit, const struct screen_triangle *screen,
                 const struct polygon *polygon, int i)
 {
     const struct cut_corner *cut = &polygon->cut[i];
-    double e[3], slack_px = polygon_slack(lit, screen, polygon, i).px;
-    if (cut->whole >= 0)
-        return slack_px;
-    const bool fixed = (cut->planes & 3) != 0 && (cut->planes & 12) != 0;
-    for (int k = 0; k < 3; k++)
-        e[k] = fixed ? (k == CLIP_XY) * cut->off : cut->e[k] + cut->slide[k];
-    return fmax(slack_px * !fixed, corner_slack(lit, polygon->corner[i].clip, e).px);
+    const double *clip = polygon->corner[i].clip, off[4] = {cut->off, cut->off, 0, 0};
+    if (cut->whole < 0 && (cut->planes & 3) != 0 && (cut->planes & 12) != 0)
+        return corner_slack(lit, clip, off).px;
+    return polygon_slack(lit, screen, polygon, i).px + slide_px(lit, clip, cut);
 }

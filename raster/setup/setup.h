@@ -73,13 +73,15 @@ int triangle_parts(const struct lit_scene *lit, int surface, int triangle,
 /* A corner of a polygon. OpenGL's corner lies on the same edge of its triangle, but perhaps not at
  * the same place there: the cut depends on how far the ends of the edge are from the plane. Values
  * that are interpolated keep their plane when a corner slides in the plane of the triangle. */
+enum { SLIDES = 8 };
 struct cut_corner {
-    double e[3]; /* of clip coordinates, off the plane of the triangle: CLIP_XY, CLIP_Z, CLIP_W */
-    double slide[3]; /* of the same, in the plane of the triangle */
-    double off;      /* distance from the planes that cut it */
-    int planes;      /* those that cut it: bit i for plane i */
-    int cuts;        /* how many made it; 0: a corner of the triangle */
-    int whole;       /* 0..2: that corner; -1: it was made by a cut */
+    double e[4];              /* of clip coordinates, off the plane of the triangle */
+    double slides[SLIDES][4]; /* it may be off by any part, up to all, of each of these vectors */
+    int n_slides;             /* SLIDES + 1: too many */
+    double off;               /* distance from the planes that cut it */
+    int planes;               /* those that cut it: bit i for plane i */
+    int cuts;                 /* how many made it; 0: a corner of the triangle */
+    int whole;                /* 0..2: that corner; -1: it was made by a cut */
 };
 struct polygon {
     int n;
