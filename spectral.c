@@ -102,9 +102,15 @@ static const struct option known_options[] = {
      TEXT(buffer), .choices = buffers},
     {"--no-check", "does not cross-check", FOR_RENDER | RECORDED, FLAG(no_check)},
     {"--strict",
-     "requires a bound for every pixel, and that no fragment is\n"
-     "lost or doubled where triangles meet",
+     "like --unchecked 0; also requires that no fragment is lost\n"
+     "or doubled where triangles meet",
      FOR_RENDER | RECORDED, FLAG(strict)},
+    {"--unchecked SHARE",
+     "the part of object pixels that may stay unchecked, from 0 to\n1 (default: 0.01)",
+     FOR_RENDER | RECORDED, TEXT(unchecked)},
+    {"--check-map FILE.tif",
+     "writes what the check can see at each pixel, and its verdict\nthere, as float pages",
+     FOR_RENDER, TEXT(check_map)},
     {"--keep", "stores the stack even if the check fails", FOR_RENDER, FLAG(keep)},
     {"--full-scale R", "radiance of count 65535 (default: the largest)", FOR_RENDER | RECORDED,
      NUMBER(full_scale), .lowest = 1e-300, .highest = 1e300},

@@ -81,10 +81,10 @@ struct options {
     char *recorded[MAX_RECORDED]; /* "NAME=VALUE" of each RECORDED option; owned */
     int n_recorded;
     char *named_output; /* of options_name_output; owned */
-    const char *output, *json, *again, *map, *csv_file, *svg_file;
+    const char *output, *json, *again, *map, *check_map, *csv_file, *svg_file;
     const char *renderer, *buffer, *depth, *bits; /* one of their choices */
     const char *sampling, *detector, *white, *adaptation, *display, *exposure;
-    const char *tolerance, *budget;
+    const char *tolerance, *budget, *unchecked;
     double full_scale;
     int threads, runs;
     bool xyz, lab, csv, svg, no_check, strict, keep, quiet, help;

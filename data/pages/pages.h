@@ -70,6 +70,25 @@ bool picture_write(struct picture_writer *writer, const void *samples, int rows,
 bool picture_commit(struct picture_writer *writer, struct error *err);
 void picture_discard(struct picture_writer *writer); /* safe after commit */
 
+/* ---- planes.c: float pages with names ---- */
+
+struct planes_options {
+    int width, height, n;
+    const char *const *names; /* of the n pages */
+    const char *description;  /* ASCII */
+};
+/* A file of these pages, filled in rectangles of any order. planes_commit lets it appear. */
+bool planes_open(struct pages *out, const char *path, const struct planes_options *options,
+                 struct error *err);
+/* Writes the samples of a rectangle, row by row without gaps. */
+struct plane_rectangle {
+    int page, x, y, width, height;
+};
+bool planes_write(const struct pages *pages, const struct plane_rectangle *to, const float *samples,
+                  struct error *err);
+bool planes_commit(struct pages *pages, struct error *err);
+void planes_discard(struct pages *pages); /* safe after commit */
+
 /* ---- Inside this room ---- */
 
 uint64_t pages_row_bytes(const struct pages *pages);

@@ -141,14 +141,16 @@ static void keep_term(struct terms_maker *maker, enum term_kind kind, int light)
     const struct spectral_pages *pages = &maker->illumination->pages;
     const size_t n = (size_t)pages->n, length = (size_t)product_length(pages);
     double *spectrum = maker->out->spectra + (size_t)maker->out->n * n;
-    struct spectral_term term = {kind, light, 0};
+    struct spectral_term term = {.kind = kind, .light = light};
     if (pages->of_products)
         analyse(pages, maker->row, spectrum);
     else
         memcpy(spectrum, maker->row, n * sizeof *spectrum);
     memset(maker->row, 0, length * sizeof *maker->row);
-    for (int i = 0; i < pages->n; i++)
+    for (int i = 0; i < pages->n; i++) {
         term.peak = fmax(term.peak, spectrum[i]);
+        term.mean += spectrum[i] / pages->n;
+    }
     maker->out->terms[maker->out->n++] = term;
 }
 

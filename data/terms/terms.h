@@ -79,7 +79,7 @@ enum term_kind {
 struct spectral_term {
     enum term_kind kind;
     int light;   /* index of the first light of its spectrum; -1: none */
-    double peak; /* the largest value of its spectrum on a page */
+    double peak, mean; /* of its spectrum on all pages: the largest value, and the mean of them */
 };
 /* The terms of a material. Lights of one spectrum share their terms, and terms that are 0 on all
  * pages are left out. */

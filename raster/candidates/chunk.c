@@ -57,14 +57,18 @@ static bool add_candidates(struct bounding *bounding, const struct fragment *fra
             return false;
         pixel_take_place(bounding->pixel, &choices[i]);
         pixel_weights(bounding->pixel, out->candidate_rows + first);
-        pixel_errors(bounding->pixel, out->candidate_rows + first, 1, out->candidate_errors + first,
-                     out->candidate_own + first);
+        struct mean_bound mean =
+            pixel_errors(bounding->pixel, out->candidate_rows + first, 1,
+                         out->candidate_errors + first, out->candidate_own + first);
+        if (fragment->loose)
+            mean.cause = fragment->depth_error < HUGE_VAL ? CAUSE_FAR : CAUSE_THIN;
         out->candidates[out->n_candidates++] = (struct candidate){
             .surface = (int32_t)(triangle->screen.surface - bounding->fragments.lit->surfaces),
             .triangle = triangle->screen.triangle,
             .depth = (float)fragment->depth,
             .depth_error = stored_depth_error(fragment->depth_error, fragment->depth),
             .loose = fragment->loose,
+            .mean = mean,
             .first = first};
         out->n_numbers += n_rows;
     }
@@ -134,8 +138,8 @@ static bool settle(struct bounding *bounding, size_t index, int x, int y)
     pixel_take_place(bounding->pixel, &choices[0]);
     out->depth_error[index] = stored_depth_error(triangle->depth_error, out->picture.depth[index]);
     out->steepness[index] = (float)pixel_steepness(bounding->pixel);
-    pixel_errors(bounding->pixel, out->picture.rows + index, n_pixels, out->errors + index,
-                 out->own + index);
+    out->mean[index] = pixel_errors(bounding->pixel, out->picture.rows + index, n_pixels,
+                                    out->errors + index, out->own + index);
     return false;
 }
 
@@ -173,13 +177,14 @@ static bool allocate(struct bounding *bounding)
            n_rows = (size_t)plan->max_rows;
     out->errors = malloc(n_pixels * n_rows * sizeof *out->errors + 1);
     out->own = malloc(n_pixels * n_rows * sizeof *out->own + 1);
+    out->mean = malloc(n_pixels * sizeof *out->mean + 1);
     out->depth_error = malloc(n_pixels * sizeof *out->depth_error + 1);
     out->overdraw = malloc(n_pixels * sizeof *out->overdraw + 1);
     out->steepness = malloc(n_pixels * sizeof *out->steepness + 1);
     out->is_ambiguous = malloc(n_pixels * sizeof *out->is_ambiguous + 1);
     bounding->pixel = pixel_open(&bounding->fragments);
-    return bounding->pixel && out->errors && out->own && out->depth_error && out->overdraw &&
-           out->steepness && out->is_ambiguous;
+    return bounding->pixel && out->errors && out->own && out->mean && out->depth_error &&
+           out->overdraw && out->steepness && out->is_ambiguous;
 }
 
 static bool resolve_all(struct bounding *bounding)
@@ -234,6 +239,7 @@ void chunk_free(struct chunk *chunk)
     picture_free(&chunk->picture);
     free(chunk->errors);
     free(chunk->own);
+    free(chunk->mean);
     free(chunk->depth_error);
     free(chunk->overdraw);
     free(chunk->steepness);

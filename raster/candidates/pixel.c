@@ -299,29 +299,76 @@ static double colour_rounding(const struct bounded_pixel *pixel)
                      pixel->fragments->lit->plan->n_light_groups);
 }
 
-/* A texture that is the same in all bands has one value for all of them, error included. */
-void pixel_errors(const struct bounded_pixel *pixel, const double *rows, size_t stride,
-                  float *errors, float *own)
+/* What the errors of a pixel's weights add up to in the mean of all bands, as radiances. */
+struct error_sums {
+    double light, rounding, position, texture;
+};
+
+/* Sorts the error of one weight by its causes. */
+static void sort_error(const struct bounded_pixel *pixel, size_t t, double value, double e_value,
+                       double weight, struct error_sums *sums)
+{
+    const double spectrum = pixel->shaded->made.terms[t].mean * value;
+    sums->light += (double)(pixel->common[t] - pixel->interpolation[t]) * spectrum;
+    sums->rounding += colour_rounding(pixel) * fabs(weight) * spectrum;
+    sums->position += (double)(pixel->interpolation[t] + pixel->own[t]) * spectrum;
+    sums->texture += fabs(weight) * e_value * pixel->shaded->made.terms[t].mean;
+}
+
+static struct mean_bound mean_of(const struct error_sums *sums)
+{
+    const double most = fmax(sums->light + sums->rounding, fmax(sums->position, sums->texture));
+    return (struct mean_bound){.shared = (float)(sums->light + sums->rounding),
+                               .varying = (float)(sums->position + sums->texture),
+                               .cause = most <= sums->position  ? CAUSE_POSITION
+                                        : most <= sums->texture ? CAUSE_TEXTURE
+                                                                : CAUSE_LIGHT};
+}
+
+/* Bounds the error of the texture's value at the pixel. *largest becomes the largest value there:
+ * of a texture that differs from band to band, its largest one. */
+static double value_error(const struct bounded_pixel *pixel, double *largest)
+{
+    const struct instance *instance = pixel->surface->instance;
+    const struct texture *texture = pixel->shaded->texture;
+    const float *e_place = pixel->place.e_place;
+    double e_value = 0;
+    *largest = 1;
+    if (instance->varied) {
+        *largest = texture->largest;
+        e_value = fmin(1, (double)e_place[0] + (double)e_place[1]) * *largest;
+    } else if (instance->textured) {
+        e_value = texel_error(&instance->texels, &pixel->place, texture->largest);
+        *largest = pixel->value + e_value;
+    }
+    return e_value;
+}
+
+/* A texture that all bands have in common has one value for all of them, error included. */
+struct mean_bound pixel_errors(const struct bounded_pixel *pixel, const double *rows, size_t stride,
+                               float *errors, float *own)
 {
     const struct instance *instance = pixel->surface->instance;
     const size_t n_terms = (size_t)instance->n_terms;
-    const double rounding = colour_rounding(pixel);
-    double e_value = 0;
-    if (instance->textured && !instance->varied)
-        e_value = texel_error(&instance->texels, &pixel->place, pixel->shaded->texture->largest);
+    struct error_sums sums = {0, 0, 0, 0};
+    double largest, e_value = value_error(pixel, &largest);
     for (size_t t = 0; t < n_terms; t++) {
-        double largest = pixel->value + e_value, common = (double)pixel->common[t] * largest;
-        if (instance->textured)
-            common += fabs(pixel->attributes[t]) * e_value;
-        double alone =
-            (double)pixel->own[t] * largest + rounding * (fabs(rows[t * stride]) + common);
+        double weight = fabs(instance->textured ? pixel->attributes[t] : rows[t * stride]),
+               common = (double)pixel->common[t], alone = (double)pixel->own[t];
+        if (instance->textured && !instance->varied) {
+            common = common * largest + weight * e_value;
+            alone *= largest;
+        }
+        alone += colour_rounding(pixel) * (fabs(rows[t * stride]) + common);
         errors[t * stride] = (float)(common + alone);
         own[t * stride] = (float)alone;
+        sort_error(pixel, t, largest, e_value, weight, &sums);
     }
     for (size_t i = 0; i < 2 && instance->varied; i++) {
         errors[(n_terms + i) * stride] = pixel->place.e_place[i];
         own[(n_terms + i) * stride] = 0;
     }
+    return mean_of(&sums);
 }
 
 int pixel_choices(const struct bounded_pixel *pixel, struct texel_point out[TEXEL_CHOICES])

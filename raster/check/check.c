@@ -129,6 +129,17 @@ static void learn_stretch(struct check *check, const struct stretch *stretch)
     learn(check, &run, stretch->band, &block, check->estimates + stretch->first);
 }
 
+/* Raises the ratios of a block's pixels to those of its samples, within bounds or not. */
+static void raise_ratios(float *ratio, const struct block *block)
+{
+    for (size_t i = 0; i < block->n; i++) {
+        float plain = block->bound[i] > 0 ? block->difference[i] / block->bound[i] : 0,
+              alone =
+                  block->scale > 0 && block->limit[i] > 0 ? block->rest[i] / block->limit[i] : 0;
+        ratio[i] = fmaxf(ratio[i], fmaxf(plain, alone));
+    }
+}
+
 static void judge_stretch(struct check *check, const struct stretch *stretch)
 {
     struct block block;
@@ -143,6 +154,8 @@ static void judge_stretch(struct check *check, const struct stretch *stretch)
         floor[i] = floor[i] < block.bound[i] ? block.bound[i] : floor[i];
         alone[i] = alone[i] < of_band ? of_band : alone[i];
     }
+    if (check->ratio)
+        raise_ratios(check->ratio + stretch->first, &block);
     for (size_t i = 0; i < stretch->n && !within; i++)
         if (is_outside(&block, i, stretch->band, &failure))
             check_fail(check, stretch->first + i, &failure);
@@ -234,33 +247,35 @@ static const struct hypothesis *best_hypothesis(const struct hypothesis *a,
     return a->band >= b->band ? a : b;
 }
 
-static void settle(struct check *check, size_t index)
+/* Keeps the best hypothesis of an ambiguous pixel. */
+static void settle(struct check *check, size_t index, struct check_totals *totals)
 {
     const struct chunk *chunk = check->chunk;
     const struct ambiguous_pixel *ambiguous = &chunk->ambiguous[index];
     const struct hypothesis *best = &check->hypotheses[chunk->n_candidates + index];
+    const size_t pixel = (size_t)ambiguous->pixel;
     for (int c = ambiguous->first; c < ambiguous->first + ambiguous->count; c++)
         best = best_hypothesis(&check->hypotheses[c], best);
-    ptrdiff_t candidate = best - check->hypotheses;
-    bool nothing = candidate >= (ptrdiff_t)chunk->n_candidates,
-         loose = !nothing && chunk->candidates[candidate].loose;
+    ptrdiff_t shown = best - check->hypotheses;
+    const struct candidate *candidate =
+        shown < (ptrdiff_t)chunk->n_candidates ? &chunk->candidates[shown] : NULL;
     struct check_samples samples = best->samples;
-    if (loose) /* counted, but no measure of OpenGL's errors */
-        samples.largest = samples.sum = samples.sum_of_squares = samples.worst_ratio =
-            samples.worst_fit_ratio = 0;
+    if (candidate && candidate->loose) { /* counted, but no measure of OpenGL's errors */
+        samples.largest = samples.sum = samples.sum_of_squares = 0;
+        samples.worst_ratio = samples.worst_fit_ratio = -1;
+    }
     check->verdict.ambiguous++;
     samples_add(&check->verdict.samples, &samples);
-    if (!best->alive) {
-        check_fail(check, (size_t)ambiguous->pixel, &best->failure);
-    } else if (loose) {
-        check->verdict.unbounded++;
-        if (check->scene->lit->plan->options.strict)
-            check_fail(check, (size_t)ambiguous->pixel,
-                       &(struct check_failure){.kind = FAILURE_UNBOUNDED});
-    } else if (!nothing) {
-        floor_note(&check->verdict.floor, best->floor);
-        floor_note(&check->verdict.band_floor, best->band_floor);
-    }
+    if (!best->alive)
+        check_fail(check, pixel, &best->failure);
+    check->floor[pixel] = !candidate ? -1 : candidate->loose ? HUGE_VALF : (float)best->floor;
+    check->band_floor[pixel] =
+        candidate && !candidate->loose ? (float)best->band_floor : check->floor[pixel];
+    if (check->ratio)
+        check->ratio[pixel] = (float)fmax(samples.worst_ratio, samples.worst_fit_ratio);
+    if (candidate)
+        totals_note(totals, candidate->surface, candidate->triangle, (double)check->floor[pixel],
+                    &candidate->mean);
 }
 
 /* ---- floors ---- */
@@ -293,41 +308,50 @@ static bool is_smooth(const struct check *check, const struct tile *tile, size_t
 }
 
 #include <stdio.h>
+/* Notes the floor of each pixel that shows an object and has a bound. */
 static void note_floors(struct check *check, const struct tile *tile)
 {
-    if (getenv("DUMP")) {
-        FILE *f = fopen(getenv("DUMP"), "ab");
-        for (size_t i = 0; i < chunk_pixels(check->chunk); i++) {
-            float v[4] = {check->chunk->is_ambiguous[i] ? -1 : check->floor[i],
-                          check->chunk->is_ambiguous[i] ? -1 : check->band_floor[i],
-                          (float)check->chunk->picture.surface[i],
-                          (float)check->chunk->picture.triangle[i]};
-            fwrite(v, sizeof v, 1, f);
-        }
-        fclose(f);
-    }
-
     const struct chunk *chunk = check->chunk;
     for (size_t i = 0; i < chunk_pixels(chunk); i++) {
-        if (chunk->is_ambiguous[i] || chunk->picture.surface[i] < 0)
+        double floor = (double)check->floor[i];
+        if (!(floor >= 0 && floor < HUGE_VAL))
             continue;
-        floor_note(&check->verdict.floor, (double)check->floor[i]);
+        floor_note(&check->verdict.floor, floor);
         floor_note(&check->verdict.band_floor, (double)check->band_floor[i]);
-        if (is_smooth(check, tile, i))
-            floor_note(&check->verdict.smooth_floor, (double)check->floor[i]);
+        if (!chunk->is_ambiguous[i] && is_smooth(check, tile, i))
+            floor_note(&check->verdict.smooth_floor, floor);
     }
+}
+
+static void settle_all(struct check *check, struct check_totals *totals)
+{
+    const struct chunk *chunk = check->chunk;
+    const struct picture *picture = &chunk->picture;
+    for (size_t i = 0; i < chunk_pixels(chunk); i++) {
+        if (chunk->is_ambiguous[i])
+            continue;
+        if (picture->surface[i] < 0)
+            check->floor[i] = check->band_floor[i] = -1;
+        else
+            totals_note(totals, picture->surface[i], picture->triangle[i], (double)check->floor[i],
+                        &chunk->mean[i]);
+    }
+    for (size_t i = 0; i < chunk->n_ambiguous; i++)
+        settle(check, i, totals);
 }
 
 /* ---- a chunk ---- */
 
-static void release(struct check *check)
+void check_free(struct check *check)
 {
     free(check->failed);
+    free(check->ratio);
     free(check->floor);
     free(check->band_floor);
     free(check->hypotheses);
     free(check->estimates);
     free(check->candidate_estimates);
+    *check = (struct check){.scene = NULL};
 }
 
 static bool allocate(const struct chunk *chunk, struct check *out)
@@ -339,22 +363,27 @@ static bool allocate(const struct chunk *chunk, struct check *out)
     out->hypotheses = calloc(chunk->n_candidates + chunk->n_ambiguous + 1, sizeof *out->hypotheses);
     out->estimates = calloc(n * n_rows + 1, sizeof *out->estimates);
     out->candidate_estimates = calloc(chunk->n_numbers + 1, sizeof *out->candidate_estimates);
-    return out->failed && out->floor && out->band_floor && out->hypotheses && out->estimates &&
-           out->candidate_estimates;
+    if (out->scene->mapped)
+        out->ratio = calloc(n, sizeof *out->ratio);
+    return out->failed && (out->ratio || !out->scene->mapped) && out->floor && out->band_floor &&
+           out->hypotheses && out->estimates && out->candidate_estimates;
 }
 
 bool check_open(const struct check_scene *scene, const struct chunk *chunk, struct check *out,
                 struct error *err)
 {
     const struct plan *plan = scene->lit->plan;
-    *out = (struct check){.scene = scene, .chunk = chunk};
+    *out = (struct check){.scene = scene,
+                          .chunk = chunk,
+                          .verdict = {.samples = {.worst_ratio = -1, .worst_fit_ratio = -1},
+                                      .worst_depth_ratio = -1}};
     if (!allocate(chunk, out)) {
-        release(out);
-        *out = (struct check){.scene = NULL};
+        check_free(out);
         return error_memory(err);
     }
     for (size_t i = 0; i < chunk->n_candidates + chunk->n_ambiguous; i++)
-        out->hypotheses[i] = (struct hypothesis){.alive = true, .band = -1};
+        out->hypotheses[i] = (struct hypothesis){
+            .alive = true, .samples = {.worst_ratio = -1, .worst_fit_ratio = -1}, .band = -1};
     for (size_t i = 0; i < chunk->n_ambiguous; i++)
         out->hypotheses[chunk->n_candidates + i].alive = chunk->ambiguous[i].background;
     out->tight_edges =
@@ -406,14 +435,20 @@ void check_pass(struct check *check, int first_band, const float *pixels, size_t
     treat_pass(check, &treatment, first_band, pixels, stride);
 }
 
-void check_close(struct check *check, const struct tile *tile, struct check_verdict *total)
+void check_settle(struct check *check, const struct tile *tile, struct check_totals *totals)
 {
-    for (size_t i = 0; i < check->chunk->n_ambiguous; i++)
-        settle(check, i);
+    settle_all(check, totals);
     note_floors(check, tile);
     check->verdict.pixels = chunk_pixels(check->chunk);
     for (size_t i = 0; i < check->verdict.pixels; i++)
         check->verdict.unexplained += check->failed[i];
-    verdict_add(total, &check->verdict);
-    release(check);
+    verdict_add(&totals->verdict, &check->verdict);
+}
+
+enum check_class check_class(const struct check *check, size_t pixel)
+{
+    return check->failed[pixel]                           ? CLASS_DIFFERS
+           : (double)check->floor[pixel] > CHECKED_COUNTS ? CLASS_NOT_CHECKED
+           : check->chunk->is_ambiguous[pixel]            ? CLASS_AMBIGUOUS
+                                                          : CLASS_CHECKED;
 }

@@ -5,74 +5,14 @@
 #ifndef CHECK_H
 #define CHECK_H
 
-#include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
 #include "raster/fit/fit.h"
 #include "raster/gl/gl.h"
-#include "raster/radiance/radiance.h"
-#include "raster/reference/reference.h"
+#include "raster/verdict/verdict.h"
 #include "spectral.h"
-
-/* ---- statistics.c: sums over many samples ---- */
-
-/* Samples beside the candidates that explain them; in counts, before rounding. */
-struct check_samples {
-    uint64_t n, exact, within_1;
-    double largest;             /* |OpenGL - reference| */
-    double sum, sum_of_squares; /* of OpenGL - reference */
-    double worst_ratio;         /* largest |OpenGL - reference| / bound */
-    double worst_fit_ratio;     /* largest of what the other bands do not explain / bound */
-};
-/* The detectability floor: the largest bound of a pixel over all bands, in counts; a histogram of
- * all pixels. An error of twice the floor is always found, an error below the floor can pass. */
-enum { FLOOR_BINS = 320 };
-struct check_floor {
-    uint64_t n, bins[FLOOR_BINS];
-    double worst;
-};
-/* Returns the floor that `part` of the pixels do not exceed; too high by an eighth at most. */
-double floor_quantile(const struct check_floor *of, double part);
-
-enum failure_kind {
-    FAILURE_RADIANCE,
-    FAILURE_BANDS, /* no one geometry explains all bands */
-    FAILURE_TRIANGLE,
-    FAILURE_DEPTH,
-    FAILURE_FRAGMENTS,
-    FAILURE_UNBOUNDED
-};
-/* The first pixel that no candidate explains. */
-struct check_failure {
-    bool found;
-    enum failure_kind kind;
-    int x, y;
-    int surface;                  /* of the reference; -1: background */
-    struct shown shown;           /* FAILURE_TRIANGLE: by OpenGL */
-    int band;                     /* FAILURE_RADIANCE, FAILURE_BANDS */
-    double seen, expected, bound; /* counts; depths; fragments */
-};
-/* A pixel inside a surface is smooth if its radiance changes by no more than this within a pixel's
- * width, in any band: one step of a picture of 8 bits. */
-enum { SMOOTH_COUNTS = 256 };
-struct check_verdict {
-    struct check_samples samples;
-    uint64_t pixels, ambiguous, unexplained, unbounded;
-    /* pixels where triangles meet, with too few or too many fragments */
-    uint64_t edge_holes, edge_doubles;
-    double worst_depth_ratio;
-    /* of an error common to all bands; of that inside smooth surfaces; of an error of one band */
-    struct check_floor floor, smooth_floor, band_floor;
-    struct check_failure first;
-};
 
 /* ---- check.c: the verdict on each pixel ---- */
 
-/* What all checks of a render share. */
-struct check_scene {
-    const struct lit_scene *lit;
-    const struct fit *fit;
-    double full_scale;
-};
 /* The state of a chunk while its bands go by. */
 struct check {
     const struct check_scene *scene;
@@ -81,9 +21,10 @@ struct check {
     struct check_verdict verdict;
     struct hypothesis *hypotheses; /* one a candidate, then each ambiguous pixel's background */
     bool *failed;                  /* pixels that are not explained */
-    /* of each pixel that is not ambiguous: the largest error that could pass in all bands alike,
-     * and in one band alone */
+    /* of each pixel: the largest error that could pass in all bands alike, and in one band alone;
+     * infinite: it has no bound; negative: it shows the background */
     float *floor, *band_floor;
+    float *ratio;               /* the largest error / bound; NULL: no map is wanted */
     float *estimates;           /* of picture.rows: errors of the weights, see fit.h */
     float *candidate_estimates; /* of candidate_rows */
 };
@@ -98,21 +39,16 @@ void check_identity(struct check *check, const struct gl *gl, const struct recta
  * `stride` pixels apart, in units of full_scale. */
 void check_pilots(struct check *check, int first_band, const float *pixels, size_t stride);
 void check_pass(struct check *check, int first_band, const float *pixels, size_t stride);
-/* Settles ambiguous pixels, adds the chunk's verdict to *total, and frees the check. The tile has
- * the chunk and its neighbours, all of them drawn. */
-void check_close(struct check *check, const struct tile *tile, struct check_verdict *total);
+/* Settles ambiguous pixels, and adds the chunk's verdict to *totals. The tile has the chunk and its
+ * neighbours, all of them drawn. */
+void check_settle(struct check *check, const struct tile *tile, struct check_totals *totals);
+/* What the map shows of a pixel of a chunk that is settled. */
+enum check_class { CLASS_CHECKED, CLASS_AMBIGUOUS, CLASS_NOT_CHECKED, CLASS_DIFFERS };
+enum check_class check_class(const struct check *check, size_t pixel);
+void check_free(struct check *check);
 
 /* ---- inside this room ---- */
 
-/* Samples together with the values and bounds that are expected. */
-struct block {
-    size_t n;
-    double seen[BLOCK], expected[BLOCK];
-    float bound[BLOCK], difference[BLOCK];
-    /* of a band that is fitted: what other bands explain of seen - expected; the rest, its bound */
-    float explained[BLOCK], rest[BLOCK], limit[BLOCK];
-    double scale; /* see fit_explain */
-};
 /* The hypothesis that OpenGL shows a candidate: it is alive until it fails to explain a sample. */
 struct hypothesis {
     bool alive;
@@ -124,13 +60,5 @@ struct hypothesis {
 size_t chunk_pixels(const struct chunk *chunk);
 /* Counts the pixel as not explained. The first such pixel is kept with its failure. */
 void check_fail(struct check *check, size_t pixel, const struct check_failure *failure);
-/* Adds a block to a comparison, and fills in the magnitudes of its differences. Returns false where
- * any is outside its bound. */
-bool samples_compare(struct check_samples *samples, struct block *block);
-/* The same for what the fit leaves. */
-bool samples_compare_fit(struct check_samples *samples, struct block *block);
-void samples_add(struct check_samples *to, const struct check_samples *from);
-void floor_note(struct check_floor *to, double counts);
-void verdict_add(struct check_verdict *to, const struct check_verdict *from);
 
 #endif

@@ -12,7 +12,7 @@
  * fragments, steepness and floor (12), flags (2), and room for ambiguous pixels (14). A row has a
  * weight (8) and an error (4); a sum of passes is a colour (16). Checked steps of 16 bits have a
  * colour and depth of Mesa's own (12) and our copy (8) beside what floats have. */
-enum { PIXEL_BYTES = 148, ROW_BYTES = 20, SUM_BYTES = 16, STEPS_BYTES = 20 };
+enum { PIXEL_BYTES = 160, ROW_BYTES = 20, SUM_BYTES = 16, STEPS_BYTES = 20 };
 /* The memory of a tile, so that a render stays well below 300 MiB with Mesa's own memory. */
 static const size_t tile_budget = (size_t)160 << 20;
 /* Tiles no larger than Mesa's largest viewport (16384), with room for older drivers. */

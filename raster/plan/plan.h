@@ -64,11 +64,11 @@ struct plan_options {
     bool check, use_gl; /* whether the reference and OpenGL are needed */
     int buffer_bits;    /* of a channel of OpenGL's colour buffer: 8, 16, or 32 of floats; 0: 32 */
     const char *gl_driver; /* "llvmpipe" or "softpipe"; NULL: any */
-    bool strict;           /* pixels without a bound, and edges that leak, are differences */
+    bool strict;           /* edges that leak are differences */
+    double unchecked;      /* the largest share of object pixels that may stay unchecked */
     bool store_raster;     /* the stored pixels are the reference's */
     int bits;              /* of a page's sample: 8 or 16 of counts, 32 of floats; 0: 16 */
-    bool exchangeable; /* lights may be exchanged afterwards: every light and every term is kept by
-                          itself, dark ones too */
+    bool exchangeable; /* lights may be exchanged afterwards: all lights and terms are kept apart */
     int threads;       /* 0: as many as OpenMP offers; the plan holds the number */
     char *const *recorded; /* options for the stack's record, each one word; not owned */
     int n_recorded;        /* at most MAX_RECORDED */

@@ -23,13 +23,18 @@ static bool recorded_options(const struct options *options, const struct record 
     out->threads = options->threads;
     out->quiet = options->quiet;
     if (!out->renderer || strcmp(out->renderer, "raster") != 0)
-        return !(options->no_check || options->strict) ||
+        return !(options->no_check || options->strict || options->unchecked) ||
                error_usage(err,
                            "%s stores OpenGL's pixels and records whether to check them; "
                            "--again takes no %s",
-                           options->again, options->no_check ? "--no-check" : "--strict");
+                           options->again,
+                           options->no_check ? "--no-check"
+                           : options->strict ? "--strict"
+                                             : "--unchecked");
     out->no_check = options->no_check;
     out->strict = options->strict;
+    out->unchecked = options->unchecked;
+    out->check_map = options->check_map;
     return true;
 }
 

@@ -17,10 +17,27 @@ static bool stores_raster(const struct options *options)
     return options->renderer && strcmp(options->renderer, "raster") == 0;
 }
 
+/* Returns an option that needs a check, if there is one; otherwise NULL. */
+static const char *asks_check(const struct options *options)
+{
+    return options->strict      ? "--strict"
+           : options->unchecked ? "--unchecked"
+           : options->check_map ? "--check-map"
+                                : NULL;
+}
+
+/* Refuses such an option beside --no-check. */
+static bool check_asked(const struct options *options, struct error *err)
+{
+    const char *checks = options->no_check ? asks_check(options) : NULL;
+    return !checks || error_usage(err, "%s needs the check that --no-check leaves out", checks);
+}
+
 /* Refuses options that need OpenGL in a program without it. Reads no file. again: the stack to make
  * again; NULL: none. */
 static bool check_gl(const struct options *options, const char *again, struct error *err)
 {
+    const char *checks = asks_check(options);
     if (gl_is_built())
         return true;
     if (!stores_raster(options) && again)
@@ -28,8 +45,8 @@ static bool check_gl(const struct options *options, const char *again, struct er
             err, "%s stores OpenGL's pixels, but this program was built without OpenGL", again);
     if (!stores_raster(options))
         return error_usage(err, "this program was built without OpenGL; add --renderer raster");
-    return !options->strict ||
-           error_usage(err, "--strict checks OpenGL, but this program was built without OpenGL");
+    return !checks ||
+           error_usage(err, "%s checks OpenGL, but this program was built without OpenGL", checks);
 }
 
 /* Phong shading lights each pixel. OpenGL lights vertices only, so it can neither draw nor check
@@ -42,8 +59,9 @@ static bool check_shading(const struct options *options, const struct scene *sce
     if (!plan->store_raster)
         return error_usage(err, "OpenGL lights vertices only and cannot draw phong shading; add "
                                 "--renderer raster");
-    if (options->strict)
-        return error_usage(err, "--strict checks OpenGL, which has no phong shading");
+    if (asks_check(options))
+        return error_usage(err, "%s checks OpenGL, which has no phong shading",
+                           asks_check(options));
     plan->check = plan->use_gl = false;
     return true;
 }
@@ -93,7 +111,7 @@ static bool report(const struct options *options, const struct plan *plan,
                    const struct render_result *result, const struct render_output *output,
                    const struct record *made, struct error *err)
 {
-    bool agreed = render_agreed(result);
+    bool agreed = render_agreed(plan, result);
     const char *wanted = output->discard ? NULL : output->path;
     const char *stored = agreed || output->keep ? wanted : NULL;
     /* the JSON or the stack itself (-o /dev/stdout) may use standard output */
@@ -108,12 +126,15 @@ static bool report(const struct options *options, const struct plan *plan,
     const char *then = !wanted        ? "no stack was wanted"
                        : output->keep ? "the stack was kept"
                                       : "no stack was written (--keep stores it anyway)";
-    return result->check.unexplained > 0
-               ? report_difference(plan, &result->check, then, err)
+    return plan->options.check && check_outcome(plan, &result->check) != OUTCOME_AGREED
+               ? report_disagreement(plan, &result->check, then, err)
                : report_not_again(plan, result, output->again, made, then, err);
 }
 
 /* ---- plan and render ---- */
+
+/* The share of object pixels that may stay unchecked in a picture that agrees. */
+static const double most_unchecked = 0.01;
 
 /* Returns 8 or 16 for these words, 32 for any other word, and 0 for NULL. */
 static int bits_of(const char *choice)
@@ -123,10 +144,12 @@ static int bits_of(const char *choice)
     return strcmp(choice, "8") == 0 ? 8 : strcmp(choice, "16") == 0 ? 16 : 32;
 }
 
-static struct plan_options plan_options_of(const struct options *options)
+static bool plan_options_of(const struct options *options, struct plan_options *out,
+                            struct error *err)
 {
     const char *renderer = options->renderer;
-    struct plan_options plan = {.full_scale = options->full_scale,
+    struct plan_options plan = {.unchecked = options->strict ? 0 : most_unchecked,
+                                .full_scale = options->full_scale,
                                 .buffer_bits = bits_of(options->buffer),
                                 .strict = options->strict,
                                 .store_raster = stores_raster(options),
@@ -138,7 +161,9 @@ static struct plan_options plan_options_of(const struct options *options)
         plan.gl_driver = renderer;
     plan.check = gl_is_built() && !options->no_check;
     plan.use_gl = plan.check || !plan.store_raster;
-    return plan;
+    *out = plan;
+    return !options->unchecked ||
+           option_number("--unchecked", options->unchecked, 0, 1, &out->unchecked, err);
 }
 
 /* before: the seconds that it took to read the scene and make the plan. */
@@ -163,18 +188,22 @@ bool render_with_options(const struct options *options, const struct render_outp
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.detector = NULL};
     struct plan plan = {.scene = NULL};
-    struct plan_options plan_options = plan_options_of(options);
+    struct plan_options plan_options;
     struct render_seconds seconds = {.read = 0};
     double start = clock_seconds();
-    bool done = check_gl(options, output->again, err) &&
+    bool done = check_asked(options, err) && plan_options_of(options, &plan_options, err) &&
+                check_gl(options, output->again, err) &&
                 scene_read_sampled(options, &scene, &sampling, err) &&
                 check_shading(options, &scene, &plan_options, err) &&
                 check_same_scene(&scene, output->again, made, err) &&
-                scene_spared(output->path, &scene, err) && scene_spared(options->json, &scene, err);
+                scene_spared(output->path, &scene, err) &&
+                scene_spared(options->json, &scene, err) &&
+                scene_spared(options->check_map, &scene, err);
     seconds.read = clock_seconds() - start;
     done = done && plan_make(&scene, sampling_or_none(&sampling), &plan_options, &plan, err);
     seconds.plan = clock_seconds() - start - seconds.read;
     done = done && output_can_open(options->json, err) &&
+           output_can_open(options->check_map, err) &&
            render_planned(options, &plan, &seconds, output, made, err);
     plan_free(&plan);
     sampling_free(&sampling);
@@ -189,7 +218,8 @@ void options_forget_check(struct options *options)
     int n = 0;
     for (int i = 0; i < options->n_recorded; i++)
         if (strcmp(options->recorded[i], "--no-check") == 0 ||
-            strcmp(options->recorded[i], "--strict") == 0)
+            strcmp(options->recorded[i], "--strict") == 0 ||
+            strncmp(options->recorded[i], "--unchecked=", strlen("--unchecked=")) == 0)
             free(options->recorded[i]);
         else
             options->recorded[n++] = options->recorded[i];
@@ -204,6 +234,7 @@ bool render_scene(struct options *options, struct error *err)
         options_forget_check(options);
     const bool discard = strcmp(options->output, "/dev/null") == 0;
     const struct render_output wanted = {.path = discard ? NULL : options->output,
+                                         .check_map = options->check_map,
                                          .keep = options->keep};
     return render_with_options(options, &wanted, NULL, err);
 }

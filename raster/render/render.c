@@ -21,6 +21,9 @@ struct render_state {
     unsigned char *samples[BANDS_PER_PASS]; /* each has room for one band of a tile */
     struct fit fit;
     struct check_scene check_scene;
+    struct check_totals totals;
+    struct check_map map;
+    bool mapping;
     struct check *checks;            /* one for each chunk of the current tile; NULL: none */
     float *pilots[MAX_PILOT_PASSES]; /* OpenGL's pixels of the passes that hold pilots */
     long steps, all_steps;
@@ -56,11 +59,21 @@ static bool open_checks(struct render_state *state, const struct tile *tile, str
     return true;
 }
 
+/* Adds a tile's checks to the verdict and to the map. */
+static bool settle_checks(struct render_state *state, const struct tile *tile, struct error *err)
+{
+    for (int i = 0; state->checks && i < tile->n_chunks; i++) {
+        check_settle(&state->checks[i], tile, &state->totals);
+        if (state->mapping && !check_map_write(&state->map, &state->checks[i], err))
+            return false;
+    }
+    return true;
+}
+
 static void close_checks(struct render_state *state, const struct tile *tile)
 {
     for (int i = 0; state->checks && i < tile->n_chunks; i++)
-        if (state->checks[i].chunk)
-            check_close(&state->checks[i], tile, &state->result->check);
+        check_free(&state->checks[i]);
     free(state->checks);
     state->checks = NULL;
 }
@@ -255,6 +268,7 @@ static bool render_tile(void *context, const struct tile *tile, struct error *er
     done = done && draw_pilots(state, tile, err);
     for (int pass = 0; done && pass < state->plan->n_passes; pass++)
         done = render_pass(state, tile, pass, err);
+    done = done && settle_checks(state, tile, err);
     close_checks(state, tile);
     clock_in(state, &seconds->check);
     return done;
@@ -385,9 +399,12 @@ static bool prepare_fit(struct render_state *state, struct error *err)
         if (!state->pilots[p])
             return error_memory(err);
     }
-    state->check_scene = (struct check_scene){&state->lit, &state->fit, state->result->full_scale};
+    state->check_scene.lit = &state->lit;
+    state->check_scene.fit = &state->fit;
+    state->check_scene.full_scale = state->result->full_scale;
+    bool done = totals_open(&state->check_scene, &state->totals, err);
     clock_in(state, &state->result->seconds.check);
-    return true;
+    return done;
 }
 
 /* Does everything that comes before the first pixel. */
@@ -407,9 +424,10 @@ static bool prepare(struct render_state *state, struct error *err)
     return !plan->options.check || prepare_fit(state, err);
 }
 
-bool render_agreed(const struct render_result *result)
+bool render_agreed(const struct plan *plan, const struct render_result *result)
 {
-    return result->check.unexplained == 0 && !result->difference.found;
+    return !result->difference.found &&
+           (!plan->options.check || check_outcome(plan, &result->check) == OUTCOME_AGREED);
 }
 
 static bool commit(struct render_state *state, const struct render_output *output,
@@ -418,7 +436,7 @@ static bool commit(struct render_state *state, const struct render_output *outpu
     struct render_result *result = state->result;
     char verdict[STACK_VERDICT];
     bool compared = output->again && result->odd.undefined == 0;
-    if (!state->writing || !(output->keep || compared || render_agreed(result)))
+    if (!state->writing || !(output->keep || compared || render_agreed(state->plan, result)))
         return true;
     if (result->odd.undefined > 0) {
         errno = 0;
@@ -431,7 +449,7 @@ static bool commit(struct render_state *state, const struct render_output *outpu
     bool done =
         stack_finish(&state->writer, verdict, err) &&
         (!output->again || stack_compare(&state->writer, output->again, &result->difference, err));
-    if (done && !output->discard && (output->keep || render_agreed(result)))
+    if (done && !output->discard && (output->keep || render_agreed(state->plan, result)))
         done = stack_commit(&state->writer, err);
     clock_in(state, &result->seconds.write);
     return done;
@@ -444,12 +462,19 @@ static bool render_all(struct render_state *state, const struct render_output *o
     void *held = signals_hold();
     bool done = prepare(state, err);
     signals_release(held);
+    if (done && output->check_map && state->plan->options.check)
+        done = state->mapping = state->check_scene.mapped =
+            check_map_open(output->check_map, state->plan, &state->map, err);
     if (!done || (output->path && !open_stack(state, output->path, err)) ||
         !render_tiles(state, err))
         return false;
     if (state->gl)
         state->result->gl = gl_work(state->gl);
-    return commit(state, output, err);
+    if (state->plan->options.check) {
+        totals_finish(&state->totals);
+        state->result->check = state->totals.verdict;
+    }
+    return commit(state, output, err) && (!state->mapping || check_map_commit(&state->map, err));
 }
 
 bool render(const struct plan *plan, const struct render_output *output,
@@ -467,6 +492,9 @@ bool render(const struct plan *plan, const struct render_output *output,
         free(state.pilots[p]);
     if (state.fit.plan)
         fit_free(&state.fit);
+    if (state.mapping)
+        check_map_discard(&state.map);
+    totals_free(&state.totals);
     gl_close(state.gl);
     lit_free(&state.lit);
     out->seconds.total = clock_seconds() - start;

@@ -7,6 +7,7 @@
 
 #include "data/base/base.h"
 #include "data/options/options.h"
+#include "data/pages/pages.h"
 #include "data/record/record.h"
 #include "data/stack/stack.h"
 #include "raster/check/check.h"
@@ -35,33 +36,41 @@ struct render_result {
     struct render_seconds seconds;
 };
 struct render_output {
-    const char *path;  /* of the stack; NULL: no stack is written */
-    const char *again; /* the stack to compare the new one with, byte by byte; NULL: none */
-    bool keep;         /* store the stack even if it fails its check or differs from `again` */
-    bool discard;      /* compare the stack with `again`, and store none */
+    const char *path;      /* of the stack; NULL: no stack is written */
+    const char *check_map; /* the map of the check; NULL: none is wanted */
+    const char *again;     /* the stack to compare the new one with, byte by byte; NULL: none */
+    bool keep;             /* store the stack even if it fails its check or differs from `again` */
+    bool discard;          /* compare the stack with `again`, and store none */
 };
 /* Renders into a stack. Returns true even if the picture fails its check or differs from `again`:
  * ask render_agreed. progress: shown after each pass; NULL: none. After a failure, an interruption
  * or a difference (without `keep`) no file has been created or changed. */
 bool render(const struct plan *plan, const struct render_output *output,
             struct progress_line *progress, struct render_result *out, struct error *err);
-bool render_agreed(const struct render_result *result);
+bool render_agreed(const struct plan *plan, const struct render_result *result);
 /* Returns the renderer of the stored pixels: "raster", or OpenGL's GL_RENDERER. */
 const char *render_stored(const struct plan *plan, const struct render_result *result);
 
-/* ---- report.c: results in words and as JSON ---- */
+/* ---- words.c: the verdict in words ---- */
 
 /* Writes the verdict as one line of ASCII, for the stack. */
 void report_verdict(const struct plan *plan, const struct check_verdict *verdict, char *out,
                     size_t capacity);
-/* Returns false with EXIT_DIFFERENT. The message names the first pixel where the pictures differ
- * and ends with `then`, the consequence. */
-bool report_difference(const struct plan *plan, const struct check_verdict *verdict,
-                       const char *then, struct error *err);
+/* Returns false with EXIT_DIFFERENT. The message names the first pixel where the pictures differ,
+ * or what could not be checked, and ends with `then`, the consequence. */
+bool report_disagreement(const struct plan *plan, const struct check_verdict *verdict,
+                         const char *then, struct error *err);
 /* Does the same for a stack that differs from the stack at `path`, whose record is `made`. The
  * message names the most certain reason. */
 bool report_not_again(const struct plan *plan, const struct render_result *result, const char *path,
                       const struct record *made, const char *then, struct error *err);
+/* Returns "agreed", "differs", "not verified" or "not checked". */
+const char *verdict_word(const struct plan *plan, const struct check_verdict *verdict);
+/* Prints the verdict with its reason. */
+void print_verdict(const struct plan *plan, const struct check_verdict *verdict, FILE *to);
+
+/* ---- report.c: results as a table and as JSON ---- */
+
 void report_print(const struct plan *plan, const struct render_result *result, FILE *to);
 /* Returns one JSON object, allocated; NULL: no memory. output: the stack's name, sha256: its
  * digest; NULL becomes null. */
@@ -76,6 +85,18 @@ bool command_render(struct options *options, struct error *err);
 bool render_scene(struct options *options, struct error *err);
 
 /* ---- inside this room ---- */
+
+/* check_map.c. A map of the check, written chunk by chunk: float pages of the floor, the floor of
+ * one band, the largest error / bound, and enum check_class. */
+struct check_map {
+    struct pages pages;
+    float *samples; /* of a chunk */
+};
+bool check_map_open(const char *path, const struct plan *plan, struct check_map *out,
+                    struct error *err);
+bool check_map_write(struct check_map *map, const struct check *check, struct error *err);
+bool check_map_commit(struct check_map *map, struct error *err);
+void check_map_discard(struct check_map *map); /* safe after commit */
 
 /* Reads, plans and renders the scene of the options, and reports the result. made: the record of
  * the stack that is made again; NULL: the stack is new. */

@@ -10,26 +10,10 @@
 #include "data/text/text.h"
 #include "raster/render/render.h"
 
+/* NaN: there is none. */
 static double rms(const struct check_samples *samples)
 {
-    return samples->n ? sqrt(samples->sum_of_squares / (double)samples->n) : 0;
-}
-
-static double mean_residual(const struct check_samples *samples)
-{
-    return samples->n ? samples->sum / (double)samples->n : 0;
-}
-
-/* Returns whether OpenGL's samples are off in one direction. Roundings go both ways, so their mean
- * stays below the rounding of the largest sample, 2^-25 of full scale. A mean of four times that is
- * not chance if it also exceeds the scatter; samples of a pixel count as one, since they share
- * their errors. A colour buffer of few steps may round all pixels of a plain surface alike, so its
- * whole rounding is allowed. */
-static bool is_biased(const struct plan *plan, const struct check_verdict *verdict)
-{
-    double mean = fabs(mean_residual(&verdict->samples));
-    return mean > 4 * 65535.0 / 33554432 + buffer_rounding(plan) &&
-           mean * sqrt((double)verdict->pixels) > 5 * rms(&verdict->samples);
+    return samples->n ? sqrt(samples->sum_of_squares / (double)samples->n) : (double)NAN;
 }
 
 static double percent(uint64_t part, uint64_t whole)
@@ -37,43 +21,42 @@ static double percent(uint64_t part, uint64_t whole)
     return whole ? 100 * (double)part / (double)whole : 0;
 }
 
-static bool is_phong(const struct plan *plan)
-{
-    return plan->scene->shading == SHADING_PHONG;
-}
-
-void report_verdict(const struct plan *plan, const struct check_verdict *verdict, char *out,
-                    size_t capacity)
-{
-    const struct check_samples *samples = &verdict->samples;
-    if (is_phong(plan))
-        snprintf(out, capacity,
-                 "pixels of the reference, not cross-checked: OpenGL has no phong shading");
-    else if (plan->options.store_raster && verdict->unexplained == 0)
-        snprintf(out, capacity,
-                 "pixels of the reference"); /* the same words with and without a check */
-    else if (!plan->options.check)
-        snprintf(out, capacity, "not cross-checked");
-    else
-        snprintf(out, capacity,
-                 "cross-check: %s; %llu samples, %llu exact, %llu within 1 count, largest "
-                 "difference %.3g counts, %llu of %llu pixels unexplained, %llu unbounded",
-                 verdict->unexplained ? "DIFFERENT" : "agreed", (unsigned long long)samples->n,
-                 (unsigned long long)samples->exact, (unsigned long long)samples->within_1,
-                 samples->largest, (unsigned long long)verdict->unexplained,
-                 (unsigned long long)verdict->pixels, (unsigned long long)verdict->unbounded);
-}
-
 /* ---- in words ---- */
+
+/* Prints a figure; "none" where it does not exist. */
+static void print_figure(const char *format, double figure, FILE *to)
+{
+    if (isfinite(figure))
+        fprintf(to, format, figure);
+    else
+        fprintf(to, "none");
+}
 
 static void print_floor(const char *name, const struct check_floor *floor, FILE *to)
 {
-    fprintf(to, "%s %.3f counts (median), %.3f (99.9 %%), %.1f (worst) of %llu pixels\n", name,
-            floor_quantile(floor, 0.5), floor_quantile(floor, 0.999), floor->worst,
-            (unsigned long long)floor->n);
+    if (floor->n == 0)
+        fprintf(to, "%s none\n", name);
+    else
+        fprintf(
+            to,
+            "%s %.3f counts (median), %.3f (99 %%), %.3f (99.9 %%), %.1f (worst) of %llu pixels\n",
+            name, floor_quantile(floor, 0.5), floor_quantile(floor, 0.99),
+            floor_quantile(floor, 0.999), floor->worst, (unsigned long long)floor->n);
 }
 
-static void print_check(const struct plan *plan, const struct check_verdict *verdict, FILE *to)
+static void print_shares(const char *name, const struct check_floor *floor, uint64_t objects,
+                         FILE *to)
+{
+    if (objects == 0)
+        fprintf(to, "%s none\n", name);
+    else
+        fprintf(to, "%s %.3f %% of %llu object pixels within 1 count, %.3f %% 8, %.3f %% %d\n",
+                name, percent(floor->within[0], objects), (unsigned long long)objects,
+                percent(floor->within[1], objects), percent(floor->within[2], objects),
+                CHECKED_COUNTS);
+}
+
+static void print_samples(const struct check_verdict *verdict, FILE *to)
 {
     const struct check_samples *samples = &verdict->samples;
     fprintf(to, "samples           %llu\n", (unsigned long long)samples->n);
@@ -81,21 +64,35 @@ static void print_check(const struct plan *plan, const struct check_verdict *ver
             percent(samples->exact, samples->n));
     fprintf(to, "within 1 count    %llu (%.3f %%)\n", (unsigned long long)samples->within_1,
             percent(samples->within_1, samples->n));
-    fprintf(to, "largest           %.4f counts (root mean square %.5f)\n", samples->largest,
-            rms(samples));
-    fprintf(to, "mean residual     %+.6f counts%s\n", mean_residual(samples),
-            is_biased(plan, verdict) ? ": OpenGL is biased" : "");
+    fprintf(to, "largest           %.4f counts (root mean square ", samples->largest);
+    print_figure("%.5f", rms(samples), to);
+    fprintf(to, ")\nmean residual     ");
+    print_figure("%+.6f counts", mean_residual(samples), to);
+    fprintf(to, " (roundings leave at most %.6f)\n", verdict->mean_limit);
+}
+
+/* A ratio of -1 stands for none. */
+static void print_ratio(const char *before, double ratio, FILE *to)
+{
+    fprintf(to, "%s", before);
+    print_figure("%.3f", ratio < 0 ? (double)NAN : ratio, to);
+}
+
+static void print_check(const struct check_verdict *verdict, FILE *to)
+{
+    print_samples(verdict, to);
     print_floor("floor            ", &verdict->floor, to);
     print_floor("  in one band    ", &verdict->band_floor, to);
     print_floor("  smooth interior", &verdict->smooth_floor, to);
-    fprintf(to, "worst error/bound %.3f (one band %.3f, depth %.3f)\n", samples->worst_ratio,
-            samples->worst_fit_ratio, verdict->worst_depth_ratio);
-    fprintf(to, "pixels            %llu, %llu ambiguous, %llu unbounded\n",
+    print_shares("checked          ", &verdict->floor, verdict->objects, to);
+    print_shares("  in one band    ", &verdict->band_floor, verdict->objects, to);
+    print_ratio("worst error/bound ", verdict->samples.worst_ratio, to);
+    print_ratio(" (one band ", verdict->samples.worst_fit_ratio, to);
+    print_ratio(", depth ", verdict->worst_depth_ratio, to);
+    fprintf(to,
+            ")\npixels            %llu, %llu ambiguous, %llu not checked (%llu without a bound)\n",
             (unsigned long long)verdict->pixels, (unsigned long long)verdict->ambiguous,
-            (unsigned long long)verdict->unbounded);
-    if (verdict->unbounded > verdict->pixels / 100)
-        fprintf(to, "                  %.0f %% of the pixels have no bound: they are not checked\n",
-                percent(verdict->unbounded, verdict->pixels));
+            (unsigned long long)verdict->unchecked, (unsigned long long)verdict->unbounded);
     if (verdict->edge_holes + verdict->edge_doubles > 0)
         fprintf(to, "edge holes        %llu, doubled %llu\n",
                 (unsigned long long)verdict->edge_holes, (unsigned long long)verdict->edge_doubles);
@@ -120,12 +117,8 @@ void report_print(const struct plan *plan, const struct render_result *result, F
     if (plan->options.check)
         fprintf(to, "bounds            of %s\n", result->driver->name);
     if (plan->options.check)
-        print_check(plan, &result->check, to);
-    else
-        fprintf(to, "cross-check       not made%s\n",
-                is_phong(plan)  ? ": OpenGL has no phong shading"
-                : gl_is_built() ? ""
-                                : ": this program was built without OpenGL");
+        print_check(&result->check, to);
+    print_verdict(plan, &result->check, to);
     if (result->odd.clipped)
         fprintf(to, "clipped           %llu samples above full scale are stored as %s\n",
                 (unsigned long long)result->odd.clipped,
@@ -137,89 +130,6 @@ void report_print(const struct plan *plan, const struct render_result *result, F
             "write %.3f)\n",
             seconds->total, seconds->read, seconds->plan, seconds->gl, seconds->raster,
             seconds->check, seconds->write);
-}
-
-/* Describes a failure in words. */
-static void failure_text(const struct plan *plan, const struct check_failure *failure, char *out,
-                         size_t capacity)
-{
-    char page[BAND_NAME];
-    switch (failure->kind) {
-    case FAILURE_RADIANCE:
-        band_name(plan, failure->band, page);
-        snprintf(out, capacity, "at %s OpenGL %.6g, reference %.6g, bound %.3g counts", page,
-                 failure->seen, failure->expected, failure->bound);
-        break;
-    case FAILURE_BANDS:
-        band_name(plan, failure->band, page);
-        snprintf(out, capacity,
-                 "at %s OpenGL %.6g, where the other bands call for %.6g, bound %.3g counts", page,
-                 failure->seen, failure->expected, failure->bound);
-        break;
-    case FAILURE_TRIANGLE:
-        if (failure->shown.surface >= plan->n_instances)
-            snprintf(out, capacity, "OpenGL drew a triangle number that does not exist");
-        else if (failure->shown.surface < 0)
-            snprintf(out, capacity, "OpenGL shows the background");
-        else
-            snprintf(out, capacity, "OpenGL shows triangle %d of %s, which cannot be visible there",
-                     failure->shown.triangle + 1, object_name(plan, failure->shown.surface));
-        break;
-    case FAILURE_DEPTH:
-        snprintf(out, capacity, "OpenGL's depth %.8g, reference %.8g, bound %.3g", failure->seen,
-                 failure->expected, failure->bound);
-        break;
-    case FAILURE_FRAGMENTS:
-        snprintf(out, capacity, "OpenGL draws %.0f fragments, reference %.0f (modulo 256)",
-                 failure->seen, failure->expected);
-        break;
-    case FAILURE_UNBOUNDED:
-        snprintf(out, capacity, "OpenGL's error has no bound there");
-        break;
-    }
-}
-
-bool report_difference(const struct plan *plan, const struct check_verdict *verdict,
-                       const char *then, struct error *err)
-{
-    const struct check_failure *first = &verdict->first;
-    struct place place = {NULL, 0, 0};
-    char where[256] = "", what[256];
-    if (first->surface >= 0)
-        place = plan->instances[first->surface].object->place;
-    if (place.path)
-        snprintf(where, sizeof where, " (%s:%d)", place.path, place.line);
-    failure_text(plan, first, what, sizeof what);
-    return error_different(
-        err, "the pictures differ at %llu of %llu pixels, first at %d,%d on %s%s: %s; %s",
-        (unsigned long long)verdict->unexplained, (unsigned long long)verdict->pixels, first->x,
-        first->y, object_name(plan, first->surface), where, what, then);
-}
-
-/* Tries the reasons in the order of their certainty. */
-bool report_not_again(const struct plan *plan, const struct render_result *result, const char *path,
-                      const struct record *made, const char *then, struct error *err)
-{
-    const struct stack_difference *first = &result->difference;
-    const char *renderer = render_stored(plan, result);
-    static const char changed[] = "the stack, or a file that the scene names, has changed";
-    char what[256], page[BAND_NAME];
-    if (strcmp(made->program, PROGRAM) != 0)
-        snprintf(what, sizeof what, "it was made by %.80s, this is " PROGRAM, made->program);
-    else if (strcmp(made->renderer, renderer) != 0)
-        snprintf(what, sizeof what, "it was drawn by %.80s, this one by %.80s", made->renderer,
-                 renderer);
-    else if (first->in_map)
-        snprintf(what, sizeof what, "first at %d,%d of the object map; %s", first->x, first->y,
-                 changed);
-    else if (first->page < 0)
-        snprintf(what, sizeof what, "in the tags of its pages; %s", changed);
-    else {
-        band_name(plan, first->page, page);
-        snprintf(what, sizeof what, "first at %d,%d of page %d (%s); %s", first->x, first->y,
-                 first->page + 1, page, changed);
-    }
-    return error_different(err, "the stack is not the same as %s: %s; %s", path, what, then);
 }
 
 /* ---- as JSON ---- */
@@ -309,6 +219,34 @@ static void json_failure(struct json *json, const struct plan *plan,
     json_close(json, '}');
 }
 
+/* A ratio of -1 stands for none. */
+static double existing(double ratio)
+{
+    return ratio < 0 ? null_number : ratio;
+}
+
+/* Quantiles, the worst floor, and the pixels with a floor of at most 1, 8 and 256 counts. */
+static void json_floor(struct json *json, const char *name, const struct check_floor *floor)
+{
+    static const struct {
+        const char *name;
+        double part;
+    } quantiles[] = {{"median", 0.5}, {"99", 0.99}, {"999", 0.999}, {"worst", 1}};
+    static const int levels[FLOOR_LEVELS] = {1, 8, CHECKED_COUNTS};
+    char key[48];
+    for (int i = 0; i < 4; i++) {
+        snprintf(key, sizeof key, "%s_%s_counts", name, quantiles[i].name);
+        json_number(json, key,
+                    floor->n == 0           ? null_number
+                    : quantiles[i].part < 1 ? floor_quantile(floor, quantiles[i].part)
+                                            : floor->worst);
+    }
+    for (int i = 0; i < FLOOR_LEVELS; i++) {
+        snprintf(key, sizeof key, "%s_within_%d", name, levels[i]);
+        json_count(json, key, floor->within[i]);
+    }
+}
+
 static void json_check(struct json *json, const struct plan *plan,
                        const struct check_verdict *verdict)
 {
@@ -320,24 +258,23 @@ static void json_check(struct json *json, const struct plan *plan,
     json_number(json, "max_counts", samples->largest);
     json_number(json, "rms_counts", rms(samples));
     json_number(json, "mean_residual_counts", mean_residual(samples));
-    json_truth(json, "biased", is_biased(plan, verdict));
+    json_number(json, "mean_residual_limit_counts", verdict->mean_limit);
+    json_truth(json, "biased", is_biased(verdict));
     json_count(json, "pixels", verdict->pixels);
+    json_count(json, "object_pixels", verdict->objects);
     json_count(json, "ambiguous_pixels", verdict->ambiguous);
     json_count(json, "unexplained_pixels", verdict->unexplained);
+    json_count(json, "unchecked_pixels", verdict->unchecked);
     json_count(json, "unbounded_pixels", verdict->unbounded);
     json_count(json, "edge_holes", verdict->edge_holes);
     json_count(json, "edge_doubles", verdict->edge_doubles);
-    json_number(json, "worst_error_over_bound", samples->worst_ratio);
-    json_number(json, "worst_depth_error_over_bound", verdict->worst_depth_ratio);
-    json_number(json, "floor_median_counts", floor_quantile(&verdict->floor, 0.5));
-    json_number(json, "floor_worst_counts", verdict->floor.worst);
-    json_number(json, "band_floor_median_counts", floor_quantile(&verdict->band_floor, 0.5));
-    json_number(json, "band_floor_999_counts", floor_quantile(&verdict->band_floor, 0.999));
-    json_number(json, "band_floor_worst_counts", verdict->band_floor.worst);
+    json_number(json, "worst_error_over_bound", existing(samples->worst_ratio));
+    json_number(json, "worst_band_error_over_bound", existing(samples->worst_fit_ratio));
+    json_number(json, "worst_depth_error_over_bound", existing(verdict->worst_depth_ratio));
+    json_floor(json, "floor", &verdict->floor);
+    json_floor(json, "band_floor", &verdict->band_floor);
     json_count(json, "smooth_pixels", verdict->smooth_floor.n);
-    json_number(json, "smooth_floor_median_counts", floor_quantile(&verdict->smooth_floor, 0.5));
-    json_number(json, "smooth_floor_999_counts", floor_quantile(&verdict->smooth_floor, 0.999));
-    json_number(json, "smooth_floor_worst_counts", verdict->smooth_floor.worst);
+    json_floor(json, "smooth_floor", &verdict->smooth_floor);
     json_failure(json, plan, &verdict->first);
     json_close(json, '}');
 }
@@ -380,6 +317,7 @@ char *report_json(const struct plan *plan, const struct render_result *result, c
     json_picture(&json, plan, result);
     json_effects(&json, plan);
     json_work(&json, plan, result);
+    json_string(&json, "verdict", verdict_word(plan, &result->check));
     if (plan->options.check)
         json_check(&json, plan, &result->check);
     else

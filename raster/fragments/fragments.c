@@ -6,7 +6,7 @@
 #include <string.h>
 
 #include "data/maths/maths.h"
-#include "raster/candidates/candidates.h"
+#include "raster/fragments/fragments.h"
 
 bool array_grow(void *array, size_t *capacity, size_t needed, size_t size)
 {

@@ -5,7 +5,7 @@
 #include <math.h>
 
 #include "data/maths/maths.h"
-#include "raster/candidates/candidates.h"
+#include "raster/fragments/fragments.h"
 
 void edge_slack(const struct edge_functions *edges, const double errors[3], double slack[3])
 {

@@ -3,7 +3,7 @@
 #include <float.h>
 #include <math.h>
 
-#include "raster/check/check.h"
+#include "raster/verdict/verdict.h"
 
 /* ---- samples ---- */
 
@@ -75,7 +75,7 @@ static void raise_largest(double *largest, const struct block *block, size_t all
             *largest = (double)most[k];
 }
 
-/* Looks closer only where a ratio may be larger. */
+/* Looks closer only where a ratio may be larger. A bound of 0 has no ratio. */
 static void raise_ratio(double *worst, const float *values, const float *bounds, size_t n,
                         size_t all)
 {
@@ -83,7 +83,7 @@ static void raise_ratio(double *worst, const float *values, const float *bounds,
         return;
     for (size_t i = 0; i < n; i++) {
         double value = (double)values[i], bound = (double)bounds[i];
-        if (value <= bound && value > *worst * bound)
+        if (value <= bound && bound > 0 && value > *worst * bound)
             *worst = value / bound;
     }
 }
@@ -136,6 +136,9 @@ void floor_note(struct check_floor *to, double counts)
               (int)(2 * BINS_PER_OCTAVE * (fraction - 0.5));
     to->bins[bin < 0 ? 0 : bin < FLOOR_BINS ? bin : FLOOR_BINS - 1]++;
     to->n++;
+    to->within[0] += counts <= 1;
+    to->within[1] += counts <= 8;
+    to->within[2] += counts <= CHECKED_COUNTS;
     to->worst = fmax(to->worst, counts);
 }
 
@@ -154,6 +157,8 @@ static void floor_add(struct check_floor *to, const struct check_floor *from)
 {
     for (int i = 0; i < FLOOR_BINS; i++)
         to->bins[i] += from->bins[i];
+    for (int i = 0; i < FLOOR_LEVELS; i++)
+        to->within[i] += from->within[i];
     to->n += from->n;
     to->worst = fmax(to->worst, from->worst);
 }
@@ -169,7 +174,6 @@ void verdict_add(struct check_verdict *to, const struct check_verdict *from)
     to->pixels += from->pixels;
     to->ambiguous += from->ambiguous;
     to->unexplained += from->unexplained;
-    to->unbounded += from->unbounded;
     to->edge_holes += from->edge_holes;
     to->edge_doubles += from->edge_doubles;
     to->worst_depth_ratio = fmax(to->worst_depth_ratio, from->worst_depth_ratio);

@@ -1,0 +1,122 @@
+/* SPDX-License-Identifier: MIT */
+/* The verdict on the picture: how much of it was checked, and whether it agrees on average. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "raster/verdict/verdict.h"
+
+/* ---- totals ---- */
+
+bool totals_open(const struct check_scene *scene, struct check_totals *out, struct error *err)
+{
+    const struct plan *plan = scene->lit->plan;
+    size_t n_triangles = 0;
+    *out = (struct check_totals){
+        .scene = scene,
+        .verdict = {.samples = {.worst_ratio = -1, .worst_fit_ratio = -1}, .worst_depth_ratio = -1},
+        .first = calloc((size_t)plan->n_instances + 1, sizeof *out->first),
+        .unchecked = calloc((size_t)plan->n_instances + 1, sizeof *out->unchecked)};
+    for (int s = 0; s < plan->n_instances && out->first; s++) {
+        out->first[s] = n_triangles;
+        n_triangles += (size_t)plan->instances[s].instance.n_triangles;
+    }
+    out->varying = calloc(n_triangles + 1, sizeof *out->varying);
+    return (out->first && out->unchecked && out->varying) || error_memory(err);
+}
+
+void totals_free(struct check_totals *totals)
+{
+    free(totals->first);
+    free(totals->unchecked);
+    free(totals->varying);
+    *totals = (struct check_totals){.scene = NULL};
+}
+
+void totals_note(struct check_totals *totals, int surface, int triangle, double floor,
+                 const struct mean_bound *mean)
+{
+    const double counts = FULL_COUNT / totals->scene->full_scale;
+    const bool bounded = floor < FULL_COUNT, checked = floor <= CHECKED_COUNTS;
+    totals->verdict.objects++;
+    totals->verdict.unbounded += !bounded;
+    totals->verdict.unchecked += !checked;
+    totals->unchecked[surface][mean->cause] += !checked;
+    if (!(floor < HUGE_VAL)) /* its samples are in no sum */
+        return;
+    totals->shared += (double)mean->shared * counts;
+    totals->varying[totals->first[surface] + (size_t)triangle] += (double)mean->varying * counts;
+}
+
+/* ---- the mean residual ---- */
+
+double mean_residual(const struct check_samples *samples)
+{
+    return samples->n ? samples->sum / (double)samples->n : (double)NAN;
+}
+
+/* Errors that follow from the vertices may be the same at all pixels of an object, in all objects:
+ * their bounds add up. Errors of positions and interpolation are taken to be as often positive as
+ * negative, and to be independent from triangle to triangle, but not within one. A sum of
+ * independent errors e_i with a mean of 0, each at most b_i, exceeds s with a probability of at
+ * most 2 exp(-s^2 / (2 sum b_i^2)) (Hoeffding 1963). The limit leaves 10^-9 for that: s^2 is 2 ln(2
+ * x 10^9) sum b_i^2. */
+static double mean_limit(const struct check_totals *totals)
+{
+    const struct plan *plan = totals->scene->lit->plan;
+    const double pixels = (double)totals->verdict.pixels;
+    double squares = 0;
+    for (int s = 0; s < plan->n_instances; s++)
+        for (int t = 0; t < plan->instances[s].instance.n_triangles; t++) {
+            double sum = totals->varying[totals->first[s] + (size_t)t];
+            squares += sum * sum;
+        }
+    return pixels > 0
+               ? (totals->shared + sqrt(2 * log(2e9) * squares)) / pixels + buffer_rounding(plan)
+               : 0;
+}
+
+bool is_biased(const struct check_verdict *verdict)
+{
+    return fabs(mean_residual(&verdict->samples)) > verdict->mean_limit;
+}
+
+/* ---- the verdict ---- */
+
+/* Finds the surface with most pixels that are not checked, and the cause of most of those. */
+static void find_unchecked(struct check_totals *totals)
+{
+    const struct plan *plan = totals->scene->lit->plan;
+    uint64_t most = 0, largest = 0;
+    totals->verdict.unchecked_surface = -1;
+    for (int s = 0; s < plan->n_instances; s++) {
+        uint64_t sum = 0;
+        for (int c = 0; c < BOUND_CAUSES; c++)
+            sum += totals->unchecked[s][c];
+        if (sum > most) {
+            most = sum;
+            totals->verdict.unchecked_surface = s;
+        }
+    }
+    for (int c = 0; c < BOUND_CAUSES && most > 0; c++) {
+        uint64_t n = totals->unchecked[totals->verdict.unchecked_surface][c];
+        if (n > largest) {
+            largest = n;
+            totals->verdict.unchecked_cause = (enum bound_cause)c;
+        }
+    }
+}
+
+void totals_finish(struct check_totals *totals)
+{
+    totals->verdict.mean_limit = mean_limit(totals);
+    find_unchecked(totals);
+}
+
+enum check_outcome check_outcome(const struct plan *plan, const struct check_verdict *verdict)
+{
+    if (verdict->unexplained > 0 || is_biased(verdict))
+        return OUTCOME_DIFFERS;
+    return (double)verdict->unchecked > plan->options.unchecked * (double)verdict->objects
+               ? OUTCOME_NOT_VERIFIED
+               : OUTCOME_AGREED;
+}
