@@ -147,10 +147,17 @@ static bool find_brightest(const struct plan *plan, const struct surface *surfac
     return *light < 0;
 }
 
+/* The largest radiance so far, and whose it is. */
+struct largest {
+    double radiance;
+    int surface;
+    size_t at; /* index of its weights */
+};
+
 /* Raises *largest to the largest radiance of a surface. Refuses a radiance without a bound, unless
  * the plan asks for a full scale. */
-static bool raise_largest(const struct lit_scene *lit, int surface, double *limits, double *largest,
-                          struct error *err)
+static bool raise_largest(const struct lit_scene *lit, int surface, double *limits,
+                          struct largest *largest, struct error *err)
 {
     const struct plan *plan = lit->plan;
     const struct shaded_material *shaded = lit->bounds[surface].shaded;
@@ -168,21 +175,43 @@ static bool raise_largest(const struct lit_scene *lit, int surface, double *limi
         double radiance = largest_radiance(plan, shaded, &brightest, band, &at);
         if (!check_radiance(lit, surface, band, at, radiance, err))
             return false;
-        *largest = fmax(*largest, radiance);
+        if (radiance > largest->radiance)
+            *largest = (struct largest){radiance, surface, at};
     }
     return true;
 }
 
-static bool find_largest(const struct lit_scene *lit, double *largest, struct error *err)
+/* Refuses noise as the largest radiance: a picture of it would mean nothing. */
+static bool check_noise(const struct lit_scene *lit, const struct largest *largest,
+                        struct error *err)
+{
+    const struct plan *plan = lit->plan;
+    if (!(largest->radiance > 0) || plan->options.full_scale > 0 ||
+        plan->scene->shading == SHADING_PHONG)
+        return true;
+    int light = noisy_light(lit, largest->surface, largest->at);
+    if (light < 0)
+        return true;
+    const struct place place = plan->sources[light]->place;
+    return error_at(
+        err, lit->bounds[largest->surface].placed->object->place,
+        "the brightest point of the picture reflects %.3g, which is rounding noise: the "
+        "light at %s:%d grazes this object exactly; turn one of them, or set "
+        "--full-scale",
+        largest->radiance, place.path, place.line);
+}
+
+static bool find_largest(const struct lit_scene *lit, double *out, struct error *err)
 {
     const struct plan *plan = lit->plan;
     double *limits = malloc(((size_t)plan->max_rows + 1) * sizeof *limits);
     bool done = limits || error_memory(err);
-    *largest = 0;
+    struct largest largest = {0, -1, 0};
     for (int s = 0; s < plan->n_instances && done; s++)
-        done = raise_largest(lit, s, limits, largest, err);
+        done = raise_largest(lit, s, limits, &largest, err);
     free(limits);
-    return done;
+    *out = largest.radiance;
+    return done && check_noise(lit, &largest, err);
 }
 
 /* OpenGL gets colours that are spectra over full scale. Below 2^100 single precision can hold them
@@ -217,7 +246,6 @@ bool find_full_scale(const struct lit_scene *lit, double *out, bool *clips, stru
                            "needs at least %.3g",
                            wanted, least);
     *clips = wanted > 0 && wanted < largest;
-    largest = fmax(largest, least);
-    *out = wanted > 0 ? wanted : largest > 0 ? largest : 1;
+    *out = wanted > 0 ? wanted : fmax(largest > 0 ? largest : 1, least);
     return true;
 }

@@ -13,14 +13,20 @@
 
 /* Finds the full scale: the one that the plan asks for, or the largest vertex radiance over all
  * surfaces and wavelengths; 1 for an all-black scene. It is at least 2^-100 of the lights, since
- * single precision cannot hold a larger ratio. Refuses radiances that are not finite, at the place
- * of their object. *clips: a vertex is brighter than the full scale.
+ * single precision cannot hold a larger ratio. Refuses radiances that are not finite, and a largest
+ * radiance that is rounding noise, at the place of their object. *clips: a vertex is brighter than the full scale.
  *
  * With phong shading points between vertices may be brighter. There the largest radiance is an
  * upper bound: every surface faces every light, shows the middle of its highlight, and is as near
  * to it as its nearest point. A light that touches a surface and has no constant attenuation has no
  * bound: it is refused unless the plan asks for a full scale. */
 bool find_full_scale(const struct lit_scene *lit, double *out, bool *clips, struct error *err);
+
+/* ---- noise.c ---- */
+
+/* Returns the index of a light, if the radiance of weights `at` of a surface (a vertex and a side)
+ * comes only from lights that graze it, so that it is rounding noise; otherwise -1. */
+int noisy_light(const struct lit_scene *lit, int surface, size_t at);
 
 /* ---- counts.c ---- */
 
