@@ -40,7 +40,8 @@ enum { CLIP_X, CLIP_Y, CLIP_Z, CLIP_W };
 struct vertex_bounds {
     float slack_px, slack_depth, slack_w; /* struct slack */
     float e_clip[4];                      /* of clip coordinates, CLIP_X to CLIP_W */
-    bool exact; /* x and y have no error, and lie on a grid of 1/256 pixel */
+    bool exact;    /* x and y have no error, and lie on a grid of 1/256 pixel */
+    bool gated[2]; /* of each side: single precision does not know whether some light reaches it */
 };
 struct surface_bounds {
     const struct shaded_material *shaded;
@@ -48,7 +49,9 @@ struct surface_bounds {
     struct cofactors cofactors; /* of model_view */
     double e_rigid;             /* distance_from_rigid of model_view */
     struct vertex_bounds *vertices;
-    float *errors;        /* of surface.weights, in the same order */
+    float *errors; /* of surface.weights, in the same order */
+    float
+        *jumps; /* at gated sides: the other outcome minus surface.weights; NULL: there are none */
     float *group_weights; /* [light group][weight]: what each adds to them; NULL: there is one */
     double left, top, right, bottom; /* in the window; everything where a vertex is not in front */
 };

@@ -143,25 +143,44 @@ static double pow_error(double base, double exponent)
     return 0.6931471805599453 * exponent * (2.2e-7 + roundings(2) * octaves) + 3e-7;
 }
 
-/* [gate > 0] max(0, c)^exponent. Where the gate is open within its error, both outcomes may be
- * OpenGL's. */
-static struct bounded gated_power(struct bounded gate, struct bounded c, double exponent,
-                                  const struct vertex_view *vertex)
+/* A weight behind gates: it is there if all of them are open, and otherwise 0. */
+struct gated {
+    struct bounded open;      /* the weight with open gates */
+    bool is_open, is_unclear; /* in the reference; OpenGL may decide otherwise */
+};
+
+static struct gated ungated(struct bounded weight)
+{
+    return (struct gated){weight, true, false};
+}
+
+static struct gated gated_product(struct gated a, struct gated b)
+{
+    return (struct gated){bounded_product(a.open, b.open), a.is_open && b.is_open,
+                          a.is_unclear || b.is_unclear};
+}
+
+/* [gate > 0] max(0, c)^exponent. A gate within its error is unclear. */
+static struct gated gated_power(struct bounded gate, struct bounded c, double exponent,
+                                const struct vertex_view *vertex)
 {
     static const double least = 2e-38; /* results below are flushed to 0 by Mesa */
-    if (gate.value + gate.error <= 0 || !vertex->bounded)
-        return (struct bounded){0, 0};
+    struct gated out = {{0, 0}, gate.value > 0, fabs(gate.value) <= gate.error};
+    if (gate.value + gate.error <= 0 || !vertex->bounded) {
+        out.is_unclear = false;
+        return out;
+    }
+    out.open.value = 1;
     if (exponent == 0)
-        return (struct bounded){gate.value > 0, fabs(gate.value) > gate.error ? 0 : 1};
+        return out;
     double base = fmax(0, c.value);
     double high = fmin(fmax(0, c.value + c.error), largest_cosine()),
            low = fmax(0, c.value - c.error);
     double at_high = counted_power(high, exponent, vertex) * (1 + pow_error(high, exponent));
-    double at_low = gate.value > gate.error
-                        ? counted_power(low, exponent, vertex) * (1 - pow_error(low, exponent))
-                        : 0;
-    double value = gate.value > 0 ? counted_power(base, exponent, vertex) : 0;
-    return (struct bounded){value, fmax(at_high - value, value - at_low) + least};
+    double at_low = counted_power(low, exponent, vertex) * (1 - pow_error(low, exponent));
+    double value = counted_power(base, exponent, vertex);
+    out.open = (struct bounded){value, fmax(at_high - value, value - at_low) + least};
+    return out;
 }
 
 static struct bounded diffuse_weight(struct bounded n_l)
@@ -185,21 +204,21 @@ static struct bounded attenuation(const struct eye_light *light, const struct pa
 }
 
 /* The part of a light that distance and spot leave. */
-static struct bounded falloff(const struct eye_light *light, const struct path *path,
-                              const struct vertex_view *vertex)
+static struct gated falloff(const struct eye_light *light, const struct path *path,
+                            const struct vertex_view *vertex)
 {
-    struct bounded out = {1, 0};
+    struct gated out = ungated((struct bounded){1, 0});
     /* Mesa multiplies by 0 / 0 where it takes light and vertex for one */
     if (path->length.value <= path->length.error)
-        return (struct bounded){(double)NAN, 0};
+        return ungated((struct bounded){(double)NAN, 0});
     if (light->attenuated)
-        out = attenuation(light, path);
+        out.open = attenuation(light, path);
     if (light->spot) {
         struct direction axis = {vector_scale(light->axis, -1), roundings(6)};
         struct bounded c = cosine_between(path->towards, axis), gate = c;
         gate.value -= light->cutoff_cosine;
         gate.error += roundings(3); /* the cutoff in degrees, in radians, its cosine */
-        out = bounded_product(out, gated_power(gate, c, light->spot_exponent, vertex));
+        out = gated_product(out, gated_power(gate, c, light->spot_exponent, vertex));
     }
     return out;
 }
@@ -211,29 +230,50 @@ static void add_error(struct bounded weight, double share, float *error)
     *error = sum <= (double)FLT_MAX ? (float)sum : HUGE_VALF;
 }
 
-/* Adds a light's errors to those of the terms of its spectrum, and its weights to those of its
- * group, unless that is NULL. */
-static void add_light(const struct eye_light *light, const struct vertex_view *vertex,
-                      float *errors, float *group)
+/* Where the bounds of one side of a vertex are collected: see struct surface_bounds. */
+struct side_bounds {
+    float *errors, *jumps, *group; /* the last two may be NULL */
+    int gated;                     /* the light whose gate is unclear there; -1: none */
+};
+
+/* Adds a weight. One unclear light at a vertex gets a jump to the other outcome. A second one gets
+ * an error that takes in both. */
+static void add_weight(struct gated weight, const struct eye_light *light, int index, int term,
+                       struct side_bounds *out)
+{
+    struct bounded shown = {weight.is_open ? weight.open.value : 0, weight.open.error};
+    if (!weight.is_open && !weight.is_unclear)
+        shown.error = 0;
+    if (weight.is_unclear && out->jumps && (out->gated < 0 || out->gated == index)) {
+        const double jump = light->share * weight.open.value;
+        out->jumps[term] += (float)(weight.is_open ? -jump : jump);
+        out->gated = index;
+    } else if (weight.is_unclear) {
+        shown.error = weight.open.error + weight.open.value;
+    }
+    add_error(shown, light->share, &out->errors[term]);
+    if (out->group)
+        out->group[term] += (float)(light->share * shown.value);
+}
+
+/* Adds a light's weights to the terms of its spectrum. */
+static void add_light(const struct eye_light *light, int index, const struct vertex_view *vertex,
+                      struct side_bounds *out)
 {
     const struct instance *instance = vertex->instance;
     struct path path = path_to_light(vertex, light);
     struct bounded n_l = cosine_between(vertex->normal, path.towards);
     bool weakened = light->attenuated || light->spot;
-    struct bounded left = weakened ? falloff(light, &path, vertex) : (struct bounded){1, 0};
+    struct gated left = weakened ? falloff(light, &path, vertex) : ungated((struct bounded){1, 0});
     for (int t = 0; t < instance->n_terms; t++) {
         if (instance->terms[t].light != light->first)
             continue;
-        struct bounded weight = diffuse_weight(n_l);
+        struct gated weight = ungated(diffuse_weight(n_l));
         if (instance->terms[t].reflection == SPECULAR)
             weight =
                 gated_power(n_l, cosine_between(vertex->normal, half_way(vertex, path.towards)),
                             instance->gloss, vertex);
-        if (weakened)
-            weight = bounded_product(weight, left);
-        add_error(weight, light->share, &errors[t]);
-        if (group)
-            group[t] += (float)(light->share * weight.value);
+        add_weight(weakened ? gated_product(weight, left) : weight, light, index, t, out);
     }
 }
 
@@ -269,13 +309,17 @@ void light_bounds(const struct lit_scene *lit, int surface, int index, double e_
                                  .bounded = lit->plan->options.check,
                                  .work = work};
     for (int side = 0; side < of->n_sides; side++) {
-        size_t at = surface_attributes(of, index, side);
+        const size_t at = surface_attributes(of, index, side);
         float *errors = bounds->errors + at;
+        struct side_bounds out = {
+            .errors = errors, .jumps = bounds->jumps ? bounds->jumps + at : NULL, .gated = -1};
         for (int i = 0; i < view->n_lights && view->shading != PHONG; i++) {
             float *group = group_weights(of, bounds, i / LIGHTS_PER_PASS);
+            out.group = group ? group + at : NULL;
             if (reflects(of->instance, &view->lights[i]))
-                add_light(&view->lights[i], &vertex, errors, group ? group + at : NULL);
+                add_light(&view->lights[i], i, &vertex, &out);
         }
+        bounds->vertices[index].gated[side] = out.gated >= 0;
         if (of->instance->textured) {
             errors[of->instance->n_terms] = (float)(roundings(1) * fabs(point->s));
             errors[of->instance->n_terms + 1] = (float)(roundings(1) * fabs(point->t));

@@ -251,6 +251,18 @@ bool surface_reaches(const struct surface_bounds *surface, const struct rectangl
            surface->bottom >= at->y && surface->top <= at->y + at->height;
 }
 
+/* Highlights and spots have gates. */
+static bool may_be_gated(const struct plan *plan, const struct instance *instance)
+{
+    for (int i = 0; i < plan->n_lights; i++)
+        if (plan->lights[i].spot && reflects(instance, &plan->lights[i]))
+            return true;
+    for (int t = 0; t < instance->n_terms; t++)
+        if (instance->terms[t].reflection == SPECULAR)
+            return true;
+    return false;
+}
+
 static bool allocate(const struct plan *plan, const struct placed_instance *placed,
                      struct surface *surface, struct surface_bounds *bounds)
 {
@@ -262,10 +274,13 @@ static bool allocate(const struct plan *plan, const struct placed_instance *plac
     size_t n_weights = surface_attributes(surface, placed->instance.n_vertices, 0);
     bounds->vertices = calloc((size_t)placed->instance.n_vertices + 1, sizeof *bounds->vertices);
     bounds->errors = calloc(n_weights + 1, sizeof *bounds->errors);
+    const bool gated = plan->options.check && may_be_gated(plan, &placed->instance);
+    if (gated)
+        bounds->jumps = calloc(n_weights + 1, sizeof *bounds->jumps);
     if (plan->n_light_groups > 1 && plan->options.check)
         bounds->group_weights =
             calloc(n_weights * (size_t)plan->n_light_groups + 1, sizeof *bounds->group_weights);
-    return opened && bounds->vertices && bounds->errors &&
+    return opened && bounds->vertices && bounds->errors && (bounds->jumps || !gated) &&
            (bounds->group_weights || plan->n_light_groups == 1 || !plan->options.check);
 }
 
@@ -323,6 +338,7 @@ void lit_free(struct lit_scene *lit)
         surface_close(&lit->surfaces[i]);
         free(lit->bounds[i].vertices);
         free(lit->bounds[i].errors);
+        free(lit->bounds[i].jumps);
         free(lit->bounds[i].group_weights);
     }
     free(lit->surfaces);

@@ -37,6 +37,10 @@ void pixel_bound(struct bounded_pixel *pixel, const struct bounded_triangle *tri
 /* Finds the places in the texture that OpenGL may sample: 1 without a texture. Take one of them. */
 int pixel_choices(const struct bounded_pixel *pixel, struct texel_point out[TEXEL_CHOICES]);
 void pixel_take_place(struct bounded_pixel *pixel, const struct texel_point *place);
+/* Counts the outcomes of unclear gates at the triangle's vertices, the reference's first, at
+ * most 8. Turn to one of them, after pixel_bound. */
+int pixel_gates(const struct bounded_pixel *pixel);
+void pixel_turn_gates(struct bounded_pixel *pixel, unsigned gates);
 void pixel_weights(const struct bounded_pixel *pixel, double *rows); /* see put_rows */
 /* Writes bounds on their errors, and on the part that each band rounds by itself, `stride` apart.
  */

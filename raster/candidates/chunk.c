@@ -40,37 +40,50 @@ static bool has_room(struct bounding *bounding, size_t n_rows)
                       sizeof *out->candidate_own);
 }
 
-/* Adds a triangle that may be visible at a pixel: one candidate for each place in the texture that
- * OpenGL may sample. */
-static bool add_candidates(struct bounding *bounding, const struct fragment *fragment, int x, int y)
+/* Adds the pixel's triangle as it is lit now, at one place of its texture. */
+static bool add_candidate(struct bounding *bounding, const struct fragment *fragment,
+                          const struct texel_point *place)
 {
     struct chunk *out = bounding->chunk;
-    struct texel_point choices[TEXEL_CHOICES];
     const struct bounded_triangle *triangle = &bounding->fragments.triangles[fragment->triangle];
-    pixel_bound(bounding->pixel, triangle, x, y, true);
-    const struct instance *instance = triangle->screen.surface->instance;
-    size_t n_rows = (size_t)pixel_rows(instance);
-    int n = pixel_choices(bounding->pixel, choices);
-    for (int i = 0; i < n; i++) {
-        size_t first = out->n_numbers;
-        if (!has_room(bounding, n_rows))
-            return false;
-        pixel_take_place(bounding->pixel, &choices[i]);
-        pixel_weights(bounding->pixel, out->candidate_rows + first);
-        struct mean_bound mean =
-            pixel_errors(bounding->pixel, out->candidate_rows + first, 1,
-                         out->candidate_errors + first, out->candidate_own + first);
-        if (fragment->loose)
-            mean.cause = fragment->depth_error < HUGE_VAL ? CAUSE_FAR : CAUSE_THIN;
-        out->candidates[out->n_candidates++] = (struct candidate){
-            .surface = (int32_t)(triangle->screen.surface - bounding->fragments.lit->surfaces),
-            .triangle = triangle->screen.triangle,
-            .depth = (float)fragment->depth,
-            .depth_error = stored_depth_error(fragment->depth_error, fragment->depth),
-            .loose = fragment->loose,
-            .mean = mean,
-            .first = first};
-        out->n_numbers += n_rows;
+    const size_t first = out->n_numbers,
+                 n_rows = (size_t)pixel_rows(triangle->screen.surface->instance);
+    if (!has_room(bounding, n_rows))
+        return false;
+    pixel_take_place(bounding->pixel, place);
+    pixel_weights(bounding->pixel, out->candidate_rows + first);
+    struct mean_bound mean =
+        pixel_errors(bounding->pixel, out->candidate_rows + first, 1, out->candidate_errors + first,
+                     out->candidate_own + first);
+    if (fragment->loose)
+        mean.cause = fragment->depth_error < HUGE_VAL ? CAUSE_FAR : CAUSE_THIN;
+    out->candidates[out->n_candidates++] = (struct candidate){
+        .surface = (int32_t)(triangle->screen.surface - bounding->fragments.lit->surfaces),
+        .triangle = triangle->screen.triangle,
+        .depth = (float)fragment->depth,
+        .depth_error = stored_depth_error(fragment->depth_error, fragment->depth),
+        .loose = fragment->loose,
+        .mean = mean,
+        .first = first};
+    out->n_numbers += n_rows;
+    return true;
+}
+
+/* Adds a triangle that may be visible at a pixel: one candidate for each outcome of its gates and
+ * each place in the texture that OpenGL may sample. */
+static bool add_candidates(struct bounding *bounding, const struct fragment *fragment, int x, int y)
+{
+    const struct bounded_triangle *triangle = &bounding->fragments.triangles[fragment->triangle];
+    struct texel_point choices[TEXEL_CHOICES];
+    int n_gates = 1;
+    for (int gates = 0; gates < n_gates; gates++) {
+        pixel_bound(bounding->pixel, triangle, x, y, true);
+        n_gates = pixel_gates(bounding->pixel);
+        pixel_turn_gates(bounding->pixel, (unsigned)gates);
+        int n = pixel_choices(bounding->pixel, choices);
+        for (int i = 0; i < n; i++)
+            if (!add_candidate(bounding, fragment, &choices[i]))
+                return false;
     }
     return true;
 }
@@ -119,8 +132,8 @@ static bool is_settled(const struct bounding *bounding, size_t index)
            picture->triangle[index] == screen->triangle;
 }
 
-/* Stores the bounds of a settled pixel. Returns whether OpenGL may sample several places of its
- * texture. */
+/* Stores the bounds of a settled pixel. Returns whether OpenGL may light its triangle in several
+ * ways, or sample several places of its texture. */
 static bool settle(struct bounding *bounding, size_t index, int x, int y)
 {
     struct chunk *out = bounding->chunk;
@@ -132,8 +145,7 @@ static bool settle(struct bounding *bounding, size_t index, int x, int y)
     const struct bounded_triangle *triangle =
         &bounding->fragments.triangles[bounding->fragments.fragments[list->head].triangle];
     pixel_bound(bounding->pixel, triangle, x, y, false);
-    int n = pixel_choices(bounding->pixel, choices);
-    if (n > 1)
+    if (pixel_gates(bounding->pixel) > 1 || pixel_choices(bounding->pixel, choices) > 1)
         return true;
     pixel_take_place(bounding->pixel, &choices[0]);
     out->depth_error[index] = stored_depth_error(triangle->depth_error, out->picture.depth[index]);

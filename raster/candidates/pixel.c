@@ -21,9 +21,12 @@ struct bounded_pixel {
     const struct surface *surface;
     const struct shaded_material *shaded;
     const float *corner[3], *provoking; /* errors of the triangle's vertices */
-    double *attributes;                 /* these five arrays have room for any surface */
-    float *common, *interpolation;      /* errors that bands have in common; their second part */
-    float *own, *slopes;                /* of a band by itself; change within a pixel's width */
+    bool gated[3];                      /* of these vertices: see struct vertex_bounds */
+    int n_gated;
+    double share[3];               /* barycentric coordinates */
+    double *attributes;            /* these five arrays have room for any surface */
+    float *common, *interpolation; /* errors that bands have in common; their second part */
+    float *own, *slopes;           /* of a band by itself; change within a pixel's width */
     struct texel_point place; /* in its texture, and the value there unless the texture is varied */
     double value;
     struct attribute_bound *bounds; /* [clipped triangle][max_attributes], computed when needed */
@@ -120,6 +123,32 @@ static void add_groups(const struct bounded_pixel *pixel, const struct clipped_t
     }
 }
 
+/* Adds the bounds of the jumps at gated corners. Bounds add up as values do, so that the sum holds
+ * for every choice of gates. */
+static void add_jumps(const struct bounded_pixel *pixel, const struct clipped_triangle *clipped,
+                      size_t attribute, struct colour_bound *out)
+{
+    const struct screen_triangle *screen = &pixel->triangle->screen;
+    const struct surface_bounds *bounds = bounds_of(pixel->fragments->lit, screen);
+    for (int j = 0; j < 3 && pixel->n_gated > 0; j++) {
+        double values[3];
+        if (!pixel->gated[j])
+            continue;
+        for (int c = 0; c < 3; c++)
+            values[c] =
+                clipped->share[c][j] *
+                (double)bounds
+                    ->jumps[surface_attributes(pixel->surface, screen->vertex[j], screen->side) +
+                            attribute];
+        struct colour_bound jump = bound_colour(clipped, values);
+        out->constant += jump.constant;
+        out->fixed += jump.fixed;
+        out->per_d += jump.per_d;
+        out->own_constant += jump.own_constant;
+        out->own_fixed += jump.own_fixed;
+    }
+}
+
 /* True if the attribute is a weight that several groups of lights add to. */
 static bool is_grouped(const struct bounded_pixel *pixel, size_t attribute)
 {
@@ -145,6 +174,8 @@ static struct colour_bound clipped_bound(const struct bounded_pixel *pixel,
     struct colour_bound bound = bound_colour(clipped, values.at);
     if (is_grouped(pixel, attribute))
         add_groups(pixel, clipped, attribute, &bound);
+    if (attribute < (size_t)pixel->surface->instance->n_terms)
+        add_jumps(pixel, clipped, attribute, &bound);
     bound.constant = magnification * bound.constant + (magnification - 1) * e_vertex;
     bound.fixed *= magnification;
     bound.per_d *= magnification;
@@ -212,12 +243,19 @@ static void take_triangle(struct bounded_pixel *pixel, const struct bounded_tria
     const struct surface *surface = screen->surface;
     const struct surface_bounds *bounds = bounds_of(pixel->fragments->lit, screen);
     const float *errors = bounds->errors;
+    const bool flat = pixel->fragments->lit->plan->view.shading == FLAT;
     pixel->triangle = triangle;
     pixel->surface = surface;
     pixel->shaded = bounds->shaded;
     for (int j = 0; j < 3; j++)
         pixel->corner[j] = errors + surface_attributes(surface, screen->vertex[j], screen->side);
     pixel->provoking = errors + surface_attributes(surface, screen->provoking, screen->side);
+    pixel->n_gated = 0;
+    for (int j = 0; j < 3; j++) {
+        const int vertex = flat ? screen->provoking : screen->vertex[j];
+        pixel->gated[j] = bounds->vertices[vertex].gated[screen->side] && (j == 0 || !flat);
+        pixel->n_gated += pixel->gated[j];
+    }
 }
 
 /* Interpolates the errors of the vertices as the attributes are interpolated. */
@@ -238,7 +276,7 @@ void pixel_bound(struct bounded_pixel *pixel, const struct bounded_triangle *tri
     const struct screen_triangle *screen = &triangle->screen;
     const struct instance *instance = screen->surface->instance;
     struct light_work none = {0};
-    double share[3], inverse_w = shares_at(screen, x + 0.5, y + 0.5, share);
+    double *share = pixel->share, inverse_w = shares_at(screen, x + 0.5, y + 0.5, share);
     if (pixel->triangle != triangle)
         take_triangle(pixel, triangle);
     if (weights_matter || instance->textured)
@@ -282,6 +320,29 @@ double pixel_steepness(const struct bounded_pixel *pixel)
     if (instance->varied)
         return (step + whole * (double)(near.e_place[0] + near.e_place[1])) * largest;
     return step * pixel->value + whole * texel_error(&instance->texels, &near, largest);
+}
+
+int pixel_gates(const struct bounded_pixel *pixel)
+{
+    return 1 << pixel->n_gated;
+}
+
+/* Each bit of `gates` stands for a gated corner. */
+void pixel_turn_gates(struct bounded_pixel *pixel, unsigned gates)
+{
+    const struct screen_triangle *screen = &pixel->triangle->screen;
+    const bool flat = pixel->fragments->lit->plan->view.shading == FLAT;
+    for (int j = 0; j < 3; j++) {
+        if (!pixel->gated[j])
+            continue;
+        const float *jumps =
+            bounds_of(pixel->fragments->lit, screen)->jumps +
+            surface_attributes(pixel->surface, flat ? screen->provoking : screen->vertex[j],
+                               screen->side);
+        for (int t = 0; t < pixel->surface->instance->n_terms && (gates & 1) != 0; t++)
+            pixel->attributes[t] += (flat ? 1 : pixel->share[j]) * (double)jumps[t];
+        gates >>= 1;
+    }
 }
 
 void pixel_weights(const struct bounded_pixel *pixel, double *rows)

@@ -14,7 +14,8 @@
 /* Finds the full scale: the one that the plan asks for, or the largest vertex radiance over all
  * surfaces and wavelengths; 1 for an all-black scene. It is at least 2^-100 of the lights, since
  * single precision cannot hold a larger ratio. Refuses radiances that are not finite, and a largest
- * radiance that is rounding noise, at the place of their object. *clips: a vertex is brighter than the full scale.
+ * radiance that is rounding noise, at the place of their object. *clips: a vertex is brighter than
+ * the full scale.
  *
  * With phong shading points between vertices may be brighter. There the largest radiance is an
  * upper bound: every surface faces every light, shows the middle of its highlight, and is as near
