@@ -22,8 +22,9 @@ enum bound_cause {
     CAUSE_FAR,
     BOUND_CAUSES
 };
-/* A bound in the mean of all bands, as a radiance: the part that follows from the vertices and may
- * be the same at all pixels of an object, and the rest, which changes from triangle to triangle. */
+/* A bound in the mean of all bands, in parts of shaded_brightest: the part that follows from the
+ * vertices and may be the same at all pixels of an object, and the rest, which changes from
+ * triangle to triangle. */
 struct mean_bound {
     float shared, varying;
     enum bound_cause cause; /* of most of it */

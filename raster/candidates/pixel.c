@@ -24,6 +24,7 @@ struct bounded_pixel {
     bool gated[3];                      /* of these vertices: see struct vertex_bounds */
     int n_gated;
     double share[3];               /* barycentric coordinates */
+    double brightest;              /* shaded_brightest */
     double *attributes;            /* these five arrays have room for any surface */
     float *common, *interpolation; /* errors that bands have in common; their second part */
     float *own, *slopes;           /* of a band by itself; change within a pixel's width */
@@ -250,6 +251,7 @@ static void take_triangle(struct bounded_pixel *pixel, const struct bounded_tria
     for (int j = 0; j < 3; j++)
         pixel->corner[j] = errors + surface_attributes(surface, screen->vertex[j], screen->side);
     pixel->provoking = errors + surface_attributes(surface, screen->provoking, screen->side);
+    pixel->brightest = shaded_brightest(pixel->shaded);
     pixel->n_gated = 0;
     for (int j = 0; j < 3; j++) {
         const int vertex = flat ? screen->provoking : screen->vertex[j];
@@ -360,7 +362,7 @@ static double colour_rounding(const struct bounded_pixel *pixel)
                      pixel->fragments->lit->plan->n_light_groups);
 }
 
-/* What the errors of a pixel's weights add up to in the mean of all bands, as radiances. */
+/* What the errors of a pixel's weights add up to: see struct mean_bound. */
 struct error_sums {
     double light, rounding, position, texture;
 };
@@ -369,11 +371,12 @@ struct error_sums {
 static void sort_error(const struct bounded_pixel *pixel, size_t t, double value, double e_value,
                        double weight, struct error_sums *sums)
 {
-    const double spectrum = pixel->shaded->made.terms[t].mean * value;
+    const double mean = pixel->shaded->made.terms[t].mean / pixel->brightest,
+                 spectrum = mean * value;
     sums->light += (double)(pixel->common[t] - pixel->interpolation[t]) * spectrum;
     sums->rounding += colour_rounding(pixel) * fabs(weight) * spectrum;
     sums->position += (double)(pixel->interpolation[t] + pixel->own[t]) * spectrum;
-    sums->texture += fabs(weight) * e_value * pixel->shaded->made.terms[t].mean;
+    sums->texture += fabs(weight) * e_value * mean;
 }
 
 static struct mean_bound mean_of(const struct error_sums *sums)

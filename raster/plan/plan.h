@@ -108,11 +108,11 @@ bool plan_make(const struct scene *scene, const struct sampling *sampling,
 struct rectangle plan_picture(const struct plan *plan); /* the whole picture */
 int plan_tiles(const struct plan *plan, const struct rectangle *region);
 struct rectangle plan_tile(const struct plan *plan, const struct rectangle *region, int index);
-/* True if bands are components, not radiances at wavelengths. */
-bool has_components(const struct plan *plan);
+bool has_components(const struct plan *plan); /* bands are no radiances at wavelengths */
 /* The name of a band: "450 nm", or the label of a component. */
 enum { BAND_NAME = 32 };
 void band_name(const struct plan *plan, int band, char out[BAND_NAME]);
+double shaded_brightest(const struct shaded_material *shaded); /* largest peak; 1: it is black */
 /* The name of a surface: that of its material; or "background" for -1. */
 const char *object_name(const struct plan *plan, int surface);
 

@@ -91,6 +91,14 @@ static bool make_terms(struct plan *plan, const struct material *material,
     return copy_terms(made, &out->terms, err);
 }
 
+double shaded_brightest(const struct shaded_material *shaded)
+{
+    double most = 0;
+    for (int t = 0; t < shaded->n_terms; t++)
+        most = fmax(most, shaded->made.terms[t].peak);
+    return most > 0 ? most : 1;
+}
+
 static bool find_terms(struct plan *plan, const struct material *material, int *out,
                        struct error *err)
 {

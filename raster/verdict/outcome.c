@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The verdict on the picture: how much of it was checked, and whether it agrees on average. */
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 
@@ -35,7 +36,8 @@ void totals_free(struct check_totals *totals)
 void totals_note(struct check_totals *totals, int surface, int triangle, double floor,
                  const struct mean_bound *mean)
 {
-    const double counts = FULL_COUNT / totals->scene->full_scale;
+    const double counts = shaded_brightest(totals->scene->lit->bounds[surface].shaded) /
+                          totals->scene->full_scale * FULL_COUNT;
     const bool bounded = floor < FULL_COUNT, checked = floor <= CHECKED_COUNTS;
     totals->verdict.objects++;
     totals->verdict.unbounded += !bounded;
@@ -43,7 +45,8 @@ void totals_note(struct check_totals *totals, int surface, int triangle, double 
     totals->unchecked[surface][mean->cause] += !checked;
     if (!(floor < HUGE_VAL)) /* its samples are in no sum */
         return;
-    totals->shared += (double)mean->shared * counts;
+    /* a float below the least normal number may have lost its digits */
+    totals->shared += ((double)mean->shared + (double)FLT_MIN) * counts;
     totals->varying[totals->first[surface] + (size_t)triangle] += (double)mean->varying * counts;
 }
 
@@ -70,9 +73,8 @@ static double mean_limit(const struct check_totals *totals)
             double sum = totals->varying[totals->first[s] + (size_t)t];
             squares += sum * sum;
         }
-    return pixels > 0
-               ? (totals->shared + sqrt(2 * log(2e9) * squares)) / pixels + buffer_rounding(plan)
-               : 0;
+    return (totals->shared + sqrt(2 * log(2e9) * squares)) / pixels + buffer_rounding(plan) +
+           flushed_counts();
 }
 
 bool is_biased(const struct check_verdict *verdict)

@@ -19,6 +19,8 @@ fulfil, in the reference and in OpenGL, with both of Mesa's software drivers. Pr
                              at ambiguous pixels)
     floor COUNTS             the check would find an error of so many counts at half of the pixels
     bounded                  every pixel has a bound on OpenGL's error
+    unverified PATH...       on these paths more than 1 % of the object pixels cannot be checked, and on no
+                             others; the scene is then rendered with --unchecked 1
     smooth NUMBER            the check counts exactly so many smooth interior pixels
     seconds MOST             wall-clock time of each run
 
@@ -52,6 +54,7 @@ class Scene:
         lines = open(path).read().splitlines()
         self.name = os.path.basename(path)[:-len(".scene")]
         self.holds = [line.split(":", 1)[1].split() for line in lines if line.startswith("# holds:")]
+        self.unverified = [path for words in self.holds if words[0] == "unverified" for path in words[1:]]
         self.options = [word for line in lines if line.startswith("# with:")
                         for word in line.split(":", 1)[1].split()]
 
@@ -66,6 +69,8 @@ class Run:
                    "--quiet"]
         if path == "reference":
             options.append("--no-check")  # which the other paths do
+        elif scene.unverified:
+            options += ["--unchecked", "1"]
         start = time.monotonic()
         try:
             result = subprocess.run(
@@ -133,6 +138,15 @@ def bounded(run):
     return f"{pixels} pixels without a bound" if pixels else None
 
 
+def unverified(run, path, paths):
+    """Says where too much is checked, or too little."""
+    if run.exact:
+        return None
+    report = run.report["check"]
+    share = report["unchecked_pixels"] / report["object_pixels"]
+    return f"{100 * share} % are not checked" if (share > 0.01) != (path in paths) else None
+
+
 def apart(run, other, counts, within, factor, exactly):
     """Says how far the samples of two runs are apart if they exceed the limit."""
     if other.counts is None:
@@ -141,7 +155,7 @@ def apart(run, other, counts, within, factor, exactly):
     difference = np.sort(abs(counts * ratio - other.counts).max(axis=0).ravel())
     if not (exactly or run.exact):
         reports = run.report["check"], other.report["check"]
-        within += sum(report["floor_worst_counts"] for report in reports)
+        within += sum(report["floor_worst_counts"] or 0 for report in reports)
         ambiguous = sum(report["ambiguous_pixels"] for report in reports)
         difference = difference[:max(len(difference) - ambiguous, 1)]
     return f"{difference[-1]} counts apart, not {within}" if difference[-1] > within else None
@@ -159,6 +173,8 @@ def holds(runs, scene, path, words):
         return f"{run.seconds} seconds" if run.seconds > float(rest[0]) else None
     if run.counts is None:
         return run.says
+    if word == "unverified":
+        return unverified(run, path, rest)
     if word == "floor":
         counts = 0 if run.exact else run.report["check"]["floor_median_counts"]
         return f"only {counts} would be seen" if counts > float(rest[0]) else None
