@@ -11,7 +11,7 @@
 /* ---- pixel.c: a triangle at a pixel ---- */
 
 struct bounded_pixel; /* attributes with bounds on OpenGL's errors */
-/* What is to blame for a bound: the light at the vertices; positions, where radiance changes within
+/* The cause of a bound: the light at the vertices; positions, where radiance changes within
  * a pixel; the place in a texture. Or there is none: the triangle has hardly any area in the
  * window, or the roundings of 1 / w are as large as it is. */
 enum bound_cause {

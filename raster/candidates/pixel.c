@@ -362,7 +362,7 @@ static double colour_rounding(const struct bounded_pixel *pixel)
                      pixel->fragments->lit->plan->n_light_groups);
 }
 
-/* What the errors of a pixel's weights add up to: see struct mean_bound. */
+/* The errors of a pixel's weights, added up: see struct mean_bound. */
 struct error_sums {
     double light, rounding, position, texture;
 };

@@ -42,7 +42,7 @@ void check_pass(struct check *check, int first_band, const float *pixels, size_t
 /* Settles ambiguous pixels, and adds the chunk's verdict to *totals. The tile has the chunk and its
  * neighbours, all of them drawn. */
 void check_settle(struct check *check, const struct tile *tile, struct check_totals *totals);
-/* What the map shows of a pixel of a chunk that is settled. */
+/* The class of a pixel in the map; the chunk is settled. */
 enum check_class { CLASS_CHECKED, CLASS_AMBIGUOUS, CLASS_NOT_CHECKED, CLASS_DIFFERS };
 enum check_class check_class(const struct check *check, size_t pixel);
 void check_free(struct check *check);

@@ -48,8 +48,8 @@ static bool make_gains(const struct pilots *of, int material)
     return done;
 }
 
-/* What the pilots explain of a band: h of each, and the sum of |S_tb g_tk|, which its roundings are
- * relative to. */
+/* The influence of the pilots on a band: h of each, and the sum of |S_tb g_tk|, which its roundings
+ * are relative to. */
 struct influence {
     double h[MAX_PILOTS], size[MAX_PILOTS], sum;
     int itself; /* the pilot that is this band; -1: none */

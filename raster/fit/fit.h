@@ -54,7 +54,7 @@ double fit_explain(const struct fit *fit, const struct run *run, int band, const
 
 /* ---- inside this room ---- */
 
-/* What is known of the errors of a material's weights. */
+/* Knowledge of the errors of a material's weights. */
 struct knowledge {
     const struct material_fit *material;
     int n_terms, n_bands;

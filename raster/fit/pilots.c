@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Chooses the pilots. What is known of the errors of weights is a covariance V; a band narrows it
+/* Chooses the pilots. Knowledge of the errors of weights is a covariance V; a band narrows it
  * as one measurement does (Kalman 1960): with a for the band's spectra and r for its roundings, the
  * product of the standard deviations shrinks by the square root of 1 + a V a / r^2. Pass by pass,
  * the one is taken that narrows the errors of all materials most. */
@@ -15,7 +15,7 @@ static const double prior = 1024;
 /* A further pass is worth its memory if it narrows the errors of some material by a fifth. */
 static const double worthwhile = 1.25;
 
-/* ---- what is known ---- */
+/* ---- knowledge ---- */
 
 bool knowledge_begin(const struct fit *fit, int material, struct knowledge *out)
 {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* Tells light from rounding noise: a light that grazes a surface exactly leaves a cosine that
+/* Finds light that is rounding noise: a light that grazes a surface exactly leaves a cosine that
  * should be 0, and is some 1e-17. */
 #include <math.h>
 

@@ -47,7 +47,8 @@ struct run {
     const float *own;    /* the part of errors that each band rounds by itself */
     size_t stride, n;
 };
-/* What results that OpenGL flushes to zero may add to a sample, in counts. */
+/* Bounds the part of a sample that OpenGL's results that are flushed to zero may take, in counts.
+ */
 double flushed_counts(void);
 /* Computes the counts of a run in one band, before rounding, and bounds on OpenGL's error if the
  * run has errors. A pixel without a finite bound gets -1: no sample is within it. */

@@ -29,7 +29,7 @@ static double unchecked_percent(const struct check_verdict *verdict)
     return verdict->objects ? 100 * (double)verdict->unchecked / (double)verdict->objects : 0;
 }
 
-/* What made a bound too wide, and what to change. */
+/* The cause of a bound that is too wide, and the change that narrows it. */
 static const char *const causes[BOUND_CAUSES] = {
     [CAUSE_LIGHT] =
         "a light grazes it, or is at the edge of its spot or too near; turn or move the "

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What clipping makes of a triangle, and bounds on OpenGL's errors in the corners. */
+/* Clips triangles, and bounds OpenGL's errors in the corners. */
 #include <math.h>
 
 #include "raster/setup/setup.h"

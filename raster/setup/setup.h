@@ -73,7 +73,7 @@ int triangle_parts(const struct lit_scene *lit, int surface, int triangle,
 /* A corner of a polygon. OpenGL's corner lies on the same edge of its triangle, but perhaps not at
  * the same place there: the cut depends on how far the ends of the edge are from the plane. Values
  * that are interpolated keep their plane when a corner slides in the plane of the triangle. */
-enum { SLIDES = 8 };
+enum { SLIDES = 31 }; /* a corner that five planes cut, one after the other */
 struct cut_corner {
     double e[4];              /* of clip coordinates, off the plane of the triangle */
     double slides[SLIDES][4]; /* it may be off by any part, up to all, of each of these vectors */

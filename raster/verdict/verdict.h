@@ -80,7 +80,7 @@ struct block {
 /* Adds a block to a comparison, and fills in the magnitudes of its differences. Returns false where
  * any is outside its bound. */
 bool samples_compare(struct check_samples *samples, struct block *block);
-/* The same for what the fit leaves. */
+/* Does so for the rest that the fit leaves. */
 bool samples_compare_fit(struct check_samples *samples, struct block *block);
 void samples_add(struct check_samples *to, const struct check_samples *from);
 void floor_note(struct check_floor *to, double counts);
@@ -88,7 +88,7 @@ void verdict_add(struct check_verdict *to, const struct check_verdict *from);
 
 /* ---- outcome.c: the verdict on the picture ---- */
 
-/* What all checks of a render share. */
+/* Shared by all checks of a render. */
 struct check_scene {
     const struct lit_scene *lit;
     const struct fit *fit;

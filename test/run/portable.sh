@@ -137,7 +137,7 @@ small="--size 30x20 --wavelengths 400:700:50"
     absent "$tmp/none.tif" "OpenGL's pixels"
     exits 2 "a program without OpenGL refuses a strict check" "$plain" render patches $small --renderer raster --strict
     exits 0 "a program without OpenGL makes the reference's pixels" "$plain" render patches $small --renderer raster -o "$tmp/plain.tif"
-    prints '^cross-check +not made: .* without OpenGL' "the table says that they are unchecked"
+    prints '^verdict +not checked: .* without OpenGL' "the table says that they are unchecked"
     exits 0 "a program with OpenGL makes the same stack again" \
         "$SPECTRAL" render --again "$tmp/plain.tif" -o "$tmp/again.tif"
     exits 0 "a program with OpenGL makes a checked stack" \

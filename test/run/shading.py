@@ -203,7 +203,7 @@ def full_scale():
                            stdout=subprocess.PIPE, universal_newlines=True).stdout
     info = subprocess.run([SPECTRAL, "info", stack], check=True, stdout=subprocess.PIPE,
                           universal_newlines=True).stdout
-    check("not made: OpenGL has no phong shading" in table and "not cross-checked: OpenGL has no phong" in info,
+    check("not checked: OpenGL has no phong shading" in table and "not checked: OpenGL has no phong" in info,
           "the table and the stack say that nothing was checked, and why", table, info)
 
 
