@@ -31,16 +31,14 @@ void check_fail(struct check *check, size_t pixel, const struct check_failure *f
 /* ---- samples ---- */
 
 /* Evaluates a run into expected and bound. The cleared background, a run without a material, is
- * exactly 0. */
+ * exactly 0; so is a run without errors, whose material has no terms. */
 static void expect(const struct check *check, const struct run *run, int band, struct block *block)
 {
-    if (run->shaded) {
-        expect_counts(check->scene->lit->plan, run, band, check->scene->full_scale, block->expected,
-                      block->bound);
-        return;
-    }
     memset(block->expected, 0, block->n * sizeof *block->expected);
     memset(block->bound, 0, block->n * sizeof *block->bound);
+    if (run->shaded)
+        expect_counts(check->scene->lit->plan, run, band, check->scene->full_scale,
+                      block->expected, block->bound);
 }
 
 /* Learns what a pilot band says of the weights of a run. */
