@@ -95,6 +95,14 @@ struct texel_point texel_point(const struct texels *texels, const double s_t[2],
 enum { TEXEL_CHOICES = 4 };
 int texel_choices(const struct texels *texels, const struct texel_point *at,
                   struct texel_point out[TEXEL_CHOICES]);
+/* The value's change from there on, per texel across and up: within the bounds of the place it is
+ * off from that by at most `rest`. False where it bends within the bounds, between texel centres.
+ */
+struct texel_slope {
+    double across, up, rest;
+};
+bool texel_slope(const struct texels *texels, const struct texel_point *at,
+                 struct texel_slope *out);
 /* A bound on the error of the value there; `largest` is the largest value of the texture. */
 double texel_error(const struct texels *texels, const struct texel_point *at, double largest);
 

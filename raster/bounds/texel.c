@@ -108,3 +108,27 @@ double texel_error(const struct texels *texels, const struct texel_point *at, do
                ? e_u * spread.across + e_v * spread.up + roundings(MIX_ROUNDINGS) * spread.largest
                : (across.n - 1) * spread.across + (up.n - 1) * spread.up;
 }
+
+/* Four texels and the parts u and v of the way between them make a + b u + c v + d u v. */
+bool texel_slope(const struct texels *texels, const struct texel_point *at, struct texel_slope *out)
+{
+    const double e_u = (double)at->e_place[0], e_v = (double)at->e_place[1];
+    *out = (struct texel_slope){0, 0, 0};
+    if (!texels->linear)
+        return e_u <= 0 && e_v <= 0;
+    const double x = at->place[0] - 0.5, y = at->place[1] - 0.5, u = x - floor(x), v = y - floor(y);
+    if (!(u >= e_u && u + e_u <= 1 && v >= e_v && v + e_v <= 1))
+        return false;
+    const size_t width = (size_t)texels->width, left = texel_wrapped(floor(x), texels->width),
+                 right = texel_wrapped(floor(x) + 1, texels->width);
+    const float *low = texels->values + width * texel_wrapped(floor(y), texels->height),
+                *high = texels->values + width * texel_wrapped(floor(y) + 1, texels->height);
+    const double b = (double)low[right] - (double)low[left],
+                 c = (double)high[left] - (double)low[left],
+                 d = (double)high[right] - (double)high[left] - b,
+                 largest = larger(larger((double)low[left], (double)low[right]),
+                                  larger((double)high[left], (double)high[right]));
+    *out = (struct texel_slope){b + d * v, c + d * u,
+                                fabs(d) * e_u * e_v + roundings(MIX_ROUNDINGS) * largest};
+    return true;
+}

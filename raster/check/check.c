@@ -37,8 +37,8 @@ static void expect(const struct check *check, const struct run *run, int band, s
     memset(block->expected, 0, block->n * sizeof *block->expected);
     memset(block->bound, 0, block->n * sizeof *block->bound);
     if (run->shaded)
-        expect_counts(check->scene->lit->plan, run, band, check->scene->full_scale,
-                      block->expected, block->bound);
+        expect_counts(check->scene->lit->plan, run, band, check->scene->full_scale, block->expected,
+                      block->bound);
 }
 
 /* Learns what a pilot band says of the weights of a run. */
@@ -60,10 +60,9 @@ static bool compare(const struct check *check, const struct run *run, int band,
 {
     expect(check, run, band, block);
     bool within = samples_compare(samples, block);
-    block->scale = run->shaded ? fit_explain(check->scene->fit, run, band, estimates,
-                                             block->explained, block->limit)
-                               : 0;
-    bool fits = !(block->scale > 0) || samples_compare_fit(samples, block);
+    block->fitted = run->shaded && run->errors &&
+                    fit_explain(check->scene->fit, run, band, estimates, &block->fit);
+    bool fits = !block->fitted || samples_compare_fit(samples, block);
     return within && fits;
 }
 
@@ -78,16 +77,16 @@ static bool is_outside(const struct block *block, size_t i, int band, struct che
     if (!(block->difference[i] <= block->bound[i]))
         return true;
     failure->kind = FAILURE_BANDS;
-    failure->expected += (double)block->explained[i];
-    failure->bound = (double)block->limit[i];
-    return block->scale > 0 && !(block->rest[i] <= block->limit[i]);
+    failure->expected += (double)block->fit.explained[i];
+    failure->bound = (double)block->fit.limit[i];
+    return block->fitted && !(block->rest[i] <= block->fit.limit[i]);
 }
 
 /* The largest error that could pass in this band alone. */
 static float band_floor(const struct block *block, size_t i)
 {
-    float alone = (float)block->scale * block->limit[i];
-    return block->scale > 0 && alone < block->bound[i] ? alone : block->bound[i];
+    return block->fitted && block->fit.floor[i] < block->bound[i] ? block->fit.floor[i]
+                                                                  : block->bound[i];
 }
 
 /* ---- pixels with a single candidate ---- */
@@ -132,8 +131,9 @@ static void raise_ratios(float *ratio, const struct block *block)
 {
     for (size_t i = 0; i < block->n; i++) {
         float plain = block->bound[i] > 0 ? block->difference[i] / block->bound[i] : 0,
-              alone =
-                  block->scale > 0 && block->limit[i] > 0 ? block->rest[i] / block->limit[i] : 0;
+              alone = block->fitted && block->fit.limit[i] > 0
+                          ? block->rest[i] / block->fit.limit[i]
+                          : 0;
         ratio[i] = fmaxf(ratio[i], fmaxf(plain, alone));
     }
 }
@@ -183,6 +183,12 @@ static struct run candidate_run(const struct check *check, const struct candidat
                         .n = 1};
 }
 
+static float *estimates_of(const struct check *check, const struct candidate *candidate)
+{
+    const size_t index = (size_t)(candidate - check->chunk->candidates);
+    return check->candidate_estimates + index * (size_t)fit_rows(check->scene->lit->plan);
+}
+
 /* candidate NULL stands for the background. A candidate without a bound explains every number. */
 static void try_candidate(struct check *check, const struct candidate *candidate,
                           struct hypothesis *hypothesis, int band, double seen)
@@ -196,7 +202,7 @@ static void try_candidate(struct check *check, const struct candidate *candidate
     single.seen[0] = seen;
     if (candidate) {
         run = candidate_run(check, candidate);
-        estimates = check->candidate_estimates + candidate->first;
+        estimates = estimates_of(check, candidate);
     }
     hypothesis->band = band;
     hypothesis->alive = compare(check, &run, band, estimates, &hypothesis->samples, &single);
@@ -228,8 +234,7 @@ static void learn_ambiguous(struct check *check, const struct ambiguous_pixel *p
     for (int c = pixel->first; c < pixel->first + pixel->count; c++) {
         struct run run = candidate_run(check, &chunk->candidates[c]);
         if (check->hypotheses[c].alive)
-            learn(check, &run, band, &single,
-                  check->candidate_estimates + chunk->candidates[c].first);
+            learn(check, &run, band, &single, estimates_of(check, &chunk->candidates[c]));
     }
 }
 
@@ -354,13 +359,14 @@ void check_free(struct check *check)
 
 static bool allocate(const struct chunk *chunk, struct check *out)
 {
-    const size_t n = chunk_pixels(chunk), n_rows = (size_t)out->scene->lit->plan->max_rows;
+    const size_t n = chunk_pixels(chunk), n_rows = (size_t)fit_rows(out->scene->lit->plan);
     out->failed = calloc(n, sizeof *out->failed);
     out->floor = calloc(n, sizeof *out->floor);
     out->band_floor = calloc(n, sizeof *out->band_floor);
     out->hypotheses = calloc(chunk->n_candidates + chunk->n_ambiguous + 1, sizeof *out->hypotheses);
     out->estimates = calloc(n * n_rows + 1, sizeof *out->estimates);
-    out->candidate_estimates = calloc(chunk->n_numbers + 1, sizeof *out->candidate_estimates);
+    out->candidate_estimates =
+        calloc(chunk->n_candidates * n_rows + 1, sizeof *out->candidate_estimates);
     if (out->scene->mapped)
         out->ratio = calloc(n, sizeof *out->ratio);
     return out->failed && (out->ratio || !out->scene->mapped) && out->floor && out->band_floor &&

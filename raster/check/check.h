@@ -25,8 +25,8 @@ struct check {
      * infinite: it has no bound; negative: it shows the background */
     float *floor, *band_floor;
     float *ratio;               /* the largest error / bound; NULL: no map is wanted */
-    float *estimates;           /* of picture.rows: errors of the weights, see fit.h */
-    float *candidate_estimates; /* of candidate_rows */
+    float *estimates;           /* [row][pixel]: see fit.h */
+    float *candidate_estimates; /* [candidate][row] */
 };
 /* Opens the check of a chunk. Scene and chunk must outlive it. On failure *out is zeroed. */
 bool check_open(const struct check_scene *scene, const struct chunk *chunk, struct check *out,

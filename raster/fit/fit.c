@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/tiff/tiff.h"
 #include "raster/fit/fit.h"
 
 /* A pilot that explains nearly all of itself says nothing. */
@@ -114,7 +113,7 @@ static bool fit_material(const struct fit *fit, int material)
 {
     const struct shaded_material *shaded = &fit->plan->materials[material];
     struct pilots of = {.fit = fit, .shaded = shaded, .out = &fit->materials[material]};
-    if (shaded->texture && shaded->texture->spectral)
+    if (has_places(shaded))
         return true;
     for (int p = 0; p < fit->n_passes; p++)
         for (int c = 0; c < BANDS_PER_PASS; c++)
@@ -193,35 +192,54 @@ static size_t pilot_of(const struct fit *fit, int band)
     return p * BANDS_PER_PASS + (size_t)(band % BANDS_PER_PASS);
 }
 
+int fit_rows(const struct plan *plan)
+{
+    int rows = plan->max_rows;
+    for (int m = 0; m < plan->n_materials; m++)
+        if (has_places(&plan->materials[m]) && rows < PLACE_ROWS)
+            rows = PLACE_ROWS;
+    return rows;
+}
+
 void fit_add(const struct fit *fit, const struct run *run, int band, const double *difference,
              float *estimate)
 {
     const size_t n_terms = (size_t)run->shaded->n_terms;
+    if (has_places(run->shaded)) {
+        place_add(fit, run, band, difference, estimate);
+        return;
+    }
     const float *gains = material_of(fit, run)->gains + pilot_of(fit, band) * n_terms;
     for (size_t t = 0; t < n_terms; t++)
         for (size_t i = 0; i < run->n; i++)
             estimate[t * run->stride + i] += gains[t] * (float)difference[i];
 }
 
-double fit_explain(const struct fit *fit, const struct run *run, int band, const float *estimate,
-                   float *explained, float *limit)
+bool fit_explain(const struct fit *fit, const struct run *run, int band, const float *estimate,
+                 struct fit_block *out)
 {
     const struct material_fit *material = material_of(fit, run);
     const size_t n_bands = (size_t)fit->plan->n_bands, n_terms = (size_t)run->shaded->n_terms;
+    if (has_places(run->shaded) && fit->n_passes > 0) {
+        place_explain(fit, run, band, estimate, out);
+        return true;
+    }
     if (!(material->scale[band] > 0))
-        return 0;
+        return false;
     for (size_t i = 0; i < run->n; i++) {
-        explained[i] = 0;
-        limit[i] = material->flushed[band];
+        out->explained[i] = 0;
+        out->limit[i] = material->flushed[band];
     }
     for (size_t t = 0; t < n_terms; t++) {
         const size_t at = t * n_bands + (size_t)band, row = t * run->stride;
         const float spectrum = material->spectra[at], own = material->own[at],
                     rest = material->rest[at];
         for (size_t i = 0; i < run->n; i++) {
-            explained[i] += estimate[row + i] * spectrum;
-            limit[i] += run->own[row + i] * own + run->errors[row + i] * rest;
+            out->explained[i] += estimate[row + i] * spectrum;
+            out->limit[i] += run->own[row + i] * own + run->errors[row + i] * rest;
         }
     }
-    return (double)material->scale[band];
+    for (size_t i = 0; i < run->n; i++)
+        out->floor[i] = out->limit[i] * material->scale[band];
+    return true;
 }

@@ -42,15 +42,20 @@ bool fit_make(const struct plan *plan, double full_scale, struct fit *out, struc
 void fit_free(struct fit *fit);
 /* True if the pass holds pilots. */
 bool fit_has_pilots(const struct fit *fit, int pass);
-/* Adds what a pilot band says to the estimated errors of a run's weights, as far apart as the run's
- * rows. difference: OpenGL's counts minus the reference's. */
+/* Numbers of an estimate: of a pixel, at most; of a run's material. */
+int fit_rows(const struct plan *plan);
+/* Adds what a pilot band says to the estimate of a run's errors; numbers are as far apart as the
+ * run's rows. difference: OpenGL's counts minus the reference's. */
 void fit_add(const struct fit *fit, const struct run *run, int band, const double *difference,
              float *estimate);
-/* Finds how much of the difference the estimate explains in a band, and bounds what is left, in
- * counts. The run has errors. Returns the factor by which an error of this band alone is larger
- * than what it leaves; 0: the band is not fitted, and the arrays are not set. */
-double fit_explain(const struct fit *fit, const struct run *run, int band, const float *estimate,
-                   float *explained, float *limit);
+/* Of a run in a band, in counts: what the estimate explains of each difference, a bound on the
+ * rest, and the largest error of this band alone that can pass. */
+struct fit_block {
+    float explained[BLOCK], limit[BLOCK], floor[BLOCK];
+};
+/* The run has errors. False: the band is not fitted, and *out is not set. */
+bool fit_explain(const struct fit *fit, const struct run *run, int band, const float *estimate,
+                 struct fit_block *out);
 
 /* ---- inside this room ---- */
 
@@ -72,5 +77,12 @@ double knowledge_add(struct knowledge *knowledge, int band);
 double band_rounding(const struct knowledge *knowledge, int band);
 /* Chooses fit->passes. False: no memory. */
 bool pilots_choose(struct fit *fit);
+/* place.c: the same for surfaces whose texture differs from band to band. */
+enum { PLACE_ROWS = 5 };
+bool has_places(const struct shaded_material *shaded);
+void place_add(const struct fit *fit, const struct run *run, int band, const double *difference,
+               float *estimate);
+void place_explain(const struct fit *fit, const struct run *run, int band, const float *estimate,
+                   struct fit_block *out);
 
 #endif

@@ -102,12 +102,12 @@ bool samples_compare_fit(struct check_samples *samples, struct block *block)
 {
     size_t all = fill_lanes(block);
     for (size_t i = block->n; i < all; i++)
-        block->explained[i] = block->limit[i] = 0;
+        block->fit.explained[i] = block->fit.limit[i] = 0;
     for (size_t i = 0; i < all; i++)
         block->rest[i] =
-            (float)fabs(block->seen[i] - block->expected[i] - (double)block->explained[i]);
-    raise_ratio(&samples->worst_fit_ratio, block->rest, block->limit, block->n, all);
-    return are_within(block->rest, block->limit, 1, all);
+            (float)fabs(block->seen[i] - block->expected[i] - (double)block->fit.explained[i]);
+    raise_ratio(&samples->worst_fit_ratio, block->rest, block->fit.limit, block->n, all);
+    return are_within(block->rest, block->fit.limit, 1, all);
 }
 
 void samples_add(struct check_samples *to, const struct check_samples *from)

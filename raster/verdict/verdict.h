@@ -73,9 +73,9 @@ struct block {
     size_t n;
     double seen[BLOCK], expected[BLOCK];
     float bound[BLOCK], difference[BLOCK];
-    /* of a band that is fitted: what other bands explain of seen - expected; the rest, its bound */
-    float explained[BLOCK], rest[BLOCK], limit[BLOCK];
-    double scale; /* see fit_explain */
+    bool fitted;
+    struct fit_block fit;
+    float rest[BLOCK]; /* of the differences, which the fit does not explain */
 };
 /* Adds a block to a comparison, and fills in the magnitudes of its differences. Returns false where
  * any is outside its bound. */
