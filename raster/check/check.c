@@ -189,7 +189,8 @@ static float *estimates_of(const struct check *check, const struct candidate *ca
     return check->candidate_estimates + index * (size_t)fit_rows(check->scene->lit->plan);
 }
 
-/* candidate NULL stands for the background. A candidate without a bound explains every number. */
+/* candidate NULL stands for the background. A candidate without a bound explains everything, NaN
+ * too. */
 static void try_candidate(struct check *check, const struct candidate *candidate,
                           struct hypothesis *hypothesis, int band, double seen)
 {
@@ -211,7 +212,7 @@ static void try_candidate(struct check *check, const struct candidate *candidate
     if (!hypothesis->alive)
         is_outside(&single, 0, band, &hypothesis->failure);
     if (candidate && candidate->loose)
-        hypothesis->alive = isfinite(seen);
+        hypothesis->alive = true;
 }
 
 static void judge_ambiguous(struct check *check, const struct ambiguous_pixel *pixel, int band,

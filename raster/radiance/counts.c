@@ -65,15 +65,15 @@ static void expect_steps(const struct plan *plan, size_t n, double *expected, fl
                high = expected[i] < most ? expected[i] : most;
         float more = (float)(0.5 * (high - low) + rounding);
         expected[i] = 0.5 * (low + high);
-        bound[i] = bound[i] < 0 ? bound[i] : bound[i] + more;
+        bound[i] += more;
     }
 }
 
-/* Adds what may be flushed to zero. A bound that is not finite becomes -1. */
+/* Adds what may be flushed to zero. A bound that single precision cannot hold is infinite. */
 static void add_flushed(size_t n, float *bound)
 {
     for (size_t i = 0; i < n; i++)
-        bound[i] = bound[i] <= FLT_MAX ? bound[i] + (float)flushed_counts() : -1;
+        bound[i] = bound[i] <= FLT_MAX ? bound[i] + (float)flushed_counts() : HUGE_VALF;
 }
 
 void expect_counts(const struct plan *plan, const struct run *run, int band, double full_scale,

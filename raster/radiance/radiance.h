@@ -51,7 +51,7 @@ struct run {
  */
 double flushed_counts(void);
 /* Computes the counts of a run in one band, before rounding, and bounds on OpenGL's error if the
- * run has errors. A pixel without a finite bound gets -1: no sample is within it. */
+ * run has errors. A bound may be infinite. */
 void expect_counts(const struct plan *plan, const struct run *run, int band, double full_scale,
                    double *expected, float *bound);
 /* Clamp counts, and clamp and round them, as they are stored; NaN becomes 0. They stand in the
