@@ -6,10 +6,12 @@ test_packages='gcc clang libomp-dev lld wasi-libc libclang-rt-dev-wasm32 wabt pe
   imagej default-jdk-headless glmark2-data psychtoolbox-3-common mandoc bsdextrautils busybox-static
   chromium file binutils musl-tools gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user'
 at_once=2                                               # tests that run at the same time
-longest='portable cost scenes random_scenes hard static' # these begin first, so that no processor waits at the end
-# The mutant is the program with a fault in this file: its bounds on colours are a thousand times too wide.
+longest='portable cost verdict scenes random_scenes hard static' # these begin first, so that no processor waits at the end
+# Two mutants are the program with a fault in this file: bounds on colours that are a thousand times too wide, and
+# infinite bounds of the first object.
 mutated=raster/candidates/pixel.c
 mutation='s/(float)(common + alone)/(float)(1000 * (common + alone))/; s/(float)alone/(float)(1000 * alone)/'
+endless='s/= (float)(common + alone)/= pixel->surface == pixel->fragments->lit->surfaces ? HUGE_VALF : (float)(common + alone)/'
 . raster/gl/static.sh
 
 needs_gl() {
@@ -86,11 +88,17 @@ build_tests() (
 
 build_faults() {
     $CC $warnings -Werror $CPPFLAGS -O1 $language -shared -fPIC $LDFLAGS test/oracle/fault.c -o "$FAULTS" -ldl
-    sed "$mutation" "$mutated" >"$BUILD/test/mutant.new"
-    ! cmp -s "$mutated" "$BUILD/test/mutant.new" || refuse "test/run.sh: the mutation finds nothing in $mutated"
-    cmp -s "$BUILD/test/mutant.new" "$BUILD/test/mutant.c" || mv "$BUILD/test/mutant.new" "$BUILD/test/mutant.c"
-    compile test/mutant "-O1 -Werror -I$(dirname "$mutated")" "$BUILD/test/mutant.c"
-    link test/spectral-mutant "$main" $objects "$LIBRARY"
+    build_mutant mutant "$mutation"
+    build_mutant endless "$endless"
+}
+
+# build_mutant NAME MUTATION
+build_mutant() {
+    sed "$2" "$mutated" >"$BUILD/test/$1.new"
+    ! cmp -s "$mutated" "$BUILD/test/$1.new" || refuse "test/run.sh: the mutation finds nothing in $mutated"
+    cmp -s "$BUILD/test/$1.new" "$BUILD/test/$1.c" || mv "$BUILD/test/$1.new" "$BUILD/test/$1.c"
+    compile "test/$1" "-O1 -Werror -I$(dirname "$mutated")" "$BUILD/test/$1.c"
+    link "test/spectral-$1" "$main" $objects "$LIBRARY"
 }
 
 # run_tests [full] [NAME...]

@@ -4,6 +4,9 @@
  * in test/README.md. Faults of place and state change every draw call; faults of samples, bands and
  * passes change the passes of colours, which the program draws by glDrawElements.
  *
+ * Faults 73 to 75 change a sample by FAULT_COUNTS counts at the pixel FAULT_PIXEL, "x,y" from the top
+ * left; 78 exchanges two bands around it.
+ *
  * 0 and CONTROL are no faults: CONTROL lights by the shader below, and 0 keeps the passes in the
  * file named by FAULT_PASSES, where fault 4 reads them. */
 #define _GNU_SOURCE
@@ -571,6 +574,7 @@ static const struct sample_fault {
 } sample_faults[] = {
     {34, 1, 1 / 65535.0F, 0, 0}, {35, 1, 0, 65535, 0}, {37, 1, 0, 255, 0.5F}, {47, 1.001F, 0, 0, 0},
     {66, 0.5F, 0, 0, 0},         {67, 0, 0, 0, 0},     {68, NAN, 0, 0, 0},
+    {76, 1.0005F, 0, 0, 0},
 };
 
 static void spoil_samples(const struct sample_fault *row)
@@ -599,6 +603,31 @@ static void spoil_pixel(float *pixel)
         memset(pixel, 0, CHANNELS * sizeof *pixel);
 }
 
+/* Returns the pixel of FAULT_PIXEL; NULL: there is none. Rows of the buffer run downwards. */
+static float *chosen_pixel(void)
+{
+    const char *at = getenv("FAULT_PIXEL");
+    char *rest = NULL;
+    long x = at ? strtol(at, &rest, 10) : -1, y = at && *rest == ',' ? strtol(rest + 1, NULL, 10) : -1;
+    bool inside = x >= 1 && y >= 1 && x < buffer_width - 1 && y < buffer_height - 1;
+    return inside ? buffer + CHANNELS * ((size_t)y * (size_t)buffer_width + (size_t)x) : NULL;
+}
+
+static void spoil_chosen(void)
+{
+    const char *counts = getenv("FAULT_COUNTS");
+    float *pixel = chosen_pixel();
+    if (!pixel || passes != 1)
+        return;
+    if (fault() >= 73 && fault() <= 75 && counts)
+        pixel[1] += strtof(counts, NULL) / 65535;
+    for (int i = 0; i < 9 && fault() == 78; i++) { /* a block of 3 x 3 pixels */
+        float *at = pixel + CHANNELS * ((i / 3 - 1) * buffer_width + i % 3 - 1), first = at[0];
+        at[0] = at[1];
+        at[1] = first;
+    }
+}
+
 static void spoil_picture(void)
 {
     size_t middle = (size_t)buffer_height / 2 * (size_t)buffer_width + (size_t)buffer_width / 2;
@@ -607,12 +636,15 @@ static void spoil_picture(void)
             spoil_samples(&sample_faults[i]);
     if (fault() == 58 && passes % 2 == 1) /* the second group of lights if there are two */
         memset(buffer, 0, CHANNELS * pixel_count() * sizeof *buffer);
+    for (size_t i = 0; i < pixel_count() && fault() == 77 && passes == 1; i++)
+        buffer[CHANNELS * i] = 0; /* one band is black */
     for (size_t i = 0; i < pixel_count() && fault() == 3; i++) {
         float *pixel = buffer + CHANNELS * i, first = pixel[0];
         pixel[0] = pixel[2];
         pixel[2] = first;
     }
     spoil_pixel(buffer + CHANNELS * middle);
+    spoil_chosen();
     exchange_passes();
 }
 

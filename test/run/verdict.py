@@ -1,0 +1,215 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""Checks what the program ($SPECTRAL) says of its own check: that a picture in which little could be checked is never
+called agreed, that small faults in single samples are found where the floor says so, and that the map shows both.
+Prints TAP. Faults 73 to 79 are those of test/README.md; $FAULTS plants them, and $ENDLESS is the program with
+infinite bounds for the first object of a scene."""
+import json
+import os
+import random
+import subprocess
+import sys
+
+import numpy as np
+import tifffile
+
+sys.dont_write_bytecode = True
+from rendered import SPECTRAL, TMP, check, done
+
+FAULTS = os.environ.get("FAULTS", "build/test/fault.so")
+ENDLESS = os.path.join(os.path.dirname(FAULTS), "spectral-endless")
+DRIVERS = "llvmpipe", "softpipe"
+CASES = "test/cases/verdict/"
+SMALL = "--size", "300x200", "--wavelengths", "400:700:20"
+CHECKED, AMBIGUOUS, NOT_CHECKED, DIFFERS = range(4)
+
+
+class Render:
+    """A run: its exit status, messages, table and JSON report, and if it was asked for, the map by page names."""
+
+    def __init__(self, scene, *options, driver="llvmpipe", fault=0, program=SPECTRAL, mapped=False, **environment):
+        self.map_path, self.json_path = os.path.join(TMP, "map.tif"), os.path.join(TMP, "report.json")
+        for path in self.map_path, self.json_path:
+            if os.path.exists(path):
+                os.remove(path)
+        options = [*options, "--json", self.json_path, *(["--check-map", self.map_path] if mapped else [])]
+        if "-o" not in options:
+            options += ["-o", "/dev/null"]
+        environment = {**os.environ, "GALLIUM_DRIVER": driver, **environment}
+        if fault:
+            environment |= {"FAULT": str(fault), "LD_PRELOAD": FAULTS}
+        done_run = subprocess.run([program, "render", scene, *options], env=environment, capture_output=True,
+                                  text=True, check=False)
+        self.status, self.table, self.says = done_run.returncode, done_run.stdout, done_run.stderr
+        self.report = json.load(open(self.json_path)) if os.path.exists(self.json_path) else None
+        self.map = read_map(self.map_path) if mapped and os.path.exists(self.map_path) else None
+
+    @property
+    def verdict(self):
+        return self.report["verdict"] if self.report else None
+
+    def __str__(self):
+        return f"exit {self.status}: {self.table}{self.says}"
+
+
+def read_map(path):
+    with tifffile.TiffFile(path) as tiff:
+        return {page.tags["PageName"].value: page.asarray() for page in tiff.pages}
+
+
+# ---- little can be checked ----
+
+def check_hollow():
+    for driver in DRIVERS:
+        for name, words in (("from-above", r"on ground ("), ("edge-on", "edge-on"), ("nearly-grazing", "light")):
+            scene = f"{CASES}{name}.scene"
+            plain = Render(scene, driver=driver)
+            check(plain.status == 1 and plain.verdict == "not verified" and f"{scene}:" in plain.says and
+                  words in plain.says and plain.says.count("\n") == 1,
+                  f"{driver}: {name} is not verified; the message names the object and the cause", plain)
+            loose = Render(scene, "--unchecked", "1", driver=driver)
+            check(loose.status == 0 and loose.verdict == "agreed",
+                  f"{driver}: {name} agrees if all of it may stay unchecked", loose)
+            black = Render(scene, driver=driver, fault=77)
+            check(black.status == 1, f"{driver}: fault 77, a black band, does not agree in {name}", black)
+    noise = Render(f"{CASES}noise.scene")
+    check(noise.status == 2 and "noise.scene:5 grazes this object" in noise.says and "noise.scene:7:" in noise.says,
+          "a full scale that is rounding noise is refused, with the light and the object", noise)
+    chosen = Render(f"{CASES}noise.scene", "--full-scale", "1")
+    check(chosen.status == 0 and chosen.verdict == "agreed", "with a full scale of its own the scene is black", chosen)
+    endless = Render("patches", program=ENDLESS)
+    check(endless.status == 1 and endless.verdict == "not verified",
+          "fault 79: with infinite bounds for one object the picture is not verified", endless)
+
+
+# ---- words and limits ----
+
+def check_words():
+    agreed = Render("patches", "--size", "60x40")
+    check(agreed.status == 0 and agreed.verdict == "agreed" and "\nverdict           agreed: " in agreed.table,
+          "table and JSON say agreed", agreed)
+    strict = Render("patches", "--size", "60x40", "--strict")
+    check(strict.status == 0 and strict.verdict == "agreed", "a strict check agrees where all is checked", strict)
+    scene = "test/cases/hard/scale-needle.scene"
+    for options, verdict in ((), "not verified"), (("--unchecked", "0.2"), "agreed"), (("--strict",), "not verified"):
+        run = Render(scene, *options)
+        check(run.verdict == verdict and run.status == (verdict != "agreed"),
+              f"12 % unchecked are {verdict} with {' '.join(options) or 'no option'}", run)
+    stack = os.path.join(TMP, "words.tif")
+    unchecked = Render("patches", "--size", "60x40", "--no-check", "-o", stack)
+    info = subprocess.run([SPECTRAL, "info", stack], capture_output=True, text=True, check=True).stdout
+    check(unchecked.verdict == "not checked" and "\nverdict           not checked\n" in unchecked.table and
+          "not checked" in info and unchecked.report["check"] is None,
+          "without a check, table, JSON and stack say not checked", unchecked, info)
+    for option in ("--strict",), ("--unchecked", "0.5"), ("--check-map", os.path.join(TMP, "x.tif")):
+        refused = Render("patches", "--no-check", *option)
+        check(refused.status == 2 and option[0] in refused.says, f"{option[0]} is refused beside --no-check", refused)
+    for share in "-0.1", "1.1", "1%", "nan", "":
+        refused = Render("patches", "--unchecked", share)
+        check(refused.status == 2 and "--unchecked" in refused.says, f"--unchecked '{share}' is refused", refused)
+    empty = Render(os.path.join(TMP, "empty.scene"))
+    check(empty.status == 0 and empty.verdict == "agreed" and "floor             none\n" in empty.table and
+          "worst error/bound none (one band none, depth none)\n" in empty.table and
+          empty.report["check"]["floor_median_counts"] is None,
+          "figures that do not exist are none, and null in JSON", empty)
+    dark = Render("patches", "--size", "60x40", fault=68)
+    check("root mean square none" in dark.table and "mean residual     none" in dark.table and
+          dark.report["check"]["rms_counts"] is None, "so are those of samples that are no numbers", dark)
+    for driver in DRIVERS:
+        off = Render("colorchecker", "--size", "120x80", driver=driver)
+        report = off.report["check"]
+        check(abs(report["mean_residual_counts"]) < report["mean_residual_limit_counts"] < 0.1,
+              f"{driver}: roundings leave less than a tenth of a count on average", off)
+
+
+# ---- faults in single samples ----
+
+def spots(render, wanted, seed, n=10):
+    """Random pixels of a map that are settled and of the wanted kind, not at the border."""
+    inside = np.zeros_like(wanted)
+    inside[1:-1, 1:-1] = True
+    y, x = np.nonzero(wanted & inside & (render.map["class"] == CHECKED))
+    chosen = random.Random(seed).sample(range(len(x)), n)
+    return [(int(x[i]), int(y[i])) for i in chosen]
+
+
+def found_at(scene, options, driver, fault, counts, pixels):
+    found = 0
+    for x, y in pixels:
+        run = Render(scene, *options, driver=driver, fault=fault, FAULT_PIXEL=f"{x},{y}",
+                     FAULT_COUNTS=str(counts), mapped=True)
+        differs = np.argwhere(run.map["class"] == DIFFERS).tolist()
+        found += run.status == 1 and run.verdict == "differs" and differs == [[y, x]]
+    return found
+
+
+def check_samples():
+    """Each fault at ten random pixels; nine must be found, and the map must show that pixel and no other."""
+    for driver in DRIVERS:
+        for fault, scene, options, counts, what in (
+                (73, "pasture", SMALL, 1, "of textured ground in perspective"),
+                (74, f"{CASES}wide-floor.scene", (), 1, "of a floor that the border cuts"),
+                (75, "colorchecker", SMALL, 4, "of a facet seen nearly edge-on")):
+            plain = Render(scene, *options, driver=driver, mapped=True)
+            floor = plain.map["floor"]
+            wanted = {73: floor > 4, 74: floor >= 0, 75: floor > 4}[fault]
+            pixels = spots(plain, wanted, fault)
+            found = found_at(scene, options, driver, fault, counts, pixels)
+            check(found >= 9, f"{driver}: fault {fault}, one sample {what} off by {counts} counts, is found",
+                  f"at {found} of 10 pixels", [float(plain.map["floor in one band"][y, x]) for x, y in pixels])
+        blocks = Render("textures", *SMALL, driver=driver, mapped=True)
+        pixels = spots(blocks, blocks.map["floor"] > 1, 78)
+        found = sum(Render("textures", *SMALL, driver=driver, fault=78, FAULT_PIXEL=f"{x},{y}").status
+                    for x, y in pixels)
+        check(found >= 9, f"{driver}: fault 78, two bands exchanged in 3 x 3 textured pixels, is found", f"{found} of 10")
+        bright = Render(f"{CASES}wide-floor.scene", driver=driver, fault=76)
+        check(bright.status == 1 and bright.verdict == "differs",
+              f"{driver}: fault 76, all light times 1.0005 on a floor that the border cuts, is found", bright)
+
+
+# ---- the map ----
+
+def check_map():
+    for driver in DRIVERS:
+        run = Render("textures", "--size", "240x160", driver=driver, mapped=True)
+        report, pages = run.report["check"], run.map
+        check(list(pages) == ["floor", "floor in one band", "error / bound", "class"] and
+              all(page.shape == (160, 240) and page.dtype == np.float32 for page in pages.values()),
+              f"{driver}: the map has four float pages with names", list(pages))
+        floor, alone = pages["floor"], pages["floor in one band"]
+        shown = floor >= 0
+        check(shown.sum() == report["object_pixels"] and np.isclose(floor.max(), report["floor_worst_counts"]) and
+              np.isclose(alone.max(), report["band_floor_worst_counts"]) and
+              (floor <= 1).sum() - (~shown).sum() == report["floor_within_1"],
+              f"{driver}: the floors of the map are those of the report")
+        check((alone <= floor).all(), f"{driver}: no error of one band hides where one of all bands is found")
+        ratio = pages["error / bound"]
+        worst = max(report["worst_error_over_bound"], report["worst_band_error_over_bound"])
+        check(0 <= ratio.min() and np.isclose(ratio.max(), worst, rtol=1e-5),
+              f"{driver}: so is the worst error / bound", ratio.max(), worst)
+        kinds = pages["class"]
+        check((kinds == AMBIGUOUS).sum() == report["ambiguous_pixels"] - (~shown & (kinds == NOT_CHECKED)).sum() and
+              set(np.unique(kinds)) <= {CHECKED, AMBIGUOUS, NOT_CHECKED},
+              f"{driver}: its classes are those of the report")
+    wide = Render("patches", "--size", "40x9000", mapped=True)
+    check(wide.map["floor"].shape == (9000, 40), "a picture of several tiles has one map", wide)
+    failed = Render("patches", fault=43, mapped=True)
+    check(failed.status == 1 and (failed.map["class"] == DIFFERS).sum() == 1 == failed.report["check"]["unexplained_pixels"],
+          "the map of a picture that differs is written, and shows where")
+    absent = subprocess.run([SPECTRAL, "render", "patches", "-o", "/dev/null", "--check-map", "/nowhere/map.tif"],
+                            capture_output=True, text=True, check=False)
+    check(absent.returncode == 2 and "/nowhere/map.tif" in absent.stderr, "a map that cannot be written is named", absent)
+
+
+def main():
+    with open(os.path.join(TMP, "empty.scene"), "w") as out:
+        out.write("wavelengths 400 700 100\nsize 8 8\ncamera ortho 4\nlight d65 1 direction 0 0 1\n"
+                  "material m { diffuse 0.5 }\nobject plane 1 1 material m translate 100 0 0\n")
+    check_hollow()
+    check_words()
+    check_samples()
+    check_map()
+    done()
+
+
+main()
