@@ -48,7 +48,7 @@ int fit_rows(const struct plan *plan);
  * run's rows. difference: OpenGL's counts minus the reference's. */
 void fit_add(const struct fit *fit, const struct run *run, int band, const double *difference,
              float *estimate);
-/* Of a run in a band, in counts: what the estimate explains of each difference, a bound on the
+/* A run in a band, in counts: the part of each difference that the estimate explains, a bound on the
  * rest, and the largest error of this band alone that can pass. */
 struct fit_block {
     float explained[BLOCK], limit[BLOCK], floor[BLOCK];

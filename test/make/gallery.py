@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Makes the pictures of README: every built-in scene, rendered, developed and stored as a PNG; and
-the viewer, a plot and charts of costs, drawn by Chromium.
+"""Makes the pictures of README: every built-in scene, rendered, developed and stored as a PNG; maps of
+checks; and the viewer, a plot and charts of costs, drawn by Chromium.
 usage: /usr/bin/python3 test/make/gallery.py FOLDER [NAME...]"""
 import base64
 import os
@@ -41,6 +41,13 @@ PICTURES = {
     "patches-von-kries": ("patches", "480x320", A, ("--adaptation", "von-kries")),
 }
 
+# name: scene, size, page of the map
+MAPS = {"check-map": ("pasture", "480x320", "floor"), "check-map-band": ("pasture", "480x320", "floor in one band")}
+# Colours of floors up to 1/16, 1/8, ... counts; the last one is not checked.
+STEPS = np.array([(8, 29, 88), (34, 72, 155), (29, 120, 180), (45, 160, 190), (110, 195, 188), (180, 222, 190),
+                  (225, 240, 190), (250, 245, 180), (254, 217, 118), (254, 178, 76), (253, 120, 50), (227, 50, 26),
+                  (160, 10, 30), (90, 0, 40)], np.uint8)
+
 # name: command that writes the page; its kind; width and height of the window; where to click
 SEEN = {
     "viewer": (("view", "fluorescence", "--size", "600x400", "-o"), "html", (1100, 1250), (390, 160)),
@@ -72,6 +79,17 @@ def make(folder, name, scene, size, rendered, developed):
         png(os.path.join(folder, name + ".png"), tifffile.imread(picture))
 
 
+def show_map(folder, name, scene, size, page):
+    with tempfile.TemporaryDirectory() as work:
+        path = os.path.join(work, "map.tif")
+        subprocess.run([SPECTRAL, "render", scene, "--size", size, "-o", "/dev/null", "--check-map", path, "--quiet"],
+                       check=True)
+        with tifffile.TiffFile(path) as tiff:
+            floors = next(each.asarray() for each in tiff.pages if each.tags["PageName"].value == page)
+        steps = np.ceil(np.log2(np.clip(floors, 1 / 16, 512))).astype(int) + 4
+        png(os.path.join(folder, name + ".png"), STEPS[np.clip(steps, 0, len(STEPS) - 1)])
+
+
 def see(folder, name, command, ending, size, click):
     with tempfile.TemporaryDirectory() as work:
         page = os.path.join(work, f"{name}.{ending}")
@@ -90,8 +108,10 @@ def see(folder, name, command, ending, size, click):
         out.write(base64.b64decode(shot))
 
 
-for each in sys.argv[2:] or [*PICTURES, *SEEN]:
-    if each in SEEN:
+for each in sys.argv[2:] or [*PICTURES, *MAPS, *SEEN]:
+    if each in MAPS:
+        show_map(sys.argv[1], each, *MAPS[each])
+    elif each in SEEN:
         see(sys.argv[1], each, *SEEN[each])
     else:
         make(sys.argv[1], each, *PICTURES[each])

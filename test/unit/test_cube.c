@@ -38,7 +38,7 @@ static bool render_sampled(const char *name, const char *size, enum kept kept, c
                 (sampling == NULL || (sampling_read("--sampling", sampling, &method, err) &&
                                       scene_sample(&scene, &method, "cie1931", &taken, err))) &&
                 plan_make(&scene, sampling_or_none(&taken), &options, &plan, err) &&
-                render(&plan, &output, NULL, &result, err) && render_agreed(&result);
+                render(&plan, &output, NULL, &result, err) && render_agreed(&plan, &result);
     plan_free(&plan);
     sampling_free(&taken);
     scene_free(&scene);
