@@ -84,24 +84,31 @@ struct plane_rounding {
     double common, own;
 };
 
+/* The step of q along one edge times the other edge over the area, over the triangle's extent. */
+static double product_size(const struct edges *edges, const double q[3], int step, int other)
+{
+    return fabs(q[(step + 1) % 3] - q[step]) *
+           (fabs(edges->dy[other]) * edges->width + fabs(edges->dx[other]) * edges->height) /
+           edges->twice_area;
+}
+
 /* Roundings of a plane through q, but for those relative to its value at the pixel.
- * A gradient is a difference of two products, each of a step of q and an edge over the area. Edges
- * and area are computed once for all attributes: 2 roundings of each product, and the area's own.
- * An attribute rounds its steps and products (2 of each product), the difference and its scaling
- * (2). Gradients act over the extent of the triangle.
- * With X and Y for the parts of the plane's value that grow with x and y from the framebuffer's
- * origin, the value at the origin rounds X, Y, X + Y and itself; the evaluation rounds X, Y and the
- * sum of two of the three parts: 2 X + 3 Y + 2 (X + Y). A corner's coordinates round once, for all
- * attributes. y may run either way. */
+ * A gradient is a difference of two products, each of a step of q along one edge and another edge
+ * over the area. Edges and area are computed once for all attributes: 2 roundings of each product,
+ * and the area's own. An attribute rounds its steps and products (2 of each product), the
+ * difference and its scaling (2). Gradients act over the extent of the triangle. With X and Y for
+ * the parts of the plane's value that grow with x and y from the framebuffer's origin, the value at
+ * the origin rounds X, Y, X + Y and itself; the evaluation rounds X, Y and the sum of two of the
+ * three parts: 2 X + 3 Y + 2 (X + Y). A corner's coordinates round once, for all attributes. y may
+ * run either way. */
 static struct plane_rounding plane_rounding(const struct clipped_triangle *triangle,
                                             const struct edges *edges, const double q[3])
 {
     struct gradient g = gradient_of(edges, q);
     double terms = 0, across = fabs(g.x) * triangle->reach_x, up = fabs(g.y) * triangle->reach_y;
-    for (int i = 0; i < 3; i++)
-        terms += fabs(q[(i + 1) % 3] - q[i]) *
-                 (fabs(edges->dy[i]) * edges->width + fabs(edges->dx[i]) * edges->height) /
-                 edges->twice_area;
+    for (int i = 0; i < 3; i++) /* from any corner */
+        terms = fmax(terms, product_size(edges, q, i, (i + 2) % 3) +
+                                product_size(edges, q, (i + 2) % 3, i));
     double extent = fabs(g.x) * edges->width + fabs(g.y) * edges->height;
     return (struct plane_rounding){
         .common = roundings(2) * terms + edges->e_area * extent + roundings(1) * (across + up),
