@@ -452,8 +452,9 @@ void check_settle(struct check *check, const struct tile *tile, struct check_tot
 
 enum check_class check_class(const struct check *check, size_t pixel)
 {
-    return check->failed[pixel]                           ? CLASS_DIFFERS
-           : (double)check->floor[pixel] > CHECKED_COUNTS ? CLASS_NOT_CHECKED
-           : check->chunk->is_ambiguous[pixel]            ? CLASS_AMBIGUOUS
-                                                          : CLASS_CHECKED;
+    const double limit = checked_counts(check->scene->lit->plan);
+    return check->failed[pixel]                  ? CLASS_DIFFERS
+           : (double)check->floor[pixel] > limit ? CLASS_NOT_CHECKED
+           : check->chunk->is_ambiguous[pixel]   ? CLASS_AMBIGUOUS
+                                                 : CLASS_CHECKED;
 }

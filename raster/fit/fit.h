@@ -48,8 +48,8 @@ int fit_rows(const struct plan *plan);
  * run's rows. difference: OpenGL's counts minus the reference's. */
 void fit_add(const struct fit *fit, const struct run *run, int band, const double *difference,
              float *estimate);
-/* A run in a band, in counts: the part of each difference that the estimate explains, a bound on the
- * rest, and the largest error of this band alone that can pass. */
+/* A run in a band, in counts: the part of each difference that the estimate explains, a bound on
+ * the rest, and the largest error of this band alone that can pass. */
 struct fit_block {
     float explained[BLOCK], limit[BLOCK], floor[BLOCK];
 };
@@ -70,8 +70,8 @@ struct knowledge {
  * knowledge_free accepts what is left. */
 bool knowledge_begin(const struct fit *fit, int material, struct knowledge *out);
 void knowledge_free(struct knowledge *knowledge);
-/* Takes a band into account. Returns by how much that narrows the errors, as a logarithm of the
- * product of standard deviations; 0 for a band that is black. */
+/* Takes a band into account. Returns by how much that narrows the errors, as a binary logarithm of
+ * the product of standard deviations; 0 for a band that is black. */
 double knowledge_add(struct knowledge *knowledge, int band);
 /* The sum of a band's spectra: what it rounds if each term rounds by 1. */
 double band_rounding(const struct knowledge *knowledge, int band);

@@ -66,7 +66,7 @@ double knowledge_add(struct knowledge *knowledge, int band)
         for (int j = 0; j < n; j++)
             knowledge->covariance[i * n + j] -=
                 knowledge->moved[i] * knowledge->moved[j] / (noise + signal);
-    return 0.5 * log1p(signal / noise);
+    return 0.5 * binary_logarithm(1 + signal / noise);
 }
 
 /* ---- pilots ---- */
@@ -111,7 +111,7 @@ static bool choose_pass(struct choice *choice)
     int best = -1;
     for (int pass = 0; pass < fit->plan->n_passes; pass++) {
         double most = 0, worth = fit_has_pilots(fit, pass) ? 0 : worth_of(choice, pass, &most);
-        if (worth > largest && most > log(worthwhile)) {
+        if (worth > largest && most > binary_logarithm(worthwhile)) {
             largest = worth;
             best = pass;
         }

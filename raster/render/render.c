@@ -402,6 +402,7 @@ static bool prepare_fit(struct render_state *state, struct error *err)
     state->check_scene.lit = &state->lit;
     state->check_scene.fit = &state->fit;
     state->check_scene.full_scale = state->result->full_scale;
+    state->check_scene.clips = state->result->clips;
     bool done = totals_open(&state->check_scene, &state->totals, err);
     clock_in(state, &state->result->seconds.check);
     return done;

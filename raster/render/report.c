@@ -68,7 +68,9 @@ static void print_samples(const struct check_verdict *verdict, FILE *to)
     print_figure("%.5f", rms(samples), to);
     fprintf(to, ")\nmean residual     ");
     print_figure("%+.6f counts", mean_residual(samples), to);
-    fprintf(to, " (roundings leave at most %.6f)\n", verdict->mean_limit);
+    fprintf(to, " (roundings leave at most ");
+    print_figure("%.6f", verdict->mean_limit, to);
+    fprintf(to, ")\n");
 }
 
 /* A ratio of -1 stands for none. */

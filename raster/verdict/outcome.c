@@ -33,12 +33,18 @@ void totals_free(struct check_totals *totals)
     *totals = (struct check_totals){.scene = NULL};
 }
 
+double checked_counts(const struct plan *plan)
+{
+    return CHECKED_COUNTS + buffer_rounding(plan);
+}
+
 void totals_note(struct check_totals *totals, int surface, int triangle, double floor,
                  const struct mean_bound *mean)
 {
     const double counts = shaded_brightest(totals->scene->lit->bounds[surface].shaded) /
                           totals->scene->full_scale * FULL_COUNT;
-    const bool bounded = floor < FULL_COUNT, checked = floor <= CHECKED_COUNTS;
+    const bool bounded = floor < FULL_COUNT,
+               checked = floor <= checked_counts(totals->scene->lit->plan);
     totals->verdict.objects++;
     totals->verdict.unbounded += !bounded;
     totals->verdict.unchecked += !checked;
@@ -57,15 +63,19 @@ double mean_residual(const struct check_samples *samples)
     return samples->n ? samples->sum / (double)samples->n : (double)NAN;
 }
 
+static const double chance = 21.4164; /* ln(2 x 10^9) */
+
 /* Errors that follow from the vertices may be the same at all pixels of an object, in all objects:
  * their bounds add up. Errors of positions and interpolation are taken to be as often positive as
  * negative, and to be independent from triangle to triangle, but not within one. A sum of
  * independent errors e_i with a mean of 0, each at most b_i, exceeds s with a probability of at
  * most 2 exp(-s^2 / (2 sum b_i^2)) (Hoeffding 1963). The limit leaves 10^-9 for that: s^2 is 2 ln(2
- * x 10^9) sum b_i^2. */
+ * x 10^9) sum b_i^2. A colour buffer of steps that cuts samples off leaves no limit. */
 static double mean_limit(const struct check_totals *totals)
 {
     const struct plan *plan = totals->scene->lit->plan;
+    if (totals->scene->clips && buffer_steps(plan) > 0)
+        return HUGE_VAL;
     const double pixels = (double)totals->verdict.pixels;
     double squares = 0;
     for (int s = 0; s < plan->n_instances; s++)
@@ -73,7 +83,7 @@ static double mean_limit(const struct check_totals *totals)
             double sum = totals->varying[totals->first[s] + (size_t)t];
             squares += sum * sum;
         }
-    return (totals->shared + sqrt(2 * log(2e9) * squares)) / pixels + buffer_rounding(plan) +
+    return (totals->shared + sqrt(2 * chance * squares)) / pixels + buffer_rounding(plan) +
            flushed_counts();
 }
 

@@ -93,6 +93,7 @@ struct check_scene {
     const struct lit_scene *lit;
     const struct fit *fit;
     double full_scale;
+    bool clips;  /* of find_full_scale */
     bool mapped; /* a map is wanted */
 };
 /* Sums over all chunks. */
@@ -107,6 +108,8 @@ struct check_totals {
 /* False: no memory. The scene must outlive it. totals_free accepts what a failure left. */
 bool totals_open(const struct check_scene *scene, struct check_totals *out, struct error *err);
 void totals_free(struct check_totals *totals);
+/* A pixel with a larger floor is not checked. The steps of a colour buffer come on top. */
+double checked_counts(const struct plan *plan);
 /* Adds a pixel of an object to the totals. An infinite floor: it has no bound. */
 void totals_note(struct check_totals *totals, int surface, int triangle, double floor,
                  const struct mean_bound *mean);
