@@ -752,6 +752,17 @@ def describe(found):
     return ", ".join(f"{round(found[name], 4)} {name.replace('_', ' ')}" for name in SUMS + LARGEST)
 
 
+MANY = 1000  # scenes, after which each class has shown its largest errors
+
+
+def kinds(files, effects):
+    """The classes of a scene: its effects, its camera, and shading."""
+    text = files[".scene"]
+    return ["perspective" if "camera perspective" in text else "parallel",
+            *(["flat"] if "shading flat" in text else []),
+            *(name for name, used in effects.items() if used and name != "lights")]
+
+
 SUMS = ["pixels", "object_pixels", "ambiguous_pixels", "unexplained_pixels", "unchecked_pixels",
         "unbounded_pixels"]
 LARGEST = ["worst_error_over_bound", "worst_band_error_over_bound", "worst_depth_error_over_bound"]
@@ -760,7 +771,7 @@ LARGEST = ["worst_error_over_bound", "worst_band_error_over_bound", "worst_depth
 def run(driver, seeds, options):
     started = time.monotonic()
     total = dict.fromkeys(SUMS + LARGEST, 0)
-    failed, refused, texts, effects, seconds = [], 0, "", [], 0
+    failed, refused, texts, effects, seconds, classes = [], 0, "", [], 0, {}
     with concurrent.futures.ThreadPoolExecutor(options.jobs) as pool:
         for seed, files, result in pool.map(lambda seed: draw(seed, driver, options.size), seeds):
             texts += "".join(files.values())
@@ -775,12 +786,19 @@ def run(driver, seeds, options):
                 continue
             effects.append(result.report["effects"])
             found = {name: result.report["check"].get(name) or 0 for name in total}
+            for kind in kinds(files, result.report["effects"]):
+                classes[kind] = max(classes.get(kind, 0), *(found[name] for name in LARGEST[:2]))
             for name in total:
                 add = sum if name in SUMS else max
                 total[name] = add((total[name], found[name]))
             if options.verbose:
                 print(f"# scene {seed}, {result.seconds:.2f} s: {describe(found)}", flush=True)
     judge(driver, len(seeds), total, failed, refused)
+    print(f"# {driver}, largest error / bound by class:",
+          ", ".join(f"{kind} {ratio:.2f}" for kind, ratio in sorted(classes.items())), flush=True)
+    if len(seeds) >= MANY:
+        check(all(ratio > 0.2 for ratio in classes.values()),
+              f"{driver}: in no class of scenes are the bounds five times too wide", classes)
     if len(seeds) >= DEFAULT_COUNT["llvmpipe"]:
         check_coverage(texts, effects)
     print(f"# {driver}: {len(seeds)} scenes from {seeds[0]}, {refused} refused: {describe(total)};"
@@ -795,11 +813,11 @@ def judge(driver, n, total, failed, refused):
           f"{driver}: every pixel is explained at all wavelengths", total)
     check(total["unchecked_pixels"] < 0.01 * total["object_pixels"],
           f"{driver}: fewer than one object pixel in 100 cannot be checked", total)
-    check(0.05 < ratio <= 1, f"{driver}: the bounds are neither exceeded nor far too wide", ratio)
+    check(0.2 < ratio <= 1, f"{driver}: the bounds are neither exceeded nor far too wide", ratio)
     band_ratio = total["worst_band_error_over_bound"]
-    check(0.05 < band_ratio <= 1, f"{driver}: nor are those of one band", band_ratio)
+    check(0.2 < band_ratio <= 1, f"{driver}: nor are those of one band", band_ratio)
     depth_ratio = total["worst_depth_error_over_bound"]
-    check(0.05 < depth_ratio <= 1,
+    check(0.2 < depth_ratio <= 1,
           f"{driver}: the bounds on depth are neither exceeded nor far too wide", depth_ratio)
 
 
