@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: MIT */
+/* One geometry explains all bands: errors that weights, or a place in a texture, have in common in
+ * all bands are explained within the bound, whatever each band rounds by itself; and an error of
+ * one band alone, of twice the floor, is always found. */
+#include <stdint.h>
+
+#include "raster/fit/fit.h"
+#include "test.h"
+
+enum { MOST_TERMS = 4, MOST_BANDS = 31, TRIALS = 20000, SIDE = 4 };
+
+static double random_in(uint64_t *state, double low, double high)
+{
+    *state = *state * 6364136223846793005u + 1442695040888963407u;
+    return low + (high - low) * (double)(*state >> 11) / 9007199254740992.0;
+}
+
+/* A plan with one material, and one pixel of it. */
+struct bench {
+    struct plan plan;
+    struct shaded_material shaded;
+    struct texture texture;
+    struct fit fit;
+    struct run run;
+    float texels[MOST_BANDS][SIDE * SIDE];
+    double spectra[MOST_TERMS * MOST_BANDS], rows[MOST_TERMS + 2], off[MOST_TERMS + 2];
+    float errors[MOST_TERMS + 2], own[MOST_TERMS + 2], estimate[PLACE_ROWS + MOST_TERMS];
+    double difference[MOST_BANDS], bound[MOST_BANDS];
+};
+
+/* Loads the planes of a band's pass, as plan_load_textures does. */
+static void load(struct bench *bench, int band)
+{
+    for (int c = 0; c < BANDS_PER_PASS; c++) {
+        int of = band / BANDS_PER_PASS * BANDS_PER_PASS + c;
+        bench->texture.plane[c] = bench->texels[of < bench->plan.n_bands ? of : 0];
+    }
+}
+
+/* `alike`: all terms have nearly the same spectrum. */
+static bool make(struct bench *bench, uint64_t *state, int n_terms, int n_bands, bool alike,
+                 bool textured)
+{
+    struct error err;
+    *bench = (struct bench){.shaded = {.n_terms = n_terms}};
+    bench->shaded.made.spectra = bench->spectra;
+    bench->texture = (struct texture){.spectral = true, .linear = true, .largest = 1};
+    bench->texture.image.width = bench->texture.image.height = SIDE;
+    bench->shaded.texture = textured ? &bench->texture : NULL;
+    bench->plan = (struct plan){.n_bands = n_bands,
+                                .n_passes = (n_bands + BANDS_PER_PASS - 1) / BANDS_PER_PASS,
+                                .n_materials = 1,
+                                .n_light_groups = 1,
+                                .max_rows = n_terms + 2 * textured,
+                                .materials = &bench->shaded};
+    for (int b = 0; b < n_bands; b++) {
+        double shared = random_in(state, 0, 1);
+        for (int t = 0; t < n_terms; t++)
+            bench->spectra[t * n_bands + b] =
+                alike ? shared * (1 + random_in(state, 0, 0.01)) : random_in(state, 0, 1);
+        for (int i = 0; i < SIDE * SIDE; i++)
+            bench->texels[b][i] = (float)random_in(state, 0, 1);
+    }
+    return fit_make(&bench->plan, 1, &bench->fit, &err);
+}
+
+/* Sets a pixel: weights, the errors that all bands have in common, and those of each band. */
+static void draw_pixel(struct bench *bench, uint64_t *state)
+{
+    int n = bench->shaded.n_terms;
+    bool textured = bench->shaded.texture != NULL;
+    for (int t = 0; t < n; t++) {
+        bench->rows[t] = random_in(state, 0, 1);
+        bench->own[t] = (float)(1e-6 * bench->rows[t] + 1e-8);
+        double common = textured ? 0 : pow(10, random_in(state, -8, -3)) * bench->rows[t];
+        bench->errors[t] = bench->own[t] + (float)common;
+        bench->off[t] = random_in(state, -common, common);
+    }
+    for (int i = n; i < n + 2 && textured; i++) {
+        double error = pow(10, random_in(state, -6, -2));
+        bench->rows[i] = SIDE * random_in(state, 0, 1);
+        bench->errors[i] = (float)error;
+        bench->off[i] = random_in(state, -error, error);
+    }
+    bench->run = (struct run){&bench->shaded, bench->rows, bench->errors, bench->own, 1, 1};
+}
+
+static double radiance_of(struct bench *bench, int band, double part)
+{
+    int n = bench->shaded.n_terms;
+    double sum = 0, place[2] = {bench->rows[n] + part * bench->off[n],
+                                bench->rows[n + 1] + part * bench->off[n + 1]};
+    for (int t = 0; t < n; t++)
+        sum += (bench->rows[t] + part * bench->off[t]) *
+               bench->spectra[t * bench->plan.n_bands + band];
+    if (!bench->shaded.texture)
+        return FULL_COUNT * sum;
+    load(bench, band);
+    const struct texels texels = plan_texels(&bench->texture, band % BANDS_PER_PASS);
+    return FULL_COUNT * sum * texel_at(&texels, place);
+}
+
+static void draw_differences(struct bench *bench, uint64_t *state)
+{
+    for (int b = 0; b < bench->plan.n_bands; b++) {
+        double expected, own = 0;
+        float bound;
+        for (int t = 0; t < bench->shaded.n_terms; t++)
+            own += (double)bench->own[t] * bench->spectra[t * bench->plan.n_bands + b] * FULL_COUNT;
+        if (bench->shaded.texture)
+            own *= 0.5 * radiance_of(bench, b, 0) / FULL_COUNT; /* less than its bound */
+        load(bench, b);
+        expect_counts(&bench->plan, &bench->run, b, 1, &expected, &bound);
+        bench->bound[b] = (double)bound;
+        bench->difference[b] =
+            radiance_of(bench, b, 1) - radiance_of(bench, b, 0) + random_in(state, -own, own);
+    }
+}
+
+static bool is_explained(struct bench *bench, int band, double *floor)
+{
+    struct fit_block block;
+    load(bench, band);
+    bool fitted = fit_explain(&bench->fit, &bench->run, band, bench->estimate, &block);
+    *floor = fitted ? fmin((double)block.floor[0], bench->bound[band]) : bench->bound[band];
+    return fabs(bench->difference[band]) <= bench->bound[band] &&
+           (!fitted ||
+            fabs(bench->difference[band] - (double)block.explained[0]) <= (double)block.limit[0]);
+}
+
+/* Learns from the pilots. Returns how many bands are explained; floors: of each band. */
+static int judge(struct bench *bench, double floors[MOST_BANDS])
+{
+    int n = 0;
+    memset(bench->estimate, 0, sizeof bench->estimate);
+    for (int b = 0; b < bench->plan.n_bands; b++)
+        if (fit_has_pilots(&bench->fit, b / BANDS_PER_PASS)) {
+            load(bench, b);
+            fit_add(&bench->fit, &bench->run, b, &bench->difference[b], bench->estimate);
+        }
+    for (int b = 0; b < bench->plan.n_bands; b++)
+        n += is_explained(bench, b, &floors[b]);
+    return n;
+}
+
+static void check_fit(const char *name, int n_terms, int n_bands, bool alike, bool textured)
+{
+    uint64_t state = 1;
+    int explained = 0, found = 0, narrower = 0, trials = TRIALS / n_bands;
+    struct bench bench;
+    if (!CHECK(make(&bench, &state, n_terms, n_bands, alike, textured), "%s: there are gains",
+               name))
+        return;
+    for (int i = 0; i < trials; i++) {
+        double floors[MOST_BANDS], changed[MOST_BANDS];
+        int band = (int)random_in(&state, 0, n_bands);
+        draw_pixel(&bench, &state);
+        draw_differences(&bench, &state);
+        explained += judge(&bench, floors) == n_bands;
+        narrower += floors[band] < 0.5 * bench.bound[band];
+        bench.difference[band] += (i % 2 ? 2.001 : -2.001) * floors[band];
+        found += judge(&bench, changed) < n_bands;
+    }
+    CHECK(explained == trials, "%s: errors that all bands have in common are explained", name);
+    CHECK(found == trials, "%s: an error of one band, of twice the floor, is found", name);
+    if (n_bands > 3 * n_terms)
+        CHECK(narrower > trials / 4, "%s: the floor of one band is often less than half the bound",
+              name);
+    printf("# %s: %d of %d explained, %d found, %d narrower\n", name, explained, trials, found,
+           narrower);
+    fit_free(&bench.fit);
+}
+
+int main(void)
+{
+    check_fit("one term", 1, 31, false, false);
+    check_fit("two terms", 2, 31, false, false);
+    check_fit("four terms", 4, 31, false, false);
+    check_fit("two terms that are nearly alike", 2, 31, true, false);
+    check_fit("more terms than bands", 4, 3, false, false);
+    check_fit("one band", 1, 1, false, false);
+    check_fit("bands that fill no pass", 2, 7, false, false);
+    check_fit("a texture that differs from band to band", 2, 30, false, true);
+    return test_end();
+}
