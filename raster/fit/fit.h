@@ -63,6 +63,7 @@ bool fit_explain(const struct fit *fit, const struct run *run, int band, const f
 struct knowledge {
     const struct material_fit *material;
     int n_terms, n_bands;
+    double brightest;   /* the largest sum of a band's spectra */
     double *covariance; /* [term][term]; owned */
     double *moved;      /* covariance x spectra of the band that came last; owned */
 };
@@ -73,7 +74,9 @@ void knowledge_free(struct knowledge *knowledge);
 /* Takes a band into account. Returns by how much that narrows the errors, as a binary logarithm of
  * the product of standard deviations; 0 for a band that is black. */
 double knowledge_add(struct knowledge *knowledge, int band);
-/* The sum of a band's spectra: what it rounds if each term rounds by 1. */
+/* The sum of a band's spectra: its rounding if each term rounds by 1. 0: too dark to teach
+ * anything.
+ */
 double band_rounding(const struct knowledge *knowledge, int band);
 /* Chooses fit->passes. False: no memory. */
 bool pilots_choose(struct fit *fit);

@@ -12,10 +12,33 @@
 /* Before any band is seen, a weight may be off by this many times its own roundings. The number
  * only steers the choice of pilots and gains: the bounds hold for every gain. */
 static const double prior = 1024;
+/* Bands that are darker than this part of the brightest one teach nothing: their roundings are
+ * those of numbers that OpenGL may flush to zero, and their gains would be beyond single precision.
+ */
+static const double dark = 0x1p-30;
 /* A further pass is worth its memory if it narrows the errors of some material by a fifth. */
 static const double worthwhile = 1.25;
 
 /* ---- knowledge ---- */
+
+static double in_band(const struct knowledge *of, int term, int band)
+{
+    return (double)of->material->spectra[(size_t)term * (size_t)of->n_bands + (size_t)band];
+}
+
+static double band_sum(const struct knowledge *knowledge, int band)
+{
+    double sum = 0;
+    for (int t = 0; t < knowledge->n_terms; t++)
+        sum += in_band(knowledge, t, band);
+    return sum;
+}
+
+double band_rounding(const struct knowledge *knowledge, int band)
+{
+    double sum = band_sum(knowledge, band);
+    return sum > dark * knowledge->brightest ? sum : 0;
+}
 
 bool knowledge_begin(const struct fit *fit, int material, struct knowledge *out)
 {
@@ -27,6 +50,8 @@ bool knowledge_begin(const struct fit *fit, int material, struct knowledge *out)
                               .moved = calloc(n + 1, sizeof *out->moved)};
     for (size_t i = 0; i < n && out->covariance; i++)
         out->covariance[i * n + i] = prior * prior;
+    for (int band = 0; band < out->n_bands; band++)
+        out->brightest = fmax(out->brightest, band_sum(out, band));
     return out->covariance && out->moved;
 }
 
@@ -34,19 +59,6 @@ void knowledge_free(struct knowledge *knowledge)
 {
     free(knowledge->covariance);
     free(knowledge->moved);
-}
-
-static double in_band(const struct knowledge *of, int term, int band)
-{
-    return (double)of->material->spectra[(size_t)term * (size_t)of->n_bands + (size_t)band];
-}
-
-double band_rounding(const struct knowledge *knowledge, int band)
-{
-    double sum = 0;
-    for (int t = 0; t < knowledge->n_terms; t++)
-        sum += in_band(knowledge, t, band);
-    return sum;
 }
 
 double knowledge_add(struct knowledge *knowledge, int band)

@@ -806,6 +806,7 @@ def run(driver, seeds, options):
 
 
 def judge(driver, n, total, failed, refused):
+    least = 0.2 if n >= DEFAULT_COUNT["softpipe"] else 0.02  # few scenes show smaller errors
     ratio = total["worst_error_over_bound"]
     check(not failed, f"{driver}: all of {n} scenes are drawn", f"not {failed}")
     check(refused <= 0.05 * n, f"{driver}: few scenes are refused", f"{refused} of {n}")
@@ -813,11 +814,11 @@ def judge(driver, n, total, failed, refused):
           f"{driver}: every pixel is explained at all wavelengths", total)
     check(total["unchecked_pixels"] < 0.01 * total["object_pixels"],
           f"{driver}: fewer than one object pixel in 100 cannot be checked", total)
-    check(0.2 < ratio <= 1, f"{driver}: the bounds are neither exceeded nor far too wide", ratio)
+    check(least < ratio <= 1, f"{driver}: the bounds are neither exceeded nor far too wide", ratio)
     band_ratio = total["worst_band_error_over_bound"]
-    check(0.2 < band_ratio <= 1, f"{driver}: nor are those of one band", band_ratio)
+    check(least < band_ratio <= 1, f"{driver}: nor are those of one band", band_ratio)
     depth_ratio = total["worst_depth_error_over_bound"]
-    check(0.2 < depth_ratio <= 1,
+    check(least < depth_ratio <= 1,
           f"{driver}: the bounds on depth are neither exceeded nor far too wide", depth_ratio)
 
 
