@@ -31,21 +31,12 @@ static double unchecked_percent(const struct check_verdict *verdict)
 
 /* The cause of a bound that is too wide, and the change that narrows it. */
 static const char *const causes[BOUND_CAUSES] = {
-    [CAUSE_LIGHT] =
-        "a light grazes it, or is at the edge of its spot or too near; turn or move the "
-        "light, or the object",
-    [CAUSE_POSITION] =
-        "its radiance changes too much within a pixel; render it larger, or smoothe its "
-        "normals",
-    [CAUSE_TEXTURE] =
-        "its texture changes too much within a rounding; repeat it less often, or render "
-        "it larger",
+    [CAUSE_LIGHT] = "a light grazes it, is at the edge of its spot, or is too near; move the light",
+    [CAUSE_POSITION] = "its radiance changes too much within a pixel; render it larger",
+    [CAUSE_TEXTURE] = "its texture changes too much within a rounding; repeat it less often",
     [CAUSE_THIN] =
-        "its triangles are seen edge-on, or are too thin; turn the object, or give it rounder "
-        "triangles",
-    [CAUSE_FAR] =
-        "its triangles reach from the eye to far away; split them, or move the camera's near "
-        "plane away",
+        "its triangles are edge-on, too thin or too large to be placed; turn or split it",
+    [CAUSE_FAR] = "its triangles reach too far; split them, or move the near plane away",
 };
 
 /* Names an object and the place in the scene where it stands. */
