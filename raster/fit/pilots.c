@@ -12,9 +12,8 @@
 /* Before any band is seen, a weight may be off by this many times its own roundings. The number
  * only steers the choice of pilots and gains: the bounds hold for every gain. */
 static const double prior = 1024;
-/* Bands that are darker than this part of the brightest one teach nothing: their roundings are
- * those of numbers that OpenGL may flush to zero, and their gains would be beyond single precision.
- */
+/* Bands that are darker than this part of the brightest one, or than this part of a count, teach
+ * nothing: no error of theirs matters, and their gains would be beyond single precision. */
 static const double dark = 0x1p-30;
 /* A further pass is worth its memory if it narrows the errors of some material by a fifth. */
 static const double worthwhile = 1.25;
@@ -37,7 +36,7 @@ static double band_sum(const struct knowledge *knowledge, int band)
 double band_rounding(const struct knowledge *knowledge, int band)
 {
     double sum = band_sum(knowledge, band);
-    return sum > dark * knowledge->brightest ? sum : 0;
+    return sum > dark * fmax(knowledge->brightest, 1) ? sum : 0;
 }
 
 bool knowledge_begin(const struct fit *fit, int material, struct knowledge *out)
