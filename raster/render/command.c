@@ -26,11 +26,18 @@ static const char *asks_check(const struct options *options)
                                 : NULL;
 }
 
-/* Refuses such an option beside --no-check. */
+/* Refuses such an option beside --no-check, and a map in the stack's place or in that of the
+ * report.
+ */
 static bool check_asked(const struct options *options, struct error *err)
 {
-    const char *checks = options->no_check ? asks_check(options) : NULL;
-    return !checks || error_usage(err, "%s needs the check that --no-check leaves out", checks);
+    const char *checks = options->no_check ? asks_check(options) : NULL, *map = options->check_map;
+    if (checks)
+        return error_usage(err, "%s needs the check that --no-check leaves out", checks);
+    if (map && options->output && strcmp(map, options->output) == 0)
+        return error_usage(err, "--check-map and --output name the same file; expected two files");
+    return !map || !options->json || strcmp(map, options->json) != 0 ||
+           error_usage(err, "--check-map and --json name the same file; expected two files");
 }
 
 /* Refuses options that need OpenGL in a program without it. Reads no file. again: the stack to make

@@ -104,6 +104,10 @@ def check_words():
     for option in ("--strict",), ("--unchecked", "0.5"), ("--check-map", os.path.join(TMP, "x.tif")):
         refused = Render("patches", "--no-check", *option)
         check(refused.status == 2 and option[0] in refused.says, f"{option[0]} is refused beside --no-check", refused)
+    same = subprocess.run([SPECTRAL, "render", "patches", "-o", "x.tif", "--check-map", "x.tif"], capture_output=True,
+                          text=True, check=False)
+    check(same.returncode == 2 and "name the same file" in same.stderr and not os.path.exists("x.tif"),
+          "a map in the place of the stack is refused", same)
     for share in "-0.1", "1.1", "1%", "nan", "":
         refused = Render("patches", "--unchecked", share)
         check(refused.status == 2 and "--unchecked" in refused.says, f"--unchecked '{share}' is refused", refused)
