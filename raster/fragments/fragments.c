@@ -153,7 +153,7 @@ bool is_closed(const struct seam *seam)
 /* Adds a part to the lists of triangles, behind the last one. */
 static bool add_part(struct fragments *of, const struct triangle_part *part)
 {
-    size_t n_clipped = (size_t)part->bounded.n_clipped;
+    size_t n_clipped = (size_t)(part->bounded.n_clipped + part->bounded.n_slivers);
     if (!array_grow(&of->triangles, &of->triangle_capacity, of->n_triangles + 1,
                     sizeof *of->triangles) ||
         !array_grow(&of->clipped, &of->clipped_capacity, of->n_clipped + n_clipped,
@@ -196,6 +196,18 @@ unsigned clipped_at(const struct fragments *fragments, const struct bounded_tria
     return some == 0 && triangle->cut ? all : some;
 }
 
+/* True if OpenGL may set up a sliver there, besides the clipped triangles. */
+static bool is_on_sliver(const struct visit *visit)
+{
+    const struct bounded_triangle *triangle = visited(visit);
+    const struct clipped_triangle *sliver =
+        &visit->of->clipped[triangle->first_clipped + triangle->n_clipped];
+    for (int32_t i = 0; i < triangle->n_slivers; i++)
+        if (clipped_presence(&sliver[i], visit->x, visit->y) != IMPOSSIBLE)
+            return true;
+    return false;
+}
+
 /* True if OpenGL's error has no bound at a point: on a clipped triangle that is too thin for one,
  * where depth has none either, or so far away that roundings of 1 / w, made where it is larger, may
  * be nearly all of it. */
@@ -208,7 +220,7 @@ static bool is_loose(const struct visit *visit, unsigned clipped, bool *thin)
         sum += visit->edges.e[i];
         inverse_w += visit->edges.e[i] * triangle->screen.inverse_w[i];
     }
-    *thin = false;
+    *thin = is_on_sliver(visit);
     for (int32_t i = 0; i < triangle->n_clipped; i++) {
         const struct clipped_triangle *part = &visit->of->clipped[triangle->first_clipped + i];
         const struct colour_bound *bound = &part->inverse_w_bound;
@@ -283,7 +295,7 @@ static bool visit_triangle(struct fragments *of, int surface, int triangle)
                            &visit))
             return false;
         of->n_triangles += visit.any;
-        of->n_clipped += visit.any ? (size_t)bounded->n_clipped : 0;
+        of->n_clipped += visit.any ? (size_t)(bounded->n_clipped + bounded->n_slivers) : 0;
     }
     return true;
 }

@@ -132,10 +132,10 @@ void clip_planes(const struct lit_scene *lit, const struct screen_triangle *scre
     planes[5] = (struct clip_plane){{0, 0, -1, 1}, 2 * error};
 }
 
-struct polygon polygon_of(const struct lit_scene *lit, const struct screen_triangle *screen,
-                          const struct rectangle *tile)
+/* Clips the whole triangle by these planes. */
+static struct polygon clip_whole(const struct lit_scene *lit, const struct screen_triangle *screen,
+                                 const struct clip_plane planes[CLIP_PLANES])
 {
-    struct clip_plane planes[CLIP_PLANES];
     struct corner whole[3];
     struct polygon out = {.n = 3};
     whole_corners(screen->surface, screen->vertex, whole);
@@ -147,10 +147,39 @@ struct polygon polygon_of(const struct lit_scene *lit, const struct screen_trian
         for (int k = 0; k < 4; k++)
             out.cut[i].e[k] = (double)e_clip[k];
     }
-    clip_planes(lit, screen, tile, planes);
     for (int p = 0; p < CLIP_PLANES && out.n > 0; p++)
         clip(&out, &planes[p], p);
     return out;
+}
+
+struct polygon polygon_of(const struct lit_scene *lit, const struct screen_triangle *screen,
+                          const struct rectangle *tile)
+{
+    struct clip_plane planes[CLIP_PLANES];
+    clip_planes(lit, screen, tile, planes);
+    return clip_whole(lit, screen, planes);
+}
+
+struct polygon doubtful_polygon_of(const struct lit_scene *lit,
+                                   const struct screen_triangle *screen,
+                                   const struct rectangle *tile)
+{
+    struct clip_plane planes[CLIP_PLANES];
+    bool any = false;
+    clip_planes(lit, screen, tile, planes);
+    const struct polygon whole = clip_whole(lit, screen, planes);
+    for (int p = 4; p < CLIP_PLANES; p++) {
+        double deepest = 0, rounding;
+        for (int i = 0; i < whole.n; i++) {
+            const struct bounded from =
+                corner_distance(&planes[p], whole.corner[i].clip, &whole.cut[i], &rounding);
+            if ((whole.cut[i].planes >> p & 1) == 0 && from.value <= from.error)
+                deepest = fmax(deepest, from.error);
+        }
+        planes[p].offset -= 2 * deepest; /* so that the corner is outside, whatever its error */
+        any = any || deepest > 0;
+    }
+    return any ? clip_whole(lit, screen, planes) : (struct polygon){.n = 0};
 }
 
 /* ---- bounds of corners ---- */

@@ -48,7 +48,8 @@ struct bounded_triangle {
     bool cut;                         /* by the near or the far plane */
     bool straddles;                   /* OpenGL cuts it at the tile's border */
     int32_t first_clipped, n_clipped; /* what OpenGL sets up for it, in the list of a chunk */
-    struct slack slack;               /* of any corner, as OpenGL interpolates */
+    int32_t n_slivers;  /* behind these: what it sets up besides if it cuts a corner in doubt */
+    struct slack slack; /* of any corner, as OpenGL interpolates */
     double edge_px[3];  /* of each corner as OpenGL follows edges; 0: without any error */
     double depth_error; /* of the depth at a pixel, off thin triangles; HUGE_VAL: none */
 };
@@ -56,7 +57,7 @@ struct bounded_triangle {
  * tile's border and in depth makes of its whole triangle, fanned from the first corner. */
 struct triangle_part {
     struct bounded_triangle bounded;
-    struct clipped_triangle clipped[CLIP_CORNERS - 2];
+    struct clipped_triangle clipped[2 * (CLIP_CORNERS - 2)];
 };
 /* Two planes cut at most two corners off; a triangle seen edge-on shows either side. */
 enum { TRIANGLE_PARTS = 2 * SCREEN_TRIANGLES };
@@ -97,6 +98,11 @@ void clip_planes(const struct lit_scene *lit, const struct screen_triangle *scre
  * which decides how it fans the polygon. */
 struct polygon polygon_of(const struct lit_scene *lit, const struct screen_triangle *screen,
                           const struct rectangle *tile);
+/* The same, cut deeper by the near and the far plane where a corner lies so near to one of them
+ * that OpenGL may cut it off. n is 0 where there is no such corner. */
+struct polygon doubtful_polygon_of(const struct lit_scene *lit,
+                                   const struct screen_triangle *screen,
+                                   const struct rectangle *tile);
 /* The bounds of a corner that is not cut, and of any corner: off the plane of its triangle; and how
  * far a corner may be from its place in the window, in this plane, too. */
 const struct vertex_bounds *vertex_bounds(const struct lit_scene *lit,

@@ -107,11 +107,24 @@ static struct clipped_triangle fan_triangle(const struct lit_scene *lit,
     return out;
 }
 
+/* Sets up what OpenGL makes besides if it cuts a corner in doubt, but only what is too thin for a
+ * bound: the rest is as the triangles that it makes otherwise. Returns how many. */
+static int set_up_slivers(const struct lit_scene *lit, const struct rectangle *tile,
+                          const struct bounded_triangle *triangle, struct clipped_triangle *out)
+{
+    const struct polygon polygon = doubtful_polygon_of(lit, &triangle->screen, tile);
+    int n = 0;
+    for (int i = 2; i < polygon.n; i++) {
+        out[n] = fan_triangle(lit, tile, triangle, &polygon, i);
+        n += !(out[n].magnification < HUGE_VAL);
+    }
+    return n;
+}
+
 /* Sets up the triangles that clipping at the tile's border and in depth makes. Where hardly
  * anything of the triangle is in the tile, it has no bound. */
 static int clip_to_tile(const struct lit_scene *lit, const struct rectangle *tile,
-                        const struct bounded_triangle *triangle,
-                        struct clipped_triangle out[CLIP_CORNERS - 2])
+                        const struct bounded_triangle *triangle, struct clipped_triangle *out)
 {
     const struct polygon polygon = polygon_of(lit, &triangle->screen, tile);
     struct bounded_triangle part = *triangle;
@@ -130,8 +143,7 @@ static int clip_to_tile(const struct lit_scene *lit, const struct rectangle *til
 
 /* Sets up the triangles of a part; returns how many. */
 static int set_up(const struct lit_scene *lit, const struct rectangle *tile,
-                  const struct bounded_triangle *triangle,
-                  struct clipped_triangle out[CLIP_CORNERS - 2])
+                  const struct bounded_triangle *triangle, struct clipped_triangle *out)
 {
     double slack_px[3];
     if (triangle->straddles)
@@ -168,6 +180,9 @@ static void complete(const struct lit_scene *lit, const struct rectangle *tile,
     struct bounded_triangle *triangle = &part->bounded;
     double error = -1;
     triangle->n_clipped = set_up(lit, tile, triangle, part->clipped);
+    if (triangle->cut)
+        triangle->n_slivers =
+            set_up_slivers(lit, tile, triangle, part->clipped + triangle->n_clipped);
     triangle->slack.px = 0; /* only the corners that OpenGL has in the tile count */
     for (int i = 0; i < triangle->n_clipped; i++) {
         const struct clipped_triangle *clipped = &part->clipped[i];
