@@ -98,8 +98,8 @@ void clip_planes(const struct lit_scene *lit, const struct screen_triangle *scre
  * which decides how it fans the polygon. */
 struct polygon polygon_of(const struct lit_scene *lit, const struct screen_triangle *screen,
                           const struct rectangle *tile);
-/* The same, cut deeper by the near and the far plane where a corner lies so near to one of them
- * that OpenGL may cut it off. n is 0 where there is no such corner. */
+/* Clips deeper by the near and the far plane where a corner lies so near to one of them that OpenGL
+ * may cut it off. n is 0 where there is no such corner. */
 struct polygon doubtful_polygon_of(const struct lit_scene *lit,
                                    const struct screen_triangle *screen,
                                    const struct rectangle *tile);
