@@ -8,13 +8,15 @@
 #include "raster/plan/plan.h"
 
 /* Bytes that a pixel of a tile takes apart from its rows: Mesa's own colour and depth (20), our
- * copies of them (20), samples of three bands (12), surface, triangle, depth and its bound (16),
- * fragments, steepness and floor (12), flags (2), and room for ambiguous pixels (14). A row has a
- * weight (8) and an error (4); a sum of passes is a colour (16). Checked steps of 16 bits have a
- * colour and depth of Mesa's own (12) and our copy (8) beside what floats have. */
-enum { PIXEL_BYTES = 160, ROW_BYTES = 20, SUM_BYTES = 16, STEPS_BYTES = 20 };
+ * copies of them (20), and of the passes that hold pilots (48), samples of three bands (12),
+ * surface, triangle, depth and its bound (16), fragments and steepness (8), floors and the mean
+ * bound (20), flags (2), and room for ambiguous pixels (14). A row has a weight (8), its errors (8)
+ * and an estimate (4); a sum of passes is a colour, of which Mesa keeps a copy (32). Checked steps
+ * of 16 bits have a colour and depth of Mesa's own (12) and our copy (8) beside what floats have.
+ */
+enum { PIXEL_BYTES = 160, ROW_BYTES = 20, SUM_BYTES = 32, STEPS_BYTES = 20 };
 /* The memory of a tile, so that a render stays well below 300 MiB with Mesa's own memory. */
-static const size_t tile_budget = (size_t)160 << 20;
+static const size_t tile_budget = (size_t)165 << 20;
 /* Tiles no larger than Mesa's largest viewport (16384), with room for older drivers. */
 enum { LARGEST_TILE = 8192 };
 
