@@ -10,8 +10,8 @@
 /* Bytes that a pixel of a tile takes apart from its rows: Mesa's own colour and depth (20), our
  * copies of them (20), and of the passes that hold pilots (48), samples of three bands (12),
  * surface, triangle, depth and its bound (16), fragments and steepness (8), floors and the mean
- * bound (20), flags (2), and room for ambiguous pixels (14). A row has a weight (8), its errors (8)
- * and an estimate (4); a sum of passes is a colour, of which Mesa keeps a copy (32). Checked steps
+ * bound (20), flags (2), and room for ambiguous pixels (14). A row has a weight (8), its errors
+ * (8) and an estimate (4); a sum of passes is a colour, and Mesa keeps a copy (32). Checked steps
  * of 16 bits have a colour and depth of Mesa's own (12) and our copy (8) beside what floats have.
  */
 enum { PIXEL_BYTES = 160, ROW_BYTES = 20, SUM_BYTES = 32, STEPS_BYTES = 20 };
