@@ -34,11 +34,13 @@ void check_fail(struct check *check, size_t pixel, const struct check_failure *f
  * exactly 0; so is a run without errors, whose material has no terms. */
 static void expect(const struct check *check, const struct run *run, int band, struct block *block)
 {
-    memset(block->expected, 0, block->n * sizeof *block->expected);
-    memset(block->bound, 0, block->n * sizeof *block->bound);
-    if (run->shaded)
+    if (run->shaded && run->errors) {
         expect_counts(check->scene->lit->plan, run, band, check->scene->full_scale, block->expected,
                       block->bound);
+        return;
+    }
+    memset(block->expected, 0, block->n * sizeof *block->expected);
+    memset(block->bound, 0, block->n * sizeof *block->bound);
 }
 
 /* Learns what a pilot band says of the weights of a run. */
@@ -61,7 +63,7 @@ static bool compare(const struct check *check, const struct run *run, int band,
     expect(check, run, band, block);
     bool within = samples_compare(samples, block);
     block->fitted = run->shaded && run->errors &&
-                    fit_explain(check->scene->fit, run, band, estimates, &block->fit);
+                    fit_explain(check->scene->fit, run, band, estimates, block->bound, &block->fit);
     bool fits = !block->fitted || samples_compare_fit(samples, block);
     return within && fits;
 }

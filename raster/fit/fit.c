@@ -71,6 +71,9 @@ static struct influence influence_on(const struct pilots *of, int band)
     return out;
 }
 
+/* A rest of errors that is not worth a loop over terms. */
+static const float small_share = 0x1p-10F;
+
 /* The estimate is a sum over pilots in single precision, and so is what it explains. */
 enum { ESTIMATE_ROUNDINGS = MAX_PILOTS + 8 };
 
@@ -91,8 +94,10 @@ static void bound_band(const struct pilots *of, int band)
             rounding += by.size[k] * of_pilot;
         }
         *at(of, of->out->own, t, band) = (float)own;
-        *at(of, of->out->rest, t, band) =
-            (float)(fabs(rest) + roundings(ESTIMATE_ROUNDINGS) * (s + rounding));
+        double left = fabs(rest) + roundings(ESTIMATE_ROUNDINGS) * (s + rounding);
+        *at(of, of->out->rest, t, band) = (float)left;
+        of->out->share[band] =
+            fmaxf(of->out->share[band], left > 0 ? (float)(1.000001 * left / s) : 0);
     }
 }
 
@@ -104,9 +109,11 @@ static bool allocate(const struct fit *fit, const struct shaded_material *shaded
     out->own = calloc(n_terms * n_bands + 1, sizeof *out->own);
     out->rest = calloc(n_terms * n_bands + 1, sizeof *out->rest);
     out->gains = calloc(n_terms * MAX_PILOTS + 1, sizeof *out->gains);
+    out->share = calloc(n_bands, sizeof *out->share);
     out->flushed = calloc(n_bands, sizeof *out->flushed);
     out->scale = calloc(n_bands, sizeof *out->scale);
-    return out->spectra && out->own && out->rest && out->gains && out->flushed && out->scale;
+    return out->spectra && out->own && out->rest && out->gains && out->share && out->flushed &&
+           out->scale;
 }
 
 static bool fit_material(const struct fit *fit, int material)
@@ -161,6 +168,7 @@ void fit_free(struct fit *fit)
         free(material->own);
         free(material->rest);
         free(material->gains);
+        free(material->share);
         free(material->flushed);
         free(material->scale);
     }
@@ -215,8 +223,24 @@ void fit_add(const struct fit *fit, const struct run *run, int band, const doubl
             estimate[t * run->stride + i] += gains[t] * (float)difference[i];
 }
 
+/* Adds to the limits what is left of the errors of weights. Where that is a small share of them, it
+ * is the same share of the bounds at most. */
+static void add_rest(const struct fit *fit, const struct run *run, int band, const float *bound,
+                     float *limit)
+{
+    const struct material_fit *material = material_of(fit, run);
+    const size_t n_bands = (size_t)fit->plan->n_bands;
+    const float share = material->share[band];
+    for (size_t i = 0; i < run->n && share <= small_share; i++)
+        limit[i] += share * bound[i];
+    for (size_t t = 0; t < (size_t)run->shaded->n_terms && !(share <= small_share); t++)
+        for (size_t i = 0; i < run->n; i++)
+            limit[i] +=
+                run->errors[t * run->stride + i] * material->rest[t * n_bands + (size_t)band];
+}
+
 bool fit_explain(const struct fit *fit, const struct run *run, int band, const float *estimate,
-                 struct fit_block *out)
+                 const float *bound, struct fit_block *out)
 {
     const struct material_fit *material = material_of(fit, run);
     const size_t n_bands = (size_t)fit->plan->n_bands, n_terms = (size_t)run->shaded->n_terms;
@@ -231,14 +255,15 @@ bool fit_explain(const struct fit *fit, const struct run *run, int band, const f
         out->limit[i] = material->flushed[band];
     }
     for (size_t t = 0; t < n_terms; t++) {
-        const size_t at = t * n_bands + (size_t)band, row = t * run->stride;
-        const float spectrum = material->spectra[at], own = material->own[at],
-                    rest = material->rest[at];
+        const size_t at = t * n_bands + (size_t)band;
+        const float *estimates = estimate + t * run->stride, *alone = run->own + t * run->stride;
+        const float spectrum = material->spectra[at], own = material->own[at];
         for (size_t i = 0; i < run->n; i++) {
-            out->explained[i] += estimate[row + i] * spectrum;
-            out->limit[i] += run->own[row + i] * own + run->errors[row + i] * rest;
+            out->explained[i] += estimates[i] * spectrum;
+            out->limit[i] += alone[i] * own;
         }
     }
+    add_rest(fit, run, band, bound, out->limit);
     for (size_t i = 0; i < run->n; i++)
         out->floor[i] = out->limit[i] * material->scale[band];
     return true;

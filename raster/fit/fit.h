@@ -25,8 +25,9 @@ enum { MAX_PILOT_PASSES = 3, MAX_PILOTS = MAX_PILOT_PASSES * BANDS_PER_PASS };
 struct material_fit {
     float *spectra, *own, *rest; /* [term][band] */
     float *gains;                /* [pilot][term] */
-    float *flushed;              /* [band] what results flushed to zero may add, in counts */
-    float *scale;                /* [band] 1 / (1 - h_bb), or 0: the band is not fitted */
+    float *share;   /* [band] rest_tb / spectrum_tb of the term where that is largest */
+    float *flushed; /* [band] what results flushed to zero may add, in counts */
+    float *scale;   /* [band] 1 / (1 - h_bb), or 0: the band is not fitted */
 };
 struct fit {
     const struct plan *plan;
@@ -53,9 +54,10 @@ void fit_add(const struct fit *fit, const struct run *run, int band, const doubl
 struct fit_block {
     float explained[BLOCK], limit[BLOCK], floor[BLOCK];
 };
-/* The run has errors. False: the band is not fitted, and *out is not set. */
+/* The run has errors, and bounds in this band: see expect_counts. False: the band is not fitted,
+ * and *out is not set. */
 bool fit_explain(const struct fit *fit, const struct run *run, int band, const float *estimate,
-                 struct fit_block *out);
+                 const float *bound, struct fit_block *out);
 
 /* ---- inside this room ---- */
 

@@ -121,7 +121,8 @@ static bool is_explained(struct bench *bench, int band, double *floor)
 {
     struct fit_block block;
     load(bench, band);
-    bool fitted = fit_explain(&bench->fit, &bench->run, band, bench->estimate, &block);
+    const float bound = (float)bench->bound[band];
+    bool fitted = fit_explain(&bench->fit, &bench->run, band, bench->estimate, &bound, &block);
     *floor = fitted ? fmin((double)block.floor[0], bench->bound[band]) : bench->bound[band];
     return fabs(bench->difference[band]) <= bench->bound[band] &&
            (!fitted ||
