@@ -313,7 +313,6 @@ static bool is_smooth(const struct check *check, const struct tile *tile, size_t
                                     : chunk == last || surely_shows(chunk + 1, column, surface);
 }
 
-#include <stdio.h>
 /* Notes the floor of each pixel that shows an object and has a bound. */
 static void note_floors(struct check *check, const struct tile *tile)
 {
@@ -415,7 +414,7 @@ static void treat_pass(struct check *check, const struct treatment *treatment, i
     const int left = check->scene->lit->plan->n_bands - first_band,
               n_channels = left < BANDS_PER_PASS ? left : BANDS_PER_PASS;
     for (size_t y = 0; y < (size_t)chunk->picture.at.height; y++)
-        for (size_t x = 0, n; x<width; x += n> 0 ? n : 1) {
+        for (size_t x = 0, n; x < width; x += n + (n == 0)) {
             n = settled_pixels(chunk, y * width + x, (y + 1) * width);
             for (int c = 0; c < n_channels && n > 0; c++)
                 treatment->stretch(check, &(struct stretch){y * width + x, n, first_band + c,
