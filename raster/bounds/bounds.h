@@ -95,15 +95,16 @@ struct texel_point texel_point(const struct texels *texels, const double s_t[2],
 enum { TEXEL_CHOICES = 4 };
 int texel_choices(const struct texels *texels, const struct texel_point *at,
                   struct texel_point out[TEXEL_CHOICES]);
-/* The value's change from there on, per texel across and up: within the bounds of the place it is
- * off from that by at most `rest`. False where it bends within the bounds, between texel centres.
- */
-struct texel_slope {
+/* The texture there, with a bound on the error of its value. Where it is straight within the bounds
+ * of the place, it changes by so much per texel across and up; from that it is off by at most
+ * `rest`. Where it is not, the last three are not set. */
+struct texel_value {
+    double value, error;
+    bool is_straight;
     double across, up, rest;
 };
-bool texel_slope(const struct texels *texels, const struct texel_point *at,
-                 struct texel_slope *out);
-/* A bound on the error of the value there; `largest` is the largest value of the texture. */
-double texel_error(const struct texels *texels, const struct texel_point *at, double largest);
+/* `largest` is the largest value of the texture. */
+struct texel_value texel_value(const struct texels *texels, const struct texel_point *at,
+                               double largest);
 
 #endif

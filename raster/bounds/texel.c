@@ -94,7 +94,8 @@ static struct spread spread_of(const struct texels *texels, const struct span *a
 
 /* Between texel centres the value changes by at most the largest difference of neighbours per
  * texel; from one nearest texel to another by as many differences as lie between them. */
-double texel_error(const struct texels *texels, const struct texel_point *at, double largest)
+static double error_in_patch(const struct texels *texels, const struct texel_point *at,
+                             double largest)
 {
     double offset = texels->linear ? 0.5 : 0, x = at->place[0] - offset, y = at->place[1] - offset;
     double e_u = (double)at->e_place[0], e_v = (double)at->e_place[1];
@@ -109,26 +110,38 @@ double texel_error(const struct texels *texels, const struct texel_point *at, do
                : (across.n - 1) * spread.across + (up.n - 1) * spread.up;
 }
 
-/* Four texels and the parts u and v of the way between them make a + b u + c v + d u v. */
-bool texel_slope(const struct texels *texels, const struct texel_point *at, struct texel_slope *out)
+/* Fills in the slope at parts u and v of the way between four texel centres. The texels make
+ * a + b u + c v + d u v. */
+static void find_slope(const struct texels *texels, const struct texel_point *at,
+                       const double u_v[2], struct texel_value *out)
 {
-    const double e_u = (double)at->e_place[0], e_v = (double)at->e_place[1];
-    *out = (struct texel_slope){0, 0, 0};
-    if (!texels->linear)
-        return e_u <= 0 && e_v <= 0;
-    const double x = at->place[0] - 0.5, y = at->place[1] - 0.5, u = x - floor(x), v = y - floor(y);
-    if (!(u >= e_u && u + e_u <= 1 && v >= e_v && v + e_v <= 1))
-        return false;
-    const size_t width = (size_t)texels->width, left = texel_wrapped(floor(x), texels->width),
-                 right = texel_wrapped(floor(x) + 1, texels->width);
-    const float *low = texels->values + width * texel_wrapped(floor(y), texels->height),
-                *high = texels->values + width * texel_wrapped(floor(y) + 1, texels->height);
-    const double b = (double)low[right] - (double)low[left],
-                 c = (double)high[left] - (double)low[left],
+    const double x = floor(at->place[0] - 0.5), y = floor(at->place[1] - 0.5),
+                 e_u = (double)at->e_place[0], e_v = (double)at->e_place[1];
+    const size_t width = (size_t)texels->width, left = texel_wrapped(x, texels->width),
+                 right = texel_wrapped(x + 1, texels->width);
+    const float *low = texels->values + width * texel_wrapped(y, texels->height),
+                *high = texels->values + width * texel_wrapped(y + 1, texels->height);
+    const double a = (double)low[left], b = (double)low[right] - a, c = (double)high[left] - a,
                  d = (double)high[right] - (double)high[left] - b,
-                 largest = larger(larger((double)low[left], (double)low[right]),
-                                  larger((double)high[left], (double)high[right]));
-    *out = (struct texel_slope){b + d * v, c + d * u,
-                                fabs(d) * e_u * e_v + roundings(MIX_ROUNDINGS) * largest};
-    return true;
+                 largest = larger(larger(a, a + b), larger(a + c, (double)high[right]));
+    out->across = b + d * u_v[1];
+    out->up = c + d * u_v[0];
+    out->rest = fabs(d) * e_u * e_v + roundings(MIX_ROUNDINGS) * largest;
+    out->error = fabs(out->across) * e_u + fabs(out->up) * e_v + out->rest;
+}
+
+struct texel_value texel_value(const struct texels *texels, const struct texel_point *at,
+                               double largest)
+{
+    const double x = at->place[0] - 0.5, y = at->place[1] - 0.5,
+                 u_v[2] = {x - floor(x), y - floor(y)}, e_u = (double)at->e_place[0],
+                 e_v = (double)at->e_place[1];
+    struct texel_value out = {.value = texel_at(texels, at->place),
+                              .is_straight = texels->linear && u_v[0] >= e_u && u_v[0] + e_u <= 1 &&
+                                             u_v[1] >= e_v && u_v[1] + e_v <= 1};
+    if (out.is_straight)
+        find_slope(texels, at, u_v, &out);
+    else
+        out.error = error_in_patch(texels, at, largest);
+    return out;
 }

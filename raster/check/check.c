@@ -100,7 +100,8 @@ struct stretch {
     const float *channel; /* OpenGL's samples, 4 floats apart */
 };
 
-static struct run run_of(const struct check *check, const struct stretch *stretch)
+static struct run run_of(const struct check *check, const struct stretch *stretch,
+                         struct block *block)
 {
     const struct chunk *chunk = check->chunk;
     const size_t first = stretch->first;
@@ -110,7 +111,8 @@ static struct run run_of(const struct check *check, const struct stretch *stretc
                         .errors = chunk->errors + first,
                         .own = chunk->own + first,
                         .stride = chunk_pixels(chunk),
-                        .n = stretch->n};
+                        .n = stretch->n,
+                        .textured = block->textured};
 }
 
 static void load(const struct stretch *stretch, struct block *block)
@@ -123,7 +125,7 @@ static void load(const struct stretch *stretch, struct block *block)
 static void learn_stretch(struct check *check, const struct stretch *stretch)
 {
     struct block block;
-    struct run run = run_of(check, stretch);
+    struct run run = run_of(check, stretch, &block);
     load(stretch, &block);
     learn(check, &run, stretch->band, &block, check->estimates + stretch->first);
 }
@@ -144,7 +146,7 @@ static void judge_stretch(struct check *check, const struct stretch *stretch)
 {
     struct block block;
     struct check_failure failure;
-    struct run run = run_of(check, stretch);
+    struct run run = run_of(check, stretch, &block);
     float *floor = check->floor + stretch->first, *alone = check->band_floor + stretch->first;
     load(stretch, &block);
     bool within = compare(check, &run, stretch->band, check->estimates + stretch->first,
@@ -174,7 +176,8 @@ static size_t settled_pixels(const struct chunk *chunk, size_t first, size_t row
 
 /* ---- ambiguous pixels ---- */
 
-static struct run candidate_run(const struct check *check, const struct candidate *candidate)
+static struct run candidate_run(const struct check *check, const struct candidate *candidate,
+                                struct block *block)
 {
     const struct chunk *chunk = check->chunk;
     return (struct run){.shaded = check->scene->lit->bounds[candidate->surface].shaded,
@@ -182,7 +185,8 @@ static struct run candidate_run(const struct check *check, const struct candidat
                         .errors = chunk->candidate_errors + candidate->first,
                         .own = chunk->candidate_own + candidate->first,
                         .stride = 1,
-                        .n = 1};
+                        .n = 1,
+                        .textured = block->textured};
 }
 
 static float *estimates_of(const struct check *check, const struct candidate *candidate)
@@ -204,7 +208,7 @@ static void try_candidate(struct check *check, const struct candidate *candidate
     single.n = 1;
     single.seen[0] = seen;
     if (candidate) {
-        run = candidate_run(check, candidate);
+        run = candidate_run(check, candidate, &single);
         estimates = estimates_of(check, candidate);
     }
     hypothesis->band = band;
@@ -235,7 +239,7 @@ static void learn_ambiguous(struct check *check, const struct ambiguous_pixel *p
     single.n = 1;
     single.seen[0] = seen;
     for (int c = pixel->first; c < pixel->first + pixel->count; c++) {
-        struct run run = candidate_run(check, &chunk->candidates[c]);
+        struct run run = candidate_run(check, &chunk->candidates[c], &single);
         if (check->hypotheses[c].alive)
             learn(check, &run, band, &single, estimates_of(check, &chunk->candidates[c]));
     }

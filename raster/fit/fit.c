@@ -21,7 +21,7 @@ struct pilots {
 
 static float *at(const struct pilots *of, float *table, int term, int band)
 {
-    return &table[(size_t)term * (size_t)of->fit->plan->n_bands + (size_t)band];
+    return &table[(size_t)band * (size_t)of->shaded->n_terms + (size_t)term];
 }
 
 /* Computes the gains of least squares: covariance x spectra / rounding^2, with the covariance after
@@ -142,9 +142,11 @@ static bool make_spectra(struct fit *fit, double full_scale)
         const struct shaded_material *shaded = &plan->materials[m];
         if (!allocate(fit, shaded, &fit->materials[m]))
             return false;
-        for (size_t i = 0; i < (size_t)shaded->n_terms * (size_t)plan->n_bands; i++)
-            fit->materials[m].spectra[i] =
-                (float)(shaded->made.spectra[i] / full_scale * FULL_COUNT);
+        const size_t n_terms = (size_t)shaded->n_terms, n_bands = (size_t)plan->n_bands;
+        for (size_t t = 0; t < n_terms; t++)
+            for (size_t band = 0; band < n_bands; band++)
+                fit->materials[m].spectra[band * n_terms + t] =
+                    (float)(shaded->made.spectra[t * n_bands + band] / full_scale * FULL_COUNT);
     }
     return true;
 }
@@ -214,7 +216,7 @@ void fit_add(const struct fit *fit, const struct run *run, int band, const doubl
 {
     const size_t n_terms = (size_t)run->shaded->n_terms;
     if (has_places(run->shaded)) {
-        place_add(fit, run, band, difference, estimate);
+        place_add(run, difference, estimate);
         return;
     }
     const float *gains = material_of(fit, run)->gains + pilot_of(fit, band) * n_terms;
@@ -229,21 +231,19 @@ static void add_rest(const struct fit *fit, const struct run *run, int band, con
                      float *limit)
 {
     const struct material_fit *material = material_of(fit, run);
-    const size_t n_bands = (size_t)fit->plan->n_bands;
+    const size_t n_terms = (size_t)run->shaded->n_terms;
     const float share = material->share[band];
+    if (!(share <= small_share))
+        add_rows(run, run->errors, material->rest + (size_t)band * n_terms, n_terms, limit);
     for (size_t i = 0; i < run->n && share <= small_share; i++)
         limit[i] += share * bound[i];
-    for (size_t t = 0; t < (size_t)run->shaded->n_terms && !(share <= small_share); t++)
-        for (size_t i = 0; i < run->n; i++)
-            limit[i] +=
-                run->errors[t * run->stride + i] * material->rest[t * n_bands + (size_t)band];
 }
 
 bool fit_explain(const struct fit *fit, const struct run *run, int band, const float *estimate,
                  const float *bound, struct fit_block *out)
 {
     const struct material_fit *material = material_of(fit, run);
-    const size_t n_bands = (size_t)fit->plan->n_bands, n_terms = (size_t)run->shaded->n_terms;
+    const size_t n_terms = (size_t)run->shaded->n_terms, at = (size_t)band * n_terms;
     if (has_places(run->shaded) && fit->n_passes > 0) {
         place_explain(fit, run, band, estimate, out);
         return true;
@@ -254,15 +254,8 @@ bool fit_explain(const struct fit *fit, const struct run *run, int band, const f
         out->explained[i] = 0;
         out->limit[i] = material->flushed[band];
     }
-    for (size_t t = 0; t < n_terms; t++) {
-        const size_t at = t * n_bands + (size_t)band;
-        const float *estimates = estimate + t * run->stride, *alone = run->own + t * run->stride;
-        const float spectrum = material->spectra[at], own = material->own[at];
-        for (size_t i = 0; i < run->n; i++) {
-            out->explained[i] += estimates[i] * spectrum;
-            out->limit[i] += alone[i] * own;
-        }
-    }
+    add_rows(run, estimate, material->spectra + at, n_terms, out->explained);
+    add_rows(run, run->own, material->own + at, n_terms, out->limit);
     add_rest(fit, run, band, bound, out->limit);
     for (size_t i = 0; i < run->n; i++)
         out->floor[i] = out->limit[i] * material->scale[band];

@@ -23,7 +23,7 @@
 enum { MAX_PILOT_PASSES = 3, MAX_PILOTS = MAX_PILOT_PASSES * BANDS_PER_PASS };
 /* A material; spectra are in counts. Arrays are owned. */
 struct material_fit {
-    float *spectra, *own, *rest; /* [term][band] */
+    float *spectra, *own, *rest; /* [band][term] */
     float *gains;                /* [pilot][term] */
     float *share;   /* [band] rest_tb / spectrum_tb of the term where that is largest */
     float *flushed; /* [band] what results flushed to zero may add, in counts */
@@ -46,7 +46,8 @@ bool fit_has_pilots(const struct fit *fit, int pass);
 /* Numbers of an estimate: of a pixel, at most; of a run's material. */
 int fit_rows(const struct plan *plan);
 /* Adds what a pilot band says to the estimate of a run's errors; numbers are as far apart as the
- * run's rows. difference: OpenGL's counts minus the reference's. */
+ * run's rows. difference: OpenGL's counts minus the reference's. The run keeps what expect_counts
+ * filled in for this band, here and in fit_explain. */
 void fit_add(const struct fit *fit, const struct run *run, int band, const double *difference,
              float *estimate);
 /* A run in a band, in counts: the part of each difference that the estimate explains, a bound on
@@ -85,8 +86,7 @@ bool pilots_choose(struct fit *fit);
 /* place.c: the same for surfaces whose texture differs from band to band. */
 enum { PLACE_ROWS = 5 };
 bool has_places(const struct shaded_material *shaded);
-void place_add(const struct fit *fit, const struct run *run, int band, const double *difference,
-               float *estimate);
+void place_add(const struct run *run, const double *difference, float *estimate);
 void place_explain(const struct fit *fit, const struct run *run, int band, const float *estimate,
                    struct fit_block *out);
 

@@ -22,7 +22,7 @@ static const double worthwhile = 1.25;
 
 static double in_band(const struct knowledge *of, int term, int band)
 {
-    return (double)of->material->spectra[(size_t)term * (size_t)of->n_bands + (size_t)band];
+    return (double)of->material->spectra[(size_t)band * (size_t)of->n_terms + (size_t)term];
 }
 
 static double band_sum(const struct knowledge *knowledge, int band)

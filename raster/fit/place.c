@@ -27,46 +27,36 @@ bool has_places(const struct shaded_material *shaded)
 struct slope {
     double g[2], noise;
     double e_place[2];
-    bool straight; /* within the bounds of the place */
+    bool is_straight; /* within the bounds of the place; otherwise nothing else is set */
 };
 
-static struct slope slope_of(const struct fit *fit, const struct run *run, int band, size_t i)
+static struct slope slope_of(const struct run *run, size_t i)
 {
-    const struct material_fit *material = &fit->materials[run->shaded - fit->plan->materials];
-    const struct texels texels = plan_texels(run->shaded->texture, band % BANDS_PER_PASS);
-    const size_t n_terms = (size_t)run->shaded->n_terms, u = n_terms * run->stride + i,
-                 v = u + run->stride;
-    const struct texel_point at = {{run->rows[u], run->rows[v]}, {run->errors[u], run->errors[v]}};
-    double radiance = 0, error = 0;
-    for (size_t t = 0; t < n_terms; t++) {
-        const double spectrum =
-            (double)material->spectra[t * (size_t)fit->plan->n_bands + (size_t)band];
-        radiance += run->rows[t * run->stride + i] * spectrum;
-        error += (double)run->errors[t * run->stride + i] * spectrum;
-    }
-    struct texel_slope texel;
-    struct slope out = {.straight = texel_slope(&texels, &at, &texel),
-                        .e_place = {(double)at.e_place[0], (double)at.e_place[1]}};
-    const double off = fabs(texel.across) * out.e_place[0] + fabs(texel.up) * out.e_place[1];
-    out.g[0] = radiance * texel.across;
-    out.g[1] = radiance * texel.up;
-    out.noise = error * (texel_at(&texels, at.place) + off + texel.rest) +
-                fabs(radiance) * texel.rest + flushed_counts();
-    return out;
+    const struct textured_sample *sample = &run->textured[i];
+    const struct texel_value *texel = &sample->texel;
+    const size_t u = (size_t)run->shaded->n_terms * run->stride + i, v = u + run->stride;
+    if (!texel->is_straight)
+        return (struct slope){.is_straight = false};
+    return (struct slope){.g = {sample->radiance * texel->across, sample->radiance * texel->up},
+                          .noise = sample->error * (texel->value + texel->error) +
+                                   fabs(sample->radiance) * texel->rest + flushed_counts(),
+                          .e_place = {(double)run->errors[u], (double)run->errors[v]},
+                          .is_straight = true};
 }
 
-void place_add(const struct fit *fit, const struct run *run, int band, const double *difference,
-               float *estimate)
+void place_add(const struct run *run, const double *difference, float *estimate)
 {
     for (size_t i = 0; i < run->n; i++) {
-        const struct slope slope = slope_of(fit, run, band, i);
+        const struct slope slope = slope_of(run, i);
+        if (!slope.is_straight)
+            continue;
         const double over = 1 / (slope.noise * slope.noise), *g = slope.g;
         const double sums[PLACE_ROWS] = {[UU] = g[0] * g[0] * over,
                                          [UV] = g[0] * g[1] * over,
                                          [VV] = g[1] * g[1] * over,
                                          [U] = g[0] * difference[i] * over,
                                          [V] = g[1] * difference[i] * over};
-        for (size_t k = 0; k < PLACE_ROWS && slope.straight; k++)
+        for (size_t k = 0; k < PLACE_ROWS; k++)
             estimate[k * run->stride + i] += (float)sums[k];
     }
 }
@@ -98,10 +88,10 @@ void place_explain(const struct fit *fit, const struct run *run, int band, const
     const bool is_pilot = fit_has_pilots(fit, band / BANDS_PER_PASS);
     const double spread = sqrt((double)fit->n_passes * BANDS_PER_PASS) + sqrt(2);
     for (size_t i = 0; i < run->n; i++) {
-        const struct slope slope = slope_of(fit, run, band, i);
+        const struct slope slope = slope_of(run, i);
         out->explained[i] = 0;
-        out->limit[i] = out->floor[i] = slope.straight ? (float)slope.noise : HUGE_VALF;
-        if (!slope.straight || !(slope.e_place[0] > 0 && slope.e_place[1] > 0))
+        out->limit[i] = out->floor[i] = slope.is_straight ? (float)slope.noise : HUGE_VALF;
+        if (!slope.is_straight || !(slope.e_place[0] > 0 && slope.e_place[1] > 0))
             continue;
         const struct place_estimate found = estimate_of(&slope, estimate + i, run->stride);
         const double itself = is_pilot ? found.q / (slope.noise * slope.noise) : 0;

@@ -34,24 +34,38 @@ double buffer_rounding(const struct plan *plan)
 
 /* ---- expected samples ---- */
 
-/* Multiplies the samples of a run by the values of its spectral texture in this band. bound may be
- * NULL. */
+/* Multiplies a sample by its texture; errors and bound are not NULL. */
+static struct textured_sample textured(const struct run *run, const struct texels *texels, size_t i,
+                                       double *expected, float *bound)
+{
+    const size_t across = (size_t)run->shaded->n_terms * run->stride + i, up = across + run->stride;
+    const struct texel_point at = {{run->rows[across], run->rows[up]},
+                                   {run->errors[across], run->errors[up]}};
+    const struct textured_sample out = {.texel =
+                                            texel_value(texels, &at, run->shaded->texture->largest),
+                                        .radiance = *expected,
+                                        .error = (double)*bound};
+    *bound = (float)(out.error * (out.texel.value + out.texel.error) +
+                     fabs(out.radiance) * out.texel.error);
+    *expected *= out.texel.value;
+    return out;
+}
+
+/* Multiplies the samples of a run by the values of its spectral texture in this band. */
 static void apply_texture(const struct run *run, int band, double *expected, float *bound)
 {
-    const struct texture *texture = run->shaded->texture;
-    const struct texels texels = plan_texels(texture, band % BANDS_PER_PASS);
-    size_t across = (size_t)run->shaded->n_terms * run->stride, up = across + run->stride;
-    for (size_t i = 0; i < run->n; i++) {
-        struct texel_point at = {{run->rows[across + i], run->rows[up + i]}, {0, 0}};
-        double value = texel_at(&texels, at.place);
-        if (bound) {
-            at.e_place[0] = run->errors[across + i];
-            at.e_place[1] = run->errors[up + i];
-            double error = texel_error(&texels, &at, texture->largest);
-            bound[i] = (float)((double)bound[i] * (value + error) + fabs(expected[i]) * error);
+    const struct texels texels = plan_texels(run->shaded->texture, band % BANDS_PER_PASS);
+    const size_t across = (size_t)run->shaded->n_terms * run->stride, up = across + run->stride;
+    for (size_t i = 0; i < run->n; i++)
+        if (run->errors) {
+            const struct textured_sample sample =
+                textured(run, &texels, i, &expected[i], &bound[i]);
+            if (run->textured)
+                run->textured[i] = sample;
+        } else {
+            const double place[2] = {run->rows[across + i], run->rows[up + i]};
+            expected[i] *= texel_at(&texels, place);
         }
-        expected[i] *= value;
-    }
 }
 
 /* Turns expected colours into the expected content of a buffer of steps. Such a buffer cuts each
@@ -76,23 +90,48 @@ static void add_flushed(size_t n, float *bound)
         bound[i] = bound[i] <= FLT_MAX ? bound[i] + (float)flushed_counts() : HUGE_VALF;
 }
 
+/* Pixels whose sums stay in registers. */
+enum { TOGETHER = 8 };
+
+void add_rows(const struct run *run, const float *rows, const float *factors, size_t n_terms,
+              float *sums)
+{
+    const size_t n = run->n, stride = run->stride, whole = n - n % TOGETHER;
+    for (size_t i = 0; i < whole; i += TOGETHER) {
+        float sum[TOGETHER];
+        for (size_t k = 0; k < TOGETHER; k++)
+            sum[k] = sums[i + k];
+        for (size_t t = 0; t < n_terms; t++)
+            for (size_t k = 0; k < TOGETHER; k++)
+                sum[k] += rows[t * stride + i + k] * factors[t];
+        for (size_t k = 0; k < TOGETHER; k++)
+            sums[i + k] = sum[k];
+    }
+    for (size_t i = whole; i < n; i++)
+        for (size_t t = 0; t < n_terms; t++)
+            sums[i] += rows[t * stride + i] * factors[t];
+}
+
 void expect_counts(const struct plan *plan, const struct run *run, int band, double full_scale,
                    double *expected, float *bound)
 {
+    enum { TERMS = 8 };
     const struct shaded_material *shaded = run->shaded;
+    float factors[TERMS];
     memset(expected, 0, run->n * sizeof *expected);
     if (run->errors)
         memset(bound, 0, run->n * sizeof *bound);
     for (int t = 0; t < shaded->n_terms; t++) {
         double spectrum = shaded->made.spectra[(size_t)t * (size_t)plan->n_bands + (size_t)band] /
                           full_scale * FULL_COUNT;
-        const float *error = run->errors + (run->errors ? (size_t)t * run->stride : 0);
         add_term(run->rows + (size_t)t * run->stride, spectrum, run->n, expected);
-        for (size_t i = 0; i < run->n && run->errors; i++)
-            bound[i] += error[i] * (float)spectrum;
+        factors[t % TERMS] = (float)spectrum;
+        if (run->errors && (t % TERMS == TERMS - 1 || t == shaded->n_terms - 1))
+            add_rows(run, run->errors + (size_t)(t - t % TERMS) * run->stride, factors,
+                     (size_t)(t % TERMS + 1), bound);
     }
     if (shaded->texture && shaded->texture->spectral)
-        apply_texture(run, band, expected, run->errors ? bound : NULL);
+        apply_texture(run, band, expected, bound);
     if (!run->errors)
         return;
     add_flushed(run->n, bound);

@@ -39,6 +39,12 @@ enum { FULL_COUNT = 65535 };
  * buffer of floats: its roundings are in the bounds of expect_counts. */
 double buffer_rounding(const struct plan *plan);
 
+/* A pixel of a spectral texture, in a band: the radiance that the texture is multiplied by, with a
+ * bound on its error, in counts. */
+struct textured_sample {
+    struct texel_value texel;
+    double radiance, error;
+};
 /* A run of n <= BLOCK pixels of one surface, whose rows and errors are `stride` apart. */
 struct run {
     const struct shaded_material *shaded;
@@ -46,14 +52,20 @@ struct run {
     const float *errors; /* of rows; NULL: no bounds are needed */
     const float *own;    /* the part of errors that each band rounds by itself */
     size_t stride, n;
+    struct textured_sample *textured; /* of the band that came last; NULL: not kept */
 };
 /* Bounds the part of a sample that OpenGL's results that are flushed to zero may take, in counts.
  */
 double flushed_counts(void);
 /* Computes the counts of a run in one band, before rounding, and bounds on OpenGL's error if the
- * run has errors. A bound may be infinite. */
+ * run has errors. A bound may be infinite. Fills in what the run keeps. */
 void expect_counts(const struct plan *plan, const struct run *run, int band, double full_scale,
                    double *expected, float *bound);
+/* Adds to each of a run's pixels the sum over n_terms rows of row x factor. Rows are `stride`
+ * apart.
+ */
+void add_rows(const struct run *run, const float *rows, const float *factors, size_t n_terms,
+              float *sums);
 /* Clamp counts, and clamp and round them, as they are stored; NaN becomes 0. They stand in the
  * header so that loops over samples inline them. */
 static inline double counts_clamp(double counts)

@@ -21,6 +21,7 @@ static size_t fill_lanes(struct block *block)
     return n;
 }
 
+/* Finds the magnitudes of the differences. */
 static void differ(struct check_samples *samples, struct block *block, size_t all)
 {
     double sums[LANES] = {0}, squares[LANES] = {0};
@@ -37,10 +38,43 @@ static void differ(struct check_samples *samples, struct block *block, size_t al
     }
 }
 
-static void count_equal(struct check_samples *samples, const struct block *block)
+/* NaN never counts as larger. (gcc 12 for ARM cannot compile this with fmax.) */
+static float largest_difference(const struct block *block, size_t all)
 {
-    int exact = 0, within_1 = 0;
-    for (size_t i = 0; i < block->n; i++) {
+    float most[LANES] = {0}, largest = 0;
+    for (size_t i = 0; i < all; i += LANES)
+        for (size_t k = 0; k < LANES; k++)
+            most[k] = most[k] < block->difference[i + k] ? block->difference[i + k] : most[k];
+    for (size_t k = 0; k < LANES; k++)
+        largest = largest < most[k] ? most[k] : largest;
+    return largest;
+}
+
+/* Returns whether all values can be stored without being clamped; NaN cannot. */
+static bool are_counts(const double *values, size_t all)
+{
+    int64_t odd[LANES] = {0}, sum = 0;
+    for (size_t i = 0; i < all; i += LANES)
+        for (size_t k = 0; k < LANES; k++)
+            odd[k] |= !(fabs(values[i + k] - 0.5 * FULL_COUNT) <= 0.5 * FULL_COUNT);
+    for (size_t k = 0; k < LANES; k++)
+        sum |= odd[k];
+    return sum == 0;
+}
+
+/* Values that need no clamping, and are at most half a count apart, need only be rounded. */
+static int exact_of_close(const struct block *block)
+{
+    int exact = 0;
+    for (size_t i = 0; i < block->n; i++)
+        exact += (int)(block->seen[i] + 0.5) == (int)(block->expected[i] + 0.5);
+    return exact;
+}
+
+static void count_equal(struct check_samples *samples, const struct block *block, bool close)
+{
+    int exact = close ? exact_of_close(block) : 0, within_1 = close ? (int)block->n : 0;
+    for (size_t i = 0; i < block->n && !close; i++) {
         int apart = counts_round(block->seen[i]) - counts_round(block->expected[i]);
         exact += apart == 0;
         within_1 += apart >= -1 && apart <= 1;
@@ -63,39 +97,29 @@ static bool are_within(const float *values, const float *bounds, float factor, s
     return sum == 0;
 }
 
-/* NaN never counts as larger. (gcc 12 for ARM cannot compile this with fmax.) */
-static void raise_largest(double *largest, const struct block *block, size_t all)
-{
-    float most[LANES] = {0};
-    for (size_t i = 0; i < all; i += LANES)
-        for (size_t k = 0; k < LANES; k++)
-            most[k] = most[k] < block->difference[i + k] ? block->difference[i + k] : most[k];
-    for (size_t k = 0; k < LANES; k++)
-        if ((double)most[k] > *largest)
-            *largest = (double)most[k];
-}
-
-/* Looks closer only where a ratio may be larger. A bound of 0 has no ratio. */
-static void raise_ratio(double *worst, const float *values, const float *bounds, size_t n,
+/* Raises the worst ratio of those values that are within their bounds, and returns whether all are.
+ * Looks closer only where a ratio may be larger. A bound of 0 has no ratio. */
+static bool raise_ratio(double *worst, const float *values, const float *bounds, size_t n,
                         size_t all)
 {
-    if (are_within(values, bounds, (float)*worst, all))
-        return;
+    if (are_within(values, bounds, (float)*worst, all)) /* which is at most 1 */
+        return true;
     for (size_t i = 0; i < n; i++) {
         double value = (double)values[i], bound = (double)bounds[i];
         if (value <= bound && bound > 0 && value > *worst * bound)
             *worst = value / bound;
     }
+    return are_within(values, bounds, 1, all);
 }
 
 bool samples_compare(struct check_samples *samples, struct block *block)
 {
     size_t all = fill_lanes(block);
     differ(samples, block, all);
-    count_equal(samples, block);
-    raise_largest(&samples->largest, block, all);
-    raise_ratio(&samples->worst_ratio, block->difference, block->bound, block->n, all);
-    return are_within(block->difference, block->bound, 1, all);
+    const float largest = largest_difference(block, all);
+    samples->largest = fmax(samples->largest, (double)largest);
+    count_equal(samples, block, largest < 0.5F && are_counts(block->seen, all));
+    return raise_ratio(&samples->worst_ratio, block->difference, block->bound, block->n, all);
 }
 
 bool samples_compare_fit(struct check_samples *samples, struct block *block)
@@ -106,8 +130,7 @@ bool samples_compare_fit(struct check_samples *samples, struct block *block)
     for (size_t i = 0; i < all; i++)
         block->rest[i] =
             (float)fabs(block->seen[i] - block->expected[i] - (double)block->fit.explained[i]);
-    raise_ratio(&samples->worst_fit_ratio, block->rest, block->fit.limit, block->n, all);
-    return are_within(block->rest, block->fit.limit, 1, all);
+    return raise_ratio(&samples->worst_fit_ratio, block->rest, block->fit.limit, block->n, all);
 }
 
 void samples_add(struct check_samples *to, const struct check_samples *from)

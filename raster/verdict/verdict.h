@@ -73,6 +73,7 @@ struct block {
     size_t n;
     double seen[BLOCK], expected[BLOCK];
     float bound[BLOCK], difference[BLOCK];
+    struct textured_sample textured[BLOCK]; /* kept for the fit */
     bool fitted;
     struct fit_block fit;
     float rest[BLOCK]; /* of the differences, which the fit does not explain */

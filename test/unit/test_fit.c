@@ -26,6 +26,7 @@ struct bench {
     double spectra[MOST_TERMS * MOST_BANDS], rows[MOST_TERMS + 2], off[MOST_TERMS + 2];
     float errors[MOST_TERMS + 2], own[MOST_TERMS + 2], estimate[PLACE_ROWS + MOST_TERMS];
     double difference[MOST_BANDS], bound[MOST_BANDS];
+    struct textured_sample textured;
 };
 
 /* Loads the planes of a band's pass, as plan_load_textures does. */
@@ -35,6 +36,16 @@ static void load(struct bench *bench, int band)
         int of = band / BANDS_PER_PASS * BANDS_PER_PASS + c;
         bench->texture.plane[c] = bench->texels[of < bench->plan.n_bands ? of : 0];
     }
+}
+
+/* Lets the run keep what the fit asks for. Returns the bound in this band. */
+static float evaluate(struct bench *bench, int band)
+{
+    double expected;
+    float bound;
+    load(bench, band);
+    expect_counts(&bench->plan, &bench->run, band, 1, &expected, &bound);
+    return bound;
 }
 
 /* `alike`: all terms have nearly the same spectrum. */
@@ -82,7 +93,8 @@ static void draw_pixel(struct bench *bench, uint64_t *state)
         bench->errors[i] = (float)error;
         bench->off[i] = random_in(state, -error, error);
     }
-    bench->run = (struct run){&bench->shaded, bench->rows, bench->errors, bench->own, 1, 1};
+    bench->run = (struct run){&bench->shaded,  bench->rows, bench->errors, bench->own, 1, 1,
+                              &bench->textured};
 }
 
 static double radiance_of(struct bench *bench, int band, double part)
@@ -103,15 +115,12 @@ static double radiance_of(struct bench *bench, int band, double part)
 static void draw_differences(struct bench *bench, uint64_t *state)
 {
     for (int b = 0; b < bench->plan.n_bands; b++) {
-        double expected, own = 0;
-        float bound;
+        double own = 0;
         for (int t = 0; t < bench->shaded.n_terms; t++)
             own += (double)bench->own[t] * bench->spectra[t * bench->plan.n_bands + b] * FULL_COUNT;
         if (bench->shaded.texture)
             own *= 0.5 * radiance_of(bench, b, 0) / FULL_COUNT; /* less than its bound */
-        load(bench, b);
-        expect_counts(&bench->plan, &bench->run, b, 1, &expected, &bound);
-        bench->bound[b] = (double)bound;
+        bench->bound[b] = (double)evaluate(bench, b);
         bench->difference[b] =
             radiance_of(bench, b, 1) - radiance_of(bench, b, 0) + random_in(state, -own, own);
     }
@@ -120,8 +129,7 @@ static void draw_differences(struct bench *bench, uint64_t *state)
 static bool is_explained(struct bench *bench, int band, double *floor)
 {
     struct fit_block block;
-    load(bench, band);
-    const float bound = (float)bench->bound[band];
+    const float bound = evaluate(bench, band);
     bool fitted = fit_explain(&bench->fit, &bench->run, band, bench->estimate, &bound, &block);
     *floor = fitted ? fmin((double)block.floor[0], bench->bound[band]) : bench->bound[band];
     return fabs(bench->difference[band]) <= bench->bound[band] &&
@@ -136,7 +144,7 @@ static int judge(struct bench *bench, double floors[MOST_BANDS])
     memset(bench->estimate, 0, sizeof bench->estimate);
     for (int b = 0; b < bench->plan.n_bands; b++)
         if (fit_has_pilots(&bench->fit, b / BANDS_PER_PASS)) {
-            load(bench, b);
+            evaluate(bench, b);
             fit_add(&bench->fit, &bench->run, b, &bench->difference[b], bench->estimate);
         }
     for (int b = 0; b < bench->plan.n_bands; b++)

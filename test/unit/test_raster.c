@@ -257,6 +257,43 @@ static void check_drivers(void)
           "an unknown driver gets the widest of all bounds");
 }
 
+/* Counts that agree are counted as they are stored, whether a block needs clamping or not. */
+static void check_agreement(const char *name, const double *seen, const double *expected, size_t n)
+{
+    static struct block block;
+    struct check_samples samples = {.worst_ratio = -1, .worst_fit_ratio = -1};
+    uint64_t exact = 0, within_1 = 0;
+    block.n = n;
+    for (size_t i = 0; i < n; i++) {
+        const int apart = counts_round(seen[i]) - counts_round(expected[i]);
+        block.seen[i] = seen[i];
+        block.expected[i] = expected[i];
+        block.bound[i] = 4;
+        exact += apart == 0;
+        within_1 += apart >= -1 && apart <= 1;
+    }
+    const bool within = samples_compare(&samples, &block);
+    CHECK(samples.n == n && samples.exact == exact && samples.within_1 == within_1,
+          "%s: %llu of %zu are exact, %llu within 1", name, (unsigned long long)exact, n,
+          (unsigned long long)within_1);
+    bool all = true;
+    for (size_t i = 0; i < n; i++)
+        all = all && fabs(seen[i] - expected[i]) <= 4;
+    CHECK(within == all, "%s: samples outside of their bounds are noticed, NaN too", name);
+}
+
+static void check_agreements(void)
+{
+    const double ties[] = {0.5, 1.5, 2.5, 0.49999999, 32767.5, 65534.5, 65535, 0},
+                 near[] = {0.5, 1.4999, 2.5001, 0.5, 32767.4, 65534.6, 65535.2, -0.3};
+    const double outside[] = {-1, 65536, 70000, 0, 65535.4, NAN, 3, 5, 1e300},
+                 beside[] = {0, 65535, 65534, -0.6, 65535.6, 0, 4.2, 3, 1e300};
+    check_agreement("ties", ties, near, 8);
+    check_agreement("ties, the other way round", near, ties, 8);
+    check_agreement("samples beyond black and white", outside, beside, 9);
+    check_agreement("samples far apart", outside + 6, beside + 6, 2);
+}
+
 static void check_floor(void)
 {
     static struct check_floor floor;
@@ -279,6 +316,7 @@ int main(void)
 {
     check_exactness();
     check_drivers();
+    check_agreements();
     check_floor();
     check_clipping();
     check_flat_clipping();
