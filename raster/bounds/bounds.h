@@ -104,7 +104,7 @@ struct texel_value {
     double across, up, rest;
 };
 /* `largest` is the largest value of the texture. */
-struct texel_value texel_value(const struct texels *texels, const struct texel_point *at,
-                               double largest);
+void texel_value(const struct texels *texels, const struct texel_point *at, double largest,
+                 struct texel_value *out);
 
 #endif

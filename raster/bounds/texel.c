@@ -102,6 +102,8 @@ static double error_in_patch(const struct texels *texels, const struct texel_poi
     if (e_u > WIDEST_BOUND || e_v > WIDEST_BOUND)
         return largest;
     struct span across = span_of(x - e_u, x + e_u), up = span_of(y - e_v, y + e_v);
+    if (!texels->linear && across.n == 1 && up.n == 1)
+        return 0;
     across.n += texels->linear;
     up.n += texels->linear;
     struct spread spread = spread_of(texels, &across, &up);
@@ -130,18 +132,17 @@ static void find_slope(const struct texels *texels, const struct texel_point *at
     out->error = fabs(out->across) * e_u + fabs(out->up) * e_v + out->rest;
 }
 
-struct texel_value texel_value(const struct texels *texels, const struct texel_point *at,
-                               double largest)
+void texel_value(const struct texels *texels, const struct texel_point *at, double largest,
+                 struct texel_value *out)
 {
     const double x = at->place[0] - 0.5, y = at->place[1] - 0.5,
                  u_v[2] = {x - floor(x), y - floor(y)}, e_u = (double)at->e_place[0],
                  e_v = (double)at->e_place[1];
-    struct texel_value out = {.value = texel_at(texels, at->place),
-                              .is_straight = texels->linear && u_v[0] >= e_u && u_v[0] + e_u <= 1 &&
-                                             u_v[1] >= e_v && u_v[1] + e_v <= 1};
-    if (out.is_straight)
-        find_slope(texels, at, u_v, &out);
+    out->value = texel_at(texels, at->place);
+    out->is_straight =
+        texels->linear && u_v[0] >= e_u && u_v[0] + e_u <= 1 && u_v[1] >= e_v && u_v[1] + e_v <= 1;
+    if (out->is_straight)
+        find_slope(texels, at, u_v, out);
     else
-        out.error = error_in_patch(texels, at, largest);
-    return out;
+        out->error = error_in_patch(texels, at, largest);
 }

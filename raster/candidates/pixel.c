@@ -321,7 +321,9 @@ double pixel_steepness(const struct bounded_pixel *pixel)
     double largest = pixel->shaded->texture->largest;
     if (instance->varied)
         return (step + whole * (double)(near.e_place[0] + near.e_place[1])) * largest;
-    return step * pixel->value + whole * texel_value(&instance->texels, &near, largest).error;
+    struct texel_value value;
+    texel_value(&instance->texels, &near, largest, &value);
+    return step * pixel->value + whole * value.error;
 }
 
 int pixel_gates(const struct bounded_pixel *pixel)
@@ -402,7 +404,9 @@ static double value_error(const struct bounded_pixel *pixel, double *largest)
         *largest = texture->largest;
         e_value = fmin(1, (double)e_place[0] + (double)e_place[1]) * *largest;
     } else if (instance->textured) {
-        e_value = texel_value(&instance->texels, &pixel->place, texture->largest).error;
+        struct texel_value value;
+        texel_value(&instance->texels, &pixel->place, texture->largest, &value);
+        e_value = value.error;
         *largest = pixel->value + e_value;
     }
     return e_value;

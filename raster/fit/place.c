@@ -74,11 +74,11 @@ static struct place_estimate estimate_of(const struct slope *slope, const float 
                       1 / (slope->e_place[0] * slope->e_place[0]),
                  vv = (double)sums[VV * stride] + sums_error * trace +
                       1 / (slope->e_place[1] * slope->e_place[1]),
-                 uv = (double)sums[UV * stride], determinant = uu * vv - uv * uv,
+                 uv = (double)sums[UV * stride], over = 1 / (uu * vv - uv * uv),
                  u = (double)sums[U * stride], v = (double)sums[V * stride];
-    return (struct place_estimate){
-        {(vv * u - uv * v) / determinant, (uu * v - uv * u) / determinant},
-        (vv * g[0] * g[0] - 2 * uv * g[0] * g[1] + uu * g[1] * g[1]) / determinant};
+    return (struct place_estimate){{(vv * u - uv * v) * over, (uu * v - uv * u) * over},
+                                   (vv * g[0] * g[0] - 2 * uv * g[0] * g[1] + uu * g[1] * g[1]) *
+                                       over};
 }
 
 /* Where the texture bends, or its place has no error, nothing is explained. */

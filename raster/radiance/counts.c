@@ -34,21 +34,20 @@ double buffer_rounding(const struct plan *plan)
 
 /* ---- expected samples ---- */
 
-/* Multiplies a sample by its texture; errors and bound are not NULL. */
-static struct textured_sample textured(const struct run *run, const struct texels *texels, size_t i,
-                                       double *expected, float *bound)
+/* Multiplies sample i of a run with errors by its texture. */
+static void texture_sample(const struct run *run, const struct texels *texels, size_t i,
+                           double *expected, float *bound)
 {
     const size_t across = (size_t)run->shaded->n_terms * run->stride + i, up = across + run->stride;
     const struct texel_point at = {{run->rows[across], run->rows[up]},
                                    {run->errors[across], run->errors[up]}};
-    const struct textured_sample out = {.texel =
-                                            texel_value(texels, &at, run->shaded->texture->largest),
-                                        .radiance = *expected,
-                                        .error = (double)*bound};
-    *bound = (float)(out.error * (out.texel.value + out.texel.error) +
-                     fabs(out.radiance) * out.texel.error);
-    *expected *= out.texel.value;
-    return out;
+    struct textured_sample *sample = &run->textured[i];
+    texel_value(texels, &at, run->shaded->texture->largest, &sample->texel);
+    sample->radiance = *expected;
+    sample->error = (double)*bound;
+    *bound = (float)(sample->error * (sample->texel.value + sample->texel.error) +
+                     fabs(sample->radiance) * sample->texel.error);
+    *expected *= sample->texel.value;
 }
 
 /* Multiplies the samples of a run by the values of its spectral texture in this band. */
@@ -56,16 +55,12 @@ static void apply_texture(const struct run *run, int band, double *expected, flo
 {
     const struct texels texels = plan_texels(run->shaded->texture, band % BANDS_PER_PASS);
     const size_t across = (size_t)run->shaded->n_terms * run->stride, up = across + run->stride;
-    for (size_t i = 0; i < run->n; i++)
-        if (run->errors) {
-            const struct textured_sample sample =
-                textured(run, &texels, i, &expected[i], &bound[i]);
-            if (run->textured)
-                run->textured[i] = sample;
-        } else {
-            const double place[2] = {run->rows[across + i], run->rows[up + i]};
-            expected[i] *= texel_at(&texels, place);
-        }
+    for (size_t i = 0; i < run->n && run->errors; i++)
+        texture_sample(run, &texels, i, &expected[i], &bound[i]);
+    for (size_t i = 0; i < run->n && !run->errors; i++) {
+        const double place[2] = {run->rows[across + i], run->rows[up + i]};
+        expected[i] *= texel_at(&texels, place);
+    }
 }
 
 /* Turns expected colours into the expected content of a buffer of steps. Such a buffer cuts each

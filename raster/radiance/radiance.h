@@ -52,7 +52,7 @@ struct run {
     const float *errors; /* of rows; NULL: no bounds are needed */
     const float *own;    /* the part of errors that each band rounds by itself */
     size_t stride, n;
-    struct textured_sample *textured; /* of the band that came last; NULL: not kept */
+    struct textured_sample *textured; /* of the band that came last; NULL without errors */
 };
 /* Bounds the part of a sample that OpenGL's results that are flushed to zero may take, in counts.
  */
