@@ -85,8 +85,8 @@ static void add_flushed(size_t n, float *bound)
         bound[i] = bound[i] <= FLT_MAX ? bound[i] + (float)flushed_counts() : HUGE_VALF;
 }
 
-/* Pixels whose sums stay in registers. */
-enum { TOGETHER = 8 };
+/* Pixels whose sums stay in registers; gcc 12 does more of them one by one. */
+enum { TOGETHER = 4 };
 
 void add_rows(const struct run *run, const float *rows, const float *factors, size_t n_terms,
               float *sums)
@@ -102,9 +102,12 @@ void add_rows(const struct run *run, const float *rows, const float *factors, si
         for (size_t k = 0; k < TOGETHER; k++)
             sums[i + k] = sum[k];
     }
-    for (size_t i = whole; i < n; i++)
+    for (size_t i = whole; i < n; i++) {
+        float sum = sums[i];
         for (size_t t = 0; t < n_terms; t++)
-            sums[i] += rows[t * stride + i] * factors[t];
+            sum += rows[t * stride + i] * factors[t];
+        sums[i] = sum;
+    }
 }
 
 void expect_counts(const struct plan *plan, const struct run *run, int band, double full_scale,

@@ -8,8 +8,9 @@
 /* ---- samples ---- */
 
 /* Sums over a block are kept in lanes, which the compiler can do together. A block is filled up to
- * whole lanes with samples that are 0 and expected to be 0. */
-enum { LANES = 8 };
+ * whole lanes with samples that are 0 and expected to be 0. Sums of doubles in more than 4 lanes do
+ * not fit in the registers. */
+enum { LANES = 8, DOUBLE_LANES = 4 };
 
 static size_t fill_lanes(struct block *block)
 {
@@ -24,15 +25,15 @@ static size_t fill_lanes(struct block *block)
 /* Finds the magnitudes of the differences. */
 static void differ(struct check_samples *samples, struct block *block, size_t all)
 {
-    double sums[LANES] = {0}, squares[LANES] = {0};
-    for (size_t i = 0; i < all; i += LANES)
-        for (size_t k = 0; k < LANES; k++) {
+    double sums[DOUBLE_LANES] = {0}, squares[DOUBLE_LANES] = {0};
+    for (size_t i = 0; i < all; i += DOUBLE_LANES)
+        for (size_t k = 0; k < DOUBLE_LANES; k++) {
             double difference = block->seen[i + k] - block->expected[i + k];
             block->difference[i + k] = (float)fabs(difference);
             sums[k] += difference;
             squares[k] += difference * difference;
         }
-    for (size_t k = 0; k < LANES; k++) {
+    for (size_t k = 0; k < DOUBLE_LANES; k++) {
         samples->sum += sums[k];
         samples->sum_of_squares += squares[k];
     }
@@ -53,13 +54,14 @@ static float largest_difference(const struct block *block, size_t all)
 /* Returns whether all values can be stored without being clamped; NaN cannot. */
 static bool are_counts(const double *values, size_t all)
 {
-    int64_t odd[LANES] = {0}, sum = 0;
-    for (size_t i = 0; i < all; i += LANES)
-        for (size_t k = 0; k < LANES; k++)
-            odd[k] |= !(fabs(values[i + k] - 0.5 * FULL_COUNT) <= 0.5 * FULL_COUNT);
-    for (size_t k = 0; k < LANES; k++)
-        sum |= odd[k];
-    return sum == 0;
+    const double middle = 0.5 * FULL_COUNT;
+    double odd[DOUBLE_LANES] = {0}, sum = 0;
+    for (size_t i = 0; i < all; i += DOUBLE_LANES)
+        for (size_t k = 0; k < DOUBLE_LANES; k++)
+            odd[k] += fabs(values[i + k] - middle) <= middle ? 0 : 1;
+    for (size_t k = 0; k < DOUBLE_LANES; k++)
+        sum += odd[k];
+    return sum < 1;
 }
 
 /* Values that need no clamping, and are at most half a count apart, need only be rounded. */
