@@ -77,7 +77,8 @@ struct planes_options {
     const char *const *names; /* of the n pages */
     const char *description;  /* ASCII */
 };
-/* A file of these pages, filled in rectangles of any order. planes_commit lets it appear. */
+/* A file of these pages, filled in rectangles of any order. planes_finish completes it;
+ * planes_commit lets it appear. */
 bool planes_open(struct pages *out, const char *path, const struct planes_options *options,
                  struct error *err);
 /* Writes the samples of a rectangle, row by row without gaps. */
@@ -86,6 +87,7 @@ struct plane_rectangle {
 };
 bool planes_write(const struct pages *pages, const struct plane_rectangle *to, const float *samples,
                   struct error *err);
+bool planes_finish(struct pages *pages, struct error *err);
 bool planes_commit(struct pages *pages, struct error *err);
 void planes_discard(struct pages *pages); /* safe after commit */
 

@@ -37,11 +37,14 @@ bool planes_write(const struct pages *pages, const struct plane_rectangle *to, c
     return true;
 }
 
+bool planes_finish(struct pages *pages, struct error *err)
+{
+    return pages_finish(pages, NULL, err);
+}
+
 bool planes_commit(struct pages *pages, struct error *err)
 {
-    bool done = pages_finish(pages, NULL, err) && output_commit(&pages->output, err);
-    planes_discard(pages);
-    return done;
+    return output_commit(&pages->output, err);
 }
 
 void planes_discard(struct pages *pages)

@@ -21,7 +21,7 @@ struct bounded_pixel {
     const struct surface *surface;
     const struct shaded_material *shaded;
     const float *corner[3], *provoking; /* errors of the triangle's vertices */
-    bool gated[3];                      /* of these vertices: see struct vertex_bounds */
+    const float *jumps[3]; /* of its gated vertices: see struct surface_bounds; of others NULL */
     int n_gated;
     double share[3];               /* barycentric coordinates */
     double brightest;              /* shaded_brightest */
@@ -129,18 +129,12 @@ static void add_groups(const struct bounded_pixel *pixel, const struct clipped_t
 static void add_jumps(const struct bounded_pixel *pixel, const struct clipped_triangle *clipped,
                       size_t attribute, struct colour_bound *out)
 {
-    const struct screen_triangle *screen = &pixel->triangle->screen;
-    const struct surface_bounds *bounds = bounds_of(pixel->fragments->lit, screen);
-    for (int j = 0; j < 3 && pixel->n_gated > 0; j++) {
+    for (int j = 0; j < 3; j++) {
         double values[3];
-        if (!pixel->gated[j])
+        if (!pixel->jumps[j])
             continue;
         for (int c = 0; c < 3; c++)
-            values[c] =
-                clipped->share[c][j] *
-                (double)bounds
-                    ->jumps[surface_attributes(pixel->surface, screen->vertex[j], screen->side) +
-                            attribute];
+            values[c] = clipped->share[c][j] * (double)pixel->jumps[j][attribute];
         struct colour_bound jump = bound_colour(clipped, values);
         out->constant += jump.constant;
         out->fixed += jump.fixed;
@@ -236,6 +230,21 @@ static void add_bounds(struct bounded_pixel *pixel, double inverse_w, double px,
         pixel->common[a] += pixel->interpolation[a];
 }
 
+/* Finds the gated vertices. A flat triangle has one vertex that counts, taken for its first. */
+static void take_jumps(struct bounded_pixel *pixel, const struct screen_triangle *screen,
+                       const struct surface_bounds *bounds)
+{
+    const bool flat = pixel->fragments->lit->plan->view.shading == FLAT;
+    pixel->n_gated = 0;
+    for (int j = 0; j < 3; j++) {
+        const int vertex = flat ? screen->provoking : screen->vertex[j];
+        const bool gated = bounds->vertices[vertex].gated[screen->side] && (j == 0 || !flat);
+        pixel->jumps[j] =
+            gated ? bounds->jumps + surface_attributes(pixel->surface, vertex, screen->side) : NULL;
+        pixel->n_gated += gated;
+    }
+}
+
 /* Makes a triangle the pixel's. Neighbouring pixels mostly show the same triangle, so this is
  * called rarely. */
 static void take_triangle(struct bounded_pixel *pixel, const struct bounded_triangle *triangle)
@@ -244,7 +253,6 @@ static void take_triangle(struct bounded_pixel *pixel, const struct bounded_tria
     const struct surface *surface = screen->surface;
     const struct surface_bounds *bounds = bounds_of(pixel->fragments->lit, screen);
     const float *errors = bounds->errors;
-    const bool flat = pixel->fragments->lit->plan->view.shading == FLAT;
     pixel->triangle = triangle;
     pixel->surface = surface;
     pixel->shaded = bounds->shaded;
@@ -252,12 +260,7 @@ static void take_triangle(struct bounded_pixel *pixel, const struct bounded_tria
         pixel->corner[j] = errors + surface_attributes(surface, screen->vertex[j], screen->side);
     pixel->provoking = errors + surface_attributes(surface, screen->provoking, screen->side);
     pixel->brightest = shaded_brightest(pixel->shaded);
-    pixel->n_gated = 0;
-    for (int j = 0; j < 3; j++) {
-        const int vertex = flat ? screen->provoking : screen->vertex[j];
-        pixel->gated[j] = bounds->vertices[vertex].gated[screen->side] && (j == 0 || !flat);
-        pixel->n_gated += pixel->gated[j];
-    }
+    take_jumps(pixel, screen, bounds);
 }
 
 /* Interpolates the errors of the vertices as the attributes are interpolated. */
@@ -334,17 +337,12 @@ int pixel_gates(const struct bounded_pixel *pixel)
 /* Each bit of `gates` stands for a gated corner. */
 void pixel_turn_gates(struct bounded_pixel *pixel, unsigned gates)
 {
-    const struct screen_triangle *screen = &pixel->triangle->screen;
     const bool flat = pixel->fragments->lit->plan->view.shading == FLAT;
     for (int j = 0; j < 3; j++) {
-        if (!pixel->gated[j])
+        if (!pixel->jumps[j])
             continue;
-        const float *jumps =
-            bounds_of(pixel->fragments->lit, screen)->jumps +
-            surface_attributes(pixel->surface, flat ? screen->provoking : screen->vertex[j],
-                               screen->side);
         for (int t = 0; t < pixel->surface->instance->n_terms && (gates & 1) != 0; t++)
-            pixel->attributes[t] += (flat ? 1 : pixel->share[j]) * (double)jumps[t];
+            pixel->attributes[t] += (flat ? 1 : pixel->share[j]) * (double)pixel->jumps[j][t];
         gates >>= 1;
     }
 }

@@ -34,10 +34,11 @@ bool check_open(const struct check_scene *scene, const struct chunk *chunk, stru
 /* Judges triangles, depths and fragments of the last gl_identify, which drew this tile; to be
  * called before the first pass. */
 void check_identity(struct check *check, const struct gl *gl, const struct rectangle *tile);
-/* Learns from a pass with pilots; to be called for all of those before the first check_pass. Judges
- * the bands of one pass. `pixels` is the chunk's first pixel, 4 floats each, rows
- * `stride` pixels apart, in units of full_scale. */
+/* Learns from a pass with pilots; to be called for all of these before the first check_pass.
+ * `pixels` is the chunk's first pixel, 4 floats each, rows `stride` pixels apart, in units of
+ * full_scale. */
 void check_pilots(struct check *check, int first_band, const float *pixels, size_t stride);
+/* Judges the bands of a pass, with the same arguments. */
 void check_pass(struct check *check, int first_band, const float *pixels, size_t stride);
 /* Settles ambiguous pixels, and adds the chunk's verdict to *totals. The tile has the chunk and its
  * neighbours, all of them drawn. */

@@ -6,9 +6,6 @@
 
 #include "raster/fit/fit.h"
 
-/* A pilot that explains nearly all of itself says nothing. */
-static const double most_of_itself = 0.96875;
-
 /* ---- a material ---- */
 
 /* The pilots of a material, while its bounds are computed. */
@@ -81,7 +78,7 @@ static void bound_band(const struct pilots *of, int band)
 {
     struct influence by = influence_on(of, band);
     double kept = by.itself < 0 ? 1 : 1 - by.h[by.itself];
-    bool fitted = by.sum > 0 && kept >= 1 - most_of_itself;
+    bool fitted = by.sum > 0 && kept >= 1 - MOST_OF_ITSELF;
     of->out->scale[band] = fitted ? (float)(1 / kept) : 0;
     of->out->flushed[band] = (float)(flushed_counts() * (1 + by.sum));
     for (int t = 0; t < of->shaded->n_terms; t++) {

@@ -62,6 +62,9 @@ bool fit_explain(const struct fit *fit, const struct run *run, int band, const f
 
 /* ---- inside this room ---- */
 
+/* A pilot that explains more than this part of itself, says nothing. */
+#define MOST_OF_ITSELF 0.96875
+
 /* Knowledge of the errors of a material's weights. */
 struct knowledge {
     const struct material_fit *material;
@@ -77,9 +80,7 @@ void knowledge_free(struct knowledge *knowledge);
 /* Takes a band into account. Returns by how much that narrows the errors, as a binary logarithm of
  * the product of standard deviations; 0 for a band that is black. */
 double knowledge_add(struct knowledge *knowledge, int band);
-/* The sum of a band's spectra: its rounding if each term rounds by 1. 0: too dark to teach
- * anything.
- */
+/* The sum of a band's spectra: its rounding if each term rounds by 1. 0: too dark to teach us. */
 double band_rounding(const struct knowledge *knowledge, int band);
 /* Chooses fit->passes. False: no memory. */
 bool pilots_choose(struct fit *fit);

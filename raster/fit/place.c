@@ -15,8 +15,6 @@ enum { UU, UV, VV, U, V }; /* rows of an estimate: of the sums g g' / n^2 and g 
 /* Single precision rounds the sums by less than this part of their largest number, and what they
  * explain of differences up to 10^4 n by less than a hundredth of the bound. */
 static const double sums_error = MAX_PILOTS * 6e-8, estimate_factor = 1.01;
-/* A pilot that explains nearly all of itself says nothing. */
-static const double most_of_itself = 0.96875;
 
 bool has_places(const struct shaded_material *shaded)
 {
@@ -97,6 +95,6 @@ void place_explain(const struct fit *fit, const struct run *run, int band, const
         const double itself = is_pilot ? found.q / (slope.noise * slope.noise) : 0;
         out->explained[i] = (float)(slope.g[0] * found.p[0] + slope.g[1] * found.p[1]);
         out->limit[i] = (float)(slope.noise + estimate_factor * spread * sqrt(fmax(0, found.q)));
-        out->floor[i] = itself < most_of_itself ? out->limit[i] / (float)(1 - itself) : HUGE_VALF;
+        out->floor[i] = itself < MOST_OF_ITSELF ? out->limit[i] / (float)(1 - itself) : HUGE_VALF;
     }
 }

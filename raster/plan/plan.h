@@ -108,7 +108,7 @@ bool plan_make(const struct scene *scene, const struct sampling *sampling,
 struct rectangle plan_picture(const struct plan *plan); /* the whole picture */
 int plan_tiles(const struct plan *plan, const struct rectangle *region);
 struct rectangle plan_tile(const struct plan *plan, const struct rectangle *region, int index);
-bool has_components(const struct plan *plan); /* bands are no radiances at wavelengths */
+bool has_components(const struct plan *plan); /* bands are not single wavelengths */
 /* The name of a band: "450 nm", or the label of a component. */
 enum { BAND_NAME = 32 };
 void band_name(const struct plan *plan, int band, char out[BAND_NAME]);

@@ -85,37 +85,20 @@ static void add_flushed(size_t n, float *bound)
         bound[i] = bound[i] <= FLT_MAX ? bound[i] + (float)flushed_counts() : HUGE_VALF;
 }
 
-/* Pixels whose sums stay in registers; gcc 12 does more of them one by one. */
-enum { TOGETHER = 4 };
-
 void add_rows(const struct run *run, const float *rows, const float *factors, size_t n_terms,
               float *sums)
 {
-    const size_t n = run->n, stride = run->stride, whole = n - n % TOGETHER;
-    for (size_t i = 0; i < whole; i += TOGETHER) {
-        float sum[TOGETHER];
-        for (size_t k = 0; k < TOGETHER; k++)
-            sum[k] = sums[i + k];
-        for (size_t t = 0; t < n_terms; t++)
-            for (size_t k = 0; k < TOGETHER; k++)
-                sum[k] += rows[t * stride + i + k] * factors[t];
-        for (size_t k = 0; k < TOGETHER; k++)
-            sums[i + k] = sum[k];
-    }
-    for (size_t i = whole; i < n; i++) {
-        float sum = sums[i];
-        for (size_t t = 0; t < n_terms; t++)
-            sum += rows[t * stride + i] * factors[t];
-        sums[i] = sum;
+    for (size_t t = 0; t < n_terms; t++) {
+        const float *row = rows + t * run->stride, factor = factors[t];
+        for (size_t i = 0; i < run->n; i++)
+            sums[i] += row[i] * factor;
     }
 }
 
 void expect_counts(const struct plan *plan, const struct run *run, int band, double full_scale,
                    double *expected, float *bound)
 {
-    enum { TERMS = 8 };
     const struct shaded_material *shaded = run->shaded;
-    float factors[TERMS];
     memset(expected, 0, run->n * sizeof *expected);
     if (run->errors)
         memset(bound, 0, run->n * sizeof *bound);
@@ -123,10 +106,9 @@ void expect_counts(const struct plan *plan, const struct run *run, int band, dou
         double spectrum = shaded->made.spectra[(size_t)t * (size_t)plan->n_bands + (size_t)band] /
                           full_scale * FULL_COUNT;
         add_term(run->rows + (size_t)t * run->stride, spectrum, run->n, expected);
-        factors[t % TERMS] = (float)spectrum;
-        if (run->errors && (t % TERMS == TERMS - 1 || t == shaded->n_terms - 1))
-            add_rows(run, run->errors + (size_t)(t - t % TERMS) * run->stride, factors,
-                     (size_t)(t % TERMS + 1), bound);
+        const float factor = (float)spectrum;
+        if (run->errors)
+            add_rows(run, run->errors + (size_t)t * run->stride, &factor, 1, bound);
     }
     if (shaded->texture && shaded->texture->spectral)
         apply_texture(run, band, expected, bound);

@@ -61,9 +61,7 @@ double flushed_counts(void);
  * run has errors. A bound may be infinite. Fills in what the run keeps. */
 void expect_counts(const struct plan *plan, const struct run *run, int band, double full_scale,
                    double *expected, float *bound);
-/* Adds to each of a run's pixels the sum over n_terms rows of row x factor. Rows are `stride`
- * apart.
- */
+/* Adds to the sum of each pixel n_terms rows times factors; rows are run->stride apart. */
 void add_rows(const struct run *run, const float *rows, const float *factors, size_t n_terms,
               float *sums);
 /* Clamp counts, and clamp and round them, as they are stored; NaN becomes 0. They stand in the

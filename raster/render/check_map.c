@@ -60,6 +60,11 @@ bool check_map_write(struct check_map *map, const struct check *check, struct er
     return true;
 }
 
+bool check_map_finish(struct check_map *map, struct error *err)
+{
+    return planes_finish(&map->pages, err);
+}
+
 bool check_map_commit(struct check_map *map, struct error *err)
 {
     return planes_commit(&map->pages, err);

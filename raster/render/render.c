@@ -22,8 +22,7 @@ struct render_state {
     struct fit fit;
     struct check_scene check_scene;
     struct check_totals totals;
-    struct check_map map;
-    bool mapping;
+    struct check_map map;            /* if check_scene.mapped */
     struct check *checks;            /* one for each chunk of the current tile; NULL: none */
     float *pilots[MAX_PILOT_PASSES]; /* OpenGL's pixels of the passes that hold pilots */
     long steps, all_steps;
@@ -64,7 +63,7 @@ static bool settle_checks(struct render_state *state, const struct tile *tile, s
 {
     for (int i = 0; state->checks && i < tile->n_chunks; i++) {
         check_settle(&state->checks[i], tile, &state->totals);
-        if (state->mapping && !check_map_write(&state->map, &state->checks[i], err))
+        if (state->check_scene.mapped && !check_map_write(&state->map, &state->checks[i], err))
             return false;
     }
     return true;
@@ -464,7 +463,7 @@ static bool render_all(struct render_state *state, const struct render_output *o
     bool done = prepare(state, err);
     signals_release(held);
     if (done && output->check_map && state->plan->options.check)
-        done = state->mapping = state->check_scene.mapped =
+        done = state->check_scene.mapped =
             check_map_open(output->check_map, state->plan, &state->map, err);
     if (!done || (output->path && !open_stack(state, output->path, err)) ||
         !render_tiles(state, err))
@@ -475,7 +474,10 @@ static bool render_all(struct render_state *state, const struct render_output *o
         totals_finish(&state->totals);
         state->result->check = state->totals.verdict;
     }
-    return commit(state, output, err) && (!state->mapping || check_map_commit(&state->map, err));
+    /* both files are complete before the first of them appears */
+    const bool mapped = state->check_scene.mapped;
+    return (!mapped || check_map_finish(&state->map, err)) && commit(state, output, err) &&
+           (!mapped || check_map_commit(&state->map, err));
 }
 
 bool render(const struct plan *plan, const struct render_output *output,
@@ -493,7 +495,7 @@ bool render(const struct plan *plan, const struct render_output *output,
         free(state.pilots[p]);
     if (state.fit.plan)
         fit_free(&state.fit);
-    if (state.mapping)
+    if (state.check_scene.mapped)
         check_map_discard(&state.map);
     totals_free(&state.totals);
     gl_close(state.gl);

@@ -95,6 +95,7 @@ struct check_map {
 bool check_map_open(const char *path, const struct plan *plan, struct check_map *out,
                     struct error *err);
 bool check_map_write(struct check_map *map, const struct check *check, struct error *err);
+bool check_map_finish(struct check_map *map, struct error *err);
 bool check_map_commit(struct check_map *map, struct error *err);
 void check_map_discard(struct check_map *map); /* safe after commit */
 

@@ -21,15 +21,25 @@ static double percent(uint64_t part, uint64_t whole)
     return whole ? 100 * (double)part / (double)whole : 0;
 }
 
+/* A figure that does not exist: words say none, JSON says null. */
+static const double no_figure = (double)NAN;
+
+/* A ratio of -1 stands for none. */
+static double existing(double ratio)
+{
+    return ratio < 0 ? no_figure : ratio;
+}
+
 /* ---- in words ---- */
 
-/* Prints a figure; "none" where it does not exist. */
-static void print_figure(const char *format, double figure, FILE *to)
+/* Prints a figure behind some words; "none" where it does not exist. */
+static void print_figure(const char *words, const char *format, double figure, FILE *to)
 {
+    fputs(words, to);
     if (isfinite(figure))
         fprintf(to, format, figure);
     else
-        fprintf(to, "none");
+        fputs("none", to);
 }
 
 static void print_floor(const char *name, const struct check_floor *floor, FILE *to)
@@ -64,20 +74,11 @@ static void print_samples(const struct check_verdict *verdict, FILE *to)
             percent(samples->exact, samples->n));
     fprintf(to, "within 1 count    %llu (%.3f %%)\n", (unsigned long long)samples->within_1,
             percent(samples->within_1, samples->n));
-    fprintf(to, "largest           %.4f counts (root mean square ", samples->largest);
-    print_figure("%.5f", rms(samples), to);
-    fprintf(to, ")\nmean residual     ");
-    print_figure("%+.6f counts", mean_residual(samples), to);
-    fprintf(to, " (roundings leave at most ");
-    print_figure("%.6f", verdict->mean_limit, to);
-    fprintf(to, ")\n");
-}
-
-/* A ratio of -1 stands for none. */
-static void print_ratio(const char *before, double ratio, FILE *to)
-{
-    fprintf(to, "%s", before);
-    print_figure("%.3f", ratio < 0 ? (double)NAN : ratio, to);
+    fprintf(to, "largest           %.4f counts", samples->largest);
+    print_figure(" (root mean square ", "%.5f", rms(samples), to);
+    print_figure(")\nmean residual     ", "%+.6f counts", mean_residual(samples), to);
+    print_figure(" (roundings leave at most ", "%.6f", verdict->mean_limit, to);
+    fputs(")\n", to);
 }
 
 static void print_check(const struct check_verdict *verdict, FILE *to)
@@ -88,9 +89,9 @@ static void print_check(const struct check_verdict *verdict, FILE *to)
     print_floor("  smooth interior", &verdict->smooth_floor, to);
     print_shares("checked          ", &verdict->floor, verdict->objects, to);
     print_shares("  in one band    ", &verdict->band_floor, verdict->objects, to);
-    print_ratio("worst error/bound ", verdict->samples.worst_ratio, to);
-    print_ratio(" (one band ", verdict->samples.worst_fit_ratio, to);
-    print_ratio(", depth ", verdict->worst_depth_ratio, to);
+    print_figure("worst error/bound ", "%.3f", existing(verdict->samples.worst_ratio), to);
+    print_figure(" (one band ", "%.3f", existing(verdict->samples.worst_fit_ratio), to);
+    print_figure(", depth ", "%.3f", existing(verdict->worst_depth_ratio), to);
     fprintf(to,
             ")\npixels            %llu, %llu ambiguous, %llu not checked (%llu without a bound)\n",
             (unsigned long long)verdict->pixels, (unsigned long long)verdict->ambiguous,
@@ -136,9 +137,6 @@ void report_print(const struct plan *plan, const struct render_result *result, F
 
 /* ---- as JSON ---- */
 
-/* json_number writes null for this value. */
-static const double null_number = (double)NAN;
-
 static void json_picture(struct json *json, const struct plan *plan,
                          const struct render_result *result)
 {
@@ -159,7 +157,7 @@ static void json_picture(struct json *json, const struct plan *plan,
     json_string(json, "sampling", plan->sampling ? sampling : NULL);
     json_string(json, "shading", shading_words[scene->shading]);
     json_number(json, "tessellation", scene->tessellation);
-    json_number(json, "buffer_bits", use_gl ? buffer_bits : null_number);
+    json_number(json, "buffer_bits", use_gl ? buffer_bits : no_figure);
     json_count(json, "bits", (uint64_t)plan->options.bits);
     json_number(json, "full_scale", result->full_scale);
     json_string(json, "renderer", plan->options.store_raster ? "raster" : "gl");
@@ -213,18 +211,12 @@ static void json_failure(struct json *json, const struct plan *plan,
     json_count(json, "y", (uint64_t)first->y);
     json_string(json, "what", kinds[first->kind]);
     json_number(json, "wavelength_nm",
-                has_nm ? plan->scene->wavelengths_nm[first->band] : null_number);
+                has_nm ? plan->scene->wavelengths_nm[first->band] : no_figure);
     if (has_band)
         band_name(plan, first->band, page);
     json_string(json, "page", has_band ? page : NULL);
     json_string(json, "object", object_name(plan, first->surface));
     json_close(json, '}');
-}
-
-/* A ratio of -1 stands for none. */
-static double existing(double ratio)
-{
-    return ratio < 0 ? null_number : ratio;
 }
 
 /* Quantiles, the worst floor, and the pixels with a floor of at most 1, 8 and 256 counts. */
@@ -239,7 +231,7 @@ static void json_floor(struct json *json, const char *name, const struct check_f
     for (int i = 0; i < 4; i++) {
         snprintf(key, sizeof key, "%s_%s_counts", name, quantiles[i].name);
         json_number(json, key,
-                    floor->n == 0           ? null_number
+                    floor->n == 0           ? no_figure
                     : quantiles[i].part < 1 ? floor_quantile(floor, quantiles[i].part)
                                             : floor->worst);
     }

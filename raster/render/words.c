@@ -8,7 +8,7 @@
 
 /* ---- the verdict ---- */
 
-/* Why there is no check, beside the user's wish. */
+/* The reason why nothing was checked; empty if the user wished so. */
 static const char *no_check(const struct plan *plan)
 {
     return plan->scene->shading == SHADING_PHONG ? ": OpenGL has no phong shading"

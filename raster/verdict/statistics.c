@@ -8,9 +8,9 @@
 /* ---- samples ---- */
 
 /* Sums over a block are kept in lanes, which the compiler can do together. A block is filled up to
- * whole lanes with samples that are 0 and expected to be 0. Sums of doubles in more than 4 lanes do
- * not fit in the registers. */
-enum { LANES = 8, DOUBLE_LANES = 4 };
+ * whole lanes with samples that are 0 and expected to be 0. More lanes do not fit in the
+ * registers. */
+enum { LANES = 4 };
 
 static size_t fill_lanes(struct block *block)
 {
@@ -25,15 +25,15 @@ static size_t fill_lanes(struct block *block)
 /* Finds the magnitudes of the differences. */
 static void differ(struct check_samples *samples, struct block *block, size_t all)
 {
-    double sums[DOUBLE_LANES] = {0}, squares[DOUBLE_LANES] = {0};
-    for (size_t i = 0; i < all; i += DOUBLE_LANES)
-        for (size_t k = 0; k < DOUBLE_LANES; k++) {
+    double sums[LANES] = {0}, squares[LANES] = {0};
+    for (size_t i = 0; i < all; i += LANES)
+        for (size_t k = 0; k < LANES; k++) {
             double difference = block->seen[i + k] - block->expected[i + k];
             block->difference[i + k] = (float)fabs(difference);
             sums[k] += difference;
             squares[k] += difference * difference;
         }
-    for (size_t k = 0; k < DOUBLE_LANES; k++) {
+    for (size_t k = 0; k < LANES; k++) {
         samples->sum += sums[k];
         samples->sum_of_squares += squares[k];
     }
@@ -55,11 +55,11 @@ static float largest_difference(const struct block *block, size_t all)
 static bool are_counts(const double *values, size_t all)
 {
     const double middle = 0.5 * FULL_COUNT;
-    double odd[DOUBLE_LANES] = {0}, sum = 0;
-    for (size_t i = 0; i < all; i += DOUBLE_LANES)
-        for (size_t k = 0; k < DOUBLE_LANES; k++)
+    double odd[LANES] = {0}, sum = 0;
+    for (size_t i = 0; i < all; i += LANES)
+        for (size_t k = 0; k < LANES; k++)
             odd[k] += fabs(values[i + k] - middle) <= middle ? 0 : 1;
-    for (size_t k = 0; k < DOUBLE_LANES; k++)
+    for (size_t k = 0; k < LANES; k++)
         sum += odd[k];
     return sum < 1;
 }

@@ -123,7 +123,7 @@ enum check_outcome { OUTCOME_AGREED, OUTCOME_DIFFERS, OUTCOME_NOT_VERIFIED };
 enum check_outcome check_outcome(const struct plan *plan, const struct check_verdict *verdict);
 /* The mean of OpenGL - reference over all samples; NaN: there is none. */
 double mean_residual(const struct check_samples *samples);
-/* True if this mean is none that roundings leave. */
+/* True if roundings cannot leave so large a mean. */
 bool is_biased(const struct check_verdict *verdict);
 
 #endif
