@@ -5,6 +5,7 @@
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 
 #include "data/catalogue/catalogue.h"
 #include "data/compare/compare.h"
@@ -26,28 +27,35 @@
 struct command {
     const char *name;
     const char *operands, *summary; /* for --help */
+    const char *example;            /* the words behind "spectral" */
     bool (*run)(struct options *options, struct error *err);
     int options, n_operands; /* the bit of its options; the most operands */
 };
 static const struct command commands[] = {
     {"render", "[SCENE] [-o STACK.tif]",
-     "render, cross-check, write (default: SCENE's name + .tif)", command_render, FOR_RENDER, 1},
-    {"plan", "[SCENE]", "print what would be simulated, and why; draw nothing", command_plan,
-     FOR_PLAN, 1},
+     "render, cross-check, write (default: SCENE's name + .tif)",
+     "render spheres --size 1920x1280 -o spheres.tif", command_render, FOR_RENDER, 1},
+    {"plan", "[SCENE]", "print what would be simulated, and why; draw nothing", "plan fluorescence",
+     command_plan, FOR_PLAN, 1},
     {"develop", "STACK [-o IMAGE.tif]",
      "write what a detector sees as a colour picture (default:\nSTACK's name + -developed.tif)",
-     command_develop, FOR_DEVELOP, 1},
+     "develop spheres.tif --exposure auto -o spheres-seen.tif", command_develop, FOR_DEVELOP, 1},
     {"probe", "STACK|SCENE X Y [W H]", "print the spectrum of a pixel, or the mean of a region",
-     command_probe, FOR_PROBE, 5},
-    {"compare", "STACK STACK", "print where and by how much two stacks differ", command_compare,
-     FOR_COMPARE, 2},
-    {"cost", "[SCENE]", "measure what accuracy costs in time", command_cost, FOR_COST, 1},
-    {"view", "[SCENE] [-o PAGE.html]", "write an interactive viewer in one HTML file", command_view,
-     FOR_VIEW, 1},
-    {"info", "STACK", "print how a stack was made", command_info, 0, 1},
+     "probe fluorescence 700 300 --svg -o spectrum.svg", command_probe, FOR_PROBE, 5},
+    {"compare", "STACK STACK", "print where and by how much two stacks differ",
+     "compare a.tif b.tif --tolerance 0.5dE00 --map difference.tif", command_compare, FOR_COMPARE,
+     2},
+    {"cost", "[SCENE]", "measure what accuracy costs in time", "cost patches --svg cost.svg",
+     command_cost, FOR_COST, 1},
+    {"view", "[SCENE] [-o PAGE.html]", "write an interactive viewer in one HTML file",
+     "view fluorescence --size 600x400 -o fluorescence.html", command_view, FOR_VIEW, 1},
+    {"info", "STACK", "print how a stack was made", "info spheres.tif", command_info, 0, 1},
     {"list", "[KIND]",
-     "print the built-in illuminants, observers, materials,\nshapes, scenes or samplings",
-     command_list, 0, 1},
+     "print the names of all that is built in: scenes, materials,\nilluminants, detectors, shapes, "
+     "models, lists, textures, samplings",
+     "list materials", command_list, 0, 1},
+    {"show", "NAME [-o FILE]", "print a built-in file, to start a file of your own with",
+     "show room -o my.scene", command_show, FOR_SHOW, 1},
 };
 enum { N_COMMANDS = sizeof commands / sizeof commands[0] };
 
@@ -116,10 +124,12 @@ static const struct option known_options[] = {
      NUMBER(full_scale), .lowest = 1e-300, .highest = 1e300},
     {"--depth 8|16|32f", "bits of counts, or 32-bit float radiances (default: 16)",
      FOR_RENDER | RECORDED, TEXT(depth), .choices = depths},
-    {"--threads N", "default: one per processor; also of develop, compare, view\nand cost",
+    {"-j, --threads N", "threads to compute with (default: one per processor)",
      FOR_RENDER | FOR_DEVELOP | FOR_COMPARE | FOR_VIEW | FOR_COST, COUNT(threads), .lowest = 1},
     {"--json FILE", "writes the results as JSON; - is standard output", FOR_RENDER, TEXT(json)},
-    {"--quiet", "prints no table and no progress; also of develop, compare,\nview and cost",
+    {"-v, --verbose", "prints the plan, too: each effect, and why it is simulated", FOR_RENDER,
+     FLAG(verbose)},
+    {"-q, --quiet", "prints no table and no progress",
      FOR_RENDER | FOR_DEVELOP | FOR_COMPARE | FOR_VIEW | FOR_COST, FLAG(quiet)},
     {.heading = "develop, probe and compare:"},
     {"--detector, --observer NAME", "sees with it (default: cie1931); a camera only in develop",
@@ -165,8 +175,11 @@ static const struct option known_options[] = {
      FOR_COST, TEXT(tolerance)},
     {"--budget SECONDS", "names the most accurate configuration within the time", FOR_COST,
      TEXT(budget)},
+    {.heading = "show:"},
+    {"-o, --output FILE", "writes there (default: standard output)", FOR_SHOW, TEXT(output)},
     {.heading = "all:"},
-    {"-h, --help", "prints this text; spectral --version prints the versions", FOR_ALL, FLAG(help)},
+    {"-h, --help", "prints the help of this command; spectral -V, --version prints\nthe versions",
+     FOR_ALL, FLAG(help)},
 };
 static const struct option_table option_table = {known_options,
                                                  sizeof known_options / sizeof known_options[0]};
@@ -230,6 +243,36 @@ static bool print_usage(void)
     return true;
 }
 
+static bool print_command_usage(const struct command *command)
+{
+    printf("usage: spectral %s %s [OPTIONS]\n\n", command->name, command->operands);
+    printf("%s\n\n", command->summary);
+    for (int i = 0; i < option_table.n; i++)
+        if (option_takes(&known_options[i], command->options))
+            print_explained(known_options[i].usage, known_options[i].help);
+    printf("\nexample:\n  spectral %s\n", command->example);
+    return true;
+}
+
+/* The answer to the name of the program alone. It ends as bad usage does, for scripts. */
+static bool greet(struct error *err)
+{
+    err->status = EXIT_INPUT;
+    fputs("spectral renders 3D scenes wavelength by wavelength, and checks every pixel.\n"
+          "\n"
+          "  spectral render colorchecker          writes colorchecker.tif, a page a wavelength\n"
+          "  spectral develop colorchecker.tif     writes the picture that a person sees\n"
+          "  spectral probe colorchecker 100 100   prints the spectrum of a pixel\n"
+          "  spectral view fluorescence            writes a page for the browser\n"
+          "  spectral show spheres -o my.scene     copies a scene, to change it\n"
+          "\n"
+          "spectral list prints the scenes, materials, ... that are built in. spectral COMMAND "
+          "--help\n"
+          "explains a command, spectral --help all of them, man spectral the scene language.\n",
+          stdout);
+    return false;
+}
+
 static bool print_version(void)
 {
     char gl[256];
@@ -248,32 +291,48 @@ static bool run_with_options(const struct command *command, char *const *words, 
                                        command->n_operands};
     struct options options;
     bool done = options_read(&rules, words, n_words, &options, err) &&
-                (options.help ? print_usage() : command->run(&options, err));
+                (options.help ? print_command_usage(command) : command->run(&options, err));
     options_free(&options);
     return done;
 }
 
-static bool refuse_command(const char *name, struct error *err)
+/* Finds a command by its name; NULL: there is none. Ignores case where no name is the same. */
+static const struct command *find_command(const char *name, struct error *err)
 {
-    char list[LIST_SIZE] = "";
-    for (int i = 0; i < N_COMMANDS; i++)
-        list_add(list, commands[i].name, strlen(commands[i].name));
-    return error_usage(err, "unknown command '%s'; known are %s", name, list);
+    const struct word typed = {.start = name, .length = strlen(name)};
+    struct suggestion suggestion = {.distance = 0};
+    for (int i = 0; i < N_COMMANDS; i++) {
+        if (strcasecmp(name, commands[i].name) == 0)
+            return &commands[i];
+        suggestion_add(&suggestion, &typed, commands[i].name, strlen(commands[i].name));
+    }
+    error_usage(err, "unknown command '%s'; %s", name, suggestion_end(&suggestion, "known are"));
+    return NULL;
+}
+
+static bool is_one_of(const char *word, const char *const *list)
+{
+    while (*list && strcmp(word, *list) != 0)
+        list++;
+    return *list;
 }
 
 static bool run_command(int argc, char **argv, struct error *err)
 {
+    static const char *const version[] = {"--version", "-V", NULL};
+    static const char *const help[] = {"--help", "-h", "help", NULL};
+    const struct command *command;
     if (argc < 2)
-        return error_usage(err, "a command is missing; try spectral --help");
-    if (strcmp(argv[1], "--version") == 0)
+        return greet(err);
+    if (is_one_of(argv[1], version))
         return print_version();
-    if (strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 ||
-        strcmp(argv[1], "help") == 0)
+    if (is_one_of(argv[1], help) && argc == 2)
         return print_usage();
-    for (int i = 0; i < N_COMMANDS; i++)
-        if (strcmp(argv[1], commands[i].name) == 0)
-            return run_with_options(&commands[i], argv + 2, argc - 2, err);
-    return refuse_command(argv[1], err);
+    command = find_command(is_one_of(argv[1], help) ? argv[2] : argv[1], err);
+    if (!command)
+        return false;
+    return is_one_of(argv[1], help) ? print_command_usage(command)
+                                    : run_with_options(command, argv + 2, argc - 2, err);
 }
 
 int main(int argc, char **argv)
@@ -288,6 +347,7 @@ int main(int argc, char **argv)
     }
     if (done)
         return EXIT_AGREED;
-    fprintf(stderr, "%s\n", err.text);
+    if (err.text[0])
+        fprintf(stderr, "%s\n", err.text);
     return (int)err.status;
 }

@@ -37,11 +37,7 @@ struct builtin_file {
 extern const struct builtin_file builtin_files[]; /* made by build.sh; sorted by name */
 extern const size_t builtin_file_count;
 
-/* Writes the path of the compiled-in file folder + name + ending into out, which has `capacity`
- * bytes. Returns false when there is no such file. Example: builtin_path("tables/", "d65",
- * ".csv", out, sizeof out) writes "builtin:tables/d65.csv". */
-bool builtin_path(const char *folder, const char *name, const char *ending, char *out,
-                  size_t capacity);
+bool path_is_builtin(const char *path); /* begins with "builtin:" */
 
 enum { BUILTIN_NAME = 256 };
 /* Writes the part of a file's name between a folder and an ending. Returns false if the name does

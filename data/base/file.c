@@ -17,7 +17,7 @@
 
 static const char builtin_prefix[] = "builtin:";
 
-static bool is_builtin(const char *path)
+bool path_is_builtin(const char *path)
 {
     return strncmp(path, builtin_prefix, strlen(builtin_prefix)) == 0;
 }
@@ -32,13 +32,6 @@ static const struct builtin_file *builtin_find(const char *path)
 {
     return bsearch(path + strlen(builtin_prefix), builtin_files, builtin_file_count,
                    sizeof builtin_files[0], compare_builtin);
-}
-
-bool builtin_path(const char *folder, const char *name, const char *ending, char *out,
-                  size_t capacity)
-{
-    int length = snprintf(out, capacity, "%s%s%s%s", builtin_prefix, folder, name, ending);
-    return length >= 0 && (size_t)length < capacity && builtin_find(out) != NULL;
 }
 
 bool builtin_name(const struct builtin_file *file, const char *folder, const char *ending,
@@ -75,26 +68,26 @@ static void fold(char *path)
 
 char *file_relative(const char *base, const char *name)
 {
-    const bool whole = base == NULL || name[0] == '/' || is_builtin(name);
+    const bool whole = base == NULL || name[0] == '/' || path_is_builtin(name);
     const char *slash = whole ? NULL : strrchr(base, '/');
     size_t folder = 0;
     char *path;
     if (slash != NULL)
         folder = (size_t)(slash + 1 - base);
-    else if (!whole && is_builtin(base))
+    else if (!whole && path_is_builtin(base))
         folder = strlen(builtin_prefix);
     path = malloc(folder + strlen(name) + 1);
     if (path == NULL)
         return NULL;
     sprintf(path, "%.*s%s", (int)folder, folder > 0 ? base : "", name);
-    if (is_builtin(path))
+    if (path_is_builtin(path))
         fold(path + strlen(builtin_prefix));
     return path;
 }
 
 bool file_is_missing(const char *path)
 {
-    return !is_builtin(path) && access(path, F_OK) != 0 && errno == ENOENT;
+    return !path_is_builtin(path) && access(path, F_OK) != 0 && errno == ENOENT;
 }
 
 /* ---- reading ---- */
@@ -193,7 +186,7 @@ static bool read_builtin(struct reading *of, struct error *err)
 bool file_read(const char *path, struct place from, char **bytes, size_t *length, struct error *err)
 {
     struct reading of = {.path = path, .from = from};
-    const bool done = is_builtin(path) ? read_builtin(&of, err) : read_path(&of, err);
+    const bool done = path_is_builtin(path) ? read_builtin(&of, err) : read_path(&of, err);
     if (!done)
         free(of.bytes);
     *bytes = done ? of.bytes : NULL;
@@ -206,8 +199,8 @@ bool file_open(const char *path, struct place from, int *descriptor,
 {
     struct stat status;
     *descriptor = -1;
-    *builtin = is_builtin(path) ? builtin_find(path) : NULL;
-    if (is_builtin(path))
+    *builtin = path_is_builtin(path) ? builtin_find(path) : NULL;
+    if (path_is_builtin(path))
         return *builtin != NULL || refuse_read(err, from, path, "there is no such built-in file");
     const int opened =
         open_readable(path, from, O_NONBLOCK, &status, err); /* does not wait for a pipe */
@@ -337,7 +330,7 @@ static bool open_target(struct output *out, const char *path, struct error *err)
     }
     if (errno != ENOENT)
         return write_fault(err, path);
-    if (length == 0 || path[length - 1] == '/' || is_builtin(path))
+    if (length == 0 || path[length - 1] == '/' || path_is_builtin(path))
         return error_usage(err, "cannot write '%s': it names no file", path);
     if (lstat(path, &status) == 0)
         return error_usage(err, "cannot write %s: it is a link to a missing file", path);

@@ -1,12 +1,15 @@
 /* SPDX-License-Identifier: MIT */
-/* spectral list: the names that scenes and options can use. */
+/* spectral list: the names that scenes and options can use. spectral show: a built-in file. */
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+#include <strings.h>
+#include <unistd.h>
 
 #include "data/catalogue/catalogue.h"
 #include "data/mesh/mesh.h"
+#include "data/names/names.h"
 #include "data/spectra/spectra.h"
-#include "data/text/text.h"
 
 static void list_shapes(void)
 {
@@ -34,19 +37,28 @@ static void list_samplings(void)
 }
 
 static const struct list {
-    const char *name;
-    void (*print)(void);         /* NULL: the list has the names of built-in files */
-    const char *folder, *ending; /* of these files */
-    bool detectors;              /* the files are tables of detectors */
+    const char *name, *alias; /* alias NULL: none */
+    void (*print)(void);      /* NULL: the list has the names of built-in files */
+    enum file_kind kind;      /* of these files */
 } lists[] = {
-    {"illuminants", NULL, "tables/", ".csv", false},
-    {"observers", NULL, "tables/", ".csv", true},
-    {"materials", NULL, "materials/", ".txt", false},
-    {"shapes", list_shapes, NULL, NULL, false},
-    {"scenes", NULL, "scenes/", ".scene", false},
-    {"samplings", list_samplings, NULL, NULL, false},
+    {"scenes", NULL, NULL, FILE_SCENE},          {"materials", NULL, NULL, FILE_MATERIAL},
+    {"illuminants", "lights", NULL, FILE_TABLE}, {"detectors", "observers", NULL, FILE_TABLE},
+    {"shapes", NULL, list_shapes, FILE_KINDS},   {"models", "meshes", NULL, FILE_MODEL},
+    {"lists", NULL, NULL, FILE_LIST},
+    {"textures", NULL, NULL, FILE_TEXTURE},      {"samplings", NULL, list_samplings, FILE_KINDS},
 };
 enum { N_LISTS = sizeof lists / sizeof lists[0] };
+
+/* Returns whether the list has this file. The tables are illuminants and detectors, and a material
+ * may stand for a spectrum. */
+static bool holds(const struct list *list, const struct builtin_file *file, char name[BUILTIN_NAME])
+{
+    char material[BUILTIN_NAME];
+    return builtin_is(file, list->kind, name) &&
+           (list->kind != FILE_TABLE ||
+            (!builtin_is(file, FILE_MATERIAL, material) &&
+             table_is_detector(file) == (strcmp(list->name, "detectors") == 0)));
+}
 
 static void print_list(const struct list *list)
 {
@@ -56,22 +68,60 @@ static void print_list(const struct list *list)
         list->print();
     else
         for (size_t i = 0; i < builtin_file_count; i++)
-            if (table_is_detector(&builtin_files[i]) == list->detectors &&
-                builtin_name(&builtin_files[i], list->folder, list->ending, name))
+            if (holds(list, &builtin_files[i], name))
                 printf("  %s\n", name);
 }
 
 bool command_list(struct options *options, struct error *err)
 {
-    const char *wanted = options->operand;
-    char known[LIST_SIZE] = "";
+    const char *wanted = options->operand ? options->operand : "";
+    const struct word typed = {.start = wanted, .length = strlen(wanted)};
+    struct suggestion suggestion = {.distance = 0};
     bool found = false;
     for (int i = 0; i < N_LISTS; i++) {
-        list_add(known, lists[i].name, strlen(lists[i].name));
-        if (wanted && strcmp(wanted, lists[i].name) != 0)
+        const struct list *list = &lists[i];
+        suggestion_add(&suggestion, &typed, list->name, strlen(list->name));
+        if (*wanted && strcasecmp(wanted, list->name) != 0 &&
+            !(list->alias && strcasecmp(wanted, list->alias) == 0))
             continue;
         found = true;
-        print_list(&lists[i]);
+        print_list(list);
     }
-    return found || error_usage(err, "unknown list '%s'; known are %s", wanted, known);
+    return found || error_usage(err, "there is no list '%s'; %s", wanted,
+                                suggestion_end(&suggestion, "the lists are"));
+}
+
+/* ---- spectral show ---- */
+
+/* Finds the built-in file of that name, of the first kind that has it. *out is its path, allocated.
+ */
+static bool find_shown(const char *name, char **out, struct error *err)
+{
+    const struct word word = {.start = name, .length = strlen(name)};
+    bool done = word.length > 0 || error_usage(err, "show takes the NAME of a built-in file");
+    *out = NULL;
+    for (enum file_kind kind = 0; done && kind < FILE_KINDS; kind++) {
+        free(*out);
+        done = word_file(&word, kind, out, err);
+        if (done && path_is_builtin(*out))
+            return true;
+    }
+    return done && error_usage(err, "no built-in file '%s'; spectral list prints the names", name);
+}
+
+bool command_show(struct options *options, struct error *err)
+{
+    const char *output = options->output ? options->output : "-";
+    const struct builtin_file *file;
+    const struct place nowhere = {0};
+    int descriptor;
+    char *path = NULL;
+    bool done = find_shown(options->operand ? options->operand : "", &path, err) &&
+                file_open(path, nowhere, &descriptor, &file, err);
+    if (done && isatty(STDOUT_FILENO) && strcmp(output, "-") == 0 &&
+        memchr(file->bytes, '\0', file->length))
+        done = error_usage(err, "%s is no text; add -o FILE", options->operand);
+    done = done && file_write(output, (const char *)file->bytes, file->length, err);
+    free(path);
+    return done;
 }

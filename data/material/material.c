@@ -108,7 +108,7 @@ static bool read_line(struct text *text, const struct word *first, struct materi
     case 't':
         return place_once(&out->texture_place, first->place, "texture", err) &&
                text_expect(text, &word, "a texture file", err) &&
-               word_path(&word, &out->texture, err);
+               word_file(&word, FILE_TEXTURE, &out->texture, err);
     default:
         return error_at(err, first->place,
                         "unknown line '%.*s'; a line begins with a wavelength, g, s, f, t, mr, mg, "
@@ -159,7 +159,7 @@ bool material_read(const char *path, struct place from, struct material *out, st
     struct text text;
     bool done;
     *out = (struct material){0};
-    if (!text_open(&text, path, from, err))
+    if (!file_expected(path, from, FILE_MATERIAL, err) || !text_open(&text, path, from, err))
         return false;
     out->path = text.path; /* taken over: the places point at it */
     out->place = text_whole(&text);
@@ -254,9 +254,9 @@ static bool block_entry(struct text *text, int kind, struct material *out, struc
     case BLOCK_DONALDSON:
         return word_path(&word, &out->donaldson, err);
     case BLOCK_TEXTURE:
-        return word_path(&word, &out->texture, err) && read_filter(text, out, err);
+        return word_file(&word, FILE_TEXTURE, &out->texture, err) && read_filter(text, out, err);
     case BLOCK_SPECTRAL_TEXTURE:
-        return word_path(&word, &out->spectral_texture, err) && read_filter(text, out, err);
+        return word_file(&word, FILE_TEXTURE, &out->spectral_texture, err) && read_filter(text, out, err);
     case BLOCK_EMISSION:
         return spectrum_read(&word, 0, HUGE_VAL, &out->glow, err);
     case BLOCK_METAMER:

@@ -4,7 +4,7 @@
 #define MATERIAL_H
 
 #include "data/spectra/spectra.h"
-#include "data/text/text.h"
+#include "data/names/names.h"
 #include "spectral.h"
 
 /* ---- material.c: materials from files and from words ---- */

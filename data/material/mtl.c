@@ -48,7 +48,7 @@ static bool read_statement(struct text *text, const struct word *first, struct e
 static bool read_entry(struct text *text, const struct word *name, struct place from,
                        struct entry *out, struct error *err)
 {
-    char list[LIST_SIZE] = "";
+    struct suggestion suggestion = {.distance = 0};
     struct word word;
     bool inside = false;
     while (text_next_line(text)) {
@@ -57,7 +57,7 @@ static bool read_entry(struct text *text, const struct word *name, struct place 
         if (word_is(&word, "newmtl")) {
             if (!text_expect(text, &word, "a name", err))
                 return false;
-            list_add(list, word.start, (size_t)word_shown(&word));
+            suggestion_add(&suggestion, name, word.start, word.length);
             inside =
                 word.length == name->length && memcmp(word.start, name->start, word.length) == 0;
             if (inside && !place_once(&out->place, word.place, "this entry", err))
@@ -67,8 +67,8 @@ static bool read_entry(struct text *text, const struct word *name, struct place 
         }
     }
     return out->place.line > 0 ||
-           error_at(err, from, "no entry '%.*s' in %.200s; its entries are: %s", word_shown(name),
-                    name->start, text->path, list[0] != '\0' ? list : "none");
+           error_at(err, from, "no entry '%.*s' in %.200s; %s", word_shown(name), name->start,
+                    text->path, suggestion_end(&suggestion, "its entries are"));
 }
 
 /* Makes a spectrum of a colour: blue up to 480 nm, green from 500 to 570 nm, red from 600 nm on. It

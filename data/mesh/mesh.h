@@ -4,7 +4,7 @@
 #define MESH_H
 
 #include "data/maths/maths.h"
-#include "data/text/text.h"
+#include "data/names/names.h"
 #include "spectral.h"
 
 /* ---- mesh.c: triangles ---- */

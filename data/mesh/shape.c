@@ -97,7 +97,8 @@ bool shape_read(struct text *text, struct shape *out, struct error *err)
     if (out->kind != SHAPE_MESH)
         return true;
     out->place = text_next_place(*text);
-    return text_expect(text, &word, "a mesh file", err) && word_path(&word, &out->path, err);
+    return text_expect(text, &word, "a mesh file", err) &&
+           word_file(&word, FILE_MODEL, &out->path, err);
 }
 
 /* ---- directions ---- */

@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "data/options/options.h"
 #include "data/text/text.h"
@@ -37,27 +38,40 @@ static bool read_count(const char *option, const char *value, double lowest, int
 static bool check_choice(const char *option, const char *const *choices, const char *value,
                          struct error *err)
 {
-    char list[LIST_SIZE] = "";
+    const struct word typed = {.start = value, .length = strlen(value)};
+    struct suggestion suggestion = {.distance = 0};
     for (; choices && *choices; choices++) {
         if (strcmp(value, *choices) == 0)
             return true;
-        list_add(list, *choices, strlen(*choices));
+        suggestion_add(&suggestion, &typed, *choices, strlen(*choices));
     }
-    return !choices || error_usage(err, "%s takes one of %s, not '%s'", option, list, value);
+    return !choices || error_usage(err, "%s '%s' is not known; %s", option, value,
+                                   suggestion_end(&suggestion, "it is one of"));
 }
 
 /* ---- one option ---- */
 
-/* Returns whether the word is one of the names that the usage begins with. */
-static bool names_option(const char *usage, const char *word, size_t length)
+bool option_takes(const struct option *option, int commands)
 {
-    while (*usage == '-') {
-        const size_t n = strcspn(usage, ", ");
-        if (n == length && strncmp(usage, word, length) == 0)
+    return option->commands & (commands | FOR_ALL);
+}
+
+/* Goes on to the next name that a usage begins with, and sets its length. NULL: there is none. */
+static const char *next_name(const char *usage, size_t *length)
+{
+    usage += strspn(usage, ", ");
+    *length = strcspn(usage, ", ");
+    return *usage == '-' ? usage : NULL;
+}
+
+/* Returns whether the word is one of the names that the usage begins with. Case counts in names of
+ * one letter, or if it is to be exact. */
+static bool names_option(const char *usage, const char *word, size_t length, bool exact)
+{
+    size_t n;
+    for (const char *name = usage; (name = next_name(name, &n)); name += n)
+        if (n == length && (exact || n == 2 ? strncmp : strncasecmp)(name, word, n) == 0)
             return true;
-        usage += n;
-        usage += strspn(usage, ", ");
-    }
     return false;
 }
 
@@ -65,13 +79,30 @@ static bool names_option(const char *usage, const char *word, size_t length)
 static const struct option *find_option(const struct option_rules *rules, const char *word,
                                         size_t length)
 {
-    for (int i = 0; i < rules->table->n; i++) {
-        const struct option *option = &rules->table->options[i];
-        if (option->commands & (rules->commands | FOR_ALL) &&
-            names_option(option->usage, word, length))
-            return option;
-    }
+    for (int exact = 1; exact >= 0; exact--)
+        for (int i = 0; i < rules->table->n; i++)
+            if (option_takes(&rules->table->options[i], rules->commands) &&
+                names_option(rules->table->options[i].usage, word, length, exact))
+                return &rules->table->options[i];
     return NULL;
+}
+
+static bool refuse_option(const struct option_rules *rules, const char *word, size_t length,
+                          struct error *err)
+{
+    const struct word typed = {.start = word, .length = length};
+    struct suggestion suggestion = {.distance = 0};
+    char otherwise[64];
+    size_t n;
+    for (int i = 0; i < rules->table->n; i++)
+        if (option_takes(&rules->table->options[i], rules->commands))
+            for (const char *name = rules->table->options[i].usage; (name = next_name(name, &n));
+                 name += n)
+                suggestion_add(&suggestion, &typed, name, n);
+    snprintf(otherwise, sizeof otherwise, "spectral %s --help lists its options", rules->command);
+    suggestion.known[0] = '\0'; /* a list of them all is too long */
+    return error_usage(err, "%s has no option '%.*s'; %s", rules->command, (int)length, word,
+                       suggestion_end(&suggestion, otherwise));
 }
 
 /* Adds "NAME=VALUE", or the name of a flag, to the words that the stack records. */
@@ -114,24 +145,31 @@ static bool store_value(struct options *options, const struct option *option, co
     return true;
 }
 
+/* Returns the value that a word holds behind the name of its option, and sets the length of the
+ * name: "--size=4x4", "-j4". NULL: the word is a name alone. */
+static const char *own_value(const char *word, size_t *length)
+{
+    *length = word[1] == '-' ? strcspn(word, "=") : 2;
+    return word[*length] == '\0' ? NULL : word + *length + (word[*length] == '=');
+}
+
 /* Reads one option with its value, which may be the next word; *index moves on. */
 static bool read_option(const struct option_rules *rules, char *const *words, int n_words,
                         int *index, struct options *options, struct error *err)
 {
-    const char *word = words[*index], *equals = strchr(word, '='), *value = NULL;
-    const size_t length = equals ? (size_t)(equals - word) : strlen(word);
+    size_t length;
+    const char *word = words[*index], *value = own_value(word, &length);
     const struct option *option = find_option(rules, word, length);
     char name[32];
     if (!option)
-        return error_usage(err, "%s has no option '%.*s'; try spectral --help", rules->command,
-                           (int)length, word);
+        return refuse_option(rules, word, length, err);
     snprintf(name, sizeof name, "%.*s", (int)length, word);
-    if (option->kind == OPTION_FLAG && equals)
+    if (option->kind == OPTION_FLAG && value)
         return error_usage(err, "%s takes no value", name);
-    if (option->kind != OPTION_FLAG && !equals && *index + 1 == n_words)
-        return error_usage(err, "%s needs a value; try spectral --help", name);
-    if (option->kind != OPTION_FLAG)
-        value = equals ? equals + 1 : words[++*index];
+    if (option->kind != OPTION_FLAG && !value && *index + 1 == n_words)
+        return error_usage(err, "%s needs a value: %s", name, option->usage);
+    if (option->kind != OPTION_FLAG && !value)
+        value = words[++*index];
     return (!(option->commands & RECORDED) || record_option(options, name, value, err)) &&
            store_value(options, option, name, value, err);
 }
@@ -150,7 +188,8 @@ bool options_read(const struct option_rules *rules, char *const *words, int n_wo
             if (!read_option(rules, words, n_words, &i, out, err))
                 return false;
         } else if (out->n_operands == rules->n_operands) {
-            return error_usage(err, "unexpected operand '%s'; try spectral --help", words[i]);
+            return error_usage(err, "unexpected operand '%s'; see spectral %s --help", words[i],
+                               rules->command);
         } else {
             out->operands[out->n_operands++] = words[i];
         }

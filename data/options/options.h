@@ -25,8 +25,9 @@ enum {
     FOR_VIEW = 16,
     FOR_DEVELOP = 32,
     FOR_COMPARE = 64,
-    FOR_ALL = 128,
-    RECORDED = 256,
+    FOR_SHOW = 128,
+    FOR_ALL = 256,
+    RECORDED = 512,
     /* cost chooses the shading by itself */
     FOR_SHADED = FOR_RENDER | FOR_PLAN | FOR_PROBE | FOR_VIEW,
     FOR_SCENES = FOR_SHADED | FOR_COST,
@@ -87,7 +88,7 @@ struct options {
     const char *tolerance, *budget, *unchecked;
     double full_scale;
     int threads, runs;
-    bool xyz, lab, csv, svg, no_check, strict, keep, quiet, help;
+    bool xyz, lab, csv, svg, no_check, strict, keep, quiet, verbose, help;
 };
 
 /* The options and operands that a command allows. */
@@ -114,6 +115,8 @@ const char *options_scene(const struct options *options);
 /* Returns the detector or observer, or cie1931 if none is given. */
 const char *options_detector(const struct options *options);
 
+/* Returns whether commands with one of these bits take the option. */
+bool option_takes(const struct option *option, int commands);
 /* Reads the one number of an option or operand, from lowest to highest. Messages name `option`. */
 bool option_number(const char *option, const char *value, double lowest, double highest,
                    double *out, struct error *err);

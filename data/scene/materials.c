@@ -48,7 +48,7 @@ static bool read_content(struct text *text, struct material *out, struct error *
     if (!word.quoted && word.start[0] == '{')
         return error_at(err, word.place, "a { stands alone, between blanks");
     out->place = word.place;
-    return word_path(&word, &out->path, err) && text_end(text, "a material", err);
+    return word_file(&word, FILE_MATERIAL, &out->path, err) && text_end(text, "a material", err);
 }
 
 bool definition_read(struct scene_reader *reader, struct error *err)
@@ -75,7 +75,7 @@ bool listed_add(struct scene *scene, const struct word *word, int *out, struct e
 {
     struct material material = {.place = word->place};
     int i = 0;
-    if (!word_path(word, &material.path, err))
+    if (!word_file(word, FILE_MATERIAL, &material.path, err))
         return false;
     while (i < scene->n_materials &&
            (scene->materials[i].name || strcmp(scene->materials[i].path, material.path) != 0))
@@ -92,12 +92,17 @@ bool listed_add(struct scene *scene, const struct word *word, int *out, struct e
 
 static bool refuse_unknown(const struct scene *scene, const struct word *name, struct error *err)
 {
-    char list[LIST_SIZE] = "";
+    struct suggestion suggestion = {.distance = 0};
     for (int i = 0; i < scene->n_materials; i++)
         if (is_defined(&scene->materials[i]))
-            list_add(list, scene->materials[i].name, 40);
-    return error_at(err, name->place, "no material '%.*s'; the scene's materials are: %s",
-                    word_shown(name), name->start, list[0] != '\0' ? list : "none");
+            suggestion_add(&suggestion, name, scene->materials[i].name,
+                           strlen(scene->materials[i].name));
+    return error_at(err, name->place, "the scene defines no material '%.*s'; %s", word_shown(name),
+                    name->start,
+                    suggestion_end(&suggestion,
+                                   suggestion.known[0] != '\0'
+                                       ? "its materials are"
+                                       : "a line such as 'material gold metals/gold' defines one"));
 }
 
 /* Reads a material file; name and place stay the scene's. */
@@ -224,7 +229,7 @@ static bool map_read(struct scene *scene, const struct word *file, struct object
 {
     struct text text;
     struct word word;
-    if (!scene_open(scene, file, &text, err))
+    if (!scene_open(scene, file, FILE_MAP, &text, err))
         return false;
     while (text_next_line(&text))
         if (text_peek(text, &word) && !read_assignment(scene, &text, object, err))

@@ -89,7 +89,7 @@ static bool read_material(struct text *text, struct place place, bool map, struc
         return error_at(err, place, "only a mesh has several materials");
     return place_once(&out->given[OBJECT_MATERIAL], place, "material", err) &&
            text_expect(text, &out->material, map ? "a material map" : "a material", err) &&
-           (!map || word_path(&out->material, &out->object.material_map, err));
+           (!map || word_file(&out->material, FILE_MAP, &out->object.material_map, err));
 }
 
 static bool read_option(struct text *text, const struct word *word, struct description *out,
@@ -226,7 +226,7 @@ bool checker_read(struct scene_reader *reader, struct error *err)
     struct text list = reader->list;
     struct word word;
     bool done = text_expect(reader->text, &word, "a list of material files", err) &&
-                (list.path || scene_open(reader->scene, &word, &list, err)) &&
+                (list.path || scene_open(reader->scene, &word, FILE_LIST, &list, err)) &&
                 read_description(reader, &description, err) &&
                 add_grid(reader, &list, &description, err);
     object_free(&description.object);

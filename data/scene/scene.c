@@ -17,11 +17,12 @@ bool scene_keep(struct scene *scene, struct text *text, struct error *err)
     return false;
 }
 
-bool scene_open(struct scene *scene, const struct word *word, struct text *out, struct error *err)
+bool scene_open(struct scene *scene, const struct word *word, enum file_kind kind, struct text *out,
+                struct error *err)
 {
     char *path = NULL;
-    bool done = word_path(word, &path, err) && text_open(out, path, word->place, err) &&
-                scene_keep(scene, out, err);
+    bool done = word_file(word, kind, &path, err) && file_expected(path, word->place, kind, err) &&
+                text_open(out, path, word->place, err) && scene_keep(scene, out, err);
     free(path);
     return done;
 }
@@ -35,7 +36,8 @@ static bool include_read(struct scene_reader *reader, struct error *err)
     struct word word;
     struct text text;
     if (!text_expect(reader->text, &word, "a scene file", err) ||
-        !text_end(reader->text, "include", err) || !scene_open(reader->scene, &word, &text, err))
+        !text_end(reader->text, "include", err) ||
+        !scene_open(reader->scene, &word, FILE_SCENE, &text, err))
         return false;
     if (reader->n_open == DEEPEST_INCLUDE)
         return error_at(err, word.place, "files include each other more than %d deep",
@@ -80,32 +82,20 @@ static bool read_statements(struct scene_reader *reader, struct text *text, stru
 
 /* ---- scenes and lists ---- */
 
-static bool refuse_missing(const char *name, struct error *err)
+/* Returns the name of a command line as a word. */
+static struct word name_word(const char *name)
 {
-    char list[LIST_SIZE] = "", scene[BUILTIN_NAME];
-    for (size_t i = 0; i < builtin_file_count; i++)
-        if (builtin_name(&builtin_files[i], "scenes/", ".scene", scene))
-            list_add(list, scene, strlen(scene));
-    return error_usage(err, "found no file and no built-in scene '%.500s'; built-in are %s", name,
-                       list);
+    return (struct word){.start = name, .length = strlen(name)};
 }
 
 bool scene_is_missing(const char *name)
 {
-    char builtin[256];
-    return !builtin_path("scenes/", name, ".scene", builtin, sizeof builtin) &&
-           file_is_missing(name);
-}
-
-static bool open_scene(struct scene *scene, const char *name, struct text *out, struct error *err)
-{
-    const struct place nowhere = {0};
-    char builtin[256];
-    if (scene_is_missing(name))
-        return refuse_missing(name, err);
-    if (builtin_path("scenes/", name, ".scene", builtin, sizeof builtin))
-        name = builtin;
-    return text_open(out, name, nowhere, err) && scene_keep(scene, out, err);
+    const struct word word = name_word(name);
+    struct error ignored = {.status = EXIT_AGREED};
+    char *path;
+    const bool missing = word_file(&word, FILE_SCENE, &path, &ignored) && file_is_missing(path);
+    free(path);
+    return missing;
 }
 
 /* Sets *out if the file is a list of materials: its first line has one word, and that is no
@@ -139,14 +129,15 @@ static void digest_files(struct scene *scene)
 static bool read_named(struct scene_reader *reader, const char *name, struct error *err)
 {
     struct scene *scene = reader->scene;
+    const struct word named = name_word(name), grid = name_word("colorchecker");
     struct text text;
     bool list = false;
-    if (!string_copy(name, &scene->path, err) || !open_scene(scene, name, &text, err) ||
-        !is_list(text, &list, err))
+    if (!string_copy(name, &scene->path, err) ||
+        !scene_open(scene, &named, FILE_SCENE, &text, err) || !is_list(text, &list, err))
         return false;
     if (list) {
         reader->list = text;
-        if (!open_scene(scene, "colorchecker", &text, err))
+        if (!scene_open(scene, &grid, FILE_SCENE, &text, err))
             return false;
     }
     return read_statements(reader, &text, err) && materials_resolve(reader, err) &&

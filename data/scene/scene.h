@@ -6,8 +6,8 @@
 #include "data/material/material.h"
 #include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
+#include "data/names/names.h"
 #include "data/spectra/spectra.h"
-#include "data/text/text.h"
 #include "spectral.h"
 
 struct light {
@@ -107,11 +107,11 @@ struct scene_reader {
     int n_open;
     struct text list; /* a checker reads it in place of the list that it names; zeroed: none */
 };
-/* Gives the text to the scene, which owns it from now on; a failure frees it. *text stays valid as
- * a cursor. */
+/* Gives the text to the scene, which owns it; a failure frees it. *text stays valid as a cursor. */
 bool scene_keep(struct scene *scene, struct text *text, struct error *err);
-/* Opens the file that the word names, and keeps it. */
-bool scene_open(struct scene *scene, const struct word *word, struct text *out, struct error *err);
+/* Opens the file of this kind that the word names, and keeps it. */
+bool scene_open(struct scene *scene, const struct word *word, enum file_kind kind, struct text *out,
+                struct error *err);
 
 /* view.c: wavelengths, size, camera, shading. */
 

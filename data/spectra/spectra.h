@@ -54,7 +54,7 @@ struct detector {
     bool observer; /* colour matching functions: its channels are tristimulus values X, Y and Z */
     struct spectrum sensitivity[3];
 };
-/* Reads a built-in detector (spectral list observers), or a table of a wavelength and three values
+/* Reads a built-in detector (spectral list detectors), or a table of a wavelength and three values
  * a line. A table that names its columns x, y and z is an observer; any other is a camera. */
 bool detector_read(const char *name, struct detector *out, struct error *err);
 /* Reads a detector, and refuses a camera. */

@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "data/maths/maths.h"
+#include "data/names/names.h"
 #include "data/spectra/spectra.h"
 
 /* A millimetre: longer waves are no light. The limit keeps sums and steps of wavelengths finite. */
@@ -366,39 +367,31 @@ bool table_is_detector(const struct builtin_file *file)
             strstr((const char *)file->bytes, "\nwavelength_nm,r,g,b\n") != NULL);
 }
 
-static bool refuse_unknown(const struct table *table, const char *name, struct error *err)
+static bool refuse_unknown(const struct table *table, struct error *err)
 {
     const bool detector = table->n_out > 1;
-    char list[1024] = "", known[BUILTIN_NAME];
+    const struct word *word = table->word;
+    struct suggestion suggestion = {.distance = 0};
+    char known[BUILTIN_NAME];
     for (size_t i = 0; i < builtin_file_count; i++)
-        if ((!detector || table_is_detector(&builtin_files[i])) &&
-            builtin_name(&builtin_files[i], "tables/", ".csv", known))
-            snprintf(list + strlen(list), sizeof list - strlen(list), " %s", known);
-    return error_at(err, table->word->place,
-                    "no built-in %s and no file '%.100s'; it is %s or one of%s",
-                    detector ? "detector" : "spectrum", name,
-                    detector ? "a file of a wavelength and three values a line"
-                             : "a number, a file, blackbody:KELVIN, gaussian:CENTRE,WIDTH",
-                    list);
+        if (builtin_is(&builtin_files[i], FILE_TABLE, known) &&
+            table_is_detector(&builtin_files[i]) == detector && !strchr(known, '/'))
+            suggestion_add(&suggestion, word, known, strlen(known));
+    return error_at(
+        err, word->place, "no built-in %s and no file '%.*s'; %s",
+        detector ? "detector" : "spectrum", word_shown(word), word->start,
+        suggestion_end(&suggestion, detector ? "it is a file of a wavelength and three values a "
+                                               "line, or one of"
+                                             : "it is a number, a file, blackbody:KELVIN, "
+                                               "gaussian:CENTRE,WIDTH, or one of"));
 }
 
 /* Reads the built-in table, or the file, that table->word names. */
 static bool read_table(struct table *table, struct error *err)
 {
-    const struct word *word = table->word;
-    char *name = word_copy(word), *path = NULL, builtin[256];
-    bool done = false;
-    if (name != NULL)
-        path = builtin_path("tables/", name, ".csv", builtin, sizeof builtin)
-                   ? strdup(builtin)
-                   : file_relative(word->place.path, name);
-    if (path == NULL)
-        error_memory(err);
-    else if (file_is_missing(path))
-        refuse_unknown(table, name, err);
-    else
-        done = read_file(path, table, err);
-    free(name);
+    char *path;
+    bool done = word_file(table->word, FILE_TABLE, &path, err) &&
+                (file_is_missing(path) ? refuse_unknown(table, err) : read_file(path, table, err));
     free(path);
     return done;
 }

@@ -73,13 +73,26 @@ bool text_integer(struct text *text, const char *what, long lowest, long highest
  * the character is not valid. */
 int utf8_length(const unsigned char *at);
 
-/* ---- words.c: tools for statements of all kinds, so that all refuse a mistake alike ---- */
+/* ---- suggest.c: "did you mean ...?" ---- */
 
 enum { LIST_SIZE = 512 };
-/* Adds up to `length` bytes of a name to a list in a message. Cuts the list where its room ends. */
-void list_add(char list[LIST_SIZE], const char *name, size_t length);
-/* Returns the index of the word in `known`, which ends with NULL. Returns -1 for any other word,
- * with an error that lists the known ones. `what` names the word in the message. */
+/* The known words beside an unknown one. Zero it before use. */
+struct suggestion {
+    char known[LIST_SIZE], nearest[64], text[LIST_SIZE + 64];
+    int distance; /* of the nearest one from the typed word */
+};
+/* Adds a known word, and compares it with the typed one. */
+void suggestion_add(struct suggestion *suggestion, const struct word *typed, const char *known,
+                    size_t length);
+/* Returns "did you mean NEAREST?" if a known word is near, or else the list behind the words
+ * `otherwise`: "known are A, B". Valid as long as *suggestion. */
+const char *suggestion_end(struct suggestion *suggestion, const char *otherwise);
+
+/* ---- words.c: tools for statements of all kinds, so that all refuse a mistake alike ---- */
+
+/* Returns the index of the word in `known`, which ends with NULL. Ignores case where no
+ * known word is the same. Returns -1 for any other word, with an error that proposes the nearest
+ * known one, or lists them. `what` names the word in the message. */
 int word_choose(const struct word *word, const char *const *known, const char *what,
                 struct error *err);
 /* Finds the next word among the known ones. Without a word the error is "expected EXPECTED". */

@@ -4,26 +4,34 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "data/text/text.h"
 
-void list_add(char list[LIST_SIZE], const char *name, size_t length)
+/* Returns the index of a word in a list; -1: it is not there. */
+static int find_word(const struct word *word, const char *const *known, bool exact)
 {
-    size_t used = strlen(list);
-    snprintf(list + used, LIST_SIZE - used, "%s%.*s", used > 0 ? ", " : "", (int)length, name);
+    for (int i = 0; known[i] && !word->quoted; i++)
+        if (exact ? word_equals(word, known[i])
+                  : strlen(known[i]) == word->length &&
+                        strncasecmp(word->start, known[i], word->length) == 0)
+            return i;
+    return -1;
 }
 
 int word_choose(const struct word *word, const char *const *known, const char *what,
                 struct error *err)
 {
-    char list[LIST_SIZE] = "";
+    struct suggestion suggestion = {.distance = 0};
+    int found = find_word(word, known, true);
+    if (found < 0)
+        found = find_word(word, known, false);
+    if (found >= 0)
+        return found;
     for (int i = 0; known[i]; i++)
-        if (word_is(word, known[i]))
-            return i;
-    for (int i = 0; known[i]; i++)
-        list_add(list, known[i], strlen(known[i]));
-    error_at(err, word->place, "unknown %s '%.*s'; known are %s", what, word_shown(word),
-             word->start, list);
+        suggestion_add(&suggestion, word, known[i], strlen(known[i]));
+    error_at(err, word->place, "unknown %s '%.*s'; %s", what, word_shown(word), word->start,
+             suggestion_end(&suggestion, "known are"));
     return -1;
 }
 

@@ -4,6 +4,7 @@
 #include <assert.h>
 #include <stdlib.h>
 
+#include "data/names/names.h"
 #include "data/tiff/tiff.h"
 
 enum { LONGEST_TEXTURE = 16384 }; /* in texels a side; OpenGL has a limit, too */
@@ -54,7 +55,7 @@ static bool find_largest(struct texture *texture, struct error *err)
 bool texture_read(const char *path, struct place from, struct texture *out, struct error *err)
 {
     *out = (struct texture){.linear = out->linear, .spectral = out->spectral};
-    if (!image_open(path, from, &out->image, err))
+    if (!file_expected(path, from, FILE_TEXTURE, err) || !image_open(path, from, &out->image, err))
         return false;
     if (out->image.width > LONGEST_TEXTURE || out->image.height > LONGEST_TEXTURE)
         error_at(err, from, "%s: it has %dx%d pixels; a texture has at most %d a side", path,

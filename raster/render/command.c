@@ -126,8 +126,11 @@ static bool report(const struct options *options, const struct plan *plan,
         (options->json && strcmp(options->json, "-") == 0) || (stored && !file_is_regular(stored));
     if (options->json && !write_json(options, plan, result, stored, err))
         return false;
-    if (!options->quiet)
+    if (!options->quiet) {
+        if (options->verbose)
+            plan_print(plan, taken ? stderr : stdout);
         print_report(plan, result, output, stored, taken ? stderr : stdout);
+    }
     if (agreed)
         return true;
     const char *then = !wanted        ? "no stack was wanted"

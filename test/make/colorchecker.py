@@ -28,7 +28,7 @@ HEAD = """\
 
 
 def file_name(number):
-    return "%02d-%s.txt" % (number, NAMES[number - 1].replace(" ", "-"))
+    return "%02d-%s" % (number, NAMES[number - 1].replace(" ", "-"))
 
 
 def material(number, reflectances, wavelengths):
@@ -61,7 +61,7 @@ def main(folder):
     os.makedirs(os.path.join(folder, "colorchecker"), exist_ok=True)
     write(os.path.join(folder, "colorchecker.list"), list_of_materials())
     for number in range(1, len(NAMES) + 1):
-        write(os.path.join(folder, "colorchecker", file_name(number)),
+        write(os.path.join(folder, "colorchecker", file_name(number) + ".txt"),
               material(number, source["sur_macbeth"][:, number - 1], wavelengths))
 
 

@@ -72,7 +72,7 @@ def main(folder):
     write(folder + "/fluorescence.list",
           "# Pairs with the same radiance in every band under illuminant A. One of each pair fluoresces.\n"
           "# How they are modelled, and the licence: in each file.\n",
-          *("fluorescence/%s.txt\n" % name for name in PAIRS))
+          *("fluorescence/%s\n" % name for name in PAIRS))
     for name in PAIRS:
         write("%s/fluorescence/%s.txt" % (folder, name), material(name))
 

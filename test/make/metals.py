@@ -137,7 +137,7 @@ def material(name):
 
 def main(folder):
     write(folder + "/metals.list", "# Four polished metals. Source and licence: in each file.\n",
-          *("metals/%s.txt\n" % name for name in METALS))
+          *("metals/%s\n" % name for name in METALS))
     for name in METALS:
         write("%s/metals/%s.txt" % (folder, name), material(name))
 

@@ -90,12 +90,12 @@ def material(kind, number):
 
 def main(folder):
     for kind, pairs in PAIRS.items():
-        files = ["%s-%d-%s.txt" % (kind, number, pair[0]) for number, pair in enumerate(pairs, 1)]
+        names = ["metamers/%s-%d-%s" % (kind, number, pair[0]) for number, pair in enumerate(pairs, 1)]
         write("%s/metamers/%s.list" % (folder, kind),
               "# Pairs alike to the CIE 1931 observer under D65;\n# %s.\n" % SETS[kind],
-              "# Source and licence: in each file.\n", *(file + "\n" for file in files))
-        for number, file in enumerate(files, 1):
-            write("%s/metamers/%s" % (folder, file), material(kind, number))
+              "# Source and licence: in each file.\n", *(name + "\n" for name in names))
+        for number, name in enumerate(names, 1):
+            write("%s/%s.txt" % (folder, name), material(kind, number))
 
 
 main(sys.argv[1])

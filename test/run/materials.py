@@ -51,7 +51,7 @@ def material(path):
 def listed(name):
     path = f"{FOLDER}/{name}.list"
     names = [line.strip() for line in open(path, encoding="ascii") if line[0] != "#"]
-    return [os.path.join(os.path.dirname(path), name) for name in names]
+    return [f"{FOLDER}/{name}.txt" for name in names]
 
 
 # ---- colour differences ----

@@ -249,7 +249,7 @@ def check_colorchecker():
     lab = develop(stack, "--lab")
     seen = np.array([lab[y, x] for y in (25, 75, 125, 175) for x in range(25, 300, 50)])
     names = [line.strip() for line in open("data/builtin/materials/colorchecker.list") if line[0] != "#"]
-    patches = np.array([np.interp(wavelengths, *table("data/builtin/materials/" + name)) for name in names])
+    patches = np.array([np.interp(wavelengths, *table(f"data/builtin/materials/{name}.txt")) for name in names])
     nm, *curves = table("data/builtin/tables/cie1931.csv", ",")
     observer = np.array([np.interp(wavelengths, nm, curve) for curve in curves])
     expected = cielab(observer @ (patches * d50).T, (observer @ d50)[:, None]).T

@@ -307,8 +307,11 @@ static void check_refused(void)
                    "the message names the place and the fault");
     }
     read_detector("cie1932", &err);
-    CHECK(err.status == EXIT_INPUT && strstr(err.text, "'cie1932'") != NULL &&
-              strstr(err.text, " cie2006-10 ") != NULL && strstr(err.text, "d65") == NULL,
+    CHECK(err.status == EXIT_INPUT && strstr(err.text, "'cie1932'; did you mean cie1931?") != NULL,
+          "a misspelt name proposes a detector");
+    read_detector("nobody", &err);
+    CHECK(err.status == EXIT_INPUT && strstr(err.text, "'nobody'") != NULL &&
+              strstr(err.text, " cie2006-10, ") != NULL && strstr(err.text, "d65") == NULL,
           "an unknown name lists the detectors");
     read_detector("d65", &err);
     CHECK(strstr(err.text, "1 value columns; a detector has 3") != NULL, "a light is no detector");

@@ -143,7 +143,6 @@ static void check_relative(void)
 
 static void check_builtin(void)
 {
-    char path[64], small[16];
     struct error err = {0};
     size_t readable = 0;
     for (size_t i = 0; i < builtin_file_count; i++) {
@@ -156,13 +155,6 @@ static void check_builtin(void)
     }
     CHECK(builtin_file_count > 0 && readable == builtin_file_count,
           "every built-in file is found and read");
-    CHECK(builtin_path("tables/", "d65", ".csv", path, sizeof path) &&
-              strcmp(path, "builtin:tables/d65.csv") == 0,
-          "a built-in path is composed");
-    CHECK(!builtin_path("tables/", "d66", ".csv", path, sizeof path),
-          "an unknown built-in path is refused");
-    CHECK(!builtin_path("tables/", "d65", ".csv", small, sizeof small),
-          "a built-in path that is too long is refused");
 }
 
 static void check_replacement(void)

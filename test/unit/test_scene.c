@@ -449,7 +449,7 @@ static void check_builtin_scenes(void)
     CHECK(!scene_read("no such scene", &s, &err) && err.status == EXIT_INPUT && s.path == NULL,
           "an unknown scene is refused as input");
     CHECK_TEXT(err.text,
-               "error: found no file and no built-in scene 'no such scene'; "
+               "error: no file no such scene and no built-in scene of that name; "
                "built-in are colorchecker, fluorescence, metals, metamers, pasture, patches, room, "
                "spheres, "
                "textures",

@@ -333,10 +333,13 @@ static void check_bad_words(void)
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; i++)
         CHECK(refusal(bad[i], &err)[0] != '\0' && err.status == EXIT_INPUT,
               "%s is refused as a reflectance", bad[i]);
-    refusal("d66", &err);
-    CHECK(strncmp(err.text, "line:1:1: error: no built-in spectrum and no file 'd66'", 55) == 0 &&
-              strstr(err.text, " d65 ") != NULL,
-          "the message for an unknown name lists the built-in spectra");
+    CHECK_TEXT(refusal("d66", &err),
+               "line:1:1: error: no built-in spectrum and no file 'd66'; did you mean d65?",
+               "the message for a misspelt name proposes a built-in spectrum");
+    refusal("sun", &err);
+    CHECK(strncmp(err.text, "line:1:1: error: no built-in spectrum and no file 'sun'", 55) == 0 &&
+              strstr(err.text, " d65, ") != NULL && !strstr(err.text, "cie1931"),
+          "the message for an unknown name lists the built-in illuminants, and no detectors");
     CHECK_TEXT(refusal("0.5*x", &err),
                "line:1:5: error: factor must be a number such as 2.5 or 1e-3, not 'x'",
                "the message names the place of a bad factor");

@@ -246,6 +246,49 @@ static void check_errors(void)
     CHECK(err.status == EXIT_SYSTEM, "a lack of memory is a failure of the system");
 }
 
+/* Returns the known word that is proposed for a typed one; "": none. */
+static const char *proposed(const char *typed, const char *const *known,
+                            struct suggestion *suggestion)
+{
+    const struct word word = {.start = typed, .length = strlen(typed)};
+    *suggestion = (struct suggestion){.distance = 0};
+    for (int i = 0; known[i]; i++)
+        suggestion_add(suggestion, &word, known[i], strlen(known[i]));
+    return suggestion->nearest;
+}
+
+static void check_suggestions(void)
+{
+    static const char *const known[] = {"light", "material",    "object", "wavelengths",
+                                        "uv",    "metals/gold", "d65",    NULL};
+    static const char *const pairs[][2] = {
+        {"lihgt", "light"},  /* two neighbours exchanged */
+        {"ligt", "light"},   /* a letter is missing */
+        {"liight", "light"}, /* one is too much */
+        {"LIGHT", "light"},  /* case */
+        {"mateiral", "material"},
+        {"wave", "wavelengths"}, /* the beginning */
+        {"d56", "d65"},
+        {"gold", "metals/gold"}, /* without its folder */
+        {"metal/gold", "metals/gold"},
+        {"xy", ""}, /* a half of the letters differ */
+        {"li", ""}, /* two letters begin too many words */
+        {"", ""},
+        {"camera", ""},
+    };
+    struct suggestion suggestion;
+    for (size_t i = 0; i < sizeof pairs / sizeof pairs[0]; i++)
+        CHECK_TEXT(proposed(pairs[i][0], known, &suggestion), pairs[i][1], "proposed for '%s'",
+                   pairs[i][0]);
+    proposed("lihgt", known, &suggestion);
+    CHECK_TEXT(suggestion_end(&suggestion, "known are"), "did you mean light?",
+               "the message proposes the word");
+    proposed("camera", known, &suggestion);
+    CHECK_TEXT(suggestion_end(&suggestion, "known are"),
+               "known are light, material, object, wavelengths, uv, metals/gold, d65",
+               "or it lists the known words");
+}
+
 int main(void)
 {
     check_words();
@@ -253,5 +296,6 @@ int main(void)
     check_values();
     check_integers();
     check_errors();
+    check_suggestions();
     return test_end();
 }
