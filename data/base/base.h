@@ -121,6 +121,9 @@ char *output_name(const char *path, const char *ending);
 bool file_is_regular(const char *path);
 bool file_is_same(const char *a, const char *b);
 bool file_is_missing(const char *path);
+/* format.c: returns the format of a regular file by its first bytes: "TIFF", "PNG", ...; "text":
+ * they have no NUL; "": another one, or it cannot be read. */
+const char *file_format(const char *path);
 /* Refuses an output that would replace the input. Either may be NULL. */
 bool output_spares(const char *output, const char *input, struct error *err);
 /* Refuses an output that cannot be opened, before the work begins. Leaves no file. "-" is standard

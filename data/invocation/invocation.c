@@ -1,14 +1,29 @@
 /* SPDX-License-Identifier: MIT */
 /* A scene as the command line names it, changes it and samples it. */
+#include <string.h>
 #include <unistd.h>
 
 #include "data/base/base.h"
 #include "data/invocation/invocation.h"
 #include "data/method/method.h"
 
+/* Refuses a stack or a picture where a scene is expected. */
+static bool refuse_picture(const char *scene, struct error *err)
+{
+    const char *format = file_format(scene);
+    if (strcmp(format, "TIFF") == 0)
+        return error_usage(err,
+                           "%s is a TIFF file, not a scene; a stack is for develop, probe, "
+                           "compare and info",
+                           scene);
+    return format[0] == '\0' || strcmp(format, "text") == 0 ||
+           error_usage(err, "%s is a %s file, not a scene", scene, format);
+}
+
 bool scene_read_options(const struct options *options, struct scene *out, struct error *err)
 {
-    if (!scene_read(options_scene(options), out, err))
+    if (!refuse_picture(options_scene(options), err) ||
+        !scene_read(options_scene(options), out, err))
         return false;
     for (int i = 0; i < options->n_changes; i++)
         if (!options->changes[i].apply(out, options->changes[i].value, err))
@@ -26,9 +41,10 @@ bool scene_spared(const char *output, const struct scene *scene, struct error *e
 
 bool scene_refuse(const char *stack, struct error *err)
 {
-    return access(stack, F_OK) == 0 || scene_is_missing(stack) ||
-           error_usage(err, "'%s' is a scene, not a stack; spectral render %s writes one", stack,
-                       stack);
+    const bool is_text = strcmp(file_format(stack), "text") == 0;
+    return (!is_text && (access(stack, F_OK) == 0 || scene_is_missing(stack))) ||
+           error_usage(err, "%s is %s, not a stack; spectral render %s writes the stack of a scene",
+                       stack, is_text ? "a text file" : "a scene", stack);
 }
 
 bool scene_read_sampled(const struct options *options, struct scene *out, struct sampling *sampling,

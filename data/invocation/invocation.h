@@ -12,7 +12,8 @@
 bool scene_read_options(const struct options *options, struct scene *out, struct error *err);
 /* Refuses an output that would replace a file of the scene. NULL: no output. */
 bool scene_spared(const char *output, const struct scene *scene, struct error *err);
-/* Refuses the name of a built-in scene where a stack is expected, since nobody has rendered it yet.
+/* Refuses a text file, or the name of a built-in scene, where a stack is expected: nobody has
+ * rendered it yet.
  * A missing file passes: whoever opens it reports that. */
 bool scene_refuse(const char *stack, struct error *err);
 /* Reads SCENE with its changes, and samples it if --sampling is given; otherwise *sampling stays

@@ -256,7 +256,8 @@ static bool block_entry(struct text *text, int kind, struct material *out, struc
     case BLOCK_TEXTURE:
         return word_file(&word, FILE_TEXTURE, &out->texture, err) && read_filter(text, out, err);
     case BLOCK_SPECTRAL_TEXTURE:
-        return word_file(&word, FILE_TEXTURE, &out->spectral_texture, err) && read_filter(text, out, err);
+        return word_file(&word, FILE_TEXTURE, &out->spectral_texture, err) &&
+               read_filter(text, out, err);
     case BLOCK_EMISSION:
         return spectrum_read(&word, 0, HUGE_VAL, &out->glow, err);
     case BLOCK_METAMER:
@@ -285,12 +286,41 @@ static bool complete_diffuse(struct material *out, struct error *err)
     return string_copy("0", &out->diffuse.name, err);
 }
 
+bool material_has_word(const struct word *word)
+{
+    bool found = false;
+    for (int kind = 0; kind < BLOCK_END; kind++)
+        found = found || word_is(word, block_words[kind]);
+    return found;
+}
+
+/* Refuses a word that begins a later line than the { and is like no word of a material: it may be
+ * the next statement, and then a } is missing. */
+static bool check_closed(const struct text *text, const struct word *word, struct place open,
+                         struct error *err)
+{
+    const char *line = text->line_start + strspn(text->line_start, " \t");
+    struct suggestion suggestion = {.distance = 0};
+    if (line != word->start || word->place.line == open.line || material_has_word(word) ||
+        word_is(word, "}"))
+        return true;
+    for (int kind = 0; kind < BLOCK_END; kind++)
+        suggestion_add(&suggestion, word, block_words[kind], strlen(block_words[kind]));
+    return suggestion.nearest[0] ||
+           error_at(err, word->place,
+                    "'%.*s' is no word of a material; a } is missing before it: the { is in line "
+                    "%d, column %d",
+                    word_shown(word), word->start, open.line, open.column);
+}
+
 static bool read_block(struct text *text, struct material *out, struct error *err)
 {
     struct place given[BLOCK_END + 1] = {{0}};
     struct word word;
     for (int kind = 0; kind != BLOCK_END;) {
         if (!block_word(text, &word, out->place, err))
+            return false;
+        if (!check_closed(text, &word, out->place, err))
             return false;
         kind = word_choose_once(&word, block_words, "word in a material", given, err);
         if (kind < 0 || !block_entry(text, kind, out, err))

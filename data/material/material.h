@@ -39,6 +39,8 @@ bool material_read(const char *path, struct place from, struct material *out, st
 /* Reads the words of a material in a scene up to its }, over several lines. Its { has been read. */
 bool material_read_words(struct text *text, struct material *out, struct error *err);
 void material_free(struct material *material);
+/* Returns whether a word begins an entry between { and }, as `diffuse` does. */
+bool material_has_word(const struct word *word);
 
 /* ---- mtl.c: the colours that come with OBJ models ---- */
 

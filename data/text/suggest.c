@@ -42,13 +42,14 @@ static int distance(const char *a, size_t n_a, const char *b, size_t n_b)
 }
 
 /* Returns how far a known word is from the typed one; FAR: it is another word. A third of the
- * letters may differ. The beginning of a word, of three letters or more, stands for the word. */
+ * letters may differ. One of them may be the beginning of the other, of three letters or more. */
 static int distance_of(struct word typed, const char *known, size_t length)
 {
     const size_t n_a = typed.length < COMPARED ? typed.length : COMPARED;
     const size_t n_b = length < COMPARED ? length : COMPARED;
     const size_t longer = n_a > n_b ? n_a : n_b;
-    if (n_a >= 3 && n_a < n_b && strncasecmp(typed.start, known, n_a) == 0)
+    const size_t shorter = n_a < n_b ? n_a : n_b;
+    if (shorter >= 3 && shorter < longer && strncasecmp(typed.start, known, shorter) == 0)
         return 1;
     const size_t found = (size_t)distance(typed.start, n_a, known, n_b);
     return 3 * found <= longer && found < longer ? (int)found : FAR;

@@ -302,10 +302,12 @@ static bool refuse_range(const struct word *word, const char *what, bool above, 
     const double low = positive ? 0 : lowest;
     const char *side = above ? "above" : positive ? "not above" : "below";
     char buffer[SHOWN_SIZE], asked[128];
+    if (positive && !above && highest == HUGE_VAL)
+        return error_at(err, word->place, "%s %s must be above 0", what, shown(word, buffer));
     if (lowest == -HUGE_VAL)
         snprintf(asked, sizeof asked, "is at most %.15g", highest);
     else if (highest == HUGE_VAL)
-        snprintf(asked, sizeof asked, "is %s %.15g", positive ? "always above" : "at least", low);
+        snprintf(asked, sizeof asked, "is at least %.15g", low);
     else
         snprintf(asked, sizeof asked, "lies between %.15g and %.15g", low, highest);
     return error_at(err, word->place, "%s %s is %s %.15g; it %s", what, shown(word, buffer), side,
@@ -358,11 +360,18 @@ bool word_integer(const struct word *word, const char *what, long lowest, long h
     return true;
 }
 
+static bool expect_number(struct text *text, struct word *out, const char *what, struct error *err)
+{
+    char expected[128];
+    snprintf(expected, sizeof expected, "a number: %s", what);
+    return text_expect(text, out, expected, err);
+}
+
 bool text_number(struct text *text, const char *what, double lowest, double highest, double *out,
                  struct error *err)
 {
     struct word word;
-    return text_expect(text, &word, what, err) &&
+    return expect_number(text, &word, what, err) &&
            word_number(&word, what, lowest, highest, out, err);
 }
 
@@ -370,7 +379,7 @@ bool text_integer(struct text *text, const char *what, long lowest, long highest
                   struct error *err)
 {
     struct word word;
-    return text_expect(text, &word, what, err) &&
+    return expect_number(text, &word, what, err) &&
            word_integer(&word, what, lowest, highest, out, err);
 }
 

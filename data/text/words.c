@@ -28,6 +28,11 @@ int word_choose(const struct word *word, const char *const *known, const char *w
         found = find_word(word, known, false);
     if (found >= 0)
         return found;
+    for (int i = 0; known[i] && word->quoted; i++)
+        if (word_equals(word, known[i])) {
+            error_at(err, word->place, "'%s' is a word; write it without quotes", known[i]);
+            return -1;
+        }
     for (int i = 0; known[i]; i++)
         suggestion_add(&suggestion, word, known[i], strlen(known[i]));
     error_at(err, word->place, "unknown %s '%.*s'; %s", what, word_shown(word), word->start,

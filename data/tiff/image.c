@@ -350,12 +350,30 @@ static int builtin_close(thandle_t handle)
     return 0;
 }
 
+/* Refuses a picture of another format, with the command that converts it. */
+static bool refuse_foreign(const struct image *image, struct error *err)
+{
+    const char *format = file_format(image->path);
+    char *name = output_name(image->path, ".tif");
+    const bool text = strcmp(format, "text") == 0;
+    const bool good =
+        format[0] == '\0' || strcmp(format, "TIFF") == 0 ||
+        (text ? error_at(err, image->file->from, "%s is a text file; expected TIFF", image->path)
+              : error_at(err, image->file->from,
+                         "%s is a %s file; expected TIFF, as 'convert %s %s' of ImageMagick "
+                         "writes",
+                         image->path, format, image->path, name ? name : "picture.tif"));
+    free(name);
+    return good;
+}
+
 static bool tiff_open(struct image *image, struct error *err)
 {
     const tmsize_t most_bytes = 1 << 30; /* of one allocation; a broken file may ask for more */
     struct image_file *file = image->file;
     int descriptor;
-    if (!file_open(image->path, file->from, &descriptor, &file->builtin, err))
+    if (!refuse_foreign(image, err) ||
+        !file_open(image->path, file->from, &descriptor, &file->builtin, err))
         return false;
     TIFFOpenOptions *options = TIFFOpenOptionsAlloc();
     if (options != NULL) {

@@ -39,18 +39,6 @@ static bool region_read(const struct options *options, struct probe_options *out
     return true;
 }
 
-/* Returns whether the file begins as a TIFF or BigTIFF file does. */
-static bool is_tiff(const char *path)
-{
-    char start[4] = "";
-    FILE *file = file_is_regular(path) ? fopen(path, "rb") : NULL;
-    size_t length = file ? fread(start, 1, sizeof start, file) : 0;
-    if (file)
-        fclose(file);
-    return length == sizeof start && (memcmp(start, "II", 2) == 0 || memcmp(start, "MM", 2) == 0) &&
-           (start[2] + start[3] == 42 || start[2] + start[3] == 43);
-}
-
 /* ---- the command ---- */
 
 static bool probe_picture(const struct options *options, const struct probe_options *region,
@@ -70,7 +58,7 @@ static bool probe_picture(const struct options *options, const struct probe_opti
 static bool probe_operand(const struct options *options, const struct probe_options *region,
                           struct probe *out, struct error *err)
 {
-    if (!is_tiff(options->operand))
+    if (strcmp(file_format(options->operand), "TIFF") != 0)
         return probe_picture(options, region, out, err);
     if (options->n_recorded > 0)
         return error_usage(err, "%s is a stack; %s needs a scene", options->operand,

@@ -627,7 +627,7 @@ static void test_refused_files(void)
     write_bytes("text.tif", "II*? no, text\n", 14);
     write_bytes("empty.tif", "", 0);
     write_bytes("head.tif", "II*\0\0\0\0\0", 8);
-    check_refusal("text.tif", "a text", "libtiff: Not a TIFF");
+    check_refusal("text.tif", "a text", "text.tif is a text file; expected TIFF");
     check_refusal("empty.tif", "an empty file", "libtiff: ");
     check_refusal("head.tif", "a head", "libtiff: ");
     check_refusal("builtin:tables/d65.csv", "a compiled-in table", "libtiff: Not a TIFF");

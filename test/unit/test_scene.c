@@ -511,7 +511,7 @@ static void check_override_errors(void)
     refuse(scene_set_wavelengths, &s, "500,400",
            "--wavelengths:1:5: error: wavelength 400 nm "
            "follows 500 nm; wavelengths must increase");
-    refuse(scene_set_size, &s, "640", "--size:1:4: error: expected height");
+    refuse(scene_set_size, &s, "640", "--size:1:4: error: expected a number: height");
     refuse(scene_set_size, &s, "0x480",
            "--size:1:1: error: width 0 is out of range; it lies "
            "between 1 and 262144");
@@ -552,7 +552,7 @@ static void check_shading(void)
     refuse(scene_set_shading, &s, "flat phong",
            "--shading:1:6: error: 'phong' is too much: shading takes no more");
     refuse(scene_set_tessellation, &s, "0",
-           "--tessellation:1:1: error: factor 0 is not above 0; it is always above 0");
+           "--tessellation:1:1: error: factor 0 must be above 0");
     refuse(scene_set_tessellation, &s, "inf",
            "--tessellation:1:1: error: factor must be a number such as 2.5 or 1e-3, not 'inf'");
     scene_free(&s);

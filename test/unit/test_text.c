@@ -94,14 +94,14 @@ static void check_refusals(void)
                "t:1:1: error: gloss -1 is below 0; it is at least 0",
                "the message names a lower bound");
     CHECK_TEXT(number_error("0", DBL_MIN, HUGE_VAL, &err),
-               "t:1:1: error: gloss 0 is not above 0; it is always above 0",
+               "t:1:1: error: gloss 0 must be above 0",
                "the smallest number as a bound reads as above 0");
     CHECK_TEXT(number_error("3", -HUGE_VAL, 2, &err),
                "t:1:1: error: gloss 3 is above 2; it is at most 2",
                "the message names an upper bound");
-    CHECK_TEXT(number_error("", 0, 1, &err), "t: error: expected gloss",
+    CHECK_TEXT(number_error("", 0, 1, &err), "t: error: expected a number: gloss",
                "the message for a missing word without a line names the file");
-    CHECK_TEXT(number_error(" # 1", 0, 1, &err), "t:1:2: error: expected gloss",
+    CHECK_TEXT(number_error(" # 1", 0, 1, &err), "t:1:2: error: expected a number: gloss",
                "the message for a missing word names the line's end");
     CHECK_TEXT(number_error("1 2", 0, 1, &err),
                "t:1:3: error: '2' is too much: gloss takes no more", "extra words are refused");
