@@ -26,8 +26,9 @@ enum {
     FOR_DEVELOP = 32,
     FOR_COMPARE = 64,
     FOR_SHOW = 128,
-    FOR_ALL = 256,
-    RECORDED = 512,
+    FOR_INFO = 256,
+    FOR_ALL = 512,
+    RECORDED = 1024,
     /* cost chooses the shading by itself */
     FOR_SHADED = FOR_RENDER | FOR_PLAN | FOR_PROBE | FOR_VIEW,
     FOR_SCENES = FOR_SHADED | FOR_COST,

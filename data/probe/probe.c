@@ -249,6 +249,37 @@ void probe_print_csv(const struct probe *probe, FILE *to)
         }
 }
 
+void probe_json(const struct probe *probe, struct json *json)
+{
+    double lab[3];
+    json_begin(json);
+    json_open(json, NULL, '{');
+    json_string(json, "source", probe->source);
+    json_count(json, "x", (uint64_t)probe->x);
+    json_count(json, "y", (uint64_t)probe->y);
+    json_count(json, "width", (uint64_t)probe->width);
+    json_count(json, "height", (uint64_t)probe->height);
+    json_string(json, "object", probe->object);
+    json_string(json, "observer", probe->observer);
+    json_numbers(json, "XYZ", probe->xyz, 3);
+    json_numbers(json, "white_XYZ", probe->has_white ? probe->white : NULL, 3);
+    if (probe->has_white)
+        cielab(probe->xyz, probe->white, lab);
+    json_numbers(json, "Lab", probe->has_white ? lab : NULL, 3);
+    json_numbers(json, "wavelengths_nm", probe->wavelengths_nm, probe->n);
+    json_numbers(json, "radiance", probe->mean, probe->n);
+    json_numbers(json, "standard_deviation", probe->spread, probe->n);
+    json_open(json, "curves", '[');
+    for (int i = 0; i < probe->n_curves; i++) {
+        json_open(json, NULL, '{');
+        json_string(json, "name", probe->curves[i].name);
+        json_numbers(json, "values", probe->curves[i].values, probe->n);
+        json_close(json, '}');
+    }
+    json_close(json, ']');
+    json_close(json, '}');
+}
+
 char *probe_svg(const struct probe *probe)
 {
     struct chart_line lines[1 + MAX_PROBE_CURVES];

@@ -57,6 +57,8 @@ bool probe_colour(struct probe *probe, const struct cube *cube, const struct pro
 void probe_print(const struct probe *probe, FILE *to);
 void probe_print_csv(const struct probe *probe, FILE *to);
 char *probe_svg(const struct probe *probe); /* allocated; NULL: no memory */
+/* Begins a text with one JSON object. */
+void probe_json(const struct probe *probe, struct json *json);
 void probe_free(struct probe *probe);
 
 #endif

@@ -5,6 +5,7 @@
 
 #include "data/invocation/invocation.h"
 #include "data/stack/stack.h"
+#include "data/text/text.h"
 
 bool record_open(const char *path, struct image *image, struct record *out, struct error *err)
 {
@@ -56,15 +57,51 @@ static void print_pages(const struct image *image, const struct record *record)
     print_fact("verdict", image->verdict);
 }
 
+static void json_texts(struct json *json, const char *key, const char *const *texts, int n)
+{
+    json_open(json, key, '[');
+    for (int i = 0; i < n; i++)
+        json_string(json, NULL, texts[i]);
+    json_close(json, ']');
+}
+
+static void info_json(const struct image *image, const struct record *record, struct json *json)
+{
+    json_begin(json);
+    json_open(json, NULL, '{');
+    json_string(json, "program", record->program);
+    json_string(json, "scene", record->scene);
+    json_string(json, "scene_sha256", record->scene_sha256);
+    json_texts(json, "options", (const char *const *)record->options, record->n_options);
+    json_string(json, "renderer", record->renderer);
+    json_texts(json, "lights", record->lights.text, record->lights.n);
+    json_texts(json, "ambient_lights", record->ambients.text, record->ambients.n);
+    json_string(json, "sampling", record->sampling);
+    json_string(json, "sampled_for", record->sampling_detector);
+    json_texts(json, "objects", record->objects.text, record->objects.n);
+    json_count(json, "width", (uint64_t)image->width);
+    json_count(json, "height", (uint64_t)image->height);
+    json_count(json, "pages", (uint64_t)image->n_pages);
+    json_numbers(json, "wavelengths_nm", image->wavelengths_nm, image->n_pages);
+    json_numbers(json, "white", record->white.n > 0 ? record->white.value : NULL, record->white.n);
+    json_number(json, "radiance_of_full_count", image->scale);
+    json_string(json, "verdict", image->verdict);
+    json_close(json, '}');
+}
+
 bool command_info(struct options *options, struct error *err)
 {
+    struct json json;
     struct image image = {.path = NULL};
     struct record record = {.text = NULL};
     if (!options->operand)
         return error_usage(err, "info takes a STACK; try spectral --help");
     bool done =
         scene_refuse(options->operand, err) && record_open(options->operand, &image, &record, err);
-    if (done) {
+    if (done && options->json) {
+        info_json(&image, &record, &json);
+        done = json_write(&json, options->json, err);
+    } else if (done) {
         print_scene(&record);
         print_pages(&image, &record);
     }

@@ -2,6 +2,8 @@
 /* Writes JSON into a text that grows. The caller is responsible for the structure. */
 #include <math.h>
 #include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
 
 #include "data/text/text.h"
 
@@ -98,4 +100,12 @@ char *json_end(struct json *json)
 {
     json_text(json, "\n");
     return printed_end(&json->printed);
+}
+
+bool json_write(struct json *json, const char *path, struct error *err)
+{
+    char *text = json_end(json);
+    const bool done = text ? file_write(path, text, strlen(text), err) : error_memory(err);
+    free(text);
+    return done;
 }

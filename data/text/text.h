@@ -143,5 +143,7 @@ void json_numbers(struct json *json, const char *key, const double *values, int 
 /* Ends the text. Returns it, and it then belongs to the caller; NULL: no memory. Safe on a zeroed
  * struct. */
 char *json_end(struct json *json);
+/* Ends the text and writes it to a file, as file_write. */
+bool json_write(struct json *json, const char *path, struct error *err);
 
 #endif

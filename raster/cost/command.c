@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "data/base/base.h"
+#include "data/compare/compare.h"
 #include "data/invocation/invocation.h"
 #include "raster/cost/cost.h"
 #include "raster/render/render.h"
@@ -120,12 +121,21 @@ static bool report(const struct options *options, const struct cost *cost, doubl
                    double budget, struct error *err)
 {
     const char *csv = options->csv_file, *svg = options->svg_file;
-    FILE *to = is_standard_output(csv) || is_standard_output(svg) ? stderr : stdout;
+    FILE *to =
+        is_standard_output(csv) || is_standard_output(svg) || is_standard_output(options->json)
+            ? stderr
+            : stdout;
+    struct json json;
     char what[80];
     if (!options->quiet)
         cost_print(cost, to);
     if (!write_files(cost, csv, svg, err))
         return false;
+    if (options->json) {
+        cost_json(cost, &json);
+        if (!json_write(&json, options->json, err))
+            return false;
+    }
     snprintf(what, sizeof what, "within %.10g CIEDE2000", tolerance);
     if (options->tolerance && !recommend(options, what, cost_within(cost, tolerance, false),
                                          cost_within(cost, tolerance, true), to, err))
@@ -146,27 +156,40 @@ static bool check_files(struct options *options, struct error *err)
     const char *csv = options->csv_file, *svg = options->svg_file;
     bool done = cost_read(options, NULL, &scene, &sampling, err) &&
                 scene_spared(csv, &scene, err) && scene_spared(svg, &scene, err) &&
-                output_can_open(csv, err) && output_can_open(svg, err);
+                scene_spared(options->json, &scene, err) && output_can_open(csv, err) &&
+                output_can_open(svg, err) && output_can_open(options->json, err);
     sampling_free(&sampling);
     scene_free(&scene);
     return done && (!csv || !svg || strcmp(csv, svg) != 0 ||
                     error_usage(err, "--csv and --svg name the same file; expected two files"));
 }
 
-/* Reads the value of an option; 0 where the option is not given. */
-static bool limit_read(const char *option, const char *value, double highest, double *out,
-                       struct error *err)
+/* Reads a tolerance of CIEDE2000, the measure of the table. */
+static bool tolerance_of(const char *option, const char *value, double *out, struct error *err)
 {
-    *out = 0;
-    return !value || option_number(option, value, 0, highest, out, err);
+    struct tolerance tolerance;
+    if (!tolerance_read(option, value, &tolerance, err))
+        return false;
+    *out = tolerance.value;
+    return tolerance.unit == TOLERANCE_CIEDE2000 ||
+           error_usage(err, "%s %s: cost measures CIEDE2000; expected it as 0.5dE00", option,
+                       value);
+}
+
+bool cost_accepts_tolerance(const char *option, const char *value, struct error *err)
+{
+    double tolerance;
+    return tolerance_of(option, value, &tolerance, err);
 }
 
 bool command_cost(struct options *options, struct error *err)
 {
     struct cost cost = {.scene = NULL};
-    double tolerance, budget;
-    bool done = limit_read("--tolerance", options->tolerance, 1000, &tolerance, err) &&
-                limit_read("--budget", options->budget, 1e9, &budget, err) &&
+    double tolerance = 0, budget = 0;
+    bool done = (!options->tolerance ||
+                 tolerance_of("--tolerance", options->tolerance, &tolerance, err)) &&
+                (!options->budget ||
+                 option_number("--budget", options->budget, 0, 1e9, &budget, err)) &&
                 check_files(options, err) && cost_measure(options, &cost, err) &&
                 report(options, &cost, tolerance, budget, err);
     cost_free(&cost);

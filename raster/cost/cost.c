@@ -178,6 +178,48 @@ char *cost_csv(const struct cost *cost)
     return printed_end(&printed);
 }
 
+static void json_entry(struct json *json, const struct cost_entry *entry)
+{
+    json_open(json, NULL, '{');
+    json_string(json, "name", entry->name);
+    json_open(json, "options", '[');
+    for (int i = 0; i < entry->n_words; i++)
+        json_string(json, NULL, entry->words[i]);
+    json_close(json, ']');
+    json_number(json, "seconds", entry->seconds);
+    json_number(json, "fastest", entry->fastest);
+    json_number(json, "slowest", entry->slowest);
+    json_number(json, "dE00_mean", entry->accuracy.mean);
+    json_number(json, "dE00_95", entry->accuracy.quantile_95);
+    json_number(json, "dE00_largest", entry->accuracy.largest);
+    json_number(json, "radiance_error", entry->accuracy.radiance);
+    json_truth(json, "frontier", entry->best);
+    json_truth(json, "within_noise", entry->uncertain);
+    json_close(json, '}');
+}
+
+void cost_json(const struct cost *cost, struct json *json)
+{
+    json_begin(json);
+    json_open(json, NULL, '{');
+    json_string(json, "program", PROGRAM);
+    json_string(json, "scene", cost->scene);
+    json_count(json, "width", (uint64_t)cost->survey.width);
+    json_count(json, "height", (uint64_t)cost->survey.height);
+    json_string(json, "observer", cost->survey.observer);
+    json_count(json, "runs", (uint64_t)cost->runs);
+    json_number(json, "standard_seconds", cost->standard_seconds);
+    json_open(json, "configurations", '[');
+    for (int i = 0; i < cost->n; i++)
+        json_entry(json, &cost->entries[i]);
+    json_close(json, ']');
+    json_open(json, "notes", '[');
+    for (int i = 0; i < cost->n_notes; i++)
+        json_string(json, NULL, cost->notes[i]);
+    json_close(json, ']');
+    json_close(json, '}');
+}
+
 /* ---- the chart ---- */
 
 char *cost_svg(const struct cost *cost)

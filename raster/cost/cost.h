@@ -1,14 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Measures what each degree of accuracy costs in time, for one scene. It renders the scene in many
- * configurations, each as a user's command line would and in a process of its own, and measures the
- * accuracy of their stacks. It uses only the options and the stacks of render, so that no
- * configuration gets an advantage that a user would not get. */
+ * configurations, each as a user's command line would, in a process of its own, and measures the
+ * accuracy of their stacks. */
 #ifndef COST_H
 #define COST_H
 
 #include "data/options/options.h"
 #include "data/sampling/sampling.h"
-#include "data/scene/scene.h"
 #include "spectral.h"
 
 /* ---- command.c: spectral cost ---- */
@@ -16,6 +14,8 @@
 /* Measures configurations of render and names the best. Fails with EXIT_DIFFERENT if none is within
  * the tolerance or the budget. */
 bool command_cost(struct options *options, struct error *err);
+/* Refuses a --tolerance that is no CIEDE2000. */
+bool cost_accepts_tolerance(const char *option, const char *value, struct error *err);
 
 /* ---- inside this room ---- */
 
@@ -43,8 +43,7 @@ struct configuration {
 };
 
 /* The difference of a stack from the standard: in CIEDE2000, over the pixels in which either
- * picture shows an object (0 if there are none); and in radiance at every nm, rms relative to rms.
- */
+ * picture shows an object (0 if there are none); and in radiance at every nm, rms relative to rms */
 struct accuracy {
     int n_pages;
     bool spectral; /* pages are radiances at wavelengths */
@@ -89,6 +88,7 @@ void cost_print(const struct cost *cost, FILE *to);
 /* Return the table as CSV, and the chart; allocated. NULL: no memory. */
 char *cost_csv(const struct cost *cost);
 char *cost_svg(const struct cost *cost);
+void cost_json(const struct cost *cost, struct json *json); /* begins a text with one object */
 
 /* ---- command.c: configurations as command lines ---- */
 

@@ -79,6 +79,11 @@ static char *probe_text(const struct probe *probe, bool csv)
 
 static bool probe_write(const struct options *options, const struct probe *probe, struct error *err)
 {
+    struct json json;
+    if (options->json) {
+        probe_json(probe, &json);
+        return json_write(&json, options->json, err);
+    }
     char *text = options->svg ? probe_svg(probe) : probe_text(probe, options->csv);
     bool done = text ? file_write(options->output ? options->output : "-", text, strlen(text), err)
                      : error_memory(err);
@@ -92,8 +97,8 @@ bool command_probe(struct options *options, struct error *err)
     struct probe probe = {.source = NULL};
     if (!region_read(options, &region, err))
         return false;
-    if (options->csv && options->svg)
-        return error_usage(err, "--csv and --svg exclude each other; give one of them");
+    if (options->csv + options->svg + (options->json != NULL) > 1)
+        return error_usage(err, "--csv, --svg and --json exclude each other; give one of them");
     bool done = probe_operand(options, &region, &probe, err) && probe_write(options, &probe, err);
     probe_free(&probe);
     return done;

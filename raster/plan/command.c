@@ -11,10 +11,15 @@ bool command_plan(struct options *options, struct error *err)
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.detector = NULL};
     struct plan plan = {.scene = NULL};
+    struct json json;
     bool done = scene_read_sampled(options, &scene, &sampling, err) &&
                 plan_make(&scene, sampling_or_none(&sampling), &plan_options, &plan, err);
-    if (done)
+    if (done && options->json) {
+        plan_json(&plan, &json);
+        done = json_write(&json, options->json, err);
+    } else if (done) {
         plan_print(&plan, stdout);
+    }
     plan_free(&plan);
     sampling_free(&sampling);
     scene_free(&scene);

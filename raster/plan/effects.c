@@ -148,8 +148,7 @@ void plan_effects(struct plan *plan)
 
 /* ---- the plan in words ---- */
 
-/* Returns why a light does not shine; NULL: it shines. */
-static const char *why_off(const struct plan *plan, const struct light *light)
+const char *plan_why_off(const struct plan *plan, const struct light *light)
 {
     const struct spectral_pages *pages = &plan->illumination.pages;
     for (int i = 0; i < plan->n_lights; i++)
@@ -164,7 +163,7 @@ static void print_lights(const struct plan *plan, FILE *to)
 {
     for (int i = 0; i < plan->scene->n_lights; i++) {
         const struct light *light = &plan->scene->lights[i];
-        const char *off = why_off(plan, light);
+        const char *off = plan_why_off(plan, light);
         fprintf(to, "light %-11d %s%s (%s, intensity %.6g)\n", i + 1, off ? "off: " : "on",
                 off ? off : "", light->spectrum.name, light->intensity);
     }

@@ -3,9 +3,6 @@
 #ifndef PLAN_H
 #define PLAN_H
 
-#include "data/material/material.h"
-#include "data/maths/maths.h"
-#include "data/mesh/mesh.h"
 #include "data/options/options.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
@@ -129,6 +126,9 @@ void plan_free(struct plan *plan);
 /* Fills the plan's effects, each with the reason why it is simulated or not. */
 void plan_effects(struct plan *plan);
 void plan_print(const struct plan *plan, FILE *to);
+/* Returns why a light does not shine; NULL: it shines. */
+const char *plan_why_off(const struct plan *plan, const struct light *light);
+void plan_json(const struct plan *plan, struct json *json); /* json.c: begins a JSON object */
 
 /* ---- command.c: spectral plan ---- */
 

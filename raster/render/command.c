@@ -95,10 +95,9 @@ static bool write_json(const struct options *options, const struct plan *plan,
     bool digested = stored && file_is_regular(stored);
     if (digested && !digest_file(stored, sha256, err))
         return false;
-    char *json = report_json(plan, result, stored, digested ? sha256 : NULL, peak_bytes());
-    bool done = json ? file_write(options->json, json, strlen(json), err) : error_memory(err);
-    free(json);
-    return done;
+    struct json json;
+    report_json(plan, result, stored, digested ? sha256 : NULL, peak_bytes(), &json);
+    return json_write(&json, options->json, err);
 }
 
 static void print_report(const struct plan *plan, const struct render_result *result,

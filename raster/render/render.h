@@ -72,10 +72,10 @@ void print_verdict(const struct plan *plan, const struct check_verdict *verdict,
 /* ---- report.c: results as a table and as JSON ---- */
 
 void report_print(const struct plan *plan, const struct render_result *result, FILE *to);
-/* Returns one JSON object, allocated; NULL: no memory. output: the stack's name, sha256: its
- * digest; NULL becomes null. */
-char *report_json(const struct plan *plan, const struct render_result *result, const char *output,
-                  const char *sha256, uint64_t peak_bytes);
+/* Begins a text with one JSON object. output: the stack's name, sha256: its digest; NULL becomes
+ * null. */
+void report_json(const struct plan *plan, const struct render_result *result, const char *output,
+                 const char *sha256, uint64_t peak_bytes, struct json *json);
 
 /* ---- command.c: spectral render ---- */
 

@@ -302,26 +302,24 @@ static void json_seconds(struct json *json, const struct render_seconds *seconds
     json_close(json, '}');
 }
 
-char *report_json(const struct plan *plan, const struct render_result *result, const char *output,
-                  const char *sha256, uint64_t peak_bytes)
+void report_json(const struct plan *plan, const struct render_result *result, const char *output,
+                 const char *sha256, uint64_t peak_bytes, struct json *json)
 {
-    struct json json;
-    json_begin(&json);
-    json_open(&json, NULL, '{');
-    json_picture(&json, plan, result);
-    json_effects(&json, plan);
-    json_work(&json, plan, result);
-    json_string(&json, "verdict", verdict_word(plan, &result->check));
+    json_begin(json);
+    json_open(json, NULL, '{');
+    json_picture(json, plan, result);
+    json_effects(json, plan);
+    json_work(json, plan, result);
+    json_string(json, "verdict", verdict_word(plan, &result->check));
     if (plan->options.check)
-        json_check(&json, plan, &result->check);
+        json_check(json, plan, &result->check);
     else
-        json_string(&json, "check", NULL);
-    json_again(&json, &result->difference);
-    json_count(&json, "clipped_samples", result->odd.clipped);
-    json_seconds(&json, &result->seconds);
-    json_count(&json, "peak_bytes", peak_bytes);
-    json_string(&json, "output", output);
-    json_string(&json, "sha256", sha256);
-    json_close(&json, '}');
-    return json_end(&json);
+        json_string(json, "check", NULL);
+    json_again(json, &result->difference);
+    json_count(json, "clipped_samples", result->odd.clipped);
+    json_seconds(json, &result->seconds);
+    json_count(json, "peak_bytes", peak_bytes);
+    json_string(json, "output", output);
+    json_string(json, "sha256", sha256);
+    json_close(json, '}');
 }

@@ -41,6 +41,12 @@ small="--size 40x30 --wavelengths 400:700:50"
     exits 0 "list prints its lists" "$SPECTRAL" list
     exits 0 "list observers prints the observers" "$SPECTRAL" list observers
     prints '^  cie1931$' "the observers include CIE 1931"
+    for command in "plan patches $small" "probe patches 8 8 $small" "info $tmp/stack.tif"; do
+        # shellcheck disable=SC2086
+        "$SPECTRAL" $command --json "$tmp/report.json" && "$SPECTRAL" $command --json - >"$tmp/printed.json" &&
+            cmp -s "$tmp/report.json" "$tmp/printed.json" && /usr/bin/python3 -m json.tool "$tmp/report.json" >/dev/null
+        ok $? "${command%% *} writes its results as JSON, into a file and to standard output"
+    done
     exits 2 "an unknown list is bad usage" "$SPECTRAL" list lamps
     exits 0 "plan works without a picture" "$SPECTRAL" plan patches $small
     prints '^bands +7 ' "plan prints the number of bands"

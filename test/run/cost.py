@@ -6,6 +6,7 @@ under a tube and for all built-in scenes. An interrupted run must leave nothing 
 import csv
 import glob
 import io
+import json
 import os
 import re
 import shlex
@@ -60,10 +61,15 @@ def run(*arguments, **options):
 
 def cost(scene, *options):
     """Returns the table by names; the text of the table comes last."""
-    result = run("cost", scene, "--quiet", "--csv", "-", *FEW, *options)
+    report = os.path.join(TMP, "cost.json")
+    result = run("cost", scene, "--quiet", "--csv", "-", "--json", report, *FEW, *options)
     if result.returncode != 0:
         bail_out("cost of", scene, result.stderr)
     rows = list(csv.DictReader(io.StringIO(result.stdout)))
+    entries = json.load(open(report, encoding="utf-8"))["configurations"]
+    check([(row["name"], float(f"{float(row['seconds']):.6g}"), row["frontier"]) for row in rows] ==
+          [(entry["name"], float(f"{entry['seconds']:.6g}"), str(int(entry["frontier"]))) for entry in entries],
+          f"the JSON has the table of {scene}")
     return {row["name"]: row for row in rows}
 
 
@@ -258,7 +264,7 @@ def holds(scene, given, observer, named, command):
 
 def recommends(scene, *given, observer="cie1931"):
     """If the first recommendation has no spectra, cost names a second one that has them."""
-    result = run("cost", scene, "--tolerance", "0.5", "--quiet", "--observer", observer, *FEW, *given)
+    result = run("cost", scene, "--tolerance", "0.5dE00", "--quiet", "--observer", observer, *FEW, *given)
     lines = result.stdout.splitlines()
     check(result.returncode == 0 and lines and lines[0].startswith("within 0.5 CIEDE2000: "),
           f"{scene}: cost names a configuration within 0.5", result.stdout, result.stderr)
@@ -275,6 +281,7 @@ def refusals(scene):
     check(result.returncode == 1 and len(result.stderr.splitlines()) == 1, "no configuration takes at most 1e-9 s",
           result.stderr)
     for options, status in ((["--runs", "4"], 2), (["--observer", "dcs200-camera"], 2), (["--tolerance", "x"], 2),
+                            (["--tolerance", "0.5"], 2), (["--tolerance", "1%"], 2),
                             (["--csv", "/missing/a.csv"], 2), (["--svg", TMP], 2)):
         result = run("cost", scene, *options)
         check(result.returncode == status and len(result.stderr.splitlines()) == 1,

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: MIT */
+/* The plan as JSON. */
+#include "raster/plan/plan.h"
+
+static void json_effect(struct json *json, const struct plan_effect *effect)
+{
+    json_open(json, NULL, '{');
+    json_string(json, "name", effect->name);
+    json_truth(json, "simulated", effect->used);
+    json_string(json, "reason", effect->reason);
+    json_close(json, '}');
+}
+
+static void json_work(struct json *json, const struct plan *plan)
+{
+    const struct rectangle picture = plan_picture(plan);
+    const int tiles = plan_tiles(plan, &picture);
+    json_open(json, "work", '{');
+    json_count(json, "objects", (uint64_t)plan->scene->n_objects);
+    json_count(json, "instances", (uint64_t)plan->n_instances);
+    json_count(json, "vertices", (uint64_t)plan->n_vertices);
+    json_count(json, "triangles", (uint64_t)plan->n_triangles);
+    json_count(json, "materials", (uint64_t)plan->n_materials);
+    json_count(json, "terms", (uint64_t)plan->work.terms);
+    json_count(json, "excitation_integrals", (uint64_t)plan->work.excitation_integrals);
+    json_count(json, "tiles", (uint64_t)tiles);
+    json_count(json, "passes", (uint64_t)(plan->n_passes * plan->n_light_groups) * (uint64_t)tiles);
+    json_count(json, "tile_bytes", (uint64_t)plan->tile_bytes);
+    json_count(json, "file_bytes", plan->file_bytes);
+    json_close(json, '}');
+}
+
+void plan_json(const struct plan *plan, struct json *json)
+{
+    const struct scene *scene = plan->scene;
+    const bool components = plan->sampling && !plan->sampling->spectral;
+    json_begin(json);
+    json_open(json, NULL, '{');
+    json_string(json, "program", PROGRAM);
+    json_string(json, "scene", scene->path);
+    json_string(json, "scene_sha256", scene->sha256);
+    json_count(json, "width", (uint64_t)scene->width);
+    json_count(json, "height", (uint64_t)scene->height);
+    json_count(json, "bands", (uint64_t)plan->n_bands);
+    json_numbers(json, "wavelengths_nm", components ? NULL : scene->wavelengths_nm,
+                 scene->n_wavelengths);
+    json_work(json, plan);
+    json_open(json, "effects", '[');
+    for (int i = 0; i < plan->n_effects; i++)
+        json_effect(json, &plan->effects[i]);
+    json_close(json, ']');
+    json_open(json, "lights", '[');
+    for (int i = 0; i < scene->n_lights; i++) {
+        json_open(json, NULL, '{');
+        json_string(json, "spectrum", scene->lights[i].spectrum.name);
+        json_number(json, "intensity", scene->lights[i].intensity);
+        json_string(json, "off", plan_why_off(plan, &scene->lights[i]));
+        json_close(json, '}');
+    }
+    json_close(json, ']');
+    json_close(json, '}');
+}
