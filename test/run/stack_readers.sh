@@ -142,7 +142,10 @@ END
     cat >"$tmp/WithImageJ.java" <<'END'
 public class WithImageJ {
     public static void main(String[] arguments) {
-        ij.ImageStack stack = new ij.io.Opener().openImage(arguments[0]).getStack();
+        ij.ImagePlus image = new ij.io.Opener().openImage(arguments[0]);
+        if (!image.getInfoProperty().contains("full_scale: "))
+            throw new RuntimeException("Image > Show Info lacks the full scale");
+        ij.ImageStack stack = image.getStack();
         for (int slice = 1; slice <= stack.getSize(); slice++) {
             long checksum = 0;
             ij.process.ImageProcessor samples = stack.getProcessor(slice);
