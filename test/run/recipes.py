@@ -3,7 +3,7 @@
 """Runs each block of data/doc/recipes.md as it stands, in the order of the page, and reads each result with a program
 that did not write it. Radiance and wavelengths must be those that GDAL reads in the stack: to the last bit where a
 format keeps doubles, else within the roundings that a comment derives. All is done twice: for the stack of the page,
-and for one of 8 bits whose wavelengths are no whole numbers. Prints TAP."""
+and for one of 8 bits, with wavelengths that are no whole numbers. Prints TAP."""
 import csv
 import os
 import re
@@ -22,33 +22,37 @@ from rendered import TMP, check, done, table
 
 gdal.UseExceptions()
 BLOCK = re.compile(r"^```(\w+)(?: (\S+))?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+SECTION = re.compile(r"^## (.*?)$(.*?)(?=^## |\Z)", re.MULTILINE | re.DOTALL)
 RUNS = {"sh": ["sh", "-e"], "python": [sys.executable], "octave": ["octave-cli", "--quiet", "--no-history"]}
-OTHER_STACK = "spectral render patches --size 50x30 --wavelengths 401.25:700:12.3 --depth 8 -o stack.tif --quiet\n"
+OTHER_STACK = """
+spectral render patches --size 50x30 --light 1=d65*2 --wavelengths 401.25:700:12.3 --depth 8 -o stack.tif --quiet
+"""
 X, Y = 15, 15  # the pixel that recipes print
 REGION = np.s_[:, 8:20, 10:30]
 UNIT = "W sr-1 m-2 nm-1 (relative)"
 PLANCK, LIGHT = 6.626176e-34, 2.99792458e8  # ISETCam's vcConstants
 
-BLOCKS = BLOCK.findall(read("recipes.md"))
+BLOCKS = [(heading, *block) for heading, text in SECTION.findall(read("recipes.md")) for block in BLOCK.findall(text)]
 D65 = table("data/builtin/tables/d65.csv", ",")
 
 
 # ---- running the page ----
 
-def run_page(name, stack):
-    """Runs the blocks in a folder of their own, the first replaced if `stack` says so; returns what each printed."""
+def run_page(name, other_stack):
+    """Runs the blocks in a folder of their own; `other_stack`, unless empty, replaces the first. Returns what the blocks
+    below each heading printed."""
     folder = os.path.join(TMP, name)
     shutil.rmtree(folder, ignore_errors=True)
     os.makedirs(folder)
     os.chdir(folder)
-    printed = []
-    for number, (language, file, code) in enumerate(BLOCKS):
+    printed = {}
+    for number, (heading, language, file, code) in enumerate(BLOCKS, 1):
         file = file or f"block{number}.{language}"
         with open(file, "w", encoding="utf-8") as out:
-            out.write(stack if stack and number == 0 else code)
+            out.write(other_stack if other_stack and number == 1 else code)
         result = run(*RUNS[language], file)
-        check(result.returncode == 0, f"{name}: block {number + 1} of the page runs, {language}", result.stdout)
-        printed.append(result.stdout)
+        check(result.returncode == 0, f"{name}: {heading}: block {number} runs, {language}", result.stdout)
+        printed.setdefault(heading, []).append(result.stdout)
     return printed
 
 
@@ -78,11 +82,13 @@ def numbers(text):
 
 def check_printed(stack, printed):
     """Spectra that recipes print at one pixel."""
+    python, mapped, netcdf = (numbers(printed[heading][number]) for heading, number in (
+        ("Radiance from counts", 1), ("A stack mapped into memory", 0), ("NetCDF", 1)))
     spectrum = stack.radiance[:, Y, X]
-    check(np.array_equal(numbers(printed[2]), np.column_stack([stack.nm, spectrum])), "Python: radiance")
-    check(np.array_equal(numbers(printed[5])[0], stack.counts[:, Y, X]), "mapped into memory: counts")
+    check(np.array_equal(python, np.column_stack([stack.nm, spectrum])), "Python: radiance")
+    check(np.array_equal(mapped[0], stack.counts[:, Y, X]), "mapped into memory: counts")
     nearest = np.abs(stack.nm - 556).argmin()
-    check(np.array_equal(numbers(printed[12])[0], [stack.nm[nearest], spectrum[nearest]]), "xarray: page by wavelength")
+    check(np.array_equal(netcdf[0], [stack.nm[nearest], spectrum[nearest]]), "xarray: page by wavelength")
 
 
 def check_octave(stack):
@@ -155,6 +161,12 @@ def check_arrays(stack):
         stack.read(path)
 
 
+def check_hdf5_in_octave(stack):
+    result = run(*RUNS["octave"], "--eval", 'load stack.h5; printf("%.17g ", wavelength, radiance(16, 16, :));')
+    seen = np.array(re.findall(r"[-+.e\d]+(?= )", result.stdout), float)
+    check(np.array_equal(seen, np.append(stack.nm, stack.radiance[:, Y, X])), "stack.h5: Octave loads it", result.stdout)
+
+
 # ---- OpenEXR ----
 
 def read_tile(path, bands, height, width):
@@ -200,10 +212,10 @@ fclose(file);
 """
 
 
-def check_isetcam(stack):
+def check_isetcam(stack, intensity):
     """Octave loads the variables that ISETCam's loader asks for: photons, and neither coefficients nor a modern illuminant,
     which has a type. ISETCam turns photons into energy by h c / wavelength; that rounds five times."""
-    result = run("octave-cli", "--quiet", "--no-history", "--eval", ISETCAM_RULES)
+    result = run(*RUNS["octave"], "--eval", ISETCAM_RULES)
     bands, height, width = stack.radiance.shape
     expected = [0, 1, 1, 1, 1, 1, 1, 0, height, width, bands, bands, 1]
     check([int(word) for word in re.findall(r"\d+(?= )", result.stdout)] == expected, "ISETCam: variables", result.stdout)
@@ -213,7 +225,7 @@ def check_isetcam(stack):
     energy = photons * (PLANCK * LIGHT) / (stack.nm[:, None, None] * 1e-9)
     check(np.array_equal(nm, stack.nm) and np.array_equal(light_nm, stack.nm), "ISETCam: wavelengths")
     check(is_close(energy, stack.radiance, 5 * 2**-53), "ISETCam: energy equals radiance")
-    check(is_close(light, np.interp(stack.nm, *D65), 5e-6), "ISETCam: the illuminant is D65, in 6 digits")
+    check(is_close(light, np.interp(stack.nm, *D65) * intensity, 5e-6), "ISETCam: the illuminant is D65, in 6 digits")
     stack.read("stack.mat")
 
 
@@ -241,13 +253,15 @@ def main():
     check_links()
     put_in_path()
     home = os.getcwd()
-    for name, stack in (("16 bits", ""), ("8 bits", OTHER_STACK)):
-        printed = run_page(name, stack)
+    for name, other_stack in (("16 bits", ""), ("8 bits", OTHER_STACK)):
+        printed = run_page(name, other_stack)
         stack = Stack()
         stack.read("stack.tif", "stack.py", "__pycache__", *(file for file in stack.made if file.startswith("block")))
         check_printed(stack, printed)
-        for check_results in (check_octave, check_gdal_page, check_csv, check_bands, check_arrays, check_exr, check_isetcam):
+        for check_results in (check_octave, check_gdal_page, check_csv, check_bands, check_arrays,
+                              check_hdf5_in_octave, check_exr):
             check_results(stack)
+        check_isetcam(stack, 2 if other_stack else 1)
         check(not stack.made, "this test reads all files that the recipes make", *stack.made)
         os.chdir(home)
     done()
