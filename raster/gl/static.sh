@@ -64,7 +64,7 @@ dist() {
     mkdir "$BUILD/$name" "$BUILD/$name/data"
     cp "$BUILD/spectral-static" "$BUILD/$name/spectral"
     cp README.md LICENSE spectral.1 "$BUILD/$name"
-    for folder in $builtin data/gallery; do
+    for folder in $builtin data/gallery data/doc; do
         [ ! -d "$folder" ] || cp -R "$folder" "$BUILD/$name/data"
     done
     licences "$BUILD/$name/licences"

@@ -33,7 +33,7 @@ tar -C "$tmp" -xzf "$made/$archive"
 release=$tmp/${archive%.tar.gz}
 (cd "$release" && sha256sum --quiet --check SHA256SUMS && [ "$(find . -type f | wc -l)" = $(($(wc -l <SHA256SUMS) + 1)) ])
 ok $? "SHA256SUMS lists each file with its SHA-256"
-for file in spectral spectral.1 README.md LICENSE data/builtin/scenes/room.scene data/gallery/room.png; do
+for file in spectral spectral.1 README.md LICENSE data/builtin/scenes/room.scene data/gallery/room.png data/doc/recipes.md; do
     [ -s "$release/$file" ]
     ok $? "the archive holds $file"
 done
