@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 # usage: ./build.sh [COMMAND]
 #   build                  makes the program, build/spectral; the same without a COMMAND
-#   run                    makes it, and renders the colorchecker to colorchecker.tif
+#   run                    makes it, and with it colorchecker.tif, colorchecker.png and colorchecker.html
 #   test [full] [NAME...]  runs all tests, or those named, such as test_text or cli; full: longer ones
 #   bench [effects]        measures the seconds of a large picture, or of each effect
 #   static                 makes build/spectral-static, which needs nothing but a Linux kernel
@@ -124,6 +124,24 @@ build() {
     link spectral $objects
 }
 
+# The first picture of a new user: a stack, what a person sees, and a page for the browser.
+first_minute() {
+    only=$([ "$GL" = osmesa ] || echo ' --renderer raster')
+    for command in "render colorchecker$only -o colorchecker.tif" 'develop colorchecker.tif -o colorchecker.png -q' \
+        'view colorchecker --size 600x400 -o colorchecker.html -q'; do
+        echo "\$ $BUILD/spectral $command"
+        "$BUILD/spectral" $command
+    done
+    cat <<END
+
+Look at them:  $PWD/colorchecker.png
+               $PWD/colorchecker.html
+               $PWD/colorchecker.tif  (a page a wavelength)
+Try next:      $BUILD/spectral probe colorchecker.tif 100 100
+               $BUILD/spectral show spheres -o my.scene && $BUILD/spectral view my.scene -o my.html
+END
+}
+
 # A relative PREFIX is below the folder that this was called from.
 install_program() {
     target=${DESTDIR:+$DESTDIR/}$1
@@ -139,7 +157,7 @@ clean() {
 
 case "${*:-build}" in
 build) build ;;
-run) build; "$BUILD/spectral" render colorchecker $([ "$GL" = osmesa ] || echo --renderer raster) -o colorchecker.tif ;;
+run) build; first_minute ;;
 test | 'test '* | bench | 'bench effects') . test/run.sh ;;
 static) . raster/gl/static.sh; static_program ;;
 dist) . raster/gl/static.sh; dist ;;
