@@ -68,27 +68,28 @@ void *signals_hold(void);
 void signals_release(void *held); /* NULL is fine */
 
 /* A file that appears whole or not at all. A regular or new file is written under an exclusive
- * temporary name beside it and renamed at the end; anything else (a pipe, a device) receives a copy
- * of a finished temporary file. Signals are held back while an output is open. */
+ * temporary name beside it and renamed at the end; anything else (a pipe, a device, or "-",
+ * standard output) receives a copy of a finished temporary file. Signals are held back while an
+ * output is open. */
 struct output {
     int descriptor;
     char *path;      /* final name, links resolved */
     char *temporary; /* name being written; NULL when none is open */
-    bool copied;     /* path is no regular file: copy instead of rename */
+    bool copied;     /* path is no regular file, or "-": copy instead of rename */
     void *held;      /* of signals_hold */
 };
-/* Creates the temporary file. Refuses a path that cannot be written. */
+/* Creates the temporary file. Refuses a path that cannot be written, and a terminal. */
 bool output_open(struct output *out, const char *path, struct error *err);
-/* Returns true if a signal that is held back is pending. */
-bool output_interrupted(void);
-/* Syncs, closes and renames (or copies). On failure the temporary file is gone and path is
- * untouched. */
+bool output_interrupted(void); /* true if a signal that is held back is pending */
+/* Syncs, closes and renames (or copies). After a failure no temporary file is left. */
 bool output_commit(struct output *out, struct error *err);
 void output_discard(struct output *out); /* safe after commit, and on a zeroed struct */
 
 bool write_all(int descriptor, const void *bytes, size_t length); /* false: see errno */
-/* Writes a whole small file, which appears whole or not at all; "-" is standard output. */
+/* Writes a small text, which appears whole or not at all; "-" is standard output, or a terminal. */
 bool file_write(const char *path, const char *bytes, size_t length, struct error *err);
+/* Refuses an output that cannot be opened, before the work begins. Leaves no file. NULL: none. */
+bool output_can_open(const char *path, struct error *err);
 
 /* ---- threads.c ---- */
 
@@ -106,9 +107,7 @@ struct digest {
 };
 void digest_start(struct digest *out);
 void digest_add(struct digest *digest, const void *bytes, size_t length);
-/* Writes 64 hexadecimal digits and a NUL. */
-void digest_end(struct digest *digest, char out[65]);
-/* The digest of a file. */
+void digest_end(struct digest *digest, char out[65]); /* 64 hexadecimal digits and a NUL */
 bool digest_file(const char *path, char out[65], struct error *err);
 
 /* ---- outputs.c: the names of files that a command writes ---- */
@@ -116,19 +115,20 @@ bool digest_file(const char *path, char out[65], struct error *err);
 /* Returns the name of a file without its folder, and with another ending: the default name of a
  * command's output. Allocated; NULL: no memory. */
 char *output_name(const char *path, const char *ending);
-/* Return true if the name is that of a regular file, or of a link to one; if two names are those of
- * one file; if no file has the name, which is not "builtin:...". */
+/* Finds the ending of a name in a list as ".png", ".tif", NULL, in capitals or small letters. *out
+ * is its index; -1: the name has no ending, as "-" and /dev/stdout. Refuses any other ending. */
+bool output_ending(const char *path, const char *const *endings, int *out, struct error *err);
+/* Return true if the name is that of a regular file, or of a link to one, and not "-"; if two names
+ * are those of one file; if no file has the name, which is not "builtin:...". */
 bool file_is_regular(const char *path);
 bool file_is_same(const char *a, const char *b);
 bool file_is_missing(const char *path);
 /* format.c: returns the format of a regular file by its first bytes: "TIFF", "PNG", ...; "text":
  * they have no NUL; "": another one, or it cannot be read. */
 const char *file_format(const char *path);
+bool output_is_standard(const char *path); /* true of "-", standard output */
 /* Refuses an output that would replace the input. Either may be NULL. */
 bool output_spares(const char *output, const char *input, struct error *err);
-/* Refuses an output that cannot be opened, before the work begins. Leaves no file. "-" is standard
- * output; NULL: no output is wanted. */
-bool output_can_open(const char *path, struct error *err);
 
 /* ---- progress.c: time, progress and memory of this process ---- */
 

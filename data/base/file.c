@@ -220,7 +220,7 @@ static bool write_fault(struct error *err, const char *path)
 {
     int cause = errno;
     bool first = err->status == EXIT_AGREED;
-    error_system(err, "cannot write %s", path);
+    error_system(err, "cannot write %s", output_is_standard(path) ? "to standard output" : path);
     if (first && (cause == ENOENT || cause == ENOTDIR || cause == EISDIR || cause == EACCES ||
                   cause == EPERM || cause == ENAMETOOLONG || cause == ELOOP))
         err->status = EXIT_INPUT;
@@ -288,7 +288,8 @@ static bool create_temporary(struct output *out, const char *path, mode_t mode)
     return false;
 }
 
-/* Opens a device or a pipe: its temporary file is created in the folder for temporary files. */
+/* Opens a device, a pipe or standard output: its temporary file is created in the folder for
+ * temporary files. */
 static bool open_copied(struct output *out, const char *path, struct error *err)
 {
     const char *folder = getenv("TMPDIR");
@@ -320,6 +321,8 @@ static bool open_target(struct output *out, const char *path, struct error *err)
 {
     struct stat status;
     size_t length = strlen(path);
+    if (output_is_standard(path))
+        return open_copied(out, path, err);
     if (stat(path, &status) == 0) {
         if (S_ISDIR(status.st_mode))
             return error_usage(err, "cannot write %s: it is a folder", path);
@@ -337,7 +340,7 @@ static bool open_target(struct output *out, const char *path, struct error *err)
     return open_beside(out, path, NULL, err);
 }
 
-bool output_open(struct output *out, const char *path, struct error *err)
+static bool open_output(struct output *out, const char *path, struct error *err)
 {
     *out = (struct output){.descriptor = -1};
     out->held = signals_hold();
@@ -347,6 +350,39 @@ bool output_open(struct output *out, const char *path, struct error *err)
         return true;
     output_discard(out);
     return false;
+}
+
+/* Returns whether the output is a terminal. Opens no pipe, which would wait for its reader. */
+static bool is_terminal(const char *path)
+{
+    struct stat status;
+    if (output_is_standard(path))
+        return isatty(STDOUT_FILENO);
+    if (stat(path, &status) != 0 || !S_ISCHR(status.st_mode))
+        return false;
+    const int descriptor = open(path, O_WRONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    const bool found = descriptor >= 0 && isatty(descriptor);
+    if (descriptor >= 0)
+        close(descriptor);
+    return found;
+}
+
+bool output_open(struct output *out, const char *path, struct error *err)
+{
+    *out = (struct output){.descriptor = -1};
+    return is_terminal(path)
+               ? error_usage(
+                     err, "%s is a terminal, and a picture is no text; expected a file or a pipe",
+                     output_is_standard(path) ? "standard output" : path)
+               : open_output(out, path, err);
+}
+
+bool output_can_open(const char *path, struct error *err)
+{
+    struct output probe = {.path = NULL};
+    bool able = !path || output_is_standard(path) || open_output(&probe, path, err);
+    output_discard(&probe);
+    return able;
 }
 
 bool write_all(int descriptor, const void *bytes, size_t length)
@@ -423,7 +459,8 @@ static bool commit_copy(struct output *out, struct error *err)
     drop_temporary(out);
     signals_release(out->held);
     out->held = NULL;
-    target = open(out->path, O_WRONLY | O_CLOEXEC);
+    target =
+        output_is_standard(out->path) ? dup(STDOUT_FILENO) : open(out->path, O_WRONLY | O_CLOEXEC);
     done = target >= 0 && copy_bytes(out->descriptor, target);
     done = (target < 0 || close(target) == 0) && done;
     return done || write_fault(err, out->path);
@@ -449,13 +486,13 @@ void output_discard(struct output *out)
 bool file_write(const char *path, const char *bytes, size_t length, struct error *err)
 {
     struct output output;
-    if (strcmp(path, "-") == 0) {
+    if (output_is_standard(path)) {
         errno = 0;
         if (fwrite(bytes, 1, length, stdout) != length || fflush(stdout) != 0)
             return error_system(err, "cannot write to standard output");
         return true;
     }
-    if (!output_open(&output, path, err))
+    if (!open_output(&output, path, err))
         return false;
     if (!write_all(output.descriptor, bytes, length)) {
         write_fault(err, path);

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 
 #include "data/base/base.h"
@@ -20,10 +21,44 @@ char *output_name(const char *path, const char *ending)
     return out;
 }
 
+/* Writes "A, B or C" into out, as far as it has room. */
+static void list_endings(const char *const *endings, char *out, size_t capacity)
+{
+    size_t used = 0;
+    *out = '\0';
+    for (int i = 0; endings[i] && used < capacity; i++) {
+        const char *before = i == 0 ? "" : endings[i + 1] ? ", " : " or ";
+        used += (size_t)snprintf(out + used, capacity - used, "%s%s", before, endings[i]);
+    }
+}
+
+bool output_ending(const char *path, const char *const *endings, int *out, struct error *err)
+{
+    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
+    const char *dot = strrchr(name, '.');
+    char list[128];
+    *out = -1;
+    if (!dot || dot == name || !dot[1])
+        return true;
+    for (int i = 0; endings[i]; i++)
+        if (strcasecmp(dot, endings[i]) == 0) {
+            *out = i;
+            return true;
+        }
+    list_endings(endings, list, sizeof list);
+    return error_at(err, (struct place){path, 0, 0}, "the ending %s is unknown; expected %s", dot,
+                    list);
+}
+
+bool output_is_standard(const char *path)
+{
+    return strcmp(path, "-") == 0;
+}
+
 bool file_is_regular(const char *path)
 {
     struct stat status;
-    return stat(path, &status) == 0 && S_ISREG(status.st_mode);
+    return !output_is_standard(path) && stat(path, &status) == 0 && S_ISREG(status.st_mode);
 }
 
 bool file_is_same(const char *a, const char *b)
@@ -35,14 +70,7 @@ bool file_is_same(const char *a, const char *b)
 
 bool output_spares(const char *output, const char *input, struct error *err)
 {
-    return !output || !input || !file_is_regular(input) || !file_is_same(output, input) ||
+    return !output || !input || output_is_standard(output) || !file_is_regular(input) ||
+           !file_is_same(output, input) ||
            error_usage(err, "%s would replace the input; expected another file", output);
-}
-
-bool output_can_open(const char *path, struct error *err)
-{
-    struct output probe = {.path = NULL};
-    bool able = !path || strcmp(path, "-") == 0 || output_open(&probe, path, err);
-    output_discard(&probe);
-    return able;
 }

@@ -5,6 +5,7 @@
 #include "data/base/base.h"
 #include "data/compare/compare.h"
 #include "data/invocation/invocation.h"
+#include "data/pages/pages.h"
 
 bool compare_accepts_tolerance(const char *option, const char *value, struct error *err)
 {
@@ -17,7 +18,8 @@ static bool compare_and_print(const char *a, const char *b, const struct options
                               const struct compare_options *compare_options, struct comparison *out,
                               struct error *err)
 {
-    if (!scene_refuse(a, err) || !scene_refuse(b, err) || !output_spares(options->map, a, err) ||
+    if ((options->map && !picture_accepts(options->map, err)) || !scene_refuse(a, err) ||
+        !scene_refuse(b, err) || !output_spares(options->map, a, err) ||
         !output_spares(options->map, b, err) || !compare(a, b, compare_options, out, err))
         return false;
     /* standard output may carry the map (--map /dev/stdout) */

@@ -117,6 +117,23 @@ static double spectral_angle(const double *a, const double *b, int n)
     return angle_of(fmin(sqrt(rest / bb), 1), fmin(ab / sqrt(aa) / sqrt(bb), 1)) * (180 / PI);
 }
 
+/* ---- the map in colours ---- */
+
+/* A CIEDE2000 of 1 is about the least difference that a person sees, in the middle of the scale. A
+ * white surface under a light of 1 has radiance 1, and 16 bits hold steps of 1/65536 of that. */
+static const struct {
+    double least;
+    const char *name;
+} map_scales[] = {[MAP_CIEDE2000] = {1.0 / 64, "CIEDE2000"},
+                  [MAP_RADIANCE] = {1.0 / 16384, "largest difference of radiance"},
+                  [MAP_COMPONENT] = {1.0 / 16384, "largest difference of components"}};
+
+static void print_colours(enum map_measure measure, FILE *to)
+{
+    fprintf(to, "%s: 0 black, ", map_scales[measure].name);
+    scale_print(map_scales[measure].least, to);
+}
+
 /* ---- a row ---- */
 
 struct comparer {
@@ -129,7 +146,8 @@ struct comparer {
     struct band_difference *bands;      /* [row][band]; rms: sum of squares so far */
     double *largest_a;                  /* [row] */
     double (*measures)[PIXEL_MEASURES]; /* [row][x] */
-    float (*map)[3];                    /* [row][x] */
+    float (*map)[3];                    /* [row][x]: values of a TIFF */
+    uint8_t (*colours)[3];              /* [row][x]: those of a PNG */
     struct distribution distributions[PIXEL_MEASURES];
     struct picture_writer picture;
 };
@@ -166,6 +184,19 @@ static double compare_bands(const double *a, const double *b, int n, int x, int 
     return largest;
 }
 
+/* Stores the differences of a pixel in the map. */
+static void map_pixel(struct comparer *comparer, size_t at, double largest)
+{
+    const double *measures = comparer->measures[at];
+    const enum map_measure shown = comparer->out->map;
+    comparer->map[at][0] = (float)largest;
+    comparer->map[at][1] = (float)measures[SPECTRAL_ANGLE];
+    comparer->map[at][2] = (float)fmin(measures[CIEDE2000], (double)FLT_MAX);
+    if (shown != MAP_NUMBERS)
+        scale_colour(shown == MAP_CIEDE2000 ? measures[CIEDE2000] : largest,
+                     map_scales[shown].least, comparer->colours[at]);
+}
+
 static void compare_row(struct comparer *comparer, int row)
 {
     const int n = comparer->out->n, width = comparer->out->width;
@@ -188,9 +219,7 @@ static void compare_row(struct comparer *comparer, int row)
             measures[SPECTRAL_ANGLE] = spectral_angle(a, b, n);
         if (largest > 0 && comparer->out->has_white)
             compare_colours(comparer, a, b, measures);
-        comparer->map[at][0] = (float)largest;
-        comparer->map[at][1] = (float)measures[SPECTRAL_ANGLE];
-        comparer->map[at][2] = (float)fmin(measures[CIEDE2000], (double)FLT_MAX);
+        map_pixel(comparer, at, largest);
     }
 }
 
@@ -228,7 +257,10 @@ static bool compare_chunk(struct comparer *comparer, int first, struct error *er
     for (int row = 0; row < comparer->a.n; row++)
         add_row(comparer, row);
     return !comparer->options->map ||
-           picture_write(&comparer->picture, comparer->map, comparer->a.n, err);
+           picture_write(&comparer->picture,
+                         comparer->out->map == MAP_NUMBERS ? (const void *)comparer->map
+                                                           : (const void *)comparer->colours,
+                         comparer->a.n, err);
 }
 
 /* Turns sums into means and root mean squares. */
@@ -332,11 +364,12 @@ static bool prepare_chunk(struct comparer *comparer, struct error *err)
     comparer->largest_a = calloc(rows, sizeof *comparer->largest_a);
     comparer->measures = calloc(pixels, sizeof *comparer->measures);
     comparer->map = calloc(pixels, sizeof *comparer->map);
+    comparer->colours = calloc(pixels, sizeof *comparer->colours);
     for (int i = 0; i < PIXEL_MEASURES; i++)
         if (!distribution_open(&comparer->distributions[i], err))
             return false;
     return (comparer->spectra && comparer->bands && comparer->largest_a && comparer->measures &&
-            comparer->map) ||
+            comparer->map && comparer->colours) ||
            error_memory(err);
 }
 
@@ -359,20 +392,53 @@ static bool prepare(struct comparer *comparer, struct error *err)
            prepare_chunk(comparer, err);
 }
 
+/* Returns what the map shows: a PNG has one number in colours. */
+static enum map_measure map_measure(const struct comparer *comparer)
+{
+    const char *map = comparer->options->map;
+    return !map || !picture_is_png(map) ? MAP_NUMBERS
+           : comparer->out->has_white   ? MAP_CIEDE2000
+           : comparer->out->components  ? MAP_COMPONENT
+                                        : MAP_RADIANCE;
+}
+
+/* Returns the description of the map, allocated; NULL: no memory. */
+static char *map_description(const struct comparison *comparison)
+{
+    struct printed printed;
+    FILE *to = printed_begin(&printed);
+    if (!to)
+        return NULL;
+    fputs("How two spectral stacks differ", to);
+    if (comparison->map != MAP_NUMBERS) {
+        fputs(". ", to);
+        print_colours(comparison->map, to);
+    }
+    return printed_end(&printed);
+}
+
 static bool open_map(struct comparer *comparer, struct error *err)
 {
-    const bool components = comparer->out->components;
+    struct comparison *out = comparer->out;
+    out->map = map_measure(comparer);
+    if (!comparer->options->map)
+        return true;
+    char *description = map_description(out);
+    if (!description)
+        return error_memory(err);
     const struct picture_options options = {
-        .width = comparer->out->width,
-        .height = comparer->out->height,
-        .samples = PICTURE_FLOAT,
-        .channels = {components ? "largest difference of components"
-                                : "largest difference of radiance",
-                     components ? "component angle in degrees" : "spectral angle in degrees",
+        .width = out->width,
+        .height = out->height,
+        .samples = out->map == MAP_NUMBERS ? PICTURE_FLOAT : PICTURE_8,
+        .srgb = out->map != MAP_NUMBERS,
+        .channels = {out->components ? "largest difference of components"
+                                     : "largest difference of radiance",
+                     out->components ? "component angle in degrees" : "spectral angle in degrees",
                      "CIEDE2000"},
-        .description = "How two spectral stacks differ"};
-    return !comparer->options->map ||
-           picture_open(&comparer->picture, comparer->options->map, &options, err);
+        .description = description};
+    const bool done = picture_open(&comparer->picture, comparer->options->map, &options, err);
+    free(description);
+    return done;
 }
 
 /* ---- the comparison ---- */
@@ -389,6 +455,7 @@ static void comparer_free(struct comparer *comparer)
     free(comparer->largest_a);
     free(comparer->measures);
     free(comparer->map);
+    free(comparer->colours);
 }
 
 bool compare(const char *a, const char *b, const struct compare_options *options,
@@ -472,6 +539,11 @@ void comparison_print(const struct comparison *comparison, FILE *to)
         fprintf(to, "observer          %s\n", comparison->observer);
     else
         fprintf(to, "colour            none: there is no white; --white SPECTRUM gives one\n");
+    if (comparison->map != MAP_NUMBERS) {
+        fputs("map colours       ", to);
+        print_colours(comparison->map, to);
+        putc('\n', to);
+    }
 }
 
 void comparison_free(struct comparison *comparison)

@@ -27,7 +27,7 @@ struct tolerance {
 bool tolerance_read(const char *option, const char *text, struct tolerance *out, struct error *err);
 struct compare_options {
     const char *observer, *white; /* white NULL: what A records */
-    const char *map;              /* TIFF to write; NULL: none */
+    const char *map;              /* PNG or TIFF to write; NULL: none */
     struct tolerance tolerance;
     int threads;
 };
@@ -42,6 +42,8 @@ struct pixel_difference {
     double quantile_95; /* 95 % of the pixels do not exceed it; too high by less than 1/1024 */
     int x, y;           /* the pixel of the largest */
 };
+/* A map shows all three numbers of each pixel (in a TIFF), or one of them in colours. */
+enum map_measure { MAP_NUMBERS, MAP_CIEDE2000, MAP_RADIANCE, MAP_COMPONENT };
 struct comparison {
     int n, width, height;
     bool components;               /* in both stacks: wavelengths_nm is 1, 2, ... */
@@ -53,12 +55,14 @@ struct comparison {
     struct pixel_difference pixels[PIXEL_MEASURES];
     bool has_white; /* without, there are no colours */
     char *observer; /* owned */
+    enum map_measure map;
 };
 /* Compares stack A with stack B. Refuses stacks of different size or wavelengths (EXIT_INPUT),
  * components of different samplings, and a tolerance of colours without a white. The weights of A's
- * sampling give the colours. The map has three float samples a pixel: the largest |A - B| of all
- * pages, the angle between the spectra or components in degrees, CIEDE2000 (0 without a white). It
- * is written even if the stacks differ. */
+ * sampling give the colours. A TIFF map has three float samples a pixel: the largest |A - B| of all
+ * pages, the angle between the spectra or components in degrees, CIEDE2000 (0 without a white). A
+ * PNG map has the colours of scale_colour: for CIEDE2000 from 1/64 on, or without a white for the
+ * largest |A - B| from 1/16384 on. The map is written even if the stacks differ. */
 bool compare(const char *a, const char *b, const struct compare_options *options,
              struct comparison *out, struct error *err);
 bool comparison_is_within(const struct comparison *comparison, const struct tolerance *tolerance);

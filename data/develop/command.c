@@ -6,6 +6,7 @@
 #include "data/base/base.h"
 #include "data/develop/develop.h"
 #include "data/invocation/invocation.h"
+#include "data/pages/pages.h"
 
 /* ---- options ---- */
 
@@ -60,6 +61,18 @@ static bool read_options(const struct options *options, struct sampling_method *
 
 /* ---- the command ---- */
 
+/* Names the picture, if the command line does not, and refuses a PNG of floats. */
+static bool name_picture(struct options *options, const char *stack, struct error *err)
+{
+    const char *floats = options->xyz ? "--xyz" : options->lab ? "--lab" : NULL;
+    if (!options_name_output(options, stack, floats ? "-developed.tif" : "-developed.png", err) ||
+        !picture_accepts(options->output, err))
+        return false;
+    return !floats || !picture_is_png(options->output) ||
+           error_at(err, (struct place){options->output, 0, 0},
+                    "%s writes floats, and a PNG has none; expected .tif or .tiff", floats);
+}
+
 bool command_develop(struct options *options, struct error *err)
 {
     struct sampling_method method;
@@ -68,7 +81,7 @@ bool command_develop(struct options *options, struct error *err)
     const char *stack = options->operand;
     if (!stack)
         return error_usage(err, "develop takes a STACK; try spectral --help");
-    if (!options_name_output(options, stack, "-developed.tif", err) ||
+    if (!name_picture(options, stack, err) ||
         !read_options(options, &method, &develop_options, err) || !scene_refuse(stack, err) ||
         !output_spares(options->output, stack, err) ||
         !develop(stack, options->output, &develop_options, &result, err))

@@ -276,6 +276,7 @@ static bool open_picture(const struct development *of, const char *path, struct 
                    : of->options->bits == 16 ? PICTURE_16
                                              : PICTURE_8,
         .channels = {lab ? "L*" : "X", lab ? "a*" : "Y", lab ? "b*" : "Z"},
+        .srgb = rgb && of->options->display == DISPLAY_SRGB,
         .profile = rgb ? profile : NULL,
         .profile_length = rgb ? profile_write(of->options->display, profile) : 0,
         .description = text};

@@ -38,7 +38,8 @@ struct develop_result {
     double exposure;       /* as used */
     uint64_t out_of_gamut; /* pixels with a channel clipped by more than 1e-6; 0 of XYZ and Lab */
 };
-/* Reads a stack and writes a picture of it. The channels of cameras and films are balanced: each is
+/* Reads a stack and writes a picture of it, whose format follows from the ending of its name; a PNG
+ * has no XYZ and no Lab. The channels of cameras and films are balanced: each is
  * divided by the white's. Refuses adaptation, XYZ and Lab for them. */
 bool develop(const char *stack, const char *output, const struct develop_options *options,
              struct develop_result *out, struct error *err);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "pages": TIFF files out, as pages of one format and as colour pictures. */
+/* The room "pages": TIFF files out, as pages of one format; colour pictures as TIFF or PNG. */
 #ifndef PAGES_H
 #define PAGES_H
 
@@ -47,28 +47,60 @@ bool pages_finish(struct pages *pages, const char *room, struct error *err);
 
 /* ---- picture.c: colour pictures ---- */
 
+/* Refuses the name of a picture whose ending is neither .png nor .tif or .tiff. */
+bool picture_accepts(const char *path, struct error *err);
+bool picture_is_png(const char *path); /* any other picture, as one of /dev/stdout, is a TIFF */
+
 enum picture_samples { PICTURE_8, PICTURE_16, PICTURE_FLOAT };
 struct picture_options {
-    int width, height; /* a picture above 4 GiB becomes a BigTIFF */
-    enum picture_samples samples;
+    int width, height;            /* a TIFF above 4 GiB becomes a BigTIFF */
+    enum picture_samples samples; /* a PNG has no floats */
     const char *channels[3];      /* of a float picture, such as "X", "Y", "Z" */
+    bool srgb;                    /* a PNG says so in chunks of its own, and needs no profile */
     const unsigned char *profile; /* ICC; NULL: none */
     size_t profile_length;
     const char *description; /* ASCII */
 };
 /* A picture that is written from the top, and appears whole or not at all. RGB is one page of three
- * samples a pixel. Floats are three pages, one for each channel, with its name. */
+ * samples a pixel. Floats are three pages, one for each channel, with its name. A PNG is
+ * compressed, and takes the memory of some rows. */
 struct picture_writer {
-    struct pages pages;
     struct picture_options options;
     int row; /* the next one */
+    bool finished;
+    struct pages pages; /* of a TIFF */
+    struct png *png;    /* NULL: a TIFF; owned */
+    struct picture_strip {
+        char *samples;  /* owned */
+        int first, end; /* its rows */
+    } strip;            /* rows that are not complete yet */
 };
+/* The path chooses the format, which picture_accepts. */
 bool picture_open(struct picture_writer *out, const char *path,
                   const struct picture_options *options, struct error *err);
 /* Writes the next rows: three samples a pixel of uint8_t, uint16_t or float. */
 bool picture_write(struct picture_writer *writer, const void *samples, int rows, struct error *err);
+/* Writes a rectangle of RGB, row by row without gaps. Rows are kept until a rectangle reaches the
+ * right border: it comes after all others of its rows, and no row comes before the one above it. */
+struct picture_rectangle {
+    int x, y, width, height;
+};
+bool picture_put(struct picture_writer *writer, const struct picture_rectangle *at,
+                 const void *samples, struct error *err);
+/* picture_finish completes the file; picture_commit does so, too, and lets it appear. */
+bool picture_finish(struct picture_writer *writer, struct error *err);
 bool picture_commit(struct picture_writer *writer, struct error *err);
 void picture_discard(struct picture_writer *writer); /* safe after commit */
+
+/* ---- scale.c: numbers as colours ---- */
+
+/* A scale of colours for numbers from 0 on, in steps of powers of two. 0 is black; numbers up to
+ * `least` are navy, and each doubling is the next colour, from blue over pale yellow (up to 128 x
+ * least) to dark red (up to 4096 x least); all others, also infinity, are maroon. Blue and red stay
+ * apart for colour-blind readers. */
+void scale_colour(double value, double least, uint8_t out[3]);
+/* Prints the meaning of the colours but black, in a line without its end. */
+void scale_print(double least, FILE *to);
 
 /* ---- planes.c: float pages with names ---- */
 
@@ -94,5 +126,15 @@ void planes_discard(struct pages *pages); /* safe after commit */
 /* ---- Inside this room ---- */
 
 uint64_t pages_row_bytes(const struct pages *pages);
+
+/* png.c: a PNG file (ISO/IEC 15948:2004), written from the top. Its bytes do not depend on how many
+ * rows come at once. */
+struct png;
+bool png_open(struct png **out, const char *path, const struct picture_options *options,
+              struct error *err);
+bool png_write(struct png *png, const void *samples, int rows, struct error *err);
+bool png_finish(struct png *png, struct error *err);
+bool png_commit(struct png *png, struct error *err);
+void png_free(struct png *png); /* an uncommitted file is gone; NULL is fine */
 
 #endif

@@ -85,6 +85,7 @@ bool render_again(struct options *options, struct error *err)
     if (!options_name_output(options, options->again, "-again.tif", err))
         return false;
     const struct render_output output = {.path = options->output,
+                                         .check_map = options->check_map,
                                          .again = options->again,
                                          .keep = options->keep,
                                          .discard = discard};

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The map of a check: what could pass at each pixel, how near OpenGL came to it, and the verdict.
- */
+ * A TIFF has these as numbers. A PNG shows both floors in colours, side by side. */
 #include <stdlib.h>
+#include <string.h>
 
 #include "raster/render/render.h"
 
@@ -11,8 +12,37 @@ static const char *const page_names[MAP_PAGES] = {[MAP_FLOOR] = "floor",
                                                   [MAP_RATIO] = "error / bound",
                                                   [MAP_CLASS] = "class"};
 
-bool check_map_open(const char *path, const struct plan *plan, struct check_map *out,
-                    struct error *err)
+/* The least floor that has a colour of its own, in counts: so the last colour begins where a pixel
+ * is not checked. */
+static const double least_floor = 1.0 / 16;
+/* A colour that the scale has not. */
+static const uint8_t colour_differs[3] = {255, 0, 255};
+
+/* ---- in words ---- */
+
+void check_map_print_colours(FILE *to)
+{
+    fputs("floors in counts, in all bands alike (left) and in one band (right): ", to);
+    scale_print(least_floor, to);
+    fputs("; background black; pixels that differ magenta", to);
+}
+
+/* Returns the description of the picture, allocated; NULL: no memory. */
+static char *picture_description(void)
+{
+    struct printed printed;
+    FILE *to = printed_begin(&printed);
+    if (!to)
+        return NULL;
+    fputs("Cross-check of OpenGL. ", to);
+    check_map_print_colours(to);
+    return printed_end(&printed);
+}
+
+/* ---- the file ---- */
+
+static bool open_planes(const char *path, const struct plan *plan, struct check_map *out,
+                        struct error *err)
 {
     const struct planes_options options = {
         .width = plan->scene->width,
@@ -23,14 +53,39 @@ bool check_map_open(const char *path, const struct plan *plan, struct check_map 
             "Cross-check of OpenGL. Floors: the largest error that can pass, in counts of "
             "65535, in all bands alike and in one band; -1: background. Class: 0 checked, "
             "1 ambiguous, 2 not checked, 3 differs."};
+    return planes_open(&out->pages, path, &options, err);
+}
+
+static bool open_picture(const char *path, const struct plan *plan, struct check_map *out,
+                         struct error *err)
+{
+    char *description = picture_description();
+    if (!description)
+        return error_memory(err);
+    const struct picture_options options = {.width = 2 * plan->scene->width,
+                                            .height = plan->scene->height,
+                                            .samples = PICTURE_8,
+                                            .srgb = true,
+                                            .description = description};
+    const bool done = picture_open(&out->picture, path, &options, err);
+    free(description);
+    return done;
+}
+
+bool check_map_open(const char *path, const struct plan *plan, struct check_map *out,
+                    struct error *err)
+{
+    *out = (struct check_map){.coloured = picture_is_png(path), .width = plan->scene->width};
     out->samples = malloc((size_t)plan->tile_width * CHUNK_ROWS * sizeof *out->samples);
     if (!out->samples)
         return error_memory(err);
-    if (planes_open(&out->pages, path, &options, err))
+    if ((out->coloured ? open_picture : open_planes)(path, plan, out, err))
         return true;
     free(out->samples);
     return false;
 }
+
+/* ---- pixels ---- */
 
 static float sample_of(const struct check *check, int page, size_t pixel)
 {
@@ -46,7 +101,7 @@ static float sample_of(const struct check *check, int page, size_t pixel)
     }
 }
 
-bool check_map_write(struct check_map *map, const struct check *check, struct error *err)
+static bool write_planes(struct check_map *map, const struct check *check, struct error *err)
 {
     const struct rectangle *at = &check->chunk->picture.at;
     const size_t n = (size_t)at->width * (size_t)at->height;
@@ -60,18 +115,51 @@ bool check_map_write(struct check_map *map, const struct check *check, struct er
     return true;
 }
 
+/* Colours a floor. Negative floors mean the background. */
+static void colour_pixel(const struct check *check, int page, size_t pixel, uint8_t out[3])
+{
+    const double floor = (double)sample_of(check, page, pixel);
+    scale_colour(floor < 0 ? 0 : floor > least_floor ? floor : least_floor, least_floor, out);
+    if (check_class(check, pixel) == CLASS_DIFFERS)
+        memcpy(out, colour_differs, sizeof colour_differs);
+}
+
+static bool write_colours(struct check_map *map, const struct check *check, struct error *err)
+{
+    const struct rectangle *at = &check->chunk->picture.at;
+    const size_t n = (size_t)at->width * (size_t)at->height;
+    uint8_t *colours = (uint8_t *)map->samples; /* 3 of its 4 bytes a pixel */
+    for (int page = MAP_FLOOR; page <= MAP_BAND_FLOOR; page++) {
+        const struct picture_rectangle to = {at->x + (page == MAP_FLOOR ? 0 : map->width), at->y,
+                                             at->width, at->height};
+        for (size_t i = 0; i < n; i++)
+            colour_pixel(check, page, i, colours + 3 * i);
+        if (!picture_put(&map->picture, &to, colours, err))
+            return false;
+    }
+    return true;
+}
+
+bool check_map_write(struct check_map *map, const struct check *check, struct error *err)
+{
+    return (map->coloured ? write_colours : write_planes)(map, check, err);
+}
+
+/* ---- the end ---- */
+
 bool check_map_finish(struct check_map *map, struct error *err)
 {
-    return planes_finish(&map->pages, err);
+    return map->coloured ? picture_finish(&map->picture, err) : planes_finish(&map->pages, err);
 }
 
 bool check_map_commit(struct check_map *map, struct error *err)
 {
-    return planes_commit(&map->pages, err);
+    return map->coloured ? picture_commit(&map->picture, err) : planes_commit(&map->pages, err);
 }
 
 void check_map_discard(struct check_map *map)
 {
+    picture_discard(&map->picture);
     planes_discard(&map->pages);
     free(map->samples);
     map->samples = NULL;

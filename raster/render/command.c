@@ -26,18 +26,23 @@ static const char *asks_check(const struct options *options)
                                 : NULL;
 }
 
-/* Refuses such an option beside --no-check, and a map in the stack's place or in that of the
- * report.
- */
-static bool check_asked(const struct options *options, struct error *err)
+/* Refuses such an option beside --no-check, a map of an unknown format, and outputs of the same
+ * name. */
+static bool check_asked(const struct options *options, const struct render_output *output,
+                        struct error *err)
 {
-    const char *checks = options->no_check ? asks_check(options) : NULL, *map = options->check_map;
+    const char *const names[] = {output->path, output->check_map, options->json};
+    static const char *const words[] = {"--output", "--check-map", "--json"};
+    const char *checks = options->no_check ? asks_check(options) : NULL;
     if (checks)
         return error_usage(err, "%s needs the check that --no-check leaves out", checks);
-    if (map && options->output && strcmp(map, options->output) == 0)
-        return error_usage(err, "--check-map and --output name the same file; expected two files");
-    return !map || !options->json || strcmp(map, options->json) != 0 ||
-           error_usage(err, "--check-map and --json name the same file; expected two files");
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < i; j++)
+            if (names[i] && names[j] && strcmp(names[i], names[j]) == 0 &&
+                strcmp(names[i], "/dev/null") != 0)
+                return error_usage(err, "%s and %s name the same file; expected two files",
+                                   words[i], words[j]);
+    return !output->check_map || picture_accepts(output->check_map, err);
 }
 
 /* Refuses options that need OpenGL in a program without it. Reads no file. again: the stack to make
@@ -106,6 +111,11 @@ static void print_report(const struct plan *plan, const struct render_result *re
     report_print(plan, result, to);
     if (stored)
         fprintf(to, "stack             %s\n", stored);
+    if (output->check_map && picture_is_png(output->check_map)) {
+        fputs("map colours       ", to);
+        check_map_print_colours(to);
+        putc('\n', to);
+    }
     if (result->difference.compared)
         fprintf(to, "again             %s bytes as %s\n",
                 result->difference.found ? "not the same" : "the same", output->again);
@@ -120,9 +130,10 @@ static bool report(const struct options *options, const struct plan *plan,
     bool agreed = render_agreed(plan, result);
     const char *wanted = output->discard ? NULL : output->path;
     const char *stored = agreed || output->keep ? wanted : NULL;
-    /* the JSON or the stack itself (-o /dev/stdout) may use standard output */
-    bool taken =
-        (options->json && strcmp(options->json, "-") == 0) || (stored && !file_is_regular(stored));
+    /* the JSON, the stack itself (-o -) or the map may use standard output */
+    bool taken = (options->json && output_is_standard(options->json)) ||
+                 (stored && !file_is_regular(stored)) ||
+                 (output->check_map && !file_is_regular(output->check_map));
     if (options->json && !write_json(options, plan, result, stored, err))
         return false;
     if (!options->quiet) {
@@ -200,7 +211,7 @@ bool render_with_options(const struct options *options, const struct render_outp
     struct plan_options plan_options;
     struct render_seconds seconds = {.read = 0};
     double start = clock_seconds();
-    bool done = check_asked(options, err) && plan_options_of(options, &plan_options, err) &&
+    bool done = check_asked(options, output, err) && plan_options_of(options, &plan_options, err) &&
                 check_gl(options, output->again, err) &&
                 scene_read_sampled(options, &scene, &sampling, err) &&
                 check_shading(options, &scene, &plan_options, err) &&

@@ -86,12 +86,18 @@ bool render_scene(struct options *options, struct error *err);
 
 /* ---- inside this room ---- */
 
-/* check_map.c. A map of the check, written chunk by chunk: float pages of the floor, the floor of
- * one band, the largest error / bound, and enum check_class. */
+/* check_map.c. A map of the check, written chunk by chunk. A TIFF has float pages of the floor, the
+ * floor of one band, the largest error / bound, and enum check_class. A PNG, twice as wide, has the
+ * two floors in colours, side by side. */
 struct check_map {
     struct pages pages;
+    struct picture_writer picture;
+    bool coloured;  /* a PNG */
+    int width;      /* of the scene's picture */
     float *samples; /* of a chunk */
 };
+/* Prints the meaning of a PNG's colours, in a line without its end. */
+void check_map_print_colours(FILE *to);
 bool check_map_open(const char *path, const struct plan *plan, struct check_map *out,
                     struct error *err);
 bool check_map_write(struct check_map *map, const struct check *check, struct error *err);

@@ -100,6 +100,16 @@ small="--size 40x30 --wavelengths 400:700:50"
         cat >"$tmp/piped.tif"
     cmp -s "$tmp/a.tif" "$tmp/piped.tif"
     ok $? "a stack through a pipe has the same bytes; the table goes to standard error"
+    "$SPECTRAL" render patches $small -o - 2>"$tmp/err" >"$tmp/piped.tif"
+    cmp -s "$tmp/a.tif" "$tmp/piped.tif" && grep -q '^stack  *-$' "$tmp/err" && [ ! -e ./- ]
+    ok $? "-o - writes the same bytes to standard output, and no file of that name"
+    exits 0 "a map goes to standard output" "$SPECTRAL" render patches $small -o /dev/null --check-map -
+    says '^map|^verdict' "the table then goes to standard error"
+    exits 2 "two outputs do not share standard output" "$SPECTRAL" render patches $small -o - --json -
+    says 'name the same file' "the message names both options"
+    exits 2 "a map of another format is refused" "$SPECTRAL" render patches $small -o "$tmp/none" --check-map "$tmp/map.gif"
+    says 'map.gif: error: the ending .gif is unknown; expected .png, .tif or .tiff' "the message lists the formats"
+    absent "$tmp/none" "a map of another format"
 
     # An interrupted render leaves no file behind and keeps an old one.
     "$SPECTRAL" render colorchecker --size 3000x2000 -o "$tmp/old.tif" >"$tmp/out" 2>&1 &

@@ -9,11 +9,13 @@ import sys
 
 import numpy as np
 import tifffile
+from osgeo import gdal
 
 sys.dont_write_bytecode = True
 from colours import cie94, cielab, ciede2000
 from rendered import SPECTRAL, TMP, check, done, write
 
+gdal.UseExceptions()
 NUMBER = r"([-+.e\d]+)"
 SIX_DIGITS = 6e-6  # relative: printed numbers
 FLOAT = 1e-7       # relative: values of the map
@@ -183,6 +185,50 @@ def test_threads(a, b):
     check(outputs[0] == outputs[1] == outputs[2], "text and map do not depend on the number of threads")
 
 
+# ---- a map in colours ----
+
+def steps(values, least):
+    """0 of 0, otherwise the number of the first power of two that holds the value, up to 14."""
+    with np.errstate(divide="ignore"):
+        return np.where(values == 0, 0, np.clip(np.ceil(np.log2(values / least)), 0, 13) + 1)
+
+
+def test_colours(what, b, page, least, *options):
+    """The colours of a PNG stand for the steps of the TIFF's values, each for one."""
+    png, tiff = (os.path.join(TMP, "colours" + ending) for ending in (".png", ".tif"))
+    compare(A, b, "--map", tiff, *options)
+    table = compare(A, b, "--map", png, *options).stdout
+    image = gdal.Open(png).ReadAsArray().astype(int)
+    colours, expected = image[0] << 16 | image[1] << 8 | image[2], steps(read_map(tiff)[page], least)
+    pairs = set(zip(expected.ravel(), colours.ravel()))
+    check(len(pairs) == len({step for step, _ in pairs}) == len({colour for _, colour in pairs}) > 5 and
+          (0, 0) in pairs, f"{what}: each power of two has a colour, and 0 is black", sorted(pairs))
+    navy = 8 << 16 | 29 << 8 | 88
+    check((1, navy) in pairs and f"map colours       {what}: 0 black, up to 1/{1 / least:.0f} navy, " in table,
+          f"{what}: the table says what navy stands for", table[-400:])
+
+
+def coloured_maps():
+    """Differences of 0, of less than the first step, and of all powers of two."""
+    changed = PIXELS.astype(float)
+    changed[:, 2:] += 2 ** random.uniform(-30, 3, (H - 2, W))
+    other = stack("coloured.tif", changed, NM)
+    test_colours("CIEDE2000", other, 2, 1 / 64, "--white", "d65")
+    test_colours("largest difference of radiance", other, 0, 1 / 16384)
+    png = os.path.join(TMP, "threads.png")
+    files = []
+    for threads in "1", "5":
+        compare(A, other, "--map", png, "--threads", threads)
+        files.append(open(png, "rb").read())
+    check(files[0] == files[1], "a PNG does not depend on the number of threads")
+    result = compare(A, other, "--map", "map.jpg")
+    check(result.returncode == 2 and "map.jpg: error: the ending .jpg is unknown; expected .png, .tif or .tiff"
+          in result.stderr, "a map of another format is refused", result.stderr)
+    result = subprocess.run([SPECTRAL, "compare", A, other, "--map", "-"], capture_output=True, check=False)
+    check(result.stdout.startswith(b"II*") and b"spectral angle" in result.stderr
+          and not os.path.exists("-"), "--map - writes to standard output, and the table to standard error", result.stderr)
+
+
 # ---- components ----
 
 def components():
@@ -276,6 +322,7 @@ test_statistics("large", LARGE, LARGE * random.random(LARGE.shape, dtype=np.floa
                 list(range(400, 600, 5)), "cie1931")
 test_threads(A, os.path.join(TMP, "one-pixel.tif"))
 test_threads(os.path.join(TMP, "large-a.tif"), os.path.join(TMP, "large-b.tif"))
+coloured_maps()
 components()
 test_refusals()
 done()

@@ -5,9 +5,14 @@ compares them pixel by pixel; some have closed forms. Prints TAP."""
 import io
 import os
 import re
+import pty
 import resource
+import signal
+import struct
 import subprocess
 import sys
+import time
+import zlib
 
 import numpy as np
 import tifffile
@@ -357,6 +362,165 @@ def chunks_and_threads():
                   f"rows developed alone equal those of the whole picture {' '.join(options)}")
 
 
+# ---- PNG ----
+
+SRGB_CHROMATICITIES = 31270, 32900, 64000, 33000, 30000, 60000, 15000, 6000  # ISO/IEC 15948:2004, 11.3.3.5
+
+
+def chunks(path):
+    """[(kind, bytes)] of a PNG file; the sum of each chunk is checked."""
+    data, at, found = open(path, "rb").read(), 8, []
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at:at + 8])
+        body = data[at + 8:at + 8 + length]
+        if struct.unpack(">I", data[at + 8 + length:at + 12 + length])[0] != zlib.crc32(kind + body):
+            return []
+        found.append((kind.decode(), body))
+        at += 12 + length
+    return found if data[:8] == b"\x89PNG\r\n\x1a\n" else []
+
+
+def filters(path):
+    """The numbers of the filters of a PNG's rows."""
+    parts = chunks(path)
+    width, _, bits = struct.unpack(">IIB", parts[0][1][:9])
+    rows = zlib.decompress(b"".join(body for kind, body in parts if kind == "IDAT"))
+    return set(rows[::1 + 3 * width * bits // 8])
+
+
+def png_pair(stack, *options):
+    """The paths of a stack developed as PNG and as TIFF."""
+    paths = [os.path.join(TMP, "pair" + ending) for ending in (".png", ".tif")]
+    for path in paths:
+        result = run(stack.path, "-o", path, "--quiet", *options)
+        if result.returncode != 0:
+            check(False, "a picture is developed as PNG and as TIFF", result.stderr)
+    return paths
+
+
+def png_readers(stack):
+    for bits in "8", "16":
+        for display in "srgb", "monitor":
+            png, tiff = png_pair(stack, "--bits", bits, "--display", display, "--exposure", "2")
+            what, pixels = f"PNG, {bits} bits, {display}", tifffile.imread(tiff)
+            parts = chunks(png)
+            kinds = [kind for kind, _ in parts]
+            expected = ["IHDR", *(["gAMA", "cHRM", "sRGB"] if display == "srgb" else ["iCCP"]), "tEXt", "tEXt"]
+            check(kinds[:len(expected)] == expected and set(kinds[len(expected):-1]) == {"IDAT"} and kinds[-1] == "IEND",
+                  f"{what}: its chunks are whole and in order", kinds)
+            seen = gdal.Open(png)
+            check(seen.GetDriver().ShortName == "PNG" and
+                  np.array_equal(seen.ReadAsArray().transpose(1, 2, 0), pixels) and np.ptp(pixels) > 0,
+                  f"{what}: GDAL reads the samples of the TIFF")
+            result = subprocess.run(["pngcheck", "-q", png], capture_output=True, text=True, check=False)
+            check(result.returncode == 0 and not result.stdout, f"{what}: pngcheck finds no fault", result.stdout)
+            with Image.open(png) as image, Image.open(tiff) as other:
+                image.load()
+                if bits == "8":
+                    check(image.mode == "RGB" and np.array_equal(np.asarray(image), pixels),
+                          f"{what}: Pillow reads the samples of the TIFF")
+                profile = image.info.get("icc_profile")
+                check(profile == (tifffile.TiffFile(tiff).pages[0].tags[34675].value if display == "monitor" else None),
+                      f"{what}: the profile is that of the TIFF, and sRGB needs none")
+                check(image.info["Software"] == other.tag_v2[305] and image.info["Description"] == other.tag_v2[270],
+                      f"{what}: program and description are those of the TIFF", image.info)
+                if display == "srgb":
+                    check(image.info["srgb"] == 0 and image.info["gamma"] == 0.45455 and
+                          struct.unpack(">8I", dict(parts)["cHRM"]) == SRGB_CHROMATICITIES,
+                          f"{what}: it has the gamma and the chromaticities of the standard")
+
+
+def png_sizes():
+    """Pictures of odd sizes, smooth and of noise, so that rows take each of the five filters."""
+    random, used = np.random.default_rng(15), set()
+    nm = [450, 550, 610]
+    for height, width in (1, 1), (5, 7), (1, 400), (400, 1), (3, 30000), (301, 300):
+        y, x = np.mgrid[:height, :width] / max(height, width)
+        smooth = np.array([x, y, x * y])
+        noise = random.random((3, height, width)) * (y > 0.5)
+        stack = Stack(os.path.join(TMP, "sized.tif"), nm, smooth / 2 + noise / 4)
+        with tifffile.TiffWriter(stack.path) as tiff:
+            for centre, page in zip(nm, stack.radiance.astype(np.float32)):
+                tiff.write(page, contiguous=False, metadata=None, photometric="minisblack",
+                           extratags=[(285, 2, 0, f"{centre} nm", True)])
+        for bits in "8", "16":
+            png, tiff = png_pair(stack, "--bits", bits)
+            check(np.array_equal(gdal.Open(png).ReadAsArray().transpose(1, 2, 0), gdal.Open(tiff).ReadAsArray()
+                                 .transpose(1, 2, 0)), f"a PNG of {width}x{height} pixels and {bits} bits is exact")
+            used |= filters(png)
+    check(used == set(range(5)), "these rows take all five filters", used)
+
+
+def png_threads(stack):
+    """Bytes do not depend on threads, nor on the rows that are developed at once: test_picture.c."""
+    files = []
+    for threads in "1", "2", "5":
+        png, _ = png_pair(stack, "--threads", threads)
+        files.append(open(png, "rb").read())
+    check(files[0] == files[1] == files[2], "1, 2 and 5 threads give the same PNG")
+
+
+def png_refusals(stack):
+    for name, says, *options in (("x.jpg", "x.jpg: error: the ending .jpg is unknown; expected .png, .tif or .tiff"),
+                                 ("x.pngs", "expected .png, .tif or .tiff"), ("x.y/z.bmp", "expected .png"),
+                                 ("x.png", "--xyz writes floats, and a PNG has none; expected .tif or .tiff", "--xyz"),
+                                 ("x.PNG", "--lab writes floats", "--lab")):
+        result = run("missing.tif", "-o", os.path.join(TMP, name), *options)  # refused before the stack is read
+        check(result.returncode == 2 and says.encode() in result.stderr and result.stderr.count(b"\n") == 1
+              and not os.path.exists(os.path.join(TMP, name)), f"refused: {result.stderr.decode().strip()}")
+    for name, start in ("x.PNG", b"\x89PNG"), ("x.Tiff", b"II*"), ("x", b"II*"), ("x.", b"II*"), (".x", b"II*"):
+        path = os.path.join(TMP, name)
+        result = run(stack.path, "-o", path, "--quiet")
+        check(result.returncode == 0 and open(path, "rb").read(4).startswith(start), f"{name} chooses its format",
+              result.stderr)
+        os.unlink(path)
+
+
+def named_by_default(stack):
+    program = os.path.abspath(SPECTRAL)
+    for options, name in ((), "lights-developed.png"), (("--xyz",), "lights-developed.tif"):
+        result = subprocess.run([program, "develop", os.path.basename(stack.path), *options], cwd=TMP, capture_output=True, check=False)
+        check(result.returncode == 0 and os.path.exists(os.path.join(TMP, name)),
+              f"without -o the picture is {name}", result.stderr)
+
+
+def standard_output(stack):
+    path = os.path.join(TMP, "file.tif")
+    table = run(stack.path, "-o", path).stdout
+    result = run(stack.path, "-o", "-")
+    check(result.returncode == 0 and result.stdout == open(path, "rb").read() and
+          result.stderr == table.replace(path.encode(), b"-"), "-o - writes the file to standard output, and the table to standard error")
+    check(not os.path.exists("-"), "-o - makes no file of that name")
+    with open("/dev/full", "wb") as full:
+        result = subprocess.run([SPECTRAL, "develop", stack.path, "-o", "-"], stdout=full, stderr=subprocess.PIPE,
+                                check=False)
+    check(result.returncode == 3 and b"cannot write to standard output" in result.stderr, "a full standard output is noticed",
+          result.stderr)
+    for name in "-", "/dev/stdout":
+        ours, theirs = pty.openpty()
+        result = subprocess.run([SPECTRAL, "develop", stack.path, "-o", name], stdout=theirs, stderr=subprocess.PIPE,
+                                check=False)
+        os.close(theirs)
+        os.close(ours)
+        check(result.returncode == 2 and b"is a terminal" in result.stderr, f"-o {name} to a terminal is refused",
+              result.stderr)
+
+
+def interrupted():
+    """A large picture is interrupted while it is written. Neither it nor its temporary file stays."""
+    nm, path = [450, 550, 610], os.path.join(TMP, "interrupted.png")
+    large = foreign("large", nm, np.random.default_rng(1).random((3, 3000, 2000)))
+    before = set(os.listdir(TMP))
+    process = subprocess.Popen([SPECTRAL, "develop", large.path, "-o", path, "--bits", "16", "--quiet"],
+                               stderr=subprocess.DEVNULL)
+    while process.poll() is None and set(os.listdir(TMP)) == before:
+        time.sleep(0.01)
+    process.send_signal(signal.SIGTERM)
+    status = process.wait()
+    check(status == -signal.SIGTERM and set(os.listdir(TMP)) == before, "an interrupted PNG leaves no file",
+          status, set(os.listdir(TMP)) - before)
+
+
 # ---- sampling ----
 
 def sampled_stack(name, *options):
@@ -452,7 +616,7 @@ def black_and_forged(rgb):
     with open(forged, "wb") as out:
         out.write(open(rgb, "rb").read().replace(b"sampling: rgb\nsampling_detector: cie1931",
                                                  b"sampling: %1B\nsampling_detector: cie1931"))
-    result = run(forged, "-o", out.name + ".out")
+    result = run(forged, "-o", out.name + ".seen.tif")
     check(result.returncode == 0 and b"? for cie1931 (recorded)" in result.stdout and b"\33" not in result.stdout,
           "a control character is not printed", result.stdout, result.stderr)
 
@@ -498,12 +662,21 @@ def full_disks(stack):
     before = sorted(os.listdir(TMP))
 
     def limit():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (512, 512))
     result = run(stack.path, "-o", os.path.join(TMP, "full.tif"), preexec_fn=limit, restore_signals=False)
     check(result.returncode == 3 and result.stderr.count(b"\n") == 1 and sorted(os.listdir(TMP)) == before,
           "a full disk gives exit 3, one line and no file", result.stderr)
-    result = run(stack.path, "-o", "/dev/full")
-    check(result.returncode == 3 and result.stderr.count(b"\n") == 1, "a full device gives exit 3", result.stderr)
+    result = run(stack.path, "-o", os.path.join(TMP, "full.png"), "--bits", "16", preexec_fn=limit,
+                 restore_signals=False)
+    check(result.returncode == 3 and result.stderr.count(b"\n") == 1 and sorted(os.listdir(TMP)) == before,
+          "a full disk gives exit 3, one line and no PNG", result.stderr)
+    for name in "device", "device.png":
+        device = os.path.join(TMP, name)
+        os.symlink("/dev/full", device)
+        result = run(stack.path, "-o", device)
+        check(result.returncode == 3 and result.stderr.count(b"\n") == 1, f"a full device gives exit 3: {name}",
+              result.stderr)
+        os.unlink(device)
     result = run(stack.path, "-o", os.path.join(TMP, "quiet.tif"), "--quiet")
     check(result.returncode == 0 and result.stdout == result.stderr == b"", "--quiet prints nothing")
 
@@ -514,6 +687,13 @@ factors(lights)
 recomputed(lights)
 foreign_stacks()
 readers(lights)
+png_readers(lights)
+png_sizes()
+png_threads(lights)
+png_refusals(lights)
+named_by_default(lights)
+standard_output(lights)
+interrupted()
 chunks_and_threads()
 SAMPLED = samplings()
 components(SAMPLED[2])

@@ -73,7 +73,7 @@ exits 0 "develop accepts --quiet" "$SPECTRAL" develop "$stack" -o "$tmp/seen.tif
 ok $? "--quiet prints nothing"
 case $SPECTRAL in /*) program=$SPECTRAL ;; *) program=$PWD/$SPECTRAL ;; esac
 (cd "$tmp" && exec "$program" develop stack.tif --quiet)
-[ -s "$tmp/stack-developed.tif" ]
+[ -s "$tmp/stack-developed.png" ]
 ok $? "without -o the picture is named after the stack"
 exits 3 "a full device is a failure of the system" "$SPECTRAL" develop "$stack" -o /dev/full
 one_line "a full device"
@@ -132,6 +132,8 @@ exits 0 "probe writes a plot" "$SPECTRAL" probe "$stack" 2 2 4 4 --svg -o "$tmp/
 "$python" -c 'import sys, xml.etree.ElementTree as e; sys.exit(0 if e.parse(sys.argv[1]).getroot().tag.endswith("svg") else 1)' \
     "$tmp/plot.svg"
 ok $? "the plot is well-formed"
+"$SPECTRAL" probe "$stack" 2 2 4 4 --svg -o - | cmp -s - "$tmp/plot.svg"
+ok $? "-o - writes the plot to standard output"
 exits 0 "probe prints the spectrum of a scene" "$SPECTRAL" probe patches 5 5 --size 60x40
 prints 'light 1 \(d65\)' "probe of a scene prints its light"
 prints 'reflectance' "probe of a scene prints its reflectance"
@@ -171,6 +173,9 @@ refused "compare with half a stack" 'cut.tif' compare "$stack" "$tmp/cut.tif" --
 
 exits 0 "view writes a page" "$SPECTRAL" view patches --size 60x40 -o "$tmp/page.html"
 prints '^page +.*page.html' "view prints the name of the page"
+"$SPECTRAL" view patches --size 60x40 -o - 2>"$tmp/err" | cmp -s - "$tmp/page.html"
+ok $? "-o - writes the page to standard output"
+says '^page +-' "the table then goes to standard error"
 grep -q '<script' "$tmp/page.html" && ! grep -Eq '(src|href)="?(https?:)?//' "$tmp/page.html"
 ok $? "the page names no other address"
 refused "a page of 25 megapixels" '--size' view --size 5000x5000 -o "$tmp/none"

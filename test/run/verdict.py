@@ -12,6 +12,7 @@ import sys
 
 import numpy as np
 import tifffile
+from PIL import Image
 
 sys.dont_write_bytecode = True
 from rendered import SPECTRAL, TMP, check, done
@@ -21,6 +22,7 @@ ENDLESS = os.path.join(os.path.dirname(FAULTS), "spectral-endless")
 DRIVERS = "llvmpipe", "softpipe"
 CASES = "test/cases/verdict/"
 SMALL = "--size", "300x200", "--wavelengths", "400:700:20"
+BACKGROUND = -1000
 CHECKED, AMBIGUOUS, NOT_CHECKED, DIFFERS = range(4)
 
 
@@ -202,9 +204,37 @@ def check_map():
     failed = Render("patches", fault=43, mapped=True)
     check(failed.status == 1 and (failed.map["class"] == DIFFERS).sum() == 1 == failed.report["check"]["unexplained_pixels"],
           "the map of a picture that differs is written, and shows where")
+    coloured_map()
     absent = subprocess.run([SPECTRAL, "render", "patches", "-o", "/dev/null", "--check-map", "/nowhere/map.tif"],
                             capture_output=True, text=True, check=False)
     check(absent.returncode == 2 and "/nowhere/map.tif" in absent.stderr, "a map that cannot be written is named", absent)
+
+
+def read_colours(*command, **options):
+    """The two halves of a map as PNG: a number for each pixel's colour."""
+    path = os.path.join(TMP, "map.png")
+    subprocess.run([SPECTRAL, "render", *command, "-o", "/dev/null", "--quiet", "--check-map", path], check=False,
+                   stderr=subprocess.DEVNULL, **options)
+    image = np.asarray(Image.open(path)).astype(int)
+    return np.split(image[..., 0] << 16 | image[..., 1] << 8 | image[..., 2], 2, axis=1)
+
+
+def coloured_map():
+    """A PNG shows both floors. Each power of two has a colour; background and pixels that differ have others."""
+    scenes = (("textures", "--size", "240x160"), ("pasture", "--size", "300x200"), ("patches", "--size", "40x9000"))
+    for words in scenes:
+        pages, colours = Render(*words, mapped=True).map, read_colours(*words)
+        pairs = set()
+        for floor, seen in zip((pages["floor"], pages["floor in one band"]), colours):
+            step = np.where(floor < 0, BACKGROUND, np.clip(np.ceil(np.log2(np.maximum(floor, 1 / 16))), -4, 9))
+            pairs |= set(zip(step.ravel(), seen.ravel()))
+        check(len(pairs) == len({step for step, _ in pairs}) == len({colour for _, colour in pairs}) >= 3 and
+              all((step == BACKGROUND) == (colour == 0) for step, colour in pairs),
+              f"{words[0]}: each power of two has a colour of its own in both halves of the PNG", sorted(pairs))
+    wrong = Render("patches", fault=43, mapped=True).map["class"] == DIFFERS
+    environment = {**os.environ, "GALLIUM_DRIVER": "llvmpipe", "FAULT": "43", "LD_PRELOAD": FAULTS}
+    for seen in read_colours("patches", env=environment):
+        check(((seen == 0xff00ff) == wrong).all() and wrong.sum() == 1, "the pixel that differs is magenta in the PNG")
 
 
 def main():

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Pictures are read back with libtiff. */
+/* TIFF pictures are read back with libtiff. test/run/develop.py reads PNG files with other
+ * programs. */
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/resource.h>
@@ -232,19 +233,25 @@ static int files_here(void)
     return n;
 }
 
-static void test_full_disk(void)
+/* Room for less than the whole file. */
+static void test_full_disk(const char *path)
 {
     const struct picture_options options = options_of(PICTURE_16, 300, 301);
-    const char *path = "picture_full.tif";
+    struct error written = {0};
+    struct stat whole = {.st_size = 0};
+    CHECK(write_picture(path, &options, 50, &written) && stat(path, &whole) == 0, "%s: written %s",
+          path, written.text);
+    unlink(path);
     const int before = files_here();
     signal(SIGXFSZ, SIG_IGN);
-    for (rlim_t size = 0; size <= 400000; size += 100000) {
+    for (int part = 0; part < 5; part++) {
+        const off_t size = (whole.st_size - 1) * part / 4;
         struct error err = {0};
-        limit_files(size);
+        limit_files((rlim_t)size);
         const bool done = write_picture(path, &options, 50, &err);
         limit_files(RLIM_INFINITY);
         CHECK(!done && err.status == EXIT_SYSTEM && files_here() == before,
-              "no room for more than %d bytes: %s", (int)size, err.text);
+              "%s: no room for more than %d bytes: %s", path, (int)size, err.text);
     }
     struct error err = {0};
     CHECK(!write_picture("/dev/full", &options, 50, &err) && err.status == EXIT_SYSTEM,
@@ -252,10 +259,9 @@ static void test_full_disk(void)
 }
 
 /* A picture that is not committed leaves the old file. */
-static void test_discard(void)
+static void test_discard(const char *path)
 {
     const struct picture_options options = options_of(PICTURE_8, 300, 301);
-    const char *path = "picture_kept.tif";
     struct picture_writer writer;
     struct error err = {0};
     char kept[5] = "";
@@ -302,6 +308,123 @@ static pid_t read_pipe(const char *pipe, const char *copy, size_t most)
     _exit(to == NULL || fclose(to) != 0);
 }
 
+/* ---- PNG ---- */
+
+/* The bytes of a PNG are the same, however many rows come at once. */
+static void test_png_rows(void)
+{
+    static const enum picture_samples kinds[] = {PICTURE_8, PICTURE_16};
+    for (size_t kind = 0; kind < sizeof kinds / sizeof kinds[0]; kind++) {
+        const struct picture_options options = options_of(kinds[kind], 700, 301);
+        struct error err = {0};
+        CHECK(write_picture("rows.png", &options, 301, &err), "a PNG is written %s", err.text);
+        for (int step = 1; step < 300; step *= 7)
+            CHECK(write_picture("some.PNG", &options, step, &err) &&
+                      same_files("rows.png", "some.PNG"),
+                  "written %d rows at a time it has the same bytes", step);
+        unlink("some.PNG");
+        unlink("rows.png");
+    }
+}
+
+/* Copies a rectangle of a picture of 8 bits and this width. */
+static void copy_rectangle(const uint8_t *picture, int width, const struct picture_rectangle *at,
+                           uint8_t *out)
+{
+    const size_t n = 3 * (size_t)at->width;
+    for (int row = 0; row < at->height; row++)
+        memcpy(out + (size_t)row * n, picture + 3 * ((at->y + row) * width + at->x), n);
+}
+
+/* Writes tiles of 30 x 20 pixels, each in rectangles of 8 rows or fewer. */
+static bool put_tiles(struct picture_writer *writer, const uint8_t *picture, struct error *err)
+{
+    static uint8_t part[3 * 30 * 8];
+    const int width = writer->options.width, height = writer->options.height;
+    for (int y = 0; y < height; y += 20)
+        for (int x = 0; x < width; x += 30)
+            for (int row = y; row < y + 20 && row < height; row += 8) {
+                const int end = y + 20 < height ? y + 20 : height;
+                const struct picture_rectangle at = {x, row, width - x < 30 ? width - x : 30,
+                                                     end - row < 8 ? end - row : 8};
+                copy_rectangle(picture, width, &at, part);
+                if (!picture_put(writer, &at, part, err))
+                    return false;
+            }
+    return true;
+}
+
+/* A picture of rectangles has the bytes of a picture of rows. */
+static void test_rectangles(void)
+{
+    static uint8_t picture[3 * 100 * 70];
+    for (int width = 29; width <= 100; width += 71) {
+        const struct picture_options options = options_of(PICTURE_8, width, 70);
+        struct picture_writer writer;
+        struct error err = {0};
+        for (int y = 0; y < options.height; y++)
+            fill_row(&options, y, picture + 3 * (size_t)y * (size_t)width);
+        const bool done = picture_open(&writer, "tiles.png", &options, &err) &&
+                          put_tiles(&writer, picture, &err) && picture_commit(&writer, &err);
+        CHECK(done && write_picture("rows.png", &options, 9, &err) &&
+                  same_files("tiles.png", "rows.png"),
+              "%d pixels wide: tiles give the bytes that rows give %s", width, err.text);
+        picture_discard(&writer);
+    }
+    unlink("tiles.png");
+    unlink("rows.png");
+}
+
+static void test_formats(void)
+{
+    static const struct {
+        const char *path;
+        bool good, png;
+    } names[] = {{"a.png", true, true},     {"b/a.Png", true, true}, {"a.tif", true, false},
+                 {"a.b.TIFF", true, false}, {"-", true, false},      {"/dev/fd/3", true, false},
+                 {"a.png/b", true, false},  {".png", true, false},   {"a.jpg", false, false},
+                 {"a.png.gz", false, false}};
+    for (size_t i = 0; i < sizeof names / sizeof names[0]; i++) {
+        struct error err = {0};
+        const bool good = picture_accepts(names[i].path, &err), png = picture_is_png(names[i].path);
+        CHECK(good == names[i].good && png == names[i].png, "%s: %s", names[i].path,
+              !good ? err.text
+              : png ? "PNG"
+                    : "TIFF");
+    }
+}
+
+/* ---- the scale ---- */
+
+static bool same_colour(double one, double other)
+{
+    uint8_t a[3], b[3];
+    scale_colour(one, 0.25, a);
+    scale_colour(other, 0.25, b);
+    return memcmp(a, b, 3) == 0;
+}
+
+/* Steps end at powers of two, and no two steps share a colour. */
+static void test_scale(void)
+{
+    uint8_t rgb[3];
+    scale_colour(0, 0.25, rgb);
+    CHECK(rgb[0] + rgb[1] + rgb[2] == 0, "0 is black");
+    CHECK(!same_colour(0, 1e-300) && same_colour(1e-300, 0.25),
+          "all numbers up to the least share");
+    int wrong = 0;
+    for (int step = 0; step < 13; step++) {
+        const double most = ldexp(0.25, step), above = most * (1 + 1e-15);
+        wrong += !same_colour(0.51 * most, most) && step > 0;
+        wrong += same_colour(most, above);
+        for (int other = 0; other < step; other++)
+            wrong += same_colour(most, ldexp(0.25, other));
+    }
+    CHECK(wrong == 0, "each of 13 steps ends at a power of two, and has a colour of its own");
+    CHECK(same_colour(1025, HUGE_VAL) && same_colour(1025, NAN) && !same_colour(1024, 1025),
+          "numbers above the largest step and NaN share the last colour");
+}
+
 static void test_pipe(void)
 {
     const struct picture_options options = options_of(PICTURE_16, 300, 301);
@@ -336,9 +459,15 @@ int main(void)
     test_big(PICTURE_8, 40000);
     test_big(PICTURE_FLOAT, 20000);
     test_impossible();
-    test_full_disk();
-    test_discard();
+    test_full_disk("picture_full.tif");
+    test_full_disk("picture_full.png");
+    test_discard("picture_kept.tif");
+    test_discard("picture_kept.png");
     test_damage();
+    test_png_rows();
+    test_rectangles();
+    test_formats();
+    test_scale();
     test_pipe();
     return test_end();
 }
