@@ -48,7 +48,8 @@ static const struct command commands[] = {
      2},
     {"cost", "[SCENE]", "measure what accuracy costs in time", "cost patches --svg cost.svg",
      command_cost, FOR_COST, 1},
-    {"view", "[SCENE] [-o PAGE.html]", "write an interactive viewer in one HTML file",
+    {"view", "[SCENE] [-o PAGE.html]", "write an interactive viewer in one HTML file; with -o\nPICTURE.png the picture that it shows "
+     "first",
      "view fluorescence --size 600x400 -o fluorescence.html", command_view, FOR_VIEW, 1},
     {"info", "STACK", "print how a stack was made", "info spheres.tif", command_info, FOR_INFO, 1},
     {"list", "[KIND]",

@@ -39,6 +39,16 @@ void colour_apply(double m[3][3], const double xyz[3], double out[3])
         out[i] = m[i][0] * xyz[0] + m[i][1] * xyz[1] + m[i][2] * xyz[2];
 }
 
+void colour_apply_all(double m[3][3], int n, double *columns)
+{
+    for (int i = 0; i < n; i++) {
+        double out[3];
+        colour_apply(m, (double[]){columns[i], columns[n + i], columns[2 * n + i]}, out);
+        for (int row = 0; row < 3; row++)
+            columns[row * n + i] = out[row];
+    }
+}
+
 /* ---- colour spaces ---- */
 
 void chromaticity(const double xyz[3], double out[2])

@@ -14,6 +14,8 @@ extern const double display_white[3];
 void colour_product(double a[3][3], double b[3][3], double out[3][3]);
 void colour_inverse(double m[3][3], double out[3][3]);
 void colour_apply(double m[3][3], const double xyz[3], double out[3]);
+/* Replaces n columns by their products with a matrix. Their three rows are n numbers apart. */
+void colour_apply_all(double m[3][3], int n, double *columns);
 
 /* Computes x and y; 0, 0 for black. */
 void chromaticity(const double xyz[3], double out[2]);
@@ -71,6 +73,10 @@ void display_matrix(enum display_kind kind, double out[3][3]);
 double display_encode(enum display_kind kind, int channel, double linear);
 /* Returns the largest linear value of a channel that is not clipped: 1 for sRGB. */
 double display_largest(enum display_kind kind, int channel);
+/* Stores the values of a pixel as three numbers of 8 bits (uint8_t) or 16 (uint16_t). Returns
+ * whether a channel was clipped; by less than 1e-6 does not count, since rounding may clip a white
+ * by that. */
+bool display_store(enum display_kind kind, int bits, const double linear[3], void *out);
 
 /* ---- profile.c: ICC profiles (ICC.1:2010, version 4.3) ---- */
 

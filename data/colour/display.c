@@ -78,3 +78,19 @@ double display_encode(enum display_kind kind, int channel, double linear)
         return linear / curve.slope;
     return fmin(1, (power(linear, 1 / curve.exponent) - curve.offset) / curve.gain);
 }
+
+bool display_store(enum display_kind kind, int bits, const double linear[3], void *out)
+{
+    const double slack = 1e-6;
+    bool clipped = false;
+    for (int channel = 0; channel < 3; channel++) {
+        const double value = display_encode(kind, channel, linear[channel]);
+        if (bits == 16)
+            ((uint16_t *)out)[channel] = (uint16_t)(value * 65535 + 0.5);
+        else
+            ((uint8_t *)out)[channel] = (uint8_t)(value * 255 + 0.5);
+        clipped = clipped || linear[channel] < -slack ||
+                  linear[channel] > display_largest(kind, channel) + slack;
+    }
+    return clipped;
+}

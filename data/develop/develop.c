@@ -146,26 +146,6 @@ static void store_floats(const struct development *of, size_t pixel, const doubl
             stored(of->options->values == DEVELOP_LAB ? lab[channel] : values[channel]);
 }
 
-/* Stores a pixel. Returns whether a channel was clipped; by less than 1e-6 does not count, since
- * rounding may clip a white by that. */
-static bool store_rgb(const struct development *of, size_t pixel, const double values[3])
-{
-    const double slack = 1e-6;
-    const enum display_kind display = of->options->display;
-    bool clipped = false;
-    for (int channel = 0; channel < 3; channel++) {
-        const double value = display_encode(display, channel, values[channel]);
-        const size_t at = 3 * pixel + (size_t)channel;
-        if (of->options->bits == 16)
-            ((uint16_t *)of->samples)[at] = (uint16_t)(value * 65535 + 0.5);
-        else
-            ((uint8_t *)of->samples)[at] = (uint8_t)(value * 255 + 0.5);
-        clipped = clipped || values[channel] < -slack ||
-                  values[channel] > display_largest(display, channel) + slack;
-    }
-    return clipped;
-}
-
 /* Returns how many pixels are out of gamut. */
 static uint64_t store_chunk(const struct development *of, size_t n)
 {
@@ -178,7 +158,8 @@ static uint64_t store_chunk(const struct development *of, size_t n)
         for (size_t channel = 0; channel < 3; channel++)
             values[channel] = exposure * of->sums[channel * of->n_pixels + i];
         if (rgb)
-            clipped += store_rgb(of, i, values);
+            clipped += display_store(of->options->display, of->options->bits, values,
+                                     (char *)of->samples + 3 * i * sample_bytes(of->options));
         else
             store_floats(of, i, values);
     }
@@ -244,8 +225,7 @@ void develop_print(const struct develop_options *options, const struct develop_r
 
 /* ---- the picture ---- */
 
-/* Returns the description of the picture, in ASCII: other bytes of names become '?'. Allocated;
- * NULL: no memory. */
+/* Returns the description of the picture, allocated; NULL: no memory. */
 static char *description(const struct development *of)
 {
     struct printed printed;
@@ -254,11 +234,7 @@ static char *description(const struct development *of)
         return NULL;
     fprintf(stream, "developed by      " PROGRAM "\nstack             %s\n", of->cube.image.path);
     print_settings(of->options, of->result, stream);
-    char *text = printed_end(&printed);
-    for (char *at = text; at && *at != '\0'; at++)
-        if ((*at < ' ' || *at > '~') && *at != '\n')
-            *at = '?';
-    return text;
+    return picture_text(printed_end(&printed));
 }
 
 static bool open_picture(const struct development *of, const char *path, struct picture_writer *out,

@@ -187,17 +187,6 @@ static bool balance(const struct development *of, struct error *err)
     return true;
 }
 
-/* Multiplies the weights of each page by a matrix. */
-static void fold(double m[3][3], int n, double *weights)
-{
-    for (int i = 0; i < n; i++) {
-        double out[3];
-        colour_apply(m, (double[]){weights[i], weights[n + i], weights[2 * n + i]}, out);
-        for (int channel = 0; channel < 3; channel++)
-            weights[channel * n + i] = out[channel];
-    }
-}
-
 /* Adapts the weights, and the white. As in the thesis, the luminance of Fairchild's adaptation is
  * ten times the light's intensity. */
 static bool adapt(struct development *of, struct error *err)
@@ -211,11 +200,11 @@ static bool adapt(struct development *of, struct error *err)
         adaptation->luminance = 10 * (recorded > 0 ? recorded : 1);
     if (!adaptation_matrix(adaptation, of->result->white, of->equal, m, err))
         return false;
-    fold(m, n, of->weights);
+    colour_apply_all(m, n, of->weights);
     colour_apply(m, of->result->white, of->white);
     if (options->values == DEVELOP_RGB) {
         display_matrix(options->display, m);
-        fold(m, n, of->weights);
+        colour_apply_all(m, n, of->weights);
     }
     return true;
 }

@@ -61,6 +61,9 @@ struct picture_options {
     size_t profile_length;
     const char *description; /* ASCII */
 };
+/* Replaces all but newlines and printable ASCII by '?', as a description needs it. Returns the
+ * text; NULL is fine. */
+char *picture_text(char *text);
 /* A picture that is written from the top, and appears whole or not at all. RGB is one page of three
  * samples a pixel. Floats are three pages, one for each channel, with its name. A PNG is
  * compressed, and takes the memory of some rows. */

@@ -8,6 +8,14 @@
 
 #include "data/pages/pages.h"
 
+char *picture_text(char *text)
+{
+    for (char *at = text; at && *at != '\0'; at++)
+        if ((*at < ' ' || *at > '~') && *at != '\n')
+            *at = '?';
+    return text;
+}
+
 static bool set_tags(TIFF *tiff, const void *of, int page, struct error *err)
 {
     const struct picture_options *options = of;

@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* spectral view: writes an interactive viewer in one HTML file. */
+/* spectral view: writes an interactive viewer in one HTML file, or the picture that it shows first.
+ */
+#include <inttypes.h>
 #include <stdio.h>
 
 #include "data/base/base.h"
@@ -7,29 +9,59 @@
 #include "data/scene/scene.h"
 #include "raster/view/view.h"
 
-static void print_page(const struct viewer_result *result, const char *output)
+/* The table goes to standard output, unless the output may be there. */
+static FILE *table_stream(const char *output)
 {
-    fprintf(file_is_regular(output) ? stdout : stderr,
-            "objects           %d\nlights            %d, %d illuminants to choose from\n"
-            "detectors         %d\npage              %s, %.2f MB\n",
-            result->n_objects, result->n_lights, result->n_illuminants, result->n_detectors, output,
-            (double)result->bytes / 1e6);
+    return file_is_regular(output) ? stdout : stderr;
+}
+
+static bool write_page(const struct options *options, const struct plan *plan, struct error *err)
+{
+    struct viewer_result result;
+    if (!viewer_write(plan, options->output, &result, err))
+        return false;
+    if (!options->quiet)
+        fprintf(table_stream(options->output),
+                "objects           %d\nlights            %d, %d illuminants to choose from\n"
+                "detectors         %d\npage              %s, %.2f MB\n",
+                result.n_objects, result.n_lights, result.n_illuminants, result.n_detectors,
+                options->output, (double)result.bytes / 1e6);
+    return true;
+}
+
+static bool write_still(const struct options *options, const struct plan *plan, struct error *err)
+{
+    const uint64_t n_pixels = (uint64_t)plan->scene->width * (uint64_t)plan->scene->height;
+    uint64_t out_of_gamut;
+    if (!still_write(plan, options->output, &out_of_gamut, err))
+        return false;
+    if (!options->quiet)
+        fprintf(table_stream(options->output),
+                "objects           %d\nlights            %d\n"
+                "out of gamut      %" PRIu64 " of %" PRIu64 " pixels (%.3f %%)\n"
+                "picture           %s\n",
+                plan->n_instances, plan->n_lights, out_of_gamut, n_pixels,
+                100 * (double)out_of_gamut / (double)n_pixels, options->output);
+    return true;
 }
 
 bool command_view(struct options *options, struct error *err)
 {
-    const struct plan_options plan_options = {
-        .store_raster = true, .exchangeable = true, .threads = options->threads};
+    enum { HTML, HTM, PNG };
+    static const char *const endings[] = {[HTML] = ".html", [HTM] = ".htm", [PNG] = ".png", NULL};
     struct scene scene = {.path = NULL};
     struct plan plan = {.scene = NULL};
-    struct viewer_result result;
-    bool done = options_name_output(options, options_scene(options), ".html", err) &&
-                scene_read_options(options, &scene, err) &&
-                scene_spared(options->output, &scene, err) &&
-                plan_make(&scene, NULL, &plan_options, &plan, err) &&
-                viewer_write(&plan, options->output, &result, err);
-    if (done && !options->quiet)
-        print_page(&result, options->output);
+    int ending;
+    if (!options_name_output(options, options_scene(options), ".html", err) ||
+        !output_ending(options->output, endings, &ending, err))
+        return false;
+    const bool still = ending == PNG;
+    const struct plan_options plan_options = {
+        .store_raster = true, .exchangeable = !still, .threads = options->threads};
+    const bool done = scene_read_options(options, &scene, err) &&
+                      scene_spared(options->output, &scene, err) &&
+                      plan_make(&scene, NULL, &plan_options, &plan, err) &&
+                      (still ? write_still : write_page)(options, &plan, err);
     plan_free(&plan);
     scene_free(&scene);
     return done;

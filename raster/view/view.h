@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "view": an interactive viewer of a scene in one HTML page. The page contains the weights
- * of each pixel, and computes the picture for any lights, detector and display by itself. */
+/* The room "view": an interactive viewer of a scene in one HTML page, or a still picture. The page
+ * contains the weights of each pixel, and computes the picture for any lights, detector and display
+ * by itself. */
 #ifndef VIEW_H
 #define VIEW_H
 
@@ -20,9 +21,19 @@ struct viewer_result {
 bool viewer_write(const struct plan *plan, const char *path, struct viewer_result *out,
                   struct error *err);
 
+/* ---- still.c: the picture that the page shows first ---- */
+
+/* Draws the plan's picture by the reference, as cie1931 sees it without adaptation on an sRGB
+ * display at exposure 1, and writes it as PNG. *out_of_gamut is the number of pixels with a clipped
+ * channel. Memory does not grow with the picture's height. On failure no file has been created or
+ * changed. */
+bool still_write(const struct plan *plan, const char *path, uint64_t *out_of_gamut,
+                 struct error *err);
+
 /* ---- command.c: spectral view ---- */
 
-/* Writes the page of a scene, and prints its numbers of objects, lights and detectors. */
+/* Writes the page or the picture of a scene, as the ending of its name says, and prints its numbers
+ * of objects and lights. */
 bool command_view(struct options *options, struct error *err);
 
 /* ---- inside this room ---- */

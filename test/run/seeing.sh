@@ -89,6 +89,7 @@ ln -s mine.tif "$tmp/link.tif"
 cp data/builtin/scenes/patches.scene "$tmp/mine.scene"
 sed -i "s,[.][.]/,$PWD/data/builtin/,g" "$tmp/mine.scene"
 cp "$tmp/mine.scene" "$tmp/kept.scene"
+cp "$tmp/mine.scene" "$tmp/mine.html" # any file may hold a scene
 while read -r words; do
     # shellcheck disable=SC2086  # a list of words
     refused "$words" 'would replace the input' $words
@@ -100,9 +101,10 @@ compare $stack $tmp/mine.tif --map $tmp/mine.tif
 probe $tmp/mine.scene 0 0 --size 9x9 -o $tmp/mine.scene
 render $tmp/mine.scene --size 9x9 -o $tmp/mine.scene
 render $tmp/mine.scene --size 9x9 -o /dev/null --json $tmp/mine.scene
-view $tmp/mine.scene --size 9x9 -o $tmp/mine.scene
+view $tmp/mine.html --size 9x9 -o $tmp/mine.html
 EOF
-cmp -s "$stack" "$tmp/mine.tif" && cmp -s "$tmp/mine.scene" "$tmp/kept.scene"
+cmp -s "$stack" "$tmp/mine.tif" && cmp -s "$tmp/mine.scene" "$tmp/kept.scene" &&
+    cmp -s "$tmp/mine.html" "$tmp/kept.scene"
 ok $? "the inputs stay as they were"
 exits 0 "a table of three sensitivities is a detector" \
     "$SPECTRAL" develop "$stack" --detector data/builtin/tables/dcs200-camera.csv -o "$tmp/camera.tif"
@@ -194,6 +196,21 @@ ok $? "no other thread receives the SIGTERM, which would leave an unfinished pag
 cat "$tmp/pipe" >"$tmp/piped.html"
 wait "$viewer"
 ok $? "the page goes through a pipe"
+for ending in tif PDF html5; do
+    refused "view to .$ending" "none.$ending: error: the ending .$ending is unknown; expected .html, .htm or .png" \
+        view patches -o "$tmp/none.$ending"
+    absent "$tmp/none.$ending" "view to .$ending"
+done
+exits 0 "a page may end in .HTM" "$SPECTRAL" view patches --size 60x40 -o "$tmp/page.HTM" --quiet
+cmp -s "$tmp/page.HTM" "$tmp/page.html"
+ok $? "it is the same page"
+exits 0 "view writes a picture" "$SPECTRAL" view patches --size 60x40 -o "$tmp/still.png"
+prints '^picture +.*still.png' "view prints the name of the picture"
+exits 0 "a picture is not limited to 16 megapixels" "$SPECTRAL" view patches --size 5000x4000 --wavelengths 500,600 \
+    -o "$tmp/still.png" --quiet
+ln -s /dev/full "$tmp/full.png"
+exits 3 "a picture for a full device is a failure of the system" "$SPECTRAL" view patches --size 60x40 -o "$tmp/full.png"
+one_line "a picture for a full device"
 refused "view of an unknown scene" 'no-such' view no-such -o "$tmp/none"
 exits 3 "a page for a full device is a failure of the system" "$SPECTRAL" view patches --size 60x40 -o /dev/full
 done_testing

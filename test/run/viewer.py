@@ -14,6 +14,7 @@ import time
 
 import numpy as np
 import tifffile
+from PIL import Image
 from osgeo import gdal
 
 sys.dont_write_bytecode = True
@@ -255,6 +256,36 @@ def menus(scene):
     settle()
     expected, _ = developed(rendered(scene))
     check(distance(pixels(), expected) <= 1, f"{scene}: reset shows the original scene")
+
+
+# ---- still pictures ----
+
+def still(scene, *options):
+    """The picture that view writes, and its bytes."""
+    path = os.path.join(TMP, "still.png")
+    run("view", scene, "-o", path, "--quiet", *options)
+    with Image.open(path) as image:
+        return np.asarray(image), open(path, "rb").read()
+
+
+def stills():
+    for scene in COMBINATIONS:
+        browser.open(view(scene, scene))
+        shown, expected = pixels(), developed(rendered(scene))[0]
+        seen, _ = still(scene, "--size", SIZE)
+        check(distance(seen, expected) <= 1 and np.mean(seen != expected) < 0.01 and np.ptp(expected) > 100,
+              f"{scene}: the PNG of view is within 1 of 255 of develop's picture", distance(seen, expected))
+        check(distance(seen, shown) <= 1, f"{scene}: and of what the page shows first", distance(seen, shown))
+    lamp = "--light=1=a*0.7", "--ambient=fluorescent*0.2"
+    expected, _ = developed(rendered("metamers", *lamp))
+    seen, _ = still("metamers", "--size", SIZE, *lamp)
+    check(distance(seen, expected) <= 1, "the PNG of view shows the lights of the command line")
+    wide = "--size", "8300x20"  # two tiles side by side
+    expected, _ = developed(rendered("room", *wide))
+    pictures = [still("room", *wide, "--threads", threads) for threads in ("1", "2", "5")]
+    check(distance(pictures[0][0], expected) <= 1, "the PNG of view has several tiles")
+    check(pictures[0][1] == pictures[1][1] == pictures[2][1], "1, 2 and 5 threads give the same PNG")
+    subprocess.run(["pngcheck", "-q", os.path.join(TMP, "still.png")], check=True)
 
 
 def all_offered():
@@ -669,6 +700,7 @@ def main():
     browser.size(1280, 900)
     for scene in COMBINATIONS:
         menus(scene)
+    stills()
     all_offered()
     spectra("colorchecker", "colorchecker", [(10, 10), (25, 20), (60, 40)])
     spectra("room", "room", [(67, 25), (60, 60), (57, 40), (25, 25), (110, 32)], _2="uv*0.9", ambient="1*0.3")

@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: MIT */
+/* Writes the picture of a scene as a person sees it: what render --renderer raster and develop make
+ * without options, but without a stack between them. Each pixel is summed in the order of the
+ * bands, so that tiles and threads do not change its bits. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/colour/colour.h"
+#include "data/pages/pages.h"
+#include "data/scene/scene.h"
+#include "data/spectra/spectra.h"
+#include "raster/bounds/bounds.h"
+#include "raster/candidates/candidates.h"
+#include "raster/driver/driver.h"
+#include "raster/radiance/radiance.h"
+#include "raster/view/view.h"
+
+static const char detector_name[] = "cie1931";
+enum { STILL_BITS = 8 };
+
+struct still {
+    struct plan plan; /* a copy of the caller's; samples are radiances */
+    struct lit_scene lit;
+    double *weights;  /* from radiances to linear RGB: [channel * n_bands + band]; owned */
+    float *radiance;  /* [pixel of the tile], of a band; owned */
+    double (*rgb)[3]; /* [pixel of the tile], linear; owned */
+    uint8_t (*codes)[3];
+    struct picture_writer picture;
+    uint64_t out_of_gamut;
+};
+
+/* ---- a tile ---- */
+
+/* Adds some bands to the pixels of a chunk. Returns the number of samples that are not finite. */
+static uint64_t add_bands(const struct still *still, const struct picture *picture, size_t first,
+                          int band, int end)
+{
+    const int n_bands = still->plan.n_bands;
+    const size_t n = (size_t)picture->at.width * (size_t)picture->at.height;
+    float *radiance = still->radiance + first;
+    double(*rgb)[3] = still->rgb + first;
+    uint64_t undefined = 0;
+    for (; band < end; band++) {
+        const struct stored_band stored = {&still->plan, band, 1, radiance};
+        undefined += store_reference(&stored, &still->lit, picture).undefined;
+        for (size_t i = 0; i < n; i++)
+            for (int channel = 0; channel < 3; channel++)
+                rgb[i][channel] += still->weights[channel * n_bands + band] * (double)radiance[i];
+    }
+    return undefined;
+}
+
+/* Sums all bands of a tile. */
+static bool sum_tile(struct still *still, const struct tile *tile, struct error *err)
+{
+    const int n_bands = still->plan.n_bands;
+    const size_t chunk = (size_t)CHUNK_ROWS * (size_t)tile->at.width;
+    for (int band = 0; band < n_bands; band += BANDS_PER_PASS) {
+        const int end = band + BANDS_PER_PASS < n_bands ? band + BANDS_PER_PASS : n_bands;
+        uint64_t undefined = 0;
+        if (output_interrupted())
+            return error_system(err, "interrupted; nothing was written");
+        if (!plan_load_textures(&still->plan, band, err))
+            return false;
+#pragma omp parallel for schedule(dynamic) num_threads(still->plan.options.threads) \
+    reduction(+ : undefined)
+        for (int i = 0; i < tile->n_chunks; i++)
+            undefined += add_bands(still, &tile->chunks[i].picture, (size_t)i * chunk, band, end);
+        if (undefined > 0)
+            return error_usage(err, "%s: a radiance is not finite", still->plan.scene->path);
+    }
+    return true;
+}
+
+static bool put_tile(void *context, const struct tile *tile, struct error *err)
+{
+    struct still *still = context;
+    const struct rectangle *at = &tile->at;
+    const struct picture_rectangle to = {at->x, at->y, at->width, at->height};
+    const size_t n = (size_t)at->width * (size_t)at->height;
+    uint64_t clipped = 0;
+    memset(still->rgb, 0, n * sizeof *still->rgb);
+    if (!sum_tile(still, tile, err))
+        return false;
+#pragma omp parallel for reduction(+ : clipped) num_threads(still->plan.options.threads)
+    for (size_t i = 0; i < n; i++)
+        clipped += display_store(DISPLAY_SRGB, STILL_BITS, still->rgb[i], still->codes[i]);
+    still->out_of_gamut += clipped;
+    return picture_put(&still->picture, &to, still->codes, err);
+}
+
+/* ---- the picture ---- */
+
+static bool find_weights(struct still *still, struct error *err)
+{
+    const struct plan *plan = &still->plan;
+    struct detector detector = {.name = NULL};
+    double m[3][3];
+    const bool done = detector_read(detector_name, &detector, err);
+    if (done) {
+        detector_weights(&detector, plan->scene->wavelengths_nm, plan->n_bands, still->weights);
+        display_matrix(DISPLAY_SRGB, m);
+        colour_apply_all(m, plan->n_bands, still->weights);
+    }
+    detector_free(&detector);
+    return done;
+}
+
+static bool prepare(struct still *still, struct error *err)
+{
+    const struct plan *plan = &still->plan;
+    const size_t n = (size_t)plan->tile_width * (size_t)plan->tile_height;
+    struct light_work work;
+    still->weights = calloc(3 * (size_t)plan->n_bands, sizeof *still->weights);
+    still->radiance = calloc(n, sizeof *still->radiance);
+    still->rgb = calloc(n, sizeof *still->rgb);
+    still->codes = calloc(n, sizeof *still->codes);
+    return ((still->weights && still->radiance && still->rgb && still->codes) ||
+            error_memory(err)) &&
+           find_weights(still, err) && lit_make(plan, driver_of(NULL), &still->lit, &work, err);
+}
+
+/* Returns the description of the picture, allocated; NULL: no memory. */
+static char *still_description(const struct plan *plan)
+{
+    struct printed printed;
+    FILE *to = printed_begin(&printed);
+    if (!to)
+        return NULL;
+    fprintf(to,
+            "drawn by          " PROGRAM "\nscene             %s\ndetector          %s\n"
+            "adaptation        none\ndisplay           %s\nexposure          1\n",
+            plan->scene->path, detector_name, display_name(DISPLAY_SRGB));
+    return picture_text(printed_end(&printed));
+}
+
+static bool open_picture(struct still *still, const char *path, struct error *err)
+{
+    char *description = still_description(&still->plan);
+    if (!description)
+        return error_memory(err);
+    const struct picture_options options = {.width = still->plan.scene->width,
+                                            .height = still->plan.scene->height,
+                                            .samples = PICTURE_8,
+                                            .srgb = true,
+                                            .description = description};
+    const bool done = picture_open(&still->picture, path, &options, err);
+    free(description);
+    return done;
+}
+
+bool still_write(const struct plan *plan, const char *path, uint64_t *out_of_gamut,
+                 struct error *err)
+{
+    struct still still = {.plan = *plan};
+    const struct rectangle picture = plan_picture(plan);
+    still.plan.options.bits = 32;
+    const bool done = prepare(&still, err) && open_picture(&still, path, err) &&
+                      tiles_each(&still.lit, &picture, put_tile, &still, err) &&
+                      picture_commit(&still.picture, err);
+    *out_of_gamut = still.out_of_gamut;
+    picture_discard(&still.picture);
+    lit_free(&still.lit);
+    free(still.weights);
+    free(still.radiance);
+    free(still.rgb);
+    free(still.codes);
+    return done;
+}
