@@ -1,24 +1,21 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Makes the pictures of README: every built-in scene, rendered, developed and stored as a PNG; maps of
-checks; and the viewer, a plot and charts of costs, drawn by Chromium.
+"""Makes the pictures of README: every built-in scene, rendered and developed; maps of checks; and the viewer, a plot
+and charts of costs, drawn by Chromium.
 usage: /usr/bin/python3 test/make/gallery.py FOLDER [NAME...]"""
 import base64
 import os
-import struct
 import subprocess
 import sys
 import tempfile
-import zlib
 
-import numpy as np
-import tifffile
+from PIL import Image
 
 sys.dont_write_bytecode = True
 sys.path.append("test/run")
 from browser import Browser
 
-SPECTRAL = os.environ.get("SPECTRAL", "build/spectral")
+SPECTRAL = os.path.abspath(os.environ.get("SPECTRAL", "build/spectral"))
 A, UV = ("--light", "1=a"), ("--light", "1=uv")
 AUTO, ADAPTED = ("--exposure", "auto"), ("--adaptation", "cat16")
 # name: scene, size, options of render, options of develop
@@ -41,12 +38,8 @@ PICTURES = {
     "patches-von-kries": ("patches", "480x320", A, ("--adaptation", "von-kries")),
 }
 
-# name: scene, size, page of the map
-MAPS = {"check-map": ("pasture", "480x320", "floor"), "check-map-band": ("pasture", "480x320", "floor in one band")}
-# Colours of floors up to 1/16, 1/8, ... counts; the last one is not checked.
-STEPS = np.array([(8, 29, 88), (34, 72, 155), (29, 120, 180), (45, 160, 190), (110, 195, 188), (180, 222, 190),
-                  (225, 240, 190), (250, 245, 180), (254, 217, 118), (254, 178, 76), (253, 120, 50), (227, 50, 26),
-                  (160, 10, 30), (90, 0, 40)], np.uint8)
+# name: scene, width, height, and the half of the map that is shown: the floor (0), or the floor in one band (1)
+MAPS = {"check-map": ("pasture", 480, 320, 0), "check-map-band": ("pasture", 480, 320, 1)}
 
 # name: command that writes the page; its kind; width and height of the window; where to click
 SEEN = {
@@ -58,36 +51,21 @@ SEEN = {
 }
 
 
-def png(path, pixels):
-    height, width, _ = pixels.shape
-    up = np.diff(pixels, axis=0, prepend=np.zeros((1, width, 3), np.uint8))  # PNG's filter 2
-    rows = b"".join(b"\2" + row.tobytes() for row in up)
-
-    def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-    with open(path, "wb") as out:
-        out.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">2I5B", width, height, 8, 2, 0, 0, 0))
-                  + chunk(b"sRGB", b"\0") + chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b""))
-
-
 def make(folder, name, scene, size, rendered, developed):
-    with tempfile.TemporaryDirectory() as work:
-        stack, picture = os.path.join(work, "stack.tif"), os.path.join(work, "picture.tif")
-        subprocess.run([SPECTRAL, "render", scene, "--size", size, "-o", stack, "--quiet", *rendered],
-                       check=True)
-        subprocess.run([SPECTRAL, "develop", stack, "-o", picture, "--quiet", *developed], check=True)
-        png(os.path.join(folder, name + ".png"), tifffile.imread(picture))
+    picture = os.path.abspath(os.path.join(folder, name + ".png"))
+    with tempfile.TemporaryDirectory() as work:  # the picture records the name of its stack, as it is given
+        for words in (("render", scene, "--size", size, "-o", name + ".tif", *rendered),
+                      ("develop", name + ".tif", "-o", picture, *developed)):
+            subprocess.run([SPECTRAL, *words, "--quiet"], check=True, cwd=work)
 
 
-def show_map(folder, name, scene, size, page):
+def show_map(folder, name, scene, width, height, half):
     with tempfile.TemporaryDirectory() as work:
-        path = os.path.join(work, "map.tif")
-        subprocess.run([SPECTRAL, "render", scene, "--size", size, "-o", "/dev/null", "--check-map", path, "--quiet"],
-                       check=True)
-        with tifffile.TiffFile(path) as tiff:
-            floors = next(each.asarray() for each in tiff.pages if each.tags["PageName"].value == page)
-        steps = np.ceil(np.log2(np.clip(floors, 1 / 16, 512))).astype(int) + 4
-        png(os.path.join(folder, name + ".png"), STEPS[np.clip(steps, 0, len(STEPS) - 1)])
+        path = os.path.join(work, "map.png")
+        subprocess.run([SPECTRAL, "render", scene, "--size", f"{width}x{height}", "-o", "/dev/null", "--quiet",
+                        "--check-map", path], check=True)
+        with Image.open(path) as image:
+            image.crop((half * width, 0, (half + 1) * width, height)).save(os.path.join(folder, name + ".png"))
 
 
 def see(folder, name, command, ending, size, click):
