@@ -66,5 +66,7 @@ bool error_different(struct error *err, const char *format, ...) PRINTF_LIKE(2, 
 bool error_system(struct error *err, const char *format, ...) PRINTF_LIKE(2, 3);
 /* "out of memory". Sets EXIT_SYSTEM. */
 bool error_memory(struct error *err);
+/* Sets EXIT_SYSTEM without a text: the reader of a pipe has closed it, and expects no message. */
+bool error_unread(struct error *err);
 
 #endif

@@ -86,7 +86,10 @@ bool output_commit(struct output *out, struct error *err);
 void output_discard(struct output *out); /* safe after commit, and on a zeroed struct */
 
 bool write_all(int descriptor, const void *bytes, size_t length); /* false: see errno */
-/* Writes a small text, which appears whole or not at all; "-" is standard output, or a terminal. */
+/* Returns true if standard output is a pipe that its reader has closed. */
+bool output_is_unread(void);
+/* Writes a small text, which appears whole or not at all; "-" is standard output, or a terminal. A
+ * reader that closes the pipe early has read what it wanted: this is no failure. */
 bool file_write(const char *path, const char *bytes, size_t length, struct error *err);
 /* Refuses an output that cannot be opened, before the work begins. Leaves no file. NULL: none. */
 bool output_can_open(const char *path, struct error *err);

@@ -88,6 +88,13 @@ bool error_memory(struct error *err)
     return error_system(err, "out of memory");
 }
 
+bool error_unread(struct error *err)
+{
+    if (err->status == EXIT_AGREED)
+        err->status = EXIT_SYSTEM;
+    return false;
+}
+
 /* An array is full when its count is a power of two. It then doubles. All pointers to objects have
  * one representation, by POSIX. */
 bool array_add(void *array, int *count, const void *item, size_t size, struct error *err)

@@ -5,6 +5,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
+#include <poll.h>
 #include <signal.h>
 #include <stdlib.h>
 #include <string.h>
@@ -215,11 +216,14 @@ bool file_open(const char *path, struct place from, int *descriptor,
 
 /* ---- writing ---- */
 
-/* Reports a path that cannot be written as bad input, and any other failure as the system's. */
+/* Reports a path that cannot be written as bad input, and any other failure as the system's. A
+ * closed pipe gets no message. */
 static bool write_fault(struct error *err, const char *path)
 {
     int cause = errno;
     bool first = err->status == EXIT_AGREED;
+    if (cause == EPIPE)
+        return error_unread(err);
     error_system(err, "cannot write %s", output_is_standard(path) ? "to standard output" : path);
     if (first && (cause == ENOENT || cause == ENOTDIR || cause == EISDIR || cause == EACCES ||
                   cause == EPERM || cause == ENAMETOOLONG || cause == ELOOP))
@@ -483,14 +487,19 @@ void output_discard(struct output *out)
     *out = (struct output){0};
 }
 
+bool output_is_unread(void)
+{
+    struct pollfd output = {.fd = STDOUT_FILENO};
+    return poll(&output, 1, 0) == 1 && (output.revents & POLLERR);
+}
+
 bool file_write(const char *path, const char *bytes, size_t length, struct error *err)
 {
     struct output output;
     if (output_is_standard(path)) {
         errno = 0;
-        if (fwrite(bytes, 1, length, stdout) != length || fflush(stdout) != 0)
-            return error_system(err, "cannot write to standard output");
-        return true;
+        return (fwrite(bytes, 1, length, stdout) == length && fflush(stdout) == 0) ||
+               output_is_unread() || error_system(err, "cannot write to standard output");
     }
     if (!open_output(&output, path, err))
         return false;

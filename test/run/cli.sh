@@ -92,9 +92,30 @@ small="--size 40x30 --wavelengths 400:700:50"
     "$SPECTRAL" plan >/dev/full 2>"$tmp/err"
     [ $? = 3 ]
     ok $? "a full standard output is noticed"
-    { "$SPECTRAL" list; echo $? >"$tmp/status"; } 2>/dev/null | head -n 1 >/dev/null
-    [ "$(cat "$tmp/status")" != 2 ]
-    ok $? "a pipe closed early does no harm"
+    # A reader that closes the pipe has read what it wanted. `unread` runs the program when nobody reads any more.
+    unread() { # STATUS NAME COMMAND...
+        expected=$1
+        name=$2
+        shift 2
+        bash -c '{ sleep 0.2; "$@"; } 2>"$0" | :; exit ${PIPESTATUS[0]}' "$tmp/err" "$@"
+        status=$?
+        [ $status = "$expected" ] && [ ! -s "$tmp/err" ]
+        ok $? "$name (exit $expected, no message)"
+    }
+    unread 0 "a list that nobody reads" "$SPECTRAL" list
+    unread 0 "a plan that nobody reads" "$SPECTRAL" plan room
+    unread 0 "a built-in file that nobody reads" "$SPECTRAL" show sheep
+    unread 0 "a help that nobody reads" "$SPECTRAL" --help
+    unread 0 "JSON that nobody reads" "$SPECTRAL" render patches $small -o /dev/null --quiet --json -
+    unread 0 "a table that nobody reads" "$SPECTRAL" render patches $small -o "$tmp/unread.tif"
+    cmp -s "$tmp/a.tif" "$tmp/unread.tif"
+    ok $? "its stack is complete"
+    unread 3 "a stack that nobody reads is a failure" "$SPECTRAL" render patches $small -o /dev/stdout --quiet
+    unread 2 "no command, and nobody reads" "$SPECTRAL"
+    status=0
+    bash -c '"$@" 2>"$0" | head -n 1; exit ${PIPESTATUS[0]}' "$tmp/err" "$SPECTRAL" plan room >"$tmp/out" || status=$?
+    [ $status = 0 ] && [ ! -s "$tmp/err" ] && [ "$(wc -l <"$tmp/out")" = 1 ]
+    ok $? "plan room | head -n 1 prints a line, and no message"
 
     "$SPECTRAL" render patches $small -o /dev/stdout --json "$tmp/pipe.json" 2>"$tmp/err" |
         cat >"$tmp/piped.tif"
