@@ -52,6 +52,9 @@ bool builtin_name(const struct builtin_file *file, const char *folder, const cha
 bool file_read(const char *path, struct place from, char **bytes, size_t *length,
                struct error *err);
 
+/* Reads standard input to its end, as file_read reads a file. Messages call it `name`. */
+bool input_read(const char *name, char **bytes, size_t *length, struct error *err);
+
 /* Opens a regular file for reading, or finds a "builtin:..." file, which has no descriptor (-1).
  * Refuses what file_read refuses, but accepts NUL bytes. */
 bool file_open(const char *path, struct place from, int *descriptor,

@@ -184,15 +184,27 @@ static bool read_builtin(struct reading *of, struct error *err)
     return true;
 }
 
+/* Hands the bytes over, or frees those of a failure. */
+static bool end_reading(struct reading *of, bool done, char **bytes, size_t *length)
+{
+    if (!done)
+        free(of->bytes);
+    *bytes = done ? of->bytes : NULL;
+    *length = done ? of->length : 0;
+    return done;
+}
+
 bool file_read(const char *path, struct place from, char **bytes, size_t *length, struct error *err)
 {
     struct reading of = {.path = path, .from = from};
     const bool done = path_is_builtin(path) ? read_builtin(&of, err) : read_path(&of, err);
-    if (!done)
-        free(of.bytes);
-    *bytes = done ? of.bytes : NULL;
-    *length = done ? of.length : 0;
-    return done;
+    return end_reading(&of, done, bytes, length);
+}
+
+bool input_read(const char *name, char **bytes, size_t *length, struct error *err)
+{
+    struct reading of = {.path = name};
+    return end_reading(&of, read_open(&of, STDIN_FILENO, 1 << 16, err), bytes, length);
 }
 
 bool file_open(const char *path, struct place from, int *descriptor,

@@ -33,9 +33,11 @@ bool scene_read_options(const struct options *options, struct scene *out, struct
 
 bool scene_spared(const char *output, const struct scene *scene, struct error *err)
 {
-    for (int i = 0; i < scene->n_files; i++)
-        if (!output_spares(output, scene->files[i].path, err))
+    for (int i = 0; i < scene->n_files; i++) {
+        const char *path = scene->files[i].path;
+        if (!output_spares(output, scene_is_input(path) ? "/dev/stdin" : path, err))
             return false;
+    }
     return true;
 }
 

@@ -212,7 +212,8 @@ bool options_name_output(struct options *options, const char *path, const char *
 {
     if (options->output)
         return true;
-    options->output = options->named_output = output_name(path, ending);
+    options->output = options->named_output =
+        output_name(strcmp(path, "-") == 0 ? "scene" : path, ending);
     return options->output || error_memory(err);
 }
 

@@ -88,6 +88,14 @@ static struct word name_word(const char *name)
     return (struct word){.start = name, .length = strlen(name)};
 }
 
+/* Messages and stacks call standard input so. */
+static const char input_path[] = "<stdin>";
+
+bool scene_is_input(const char *path)
+{
+    return strcmp(path, input_path) == 0;
+}
+
 bool scene_is_missing(const char *name)
 {
     const struct word word = name_word(name);
@@ -124,16 +132,26 @@ static void digest_files(struct scene *scene)
     digest_end(&digest, scene->sha256);
 }
 
+/* Opens SCENE, and keeps it. */
+static bool open_named(struct scene *scene, const char *name, struct text *out, struct error *err)
+{
+    const struct word named = name_word(name);
+    if (strcmp(name, "-") != 0)
+        return string_copy(name, &scene->path, err) &&
+               scene_open(scene, &named, FILE_SCENE, out, err);
+    return string_copy(input_path, &scene->path, err) && text_open_input(out, input_path, err) &&
+           scene_keep(scene, out, err);
+}
+
 /* Reads the scene of that name. If the file is a list, this is the built-in colorchecker with the
  * list in place of its own. */
 static bool read_named(struct scene_reader *reader, const char *name, struct error *err)
 {
     struct scene *scene = reader->scene;
-    const struct word named = name_word(name), grid = name_word("colorchecker");
+    const struct word grid = name_word("colorchecker");
     struct text text;
     bool list = false;
-    if (!string_copy(name, &scene->path, err) ||
-        !scene_open(scene, &named, FILE_SCENE, &text, err) || !is_list(text, &list, err))
+    if (!open_named(scene, name, &text, err) || !is_list(text, &list, err))
         return false;
     if (list) {
         reader->list = text;

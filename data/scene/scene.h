@@ -55,7 +55,7 @@ enum shading_kind {
 };
 extern const char *const shading_words[]; /* of enum shading_kind, then NULL */
 struct scene {
-    char *path;         /* as given: file or built-in name */
+    char *path;         /* as given: file or built-in name; or the name of standard input */
     char sha256[65];    /* of its text: its file, then those that it includes and lists, as read */
     struct text *files; /* every file read: owns the paths of all places */
     int n_files;
@@ -74,8 +74,10 @@ struct scene {
     int n_ambients, n_lights, n_materials, n_objects;
 };
 
-/* Reads a SCENE: a built-in scene's name, a scene file or a thesis list file. */
+/* Reads a SCENE: a built-in scene's name, a scene file or a thesis list file; "-" is standard
+ * input. Its files are relative to the working folder. */
 bool scene_read(const char *name, struct scene *out, struct error *err);
+bool scene_is_input(const char *path);   /* of a struct scene that was read from standard input */
 bool scene_is_missing(const char *name); /* neither built in nor a file */
 void scene_free(struct scene *scene);
 /* Returns the metameric partner of a material of the scene; NULL: it has none. */

@@ -41,6 +41,14 @@ bool text_open(struct text *out, const char *path, struct place from, struct err
     return file_read(path, from, &bytes, &length, err) && start(out, path, bytes, err);
 }
 
+bool text_open_input(struct text *out, const char *name, struct error *err)
+{
+    char *bytes;
+    size_t length;
+    *out = (struct text){0};
+    return input_read(name, &bytes, &length, err) && start(out, name, bytes, err);
+}
+
 bool text_open_string(struct text *out, const char *name, const char *string, struct error *err)
 {
     return start(out, name, strdup(string), err);

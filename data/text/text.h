@@ -30,6 +30,8 @@ struct word {
 
 /* Opens a file. `from` is the place that names it. No line is current yet. */
 bool text_open(struct text *out, const char *path, struct place from, struct error *err);
+/* Opens standard input, which is read to its end. `name` takes the place of the path. */
+bool text_open_input(struct text *out, const char *name, struct error *err);
 /* Opens a string as a text. `name` takes the place of the path in messages. Both are copied. */
 bool text_open_string(struct text *out, const char *name, const char *string, struct error *err);
 /* Opens a string of one line, which becomes the current line. Refuses any other string. */

@@ -182,16 +182,23 @@ bool cost_accepts_tolerance(const char *option, const char *value, struct error 
     return tolerance_of(option, value, &tolerance, err);
 }
 
+/* Refuses standard input, which can be read only once. */
+static bool check_scene(const struct options *options, struct error *err)
+{
+    return strcmp(options_scene(options), "-") != 0 ||
+           error_usage(err, "cost reads the scene anew for each configuration; expected a file, "
+                            "not standard input");
+}
+
 bool command_cost(struct options *options, struct error *err)
 {
     struct cost cost = {.scene = NULL};
     double tolerance = 0, budget = 0;
-    bool done = (!options->tolerance ||
-                 tolerance_of("--tolerance", options->tolerance, &tolerance, err)) &&
-                (!options->budget ||
-                 option_number("--budget", options->budget, 0, 1e9, &budget, err)) &&
-                check_files(options, err) && cost_measure(options, &cost, err) &&
-                report(options, &cost, tolerance, budget, err);
+    bool done =
+        (!options->tolerance || tolerance_of("--tolerance", options->tolerance, &tolerance, err)) &&
+        (!options->budget || option_number("--budget", options->budget, 0, 1e9, &budget, err)) &&
+        check_scene(options, err) && check_files(options, err) &&
+        cost_measure(options, &cost, err) && report(options, &cost, tolerance, budget, err);
     cost_free(&cost);
     return done;
 }

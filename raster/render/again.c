@@ -42,6 +42,11 @@ static bool recorded_options(const struct options *options, const struct record 
 static bool can_be_same(const struct record *record, const struct render_output *output,
                         struct error *err)
 {
+    if (scene_is_input(record->scene))
+        return error_usage(err,
+                           "%s: its scene was read from standard input, and is not in the stack; "
+                           "store the scene in a file, and render that",
+                           output->again);
     if (strcmp(record->program, PROGRAM) != 0 && !output->keep)
         return error_different(err,
                                "%s was made by %.80s, but this is " PROGRAM

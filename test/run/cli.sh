@@ -169,6 +169,53 @@ PYTHON
     ok $? "the JSON has every field, and the SHA-256 of the stack"
 }
 
+# A scene from standard input. Its files are relative to the working folder.
+input=$(realpath "$tmp")/input
+program=$(realpath "$SPECTRAL")
+mkdir "$input"
+cp data/builtin/materials/metals/gold.txt "$input"
+printf '%s\n' 'size 30 20' 'wavelengths 400 700 50' 'light d65 1 direction 0 0 1' 'material m gold.txt' \
+    'object sphere 1 9 9 material m' >"$input/a.scene"
+# from FILE STATUS NAME COMMAND...: in the folder, with the file as standard input
+from() {
+    file=$1
+    expected=$2
+    name=$3
+    shift 3
+    status=0
+    (cd "$input" && "$@" <"$file") >"$tmp/out" 2>"$tmp/err" || status=$?
+    [ $status = "$expected" ]
+    ok $? "$name (exit $expected)"
+}
+from a.scene 0 "render reads a scene from standard input" "$program" render - --renderer raster --no-check --quiet
+from a.scene 0 "its default output is scene.tif" test -s "$input/scene.tif"
+from a.scene 0 "the scene's file makes a stack" "$program" render a.scene --renderer raster --no-check --quiet -o a.tif
+from a.scene 0 "both show the same" "$program" compare a.tif scene.tif
+from a.scene 0 "plan reads standard input" "$program" plan -
+prints '^scene +<stdin>$' "plan prints that it did"
+from a.scene 0 "probe reads standard input" "$program" probe - 15 10
+from a.scene 0 "view reads standard input" "$program" view - --quiet
+[ -s "$input/scene.html" ]
+ok $? "its default output is scene.html"
+from a.scene 0 "info prints where the scene came from" "$program" info scene.tif
+prints '^scene +<stdin>$' "it was standard input"
+from a.scene 2 "such a stack cannot be made again" "$program" render --again scene.tif
+says 'its scene was read from standard input' "the message has the reason"
+from a.scene 2 "cost takes no standard input" "$program" cost -
+says 'expected a file, not standard input' "the message has the reason"
+cp "$input/a.scene" "$input/spared.scene"
+from spared.scene 2 "the output would replace the file that is standard input" "$program" render - -o spared.scene
+cmp -s "$input/a.scene" "$input/spared.scene"
+ok $? "the file keeps its bytes"
+sed 's/sphere 1/shpere 1/' "$input/a.scene" >"$input/bad.scene"
+from bad.scene 2 "a bad scene from standard input is refused" "$program" plan -
+says '^<stdin>:5:8: error: ' "the message names the place"
+exits 2 "an empty standard input is refused" "$SPECTRAL" plan -
+says '^<stdin>: error: the file is empty' "the message says so"
+"$SPECTRAL" plan - 2>"$tmp/err" <&-
+[ $? = 2 ]
+ok $? "a closed standard input is refused"
+
 printf '%s\n' "$PWD/data/builtin/materials/colorchecker/01-dark-skin.txt" \
     "$PWD/data/builtin/materials/colorchecker/15-red.txt" >"$tmp/two.list"
 exits 0 "a thesis list file is a scene" "$SPECTRAL" plan "$tmp/two.list"
