@@ -51,8 +51,7 @@ bool builtin_name(const struct builtin_file *file, const char *folder, const cha
  * command line names it. */
 bool file_read(const char *path, struct place from, char **bytes, size_t *length,
                struct error *err);
-
-/* Reads standard input to its end, as file_read reads a file. Messages call it `name`. */
+/* Reads standard input likewise, to its end. Messages call it `name`. */
 bool input_read(const char *name, char **bytes, size_t *length, struct error *err);
 
 /* Opens a regular file for reading, or finds a "builtin:..." file, which has no descriptor (-1).
@@ -89,10 +88,9 @@ bool output_commit(struct output *out, struct error *err);
 void output_discard(struct output *out); /* safe after commit, and on a zeroed struct */
 
 bool write_all(int descriptor, const void *bytes, size_t length); /* false: see errno */
-/* Returns true if standard output is a pipe that its reader has closed. */
-bool output_is_unread(void);
-/* Writes a small text, which appears whole or not at all; "-" is standard output, or a terminal. A
- * reader that closes the pipe early has read what it wanted: this is no failure. */
+bool output_is_unread(void); /* standard output is a pipe that its reader has closed */
+/* Writes a whole small file, which appears whole or not at all. "-" is standard output; if its
+ * reader closes the pipe, that is no failure. */
 bool file_write(const char *path, const char *bytes, size_t length, struct error *err);
 /* Refuses an output that cannot be opened, before the work begins. Leaves no file. NULL: none. */
 bool output_can_open(const char *path, struct error *err);

@@ -55,7 +55,7 @@ enum shading_kind {
 };
 extern const char *const shading_words[]; /* of enum shading_kind, then NULL */
 struct scene {
-    char *path;         /* as given: file or built-in name; or the name of standard input */
+    char *path;         /* as given: file or built-in name; or see scene_is_input */
     char sha256[65];    /* of its text: its file, then those that it includes and lists, as read */
     struct text *files; /* every file read: owns the paths of all places */
     int n_files;
@@ -74,16 +74,14 @@ struct scene {
     int n_ambients, n_lights, n_materials, n_objects;
 };
 
-/* Reads a SCENE: a built-in scene's name, a scene file or a thesis list file; "-" is standard
- * input. Its files are relative to the working folder. */
+/* Reads a SCENE: a built-in name, a scene file, a thesis list file, or "-", standard input. */
 bool scene_read(const char *name, struct scene *out, struct error *err);
-bool scene_is_input(const char *path);   /* of a struct scene that was read from standard input */
+bool scene_is_input(const char *path);   /* of a scene: it was read from standard input */
 bool scene_is_missing(const char *name); /* neither built in nor a file */
 void scene_free(struct scene *scene);
 /* Returns the metameric partner of a material of the scene; NULL: it has none. */
 const struct material *scene_partner(const struct scene *scene, const struct material *material);
-/* Options of the command line. Each replaces what the scene file says, and reads `text`, the value
- * of the option. A message names the option and the column in its value. */
+/* Options: the value `text` replaces what the scene file says. Messages name option and column. */
 bool scene_set_wavelengths(struct scene *scene, const char *text, struct error *err);
 bool scene_set_size(struct scene *scene, const char *text, struct error *err);
 bool scene_set_light(struct scene *scene, const char *text, struct error *err);
