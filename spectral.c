@@ -27,7 +27,7 @@
 
 struct command {
     const char *name;
-    const char *operands, *summary; /* for --help */
+    const char *operands, *summary; /* for --help, which breaks the lines of the summary */
     const char *example;            /* the words behind "spectral" */
     bool (*run)(struct options *options, struct error *err);
     int options, n_operands; /* the bit of its options; the most operands */
@@ -194,26 +194,41 @@ static const struct option_table option_table = {known_options,
 
 /* ---- help ---- */
 
-/* Prints a command or an option as the user types it, and the lines of its explanation beside it.
- */
-static void print_explained(const char *typed, const char *lines)
+enum { HELP_WIDTH = 80, HELP_COLUMN = 34 }; /* of a line; where an explanation begins */
+
+/* Prints the words of a text from the cursor's column on. A new line begins at that column. */
+static void print_words(const char *text, int column)
 {
-    printf("  %-31s ", typed);
-    for (;;) {
-        const size_t length = strcspn(lines, "\n");
-        printf("%.*s\n", (int)length, lines);
-        if (!lines[length])
-            return;
-        lines += length + 1;
-        printf("%34s", "");
+    const char *gap = "";
+    for (int at = column, length; *(text += strspn(text, " \n")); text += length) {
+        length = (int)strcspn(text, " \n");
+        if (at + (int)strlen(gap) + length > HELP_WIDTH) {
+            printf("\n%*s", column, "");
+            at = column;
+            gap = "";
+        }
+        at += printf("%s%.*s", gap, length, text);
+        gap = " ";
     }
+    putchar('\n');
+}
+
+/* Prints a command or an option as the user types it, and its explanation beside it, or below if
+ * there is no room. */
+static void print_explained(const char *typed, const char *explanation)
+{
+    const int used = printf("  %s", typed);
+    if (used + 2 > HELP_COLUMN)
+        putchar('\n');
+    printf("%*s", used + 2 > HELP_COLUMN ? HELP_COLUMN : HELP_COLUMN - used, "");
+    print_words(explanation, HELP_COLUMN);
 }
 
 static void print_commands(void)
 {
     for (int i = 0; i < N_COMMANDS; i++) {
         char typed[64];
-        snprintf(typed, sizeof typed, "%-6s %s", commands[i].name, commands[i].operands);
+        snprintf(typed, sizeof typed, "%-7s %s", commands[i].name, commands[i].operands);
         print_explained(typed, commands[i].summary);
     }
 }
@@ -229,24 +244,26 @@ static void print_options(void)
     }
 }
 
+static const char scene_operand[] =
+    "SCENE is a scene file, a list of material files, a built-in scene (default:\n"
+    "colorchecker), or - for standard input.\n";
+
 /* Always succeeds: main reports a failed write to standard output. */
 static bool print_usage(void)
 {
     fputs("usage: spectral COMMAND [SCENE] [OPTIONS]\n"
           "\n"
-          "Renders a 3D scene wavelength by wavelength through OpenGL, cross-checks every pixel\n"
-          "of every wavelength against its own rasterizer, and writes a spectral TIFF stack.\n"
+          "Renders a 3D scene wavelength by wavelength through OpenGL, cross-checks every\n"
+          "pixel of every wavelength against its own rasterizer, and writes a spectral\n"
+          "TIFF stack.\n"
           "\n",
           stdout);
     print_commands();
-    fputs("\n"
-          "SCENE is a scene file, a list of material files, or a built-in scene (colorchecker).\n"
-          "\n",
-          stdout);
+    printf("\n%s\n", scene_operand);
     print_options();
     fputs("\n"
-          "exit status: 0 agreed, 1 pictures or stacks differ, 2 bad usage or input, 3 the system "
-          "failed\n",
+          "exit status: 0 agreed, 1 pictures or stacks differ, 2 bad usage or input,\n"
+          "3 the system failed\n",
           stdout);
     return true;
 }
@@ -254,7 +271,10 @@ static bool print_usage(void)
 static bool print_command_usage(const struct command *command)
 {
     printf("usage: spectral %s %s [OPTIONS]\n\n", command->name, command->operands);
-    printf("%s\n\n", command->summary);
+    print_words(command->summary, 0);
+    if (strstr(command->operands, "SCENE"))
+        printf("\n%s", scene_operand);
+    putchar('\n');
     for (int i = 0; i < option_table.n; i++)
         if (option_takes(&known_options[i], command->options))
             print_explained(known_options[i].usage, known_options[i].help);
@@ -268,15 +288,14 @@ static bool greet(struct error *err)
     err->status = EXIT_INPUT;
     fputs("spectral renders 3D scenes wavelength by wavelength, and checks every pixel.\n"
           "\n"
-          "  spectral render colorchecker          writes colorchecker.tif, a page a wavelength\n"
+          "  spectral render colorchecker          writes the stack colorchecker.tif\n"
           "  spectral develop colorchecker.tif     writes the picture that a person sees\n"
           "  spectral probe colorchecker 100 100   prints the spectrum of a pixel\n"
           "  spectral view fluorescence            writes a page for the browser\n"
           "  spectral show spheres -o my.scene     copies a scene, to change it\n"
           "\n"
-          "spectral list prints the scenes, materials, ... that are built in. spectral COMMAND "
-          "--help\n"
-          "explains a command, spectral --help all of them, man spectral the scene language.\n",
+          "spectral list prints what is built in. spectral COMMAND --help explains a\n"
+          "command, spectral --help all of them, man spectral the scene language.\n",
           stdout);
     return false;
 }

@@ -47,7 +47,7 @@ enum option_kind {
  * name if no command takes both. */
 struct option {
     const char *usage; /* names with their dashes, then the value's: "-o, --output FILE" */
-    const char *help;  /* for --help; each line of it goes on a line of its own */
+    const char *help;  /* for --help, which breaks its lines */
     int commands;
     enum option_kind kind;
     size_t offset;              /* of the value in struct options; unused by OPTION_CHANGE */

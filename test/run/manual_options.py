@@ -7,7 +7,7 @@ import re
 import sys
 
 HEADING = re.compile(r"([a-z].*):$")
-OPTION = re.compile(r"  (-.{30}) (\S.*)$")
+OPTION = re.compile(r"  (-\S*(?: \S+)*)(?:  +(\S.*))?$")
 CONTINUED = re.compile(r" {34}(\S.*)$")
 
 
@@ -53,7 +53,9 @@ def renewed(help_lines, explained):
             if text.re is OPTION:
                 option = head(text[1])
                 yield option
-            yield re.sub(r"(?<!\S)-+", lambda dashes: r"\-" * len(dashes[0]), text[text.lastindex])
+            if text.re is CONTINUED or text[2]:
+                line = re.sub(r"(?<!\S)-+", lambda dashes: r"\-" * len(dashes[0]), text[text.lastindex])
+                yield re.sub(r"^(?=[.'])", r"\\&", line)
 
 
 with open(sys.argv[1], encoding="utf-8") as file:
