@@ -49,7 +49,8 @@ static const struct command commands[] = {
      2},
     {"cost", "[SCENE]", "measure what accuracy costs in time", "cost patches --svg cost.svg",
      command_cost, FOR_COST, 1},
-    {"view", "[SCENE] [-o PAGE.html]", "write an interactive viewer in one HTML file; with -o\nPICTURE.png the picture that it shows "
+    {"view", "[SCENE] [-o PAGE.html]",
+     "write an interactive viewer in one HTML file; with -o\nPICTURE.png the picture that it shows "
      "first",
      "view fluorescence --size 600x400 -o fluorescence.html", command_view, FOR_VIEW, 1},
     {"info", "STACK", "print how a stack was made", "info spheres.tif", command_info, FOR_INFO, 1},
@@ -99,14 +100,14 @@ static const struct option known_options[] = {
      FOR_RENDER | FOR_PLAN | RECORDED, TEXT(detector)},
     {.heading = "render:"},
     {"-o, --output STACK.tif",
-     "writes there; - is standard output; /dev/null: checks only,\nwrites nothing",
-     FOR_RENDER | FOR_DEVELOP | FOR_PROBE | FOR_VIEW, TEXT(output)},
+     "writes there; - is standard output; /dev/null: checks only,\nwrites nothing", FOR_RENDER,
+     TEXT(output)},
     {"--again STACK",
      "makes that stack again, from the scene and the options that\n"
      "it records; the new one must be the same to the last byte\n"
      "(default output: STACK's name + -again.tif)",
      FOR_RENDER, TEXT(again)},
-    {"--renderer NAME",
+    {"--renderer gl|llvmpipe|softpipe|raster",
      "stores the pixels of gl (default), of its driver llvmpipe or\n"
      "softpipe, or of raster, the reference",
      FOR_RENDER | RECORDED, TEXT(renderer), .choices = renderers},
@@ -143,9 +144,13 @@ static const struct option known_options[] = {
     {"--white SPECTRUM", "the light of the white (default: those that the stack records)",
      FOR_STACKS, TEXT(white)},
     {.heading = "develop:"},
-    {"--adaptation KIND",
-     "none (default), von-kries, bradford, cat16, or\n"
-     "fairchild[:LUMINANCE] in cd/m2 (default: 10 x intensity)",
+    {"-o, --output PICTURE.png",
+     "writes there, PNG or TIFF (.tif); - is standard output (default: STACK's name + "
+     "-developed.png)",
+     FOR_DEVELOP, TEXT(output)},
+    {"--adaptation none|von-kries|bradford|cat16|fairchild[:LUMINANCE]",
+     "takes the white to the display's (default: none); LUMINANCE is in cd/m2 (default: 10 x "
+     "intensity)",
      FOR_DEVELOP, TEXT(adaptation), .accepts = develop_accepts_adaptation},
     {"--display srgb|monitor", "sRGB (default), or the monitor of the 1998 thesis", FOR_DEVELOP,
      TEXT(display), .accepts = develop_accepts_display},
@@ -159,8 +164,9 @@ static const struct option known_options[] = {
     {"--sampling METHOD", "as if the spectra were sampled so (not basis, rgb or xyz)", FOR_DEVELOP,
      TEXT(sampling)},
     {.heading = "probe:"},
-    {"--csv", "writes a table instead of text, to -o FILE", FOR_PROBE, FLAG(csv)},
-    {"--svg", "writes a plot instead of text, to -o FILE", FOR_PROBE, FLAG(svg)},
+    {"-o, --output FILE", "writes there (default: standard output)", FOR_PROBE, TEXT(output)},
+    {"--csv", "writes a table instead of text", FOR_PROBE, FLAG(csv)},
+    {"--svg", "writes a plot instead of text", FOR_PROBE, FLAG(svg)},
     {.heading = "compare:"},
     {"--tolerance R|P%|EdE00",
      "largest difference that passes: radiance, per cent of the\n"
@@ -170,6 +176,11 @@ static const struct option known_options[] = {
      "writes each pixel's largest difference, spectral angle and\n"
      "CIEDE2000 (.tif), or shows the CIEDE2000 in colours (.png)",
      FOR_COMPARE, TEXT(map)},
+    {.heading = "view:"},
+    {"-o, --output PAGE.html",
+     "writes the page there, or a picture (.png); - is standard output (default: SCENE's name + "
+     ".html)",
+     FOR_VIEW, TEXT(output)},
     {.heading = "cost:"},
     {"--observer, --detector NAME", "measures colour differences for it (default: cie1931)",
      FOR_COST, TEXT(detector)},
