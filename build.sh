@@ -7,13 +7,15 @@
 #   bench [effects]        measures the seconds of a large picture, or of each effect
 #   static                 makes build/spectral-static, which needs nothing but a Linux kernel
 #   dist                   makes a release archive around the static program
-#   install PREFIX         copies program and manual below PREFIX (below DESTDIR, where that is set)
+#   install PREFIX         copies program, manual, samples, ... below PREFIX (below DESTDIR, where that is set)
+#   uninstall PREFIX       removes what install wrote there, and nothing else
 #   clean                  deletes the folder build
 # From the environment: CC (gcc), CFLAGS (-O3), CPPFLAGS, LDFLAGS, GL (osmesa, or none: without OpenGL),
 # BUILD (build; the folder for all that is made). On Debian, root installs the packages that are missing.
 
-# Other scripts have the libraries (data/libraries.sh), the files that are compiled in (data/builtin.sh), the
-# static program and the release (raster/gl/static.sh), the tests (test/run.sh). Lists are split on purpose.
+# Other scripts have the libraries (data/libraries.sh), the files that are compiled in (data/builtin.sh),
+# install and uninstall (data/install.sh), the static program and the release (raster/gl/static.sh), the tests
+# (test/run.sh). Lists are split on purpose.
 # shellcheck disable=SC1091,SC2015,SC2016,SC2034,SC2046,SC2086,SC2154
 set -eu
 export LC_ALL=C
@@ -142,14 +144,6 @@ Try next:      $BUILD/spectral probe colorchecker.tif 100 100
 END
 }
 
-# A relative PREFIX is below the folder that this was called from.
-install_program() {
-    target=${DESTDIR:+$DESTDIR/}$1
-    case $target in /*) ;; *) target=$called_from/$target ;; esac
-    install -D -m 755 "$BUILD/spectral" "$target/bin/spectral"
-    install -D -m 644 spectral.1 "$target/share/man/man1/spectral.1"
-}
-
 clean() {
     [ ! -e "$BUILD" ] || [ -f "$BUILD/$mark" ] || refuse "build.sh: $BUILD held other files before; delete it yourself"
     rm -rf "$BUILD"
@@ -161,7 +155,8 @@ run) build; first_minute ;;
 test | 'test '* | bench | 'bench effects') . test/run.sh ;;
 static) . raster/gl/static.sh; static_program ;;
 dist) . raster/gl/static.sh; dist ;;
-'install '?*) [ $# = 2 ] || refuse; build; install_program "$2" ;;
+'install '?*) [ $# = 2 ] || refuse; build; . data/install.sh; install_program "$2" ;;
+'uninstall '?*) [ $# = 2 ] || refuse; . data/install.sh; uninstall_program "$2" ;;
 clean) clean ;;
 -h | --help) usage ;;
 *) refuse ;;

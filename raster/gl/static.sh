@@ -63,8 +63,8 @@ dist() {
     rm -rf "${BUILD:?}/$name"
     mkdir "$BUILD/$name" "$BUILD/$name/data"
     cp "$BUILD/spectral-static" "$BUILD/$name/spectral"
-    cp README.md LICENSE spectral.1 "$BUILD/$name"
-    for folder in $builtin data/gallery data/doc; do
+    cp README.md LICENSE CHANGELOG.md spectral.1 "$BUILD/$name"
+    for folder in $builtin data/gallery data/completion data/samples data/doc; do
         [ ! -d "$folder" ] || cp -R "$folder" "$BUILD/$name/data"
     done
     licences "$BUILD/$name/licences"

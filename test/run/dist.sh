@@ -1,15 +1,14 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# The content of a release archive is complete, runs, and includes its licences. Installing puts the program and
-# its manual below PREFIX. FULL=1 makes the archive twice more, in other folders and from the start, OSMesa
-# included: it has the same bytes in any folder and by any user.
+# The content of a release archive is complete, runs, and includes its licences. FULL=1 makes the archive twice
+# more, in other folders and from the start, OSMesa included: it has the same bytes in any folder and by any user.
 . test/run/tap.sh
 
 # made_in FOLDER BUILD MASK: another path, another umask, another time zone
 tmp=$(realpath "$tmp")
 made_in() (
     mkdir -p "$tmp/$1"
-    cp -R build.sh spectral.c spectral.h spectral.1 README.md LICENSE data raster "$tmp/$1"
+    cp -R build.sh spectral.c spectral.h spectral.1 README.md LICENSE CHANGELOG.md data raster "$tmp/$1"
     umask "$3"
     export XDG_CACHE_HOME="$tmp/$1/cache"
     BUILD=$2 TZ=Asia/Kathmandu "$tmp/$1/build.sh" dist >"$tmp/$1/log" 2>&1 || cat "$tmp/$1/log" >&2
@@ -33,7 +32,8 @@ tar -C "$tmp" -xzf "$made/$archive"
 release=$tmp/${archive%.tar.gz}
 (cd "$release" && sha256sum --quiet --check SHA256SUMS && [ "$(find . -type f | wc -l)" = $(($(wc -l <SHA256SUMS) + 1)) ])
 ok $? "SHA256SUMS lists each file with its SHA-256"
-for file in spectral spectral.1 README.md LICENSE data/builtin/scenes/room.scene data/gallery/room.png data/doc/recipes.md; do
+for file in spectral spectral.1 README.md LICENSE CHANGELOG.md data/builtin/scenes/room.scene data/gallery/room.png \
+    data/completion/spectral.bash data/completion/_spectral data/samples/my.scene data/doc/recipes.md; do
     [ -s "$release/$file" ]
     ok $? "the archive holds $file"
 done
@@ -59,14 +59,4 @@ exits 0 "its program renders its scene" "$release/spectral" render "$release/dat
 "$SPECTRAL" render "$release/data/builtin/scenes/room.scene" --size 60x40 --renderer raster --quiet -o "$tmp/a.tif" &&
     "$release/spectral" render --again "$tmp/a.tif" --quiet -o "$tmp/b.tif"
 ok $? "its program makes a stack of $SPECTRAL again"
-
-exits 0 "install succeeds" ./build.sh install "$tmp/prefix"
-cmp -s "$SPECTRAL" "$tmp/prefix/bin/spectral" && cmp -s spectral.1 "$tmp/prefix/share/man/man1/spectral.1"
-ok $? "install puts program and manual below PREFIX"
-(cd "$tmp" && "$OLDPWD/build.sh" install here) && [ -x "$tmp/here/bin/spectral" ]
-ok $? "PREFIX may be relative to the folder of the call"
-exits 0 "install succeeds with DESTDIR" env DESTDIR="$tmp/staged" ./build.sh install usr
-[ -x "$tmp/staged/usr/bin/spectral" ] && [ -s "$tmp/staged/usr/share/man/man1/spectral.1" ]
-ok $? "install puts program and manual below DESTDIR"
-exits 2 "install without PREFIX is refused" ./build.sh install
 done_testing
