@@ -137,6 +137,16 @@ const char *object_name(const struct plan *plan, int surface)
                        : plan->materials[plan->instances[surface].shaded].material->name;
 }
 
+void object_text(const struct plan *plan, int surface, char *out, size_t capacity)
+{
+    const struct place place =
+        surface >= 0 ? plan->instances[surface].object->place : (struct place){NULL, 0, 0};
+    if (place.path)
+        snprintf(out, capacity, "%s (%s:%d)", object_name(plan, surface), place.path, place.line);
+    else
+        snprintf(out, capacity, "%s", object_name(plan, surface));
+}
+
 struct rectangle plan_picture(const struct plan *plan)
 {
     return (struct rectangle){0, 0, plan->scene->width, plan->scene->height};

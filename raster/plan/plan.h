@@ -3,7 +3,9 @@
 #ifndef PLAN_H
 #define PLAN_H
 
-#include "data/options/options.h"
+#include "data/material/material.h"
+#include "data/maths/maths.h"
+#include "data/mesh/mesh.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
 #include "data/terms/terms.h"
@@ -112,6 +114,8 @@ void band_name(const struct plan *plan, int band, char out[BAND_NAME]);
 double shaded_brightest(const struct shaded_material *shaded); /* largest peak; 1: it is black */
 /* The name of a surface: that of its material; or "background" for -1. */
 const char *object_name(const struct plan *plan, int surface);
+/* Writes that name, and the place in the scene where the object stands. */
+void object_text(const struct plan *plan, int surface, char *out, size_t capacity);
 
 /* Steps of a channel of OpenGL's colour buffer, from 0 to full scale; 0: floats. */
 int buffer_steps(const struct plan *plan);
@@ -121,21 +125,13 @@ struct texels plan_texels(const struct texture *texture, int plane);
 bool plan_load_textures(const struct plan *plan, int first_band, struct error *err);
 void plan_free(struct plan *plan);
 
-/* ---- effects.c: the plan in words ---- */
-
-/* Fills the plan's effects, each with the reason why it is simulated or not. */
-void plan_effects(struct plan *plan);
-void plan_print(const struct plan *plan, FILE *to);
-/* Returns why a light does not shine; NULL: it shines. */
-const char *plan_why_off(const struct plan *plan, const struct light *light);
-void plan_json(const struct plan *plan, struct json *json); /* json.c: begins a JSON object */
-
-/* ---- command.c: spectral plan ---- */
-
-/* Prints the plan of a scene. */
-bool command_plan(struct options *options, struct error *err);
+/* effects.c. Returns true if any term of the material is of this kind. */
+bool has_term(const struct shaded_material *shaded, enum term_kind kind);
 
 /* ---- Inside this room ---- */
+
+/* effects.c. Fills the plan's effects, each with the reason why it is simulated or not. */
+void plan_effects(struct plan *plan);
 
 /* lights.c. Lists all lights that shine; shaded materials then use those that matter to them. */
 bool lights_list(struct plan *plan, struct error *err);

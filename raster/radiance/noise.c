@@ -9,9 +9,8 @@
  * roundings of their components, and multiplied. */
 static const double noise_cosine = 64 * DOUBLE_ROUNDOFF;
 
-/* The cosine between the normal of a vertex and the direction of a light. */
-static double cosine_at(const struct surface *surface, int vertex, int side,
-                        const struct eye_light *light)
+double light_cosine(const struct surface *surface, int vertex, int side,
+                    const struct eye_light *light)
 {
     const struct instance *instance = surface->instance;
     const struct vertex *point = &instance->vertices[vertex];
@@ -33,7 +32,7 @@ int noisy_light(const struct lit_scene *lit, int surface, size_t at)
             return -1;
     for (int i = 0; i < plan->n_lights; i++) {
         double cosine = reflects(instance, &plan->lights[i])
-                            ? cosine_at(of, vertex, side, &plan->lights[i])
+                            ? light_cosine(of, vertex, side, &plan->lights[i])
                             : 0;
         if (cosine > noise_cosine)
             return -1;

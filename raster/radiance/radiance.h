@@ -25,6 +25,10 @@ bool find_full_scale(const struct lit_scene *lit, double *out, bool *clips, stru
 
 /* ---- noise.c ---- */
 
+/* Returns the cosine between the normal of a vertex, on a side, and the direction of a light. */
+double light_cosine(const struct surface *surface, int vertex, int side,
+                    const struct eye_light *light);
+
 /* Returns the index of a light, if the radiance of weights `at` of a surface (a vertex and a side)
  * comes only from lights that graze it, so that it is rounding noise; otherwise -1. */
 int noisy_light(const struct lit_scene *lit, int surface, size_t at);

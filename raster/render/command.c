@@ -137,8 +137,8 @@ static bool report(const struct options *options, const struct plan *plan,
     if (options->json && !write_json(options, plan, result, stored, err))
         return false;
     if (!options->quiet) {
-        if (options->verbose)
-            plan_print(plan, taken ? stderr : stdout);
+        if (options->verbose && !plan_print(plan, taken ? stderr : stdout, err))
+            return false;
         print_report(plan, result, output, stored, taken ? stderr : stdout);
     }
     if (agreed)
@@ -193,13 +193,18 @@ static bool render_planned(const struct options *options, const struct plan *pla
 {
     struct progress_line line;
     struct render_result result;
+    struct notes notes = {.list = NULL};
+    struct render_output noted = *output;
     const bool shown = progress_start(&line, options->quiet);
-    if (!render(plan, output, shown ? &line : NULL, &result, err))
-        return false;
+    if (!options->quiet || options->json)
+        noted.notes = &notes;
+    bool done = render(plan, &noted, shown ? &line : NULL, &result, err);
     result.seconds.read += before->read;
     result.seconds.plan = before->plan;
     result.seconds.total += before->read + before->plan;
-    return report(options, plan, &result, output, made, err);
+    done = done && report(options, plan, &result, output, made, err);
+    notes_free(&notes);
+    return done;
 }
 
 bool render_with_options(const struct options *options, const struct render_output *output,

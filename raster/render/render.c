@@ -407,8 +407,8 @@ static bool prepare_fit(struct render_state *state, struct error *err)
     return done;
 }
 
-/* Does everything that comes before the first pixel. */
-static bool prepare(struct render_state *state, struct error *err)
+/* Does everything that comes before the first pixel. notes: see struct render_output. */
+static bool prepare(struct render_state *state, struct notes *notes, struct error *err)
 {
     struct render_result *result = state->result;
     const struct plan *plan = state->plan;
@@ -418,7 +418,8 @@ static bool prepare(struct render_state *state, struct error *err)
     clock_in(state, &result->seconds.gl);
     if (!lit_make(plan, result->driver, &state->lit, &result->light, err))
         return false;
-    if (!find_full_scale(&state->lit, &result->full_scale, &result->clips, err))
+    if (!find_full_scale(&state->lit, &result->full_scale, &result->clips, err) ||
+        (notes && !notes_make(&state->lit, notes, err)))
         return false;
     clock_in(state, &result->seconds.raster);
     return !plan->options.check || prepare_fit(state, err);
@@ -460,7 +461,7 @@ static bool render_all(struct render_state *state, const struct render_output *o
 {
     /* OpenGL starts its threads here. They must not take signals either: see threads_start. */
     void *held = signals_hold();
-    bool done = prepare(state, err);
+    bool done = prepare(state, output->notes, err);
     signals_release(held);
     if (done && output->check_map && state->plan->options.check)
         done = state->check_scene.mapped =
@@ -485,7 +486,7 @@ bool render(const struct plan *plan, const struct render_output *output,
 {
     const double start = clock_seconds();
     struct render_state state = {.plan = plan, .progress = progress, .result = out, .since = start};
-    *out = (struct render_result){.full_scale = 0};
+    *out = (struct render_result){.notes = output->notes};
     bool done = render_all(&state, output, err);
     if (state.writing)
         stack_discard(&state.writer); /* keeps a committed stack */

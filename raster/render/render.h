@@ -13,6 +13,7 @@
 #include "raster/check/check.h"
 #include "raster/driver/driver.h"
 #include "raster/gl/gl.h"
+#include "raster/notes/notes.h"
 #include "raster/plan/plan.h"
 #include "raster/radiance/radiance.h"
 #include "raster/reference/reference.h"
@@ -33,6 +34,7 @@ struct render_result {
     struct check_verdict check;
     struct odd_samples odd;
     struct stack_difference difference; /* from the stack that is made again */
+    const struct notes *notes;          /* those of struct render_output */
     struct render_seconds seconds;
 };
 struct render_output {
@@ -41,6 +43,7 @@ struct render_output {
     const char *again;     /* the stack to compare the new one with, byte by byte; NULL: none */
     bool keep;             /* store the stack even if it fails its check or differs from `again` */
     bool discard;          /* compare the stack with `again`, and store none */
+    struct notes *notes;   /* zeroed; becomes the notes on the scene; NULL: none are wanted */
 };
 /* Renders into a stack. Returns true even if the picture fails its check or differs from `again`:
  * ask render_agreed. progress: shown after each pass; NULL: none. After a failure, an interruption

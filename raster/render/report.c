@@ -128,6 +128,8 @@ void report_print(const struct plan *plan, const struct render_result *result, F
                 bits == 8    ? "255"
                 : bits == 32 ? "full scale"
                              : "65535");
+    if (result->notes)
+        notes_print(result->notes, to);
     fprintf(to,
             "seconds           %.3f (read %.3f, plan %.3f, gl %.3f, raster %.3f, check %.3f, "
             "write %.3f)\n",
@@ -315,6 +317,8 @@ void report_json(const struct plan *plan, const struct render_result *result, co
         json_check(json, plan, &result->check);
     else
         json_string(json, "check", NULL);
+    if (result->notes)
+        notes_json(result->notes, json);
     json_again(json, &result->difference);
     json_count(json, "clipped_samples", result->odd.clipped);
     json_seconds(json, &result->seconds);

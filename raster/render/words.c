@@ -39,17 +39,6 @@ static const char *const causes[BOUND_CAUSES] = {
     [CAUSE_FAR] = "its triangles reach too far; split them, or move the near plane away",
 };
 
-/* Names an object and the place in the scene where it stands. */
-static void object_text(const struct plan *plan, int surface, char *out, size_t capacity)
-{
-    const struct place place =
-        surface >= 0 ? plan->instances[surface].object->place : (struct place){NULL, 0, 0};
-    if (place.path)
-        snprintf(out, capacity, "%s (%s:%d)", object_name(plan, surface), place.path, place.line);
-    else
-        snprintf(out, capacity, "%s", object_name(plan, surface));
-}
-
 /* Says how much was not checked, where most of it lies, and why. */
 static void unchecked_text(const struct plan *plan, const struct check_verdict *verdict, char *out,
                            size_t capacity)

@@ -7,6 +7,7 @@
 #include "data/base/base.h"
 #include "data/invocation/invocation.h"
 #include "data/scene/scene.h"
+#include "raster/notes/notes.h"
 #include "raster/view/view.h"
 
 /* The table goes to standard output, unless the output may be there. */
@@ -58,10 +59,14 @@ bool command_view(struct options *options, struct error *err)
     const bool still = ending == PNG;
     const struct plan_options plan_options = {
         .store_raster = true, .exchangeable = !still, .threads = options->threads};
-    const bool done = scene_read_options(options, &scene, err) &&
-                      scene_spared(options->output, &scene, err) &&
-                      plan_make(&scene, NULL, &plan_options, &plan, err) &&
-                      (still ? write_still : write_page)(options, &plan, err);
+    struct notes notes = {.list = NULL};
+    const bool done =
+        scene_read_options(options, &scene, err) && scene_spared(options->output, &scene, err) &&
+        plan_make(&scene, NULL, &plan_options, &plan, err) && notes_of_plan(&plan, &notes, err) &&
+        (still ? write_still : write_page)(options, &plan, err);
+    if (done && !options->quiet)
+        notes_print(&notes, table_stream(options->output));
+    notes_free(&notes);
     plan_free(&plan);
     scene_free(&scene);
     return done;

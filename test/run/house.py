@@ -32,7 +32,7 @@ ROOMS = """
     data/pages data/material data/scene data/terms data/method data/sampling data/invocation
     data/record data/stack data/chart data/develop data/compare data/probe data/catalogue
     raster/reference raster/plan raster/driver raster/bounds raster/setup
-    raster/fragments raster/candidates raster/radiance raster/fit raster/gl raster/verdict
+    raster/fragments raster/candidates raster/radiance raster/notes raster/fit raster/gl raster/verdict
     raster/check raster/render raster/inspect raster/cost raster/view
     """.split()
 CORE = "raster/reference"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The plan as JSON. */
-#include "raster/plan/plan.h"
+#include "raster/notes/notes.h"
 
 static void json_effect(struct json *json, const struct plan_effect *effect)
 {
@@ -30,7 +30,7 @@ static void json_work(struct json *json, const struct plan *plan)
     json_close(json, '}');
 }
 
-void plan_json(const struct plan *plan, struct json *json)
+void plan_json(const struct plan *plan, const struct notes *notes, struct json *json)
 {
     const struct scene *scene = plan->scene;
     const bool components = plan->sampling && !plan->sampling->spectral;
@@ -54,9 +54,10 @@ void plan_json(const struct plan *plan, struct json *json)
         json_open(json, NULL, '{');
         json_string(json, "spectrum", scene->lights[i].spectrum.name);
         json_number(json, "intensity", scene->lights[i].intensity);
-        json_string(json, "off", plan_why_off(plan, &scene->lights[i]));
+        json_string(json, "off", why_off(plan, &scene->lights[i]));
         json_close(json, '}');
     }
     json_close(json, ']');
+    notes_json(notes, json);
     json_close(json, '}');
 }

@@ -3,7 +3,7 @@
 #include <stdio.h>
 
 #include "data/invocation/invocation.h"
-#include "raster/plan/plan.h"
+#include "raster/notes/notes.h"
 
 bool command_plan(struct options *options, struct error *err)
 {
@@ -11,15 +11,19 @@ bool command_plan(struct options *options, struct error *err)
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.detector = NULL};
     struct plan plan = {.scene = NULL};
+    struct notes notes = {.list = NULL};
     struct json json;
     bool done = scene_read_sampled(options, &scene, &sampling, err) &&
-                plan_make(&scene, sampling_or_none(&sampling), &plan_options, &plan, err);
+                plan_make(&scene, sampling_or_none(&sampling), &plan_options, &plan, err) &&
+                notes_of_plan(&plan, &notes, err);
     if (done && options->json) {
-        plan_json(&plan, &json);
+        plan_json(&plan, &notes, &json);
         done = json_write(&json, options->json, err);
     } else if (done) {
-        plan_print(&plan, stdout);
+        done = plan_print(&plan, stdout, err);
+        notes_print(&notes, stdout);
     }
+    notes_free(&notes);
     plan_free(&plan);
     sampling_free(&sampling);
     scene_free(&scene);

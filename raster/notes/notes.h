@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "notes": the plan in words, and notes on a scene: what makes its picture black, dark or
+ * guessed, and what to change. A note changes no pixel and no exit status. */
+#ifndef NOTES_H
+#define NOTES_H
+
+#include "data/options/options.h"
+#include "data/spectra/spectra.h"
+#include "data/text/text.h"
+#include "raster/bounds/bounds.h"
+#include "raster/plan/plan.h"
+#include "spectral.h"
+
+/* ---- notes.c: a list of notes ---- */
+
+enum { NOTE_TEXT = 768 };
+struct note {
+    const char *code;     /* a name for scripts, which stays from version to version: "black" */
+    char text[NOTE_TEXT]; /* one line */
+};
+struct notes {
+    struct note *list; /* owned */
+    int n;
+};
+/* Makes the notes on a lit scene in time linear in vertices x terms; looks at no pixel. */
+bool notes_make(const struct lit_scene *lit, struct notes *out, struct error *err);
+/* Lights the scene of a plan first. Refuses what lit_make refuses. */
+bool notes_of_plan(const struct plan *plan, struct notes *out, struct error *err);
+/* Prints a line for each note. */
+void notes_print(const struct notes *notes, FILE *to);
+/* Writes the array "notes" of objects with the members "code" and "text". */
+void notes_json(const struct notes *notes, struct json *json);
+void notes_free(struct notes *notes);
+
+/* ---- print.c: the plan in words ---- */
+
+/* Fails only where memory runs out. */
+bool plan_print(const struct plan *plan, FILE *to, struct error *err);
+/* json.c: begins a text with one JSON object. */
+void plan_json(const struct plan *plan, const struct notes *notes, struct json *json);
+
+/* ---- command.c: spectral plan ---- */
+
+/* Prints the plan of a scene, and the notes on it. */
+bool command_plan(struct options *options, struct error *err);
+
+/* ---- Inside this room ---- */
+
+bool note_add(struct notes *notes, const char *code, struct error *err, const char *format, ...)
+    PRINTF_LIKE(4, 5);
+
+/* print.c: returns why a light does not shine; NULL: it shines. */
+const char *why_off(const struct plan *plan, const struct light *light);
+
+/* survey.c: what the vertices of a scene show. */
+
+/* The planes of the view. A set of them has bit 1 << plane. */
+enum view_plane { LEFT, RIGHT, BELOW, ABOVE, NEAR, FAR, VIEW_PLANES };
+struct surface_survey {
+    double area;      /* in the picture, in pixels, as if nothing hid it */
+    double brightest; /* an upper bound on the radiance of its vertices in all bands */
+    unsigned outside; /* the planes that all of its vertices lie outside of */
+    bool reaches;     /* some vertex lies inside the view */
+};
+struct scene_survey {
+    const struct lit_scene *lit;
+    struct surface_survey *surfaces; /* of each surface; owned */
+    double brightest, area;          /* the largest of them, and the sum */
+    double *areas;                   /* of triangles of each class of brightness; owned */
+};
+bool survey_make(const struct lit_scene *lit, struct scene_survey *out, struct error *err);
+void survey_free(struct scene_survey *survey);
+/* Returns an upper bound on the radiance of a vertex, on either side, in all bands. */
+double survey_vertex(const struct lit_scene *lit, int surface, int vertex);
+/* Returns a radiance, exact to 1/8, such that at most this share of the area in view shows
+ * triangles with a brighter vertex. The area is not 0. */
+double survey_exceeded(const struct scene_survey *survey, double share);
+/* Returns true if the surface begins another object than the surface before it. */
+bool begins_object(const struct plan *plan, int surface);
+
+/* tables.c: spectra that are tables, and what may be wrong with them. */
+
+struct table_use {
+    const char *what, *owner; /* "diffuse", and the material's name; "light", and the table's */
+    const char *ends;         /* the value outside the table, in words */
+    struct spectrum table;    /* its arrays belong to the scene */
+    double intensity;         /* of a light; 0: the table is no light */
+};
+/* Lists the tables that the picture depends on. The array is allocated; NULL after an error. */
+struct table_use *tables_list(const struct plan *plan, int *n, struct error *err);
+/* Returns how many of the wavelengths that the pages depend on lie outside the table. */
+int table_outside(const struct plan *plan, const struct table_use *use);
+/* Add notes on wavelengths that are no nanometres, on tables that end too early, and on lights that
+ * count in percent. */
+bool note_wavelengths(const struct plan *plan, struct notes *notes, struct error *err);
+bool note_tables(const struct plan *plan, struct notes *notes, struct error *err);
+
+/* view.c, dark.c, bright.c: add notes on objects that are not in view, on objects without light,
+ * and on a full scale that leaves the picture dark. */
+bool note_view(const struct scene_survey *survey, struct notes *notes, struct error *err);
+bool note_dark(const struct scene_survey *survey, struct notes *notes, struct error *err);
+bool note_full_scale(const struct scene_survey *survey, struct notes *notes, struct error *err);
+
+#endif
