@@ -5,6 +5,16 @@
 #include "data/invocation/invocation.h"
 #include "raster/notes/notes.h"
 
+/* Makes the notes on a plan. Refuses what lit_make refuses, as a render does. */
+static bool note_plan(const struct plan *plan, struct notes *out, struct error *err)
+{
+    struct lit_scene lit;
+    struct light_work work;
+    bool done = lit_make(plan, driver_of(NULL), &lit, &work, err) && notes_make(&lit, out, err);
+    lit_free(&lit);
+    return done;
+}
+
 bool command_plan(struct options *options, struct error *err)
 {
     const struct plan_options plan_options = {.check = false};
@@ -15,7 +25,7 @@ bool command_plan(struct options *options, struct error *err)
     struct json json;
     bool done = scene_read_sampled(options, &scene, &sampling, err) &&
                 plan_make(&scene, sampling_or_none(&sampling), &plan_options, &plan, err) &&
-                notes_of_plan(&plan, &notes, err);
+                note_plan(&plan, &notes, err);
     if (done && options->json) {
         plan_json(&plan, &notes, &json);
         done = json_write(&json, options->json, err);

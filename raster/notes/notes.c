@@ -32,19 +32,9 @@ bool notes_make(const struct lit_scene *lit, struct notes *out, struct error *er
         return false;
     if (plan->n_instances == 0)
         return note_add(out, "no-object", err,
-                        "the scene shows no object: the picture is black; add a line such as "
-                        "object sphere 1 30 30 material colorchecker/19-white");
+                        "the scene shows no object: the picture is black; add lines such as "
+                        "material white { diffuse 0.9 } and object sphere 1 30 30 material white");
     return note_objects(lit, out, err) && note_tables(plan, out, err);
-}
-
-bool notes_of_plan(const struct plan *plan, struct notes *out, struct error *err)
-{
-    struct lit_scene lit;
-    struct light_work work;
-    *out = (struct notes){.list = NULL};
-    bool done = lit_make(plan, driver_of(NULL), &lit, &work, err) && notes_make(&lit, out, err);
-    lit_free(&lit);
-    return done;
 }
 
 void notes_print(const struct notes *notes, FILE *to)

@@ -24,8 +24,6 @@ struct notes {
 };
 /* Makes the notes on a lit scene in time linear in vertices x terms; looks at no pixel. */
 bool notes_make(const struct lit_scene *lit, struct notes *out, struct error *err);
-/* Lights the scene of a plan first. Refuses what lit_make refuses. */
-bool notes_of_plan(const struct plan *plan, struct notes *out, struct error *err);
 /* Prints a line for each note. */
 void notes_print(const struct notes *notes, FILE *to);
 /* Writes the array "notes" of objects with the members "code" and "text". */
@@ -55,12 +53,12 @@ const char *why_off(const struct plan *plan, const struct light *light);
 /* survey.c: what the vertices of a scene show. */
 
 /* The planes of the view. A set of them has bit 1 << plane. */
-enum view_plane { LEFT, RIGHT, BELOW, ABOVE, NEAR, FAR, VIEW_PLANES };
+enum view_plane { VIEW_LEFT, VIEW_RIGHT, VIEW_BELOW, VIEW_ABOVE, VIEW_NEAR, VIEW_FAR, VIEW_PLANES };
 struct surface_survey {
     double area;      /* in the picture, in pixels, as if nothing hid it */
     double brightest; /* an upper bound on the radiance of its vertices in all bands */
     unsigned outside; /* the planes that all of its vertices lie outside of */
-    bool reaches;     /* some vertex lies inside the view */
+    bool reaches;     /* some vertex lies inside the view, not on its border */
 };
 struct scene_survey {
     const struct lit_scene *lit;

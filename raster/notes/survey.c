@@ -53,6 +53,12 @@ static unsigned planes_outside(const double clip[4])
     return planes;
 }
 
+/* Returns true for a point inside the view, not on its border. */
+static bool is_inside(const double clip[4])
+{
+    return fabs(clip[0]) < clip[3] && fabs(clip[1]) < clip[3] && fabs(clip[2]) < clip[3];
+}
+
 static double window_area(const struct window_vertex *a, const struct window_vertex *b,
                           const struct window_vertex *c)
 {
@@ -64,8 +70,9 @@ static double clipped_area(const struct scene_survey *survey, const struct surfa
                            const int32_t vertex[3])
 {
     static const struct clip_plane planes[VIEW_PLANES] = {
-        [LEFT] = {{1, 0, 0, 1}, 0},   [RIGHT] = {{-1, 0, 0, 1}, 0}, [BELOW] = {{0, 1, 0, 1}, 0},
-        [ABOVE] = {{0, -1, 0, 1}, 0}, [NEAR] = {{0, 0, 1, 1}, 0},   [FAR] = {{0, 0, -1, 1}, 0}};
+        [VIEW_LEFT] = {{1, 0, 0, 1}, 0},  [VIEW_RIGHT] = {{-1, 0, 0, 1}, 0},
+        [VIEW_BELOW] = {{0, 1, 0, 1}, 0}, [VIEW_ABOVE] = {{0, -1, 0, 1}, 0},
+        [VIEW_NEAR] = {{0, 0, 1, 1}, 0},  [VIEW_FAR] = {{0, 0, -1, 1}, 0}};
     struct corner corners[2][CLIP_CORNERS];
     struct window_vertex window[CLIP_CORNERS];
     double area = 0;
@@ -129,7 +136,7 @@ static void survey_surface(struct scene_survey *survey, int index, const struct 
         vertices->outside[i] = (unsigned char)planes_outside(surface->vertices[i].clip);
         out.brightest = fmax(out.brightest, vertices->brightest[i]);
         out.outside &= vertices->outside[i];
-        out.reaches = out.reaches || vertices->outside[i] == 0;
+        out.reaches = out.reaches || is_inside(surface->vertices[i].clip);
     }
     for (int i = 0; i < instance->n_triangles && !out.outside; i++) {
         const int32_t *at = instance->triangles[i];

@@ -71,15 +71,15 @@ static enum hidden reason_of(const struct scene_survey *survey, int surface)
     const unsigned outside = survey->surfaces[surface].outside;
     const struct camera *camera = &survey->lit->plan->scene->camera;
     struct extent extent = nothing();
-    if (outside & 1U << NEAR) {
+    if (outside & 1U << VIEW_NEAR) {
         extend(survey->lit, surface, &extent);
         return camera->perspective && extent.nearest <= 0 ? BEHIND : TOO_NEAR;
     }
-    return outside & 1U << FAR                 ? TOO_FAR
-           : outside & 1U << LEFT              ? OFF_LEFT
-           : outside & 1U << RIGHT             ? OFF_RIGHT
-           : outside & 1U << BELOW             ? OFF_BELOW
-           : outside & 1U << ABOVE             ? OFF_ABOVE
+    return outside & 1U << VIEW_FAR            ? TOO_FAR
+           : outside & 1U << VIEW_LEFT         ? OFF_LEFT
+           : outside & 1U << VIEW_RIGHT        ? OFF_RIGHT
+           : outside & 1U << VIEW_BELOW        ? OFF_BELOW
+           : outside & 1U << VIEW_ABOVE        ? OFF_ABOVE
            : survey->surfaces[surface].reaches ? EDGE_ON
                                                : BESIDE;
 }
@@ -130,7 +130,7 @@ static void advice_text(const struct plan *plan, enum hidden reason, const struc
 
 /* ---- notes ---- */
 
-/* The objects of which nothing is in view. */
+/* The objects that are not in view. */
 struct unseen {
     int objects, n, first; /* of all objects; out of view; the first of them */
     enum hidden reason;    /* of the first */

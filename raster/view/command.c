@@ -7,7 +7,6 @@
 #include "data/base/base.h"
 #include "data/invocation/invocation.h"
 #include "data/scene/scene.h"
-#include "raster/notes/notes.h"
 #include "raster/view/view.h"
 
 /* The table goes to standard output, unless the output may be there. */
@@ -16,10 +15,11 @@ static FILE *table_stream(const char *output)
     return file_is_regular(output) ? stdout : stderr;
 }
 
-static bool write_page(const struct options *options, const struct plan *plan, struct error *err)
+static bool write_page(const struct options *options, const struct plan *plan, struct notes *notes,
+                       struct error *err)
 {
     struct viewer_result result;
-    if (!viewer_write(plan, options->output, &result, err))
+    if (!viewer_write(plan, options->output, &result, notes, err))
         return false;
     if (!options->quiet)
         fprintf(table_stream(options->output),
@@ -30,11 +30,12 @@ static bool write_page(const struct options *options, const struct plan *plan, s
     return true;
 }
 
-static bool write_still(const struct options *options, const struct plan *plan, struct error *err)
+static bool write_still(const struct options *options, const struct plan *plan, struct notes *notes,
+                        struct error *err)
 {
     const uint64_t n_pixels = (uint64_t)plan->scene->width * (uint64_t)plan->scene->height;
     uint64_t out_of_gamut;
-    if (!still_write(plan, options->output, &out_of_gamut, err))
+    if (!still_write(plan, options->output, &out_of_gamut, notes, err))
         return false;
     if (!options->quiet)
         fprintf(table_stream(options->output),
@@ -60,10 +61,10 @@ bool command_view(struct options *options, struct error *err)
     const struct plan_options plan_options = {
         .store_raster = true, .exchangeable = !still, .threads = options->threads};
     struct notes notes = {.list = NULL};
-    const bool done =
-        scene_read_options(options, &scene, err) && scene_spared(options->output, &scene, err) &&
-        plan_make(&scene, NULL, &plan_options, &plan, err) && notes_of_plan(&plan, &notes, err) &&
-        (still ? write_still : write_page)(options, &plan, err);
+    const bool done = scene_read_options(options, &scene, err) &&
+                      scene_spared(options->output, &scene, err) &&
+                      plan_make(&scene, NULL, &plan_options, &plan, err) &&
+                      (still ? write_still : write_page)(options, &plan, &notes, err);
     if (done && !options->quiet)
         notes_print(&notes, table_stream(options->output));
     notes_free(&notes);

@@ -111,7 +111,8 @@ static bool put_picture(const struct lit_scene *lit, struct planes *planes, stru
     return true;
 }
 
-bool planes_rasterize(const struct plan *plan, struct planes *out, struct error *err)
+bool planes_rasterize(const struct plan *plan, struct planes *out, struct notes *notes,
+                      struct error *err)
 {
     struct lit_scene lit = {.plan = plan};
     struct light_work work;
@@ -122,7 +123,8 @@ bool planes_rasterize(const struct plan *plan, struct planes *out, struct error 
         return error_usage(err, "a page shows at most %d pixels, not %d x %d; use --size WxH",
                            LARGEST_PAGE, plan->scene->width, plan->scene->height);
     bool done = planes_allocate(plan, out, err) &&
-                lit_make(plan, driver_of(NULL), &lit, &work, err) && put_picture(&lit, out, err);
+                lit_make(plan, driver_of(NULL), &lit, &work, err) && notes_make(&lit, notes, err) &&
+                put_picture(&lit, out, err);
     lit_free(&lit);
     return done;
 }

@@ -151,12 +151,13 @@ static bool open_picture(struct still *still, const char *path, struct error *er
 }
 
 bool still_write(const struct plan *plan, const char *path, uint64_t *out_of_gamut,
-                 struct error *err)
+                 struct notes *notes, struct error *err)
 {
     struct still still = {.plan = *plan};
     const struct rectangle picture = plan_picture(plan);
     still.plan.options.bits = 32;
-    const bool done = prepare(&still, err) && open_picture(&still, path, err) &&
+    const bool done = prepare(&still, err) && notes_make(&still.lit, notes, err) &&
+                      open_picture(&still, path, err) &&
                       tiles_each(&still.lit, &picture, put_tile, &still, err) &&
                       picture_commit(&still.picture, err);
     *out_of_gamut = still.out_of_gamut;

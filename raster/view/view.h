@@ -6,6 +6,7 @@
 #define VIEW_H
 
 #include "data/options/options.h"
+#include "raster/notes/notes.h"
 #include "raster/plan/plan.h"
 #include "spectral.h"
 
@@ -16,19 +17,20 @@ struct viewer_result {
     int n_objects, n_lights, n_illuminants, n_detectors;
 };
 /* Draws the plan's picture by the reference and writes the page. The plan's lights are exchangeable
- * (plan_options). Refuses pictures and scenes that are too large for a page. On failure no file has
- * been created or changed. */
+ * (plan_options). Makes the notes on the scene. Refuses pictures and scenes that are too large for
+ * a page. On failure no file has been created or changed. The caller frees *notes, here and below,
+ * also after a failure. */
 bool viewer_write(const struct plan *plan, const char *path, struct viewer_result *out,
-                  struct error *err);
+                  struct notes *notes, struct error *err);
 
 /* ---- still.c: the picture that the page shows first ---- */
 
 /* Draws the plan's picture by the reference, as cie1931 sees it without adaptation on an sRGB
  * display at exposure 1, and writes it as PNG. *out_of_gamut is the number of pixels with a clipped
- * channel. Memory does not grow with the picture's height. On failure no file has been created or
- * changed. */
+ * channel. Makes the notes on the scene. Memory does not grow with the picture's height. On failure
+ * no file has been created or changed. */
 bool still_write(const struct plan *plan, const char *path, uint64_t *out_of_gamut,
-                 struct error *err);
+                 struct notes *notes, struct error *err);
 
 /* ---- command.c: spectral view ---- */
 
@@ -54,8 +56,9 @@ struct planes {
 };
 
 /* Draws the planes by the reference. Refuses more than LARGEST_PAGE pixels and scenes of more than
- * LARGEST_SAMPLE instances. The caller frees *out, also after a failure. */
-bool planes_rasterize(const struct plan *plan, struct planes *out, struct error *err);
+ * LARGEST_SAMPLE instances. The caller frees *out and *notes, also after a failure. */
+bool planes_rasterize(const struct plan *plan, struct planes *out, struct notes *notes,
+                      struct error *err);
 /* Returns the value of sample 1 of a plane, so that the plane's largest value is LARGEST_SAMPLE. */
 double plane_scale(const struct planes *planes, int plane);
 /* Returns the surfaces, then all planes in units of their scales, as 16-bit samples: differences

@@ -449,13 +449,13 @@ static bool make_page(struct page *page, const struct planes *planes, const char
 }
 
 bool viewer_write(const struct plan *plan, const char *path, struct viewer_result *out,
-                  struct error *err)
+                  struct notes *notes, struct error *err)
 {
     struct page page = {.plan = plan, .result = out};
     struct planes planes = {.n_pixels = 0};
     *out = (struct viewer_result){.n_objects = plan->n_instances, .n_lights = plan->n_lights};
     page.row = calloc(3 * (size_t)plan->n_bands, sizeof *page.row);
-    bool done = (page.row || error_memory(err)) && planes_rasterize(plan, &planes, err) &&
+    bool done = (page.row || error_memory(err)) && planes_rasterize(plan, &planes, notes, err) &&
                 make_page(&page, &planes, path, err);
     out->n_illuminants = page.n_illuminants;
     page_free(&page);
