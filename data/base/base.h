@@ -38,7 +38,6 @@ extern const struct builtin_file builtin_files[]; /* made by build.sh; sorted by
 extern const size_t builtin_file_count;
 
 bool path_is_builtin(const char *path); /* begins with "builtin:" */
-
 enum { BUILTIN_NAME = 256 };
 /* Writes the part of a file's name between a folder and an ending. Returns false if the name does
  * not begin and end so. */
@@ -69,10 +68,9 @@ char *file_relative(const char *base, const char *name);
 void *signals_hold(void);
 void signals_release(void *held); /* NULL is fine */
 
-/* A file that appears whole or not at all. A regular or new file is written under an exclusive
- * temporary name beside it and renamed at the end; anything else (a pipe, a device, or "-",
- * standard output) receives a copy of a finished temporary file. Signals are held back while an
- * output is open. */
+/* A file that appears whole or not at all. A regular or new file is written under a temporary name
+ * beside it and renamed at the end; anything else (a pipe, a device, "-" for standard output)
+ * receives a copy of a temporary file. Signals are held back while an output is open. */
 struct output {
     int descriptor;
     char *path;      /* final name, links resolved */
@@ -98,8 +96,7 @@ bool output_can_open(const char *path, struct error *err);
 /* ---- threads.c ---- */
 
 /* Starts `wanted` threads of OpenMP (0: as many as it offers), and returns their number. Signals
- * are held back from all but the first: a signal that another thread takes would end the program
- * while an output is open, and leave an unfinished file. */
+ * are held back from all but the first: another thread would end the program at once. */
 int threads_start(int wanted);
 
 /* ---- digest.c: SHA-256 (FIPS 180-4) ---- */
@@ -116,8 +113,8 @@ bool digest_file(const char *path, char out[65], struct error *err);
 
 /* ---- outputs.c: the names of files that a command writes ---- */
 
-/* Returns the name of a file without its folder, and with another ending: the default name of a
- * command's output. Allocated; NULL: no memory. */
+/* Returns the default name of an output: that of a file without its folder, and with another
+ * ending. Allocated; NULL: no memory. */
 char *output_name(const char *path, const char *ending);
 /* Finds the ending of a name in a list as ".png", ".tif", NULL, in capitals or small letters. *out
  * is its index; -1: the name has no ending, as "-" and /dev/stdout. Refuses any other ending. */

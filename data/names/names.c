@@ -57,6 +57,17 @@ static char *path_of(const struct builtin_file *file, const char *base, const ch
 
 /* ---- words ---- */
 
+bool word_path(const struct word *word, char **out, struct error *err)
+{
+    char *name;
+    if (word->length == 0)
+        return error_at(err, word->place, "a file name must not be empty");
+    name = word_copy(word);
+    *out = name ? file_relative(word->place.path, name) : NULL;
+    free(name);
+    return *out || error_memory(err);
+}
+
 bool word_file(const struct word *word, enum file_kind kind, char **out, struct error *err)
 {
     char *name;

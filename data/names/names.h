@@ -21,6 +21,9 @@ enum file_kind {
 };
 /* Writes the name of a built-in file of this kind. Returns false if the file is of another kind. */
 bool builtin_is(const struct builtin_file *file, enum file_kind kind, char out[BUILTIN_NAME]);
+/* Finds the path of the file that a word names, relative to the word's own file. *out is allocated.
+ * Refuses an empty word. */
+bool word_path(const struct word *word, char **out, struct error *err);
 /* Finds the file that a word names: a built-in one by its name, or a file relative to the word's
  * own file; if that is missing, a built-in one whose name differs in case. *out is its path,
  * allocated. Refuses an empty word, but not a missing file. */

@@ -65,7 +65,7 @@ bool word_number(const struct word *word, const char *what, double lowest, doubl
                  double *out, struct error *err);
 bool word_integer(const struct word *word, const char *what, long lowest, long highest, long *out,
                   struct error *err);
-/* Call text_expect, then word_number (or word_integer). */
+/* Read the next word likewise. */
 bool text_number(struct text *text, const char *what, double lowest, double highest, double *out,
                  struct error *err);
 bool text_integer(struct text *text, const char *what, long lowest, long highest, long *out,
@@ -92,9 +92,9 @@ const char *suggestion_end(struct suggestion *suggestion, const char *otherwise)
 
 /* ---- words.c: tools for statements of all kinds, so that all refuse a mistake alike ---- */
 
-/* Returns the index of the word in `known`, which ends with NULL. Ignores case where no
- * known word is the same. Returns -1 for any other word, with an error that proposes the nearest
- * known one, or lists them. `what` names the word in the message. */
+/* Returns the index of the word in `known`, which ends with NULL; ignores case where no word is the
+ * same. Returns -1 for any other word, with an error that proposes the nearest known one. `what`
+ * names the word in the message. */
 int word_choose(const struct word *word, const char *const *known, const char *what,
                 struct error *err);
 /* Finds the next word among the known ones. Without a word the error is "expected EXPECTED". */
@@ -110,9 +110,6 @@ int word_choose_once(const struct word *word, const char *const *known, const ch
 bool word_begins_number(const struct word *word);
 /* Copies a string into an allocated one. A NULL stays NULL. */
 bool string_copy(const char *from, char **out, struct error *err);
-/* Finds the path of the file that a word names, relative to the word's own file. *out is allocated.
- * Refuses an empty word. */
-bool word_path(const struct word *word, char **out, struct error *err);
 /* Returns the place of the next word, or of the line's end. */
 struct place text_next_place(struct text text);
 /* Reads three numbers; text_direction refuses 0 0 0. */

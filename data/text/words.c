@@ -74,17 +74,6 @@ bool string_copy(const char *from, char **out, struct error *err)
     return !from || *out || error_memory(err);
 }
 
-bool word_path(const struct word *word, char **out, struct error *err)
-{
-    char *name;
-    if (word->length == 0)
-        return error_at(err, word->place, "a file name must not be empty");
-    name = word_copy(word);
-    *out = name ? file_relative(word->place.path, name) : NULL;
-    free(name);
-    return *out || error_memory(err);
-}
-
 bool text_peek(struct text text, struct word *out)
 {
     return text_word(&text, out);

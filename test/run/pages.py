@@ -25,7 +25,7 @@ FULL = os.environ.get("FULL")
 BLOCK = re.compile(r"^```(\w+)(?: (\S+))?\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 LINK = re.compile(r"\[[^]]*\]\(([^)#\s]*)(?:#([^)\s]*))?\)")
 OWN = {"recipes.md", "tools.md"}  # other tests run them
-# What OpenGL and the clock decide differs between machines: only the words are compared.
+# OpenGL and the clock decide these figures, which differ between machines: only the words are compared.
 MEASURED = re.compile(r"(OpenGL|exact|within 1 count|largest|mean residual|floor|checked|worst error|pixels|seconds|"
                       r"  in one band|  smooth interior) ")
 MATERIALS = """
