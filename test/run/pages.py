@@ -3,12 +3,14 @@
 """Runs README.md and the pages in data/doc as a reader would. Each page has a folder of its own, in which its blocks are
 run in their order:
 
-    ```sh            commands, which must succeed; ```sh full: they take minutes, and run with FULL=1
+    ```sh            commands, which must succeed
     ```console       commands behind $, and what they print; "..." stands for any lines
     ```python        a script
     ```scene         lines of a scene, which must be read among some materials
     ```LANGUAGE FILE a file that later blocks use
     ```text          is not run
+
+"full" behind the language: the block takes minutes, and runs with FULL=1.
 
 recipes.py and tools.py run recipes.md and tools.md. Links and tables of contents must lead somewhere. Prints TAP."""
 import os
