@@ -26,6 +26,16 @@ static const char *asks_check(const struct options *options)
                                 : NULL;
 }
 
+/* Refuses the name of a stack that ends like that of a picture. */
+static bool check_stack_name(const struct options *options, const char *path, struct error *err)
+{
+    return !path || !picture_is_png(path) ||
+           error_at(err, (struct place){path, 0, 0},
+                    "render writes a stack, which is a TIFF; expected .tif (for a picture type: "
+                    "spectral view %s -o %s)",
+                    options_scene(options), path);
+}
+
 /* Refuses such an option beside --no-check, a map of an unknown format, and outputs of the same
  * name. */
 static bool check_asked(const struct options *options, const struct render_output *output,
@@ -42,7 +52,8 @@ static bool check_asked(const struct options *options, const struct render_outpu
                 strcmp(names[i], "/dev/null") != 0)
                 return error_usage(err, "%s and %s name the same file; expected two files",
                                    words[i], words[j]);
-    return !output->check_map || picture_accepts(output->check_map, err);
+    return check_stack_name(options, output->path, err) &&
+           (!output->check_map || picture_accepts(output->check_map, err));
 }
 
 /* Refuses options that need OpenGL in a program without it. Reads no file. again: the stack to make

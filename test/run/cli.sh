@@ -128,6 +128,10 @@ small="--size 40x30 --wavelengths 400:700:50"
     says '^map|^verdict' "the table then goes to standard error"
     exits 2 "two outputs do not share standard output" "$SPECTRAL" render patches $small -o - --json -
     says 'name the same file' "the message names both options"
+    exits 2 "a stack is no PNG" "$SPECTRAL" render patches $small -o "$tmp/none.png"
+    says 'none.png: error: render writes a stack, which is a TIFF; .*: spectral view patches -o .*/none.png' \
+        "the message has the command for a picture"
+    absent "$tmp/none.png" "a stack is no PNG"
     exits 2 "a map of another format is refused" "$SPECTRAL" render patches $small -o "$tmp/none" --check-map "$tmp/map.gif"
     says 'map.gif: error: the ending .gif is unknown; expected .png, .tif or .tiff' "the message lists the formats"
     absent "$tmp/none" "a map of another format"
