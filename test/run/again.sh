@@ -58,6 +58,12 @@ exits 0 "a stack is made again" "$SPECTRAL" render --again "$made" -o "$tmp/agai
 prints "^again +the same bytes as $made$" "the program says that the bytes are the same"
 cmp -s "$made" "$tmp/again.tif"
 ok $? "the bytes are the same"
+for ending in tif png; do
+    exits 0 "a stack is made again with a map of its check" \
+        "$SPECTRAL" render --again "$made" -o /dev/null --check-map "$tmp/map.$ending" --quiet
+    [ -s "$tmp/map.$ending" ]
+    ok $? "the map is written: $ending"
+done
 (cd "$tmp" && "$SPECTRAL" render --again gl.tif --quiet --threads 1) && [ -f "$tmp/gl-again.tif" ]
 ok $? "OpenGL's pixels are made again, under a name of their own"
 exits 0 "an unchecked stack is made" "$SPECTRAL" render patches --size 8x8 --no-check -o "$tmp/unchecked.tif"
