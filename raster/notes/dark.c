@@ -50,11 +50,13 @@ static bool note_no_light(const struct plan *plan, struct notes *notes, struct e
 
 /* ---- black objects ---- */
 
-enum darkness { NOT_BLACK, MATERIAL, TEXTURE, FACES_AWAY, SPOTS_MISS, TOO_WEAK, N_DARK };
+enum darkness { NOT_BLACK, MATERIAL, TEXTURE, FAR_SIDE, FACES_AWAY, SPOTS_MISS, TOO_WEAK, N_DARK };
 static const char *const why[N_DARK] = {
     [MATERIAL] = "at every wavelength of the picture its light or its reflectance is 0",
     [TEXTURE] = "its texture is black",
-    [FACES_AWAY] = "its normals face away from all lights; move a light, or "
+    [FAR_SIDE] = "light reaches only a side that is not in view; a light's position or direction "
+                 "says where it comes from",
+    [FACES_AWAY] = "its normals face no light; move a light, or "
                    "write two-sided if its back is seen",
     [SPOTS_MISS] = "all of its vertices lie outside the cones of the spots; light between vertices "
                    "is not seen",
@@ -94,6 +96,20 @@ static double black_below(const struct scene_survey *survey)
     return plan->options.bits == 32 ? 0 : 0.5 / FULL_COUNT * scale;
 }
 
+/* Returns true if nothing of the surface in view shows light, or hardly anything: where a solid is
+ * lit from behind, triangles at its outline have a lit corner. A spot may light little on purpose.
+ */
+static bool is_dark(const struct scene_survey *survey, int surface)
+{
+    const struct surface_survey *seen = &survey->surfaces[surface];
+    const struct view *view = &survey->lit->plan->view;
+    bool spots = false;
+    for (int i = 0; i < view->n_lights; i++)
+        spots = spots || view->lights[i].spot;
+    return seen->brightest_in_view <= black_below(survey) ||
+           (!spots && seen->dark_area >= 0.95 * seen->area);
+}
+
 /* Phong shading lights points between vertices, so that dark vertices show nothing. */
 static enum darkness darkness_of(const struct scene_survey *survey, int surface)
 {
@@ -103,7 +119,7 @@ static enum darkness darkness_of(const struct scene_survey *survey, int surface)
     double peak = 0;
     for (int t = 0; t < shaded->n_terms; t++)
         peak = fmax(peak, shaded->made.terms[t].peak);
-    if (seen->area == 0 || seen->brightest > black_below(survey) || is_meant(shaded->material))
+    if (seen->area == 0 || !is_dark(survey, surface) || is_meant(shaded->material))
         return NOT_BLACK;
     if (peak == 0)
         return MATERIAL;
@@ -111,9 +127,10 @@ static enum darkness darkness_of(const struct scene_survey *survey, int surface)
         return TEXTURE;
     if (phong)
         return NOT_BLACK;
-    return !faces_light(survey->lit, surface) ? FACES_AWAY
-           : seen->brightest == 0             ? SPOTS_MISS
-                                              : TOO_WEAK;
+    return seen->brightest > black_below(survey) ? FAR_SIDE
+           : !faces_light(survey->lit, surface)  ? FACES_AWAY
+           : seen->brightest == 0                ? SPOTS_MISS
+                                                 : TOO_WEAK;
 }
 
 /* One note for all objects that are black for one reason. */
@@ -126,8 +143,9 @@ static bool note_black(const struct plan *plan, const int *n, const int *first, 
             continue;
         object_text(plan, first[reason], object, sizeof object);
         snprintf(others, sizeof others, n[reason] > 1 ? "%d objects, first " : "", n[reason]);
-        if (!note_add(notes, "black", err, "black in all bands: %s%s: %s", others, object,
-                      why[reason]))
+        if (!note_add(notes, "black", err, "%s: %s%s: %s",
+                      reason == FAR_SIDE ? "black, or almost" : "black in all bands", others,
+                      object, why[reason]))
             return false;
     }
     return true;

@@ -55,21 +55,24 @@ const char *why_off(const struct plan *plan, const struct light *light);
 /* The planes of the view. A set of them has bit 1 << plane. */
 enum view_plane { VIEW_LEFT, VIEW_RIGHT, VIEW_BELOW, VIEW_ABOVE, VIEW_NEAR, VIEW_FAR, VIEW_PLANES };
 struct surface_survey {
-    double area;      /* in the picture, in pixels, as if nothing hid it */
-    double brightest; /* an upper bound on the radiance of its vertices in all bands */
+    double area;      /* of its triangles in the picture, in pixels, as if nothing else hid them */
+    double dark_area; /* of triangles without light */
+    double brightest; /* an upper bound on the radiance of its vertices in all bands, and of those
+                         that are corners of triangles in view */
+    double brightest_in_view;
     unsigned outside; /* the planes that all of its vertices lie outside of */
     bool reaches;     /* some vertex lies inside the view, not on its border */
 };
 struct scene_survey {
     const struct lit_scene *lit;
-    struct surface_survey *surfaces; /* of each surface; owned */
-    double brightest, area;          /* the largest of them, and the sum */
-    double *areas;                   /* of triangles of each class of brightness; owned */
+    struct surface_survey *surfaces;   /* of each surface; owned */
+    double brightest, area, dark_area; /* the largest of them, and sums */
+    double *areas;                     /* of triangles of each class of brightness; owned */
 };
 bool survey_make(const struct lit_scene *lit, struct scene_survey *out, struct error *err);
 void survey_free(struct scene_survey *survey);
-/* Returns an upper bound on the radiance of a vertex, on either side, in all bands. */
-double survey_vertex(const struct lit_scene *lit, int surface, int vertex);
+/* Returns an upper bound on the radiance of a vertex, on a side, in all bands. */
+double survey_vertex(const struct lit_scene *lit, int surface, int vertex, int side);
 /* Returns a radiance, exact to 1/8, such that at most this share of the area in view shows
  * triangles with a brighter vertex. The area is not 0. */
 double survey_exceeded(const struct scene_survey *survey, double share);

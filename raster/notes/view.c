@@ -26,7 +26,7 @@ static const char *const where[] = {
     [OFF_BELOW] = "below the view",
     [OFF_ABOVE] = "above the view",
     [EDGE_ON] = "exactly edge-on",
-    [BESIDE] = "beside the view",
+    [BESIDE] = "beside the view, or exactly edge-on",
 };
 
 /* Vertices in front of the eye, in scene units, and in eye space. */

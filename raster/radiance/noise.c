@@ -7,7 +7,7 @@
 
 /* Normal and direction are each transformed and normalised in double precision, with less than 16
  * roundings of their components, and multiplied. */
-static const double noise_cosine = 64 * DOUBLE_ROUNDOFF;
+static const double noise_cosine = NOISE_ROUNDINGS * DOUBLE_ROUNDOFF;
 
 double light_cosine(const struct surface *surface, int vertex, int side,
                     const struct eye_light *light)

@@ -25,6 +25,8 @@ bool find_full_scale(const struct lit_scene *lit, double *out, bool *clips, stru
 
 /* ---- noise.c ---- */
 
+/* A cosine of so many roundings is noise. */
+enum { NOISE_ROUNDINGS = 64 };
 /* Returns the cosine between the normal of a vertex, on a side, and the direction of a light. */
 double light_cosine(const struct surface *surface, int vertex, int side,
                     const struct eye_light *light);

@@ -19,6 +19,7 @@ LIGHT = "light d65 1 direction 0 0 1\n"
 GREY = "material m { diffuse 0.5 }\n"
 BALL = "object sphere 2 20 20 material m\n"
 WALL = "object plane 8 8 material m\n"
+expected_codes = set()
 ON_TOP = "light d65 1 position 0 0 4 spot 0 0 -1 "
 
 
@@ -46,6 +47,7 @@ def notes_of(scene, *options):
 
 def gets(name, scene, code, pattern, *options):
     """The scene gets this one note, in whose text the pattern is found. Returns the match, report and pages."""
+    expected_codes.add(code)
     notes, report, pages = notes_of(scene, *options)
     found = re.search(pattern, notes[0][1]) if [note[0] for note in notes] == [code] else None
     check(found, f"{name}: a note '{code}'", notes)
@@ -106,7 +108,7 @@ def out_of_view():
             ("before the near plane", "0 0 -2.5", r"write (near .*)$", camera(perspective, "near 5")),
             ("behind the eye", "1 2 5", r"(look 1 2 5)$", perspective)):
         name = f"an object {where} the view"
-        scene = LIGHT + GREY + f"{BALL[:-1]} translate {place}\n"
+        scene = LIGHT + "ambient d65 1\n" + GREY + f"{BALL[:-1]} translate {place}\n"
         found, report, pages = gets(name, head + scene, "nothing-in-view",
                                     f"lies {where}.*{pattern}")
         check(report and report["check"]["object_pixels"] == 0, f"{name}: no pixel shows it")
@@ -125,20 +127,52 @@ def out_of_view():
     gets("an object seen edge-on", HEAD + LIGHT + GREY + WALL[:-1] + " rotate 90 0 1 0\n", "nothing-in-view",
          "lies exactly edge-on; move the eye$")
     gets("an object of less than a pixel", HEAD + LIGHT + GREY + BALL[:-1] + " scale 0.01\n", "small",
-         r"cover 0\.07\d* pixels")
+         r"cover 0\.035 pixels")
+
+
+def ball():
+    """A closed mesh: an octahedron whose faces are cut into 64 triangles each, moved to a sphere."""
+    points, faces = {}, []
+
+    def corner(at):
+        return points.setdefault(tuple(np.round(np.array(at) / np.linalg.norm(at), 9)), len(points) + 1)
+    n = 8
+    for signs in ((x, y, z) for x in (1, -1) for y in (1, -1) for z in (1, -1)):
+        def at(i, j, signs=signs):
+            return corner(np.array([i, j, n - i - j]) * signs)
+        for i in range(n):
+            for j in range(n - i):
+                some = [(at(i, j), at(i + 1, j), at(i, j + 1))]
+                if i + j < n - 1:
+                    some.append((at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)))
+                faces += [face if np.prod(signs) > 0 else face[::-1] for face in some]
+    return "".join("v {} {} {}\n".format(*point) for point in points) + "".join(
+        "f {} {} {}\n".format(*face) for face in faces)
 
 
 def black():
     for name, scene, pattern in (
             ("reflectance beyond the light", LIGHT + "material m { diffuse gaussian:300,1 }\n" + WALL,
              "its light or its reflectance is 0$"),
-            ("a light behind", "light d65 1 direction 0 0 -1\n" + GREY + WALL, "face away from all lights"),
+            ("a light behind", "light d65 1 direction 0 0 -1\n" + GREY + WALL, "its normals face no light"),
             ("a spot between vertices", ON_TOP + "10 0\n" + GREY + WALL, "outside the cones of the spots"),
             ("a back that is not lit", LIGHT + GREY + WALL[:-1] + " rotate 180 0 1 0\n", "write two-sided if its back"),
             ("two objects, light behind", "light d65 1 direction 0 0 -1\n" + GREY + 2 * WALL,
              r"2 objects, first m \(.*:6\): its normals")):
         _, _, pages = gets(name, HEAD + scene, "black", pattern)
         is_black(name, pages)
+    behind = "light d65 1 direction 0 0.1 -1\n" + GREY
+    write("ball.obj", ball())
+    for name, shape in (("a sphere", BALL), ("a torus", "object torus 1 2 20 20 material m rotate 9 1 1 1\n"),
+                        ("a mesh", "object mesh ball.obj material m rotate 20 1 2 3 scale 1 1 -1\n"),
+                        ("a two-sided plane", WALL[:-1] + " two-sided\n")):
+        _, _, pages = gets(f"{name} lit from behind", HEAD + behind + shape, "black", "light reaches only a side that")
+        check(pages is not None and (pages > 0).any(axis=0).mean() < 0.02, f"{name} lit from behind is dark")
+        _, pages = gets_none(f"{name} lit from the side", HEAD + behind.replace("-1", "0.3") + shape)
+        shows(f"{name} lit from the side", pages)
+    _, pages = gets_none("the inside of a mesh", HEAD.replace("ortho 12", "perspective 60 near 0.1") +
+                         "light d65 1 position 0 0 -9\n" + GREY + "object mesh ball.obj material m scale 5\n")
+    shows("the inside of a mesh", pages)
     dim = "material dim { diffuse 0.000001 }\nobject plane 1 1 material dim translate -5 0 0\n"
     _, _, pages = gets("an object of less than half a count", HEAD + LIGHT + GREY + BALL + dim, "black",
                        "less than half a count")
@@ -233,6 +267,12 @@ def commands():
     check(report["notes"] == [], "without notes the array is empty")
 
 
+def manual():
+    with open("spectral.1", encoding="utf-8") as page:
+        documented = set(re.findall(r"[a-z-]+", " ".join(re.findall(r"^\.It (.*)", page.read(), re.MULTILINE))))
+    check(expected_codes <= documented, "the manual lists all codes", expected_codes - documented)
+
+
 def builtin():
     """Every note on a built-in scene must be meant. The reflectances of the thesis's chart begin at 380 nm."""
     expected = {"colorchecker": ["diffuse 01-dark-skin and 23 more: the table covers 380 to 780 nm; 16 of the 93 "
@@ -252,5 +292,6 @@ extrapolated()
 percent()
 full_scale()
 commands()
+manual()
 builtin()
 done()
