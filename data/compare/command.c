@@ -19,8 +19,8 @@ static bool compare_and_print(const char *a, const char *b, const struct options
                               struct error *err)
 {
     if ((options->map && !picture_accepts(options->map, err)) || !scene_refuse(a, err) ||
-        !scene_refuse(b, err) || !output_spares(options->map, a, err) ||
-        !output_spares(options->map, b, err) || !compare(a, b, compare_options, out, err))
+        !scene_refuse(b, err) || !image_spared(options->map, a, err) ||
+        !image_spared(options->map, b, err) || !compare(a, b, compare_options, out, err))
         return false;
     /* standard output may carry the map (--map /dev/stdout) */
     FILE *to = !options->map || file_is_regular(options->map) ? stdout : stderr;

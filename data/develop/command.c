@@ -83,7 +83,7 @@ bool command_develop(struct options *options, struct error *err)
         return error_usage(err, "develop takes a STACK; try spectral --help");
     if (!name_picture(options, stack, err) ||
         !read_options(options, &method, &develop_options, err) || !scene_refuse(stack, err) ||
-        !output_spares(options->output, stack, err) ||
+        !image_spared(options->output, stack, err) ||
         !develop(stack, options->output, &develop_options, &result, err))
         return false;
     if (!options->quiet) {

@@ -6,6 +6,7 @@
 #include "data/base/base.h"
 #include "data/invocation/invocation.h"
 #include "data/method/method.h"
+#include "data/tiff/tiff.h"
 
 /* Refuses a stack or a picture where a scene is expected. */
 static bool refuse_picture(const char *scene, struct error *err)
@@ -43,7 +44,7 @@ bool scene_spared(const char *output, const struct scene *scene, struct error *e
 
 bool scene_refuse(const char *stack, struct error *err)
 {
-    const bool is_text = strcmp(file_format(stack), "text") == 0;
+    const bool is_text = strcmp(file_format(stack), "text") == 0 && !image_is(stack);
     return (!is_text && (access(stack, F_OK) == 0 || scene_is_missing(stack))) ||
            error_usage(err, "%s is %s, not a stack; spectral render %s writes the stack of a scene",
                        stack, is_text ? "a text file" : "a scene", stack);

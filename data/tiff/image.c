@@ -367,7 +367,7 @@ static bool refuse_foreign(const struct image *image, struct error *err)
     return good;
 }
 
-static bool tiff_open(struct image *image, struct error *err)
+static bool libtiff_open(struct image *image, struct error *err)
 {
     const tmsize_t most_bytes = 1 << 30; /* of one allocation; a broken file may ask for more */
     struct image_file *file = image->file;
@@ -397,30 +397,22 @@ static bool tiff_open(struct image *image, struct error *err)
            (options == NULL ? error_memory(err) : image_refuse_broken(image, -1, err));
 }
 
-bool image_open(const char *path, struct place from, struct image *out, struct error *err)
+bool tiff_open(struct image *image, struct place from, struct error *err)
 {
-    *out = (struct image){.scale = 1, .path = strdup(path), .file = calloc(1, sizeof *out->file)};
-    if (out->file != NULL)
-        out->file->from = from;
-    if (((out->path != NULL && out->file != NULL) || error_memory(err)) && tiff_open(out, err) &&
-        pages_read(out, err))
-        return true;
-    image_close(out);
-    return false;
+    image->file = calloc(1, sizeof *image->file);
+    if (image->file == NULL)
+        return error_memory(err);
+    image->file->from = from;
+    return libtiff_open(image, err) && pages_read(image, err);
 }
 
-void image_close(struct image *image)
+void tiff_close(struct image_file *file)
 {
-    if (image->file != NULL) {
-        if (image->file->tiff != NULL)
-            TIFFClose(image->file->tiff);
-        free(image->file->pages);
-        free(image->file->kept.samples);
-    }
-    free(image->file);
-    free(image->path);
-    free(image->description);
-    free(image->verdict);
-    free(image->wavelengths_nm);
-    *image = (struct image){0};
+    if (file == NULL)
+        return;
+    if (file->tiff != NULL)
+        TIFFClose(file->tiff);
+    free(file->pages);
+    free(file->kept.samples);
+    free(file);
 }

@@ -1,49 +1,54 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "tiff": TIFF files in, and textures. */
+/* The room "tiff": pictures in, from TIFF files or ENVI cubes, and textures. */
 #ifndef DATA_TIFF_H
 #define DATA_TIFF_H
 
 #include "data/base/base.h"
+#include "data/envi/envi.h"
 #include "spectral.h"
 
 struct tiff; /* libtiff's TIFF */
 
-/* ---- image.c: TIFF files in ---- */
+/* ---- source.c: TIFF files or ENVI cubes ---- */
 
-/* The tag in which a stack of this program stores the verdict of its check. */
-enum { TAG_VERDICT = 65111 };
+enum { TAG_VERDICT = 65111 }; /* of a stack of this program: the verdict of its check */
 
 /* A TIFF file of grey or RGB pages of 8 or 16 bits, or of grey pages of 32-bit floats. If its only
- * directory has several grey samples a pixel, as GDAL writes bands, each band is a page. */
+ * directory has several grey samples a pixel, as GDAL writes bands, each band is a page. Or an ENVI
+ * cube, whose pages are its good bands. */
 struct image {
     char *path; /* owned */
     int width, height, n_pages;
-    uint64_t bytes;           /* of the file */
+    uint64_t bytes;           /* of the TIFF file */
     bool coloured;            /* some page is RGB */
     double *wavelengths_nm;   /* of each page, increasing; NULL: some page has none; owned */
     char no_wavelengths[128]; /* why they are NULL: "page 2 records no wavelength" */
     double scale;      /* radiance of value 1 (count 65535 of 16 bits); 1: the file records none */
     char *description; /* of the first page; "": it has none; owned */
     char *verdict;     /* of stack_finish; "": it has none; owned */
-    struct image_file *file; /* owned */
+    struct image_file *file; /* of a TIFF file; owned */
+    struct envi *envi;       /* of an ENVI cube; NULL: a TIFF file; owned */
 };
+/* Returns whether a file begins as a TIFF file does, or envi_is. */
+bool image_is(const char *path);
 /* Opens the file (or "builtin:..." file) and reads the metadata of its pages, but no samples.
- * Refuses, at the place `from`: a file that is no TIFF, pages without pixels or of different sizes,
- * other samples than the above, bands without wavelengths, and uncompressed pages that reach beyond
- * the end of the file. */
+ * Refuses, at the place `from`: pages without pixels or of different sizes, other samples than the
+ * above, bands without wavelengths, a file that is too short, and what envi_open refuses. */
 bool image_open(const char *path, struct place from, struct image *out, struct error *err);
+/* Reads rows y .. y + rows - 1 of a page, width values each, the top row first. A value is 0 to 1,
+ * or a float sample, times the scale; of a cube, as envi_read. An RGB pixel has the luma
+ * 0.2126 R + 0.7152 G + 0.0722 B (ITU-R BT.709) of its stored values. Refuses a value that is
+ * negative or not finite, and a file that ends too early. If the page is uncompressed, only these
+ * rows are read. If the samples of all bands lie side by side, these rows of up to 256 MB of bands
+ * are kept: read the same rows of one page after the other. */
+bool image_read(struct image *image, int page, int y, int rows, float *out, struct error *err);
+/* Refuses an output that would replace a file of the input: of a cube, its header or its data. */
+bool image_spared(const char *output, const char *input, struct error *err);
 void image_close(struct image *image);
 
 /* ---- decode.c: samples ---- */
 
-/* Reads rows y .. y + rows - 1 of a page, width values each, the top row first. A value is 0 to 1,
- * or a float sample, times the scale. An RGB pixel has the luma 0.2126 R + 0.7152 G + 0.0722 B
- * (ITU-R BT.709) of its stored values. Refuses a value that is negative or not finite, and a file
- * that ends too early. If the page is uncompressed, only these rows are read. If the samples of all
- * bands lie side by side, these rows of up to 256 MB of bands are kept: read the same rows of one
- * page after the other. */
-bool image_read(struct image *image, int page, int y, int rows, float *out, struct error *err);
-/* Reads `length` bytes of the file. Refuses a file that ends before them. */
+/* Reads `length` bytes of the TIFF file. Refuses a file that ends before them. */
 bool image_read_bytes(const struct image *image, uint64_t offset, size_t length, void *out,
                       struct error *err);
 
@@ -56,8 +61,7 @@ struct texture {
     bool spectral;
     bool linear;                  /* between texel centres; otherwise the nearest texel */
     double largest;               /* of all values of all pages */
-    float *plane[TEXTURE_PLANES]; /* a grey texture has the first; a spectral one has those loaded;
-                                     owned */
+    float *plane[TEXTURE_PLANES]; /* grey: the first; spectral: those loaded; owned */
 };
 /* Reads a texture; the caller chooses `linear` and `spectral` of *out. A grey texture is one page
  * with values that hold for every wavelength. A spectral texture is a stack of pages with
@@ -87,8 +91,7 @@ struct sample_layout {
     double largest;       /* sample of white; 1 of floats */
     bool tiled, inverted; /* inverted: 0 is white */
 };
-/* Rows of some bands as stored, but band after band. In the file the bands lie side by side:
- * whoever reads one of them reads them all. */
+/* Rows of some bands as stored, but band after band. In the file the bands lie side by side. */
 struct kept_bands {
     uint32_t first_row, n_rows;
     int first_page, end_page;
@@ -110,6 +113,11 @@ struct image_file {
     char message[256]; /* the first of libtiff */
 };
 
+/* image.c and decode.c: image_open, image_read and image_close of a TIFF file. */
+bool tiff_open(struct image *image, struct place from, struct error *err);
+bool tiff_read(struct image *image, int page, int y, int rows, float *out, struct error *err);
+void tiff_close(struct image_file *file); /* NULL is fine */
+
 /* Refuses a page (from 0; -1: the file). The message has its wavelength, if that is recorded. */
 bool PRINTF_LIKE(4, 5)
     image_refuse(const struct image *image, int page, struct error *err, const char *format, ...);
@@ -120,16 +128,12 @@ bool image_refuse_broken(const struct image *image, int page, struct error *err)
 bool image_layout(const struct image *image, int page, struct sample_layout *out,
                   struct error *err);
 
-/* metadata.c: the wavelength and scale of a page. */
-
-/* The items of a band in GDAL_METADATA. The text of each ends at a '<'. */
+/* metadata.c: the wavelength and scale of a page. An item of GDAL_METADATA ends at a '<'. */
 enum item { ITEM_WAVELENGTH, ITEM_UNIT, ITEM_MICROMETRES, ITEM_SCALE, ITEM_OFFSET, ITEMS };
-
 /* Stores the items of the current directory in out[band * ITEMS + item]; NULL stays where there is
  * none. A directory of one band need not number it. */
 void metadata_items(struct tiff *tiff, int n_bands, const char **out);
-/* Returns a page's wavelength in nm; 0: its unit, kept in file->unit, is unknown; NaN: it records
- * none. */
+/* Returns a page's wavelength in nm; 0: its unit, file->unit, is unknown; NaN: it records none. */
 double metadata_wavelength(struct image_file *file, const char *const items[ITEMS]);
 /* Finds the scale. Float samples are radiances themselves. Counts have the same scale in all pages;
  * a stack of this program has its exact value in the description of page 0. */

@@ -58,12 +58,12 @@ static bool probe_picture(const struct options *options, const struct probe_opti
 static bool probe_operand(const struct options *options, const struct probe_options *region,
                           struct probe *out, struct error *err)
 {
-    if (strcmp(file_format(options->operand), "TIFF") != 0)
+    if (!image_is(options->operand))
         return probe_picture(options, region, out, err);
     if (options->n_recorded > 0)
         return error_usage(err, "%s is a stack; %s needs a scene", options->operand,
                            options->recorded[0]);
-    return output_spares(options->output, options->operand, err) &&
+    return image_spared(options->output, options->operand, err) &&
            probe_stack(options->operand, region, out, err);
 }
 

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: MIT */
+/* The names of an ENVI cube's two files. Either names the other one. */
+#include <string.h>
+#include <strings.h>
+
+#include "data/envi/envi.h"
+
+static const char *const header_endings[] = {".hdr", ".HDR", NULL};
+/* A data file with such an ending may have the header NAME.hdr. Any other header is FILE.hdr. */
+static const char *const data_endings[] = {".img", ".dat", ".raw", ".bsq", ".bil", ".bip", NULL};
+
+/* Returns the length of the path without its ending, if that is one of these in any case; 0: it has
+ * another ending. */
+static size_t length_without(const char *path, const char *const *endings)
+{
+    const size_t length = strlen(path);
+    for (; *endings; endings++) {
+        const size_t end = strlen(*endings);
+        if (length > end && path[length - end - 1] != '/' &&
+            strcasecmp(path + length - end, *endings) == 0)
+            return length - end;
+    }
+    return 0;
+}
+
+/* Finds a file whose name is the first `length` bytes of the path, then one of the endings. */
+static bool find_beside(const char *path, size_t length, const char *const *endings,
+                        char out[ENVI_PATH])
+{
+    for (; *endings; endings++)
+        if (snprintf(out, ENVI_PATH, "%.*s%s", (int)length, path, *endings) < ENVI_PATH &&
+            file_is_regular(out))
+            return true;
+    return false;
+}
+
+static bool find_header(const char *data, char out[ENVI_PATH])
+{
+    const size_t named = length_without(data, data_endings);
+    return find_beside(data, strlen(data), header_endings, out) ||
+           (named > 0 && find_beside(data, named, header_endings, out));
+}
+
+bool envi_is(const char *path)
+{
+    char header[ENVI_PATH];
+    return length_without(path, header_endings) > 0 ||
+           (file_is_regular(path) && find_header(path, header));
+}
+
+bool envi_files(const char *path, struct place from, char header[ENVI_PATH], char data[ENVI_PATH],
+                struct error *err)
+{
+    static const char *const whole_name[] = {"", NULL};
+    const size_t named = length_without(path, header_endings);
+    if (named == 0) {
+        snprintf(data, ENVI_PATH, "%s", path);
+        return find_header(path, header) ||
+               error_at(err, from, "%s: its ENVI header has vanished", path);
+    }
+    snprintf(header, ENVI_PATH, "%s", path);
+    if (find_beside(path, named, whole_name, data) || find_beside(path, named, data_endings, data))
+        return true;
+    if (!file_is_regular(path)) {
+        data[0] = '\0'; /* the reader of the header says why */
+        return true;
+    }
+    return error_at(err, from,
+                    "%s: its data file is missing; expected %.*s, or this name with the ending"
+                    " .img, .dat, .raw, .bsq, .bil or .bip; any other name may stand in place of"
+                    " the header's",
+                    path, (int)named, path);
+}

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: MIT */
+/* A picture is a TIFF file or an ENVI cube. Only this file asks which. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/tiff/tiff.h"
+
+static bool is_tiff(const char *path)
+{
+    return strcmp(file_format(path), "TIFF") == 0;
+}
+
+bool image_is(const char *path)
+{
+    return is_tiff(path) || envi_is(path);
+}
+
+/* Fills what all pictures have from the header of the cube. */
+static bool cube_image_open(struct image *image, struct place from, struct error *err)
+{
+    image->envi = calloc(1, sizeof *image->envi);
+    if (!image->envi)
+        return error_memory(err);
+    if (!envi_open(image->path, from, image->envi, err))
+        return false;
+    const struct envi_header *header = &image->envi->header;
+    image->width = header->layout.samples;
+    image->height = header->layout.lines;
+    image->n_pages = header->n;
+    image->description = strdup("");
+    image->verdict = strdup("");
+    if (!image->description || !image->verdict)
+        return error_memory(err);
+    if (!header->wavelengths_nm) {
+        snprintf(image->no_wavelengths, sizeof image->no_wavelengths, "records no wavelengths");
+        return true;
+    }
+    const size_t bytes = (size_t)header->n * sizeof *header->wavelengths_nm;
+    image->wavelengths_nm = malloc(bytes);
+    if (!image->wavelengths_nm)
+        return error_memory(err);
+    memcpy(image->wavelengths_nm, header->wavelengths_nm, bytes);
+    return true;
+}
+
+bool image_open(const char *path, struct place from, struct image *out, struct error *err)
+{
+    *out = (struct image){.scale = 1, .path = strdup(path)};
+    if (!out->path)
+        return error_memory(err);
+    const bool is_cube = !is_tiff(path) && envi_is(path);
+    const bool done = is_cube ? cube_image_open(out, from, err) : tiff_open(out, from, err);
+    if (!done)
+        image_close(out);
+    return done;
+}
+
+bool image_read(struct image *image, int page, int y, int rows, float *out, struct error *err)
+{
+    return image->envi ? envi_read(image->envi, page, y, rows, out, err)
+                       : tiff_read(image, page, y, rows, out, err);
+}
+
+bool image_spared(const char *output, const char *input, struct error *err)
+{
+    char header[ENVI_PATH], data[ENVI_PATH];
+    struct error ignored = {0};
+    const bool is_cube = !is_tiff(input) && envi_is(input) &&
+                         envi_files(input, (struct place){0}, header, data, &ignored);
+    return output_spares(output, input, err) &&
+           (!is_cube || (output_spares(output, header, err) && output_spares(output, data, err)));
+}
+
+void image_close(struct image *image)
+{
+    tiff_close(image->file);
+    if (image->envi)
+        envi_close(image->envi);
+    free(image->envi);
+    free(image->path);
+    free(image->description);
+    free(image->verdict);
+    free(image->wavelengths_nm);
+    *image = (struct image){0};
+}
