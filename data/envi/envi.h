@@ -57,6 +57,21 @@ bool envi_header_read(const char *path, struct place from, struct envi_header *o
                       struct error *err);
 void envi_header_free(struct envi_header *header);
 
+/* ---- write.c: headers out ---- */
+
+/* A header to be written. Texts lose what a header cannot hold: braces and control characters. */
+struct envi_sidecar {
+    struct envi_layout layout;
+    const char *description;
+    const char *const *names;     /* of the bands */
+    const double *wavelengths_nm; /* of the bands; NULL: they have none */
+    const double *fwhm_nm;        /* their widths; NULL: unknown */
+    double gain;                  /* radiance = gain x sample */
+    bool is_reflectance;          /* a radiance of 1 is a reflectance of 1 */
+};
+/* Returns the header as text, allocated; NULL: no memory. */
+char *envi_header_text(const struct envi_sidecar *sidecar);
+
 /* ---- cube.c: cubes in ---- */
 
 /* A cube that is open for reading. Its pages are the bands that are not bad. */

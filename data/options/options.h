@@ -29,6 +29,7 @@ enum {
     FOR_INFO = 256,
     FOR_ALL = 512,
     RECORDED = 1024,
+    FOR_ENVI = 2048,
     /* cost chooses the shading by itself */
     FOR_SHADED = FOR_RENDER | FOR_PLAN | FOR_PROBE | FOR_VIEW,
     FOR_SCENES = FOR_SHADED | FOR_COST,
@@ -89,7 +90,7 @@ struct options {
     const char *tolerance, *budget, *unchecked;
     double full_scale;
     int threads, runs;
-    bool xyz, lab, csv, svg, no_check, strict, keep, quiet, verbose, help;
+    bool xyz, lab, csv, svg, no_check, strict, keep, envi, quiet, verbose, help;
 };
 
 /* The options and operands that a command allows. */

@@ -109,6 +109,19 @@ void sight_free(struct sight *sight);
 bool cube_objects(const struct cube *cube, int x, int y, int n, int *out, struct error *err);
 void cube_close(struct cube *cube);
 
+/* ---- sidecar.c: the ENVI header of a stack, STACK.tif.hdr; spectral envi ---- */
+
+/* Writes the header of a stack. */
+bool command_envi(struct options *options, struct error *err);
+/* Refuses a stack that will be no file (/dev/null, a pipe), and a header that cannot be written.
+ * Leaves no file. */
+bool sidecar_can_open(const char *stack, struct error *err);
+/* Lets a finished stack appear under its name, which is `path` as the user wrote it, and then its
+ * header. The header is complete before the stack appears: if it fails by then, neither appears. */
+bool stack_commit_envi(struct stack_writer *writer, const char *path, struct error *err);
+/* Returns the name of a stack's header, allocated; NULL: no memory. */
+char *sidecar_name(const char *stack);
+
 /* ---- command.c: spectral info ---- */
 
 /* Prints how a stack was made. */
@@ -122,7 +135,11 @@ bool record_open(const char *path, struct image *image, struct record *out, stru
 /* The verdict of a stack that is not whole yet, padded to STACK_VERDICT bytes. */
 #define STACK_UNFINISHED "not finished"
 
-/* tags.c: sets all tags of the current directory but those of its format. It is the page_tags of a
+#define PAGE_LABEL "%.10g nm"
+/* tags.c: returns the width of a page: the mean distance to its neighbours; 0: it is the only one.
+ */
+double page_width_nm(const double *wavelengths_nm, int n, int page);
+/* Sets all tags of the current directory but those of its format. It is the page_tags of a
  * stack_writer, to which `stack` points. */
 bool tags_set(struct tiff *tiff, const void *stack, int page, struct error *err);
 

@@ -10,7 +10,6 @@
 #include "data/stack/stack.h"
 #include "data/text/text.h"
 
-#define PAGE_LABEL "%.10g nm"
 #define RADIANCE_UNIT "W sr-1 m-2 nm-1 (relative)"
 #define OME_SCHEMA "http://www.openmicroscopy.org/Schemas/OME/2016-06"
 
@@ -131,19 +130,23 @@ static void put_description(FILE *stream, const struct stack_writer *writer, int
     fputs("</Pixels></Image></OME>", stream);
 }
 
-/* The width of a page is the mean distance to its neighbours; a single page has no width. */
+double page_width_nm(const double *wavelengths_nm, int n, int page)
+{
+    const int before = page > 0 ? page - 1 : page, after = page + 1 < n ? page + 1 : page;
+    return after > before ? (wavelengths_nm[after] - wavelengths_nm[before]) / (after - before) : 0;
+}
+
 static void put_gdal_wavelength(FILE *stream, const struct stack_options *options, int page)
 {
     const double *nm = options->wavelengths_nm;
-    int before = page > 0 ? page - 1 : page;
-    int after = page + 1 < options->n_wavelengths ? page + 1 : page;
+    const double width_nm = page_width_nm(nm, options->n_wavelengths, page);
     fprintf(stream,
             "<Item name=\"CENTRAL_WAVELENGTH_UM\" sample=\"0\""
             " domain=\"IMAGERY\">%.10g</Item>\n",
             nm[page] / 1000);
-    if (after > before)
+    if (width_nm > 0)
         fprintf(stream, "<Item name=\"FWHM_UM\" sample=\"0\" domain=\"IMAGERY\">%.10g</Item>\n",
-                (nm[after] - nm[before]) / (after - before) / 1000);
+                width_nm / 1000);
     fprintf(stream,
             "<Item name=\"wavelength\" sample=\"0\">%.10g</Item>\n"
             "<Item name=\"wavelength_units\" sample=\"0\">Nanometers</Item>\n",

@@ -52,6 +52,10 @@ void image_close(struct image *image);
 bool image_read_bytes(const struct image *image, uint64_t offset, size_t length, void *out,
                       struct error *err);
 
+/* describe.c. Finds how the samples of all pages lie, as an ENVI header states it. Refuses a cube,
+ * colours, grey whose 0 is white, compressed samples, and gaps between pages. */
+bool image_describe(const struct image *image, struct envi_layout *out, struct error *err);
+
 /* ---- texture.c: pictures on surfaces ---- */
 
 enum { TEXTURE_PLANES = 3 };

@@ -93,6 +93,7 @@ bool render_again(struct options *options, struct error *err)
                                          .check_map = options->check_map,
                                          .again = options->again,
                                          .keep = options->keep,
-                                         .discard = discard};
+                                         .discard = discard,
+                                         .envi = options->envi};
     return render_recorded(options, &output, err);
 }

@@ -100,6 +100,25 @@ static bool check_same_scene(const struct scene *scene, const char *stack,
                        scene->path, stack, made->scene_sha256, scene->sha256);
 }
 
+/* Refuses a header of the stack that cannot be written, or not in that place. */
+static bool check_header(const struct options *options, const struct render_output *output,
+                         const struct scene *scene, struct error *err)
+{
+    const char *stack = output->discard ? NULL : output->path;
+    if (!output->envi)
+        return true;
+    if (!sidecar_can_open(stack, err))
+        return false;
+    char *header = sidecar_name(stack);
+    bool done = header ? scene_spared(header, scene, err) : error_memory(err);
+    if (done && ((options->json && strcmp(options->json, header) == 0) ||
+                 (options->check_map && strcmp(options->check_map, header) == 0)))
+        done =
+            error_usage(err, "%s is the header that --envi writes; expected another file", header);
+    free(header);
+    return done;
+}
+
 /* ---- report ---- */
 
 /* stored: the name of the stack; NULL: no stack was stored. A stack that went into a pipe gets no
@@ -116,12 +135,27 @@ static bool write_json(const struct options *options, const struct plan *plan,
     return json_write(&json, options->json, err);
 }
 
+/* Prints the name of the stack's header. A header of an older stack stays where it is: it may give
+ * wrong places of samples. */
+static void print_header(const char *stack, bool written, FILE *to)
+{
+    char *header = sidecar_name(stack);
+    if (header && written)
+        fprintf(to, "header            %s\n", header);
+    else if (header && file_is_regular(header))
+        fprintf(to, "header            %s is of an older stack; spectral envi %s renews it\n",
+                header, stack);
+    free(header);
+}
+
 static void print_report(const struct plan *plan, const struct render_result *result,
                          const struct render_output *output, const char *stored, FILE *to)
 {
     report_print(plan, result, to);
-    if (stored)
+    if (stored) {
         fprintf(to, "stack             %s\n", stored);
+        print_header(stored, output->envi, to);
+    }
     if (output->check_map && picture_is_png(output->check_map)) {
         fputs("map colours       ", to);
         check_map_print_colours(to);
@@ -227,14 +261,14 @@ bool render_with_options(const struct options *options, const struct render_outp
     struct plan_options plan_options;
     struct render_seconds seconds = {.read = 0};
     double start = clock_seconds();
-    bool done = check_asked(options, output, err) && plan_options_of(options, &plan_options, err) &&
-                check_gl(options, output->again, err) &&
-                scene_read_sampled(options, &scene, &sampling, err) &&
-                check_shading(options, &scene, &plan_options, err) &&
-                check_same_scene(&scene, output->again, made, err) &&
-                scene_spared(output->path, &scene, err) &&
-                scene_spared(options->json, &scene, err) &&
-                scene_spared(options->check_map, &scene, err);
+    bool done =
+        check_asked(options, output, err) && plan_options_of(options, &plan_options, err) &&
+        check_gl(options, output->again, err) &&
+        scene_read_sampled(options, &scene, &sampling, err) &&
+        check_shading(options, &scene, &plan_options, err) &&
+        check_same_scene(&scene, output->again, made, err) &&
+        scene_spared(output->path, &scene, err) && scene_spared(options->json, &scene, err) &&
+        scene_spared(options->check_map, &scene, err) && check_header(options, output, &scene, err);
     seconds.read = clock_seconds() - start;
     done = done && plan_make(&scene, sampling_or_none(&sampling), &plan_options, &plan, err);
     seconds.plan = clock_seconds() - start - seconds.read;
@@ -271,7 +305,8 @@ bool render_scene(struct options *options, struct error *err)
     const bool discard = strcmp(options->output, "/dev/null") == 0;
     const struct render_output wanted = {.path = discard ? NULL : options->output,
                                          .check_map = options->check_map,
-                                         .keep = options->keep};
+                                         .keep = options->keep,
+                                         .envi = options->envi};
     return render_with_options(options, &wanted, NULL, err);
 }
 

@@ -451,7 +451,8 @@ static bool commit(struct render_state *state, const struct render_output *outpu
         stack_finish(&state->writer, verdict, err) &&
         (!output->again || stack_compare(&state->writer, output->again, &result->difference, err));
     if (done && !output->discard && (output->keep || render_agreed(state->plan, result)))
-        done = stack_commit(&state->writer, err);
+        done = output->envi ? stack_commit_envi(&state->writer, output->path, err)
+                            : stack_commit(&state->writer, err);
     clock_in(state, &result->seconds.write);
     return done;
 }

@@ -43,6 +43,7 @@ struct render_output {
     const char *again;     /* the stack to compare the new one with, byte by byte; NULL: none */
     bool keep;             /* store the stack even if it fails its check or differs from `again` */
     bool discard;          /* compare the stack with `again`, and store none */
+    bool envi;             /* write the stack's ENVI header beside it */
     struct notes *notes;   /* zeroed; becomes the notes on the scene; NULL: none are wanted */
 };
 /* Renders into a stack. Returns true even if the picture fails its check or differs from `again`:

@@ -1,10 +1,14 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""ENVI cubes of every type, order of bytes and interleave, written here by numpy, and by SPy and GDAL, equal the same
-radiances in a TIFF file, to the last bit. Broken headers are refused with their place."""
+"""ENVI cubes in and out.
+
+In: cubes of every type, order of bytes and interleave, written here by numpy, and by SPy and GDAL, equal the same
+radiances in a TIFF file, to the last bit. Broken headers are refused with their place.
+Out: SPy, GDAL and numpy map a stack by its header, and find the samples, wavelengths and scales that tifffile finds."""
 import importlib
 import json
 import os
+import resource
 import shutil
 import subprocess
 import sys
@@ -71,6 +75,8 @@ def equal(a, b, *options):
     result = run("compare", a, b, *options)
     return result.returncode == 0, result.stdout + result.stderr
 
+
+# ---- in ----
 
 def test_kinds():
     expected = tiff("expected.tif", COUNTS.astype(np.float32))
@@ -432,6 +438,209 @@ def test_gdal(gdal):
     check(not differ, "cubes that GDAL writes in its types and interleaves are the same", *differ[:1])
 
 
+# ---- out ----
+
+def header_of(name):
+    """A header as this test reads it."""
+    text = open(name).read()
+    first, rest = text.split("\n", 1)
+    assert first == "ENVI"
+    values = {}
+    while rest.strip():
+        key, rest = rest.split("=", 1)
+        end = rest.index("}") + 1 if rest.lstrip().startswith("{") else rest.index("\n")
+        value, rest = rest[:end].strip(), rest[end:]
+        values[key.strip()] = [part.strip() for part in value[1:-1].split(",")] if value[0] == "{" else value
+    return values
+
+
+def mapped(stack, header):
+    """The samples as numpy maps them."""
+    kind = TYPES[int(header["data type"])]
+    shape = [int(header[key]) for key in ("bands", "lines", "samples")]
+    order = ORDER[header["interleave"]]
+    whole = np.memmap(stack, (">" if header["byte order"] == "1" else "<") + kind, "r", int(header["header offset"]),
+                      tuple(shape[i] for i in order))
+    return whole.transpose(np.argsort(order))
+
+
+def describe(name, *options):
+    """Renders a stack with its header."""
+    stack = path(name)
+    for old in (stack, stack + ".hdr"):
+        if os.path.exists(old):
+            os.remove(old)
+    result = run("render", "patches", "--size", "30x20", "--renderer", "raster", "-o", stack, "--envi", *options)
+    check(result.returncode == 0 and f"stack             {stack}\nheader            {stack}.hdr\n" in result.stdout,
+          f"{name} is rendered with its header", result.stderr)
+    return stack
+
+
+def test_sidecars(spy, gdal):
+    for name, options in (("counts.tif", ()), ("bytes.tif", ("--depth", "8")), ("floats.tif", ("--depth", "32f")),
+                          ("list.tif", ("--wavelengths", "450,500.5,620")), ("one.tif", ("--wavelengths", "550")),
+                          ("gauss.tif", ("--sampling", "gauss:4")), ("rgb.tif", ("--sampling", "rgb")),
+                          ("basis.tif", ("--sampling", "basis:3"))):
+        full = {"bytes.tif": 255, "floats.tif": None}.get(name, 65535)
+        stack = describe(name, *options)
+        header = header_of(stack + ".hdr")
+        with tifffile.TiffFile(stack) as file:
+            pages = np.array([page.asarray() for page in file.pages])
+            labels = [page.tags[285].value for page in file.pages]
+            scale = float(file.pages[0].tags[270].value.split("full_scale: ")[1].split("\n")[0])
+        check(np.array_equal(mapped(stack, header), pages) and pages.max() > 0, f"{name}: numpy maps the same samples")
+        check(header["band names"] == labels, f"{name}: bands have the pages' names", header["band names"])
+        components = name in ("rgb.tif", "basis.tif")
+        nm = [] if components else [float(label.split()[0]) for label in labels]
+        check([float(x) for x in header.get("wavelength", [])] == nm and
+              ("wavelength units" in header) == (not components) and
+              (components or header["wavelength units"] == "Nanometers"),
+              f"{name}: wavelengths are those of the pages", header.get("wavelength"))
+        widths = [] if len(nm) < 2 else np.gradient(nm)
+        check(np.allclose([float(x) for x in header.get("fwhm", [])], widths, rtol=1e-9),
+              f"{name}: a width is the mean distance to the neighbours", header.get("fwhm"))
+        gains = [float(x) for x in header.get("data gain values", [])]
+        check(gains == ([] if full is None else [scale / full] * len(labels)), f"{name}: gains give radiance",
+              gains[:1])
+        if not components:
+            same = equal(stack, stack + ".hdr")
+            check(same[0], f"{name}: the program reads the same radiances by the header", same[1])
+        again = path("again.hdr")
+        result = run("envi", stack, "-o", again)
+        check(result.returncode == 0 and open(again).read() == open(stack + ".hdr").read() and not result.stdout,
+              f"{name}: the command envi writes the same header", result.stderr)
+        if spy:
+            image = spy.envi.open(stack + ".hdr")
+            check(np.array_equal(image.open_memmap(interleave="bsq"), pages) and (image.bands.centers or []) == nm and
+                  np.allclose(image.bands.bandwidths or [], widths) and image.scale_factor == 1,
+                  f"{name}: SPy maps the samples, with wavelengths")
+        if gdal:
+            check_gdal(gdal, stack, pages, nm, labels, gains)
+
+
+def check_gdal(gdal, stack, pages, nm, labels, gains):
+    gdal.UseExceptions()
+    image = gdal.OpenEx(stack, allowed_drivers=["ENVI"])
+    bands = [image.GetRasterBand(1 + i) for i in range(image.RasterCount)]
+    name = os.path.basename(stack)
+    check(len(bands) == len(pages) and np.array_equal(image.ReadAsArray().reshape(pages.shape), pages),
+          f"{name}: GDAL's ENVI driver reads all bands from one file")
+    check([float(band.GetMetadataItem("wavelength")) for band in bands if nm] == nm and
+          all(band.GetDescription().startswith(label) for band, label in zip(bands, labels)),
+          f"{name}: GDAL finds wavelengths and names", [band.GetMetadata() for band in bands][:1])
+    check([band.GetScale() for band in bands if gains] == gains, f"{name}: GDAL finds the scale",
+          [band.GetScale() for band in bands][:1], gains[:1])
+
+
+def test_reflectance(spy):
+    """Under a light of 1, radiance is reflectance: SPy then reads it."""
+    stack = describe("lit-by-one.tif", "--light", "1=1")
+    header = header_of(stack + ".hdr")
+    factor = float(header["reflectance scale factor"])
+    check(abs(factor * float(header["data gain values"][0]) - 1) < 1e-15, "a scale factor under a light of 1", factor)
+    check(equal(stack, stack + ".hdr")[0], "gain and factor are one scale")
+    if spy:
+        seen = spy.envi.open(stack + ".hdr").load().transpose(2, 0, 1)
+        with tifffile.TiffFile(stack) as file:
+            expected = np.array([page.asarray() for page in file.pages]) / factor
+        check(np.allclose(seen, expected, rtol=1e-6) and 0.5 < seen.max() <= 1, "SPy reads reflectances", seen.max())
+    check("reflectance scale factor" not in header_of(describe("lit-by-two.tif", "--light", "1=1*2") + ".hdr"),
+          "no scale factor under a light of 2")
+
+
+def test_foreign():
+    """Any stack whose pages lie raw and without gaps has a header; any other is refused."""
+    def pages(name, **more):
+        with tifffile.TiffWriter(path(name), byteorder=more.pop("byteorder", "<")) as out:
+            for page, wavelength in zip(COUNTS.astype(np.uint16), NM):
+                out.write(page, metadata=None, contiguous=False, photometric=more.get("photometric", "minisblack"),
+                          extratags=[(285, "s", 0, f"{wavelength} nm", True)], compression=more.get("compression"))
+        return path(name)
+    ome = path("foreign.ome.tif")
+    for order in "<>":
+        tifffile.imwrite(ome, COUNTS.astype(np.uint16), photometric="minisblack", byteorder=order, metadata={
+            "axes": "CYX", "Channel": {"EmissionWavelength": NM, "EmissionWavelengthUnit": ["nm"] * len(NM)}})
+        result = run("envi", ome)
+        check(result.returncode == 0 and np.array_equal(mapped(ome, header_of(ome + ".hdr")), COUNTS),
+              f"a foreign stack, byte order {order}, is described", result.stderr)
+        check(equal(ome, ome + ".hdr", "--tolerance", "1e-9")[0], "both are the same radiances")
+    os.remove(ome + ".hdr")
+    for name, words, more in (("gaps.tif", "page 2 begins at byte", {}),
+                              ("packed.tif", "page 1 is compressed", {"compression": "zlib"}),
+                              ("white.tif", "page 1 stores white as 0", {"photometric": "miniswhite"})):
+        stack = pages(name, **more)
+        result = run("envi", stack)
+        check(result.returncode == 2 and words in result.stderr and result.stderr.count("\n") == 1 and
+              not os.path.exists(stack + ".hdr"), f"{name} is refused: {words}", result.stderr)
+    result = run("envi", cube("kind", COUNTS, 12), "-o", path("none"))
+    check(result.returncode == 2 and "is an ENVI cube, which has a header" in result.stderr, "a cube is refused",
+          result.stderr)
+    result = run("envi", "patches")
+    check(result.returncode == 2 and "is a scene, not a stack" in result.stderr, "a scene is refused", result.stderr)
+    result = run("envi", ome, "-o", ome)
+    check(result.returncode == 2 and "would replace the input" in result.stderr,
+          "the header does not replace the stack")
+    gdal = module("osgeo.gdal")
+    if gdal:
+        gdal.UseExceptions()
+        for interleave in ("BAND", "PIXEL"):
+            out = gdal.GetDriverByName("GTiff").Create(path("bands.tif"), WIDTH, HEIGHT, len(NM), gdal.GDT_UInt16,
+                                                       ["INTERLEAVE=" + interleave])
+            for i, nm in enumerate(NM):
+                out.GetRasterBand(i + 1).SetMetadata({"wavelength": str(nm), "wavelength_units": "Nanometers"})
+                out.GetRasterBand(i + 1).WriteArray(COUNTS[i])
+            out = None
+            stack = path("bands.tif")
+            result = run("envi", stack)
+            check(result.returncode == 0 and np.array_equal(mapped(stack, header_of(stack + ".hdr")), COUNTS),
+                  f"GDAL's bands, INTERLEAVE={interleave}, are described", result.stderr)
+
+
+def test_whole_or_not():
+    """The stack and its header appear together, or neither does."""
+    small = ("render", "patches", "--size", "9x9", "--renderer", "raster", "--quiet")
+    for output in ("/dev/null", "/dev/stdout", "-"):
+        result = run(*small, "--envi", "-o", output)
+        check(result.returncode == 2 and f"not {output}" in result.stderr and not result.stdout,
+              f"--envi with -o {output} is refused", result.stderr)
+    stack = path("whole.tif")
+    os.makedirs(stack + ".hdr", exist_ok=True)
+    result = run(*small, "--envi", "-o", stack)
+    check(result.returncode == 2 and "it is a folder" in result.stderr and not os.path.exists(stack),
+          "a folder in the header's place is refused before the stack is written", result.stderr)
+    os.rmdir(stack + ".hdr")
+    for option in ("--json", "--check-map"):
+        result = run("render", "patches", "--size", "9x9", "--envi", "-o", stack, option, stack + ".hdr")
+        check(result.returncode == 2 and "is the header that --envi writes" in result.stderr and
+              not os.path.exists(stack), f"{option} does not take the header's place", result.stderr)
+    scene = write("own.tif.hdr", "material m { diffuse 0.5 }\nobject plane 2 2 material m\n"
+                  "light d65 1 direction 0 0 1\n")
+    result = run("render", scene, "--size", "9x9", "--renderer", "raster", "--envi",
+                 "-o", path("own.tif"))
+    check(result.returncode == 2 and "would replace the input" in result.stderr and
+          not os.path.exists(path("own.tif")), "the header does not replace the scene", result.stderr)
+    result = run(*small, "--envi", "-o", stack)
+    old = open(stack + ".hdr").read()
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))
+    # without restore_signals a file that grows beyond the limit is an error, not a signal
+    result = run(*small, "--wavelengths", "400:700:1", "--envi", "-o", stack, preexec_fn=limit, restore_signals=False)
+    check(result.returncode != 0 and open(stack + ".hdr").read() == old and equal(stack, stack + ".hdr")[0],
+          "a full disk leaves the old pair", result.stderr)
+    left = [name for name in os.listdir(TMP) if name.startswith(".whole")]
+    check(not left, "and no temporary file", left)
+    result = run(*small[:-1], "-o", stack)
+    check(f"\nheader            {stack}.hdr is of an older stack; spectral envi {stack} renews it\n" in result.stdout,
+          "without --envi a header that stays is named", result.stdout)
+    result = run("render", "--again", stack, "--envi", "-o", path("new.tif"), "--quiet")
+    check(result.returncode == 0 and open(path("new.tif.hdr")).read() == old, "--again writes the same header",
+          result.stderr)
+    result = run("render", "--again", stack, "--envi", "-o", "/dev/null", "--quiet")
+    check(result.returncode == 2 and "--envi writes a header beside" in result.stderr,
+          "--again into /dev/null has none", result.stderr)
+
+
 def main():
     for name in os.listdir(TMP):
         if os.path.isfile(path(name)):
@@ -451,6 +660,10 @@ def main():
         test_spy(spy)
     if gdal:
         test_gdal(gdal)
+    test_sidecars(spy, gdal)
+    test_reflectance(spy)
+    test_foreign()
+    test_whole_or_not()
     done()
 
 
