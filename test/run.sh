@@ -3,7 +3,7 @@
 # Builds and runs the tests and the benches; build.sh reads this for `test` and `bench`. A test is a file
 # test_NAME.c or an executable script, anywhere below this folder, and prints TAP.
 test_packages='gcc clang libomp-dev lld wasi-libc libclang-rt-dev-wasm32 wabt perl liblcms2-utils python3-pil python3-tifffile python3-numpy python3-scipy python3-gdal
-  imagej default-jdk-headless glmark2-data psychtoolbox-3-common mandoc bsdextrautils busybox-static pngcheck zsh fish
+  imagej default-jdk-headless glmark2-data psychtoolbox-3-common colord-data mandoc bsdextrautils busybox-static pngcheck zsh fish
   octave gdal-bin python3-h5py python3-hdf4 python3-xarray python3-netcdf4 python3-spectral openexr imagemagick libgdk-pixbuf2.0-bin
   chromium file binutils musl-tools gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user'
 at_once=2                                               # tests that run at the same time
