@@ -138,7 +138,8 @@ static bool complete(struct material *material, const char *no_diffuse, struct e
         return false;
     for (size_t i = 0; i < sizeof spectra / sizeof spectra[0]; i++)
         if (spectra[i]->kind != SPECTRUM_NONE &&
-            !string_copy(material->name, &spectra[i]->name, err))
+            (!spectrum_is_in_nm(spectra[i], err) ||
+             !string_copy(material->name, &spectra[i]->name, err)))
             return false;
     return true;
 }

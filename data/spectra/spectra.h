@@ -26,19 +26,22 @@ struct spectrum {
     int count;                     /* samples */
     double *wavelength_nm, *value; /* count each, wavelengths strictly increasing; owned */
     char *name;                    /* as written, for reports; owned */
+    bool from_file;                /* the name is that of a file that is not built in */
     struct place place;
 };
 
-/* Reads a SPECTRUM word: the name of a built-in illuminant, a number, a file, blackbody:K or
- * gaussian:CENTRE,WIDTH, each optionally with *FACTOR. A table of several value columns (an
- * observer) needs :COLUMN, from 1: cie1931:2. File names are relative to the word's file. Refuses,
- * at its own place, a value below `lowest` or above `highest`. Factors must be finite and not
- * negative. */
+/* Reads a SPECTRUM word: the name of a built-in illuminant, a number, a file, blackbody:K,
+ * or gaussian:CENTRE,WIDTH, each optionally with *FACTOR, which is finite and not
+ * negative. A table of several value columns (an observer) needs :COLUMN, from 1: cie1931:2. File
+ * names are relative to the word's file. Refuses, at its own place, a value that is below `lowest`
+ * or, times the factor, above `highest`: only reflectances have an upper limit. */
 bool spectrum_read(const struct word *word, double lowest, double highest, struct spectrum *out,
                    struct error *err);
 /* Adds one sample at the end. Refuses a wavelength that does not increase or is not positive. */
 bool spectrum_append(struct spectrum *spectrum, double wavelength_nm, double value,
                      struct place place, struct error *err);
+/* Refuses wavelengths that can only be in micrometres or metres. */
+bool spectrum_is_in_nm(const struct spectrum *spectrum, struct error *err);
 double spectrum_at(const struct spectrum *spectrum, double wavelength_nm, enum spectrum_ends ends);
 /* Returns true if wavelength_nm lies outside the samples of a sampled spectrum. */
 bool spectrum_extrapolates(const struct spectrum *spectrum, double wavelength_nm);
@@ -83,9 +86,8 @@ void detector_lost_outside(const struct detector *detector, double first_nm, dou
 /* ---- quadrature.c: Gaussian quadrature ---- */
 
 enum { LARGEST_QUADRATURE = 64 };
-/* n nodes, increasing, and their weights. */
 struct quadrature {
-    int n;
+    int n; /* nodes, increasing */
     double node[LARGEST_QUADRATURE], weight[LARGEST_QUADRATURE];
 };
 /* Gauss-Legendre from first to last, 1 <= n <= LARGEST_QUADRATURE, is exact for polynomials of
@@ -93,13 +95,11 @@ struct quadrature {
 void quadrature_legendre(double first, double last, int n, struct quadrature *out);
 /* Finds the quadrature of a sum over `count` increasing points x of weight w, by the polynomials of
  * Stieltjes's procedure (Gautschi, Orthogonal Polynomials, 2004, 2.2). Weights w may change sign.
- * Then weights of the result may be negative, and for some n there is no quadrature. Returns false
- * if there is none: fewer than n points have weight, or the nodes are not real, distinct and
- * between the first and the last x. */
+ * Then weights of the result may be negative. Returns false if there is no quadrature: fewer than n
+ * points have weight, or the nodes are not real, distinct and between the first and the last x. */
 bool quadrature_discrete(const double *x, const double *w, int count, int n,
                          struct quadrature *out);
-/* Returns the value at x of the polynomial that is 1 at node i and 0 at all others (equation 2 of
- * the thesis). */
+/* Returns the value at x of the polynomial that is 1 at node i, 0 at others (thesis, eq. 2). */
 double quadrature_lagrange(const double *node, int n, int i, double x);
 
 /* ---- fluorescence.c: light that is absorbed at one wavelength and emitted at another ---- */
@@ -123,8 +123,7 @@ struct donaldson {
  * emits more than the surface absorbs there (1 - diffuse). */
 bool donaldson_read(const char *path, struct place from, const struct spectrum *diffuse,
                     struct donaldson *out, struct error *err);
-/* Computes the emission under a light of intensity 1: samples at the emission wavelengths. It is 0
- * outside of them. *out is allocated. */
+/* Computes the emission under a light of intensity 1, at its wavelengths. *out is allocated. */
 bool donaldson_emission(const struct donaldson *matrix, const struct spectrum *light,
                         struct spectrum *out, struct error *err);
 void donaldson_free(struct donaldson *matrix);
@@ -133,8 +132,17 @@ void donaldson_free(struct donaldson *matrix);
 
 /* Returns how many of n increasing wavelengths are at most this one. */
 int samples_up_to(const double *wavelengths_nm, int n, double wavelength_nm);
-/* Reads a built-in table, or a file, of a wavelength and three values a line. *xyz: its header
- * names the values x, y and z. On failure the caller frees *out. */
+/* The columns that are wanted of a table. */
+struct columns {
+    struct word table;              /* a built-in name, or a file */
+    int count;                      /* 1, or the 3 of a detector */
+    long first;                     /* from 1; 0: the table has no others */
+    double lowest, highest, factor; /* limits of a value times the factor */
+    bool scaled;                    /* the factor was written */
+};
+/* Reads them into out[count], without the factor. *xyz: they are named x, y and z. On failure the
+ * caller frees *out. spectra_read reads three columns without limits. */
+bool table_read(const struct columns *columns, struct spectrum *out, bool *xyz, struct error *err);
 bool spectra_read(const char *name, struct spectrum out[3], bool *xyz, struct error *err);
 
 #endif

@@ -16,7 +16,6 @@
 #include "data/colour/colour.h"
 #include "data/material/material.h"
 #include "data/mesh/mesh.h"
-#include "data/names/names.h"
 #include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
 #include "data/terms/terms.h"
@@ -108,19 +107,13 @@ static bool add_builtins(struct page *page, struct error *err)
  * to the working folder. */
 static bool put_word(struct page *page, const struct spectrum *spectrum, struct error *err)
 {
-    const struct word table = {
-        .start = spectrum->name, .length = strcspn(spectrum->name, ":*"), .place = spectrum->place};
-    char *path = NULL, *word = NULL;
-    if (spectrum->kind == SPECTRUM_SAMPLED && !word_file(&table, FILE_TABLE, &path, err))
-        return false;
-    const bool is_file = path && !path_is_builtin(path);
-    if (is_file)
-        word = file_relative(spectrum->place.path, spectrum->name);
-    if (!is_file || word)
-        json_string(&page->json, "word", is_file ? word : spectrum->name);
-    free(path);
+    const bool file = spectrum->from_file;
+    char *word = file ? file_relative(spectrum->place.path, spectrum->name) : NULL;
+    if (file && !word)
+        return error_memory(err);
+    json_string(&page->json, "word", file ? word : spectrum->name);
     free(word);
-    return !is_file || word || error_memory(err);
+    return true;
 }
 
 static bool put_illuminants(struct page *page, struct error *err)

@@ -1,0 +1,562 @@
+/* SPDX-License-Identifier: MIT */
+/* Reads tables of wavelengths and values: columns, as spreadsheets and instruments write them, and
+ * CGATS files. A file that can be read in two ways is refused, with the words that decide. */
+#include <float.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+#include "data/names/names.h"
+#include "data/spectra/spectra.h"
+
+enum { MOST_COLUMNS = 3 }; /* kept of a row: those of a detector */
+
+struct row {
+    double nm, value[MOST_COLUMNS];
+    struct place place;
+};
+
+/* A table that is being read. */
+struct table {
+    const struct columns *wanted;
+    struct text text;
+    char separator;  /* of columns: a semicolon, a comma or a blank */
+    char mark;       /* of decimals: a point or a comma; 0: none was seen */
+    int mark_line;   /* where it was first seen */
+    long n_columns;  /* of values */
+    bool decreasing; /* the first wavelength is the longest */
+    bool xyz;        /* the values are named x, y and z */
+    struct row *row; /* n_rows in the order of the file; owned */
+    int n_rows;
+};
+
+/* ---- values ---- */
+
+enum { LABEL_SIZE = 96, LONGEST_NAME = 64 };
+/* Writes the table as a scene names it, without a factor; a long name as FILE. */
+static const char *label(const struct table *table, char out[LABEL_SIZE])
+{
+    const struct word *name = &table->wanted->table;
+    const bool fits = name->length <= LONGEST_NAME;
+    const int length = snprintf(out, LABEL_SIZE, "%.*s", fits ? (int)name->length : 4,
+                                fits ? name->start : "FILE");
+    if (table->wanted->first > 0)
+        snprintf(out + length, LABEL_SIZE - (size_t)length, ":%ld", table->wanted->first);
+    return out;
+}
+
+/* Reads a value, divided by norm, and refuses it if it leaves the limits with the factor. */
+static bool read_value(const struct table *table, const struct word *word, double norm, double *out,
+                       struct error *err)
+{
+    const struct columns *wanted = table->wanted;
+    char name[LABEL_SIZE], times[48] = "";
+    double raw;
+    if (word->length > 0 && word->start[word->length - 1] == '%')
+        return error_at(err, word->place,
+                        "'%.*s' has a percent sign; remove the signs, and write '%s*0.01'",
+                        word_shown(word), word->start, label(table, name));
+    if (!word_number(word, "value", wanted->lowest * norm, HUGE_VAL, &raw, err))
+        return false;
+    *out = raw / norm;
+    if (*out * wanted->factor <= wanted->highest)
+        return true;
+    if (wanted->scaled)
+        snprintf(times, sizeof times, " times %.15g", wanted->factor);
+    return error_at(err, word->place,
+                    "reflectance %.15g%s is above %.15g; write '%s*0.01' if the values are in "
+                    "percent, or another factor",
+                    *out, times, wanted->highest, label(table, name));
+}
+
+/* ---- columns ---- */
+
+/* Returns the character that separates the columns of the current line: a semicolon, if there is
+ * one outside of quotes; otherwise a comma, unless a number follows a blank where no comma is: then
+ * blanks separate, and commas are decimal. */
+static char find_separator(const struct text *text)
+{
+    bool comma = false, blank = false, quoted = false, gap = false;
+    char last = ',';
+    for (const char *at = text->line_start; at < text->line_end && (quoted || *at != '#'); at++) {
+        quoted = quoted != (*at == '"');
+        if (!quoted && *at == ';')
+            return ';';
+        comma = comma || (!quoted && *at == ',');
+        blank = blank || (gap && last != ',' && strchr("0123456789+-.\"", *at));
+        gap = *at == ' ' || *at == '\t';
+        last = gap ? last : *at;
+    }
+    return comma && !blank ? ',' : ' ';
+}
+
+/* Returns the end of a field without the blanks behind it. */
+static const char *field_end(const struct text *text, const char *at, char separator)
+{
+    const bool quotes = *at == '"';
+    const char *end = at;
+    bool quoted = false;
+    for (; at < text->line_end && (quoted || (*at != separator && *at != '#')); at++) {
+        quoted = quotes && quoted != (*at == '"');
+        if (*at != ' ' && *at != '\t')
+            end = at + 1;
+    }
+    return end;
+}
+
+/* Reads the next field of the current line, without the blanks around it. It may be empty, or in
+ * quotes. Returns false behind the last field. */
+static bool read_field(struct text *text, char separator, struct word *out)
+{
+    const char *at = text->at, *end = text->line_end;
+    if (separator == ' ')
+        return text_word(text, out);
+    while (at < end && (*at == ' ' || *at == '\t'))
+        at++;
+    text->at = at;
+    if (at == end || *at == '#')
+        return false;
+    end = field_end(text, at, separator);
+    *out = (struct word){.start = at, .length = (size_t)(end - at), .place = text_place(text)};
+    if (out->length > 1 && *at == '"') {
+        out->quoted = true;
+        out->start++;
+        out->length -= end[-1] == '"' ? 2 : 1;
+    }
+    text->at = end + strspn(end, " \t");
+    text->at += *text->at == separator;
+    return true;
+}
+
+/* Removes quotes and the blanks within. An unclosed quote stays. */
+static void unquote(struct word *word)
+{
+    if (!word->quoted || word->start[word->length] != '"')
+        return;
+    word->quoted = false;
+    while (word->length > 0 && (*word->start == ' ' || *word->start == '\t')) {
+        word->start++;
+        word->length--;
+    }
+    while (word->length > 0 && strchr(" \t", word->start[word->length - 1]))
+        word->length--;
+}
+
+static bool next_field(struct table *table, struct word *out)
+{
+    if (!read_field(&table->text, table->separator, out))
+        return false;
+    unquote(out);
+    return true;
+}
+
+/* Writes a point for a decimal comma into the text. Refuses a comma where commas separate, and two
+ * marks in one file: one of them may separate thousands. */
+static bool check_mark(struct table *table, const struct word *word, struct error *err)
+{
+    char *comma = memchr(table->text.bytes + (word->start - table->text.bytes), ',', word->length);
+    const bool point = memchr(word->start, '.', word->length) != NULL;
+    const char mark = comma ? ',' : point ? '.' : 0;
+    const int length = word_shown(word);
+    if (comma && table->separator == ',')
+        return error_at(err, word->place,
+                        "%.*s has a decimal comma, but commas separate the columns; write a point, "
+                        "or put semicolons between columns",
+                        length, word->start);
+    if (mark && table->mark && mark != table->mark)
+        return error_at(err, word->place,
+                        "%.*s has a decimal %s, but line %d has a decimal %s; expected one of them",
+                        length, word->start, comma ? "comma" : "point", table->mark_line,
+                        comma ? "point" : "comma");
+    if (mark && !table->mark)
+        table->mark_line = word->place.line;
+    table->mark = mark ? mark : table->mark;
+    if (comma && !point)
+        *comma = '.';
+    return true;
+}
+
+/* Returns whether a wavelength begins here: a digit, perhaps behind a sign or a point. */
+static bool begins_wavelength(const struct word *word)
+{
+    const size_t at = word->length > 0 && strchr("+-.", word->start[0]) ? 1 : 0;
+    return word->length > at && word->start[at] >= '0' && word->start[at] <= '9';
+}
+
+static bool refuse_row(const struct word *word, struct error *err)
+{
+    return error_at(err, word->place,
+                    "expected a wavelength in nm, found '%.*s'; put # before a line that is no row "
+                    "of the table",
+                    word_shown(word), word->start);
+}
+
+/* Reads a wavelength, which may have its unit nm. */
+static bool read_wavelength(struct table *table, struct word *word, double *out, struct error *err)
+{
+    const size_t length = word->length;
+    struct text ahead = table->text;
+    struct word unit;
+    if (!begins_wavelength(word) && !word->quoted)
+        return refuse_row(word, err);
+    if (length > 2 && strncmp(word->start + length - 2, "nm", 2) == 0)
+        for (word->length -= 2; strchr(" \t", word->start[word->length - 1]);)
+            word->length--;
+    else if (table->separator == ' ' && text_word(&ahead, &unit) && word_is(&unit, "nm"))
+        table->text = ahead;
+    return check_mark(table, word, err) &&
+           word_number(word, "wavelength", -HUGE_VAL, HUGE_VAL, out, err);
+}
+
+/* Keeps the number of columns, or refuses it. */
+static bool check_columns(struct table *table, long n_columns, struct place place,
+                          struct error *err)
+{
+    const struct columns *wanted = table->wanted;
+    const char *advice = table->separator == ',' && n_columns > wanted->count
+                             ? "; if its commas are decimal, put semicolons between columns"
+                             : "";
+    char name[LABEL_SIZE];
+    table->n_columns = n_columns;
+    if (wanted->first > n_columns)
+        return error_at(err, wanted->table.place, "'%.*s' has no value column %ld; its last is %ld",
+                        word_shown(&wanted->table), wanted->table.start, wanted->first, n_columns);
+    if (wanted->count > 1 && wanted->count != n_columns)
+        return error_at(err, place, "%ld value columns; a detector has %d, as 'wavelength,x,y,z'%s",
+                        n_columns, wanted->count, advice);
+    if (wanted->first == 0 && n_columns > wanted->count)
+        return error_at(err, wanted->table.place,
+                        "'%s' has %ld value columns; write '%s:1' for the first of them%s",
+                        label(table, name), n_columns, name, advice);
+    return true;
+}
+
+/* Reads the values of a row. Empty fields may only stand behind the last value. */
+static bool read_values(struct table *table, struct row *row, long *n_values, struct error *err)
+{
+    const struct columns *wanted = table->wanted;
+    const long first = wanted->first > 0 ? wanted->first : 1;
+    struct place empty = {0};
+    struct word word;
+    double value;
+    *n_values = 0;
+    while (next_field(table, &word)) {
+        if (word.length == 0 && !word.quoted) {
+            empty = empty.line > 0 ? empty : word.place;
+            continue;
+        }
+        if (empty.line > 0)
+            return error_at(err, empty, "expected a value; this column is empty");
+        const long i = ++*n_values - first;
+        const bool kept = i >= 0 && i < wanted->count;
+        if (!check_mark(table, &word, err) ||
+            !(kept ? read_value(table, &word, 1, &row->value[i], err)
+                   : word_number(&word, "value", -HUGE_VAL, HUGE_VAL, &value, err)))
+            return false;
+    }
+    return true;
+}
+
+/* Refuses a wavelength out of order. The second one decides which order that is. */
+static bool check_order(struct table *table, const struct row *row, struct error *err)
+{
+    const double last = table->n_rows > 0 ? table->row[table->n_rows - 1].nm : -HUGE_VAL;
+    if (table->n_rows == 1)
+        table->decreasing = row->nm < last;
+    if (table->decreasing ? row->nm < last : row->nm > last)
+        return true;
+    return error_at(err, row->place, "wavelength %.15g nm follows %.15g nm; wavelengths must %s",
+                    row->nm, last,
+                    table->decreasing ? "decrease, as in the first two rows" : "increase");
+}
+
+/* Reads the current line: a wavelength and one or more values. Skips a line of empty fields. */
+static bool read_row(struct table *table, struct error *err)
+{
+    struct row row = {0};
+    struct word word;
+    long n;
+    if (!next_field(table, &word))
+        return true;
+    row.place = word.place;
+    if (word.length == 0) {
+        while (word.length == 0 && next_field(table, &word))
+            ;
+        return word.length == 0 || error_at(err, row.place, "expected a wavelength");
+    }
+    if (!read_wavelength(table, &word, &row.nm, err) || !read_values(table, &row, &n, err))
+        return false;
+    if (n == 0)
+        return error_at(err, text_place(&table->text), "expected a value after the wavelength");
+    if (table->n_rows == 0 && !check_columns(table, n, row.place, err))
+        return false;
+    if (n != table->n_columns)
+        return error_at(err, row.place, "this row has %ld values, the first row has %ld", n,
+                        table->n_columns);
+    return check_order(table, &row, err) &&
+           array_add(&table->row, &table->n_rows, &row, sizeof row, err);
+}
+
+/* Reads the first field of a line, which may have a separator of its own. */
+static bool first_field(struct table *line, struct word *out)
+{
+    line->separator = find_separator(&line->text);
+    return next_field(line, out);
+}
+
+/* Returns whether a word has a digit, and else only what belongs to a number in some country. */
+static bool is_numeric(const struct word *word)
+{
+    return strspn(word->start, "0123456789+-.,%eE") >= word->length &&
+           strcspn(word->start, "0123456789") < word->length;
+}
+
+/* Returns whether all fields of a line but the first are numbers, as in a row with a mistake. */
+static bool has_numbers(struct table line, struct word *first)
+{
+    struct word word;
+    long n = 0;
+    if (!first_field(&line, first))
+        return false;
+    for (; next_field(&line, &word); n += word.length > 0)
+        if (word.length > 0 && !is_numeric(&word))
+            return false;
+    return n > 0;
+}
+
+static bool says_percent(const struct word *word)
+{
+    static const char percent[] = "percent";
+    const size_t length = sizeof percent - 1;
+    for (size_t i = 0; i < word->length; i++)
+        if (word->start[i] == '%' ||
+            (i + length <= word->length && strncasecmp(word->start + i, percent, length) == 0))
+            return true;
+    return false;
+}
+
+/* Reads the names of the columns, which other characters than those of the rows may separate. A
+ * reflectance in percent needs a factor: whether 0.9 is 0.9 % or nearly white cannot be guessed. */
+static bool read_heading(struct table *table, struct text heading, struct error *err)
+{
+    const struct columns *wanted = table->wanted;
+    const long first = wanted->first > 0 ? wanted->first : 1;
+    const size_t length = (size_t)(heading.line_end - heading.at);
+    struct table line = *table;
+    char name[LABEL_SIZE];
+    struct word word;
+    int n = 0, named = 0;
+    line.text = heading;
+    if (table->separator == ' ' || !memchr(heading.at, table->separator, length))
+        line.separator = find_separator(&heading);
+    for (; next_field(&line, &word); n++) {
+        named += n > 0 && n <= 3 && word.length == 1 && word.start[0] == "xyz"[n - 1];
+        if (wanted->highest < HUGE_VAL && !wanted->scaled && says_percent(&word) &&
+            (n == first || (n > 0 && wanted->first == 0 && line.separator == ' ')))
+            return error_at(err, word.place,
+                            "'%.*s' says percent; write '%s*0.01', or '%s*1' if the values are "
+                            "fractions of 1",
+                            word_shown(&word), word.start, label(table, name), name);
+    }
+    table->xyz = n == 4 && named == 3;
+    return true;
+}
+
+/* Reads the lines above the first row as headings. The last one names the columns. It is refused as
+ * a row if it has numbers behind its first field. */
+static bool read_headings(struct table *table, struct error *err)
+{
+    struct table line = *table, heading = {0};
+    struct word word;
+    while (!first_field(&line, &word) || !begins_wavelength(&word)) {
+        if (text_peek(table->text, &word))
+            heading = *table;
+        if (!text_next_line(&table->text))
+            return true;
+        line.text = table->text;
+    }
+    table->separator = line.separator;
+    if (heading.text.line > 0 && heading.text.line == table->text.line - 1 &&
+        has_numbers(heading, &word))
+        return refuse_row(&word, err);
+    return heading.text.line == 0 || read_heading(table, heading.text, err);
+}
+
+static bool read_columns(struct table *table, struct error *err)
+{
+    if (!read_headings(table, err))
+        return false;
+    do
+        if (!read_row(table, err))
+            return false;
+    while (text_next_line(&table->text));
+    return true;
+}
+
+/* ---- CGATS ---- */
+
+/* Reads the next word of the file, on this line or a later one. */
+static bool next_word(struct text *text, struct word *out)
+{
+    while (!text_word(text, out))
+        if (!text_next_line(text))
+            return false;
+    return true;
+}
+
+/* The words of a CGATS file that describe its data. */
+enum { BANDS, START_NM, END_NM, NORM, CGATS_WORDS };
+static const char *const cgats_words[] = {"SPECTRAL_BANDS", "SPECTRAL_START_NM", "SPECTRAL_END_NM",
+                                          "SPECTRAL_NORM"};
+
+static bool check_cgats(const double *head, struct place place, struct error *err)
+{
+    for (int i = BANDS; i <= END_NM; i++)
+        if (head[i] == 0)
+            return error_at(err, place, "%s is missing before the data", cgats_words[i]);
+    if (head[BANDS] > 1 ? head[START_NM] < head[END_NM] : head[START_NM] == head[END_NM])
+        return true;
+    return error_at(err, place, "%.15g bands from %.15g to %.15g nm; they must increase",
+                    head[BANDS], head[START_NM], head[END_NM]);
+}
+
+/* Adds the values up to END_DATA, on any number of lines. */
+static bool read_data(struct table *table, const double *head, struct place begin,
+                      struct error *err)
+{
+    const double bands = head[BANDS], span = head[END_NM] - head[START_NM];
+    struct word word;
+    while (next_word(&table->text, &word)) {
+        const int i = table->n_rows;
+        struct row row = {.nm = head[START_NM] + (i > 0 ? span * i / (bands - 1) : 0),
+                          .place = word.place};
+        if (word_is(&word, "END_DATA"))
+            return i == bands ||
+                   error_at(err, word.place, "%d values, but SPECTRAL_BANDS is %.15g", i, bands);
+        if (i >= bands)
+            return error_at(err, word.place, "more values than SPECTRAL_BANDS, %.15g", bands);
+        if (!read_value(table, &word, head[NORM], &row.value[0], err) ||
+            !array_add(&table->row, &table->n_rows, &row, sizeof row, err))
+            return false;
+    }
+    return error_at(err, begin, "BEGIN_DATA without END_DATA");
+}
+
+/* Some programs write numbers in quotes. */
+static bool read_cgats_number(struct text *text, const char *name, double *out, struct error *err)
+{
+    struct word word;
+    if (!text_expect(text, &word, name, err))
+        return false;
+    word.quoted = false;
+    return word_number(&word, name, DBL_MIN, HUGE_VAL, out, err) && text_end(text, name, err);
+}
+
+/* Reads a CGATS file. Skips all words that do not describe its data. */
+static bool read_cgats(struct table *table, struct error *err)
+{
+    double head[CGATS_WORDS] = {[NORM] = 1}; /* 0: missing */
+    struct word word;
+    bool done = check_columns(table, 1, text_whole(&table->text), err);
+    while (done && next_word(&table->text, &word)) {
+        if (word_is(&word, "BEGIN_DATA"))
+            done = check_cgats(head, word.place, err) && read_data(table, head, word.place, err);
+        for (int i = 0; i < CGATS_WORDS; i++)
+            if (word_is(&word, cgats_words[i]))
+                done = read_cgats_number(&table->text, cgats_words[i], &head[i], err);
+    }
+    return done;
+}
+
+/* ---- files ---- */
+
+static bool begins(const struct word *word, const char *with)
+{
+    return word->length >= strlen(with) && strncmp(word->start, with, strlen(with)) == 0;
+}
+
+/* Puts the rows into spectra, in the order of wavelengths. */
+static bool take_rows(const struct table *table, struct spectrum *out, struct error *err)
+{
+    for (int n = 0; n < table->n_rows; n++) {
+        const struct row *row = &table->row[table->decreasing ? table->n_rows - 1 - n : n];
+        for (int i = 0; i < table->wanted->count; i++)
+            if (!spectrum_append(&out[i], row->nm, row->value[i], row->place, err))
+                return false;
+    }
+    return spectrum_is_in_nm(out, err);
+}
+
+/* Reads a file in the format that its first word implies. */
+static bool read_file(const char *path, struct table *table, struct spectrum *out,
+                      struct error *err)
+{
+    struct text *text = &table->text;
+    struct word first;
+    bool done = true;
+    if (!text_open(text, path, table->wanted->table.place, err))
+        return false;
+    if (next_word(text, &first)) {
+        text->at = text->line_start;
+        done = word_is(&first, "SPECT") || begins(&first, "CGATS") || begins(&first, "SPECTRAL_")
+                   ? read_cgats(table, err)
+                   : read_columns(table, err);
+    }
+    if (done && table->n_rows == 0)
+        done = error_at(err, text_whole(text), "no samples; a spectrum needs at least one");
+    done = done && take_rows(table, out, err);
+    text_free(text);
+    free(table->row);
+    return done;
+}
+
+bool table_is_detector(const struct builtin_file *file)
+{
+    return strncmp(file->name, "tables/", 7) == 0 &&
+           (strstr((const char *)file->bytes, "\nwavelength_nm,x,y,z\n") != NULL ||
+            strstr((const char *)file->bytes, "\nwavelength_nm,r,g,b\n") != NULL);
+}
+
+static bool refuse_unknown(const struct columns *wanted, struct error *err)
+{
+    const bool detector = wanted->count > 1;
+    const struct word *word = &wanted->table;
+    struct suggestion suggestion = {.distance = 0};
+    char known[BUILTIN_NAME];
+    for (size_t i = 0; i < builtin_file_count; i++)
+        if (builtin_is(&builtin_files[i], FILE_TABLE, known) &&
+            table_is_detector(&builtin_files[i]) == detector && !strchr(known, '/'))
+            suggestion_add(&suggestion, word, known, strlen(known));
+    return error_at(err, word->place, "no built-in %s and no file '%.*s'; %s",
+                    detector ? "detector" : "spectrum", word_shown(word), word->start,
+                    suggestion_end(&suggestion,
+                                   detector ? "it is a file of a wavelength and three values a "
+                                              "line, or one of"
+                                            : "it is a number, a file, blackbody:KELVIN, "
+                                              "gaussian:CENTRE,WIDTH, or one of"));
+}
+
+bool table_read(const struct columns *columns, struct spectrum *out, bool *xyz, struct error *err)
+{
+    struct table table = {.wanted = columns};
+    char *path;
+    bool done =
+        word_file(&columns->table, FILE_TABLE, &path, err) &&
+        (file_is_missing(path) ? refuse_unknown(columns, err) : read_file(path, &table, out, err));
+    if (done)
+        out->from_file = !path_is_builtin(path);
+    *xyz = table.xyz;
+    free(path);
+    return done;
+}
+
+bool spectra_read(const char *name, struct spectrum out[3], bool *xyz, struct error *err)
+{
+    const struct columns columns = {.table = {.start = name, .length = strlen(name)},
+                                    .count = 3,
+                                    .lowest = -HUGE_VAL,
+                                    .highest = HUGE_VAL,
+                                    .factor = 1};
+    return table_read(&columns, out, xyz, err);
+}
