@@ -31,7 +31,7 @@ struct spectrum {
 };
 
 /* Reads a SPECTRUM word: the name of a built-in illuminant, a number, a file, blackbody:K,
- * or gaussian:CENTRE,WIDTH, each optionally with *FACTOR, which is finite and not
+ * daylight:K or gaussian:CENTRE,WIDTH, each optionally with *FACTOR, which is finite and not
  * negative. A table of several value columns (an observer) needs :COLUMN, from 1: cie1931:2. File
  * names are relative to the word's file. Refuses, at its own place, a value that is below `lowest`
  * or, times the factor, above `highest`: only reflectances have an upper limit. */
@@ -144,5 +144,7 @@ struct columns {
  * caller frees *out. spectra_read reads three columns without limits. */
 bool table_read(const struct columns *columns, struct spectrum *out, bool *xyz, struct error *err);
 bool spectra_read(const char *name, struct spectrum out[3], bool *xyz, struct error *err);
+/* Computes CIE daylight of a correlated colour temperature from 4000 to 25000 K. */
+bool daylight_read(const struct word *temperature, struct spectrum *out, struct error *err);
 
 #endif

@@ -227,6 +227,8 @@ static bool read_unscaled(const struct word *word, struct columns *columns, stru
         out->kind = SPECTRUM_BLACKBODY;
         return word_number(&rest, "temperature", DBL_MIN, 1e6, &parameter[0], err);
     }
+    if (names_formula(word, "daylight:", &rest))
+        return daylight_read(&rest, out, err);
     if (!names_formula(word, "gaussian:", &rest))
         return read_named(word, columns, out, err);
     out->kind = SPECTRUM_GAUSSIAN;

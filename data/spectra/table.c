@@ -524,6 +524,9 @@ static bool refuse_unknown(const struct columns *wanted, struct error *err)
     const struct word *word = &wanted->table;
     struct suggestion suggestion = {.distance = 0};
     char known[BUILTIN_NAME];
+    if (word_equals(word, "daylight") || word_equals(word, "blackbody"))
+        return error_at(err, word->place, "%.*s needs a temperature in K, as %.*s:6504",
+                        word_shown(word), word->start, word_shown(word), word->start);
     for (size_t i = 0; i < builtin_file_count; i++)
         if (builtin_is(&builtin_files[i], FILE_TABLE, known) &&
             table_is_detector(&builtin_files[i]) == detector && !strchr(known, '/'))
@@ -534,7 +537,7 @@ static bool refuse_unknown(const struct columns *wanted, struct error *err)
                                    detector ? "it is a file of a wavelength and three values a "
                                               "line, or one of"
                                             : "it is a number, a file, blackbody:KELVIN, "
-                                              "gaussian:CENTRE,WIDTH, or one of"));
+                                              "daylight:KELVIN, gaussian:CENTRE,WIDTH, or one of"));
 }
 
 bool table_read(const struct columns *columns, struct spectrum *out, bool *xyz, struct error *err)

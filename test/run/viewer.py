@@ -44,7 +44,7 @@ camera ortho 3
 viewer local
 shading flat
 ambient lamp.csv 0.2
-light d65 0 direction 0 0 1
+light daylight:5003 0 direction 0 0 1
 light lamp.csv 0.8 position 2 1 4 attenuation 0.5 0 0.02
 material "{STRANGE}" {{ diffuse 0.3 donaldson matrix.csv specular 0.5 gloss 9 }}
 {grey}
@@ -60,7 +60,7 @@ def scene_of_two_of_each():
         "--wavelengths", "420:680:20", "-o", os.path.join(TMP, "texture.tif"))
     return write("two.scene", """wavelengths 400 700 20
 camera ortho 3
-ambient d65 0.4
+ambient daylight:6504 0.4
 ambient uv 0.9
 material glowing { diffuse 0.3 donaldson matrix.csv }
 material near { diffuse 0.9 spectral-texture texture.tif nearest }
@@ -164,7 +164,7 @@ COMBINATIONS = {
         ({"ambient": "fluorescent*0.25", 1: "a*0.7"}, ["--adaptation=von-kries"]),
         ({1: "a*1"}, ["--adaptation=fairchild", "--detector=cie1964"]),
         ({1: "fluorescent*0.5"}, ["--adaptation=fairchild:250", "--display=monitor"]),
-        ({1: "a*1.5"}, ["--adaptation=bradford", "--exposure=auto"]),
+        ({1: "d50*1.5"}, ["--adaptation=bradford", "--exposure=auto"]),
         ({1: "a*0.4", "ambient": "uv*0.6"},
          ["--adaptation=cat16", "--exposure=2.5", "--detector=cie-standard-deviate"]),
     ],
@@ -172,6 +172,7 @@ COMBINATIONS = {
         ({1: "uv*1"}, []),
         ({1: "a*0.6", "ambient": "uv*0.8"}, ["--detector=dcs200-camera"]),
         ({1: "1*0.9"}, ["--detector=transparency-film", "--display=monitor", "--exposure=auto"]),
+        ({1: "led-b5*0.7", "ambient": "f11*0.2"}, ["--adaptation=cat16"]),
     ],
     "metamers": [
         ({1: "a*1"}, ["--adaptation=cat16", "--detector=cie2006-2"]),
@@ -708,7 +709,7 @@ def main():
     metamers()
     command_line("colorchecker", "colorchecker", {"ambient": "uv*0.3", 1: "a*0.75"})
     command_line(os.path.abspath(scene_of_strange_names()), "lights of files",
-                 {"ambient": "d65*0.1", 1: "lamp.csv*0.3", 2: "lamp.csv*0.6"})
+                 {"ambient": "lamp.csv*0.1", 1: "daylight:5003*0.3", 2: "lamp.csv*0.6"})
     keyboard()
     names()
     schemes()
