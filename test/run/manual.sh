@@ -40,4 +40,72 @@ done >"$tmp/out"
 "$SPECTRAL" | grep -E '.{81}' >>"$tmp/out" && too_long="$too_long spectral"
 [ -z "$too_long" ]
 ok $? "no line of a help is longer than 80 columns$too_long"
+
+# The defaults of the page: a scene with them shows the same as a scene without.
+sed -n '/^[.]Ss Defaults/,/^[.]Ed/p' spectral.1 | sed '/^[.A]/d' >"$tmp/defaults"
+# words STATEMENT prints the words of the page's table that the statement may leave out.
+words() { sed -n 's/^[.]It '"$1"' Ta //p' spectral.1 | sed 's/[(,;].*//; s/\\-/-/g'; }
+[ "$(wc -l <"$tmp/defaults")" = 5 ] && words material | grep -q '^gloss 0'
+ok $? "the page lists defaults"
+# same NAME: the files a.scene and b.scene show the same
+same() {
+    for scene in a b; do
+        "$SPECTRAL" render "$tmp/$scene.scene" --renderer raster --no-check --quiet -o "$tmp/$scene.tif" 2>"$tmp/err"
+    done
+    exits 0 "$1" "$SPECTRAL" compare "$tmp/a.tif" "$tmp/b.tif"
+}
+objects() { # CAMERA LIGHT MATERIAL OBJECT MESH
+    printf '%s\n' "$1" "light d65 40 position 1 2 6 $2" "material m { diffuse 0.5 specular 0.4 texture checks $3 }" \
+        "object torus 1 2 20 20 material m rotate 30 1 1 0 translate 0 1 -4 $4" \
+        "object mesh chair material m unitize translate 1 0 -5 $5"
+}
+objects '' '' '' '' '' >"$tmp/a.scene"
+{ cat "$tmp/defaults"; objects '' '' '' '' ''; } >"$tmp/b.scene"
+same "a scene without these statements has the defaults of the page"
+small='size 90 60'
+objects "$small" '' '' '' '' >"$tmp/a.scene"
+objects "$small" "$(words 'light position')" "nearest $(words material)" "$(words 'object, checker')" \
+    "$(words 'object mesh')" >"$tmp/b.scene"
+same "words that are left out have the defaults of the page"
+{ echo 'camera perspective 40'; objects "$small" '' '' '' ''; } >"$tmp/a.scene"
+{ echo "camera perspective 40 $(words 'camera perspective')"; objects "$small" '' '' '' ''; } >"$tmp/b.scene"
+same "a perspective camera has the defaults of the page"
+{ echo 'camera perspective 40'; objects "$small" '' '' 'repeat 2 1' ''; } >"$tmp/b.scene"
+run "$SPECTRAL" render "$tmp/b.scene" --renderer raster --no-check --quiet -o "$tmp/b.tif"
+exits 1 "other words show something else" "$SPECTRAL" compare "$tmp/a.tif" "$tmp/b.tif"
+
+# Transforms apply in the order in which they are written.
+transformed() { printf '%s\n' "$small" 'light d65 1 direction 0 0 1' 'material m { diffuse 0.5 }' "object $*"; }
+transformed sphere 1 20 20 material m scale 2 translate 1 0 0 >"$tmp/a.scene"
+transformed sphere 2 20 20 material m translate 1 0 0 >"$tmp/b.scene"
+same "behind scale 2 translate 1 0 0 the centre is at x = 1"
+transformed sphere 1 20 20 material m translate 1 0 0 scale 2 >"$tmp/a.scene"
+transformed sphere 2 20 20 material m translate 2 0 0 >"$tmp/b.scene"
+same "behind translate 1 0 0 scale 2 the centre is at x = 2"
+transformed cone 1 2 20 9 material m rotate 90 0 1 0 >"$tmp/a.scene"
+"$SPECTRAL" render "$tmp/a.scene" --renderer raster --no-check --quiet -o "$tmp/a.tif"
+run "$SPECTRAL" probe "$tmp/a.tif" 40 33 --csv # half a unit to the left, and half a unit below the axis
+mv "$tmp/out" "$tmp/left"
+run "$SPECTRAL" probe "$tmp/a.tif" 50 33 --csv # the same to the right, beside the tip
+! cmp -s "$tmp/left" "$tmp/out"
+ok $? "a cone that is turned about y has its tip at the right: z comes to x"
+
+# Each example of the page runs, in the order of the page. cost needs a small picture.
+mkdir "$tmp/examples"
+cp data/samples/* "$tmp/examples"
+sed -i 's/^size .*/size 30 20/; s/^wavelengths .*/wavelengths 400 700 100/' "$tmp/examples/my.scene"
+sed -n '/^[.]Sh EXAMPLES/,/^[.]Sh SEE/s/^[.]Dl //p' spectral.1 >"$tmp/commands"
+[ "$(wc -l <"$tmp/commands")" -gt 10 ]
+ok $? "the page has examples"
+program=$(realpath "$SPECTRAL")
+while read -r command; do
+    run sh -c "cd $tmp/examples && spectral() { $program \"\$@\"; } && $command"
+    [ "$status" = 0 ]
+    ok $? "$command"
+done <"$tmp/commands"
+for file in own.scene under-a.tif my.tif tube.tif person.tif camera.tif fluorescence.html cost.svg patch.svg; do
+    [ -s "$tmp/examples/$file" ]
+    ok $? "the examples write $file"
+done
+
 done_testing
