@@ -74,6 +74,27 @@ same "a perspective camera has the defaults of the page"
 run "$SPECTRAL" render "$tmp/b.scene" --renderer raster --no-check --quiet -o "$tmp/b.tif"
 exits 1 "other words show something else" "$SPECTRAL" compare "$tmp/a.tif" "$tmp/b.tif"
 
+# The defaults of options, as --help prints them: with such an option all is as without it.
+names_default() { # COMMAND OPTION VALUE
+    "$SPECTRAL" "$1" --help | awk '/^  -/ { printf "\n" } { sub(/^  +/, " "); printf "%s", $0 }' |
+        grep -Eq -- "^ .*$2[ ,].*( $3 \(default\)|[(]default: $3[);])"
+    ok $? "the help of $1 $2 prints its default, $3"
+}
+rendered() { "$SPECTRAL" render patches --size 30x20 --sampling box:3 "$@" --quiet 2>"$tmp/err"; }
+rendered -o "$tmp/a.tif"
+for default in 'renderer gl' 'buffer float' 'depth 16' 'unchecked 0.01' 'detector cie1931'; do
+    names_default render "--${default% *}" "${default#* }"
+    rendered "--${default% *}" "${default#* }" -o "$tmp/b.tif"
+    exits 0 "render --$default changes nothing" "$SPECTRAL" compare "$tmp/a.tif" "$tmp/b.tif" --tolerance 0
+done
+"$SPECTRAL" develop "$tmp/a.tif" --quiet -o "$tmp/c.tif"
+for default in 'detector cie1931' 'adaptation none' 'exposure 1' 'bits 8'; do
+    names_default develop "--${default% *}" "${default#* }"
+    "$SPECTRAL" develop "$tmp/a.tif" "--${default% *}" "${default#* }" --quiet -o "$tmp/d.tif"
+    cmp -s "$tmp/c.tif" "$tmp/d.tif"
+    ok $? "develop --$default changes nothing"
+done
+
 # Transforms apply in the order in which they are written.
 transformed() { printf '%s\n' "$small" 'light d65 1 direction 0 0 1' 'material m { diffuse 0.5 }' "object $*"; }
 transformed sphere 1 20 20 material m scale 2 translate 1 0 0 >"$tmp/a.scene"
