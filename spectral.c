@@ -39,7 +39,7 @@ static const struct command commands[] = {
     {"plan", "[SCENE]", "print what would be simulated, and why; draw nothing", "plan fluorescence",
      command_plan, FOR_PLAN, 1},
     {"develop", "STACK [-o PICTURE.png]",
-     "write what a detector sees as a colour picture, PNG or TIFF\n(default: STACK's name + "
+     "write what a detector sees as a colour picture, PNG or TIFF (default: STACK's name + "
      "-developed.png)",
      "develop spheres.tif --exposure auto -o spheres.png", command_develop, FOR_DEVELOP, 1},
     {"probe", "STACK|SCENE X Y [W H]", "print the spectrum of a pixel, or the mean of a region",
@@ -50,7 +50,7 @@ static const struct command commands[] = {
     {"cost", "[SCENE]", "measure what accuracy costs in time", "cost patches --svg cost.svg",
      command_cost, FOR_COST, 1},
     {"view", "[SCENE] [-o PAGE.html]",
-     "write an interactive viewer in one HTML file; with -o\nPICTURE.png the picture that it shows "
+     "write an interactive viewer in one HTML file; with -o PICTURE.png the picture that it shows "
      "first",
      "view fluorescence --size 600x400 -o fluorescence.html", command_view, FOR_VIEW, 1},
     {"info", "STACK", "print how a stack was made", "info spheres.tif", command_info, FOR_INFO, 1},
@@ -59,7 +59,7 @@ static const struct command commands[] = {
      "beside it)",
      "envi spheres.tif", command_envi, FOR_ENVI, 1},
     {"list", "[KIND]",
-     "print the names of all that is built in: scenes, materials,\nilluminants, detectors, shapes, "
+     "print the names of all that is built in: scenes, materials, illuminants, detectors, shapes, "
      "models, lists, textures, samplings",
      "list materials", command_list, 0, 1},
     {"show", "NAME [-o FILE]", "print a built-in file, to start a file of your own with",
@@ -97,37 +97,34 @@ static const struct option known_options[] = {
      FOR_SHADED | RECORDED, CHANGE(scene_set_tessellation)},
     {.heading = "render and plan:"},
     {"--sampling METHOD",
-     "box:N, riemann:STEP, gauss:N[,open|xyz|lms|acc],\n"
-     "adaptive:TOLERANCE, basis:K, rgb or xyz",
+     "box:N, riemann:STEP, gauss:N[,open|xyz|lms|acc], adaptive:TOLERANCE, basis:K, rgb or xyz",
      FOR_RENDER | FOR_PLAN | RECORDED, TEXT(sampling)},
     {"--detector, --observer NAME", "samples for it, a built-in one or a file (default: cie1931)",
      FOR_RENDER | FOR_PLAN | RECORDED, TEXT(detector)},
     {.heading = "render:"},
     {"-o, --output STACK.tif",
-     "writes there; - is standard output; /dev/null: checks only,\nwrites nothing", FOR_RENDER,
+     "writes there; - is standard output; /dev/null: checks only, writes nothing", FOR_RENDER,
      TEXT(output)},
     {"--again STACK",
-     "makes that stack again, from the scene and the options that\n"
-     "it records; the new one must be the same to the last byte\n"
-     "(default output: STACK's name + -again.tif)",
+     "makes that stack again, from the scene and the options that it records; the new one must be "
+     "the same to the last byte (default output: STACK's name + -again.tif)",
      FOR_RENDER, TEXT(again)},
     {"--renderer gl|llvmpipe|softpipe|raster",
-     "stores the pixels of gl (default), of its driver llvmpipe or\n"
-     "softpipe, or of raster, the reference",
+     "stores the pixels of gl (default), of its driver llvmpipe or softpipe, or of raster, the "
+     "reference",
      FOR_RENDER | RECORDED, TEXT(renderer), .choices = renderers},
     {"--buffer 8|16|float", "bits of OpenGL's colours (default: float)", FOR_RENDER | RECORDED,
      TEXT(buffer), .choices = buffers},
     {"--no-check", "does not cross-check", FOR_RENDER | RECORDED, FLAG(no_check)},
     {"--strict",
-     "like --unchecked 0; also requires that no fragment is lost\n"
-     "or doubled where triangles meet",
+     "like --unchecked 0; also requires that no fragment is lost or doubled where triangles meet",
      FOR_RENDER | RECORDED, FLAG(strict)},
     {"--unchecked SHARE",
-     "the part of object pixels that may stay unchecked, from 0 to\n1 (default: 0.01)",
+     "the part of object pixels that may stay unchecked, from 0 to 1 (default: 0.01)",
      FOR_RENDER | RECORDED, TEXT(unchecked)},
     {"--check-map FILE",
-     "writes what the check can see at each pixel, and its verdict\n"
-     "there, as float pages (.tif) or as a picture (.png)",
+     "writes what the check can see at each pixel, and its verdict there, as float pages (.tif) or "
+     "as a picture (.png)",
      FOR_RENDER, TEXT(check_map)},
     {"--keep", "stores the stack even if the check fails", FOR_RENDER, FLAG(keep)},
     {"--envi", "also writes STACK.tif.hdr, as the command envi does", FOR_RENDER, FLAG(envi)},
@@ -160,7 +157,7 @@ static const struct option known_options[] = {
     {"--display srgb|monitor", "sRGB (default), or the monitor of the 1998 thesis", FOR_DEVELOP,
      TEXT(display), .accepts = develop_accepts_display},
     {"--exposure FACTOR|auto",
-     "a factor, or auto: nothing is brighter than the display\n(default: 1)", FOR_DEVELOP,
+     "a factor, or auto: nothing is brighter than the display (default: 1)", FOR_DEVELOP,
      TEXT(exposure), .accepts = develop_accepts_exposure},
     {"--bits 8|16", "bits of each channel (default: 8)", FOR_DEVELOP, TEXT(bits),
      .choices = picture_bits},
@@ -174,12 +171,12 @@ static const struct option known_options[] = {
     {"--svg", "writes a plot instead of text", FOR_PROBE, FLAG(svg)},
     {.heading = "compare:"},
     {"--tolerance R|P%|EdE00",
-     "largest difference that passes: radiance, per cent of the\n"
-     "largest radiance, or CIEDE2000 (dE94, dE76); default: 0",
+     "largest difference that passes: radiance, per cent of the largest radiance, or CIEDE2000 "
+     "(dE94, dE76); default: 0",
      FOR_COMPARE, TEXT(tolerance), .accepts = compare_accepts_tolerance},
     {"--map FILE",
-     "writes each pixel's largest difference, spectral angle and\n"
-     "CIEDE2000 (.tif), or shows the CIEDE2000 in colours (.png)",
+     "writes each pixel's largest difference, spectral angle and CIEDE2000 (.tif), or shows the "
+     "CIEDE2000 in colours (.png)",
      FOR_COMPARE, TEXT(map)},
     {.heading = "view:"},
     {"-o, --output PAGE.html",
@@ -194,9 +191,8 @@ static const struct option known_options[] = {
     {"--csv FILE", "writes the table; - is standard output", FOR_COST, TEXT(csv_file)},
     {"--svg FILE", "writes a chart; - is standard output", FOR_COST, TEXT(svg_file)},
     {"--tolerance EdE00",
-     "names the cheapest configuration within E CIEDE2000 for 95 %\n"
-     "of the pixels",
-     FOR_COST, TEXT(tolerance), .accepts = cost_accepts_tolerance},
+     "names the cheapest configuration within E CIEDE2000 for 95 % of the pixels", FOR_COST,
+     TEXT(tolerance), .accepts = cost_accepts_tolerance},
     {"--budget SECONDS", "names the most accurate configuration within the time", FOR_COST,
      TEXT(budget)},
     {.heading = "envi:"},
@@ -206,7 +202,7 @@ static const struct option known_options[] = {
     {.heading = "show:"},
     {"-o, --output FILE", "writes there (default: standard output)", FOR_SHOW, TEXT(output)},
     {.heading = "all:"},
-    {"-h, --help", "prints the help of this command; spectral -V, --version prints\nthe versions",
+    {"-h, --help", "prints the help of this command; spectral -V, --version prints the versions",
      FOR_ALL, FLAG(help)},
 };
 static const struct option_table option_table = {known_options,
