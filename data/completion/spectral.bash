@@ -67,7 +67,8 @@ _spectral_add_usage() {
         KIND) _spectral_add "$("$program" list 2>/dev/null | sed -n '/^[a-z]/p')" ;;
         SCENE) _spectral_add "$(_spectral_names scenes)"; _spectral_add_files .scene .list ;;
         *STACK* | *.tif) _spectral_add_files .tif .tiff ;;
-        *.html) _spectral_add_files .html ;;
+        *.png) _spectral_add_files .png .tif ;;
+        *.html) _spectral_add_files .html .png ;;
         *FILE*) _spectral_add_files '' ;;
         *[A-Z]*:*) ;;
         [a-z0-9]*) one=${one%%\[*}; [[ $one == *[A-Z]* ]] || _spectral_add "$one" ;;

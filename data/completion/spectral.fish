@@ -49,8 +49,10 @@ function __spectral_usage --argument-names program usage word
                 __spectral_files "$word" .scene .list
             case '*STACK*' '*.tif'
                 __spectral_files "$word" .tif .tiff
+            case '*.png'
+                __spectral_files "$word" .png .tif
             case '*.html'
-                __spectral_files "$word" .html
+                __spectral_files "$word" .html .png
             case '*FILE*'
                 __spectral_files "$word" ''
             case '*'

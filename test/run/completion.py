@@ -143,7 +143,8 @@ CASES = [
     ("spectral compare a.tif ", TIFS),
     ("spectral compare --tolerance ", []),
     ("spectral probe pat", ["patches"]),
-    ("spectral view -o ", ["folder", "page.html"]),
+    ("spectral view -o ", ["folder", "page.html", "seen.png"]),
+    ("spectral develop -o ", ["a.tif", "folder", "seen.png", "two.tif"]),
 ]
 
 
@@ -195,7 +196,7 @@ def test_choices():
 
 def main():
     os.makedirs(os.path.join(FOLDER, "folder"), exist_ok=True)
-    for file in ("a.tif", "two.tif", "my.scene", "page.html", "other.txt"):
+    for file in ("a.tif", "two.tif", "my.scene", "page.html", "seen.png", "other.txt"):
         with open(os.path.join(FOLDER, file), "w", encoding="utf-8"):
             pass
     test_shell("bash", Shell(["bash", "--norc", "--noprofile", "-i"], BASH.format(sources=SOURCES)))

@@ -14,6 +14,7 @@ share/bash-completion/completions/spectral
 share/doc/spectral/CHANGELOG.md
 share/doc/spectral/LICENSE
 share/doc/spectral/README.md
+share/doc/spectral/scenes.md
 share/fish/vendor_completions.d/spectral.fish
 share/man/man1/spectral.1
 share/spectral/installed

@@ -123,7 +123,7 @@ while read -r command; do
     [ "$status" = 0 ]
     ok $? "$command"
 done <"$tmp/commands"
-for file in own.scene under-a.tif my.tif tube.tif person.tif camera.tif fluorescence.html cost.svg patch.svg; do
+for file in own.scene under-a.tif my.tif tube.tif person.png camera.png fluorescence.html cost.svg patch.svg; do
     [ -s "$tmp/examples/$file" ]
     ok $? "the examples write $file"
 done
