@@ -111,6 +111,10 @@ small="--size 40x30 --wavelengths 400:700:50"
     cmp -s "$tmp/a.tif" "$tmp/unread.tif"
     ok $? "its stack is complete"
     unread 3 "a stack that nobody reads is a failure" "$SPECTRAL" render patches $small -o /dev/stdout --quiet
+    unread 3 "a stack to - that nobody reads is a failure" "$SPECTRAL" render patches $small -o - --quiet
+    unread 3 "a picture that nobody reads is a failure" "$SPECTRAL" develop "$tmp/a.tif" -o - --quiet
+    unread 0 "a page, which is text, that nobody reads" "$SPECTRAL" view patches $small -o - --quiet
+    unread 0 "a probe that nobody reads" "$SPECTRAL" probe "$tmp/a.tif" 1 1
     unread 2 "no command, and nobody reads" "$SPECTRAL"
     status=0
     bash -c '"$@" 2>"$0" | head -n 1; exit ${PIPESTATUS[0]}' "$tmp/err" "$SPECTRAL" plan room >"$tmp/out" || status=$?
