@@ -7,8 +7,8 @@ from decimal import Decimal
 
 from material_files import WAVELENGTHS, write
 
-DIFFUSE_SHARE = Decimal("0.15")
-GLOSS = 80
+DIFFUSE_SHARE = Decimal("0.06")
+GLOSS = 36
 JOHNSON = ("P. B. Johnson and R. W. Christy, Optical constants of the noble metals,\n"
            "# Phys. Rev. B 6, 4370-4379 (1972), room temperature")
 RAKIC = ("A. D. Rakic, Algorithm for the determination of intrinsic optical constants of metal\n"

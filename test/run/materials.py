@@ -141,8 +141,8 @@ def check_metals():
         diffuse, specular = values[""][0], values["s"][0]
         total[name] = diffuse + specular
         check(diffuse.min() > 0 and total[name].max() < 1 and
-              abs(diffuse / total[name] - 0.15).max() < 1e-4 and values["g"] == 80,
-              f"{name}: 15 % of its reflection is diffuse, and it never reflects more than it receives "
+              abs(diffuse / total[name] - 0.06).max() < 1e-4 and values["g"] == 36,
+              f"{name}: 6 % of its reflection is diffuse, and it never reflects more than it receives "
               f"(at most {total[name].max():.5f})")
         for nm, n, k in OTHER_FILMS[name]:
             other = abs((n - 1 + 1j * k) / (n + 1 + 1j * k)) ** 2

@@ -1,0 +1,154 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""Makes the textures of data/builtin/textures that hold soft shadows: `test/make/shadows.py FOLDER [NAME...]` writes
+them into FOLDER. OpenGL's lighting casts none, and neither does the program; so these are computed before, as light
+maps are: the share of the light at each place of a surface that no object keeps away. The program itself finds what
+the lights see. For each light, some points on a sphere about it, and for the ambient light many points far away, it
+renders the objects that cast shadows, as seen from there, and writes its object map: what it leaves empty is lit.
+MIT licence."""
+import os
+import re
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+import tifffile
+
+sys.dont_write_bytecode = True
+sys.path.append(os.path.dirname(os.path.abspath(__file__)))
+import models
+import textures
+
+SPECTRAL = os.environ.get("SPECTRAL", "build/spectral")
+SCENES = "data/builtin/scenes"
+VIEW = 512  # pixels of a side of a view from a light
+N_AMBIENT, N_POINTS = 96, 12
+
+
+def spread(count):
+    """`count` points spread evenly over a sphere of radius 1 (a spiral that turns by the golden angle)"""
+    i = np.arange(count) + 0.5
+    y, angle = 1 - 2 * i / count, np.pi * (3 - np.sqrt(5)) * i
+    return np.column_stack([np.sqrt(1 - y * y) * np.cos(angle), y, np.sqrt(1 - y * y) * np.sin(angle)])
+
+
+def unit(v):
+    return v / np.linalg.norm(v, axis=-1, keepdims=True)
+
+
+def seen(scene, eye, centre, radius, points):
+    """Renders `scene`, text without a camera, from `eye`, so that a sphere fits in; returns for each point whether
+    nothing is seen at its place in that picture."""
+    away = centre - eye
+    distance = np.linalg.norm(away)
+    angle = np.arcsin(min(radius / distance, 0.98))
+    forward = away / distance
+    up = np.array((0, 0, 1.0)) if abs(forward[1]) > 0.9 else np.array((0, 1.0, 0))
+    right = unit(np.cross(forward, up))
+    up = np.cross(right, forward)
+    near = max(distance - radius, 0.05 * distance)
+    with tempfile.NamedTemporaryFile("w", suffix=".scene", dir=SCENES) as file, \
+            tempfile.NamedTemporaryFile(suffix=".tif") as stack:
+        words = [f"camera perspective {2 * np.degrees(angle)} near {near} far {distance + radius}",
+                 *(name + " " + " ".join(map(str, v)) for name, v in (("eye", eye), ("look", centre), ("up", up)))]
+        file.write(f"wavelengths list 550\nsize {VIEW} {VIEW}\n" + " ".join(words) + "\n" + scene)
+        file.flush()
+        subprocess.run([SPECTRAL, "render", file.name, "--renderer", "raster", "--no-check", "--quiet", "-o",
+                        stack.name], check=True)
+        with tifffile.TiffFile(stack.name) as tiff:
+            offset, size = map(int, re.search(r"object_map: (\d+) (\d)\n", tiff.pages[0].description).groups())
+        empty = np.fromfile(stack.name, f"<u{size}", VIEW * VIEW, offset=offset).reshape(VIEW, VIEW) == 0
+    there = points - eye
+    depth = there @ forward
+    with np.errstate(divide="ignore", invalid="ignore"):
+        x, y = ((there @ axis / depth / np.tan(angle) * sign + 1) * VIEW / 2 - 0.5
+                for axis, sign in ((right, 1), (up, -1)))
+    inside = (depth > 0) & (x >= 0) & (x < VIEW - 1) & (y >= 0) & (y < VIEW - 1)
+    x, y = np.where(inside, x, 0), np.where(inside, y, 0)
+    i, j = x.astype(int), y.astype(int)
+    a, b = x - i, y - j
+    share = ((1 - b) * ((1 - a) * empty[j, i] + a * empty[j, i + 1])
+             + b * ((1 - a) * empty[j + 1, i] + a * empty[j + 1, i + 1]))
+    return np.where(inside, share, 1)
+
+
+def lights(text):
+    """(position, intensity, attenuation) of each light of a scene without a spot, and the ambient intensity"""
+    found, ambient = [], 0
+    for line in text.split("\n"):
+        words = line.split("#")[0].split()
+        if words[:1] == ["ambient"]:
+            ambient += float(words[2])
+        if words[:1] == ["light"] and "spot" not in words:
+            place = np.array(list(map(float, words[4:7])))
+            if words[3] == "direction":
+                place = 1000 * unit(place)
+            constants = list(map(float, words[8:11])) if "attenuation" in words else (1, 0, 0)
+            found.append((place, float(words[2]), constants))
+    return found, ambient
+
+
+def light_map(scene, casts, surface, size, centre, radius, softness):
+    """The share of light, row by row from the top, that reaches a surface past the objects whose lines match `casts`;
+    these lie in a sphere about `centre`. `softness` is the size of each light, as a share of its distance."""
+    with open(f"{SCENES}/{scene}.scene", encoding="ascii") as file:
+        text = file.read()
+    scene = "\n".join(line for line in text.split("\n") if line.startswith("material ")
+                      or line.startswith("object ") and re.search(casts, line)) + "\n"
+    u, v = np.meshgrid((np.arange(size[0]) + 0.5) / size[0], 1 - (np.arange(size[1]) + 0.5) / size[1])
+    points, normals = surface(u, v)
+    found, ambient = lights(text)
+    total, lit = np.zeros_like(u), np.zeros_like(u)
+
+    def add(eye, weight):
+        there = eye - points
+        cosine = weight * np.einsum("ijk,ijk->ij", unit(there), normals).clip(0)
+        total[:] += cosine
+        if cosine.max() > 0:
+            lit[:] += cosine * seen(scene, eye, centre, radius, points)
+    for way in spread(N_AMBIENT):
+        if way[1] > 0:  # twice these weigh as much as all, seen from a floor
+            add(centre + 40 * radius * way, 4 * ambient / N_AMBIENT)
+    for place, intensity, (a, b, c) in found:
+        distance = np.linalg.norm(place - centre)
+        for way in spread(N_POINTS):
+            add(place + way * softness * distance, intensity / (a + b * distance + c * distance ** 2) / N_POINTS)
+    return lit / np.maximum(total, 1e-9)
+
+
+def flat(x0, x1, z0, z1, y):
+    """A floor: u runs along x from x0 to x1, v from z0 to z1"""
+    def surface(u, v):
+        points = np.stack([x0 + u * (x1 - x0), np.full_like(u, y), z0 + v * (z1 - z0)], -1)
+        return points, np.broadcast_to((0.0, 1.0, 0.0), points.shape)
+    return surface
+
+
+def backdrop(u, v):
+    points = np.array([[models.cove(*corner) for corner in zip(*row)] for row in zip(u, v)])
+    return points, unit(np.cross(np.gradient(points, axis=1), -np.gradient(points, axis=0)))
+
+
+# name: size; scene; pattern of the objects that cast shadows; surface; the sphere they lie in; softness of lights;
+# the texture of the surface itself, and how often it repeats
+MAPS = {
+    "metals-shadow": ((512, 640), "metals", "material (gold|copper|silver|alu)", backdrop, (0, 1.5, -1), 12, 0.12,
+                      None, 0, 0),
+}
+
+
+def main(folder, names):
+    for name in names or MAPS:
+        size, scene, casts, surface, centre, radius, softness, pattern, across, down = MAPS[name]
+        share = light_map(scene, casts, surface, size, np.array(centre, float), radius, softness)
+        if pattern:
+            x, y = textures.grid(*size)
+            share *= pattern(x * across % 1, y * down % 1)
+        samples = np.round(share.clip(0, 1) * 255).astype(np.uint8)
+        tifffile.imwrite(os.path.join(folder, name + ".tif"), samples, metadata=None, compression="zlib",
+                         predictor=True, software=False)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], sys.argv[2:])
