@@ -48,7 +48,7 @@ def seen(scene, eye, centre, radius, points):
     right = unit(np.cross(forward, up))
     up = np.cross(right, forward)
     near = max(distance - radius, 0.05 * distance)
-    with tempfile.NamedTemporaryFile("w", suffix=".scene", dir=SCENES) as file, \
+    with tempfile.NamedTemporaryFile("w", suffix=".scene") as file, \
             tempfile.NamedTemporaryFile(suffix=".tif") as stack:
         words = [f"camera perspective {2 * np.degrees(angle)} near {near} far {distance + radius}",
                  *(name + " " + " ".join(map(str, v)) for name, v in (("eye", eye), ("look", centre), ("up", up)))]
@@ -74,18 +74,18 @@ def seen(scene, eye, centre, radius, points):
 
 
 def lights(text):
-    """(position, intensity, attenuation) of each light of a scene without a spot, and the ambient intensity"""
+    """(position, intensity, attenuation, spot) of each light of a scene, and the ambient intensity"""
     found, ambient = [], 0
     for line in text.split("\n"):
         words = line.split("#")[0].split()
         if words[:1] == ["ambient"]:
             ambient += float(words[2])
-        if words[:1] == ["light"] and "spot" not in words:
-            place = np.array(list(map(float, words[4:7])))
-            if words[3] == "direction":
-                place = 1000 * unit(place)
-            constants = list(map(float, words[8:11])) if "attenuation" in words else (1, 0, 0)
-            found.append((place, float(words[2]), constants))
+        if words[:1] == ["light"]:
+            def numbers(word, count, otherwise):
+                return [*map(float, words[words.index(word) + 1:][:count])] if word in words else otherwise
+            place = np.array(numbers("position", 3, None) or 1000 * unit(np.array(numbers("direction", 3, None))))
+            found.append((place, float(words[2]), numbers("attenuation", 3, (1, 0, 0)),
+                          numbers("spot", 5, (0, 0, 1, 180, 0))))
     return found, ambient
 
 
@@ -93,7 +93,7 @@ def light_map(scene, casts, surface, size, centre, radius, softness):
     """The share of light, row by row from the top, that reaches a surface past the objects whose lines match `casts`;
     these lie in a sphere about `centre`. `softness` is the size of each light, as a share of its distance."""
     with open(f"{SCENES}/{scene}.scene", encoding="ascii") as file:
-        text = file.read()
+        text = file.read().replace("../", os.path.abspath(SCENES) + "/../")
     scene = "\n".join(line for line in text.split("\n") if line.startswith("material ")
                       or line.startswith("object ") and re.search(casts, line)) + "\n"
     u, v = np.meshgrid((np.arange(size[0]) + 0.5) / size[0], 1 - (np.arange(size[1]) + 0.5) / size[1])
@@ -101,19 +101,20 @@ def light_map(scene, casts, surface, size, centre, radius, softness):
     found, ambient = lights(text)
     total, lit = np.zeros_like(u), np.zeros_like(u)
 
-    def add(eye, weight):
-        there = eye - points
-        cosine = weight * np.einsum("ijk,ijk->ij", unit(there), normals).clip(0)
+    def add(eye, weight, spot):
+        there = unit(eye - points)
+        within = -there @ unit(np.array(spot[:3]))
+        weight = weight * np.where(within >= np.cos(np.radians(spot[3])), within.clip(0) ** spot[4], 0)
+        cosine = weight * np.einsum("ijk,ijk->ij", there, normals).clip(0)
         total[:] += cosine
         if cosine.max() > 0:
             lit[:] += cosine * seen(scene, eye, centre, radius, points)
     for way in spread(N_AMBIENT):
-        if way[1] > 0:  # twice these weigh as much as all, seen from a floor
-            add(centre + 40 * radius * way, 4 * ambient / N_AMBIENT)
-    for place, intensity, (a, b, c) in found:
+        add(centre + 40 * radius * way, 4 * ambient / N_AMBIENT, (0, 0, 1, 180, 0))  # the mean cosine is 1/4
+    for place, intensity, (a, b, c), spot in found:
         distance = np.linalg.norm(place - centre)
         for way in spread(N_POINTS):
-            add(place + way * softness * distance, intensity / (a + b * distance + c * distance ** 2) / N_POINTS)
+            add(place + way * softness * distance, intensity / (a + b * distance + c * distance ** 2) / N_POINTS, spot)
     return lit / np.maximum(total, 1e-9)
 
 
@@ -125,26 +126,65 @@ def flat(x0, x1, z0, z1, y):
     return surface
 
 
-def backdrop(u, v):
-    points = np.array([[models.cove(*corner) for corner in zip(*row)] for row in zip(u, v)])
+def upright(x0, x1, y0, y1, z):
+    """A wall that faces +z: u runs along x from x0 to x1, v from y0 to y1"""
+    def surface(u, v):
+        points = np.stack([x0 + u * (x1 - x0), y0 + v * (y1 - y0), np.full_like(u, z)], -1)
+        return points, np.broadcast_to((0.0, 0.0, 1.0), points.shape)
+    return surface
+
+
+def backdrop(u, v, scale=1):
+    points = scale * np.array([[models.cove(*corner) for corner in zip(*row)] for row in zip(u, v)])
     return points, unit(np.cross(np.gradient(points, axis=1), -np.gradient(points, axis=0)))
 
 
+def board(x, y):
+    """Seven boards of wood along x"""
+    joint = textures.off_centre(y, 7)
+    return np.where(joint > 0.485, 0.4, 1) * textures.wood(2 * x % 1, (2 * y + 0.37 * np.floor(7 * y)) % 1)
+
+
+def carpet(x, y):
+    """A rug with a border, a field of lozenges, and fringes"""
+    far = np.minimum(np.minimum(x, 1 - x) * 13, np.minimum(y, 1 - y) * 8)  # from the edge, in lengths of the room
+    across, down = 13 * (x - 0.5), 8 * (y - 0.5)
+    field = 0.62 + 0.3 * ((np.abs(across % 1 - 0.5) + np.abs(down % 1 - 0.5) < 0.28)
+                          | (np.abs(across % 1 - 0.5) + np.abs(down % 1 - 0.5) > 0.9))
+    border = 0.4 + 0.5 * (np.abs((across + down) * 2 % 1 - 0.5) < 0.22)
+    value = np.where(far < 1.1, border, field)
+    value = np.where((np.abs(far - 1.1) < 0.06) | (np.abs(far - 0.35) < 0.06), 0.98, value)
+    value = np.where(far < 0.29, 0.5, value)
+    return value * (0.94 + 0.06 * textures.wave(64 * x) * textures.wave(40 * y))
+
+
+def corners(x, y):
+    """Plaster that darkens towards the corners of the room"""
+    far = [np.minimum(x, 1 - x) * 20, y * 11.7, (1 - y) * 11.7]
+    return textures.plaster(5 * x % 1, 3 * y % 1) * np.prod([1 - 0.3 * np.exp(-each / 1.2) for each in far], axis=0)
+
+
 # name: size; scene; pattern of the objects that cast shadows; surface; the sphere they lie in; softness of lights;
-# the texture of the surface itself, and how often it repeats
+# the texture of the surface itself
 MAPS = {
-    "metals-shadow": ((512, 640), "metals", "material (gold|copper|silver|alu)", backdrop, (0, 1.5, -1), 12, 0.12,
-                      None, 0, 0),
+    "metals-shadow": ((512, 640), "metals", "material (gold|copper|silver|alu)", backdrop, (0, 1.5, -1), 12, 0.12, None),
+    "spheres-shadow": ((384, 448), "spheres", "object sphere", lambda u, v: backdrop(u, v, 0.6), (0, 1.2, 0), 5, 0.2,
+                       None),
+    "room-table": ((512, 256), "room", "teapot|bowl|vase|torus|cone 0.3|sphere 0.[23]|book|atlas",
+                   flat(-4, 4, -8, -12, -1.4), (0, -0.8, -10), 4.4, 0.1, board),
+    "room-rug": ((512, 320), "room", "table.obj|chair.obj", flat(-6.5, 6.5, -6.2, -14.2, -4.15), (0, -2.2, -9.8), 7.2,
+                 0.1, carpet),
+    "room-wall": ((384, 224), "room", "walnut repeat|frame|clock", upright(-10, 10, -4.2, 7.5, -17), (1, 0.5, -16), 7,
+                  0.1, corners),
 }
 
 
 def main(folder, names):
     for name in names or MAPS:
-        size, scene, casts, surface, centre, radius, softness, pattern, across, down = MAPS[name]
+        size, scene, casts, surface, centre, radius, softness, pattern = MAPS[name]
         share = light_map(scene, casts, surface, size, np.array(centre, float), radius, softness)
         if pattern:
-            x, y = textures.grid(*size)
-            share *= pattern(x * across % 1, y * down % 1)
+            share *= pattern(*textures.grid(*size))
         samples = np.round(share.clip(0, 1) * 255).astype(np.uint8)
         tifffile.imwrite(os.path.join(folder, name + ".tif"), samples, metadata=None, compression="zlib",
                          predictor=True, software=False)
