@@ -73,7 +73,7 @@ halves 'abs(left - right).max() <= 1 and left.max() > 1000' 'fluorescent pairs a
 halves 'right[40:].sum() > 4 * left[40:].sum()' 'above 500 nm only the right half glows under ultraviolet' \
     --light 1=uv
 
-"$SPECTRAL" render pasture --size 90x60 --wavelengths 380:730:25 --renderer raster \
+"$SPECTRAL" render pasture --size 150x100 --depth 8 --wavelengths 380:730:25 --renderer raster \
     -o "$tmp/picture.tif" --quiet && cmp "$tmp/picture.tif" data/builtin/textures/picture.tif
 ok $? "the picture in the room equals the program's stack of the pasture"
 done_testing
