@@ -131,6 +131,7 @@ int main(void)
     const struct render_output output = {.path = "build/bench.tif"};
     double total[RUNS], thesis[RUNS], ratio[RUNS];
     if (!scene_read("colorchecker", &scene, &err) || !scene_set_size(&scene, "2000x2000", &err) ||
+        !scene_set_ambient(&scene, "d65*0", &err) || /* the thesis has none */
         !plan_make(&scene, NULL, &options, &plan, &err))
         fail(&err);
     printf("%s, %d x %d pixels, %d wavelengths; seconds\n", scene.path, scene.width, scene.height,

@@ -406,8 +406,8 @@ static void check_thesis_scene(void)
     struct vector at;
     if (CHECK(s.n_objects == 25 && s.n_materials == 25, "the scene has 24 tori and a background")) {
         CHECK(s.n_lights == 1 && same_vector(s.lights[0].position, 0, 0, 8) &&
-                  s.lights[0].intensity == 1 && s.n_ambients == 0,
-              "the scene has the thesis's light and no ambient light");
+                  s.lights[0].intensity == 1 && s.n_ambients == 1 && s.ambients[0].intensity == 0.1,
+              "the scene has the thesis's light and a little ambient light");
         at = matrix_point(&s.objects[0].transform, (struct vector){0, 0, 0});
         CHECK(s.objects[0].shape.parameter[0] == 14 && s.objects[0].shape.parameter[1] == 40 &&
                   same_vector(at, 0, 0, -16),
