@@ -17,25 +17,29 @@ from browser import Browser
 
 SPECTRAL = os.path.abspath(os.environ.get("SPECTRAL", "build/spectral"))
 A, UV = ("--light", "1=a"), ("--light", "1=uv")
+ALL_A, ALL_UV = ([word for i in range(1, 9) for word in ("--light", f"{i}={light}")] + ["--ambient", light + "*0.24"]
+                 for light in ("a", "uv"))
 AUTO, ADAPTED = ("--exposure", "auto"), ("--adaptation", "cat16")
 # name: scene, size, options of render, options of develop
 PICTURES = {
-    "colorchecker": ("colorchecker", "480x320", (), AUTO),
-    "patches": ("patches", "480x320", (), AUTO),
-    "spheres": ("spheres", "480x320", (), AUTO),
-    "metals": ("metals", "480x320", (), AUTO),
-    "textures": ("textures", "480x320", (), AUTO),
-    "pasture": ("pasture", "480x320", (), AUTO),
-    "room": ("room", "480x320", (), AUTO),
-    "metamers": ("metamers", "480x240", (), AUTO),
-    "metamers-a": ("metamers", "480x240", A, AUTO + ADAPTED),
-    "metamers-camera": ("metamers", "480x240", (), AUTO + ("--detector", "dcs200-camera")),
-    "fluorescence": ("fluorescence", "480x320", (), AUTO),
-    "fluorescence-a": ("fluorescence", "480x320", A, AUTO + ADAPTED),
-    "fluorescence-uv": ("fluorescence", "480x320", UV, AUTO),
-    "patches-a": ("patches", "480x320", A, ()),
-    "patches-fairchild": ("patches", "480x320", A, ("--adaptation", "fairchild")),
-    "patches-von-kries": ("patches", "480x320", A, ("--adaptation", "von-kries")),
+    "colorchecker": ("colorchecker", "1200x800", (), AUTO),
+    "patches": ("patches", "1200x800", (), AUTO),
+    "spheres": ("spheres", "1200x800", (), AUTO),
+    "metals": ("metals", "1200x800", (), AUTO),
+    "textures": ("textures", "1200x800", (), AUTO),
+    "pasture": ("pasture", "1200x800", (), AUTO),
+    "room": ("room", "1200x800", (), AUTO),
+    "room-a": ("room", "1200x800", ALL_A, AUTO + ("--adaptation", "fairchild")),
+    "room-uv": ("room", "1200x800", ALL_UV, AUTO),
+    "metamers": ("metamers", "1200x600", (), AUTO),
+    "metamers-a": ("metamers", "1200x600", A, AUTO + ADAPTED),
+    "metamers-camera": ("metamers", "1200x600", (), AUTO + ("--detector", "dcs200-camera")),
+    "fluorescence": ("fluorescence", "1200x800", (), AUTO),
+    "fluorescence-a": ("fluorescence", "1200x800", A, AUTO + ADAPTED),
+    "fluorescence-uv": ("fluorescence", "1200x800", UV, AUTO),
+    "patches-a": ("patches", "1200x800", A, ()),
+    "patches-fairchild": ("patches", "1200x800", A, ("--adaptation", "fairchild")),
+    "patches-von-kries": ("patches", "1200x800", A, ("--adaptation", "von-kries")),
 }
 
 # name: scene, width, height, and the half of the map that is shown: the floor (0), or the floor in one band (1)
