@@ -94,8 +94,8 @@ def light_map(scene, casts, surface, size, centre, radius, softness):
     these lie in a sphere about `centre`. `softness` is the size of each light, as a share of its distance."""
     with open(f"{SCENES}/{scene}.scene", encoding="ascii") as file:
         text = file.read().replace("../", os.path.abspath(SCENES) + "/../")
-    scene = "\n".join(line for line in text.split("\n") if line.startswith("material ")
-                      or line.startswith("object ") and re.search(casts, line)) + "\n"
+    scene = "\n".join(line for line in text.split("\n") if not re.match("wavelengths|size|camera|light|ambient", line)
+                      and (not line.startswith("object ") or re.search(casts, line)))
     u, v = np.meshgrid((np.arange(size[0]) + 0.5) / size[0], 1 - (np.arange(size[1]) + 0.5) / size[1])
     points, normals = surface(u, v)
     found, ambient = lights(text)
@@ -170,7 +170,7 @@ MAPS = {
     "metals-shadow": ((512, 640), "metals", "material (gold|copper|silver|alu)", backdrop, (0, 1.5, -1), 12, 0.12, None),
     "spheres-shadow": ((384, 448), "spheres", "object sphere", lambda u, v: backdrop(u, v, 0.6), (0, 1.2, 0), 5, 0.2,
                        None),
-    "room-table": ((512, 256), "room", "teapot|bowl|vase|torus|cone 0.3|sphere 0.[23]|book|atlas",
+    "room-table": ((512, 256), "room", "teapot|bowl|vase|torus|cone 0.3|sphere 0[.][23]|book|atlas",
                    flat(-4, 4, -8, -12, -1.4), (0, -0.8, -10), 4.4, 0.1, board),
     "room-rug": ((512, 320), "room", "table.obj|chair.obj", flat(-6.5, 6.5, -6.2, -14.2, -4.15), (0, -2.2, -9.8), 7.2,
                  0.1, carpet),
