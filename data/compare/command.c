@@ -13,19 +13,28 @@ bool compare_accepts_tolerance(const char *option, const char *value, struct err
     return tolerance_read(option, value, &tolerance, err);
 }
 
-/* Measures the differences between a and b, and prints them. */
-static bool compare_and_print(const char *a, const char *b, const struct options *options,
-                              const struct compare_options *compare_options, struct comparison *out,
-                              struct error *err)
+/* Refuses outputs in the place of a stack, and operands that are no stacks. */
+static bool check_files(const struct options *options, const char *a, const char *b,
+                        struct error *err)
 {
-    if ((options->map && !picture_accepts(options->map, err)) || !scene_refuse(a, err) ||
-        !scene_refuse(b, err) || !image_spared(options->map, a, err) ||
-        !image_spared(options->map, b, err) || !compare(a, b, compare_options, out, err))
-        return false;
-    /* standard output may carry the map (--map /dev/stdout) */
-    FILE *to = !options->map || file_is_regular(options->map) ? stdout : stderr;
+    return (!options->map || picture_accepts(options->map, err)) && scene_refuse(a, err) &&
+           scene_refuse(b, err) && image_spared(options->map, a, err) &&
+           image_spared(options->map, b, err) && image_spared(options->json, a, err) &&
+           image_spared(options->json, b, err) && output_can_open(options->json, err);
+}
+
+/* Writes the differences as JSON, if that is wanted, and prints them. */
+static bool report(const struct options *options, const struct comparison *comparison, bool within,
+                   struct error *err)
+{
+    struct json json;
+    if (options->json) {
+        comparison_json(comparison, within, &json);
+        if (!json_write(&json, options->json, err))
+            return false;
+    }
     if (!options->quiet)
-        comparison_print(out, to);
+        comparison_print(comparison, options_table(options, options->map));
     return true;
 }
 
@@ -42,9 +51,11 @@ bool command_compare(struct options *options, struct error *err)
     if (options->tolerance &&
         !tolerance_read("--tolerance", options->tolerance, &compare_options.tolerance, err))
         return false;
-    const bool done = compare_and_print(a, b, options, &compare_options, &comparison, err) &&
-                      (comparison_is_within(&comparison, &compare_options.tolerance) ||
-                       error_different(err, "%s and %s differ by more than the tolerance", a, b));
+    bool done =
+        check_files(options, a, b, err) && compare(a, b, &compare_options, &comparison, err);
+    const bool within = done && comparison_is_within(&comparison, &compare_options.tolerance);
+    done = done && report(options, &comparison, within, err) &&
+           (within || error_different(err, "%s and %s differ by more than the tolerance", a, b));
     comparison_free(&comparison);
     return done;
 }

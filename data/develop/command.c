@@ -83,11 +83,18 @@ bool command_develop(struct options *options, struct error *err)
         return error_usage(err, "develop takes a STACK; try spectral --help");
     if (!name_picture(options, stack, err) ||
         !read_options(options, &method, &develop_options, err) || !scene_refuse(stack, err) ||
-        !image_spared(options->output, stack, err) ||
+        !image_spared(options->output, stack, err) || !image_spared(options->json, stack, err) ||
+        !output_can_open(options->json, err) ||
         !develop(stack, options->output, &develop_options, &result, err))
         return false;
+    if (options->json) {
+        struct json json;
+        develop_json(&develop_options, &result, options->output, &json);
+        if (!json_write(&json, options->json, err))
+            return false;
+    }
     if (!options->quiet) {
-        FILE *to = file_is_regular(options->output) ? stdout : stderr;
+        FILE *to = options_table(options, options->output);
         develop_print(&develop_options, &result, to);
         fprintf(to, "picture           %s\n", options->output);
     }

@@ -223,6 +223,29 @@ void develop_print(const struct develop_options *options, const struct develop_r
                 100 * (double)result->out_of_gamut / pixels);
 }
 
+void develop_json(const struct develop_options *options, const struct develop_result *result,
+                  const char *output, struct json *json)
+{
+    static const char *const values[] = {"RGB", "XYZ", "Lab"};
+    json_begin(json);
+    json_open(json, NULL, '{');
+    json_string(json, "detector", options->detector);
+    json_truth(json, "observer", result->observer);
+    json_numbers(json, "white", result->has_white ? result->white : NULL, 3);
+    json_string(json, "adaptation", adaptation_name(result->adaptation.kind));
+    json_string(json, "values", values[options->values]);
+    json_number(json, "exposure", result->exposure);
+    json_count(json, "width", (uint64_t)result->width);
+    json_count(json, "height", (uint64_t)result->height);
+    json_count(json, "pages", (uint64_t)result->n_pages);
+    json_number(json, "first_nm", result->first_nm);
+    json_number(json, "last_nm", result->last_nm);
+    json_numbers(json, "unseen", result->lost, 3);
+    json_count(json, "out_of_gamut_pixels", result->out_of_gamut);
+    json_string(json, "output", output);
+    json_close(json, '}');
+}
+
 /* ---- the picture ---- */
 
 /* Returns the description of the picture, allocated; NULL: no memory. */

@@ -45,6 +45,9 @@ bool develop(const char *stack, const char *output, const struct develop_options
              struct develop_result *out, struct error *err);
 void develop_print(const struct develop_options *options, const struct develop_result *result,
                    FILE *to);
+/* Begins a text with one JSON object. output: the name of the picture. */
+void develop_json(const struct develop_options *options, const struct develop_result *result,
+                  const char *output, struct json *json);
 
 /* ---- command.c: spectral develop ---- */
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads a command line by the rules of a table. */
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -220,6 +219,12 @@ bool options_name_output(struct options *options, const char *path, const char *
 const char *options_scene(const struct options *options)
 {
     return options->operand ? options->operand : "colorchecker";
+}
+
+FILE *options_table(const struct options *options, const char *output)
+{
+    const bool json = options->json && output_is_standard(options->json);
+    return json || (output && !file_is_regular(output)) ? stderr : stdout;
 }
 
 const char *options_detector(const struct options *options)

@@ -44,7 +44,7 @@ static bool region_read(const struct options *options, struct probe_options *out
 static bool probe_picture(const struct options *options, const struct probe_options *region,
                           struct probe *out, struct error *err)
 {
-    const struct plan_options plan_options = {.store_raster = true};
+    const struct plan_options plan_options = {.store_raster = true, .threads = options->threads};
     struct scene scene = {.path = NULL};
     struct plan plan = {.scene = NULL};
     bool done =

@@ -17,7 +17,7 @@ static bool note_plan(const struct plan *plan, struct notes *out, struct error *
 
 bool command_plan(struct options *options, struct error *err)
 {
-    const struct plan_options plan_options = {.check = false};
+    const struct plan_options plan_options = {.threads = options->threads};
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.detector = NULL};
     struct plan plan = {.scene = NULL};

@@ -176,15 +176,15 @@ static bool report(const struct options *options, const struct plan *plan,
     const char *wanted = output->discard ? NULL : output->path;
     const char *stored = agreed || output->keep ? wanted : NULL;
     /* the JSON, the stack itself (-o -) or the map may use standard output */
-    bool taken = (options->json && output_is_standard(options->json)) ||
-                 (stored && !file_is_regular(stored)) ||
-                 (output->check_map && !file_is_regular(output->check_map));
+    FILE *table = options_table(options, output->check_map && !file_is_regular(output->check_map)
+                                             ? output->check_map
+                                             : stored);
     if (options->json && !write_json(options, plan, result, stored, err))
         return false;
     if (!options->quiet) {
-        if (options->verbose && !plan_print(plan, taken ? stderr : stdout, err))
+        if (options->verbose && !plan_print(plan, table, err))
             return false;
-        print_report(plan, result, output, stored, taken ? stderr : stdout);
+        print_report(plan, result, output, stored, table);
     }
     if (agreed)
         return true;

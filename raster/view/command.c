@@ -9,42 +9,65 @@
 #include "data/scene/scene.h"
 #include "raster/view/view.h"
 
-/* The table goes to standard output, unless the output may be there. */
-static FILE *table_stream(const char *output)
-{
-    return file_is_regular(output) ? stdout : stderr;
-}
+/* The figures and notes of a page, or of a picture. */
+struct view_report {
+    struct viewer_result page;
+    uint64_t out_of_gamut; /* pixels of a picture */
+    struct notes notes;
+};
 
-static bool write_page(const struct options *options, const struct plan *plan, struct notes *notes,
-                       struct error *err)
+static bool write_page(const struct options *options, const struct plan *plan,
+                       struct view_report *out, struct error *err)
 {
-    struct viewer_result result;
-    if (!viewer_write(plan, options->output, &result, notes, err))
+    const struct viewer_result *page = &out->page;
+    if (!viewer_write(plan, options->output, &out->page, &out->notes, err))
         return false;
     if (!options->quiet)
-        fprintf(table_stream(options->output),
+        fprintf(options_table(options, options->output),
                 "objects           %d\nlights            %d, %d illuminants to choose from\n"
                 "detectors         %d\npage              %s, %.2f MB\n",
-                result.n_objects, result.n_lights, result.n_illuminants, result.n_detectors,
-                options->output, (double)result.bytes / 1e6);
+                page->n_objects, page->n_lights, page->n_illuminants, page->n_detectors,
+                options->output, (double)page->bytes / 1e6);
     return true;
 }
 
-static bool write_still(const struct options *options, const struct plan *plan, struct notes *notes,
-                        struct error *err)
+static bool write_still(const struct options *options, const struct plan *plan,
+                        struct view_report *out, struct error *err)
 {
     const uint64_t n_pixels = (uint64_t)plan->scene->width * (uint64_t)plan->scene->height;
-    uint64_t out_of_gamut;
-    if (!still_write(plan, options->output, &out_of_gamut, notes, err))
+    out->page = (struct viewer_result){.n_objects = plan->n_instances, .n_lights = plan->n_lights};
+    if (!still_write(plan, options->output, &out->out_of_gamut, &out->notes, err))
         return false;
     if (!options->quiet)
-        fprintf(table_stream(options->output),
+        fprintf(options_table(options, options->output),
                 "objects           %d\nlights            %d\n"
                 "out of gamut      %" PRIu64 " of %" PRIu64 " pixels (%.3f %%)\n"
                 "picture           %s\n",
-                plan->n_instances, plan->n_lights, out_of_gamut, n_pixels,
-                100 * (double)out_of_gamut / (double)n_pixels, options->output);
+                plan->n_instances, plan->n_lights, out->out_of_gamut, n_pixels,
+                100 * (double)out->out_of_gamut / (double)n_pixels, options->output);
     return true;
+}
+
+static bool write_json(const struct options *options, const struct view_report *report, bool still,
+                       struct error *err)
+{
+    struct json json;
+    json_begin(&json);
+    json_open(&json, NULL, '{');
+    json_string(&json, "scene", options_scene(options));
+    json_count(&json, "objects", (uint64_t)report->page.n_objects);
+    json_count(&json, "lights", (uint64_t)report->page.n_lights);
+    if (still) {
+        json_count(&json, "out_of_gamut_pixels", report->out_of_gamut);
+    } else {
+        json_count(&json, "illuminants", (uint64_t)report->page.n_illuminants);
+        json_count(&json, "detectors", (uint64_t)report->page.n_detectors);
+        json_count(&json, "bytes", report->page.bytes);
+    }
+    notes_json(&report->notes, &json);
+    json_string(&json, "output", options->output);
+    json_close(&json, '}');
+    return json_write(&json, options->json, err);
 }
 
 bool command_view(struct options *options, struct error *err)
@@ -60,14 +83,16 @@ bool command_view(struct options *options, struct error *err)
     const bool still = ending == PNG;
     const struct plan_options plan_options = {
         .store_raster = true, .exchangeable = !still, .threads = options->threads};
-    struct notes notes = {.list = NULL};
-    const bool done = scene_read_options(options, &scene, err) &&
-                      scene_spared(options->output, &scene, err) &&
-                      plan_make(&scene, NULL, &plan_options, &plan, err) &&
-                      (still ? write_still : write_page)(options, &plan, &notes, err);
+    struct view_report report = {.out_of_gamut = 0};
+    const bool done =
+        scene_read_options(options, &scene, err) && scene_spared(options->output, &scene, err) &&
+        scene_spared(options->json, &scene, err) && output_can_open(options->json, err) &&
+        plan_make(&scene, NULL, &plan_options, &plan, err) &&
+        (still ? write_still : write_page)(options, &plan, &report, err) &&
+        (!options->json || write_json(options, &report, still, err));
     if (done && !options->quiet)
-        notes_print(&notes, table_stream(options->output));
-    notes_free(&notes);
+        notes_print(&report.notes, options_table(options, options->output));
+    notes_free(&report.notes);
     plan_free(&plan);
     scene_free(&scene);
     return done;

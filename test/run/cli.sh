@@ -41,7 +41,8 @@ small="--size 40x30 --wavelengths 400:700:50"
     exits 0 "list prints its lists" "$SPECTRAL" list
     exits 0 "list observers prints the observers" "$SPECTRAL" list observers
     prints '^  cie1931$' "the observers include CIE 1931"
-    for command in "plan patches $small" "probe patches 8 8 $small" "info $tmp/stack.tif"; do
+    for command in "plan patches $small" "probe patches 8 8 $small" "info $tmp/stack.tif" "view patches $small -q -o $tmp/view.html" \
+        "develop $tmp/stack.tif -q -o $tmp/seen.png" "compare $tmp/stack.tif $tmp/stack.tif -q"; do
         # shellcheck disable=SC2086
         "$SPECTRAL" $command --json "$tmp/report.json" && "$SPECTRAL" $command --json - >"$tmp/printed.json" &&
             cmp -s "$tmp/report.json" "$tmp/printed.json" && /usr/bin/python3 -m json.tool "$tmp/report.json" >/dev/null
