@@ -142,7 +142,9 @@ static bool note_black(const struct plan *plan, const int *n, const int *first, 
         if (n[reason] == 0)
             continue;
         object_text(plan, first[reason], object, sizeof object);
-        snprintf(others, sizeof others, n[reason] > 1 ? "%d objects, first " : "", n[reason]);
+        others[0] = '\0';
+        if (n[reason] > 1)
+            snprintf(others, sizeof others, "%d objects, first ", n[reason]);
         if (!note_add(notes, "black", err, "%s: %s%s: %s",
                       reason == FAR_SIDE ? "black, or almost" : "black in all bands", others,
                       object, why[reason]))

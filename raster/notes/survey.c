@@ -18,7 +18,11 @@ static int class_of(double brightness)
 {
     int exponent;
     const double half = frexp(brightness, &exponent); /* from 0.5 to below 1 */
-    if (!(brightness > 0) || exponent < LEAST_EXPONENT)
+    if (!(brightness > 0))
+        return 0;
+    if (!isfinite(brightness))
+        return CLASSES - 1;
+    if (exponent < LEAST_EXPONENT)
         return 0;
     return exponent >= LEAST_EXPONENT + EXPONENTS
                ? CLASSES - 1

@@ -203,7 +203,7 @@ static bool ends_early(const struct plan *plan, const struct table_use *use)
     const double first = pages_looked_at_nm(&plan->illumination.pages, 0);
     const double *at = use->table.wavelength_nm;
     const int last = use->table.count - 1;
-    return !in_other_unit(plan, use) &&
+    return !in_other_unit(plan, use) && last_nm(plan) >= shortest_nm &&
            (misses(use, at[0] - first, last > 0 ? at[1] - at[0] : 0, 0) ||
             misses(use, last_nm(plan) - at[last], last > 0 ? at[last] - at[last - 1] : 0, last));
 }
