@@ -114,7 +114,7 @@ def program_words(*words):
     return sorted(word.rstrip(",") for usage in usages for word in usage.split() if word.startswith("-"))
 
 
-TIFS = ["a.tif", "folder", "two.tif"]
+STACKS = ["a.tif", "cube.hdr", "folder", "two.tif"]
 CASES = [
     ("spectral re", ["render"]),
     ("spectral ", program_words()),
@@ -136,11 +136,11 @@ CASES = [
     ("spectral list te", ["textures"]),
     ("spectral show metals/", ["metals/aluminium", "metals/copper", "metals/gold", "metals/silver"]),
     ("spectral show she", ["sheep"]),
-    ("spectral develop ", TIFS),
+    ("spectral develop ", STACKS),
     ("spectral develop tw", ["two.tif"]),
     ("spectral develop --adaptation ", ["bradford", "cat16", "fairchild", "none", "von-kries"]),
     ("spectral develop --exposure ", ["auto"]),
-    ("spectral compare a.tif ", TIFS),
+    ("spectral compare a.tif ", STACKS),
     ("spectral compare --tolerance ", []),
     ("spectral probe pat", ["patches"]),
     ("spectral view -o ", ["folder", "page.html", "seen.png"]),
@@ -196,7 +196,7 @@ def test_choices():
 
 def main():
     os.makedirs(os.path.join(FOLDER, "folder"), exist_ok=True)
-    for file in ("a.tif", "two.tif", "my.scene", "page.html", "seen.png", "other.txt"):
+    for file in ("a.tif", "two.tif", "my.scene", "page.html", "seen.png", "cube.hdr", "other.txt"):
         with open(os.path.join(FOLDER, file), "w", encoding="utf-8"):
             pass
     test_shell("bash", Shell(["bash", "--norc", "--noprofile", "-i"], BASH.format(sources=SOURCES)))
