@@ -111,8 +111,7 @@ static bool check_header(const struct options *options, const struct render_outp
         return false;
     char *header = sidecar_name(stack);
     bool done = header ? scene_spared(header, scene, err) : error_memory(err);
-    if (done && ((options->json && strcmp(options->json, header) == 0) ||
-                 (options->check_map && strcmp(options->check_map, header) == 0)))
+    if (done && options->json && strcmp(options->json, header) == 0)
         done =
             error_usage(err, "%s is the header that --envi writes; expected another file", header);
     free(header);
