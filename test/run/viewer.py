@@ -666,6 +666,7 @@ def slider():
     settle()
     check(browser.evaluate("document.getElementById('lights-1-slider').value") == "0",
           "an empty number means no light, and the slider shows it")
+    type_number("ambients-1-intensity", "")
     choose("adaptation", "von-kries")
     settle()
     check(shows_message("cannot adapt"), "the page says so if the eye cannot adapt", text("message"))
