@@ -93,20 +93,9 @@ int table_outside(const struct plan *plan, const struct table_use *use)
 
 /* ---- wavelengths in another unit ---- */
 
-/* No illuminant, detector or material is measured below 20 nm. Light of 0.02 to 20 micrometres is.
- */
+/* As for tables: see spectrum_is_in_nm. */
 static const double shortest_nm = 20;
-static const double longest_metre = 1e-3; /* a millimetre is the longest wavelength in metres */
-
-static const char *unit_of(double longest)
-{
-    return longest < longest_metre ? "metres" : "micrometres";
-}
-
-static double nm_of(double longest)
-{
-    return longest < longest_metre ? 1e9 : 1e3;
-}
+static const double longest_metre = 1e-3; /* the longest wavelength, a millimetre, in metres */
 
 static double last_nm(const struct plan *plan)
 {
@@ -123,63 +112,14 @@ bool note_wavelengths(const struct plan *plan, struct notes *notes, struct error
 {
     const double last = last_nm(plan), first = pages_looked_at_nm(&plan->illumination.pages, 0);
     const int steps = plan->n_bands > 1 ? plan->n_bands - 1 : 1;
-    const double nm = nm_of(last);
+    const bool metres = last < longest_metre;
+    const double nm = metres ? 1e9 : 1e3;
     return last >= shortest_nm ||
            note_add(notes, "wavelengths", err,
                     "the wavelengths of the picture, %.6g to %.6g nm, look like %s; in "
                     "nanometres they are: wavelengths %.6g %.6g %.3g",
-                    first, last, unit_of(last), first * nm, last * nm,
+                    first, last, metres ? "metres" : "micrometres", first * nm, last * nm,
                     last > first ? (last - first) / steps * nm : nm / 1e3);
-}
-
-/* ---- one note for all tables of one kind and range ---- */
-
-static bool same_range(const struct table_use *a, const struct table_use *b)
-{
-    return strcmp(a->what, b->what) == 0 && strcmp(a->ends, b->ends) == 0 &&
-           a->table.wavelength_nm[0] == b->table.wavelength_nm[0] && table_end(a) == table_end(b);
-}
-
-/* Names the tables of the range of this one for which something holds: "diffuse brick and 3 more".
- * Returns false if it does not hold for this one, or an earlier one has been named for it. */
-static bool group_text(const struct plan *plan, const struct table_list *tables, int index,
-                       bool (*holds)(const struct plan *plan, const struct table_use *use),
-                       char out[NOTE_TEXT / 2])
-{
-    const struct table_use *use = &tables->list[index];
-    char others[32] = "";
-    int n = 0;
-    if (!holds(plan, use))
-        return false;
-    for (int i = 0; i < tables->n; i++) {
-        if (!same_range(&tables->list[i], use) || !holds(plan, &tables->list[i]))
-            continue;
-        if (i < index)
-            return false;
-        n++;
-    }
-    if (n > 1)
-        snprintf(others, sizeof others, " and %d more", n - 1);
-    snprintf(out, NOTE_TEXT / 2, "%s %.300s%s", use->what, use->owner, others);
-    return true;
-}
-
-static bool in_other_unit(const struct plan *plan, const struct table_use *use)
-{
-    return table_end(use) < shortest_nm && last_nm(plan) >= shortest_nm;
-}
-
-static bool note_unit(const struct plan *plan, const struct table_list *tables, int index,
-                      struct notes *notes, struct error *err)
-{
-    const struct table_use *use = &tables->list[index];
-    const double end = table_end(use);
-    char group[NOTE_TEXT / 2];
-    return !group_text(plan, tables, index, in_other_unit, group) ||
-           note_add(notes, "wavelengths", err,
-                    "%s: the wavelengths of the table, %g to %g nm, look like %s; write them in "
-                    "nanometres, %g times as large",
-                    group, use->table.wavelength_nm[0], end, unit_of(end), nm_of(end));
 }
 
 /* ---- tables that end too early ---- */
@@ -203,22 +143,47 @@ static bool ends_early(const struct plan *plan, const struct table_use *use)
     const double first = pages_looked_at_nm(&plan->illumination.pages, 0);
     const double *at = use->table.wavelength_nm;
     const int last = use->table.count - 1;
-    return !in_other_unit(plan, use) && last_nm(plan) >= shortest_nm &&
+    return last_nm(plan) >= shortest_nm &&
            (misses(use, at[0] - first, last > 0 ? at[1] - at[0] : 0, 0) ||
             misses(use, last_nm(plan) - at[last], last > 0 ? at[last] - at[last - 1] : 0, last));
+}
+
+static bool same_range(const struct table_use *a, const struct table_use *b)
+{
+    return strcmp(a->what, b->what) == 0 && strcmp(a->ends, b->ends) == 0 &&
+           a->table.wavelength_nm[0] == b->table.wavelength_nm[0] && table_end(a) == table_end(b);
+}
+
+/* Returns how many tables of this one's kind and range end too early; 0: an earlier one, whose note
+ * counts them, does. */
+static int count_alike(const struct plan *plan, const struct table_list *tables, int index)
+{
+    int n = 0;
+    for (int i = 0; i < tables->n; i++) {
+        if (!same_range(&tables->list[i], &tables->list[index]) ||
+            !ends_early(plan, &tables->list[i]))
+            continue;
+        if (i < index)
+            return 0;
+        n++;
+    }
+    return n;
 }
 
 static bool note_end(const struct plan *plan, const struct table_list *tables, int index,
                      struct notes *notes, struct error *err)
 {
     const struct table_use *use = &tables->list[index];
-    char group[NOTE_TEXT / 2];
-    return !group_text(plan, tables, index, ends_early, group) ||
+    const int n = ends_early(plan, use) ? count_alike(plan, tables, index) : 0;
+    char others[32] = "";
+    if (n > 1)
+        snprintf(others, sizeof others, " and %d more", n - 1);
+    return n == 0 ||
            note_add(notes, "extrapolated", err,
-                    "%s: the table covers %g to %g nm; %d of the %d wavelengths of the picture lie "
-                    "outside, where %s",
-                    group, use->table.wavelength_nm[0], table_end(use), table_outside(plan, use),
-                    pages_looked_at(&plan->illumination.pages),
+                    "%s %.300s%s: the table covers %g to %g nm; %d of the %d wavelengths of the "
+                    "picture lie outside, where %s",
+                    use->what, use->owner, others, use->table.wavelength_nm[0], table_end(use),
+                    table_outside(plan, use), pages_looked_at(&plan->illumination.pages),
                     strcmp(use->ends, "0") == 0 ? "it is taken as 0" : use->ends);
 }
 
@@ -256,8 +221,7 @@ bool note_tables(const struct plan *plan, struct notes *notes, struct error *err
     tables.list = tables_list(plan, &tables.n, err);
     bool done = tables.list != NULL;
     for (int i = 0; done && i < tables.n; i++)
-        done = note_unit(plan, &tables, i, notes, err) && note_end(plan, &tables, i, notes, err) &&
-               note_percent(&tables.list[i], notes, err);
+        done = note_end(plan, &tables, i, notes, err) && note_percent(&tables.list[i], notes, err);
     free(tables.list);
     return done;
 }

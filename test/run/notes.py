@@ -202,12 +202,6 @@ def wavelengths():
     gets("an option in micrometres", HEAD + "ambient 1 0.1\n" + GREY + WALL, "wavelengths", "look like micrometres",
          "--wavelengths", "0.4:0.7:0.1")
     gets_none("extreme ultraviolet", f"wavelengths 20 30 1\n{scene}")
-    write("micrometres.csv", "0.35 0.2\n0.75 0.6\n")
-    write("nanometres.csv", "350 0.2\n750 0.6\n")
-    table = "material m { diffuse NAME.csv }\n"
-    gets("a table in micrometres", HEAD + LIGHT + table.replace("NAME", "micrometres") + WALL, "wavelengths",
-         "^diffuse m: the wavelengths of the table, 0.35 to 0.75 nm, look like micrometres; .* 1000 times as large$")
-    gets_none("a table in nanometres", HEAD + LIGHT + table.replace("NAME", "nanometres") + WALL)
 
 
 def extrapolated():
