@@ -88,7 +88,7 @@ meant --exposure develop a.tif --expose 1
 meant colorchecker render colorcheker
 meant illuminants list illuminant
 meant llvmpipe render patches --renderer llvmpip
-meant d65 plan patches --light 1=d56
+meant d65 plan patches --light 1=d66
 meant cie1964 plan patches --sampling box:3 --detector cie1694
 scene() { # MEANT LINE...
     meant=$1

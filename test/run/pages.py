@@ -36,7 +36,7 @@ material paper { diffuse 0.8 }
 material grass colorchecker/14-green
 material wood { diffuse 0.4 }
 material other { diffuse 0.3 }
-material seat { diffuse 0.3 }
+material halves { diffuse 0.3 }
 material cloth { diffuse 0.3 }
 material walnut { diffuse 0.3 }
 """
@@ -59,7 +59,7 @@ def check_console(page, text):
     for part in re.split(r"^\$ ", text, flags=re.MULTILINE)[1:]:
         command, *expected = part.rstrip("\n").split("\n")
         result = run("sh", "-c", command)
-        check(result.returncode == 0 and matches(expected, result.stdout.rstrip("\n").split("\n")),
+        check(result.returncode == 0 and matches(expected, result.stdout.splitlines()),
               f"{page}: it prints what the page says: {command}", result.stdout)
 
 
