@@ -32,7 +32,7 @@ PICTURES = {
     "room-a": ("room", "1200x800", ALL_A, AUTO + ("--adaptation", "fairchild")),
     "room-uv": ("room", "1200x800", ALL_UV, AUTO),
     "metamers": ("metamers", "1200x600", (), AUTO),
-    "metamers-a": ("metamers", "1200x600", A, AUTO + ADAPTED),
+    "metamers-a": ("metamers", "1200x600", A + ("--ambient", "a*0.1"), AUTO + ADAPTED),
     "metamers-camera": ("metamers", "1200x600", (), AUTO + ("--detector", "dcs200-camera")),
     "fluorescence": ("fluorescence", "1200x800", (), AUTO),
     "fluorescence-a": ("fluorescence", "1200x800", A, AUTO + ADAPTED),
