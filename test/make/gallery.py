@@ -5,6 +5,7 @@ and charts of costs, drawn by Chromium.
 usage: /usr/bin/python3 test/make/gallery.py FOLDER [NAME...]"""
 import base64
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -37,6 +38,7 @@ PICTURES = {
     "fluorescence": ("fluorescence", "1200x800", (), AUTO),
     "fluorescence-a": ("fluorescence", "1200x800", A, AUTO + ADAPTED),
     "fluorescence-uv": ("fluorescence", "1200x800", UV, AUTO),
+    "my-scene": ("my.scene", "1200x800", (), AUTO),
     "patches-a": ("patches", "1200x800", A, ()),
     "patches-fairchild": ("patches", "1200x800", A, ("--adaptation", "fairchild")),
     "patches-von-kries": ("patches", "1200x800", A, ("--adaptation", "von-kries")),
@@ -55,9 +57,20 @@ SEEN = {
 }
 
 
+def readme_files():
+    """the files that README gives: ```scene my.scene"""
+    with open("README.md", encoding="utf-8") as readme:
+        blocks = re.findall(r"^```\w+ (\S+[.]\S+)\n(.*?)^```$", readme.read(), re.MULTILINE | re.DOTALL)
+    return dict(blocks)
+
+
 def make(folder, name, scene, size, rendered, developed):
     picture = os.path.abspath(os.path.join(folder, name + ".png"))
+    files = readme_files()
     with tempfile.TemporaryDirectory() as work:  # the picture records the name of its stack, as it is given
+        for file, text in files.items():
+            with open(os.path.join(work, file), "w", encoding="utf-8") as out:
+                out.write(text)
         for words in (("render", scene, "--size", size, "-o", name + ".tif", *rendered),
                       ("develop", name + ".tif", "-o", picture, *developed)):
             subprocess.run([SPECTRAL, *words, "--quiet"], check=True, cwd=work)
