@@ -82,10 +82,12 @@ def numbers(text):
 
 def check_printed(stack, printed):
     """Spectra that recipes print at one pixel."""
-    python, mapped, netcdf = (numbers(printed[heading][number]) for heading, number in (
-        ("Radiance from counts", 1), ("A stack mapped into memory", 0), ("NetCDF", 1)))
+    python, mapped, netcdf, envi = (numbers(printed[heading][number]) for heading, number in (
+        ("Radiance from counts", 1), ("A stack mapped into memory", 0), ("NetCDF", 1), ("ENVI", 1)))
     spectrum = stack.radiance[:, Y, X]
     check(np.array_equal(python, np.column_stack([stack.nm, spectrum])), "Python: radiance")
+    check(np.array_equal(envi, np.column_stack([stack.nm, spectrum])), "SPy, by an ENVI header: radiance")
+    stack.read("stack.tif.hdr")
     check(np.array_equal(mapped[0], stack.counts[:, Y, X]), "mapped into memory: counts")
     nearest = np.abs(stack.nm - 556).argmin()
     check(np.array_equal(netcdf[0], [stack.nm[nearest], spectrum[nearest]]), "xarray: page by wavelength")
