@@ -181,7 +181,7 @@ def black():
                        "less than half a count")
     check(pages is not None and (pages[:, 24, 5] == 0).all(), "its pixels are 0")
     gets_none("the same object in floats", HEAD + LIGHT + GREY + BALL + dim, "--depth", "32f")
-    gets_none("an object of more than half a count", HEAD + LIGHT + GREY + BALL + dim.replace("0.000001", "0.001"))
+    gets_none("an object of more than half a count", HEAD + LIGHT + GREY + BALL + dim.replace("0.000001", "0.00001"))
     gets_none("an object that is meant to be black", HEAD + LIGHT + GREY + BALL + "material b { diffuse 0 }\n"
               "object plane 9 9 material b translate 0 0 -3\n")
     for name, scene in (("a grey texture", LIGHT + "material m { diffuse 0.5 texture grey200.tif }\n" + WALL),
