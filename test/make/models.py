@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 """Makes bowl.obj, chair.obj, clock.obj, cove.obj and vase.obj of data/builtin/models again:
-`test/make/models.py FOLDER` writes them into FOLDER. Each part is a surface over u and v, 0 to 1, which are its texture
-coordinates, too. MIT licence."""
+`test/make/models.py FOLDER` writes them into FOLDER. Each part is a surface over u and v, 0 to 1. Only the backdrop
+has them as texture coordinates, too; without them a mesh is smaller. MIT licence."""
 import math
 import os
 import sys
@@ -120,7 +120,7 @@ def number(value, digits):
     return f"{round(value, digits) + 0.0:g}"
 
 
-def mesh(parts):
+def mesh(parts, textured):
     """The lines of a mesh. Corners at one place are one vertex, so that normals are smooth across the seam."""
     vertices, coordinates, faces = {}, {}, []
 
@@ -139,13 +139,13 @@ def mesh(parts):
                           for u, v in ((i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1))]
                 kept = [a for a, b in zip(around, around[1:] + around[:1]) if a[0] != b[0]]
                 if len(kept) > 2:
-                    faces.append("f " + " ".join(f"{v}/{t}" for v, t in kept))
-    return ["v " + place for place in vertices] + ["vt " + place for place in coordinates] + faces
+                    faces.append("f " + " ".join(f"{v}/{t}" if textured else str(v) for v, t in kept))
+    return ["v " + place for place in vertices] + ["vt " + place for place in coordinates if textured] + faces
 
 
 def main(folder):
     for name, (what, parts) in MODELS.items():
-        lines = [f"# {what[0].upper()}{what[1:]}. Made by test/make/models.py.", "# MIT licence.", *mesh(parts)]
+        lines = [f"# {what[0].upper()}{what[1:]}. Made by test/make/models.py.", "# MIT licence.", *mesh(parts, name == "cove")]
         with open(os.path.join(folder, name + ".obj"), "w", encoding="ascii") as out:
             out.write("\n".join(lines) + "\n")
 
