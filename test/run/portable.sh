@@ -87,8 +87,8 @@ if [ "${1:-}" = renew ]; then
 fi
 
 for size in $small ''; do
-    grep -q " $(golden_hashes "$size" | sha256sum | cut -c 1-16) " README.md
-    ok $? "README prints the digest of all stacks, ${size:-own size}"
+    grep -q " $(golden_hashes "$size" | sha256sum | cut -c 1-16) " data/doc/reproducibility.md
+    ok $? "reproducibility.md prints the digest of all stacks, ${size:-own size}"
 done
 [ -n "$scenes" ] && [ "$(wc -l <"$golden")" = "$({ stacks $small; stacks ''; } | wc -l)" ]
 ok $? "$golden has each built-in scene small and at its own size"
