@@ -97,6 +97,20 @@ bool command_list(struct options *options, struct error *err)
 
 /* ---- spectral show ---- */
 
+/* Refuses a name that is not built in, and proposes one that is. */
+static bool refuse_shown(const struct word *typed, struct error *err)
+{
+    struct suggestion suggestion = {.distance = 0};
+    char name[BUILTIN_NAME];
+    for (size_t i = 0; i < builtin_file_count; i++)
+        for (enum file_kind kind = 0; kind < FILE_KINDS; kind++)
+            if (builtin_is(&builtin_files[i], kind, name))
+                suggestion_add(&suggestion, typed, name, strlen(name));
+    suggestion.known[0] = '\0'; /* a list of them all is too long */
+    return error_usage(err, "no built-in file '%.*s'; %s", word_shown(typed), typed->start,
+                       suggestion_end(&suggestion, "spectral list prints the names"));
+}
+
 /* Finds the built-in file of that name, of the first kind that has it. *out is its path, allocated.
  */
 static bool find_shown(const char *name, char **out, struct error *err)
@@ -110,7 +124,7 @@ static bool find_shown(const char *name, char **out, struct error *err)
         if (done && path_is_builtin(*out))
             return true;
     }
-    return done && error_usage(err, "no built-in file '%s'; spectral list prints the names", name);
+    return done && refuse_shown(&word, err);
 }
 
 bool command_show(struct options *options, struct error *err)

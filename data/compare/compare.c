@@ -37,8 +37,12 @@ bool tolerance_read(const char *option, const char *text, struct tolerance *out,
             break;
         }
     }
-    return word_number(&word, "tolerance (a radiance as 0.01, 0.1% of the largest, or 0.5dE00)", 0,
-                       HUGE_VAL, &out->value, err);
+    struct error ignored = {.status = EXIT_AGREED};
+    return word_number(&word, "tolerance", 0, HUGE_VAL, &out->value, &ignored) ||
+           error_usage(err,
+                       "%s takes a radiance as 0.01, a share of the largest as 0.1%%, or a "
+                       "colour difference as 0.5dE00, not '%.100s'",
+                       option, text);
 }
 
 /* ---- statistics of pixels ---- */

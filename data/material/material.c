@@ -185,7 +185,7 @@ static bool block_word(struct text *text, struct word *out, struct place open, s
     if (!text_expect(text, out, "a word", err))
         return false;
     return out->quoted || out->length == 1 || !memchr(out->start, '}', out->length) ||
-           error_at(err, out->place, "a } stands alone, between blanks");
+           error_at(err, out->place, "a } stands between blanks: { ... }");
 }
 
 /* Reads the value behind a word. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The lights of a scene: its statements `ambient` and `light`, and the options of the command line
  * that replace them. */
+#include <limits.h>
 #include <math.h>
 #include <string.h>
 
@@ -137,8 +138,11 @@ bool scene_set_light(struct scene *scene, const char *value, struct error *err)
     if (scene->n_lights == 0)
         return error_at(err, text_place(&text), "the scene has no lights");
     number = option_word(&text, text.at, equals);
-    if (!word_integer(&number, "light", 1, scene->n_lights, &n, err))
+    if (!word_integer(&number, "light", 1, LONG_MAX, &n, err))
         return false;
+    if (n > scene->n_lights)
+        return error_at(err, number.place, "there is no light %ld; the scene has %d", n,
+                        scene->n_lights);
     return read_light_option(&text, equals + 1, &scene->lights[n - 1].spectrum,
                              &scene->lights[n - 1].intensity, err);
 }

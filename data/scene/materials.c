@@ -46,7 +46,7 @@ static bool read_content(struct text *text, struct material *out, struct error *
     if (word_is(&word, "{"))
         return material_read_words(text, out, err) && text_end(text, "a material", err);
     if (!word.quoted && word.start[0] == '{')
-        return error_at(err, word.place, "a { stands alone, between blanks");
+        return error_at(err, word.place, "a { stands between blanks: material NAME { ... }");
     if (material_has_word(&word))
         return error_at(err, word.place, "'%.*s' stands between braces: material NAME { %.*s ... }",
                         word_shown(&word), word.start, word_shown(&word), word.start);

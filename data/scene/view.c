@@ -183,7 +183,7 @@ static bool check_camera(const struct camera *camera, struct place place, struct
                         "eye and look are one point or too far apart; the view needs a direction");
     side = vector_cross(vector_normalise(camera->up), vector_normalise(view));
     return vector_length(side) > 0x1p-49 ||
-           error_at(err, place, "up is parallel to the view; it must point to the side of it");
+           error_at(err, place, "up is parallel to the view; expected a direction across it");
 }
 
 bool camera_read(struct scene_reader *reader, struct error *err)
@@ -263,8 +263,13 @@ static bool open_numbers(struct scene *scene, const char *option, const char *va
 
 bool scene_set_wavelengths(struct scene *scene, const char *value, struct error *err)
 {
-    bool range = strchr(value, ':');
+    const bool range = strchr(value, ':'), list = strchr(value, ',');
     struct text text;
+    if (!range && !list && value[strspn(value, "0123456789.")])
+        return error_usage(err,
+                           "--wavelengths takes START:END:STEP, as 400:700:10, or a list, as "
+                           "450,500.5, not '%.100s'",
+                           value);
     if (!open_numbers(scene, "--wavelengths", value, range ? ":" : ",", &text, err))
         return false;
     scene->n_wavelengths = 0;
@@ -277,6 +282,8 @@ bool scene_set_size(struct scene *scene, const char *value, struct error *err)
 {
     struct text text;
     struct scene_reader reader = {.scene = scene, .text = &text};
+    if (!strchr(value, 'x'))
+        return error_usage(err, "--size takes WIDTHxHEIGHT, as 300x200, not '%.100s'", value);
     return open_numbers(scene, "--size", value, "x", &text, err) && size_read(&reader, err);
 }
 

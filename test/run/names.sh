@@ -96,6 +96,7 @@ scene() { # MEANT LINE...
     printf '%s\n' "$@" >"$tmp/my.scene"
     meant "$meant" plan "$tmp/my.scene"
 }
+meant metals/gold show gold
 scene object 'objct sphere 1 9 9 material m'
 scene sphere 'object shpere 1 9 9 material m'
 scene translate 'material m { diffuse 0.5 }' 'object sphere 1 9 9 material m trnslate 1 0 0'

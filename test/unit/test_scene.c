@@ -511,13 +511,12 @@ static void check_override_errors(void)
     refuse(scene_set_wavelengths, &s, "500,400",
            "--wavelengths:1:5: error: wavelength 400 nm "
            "follows 500 nm; wavelengths must increase");
-    refuse(scene_set_size, &s, "640", "--size:1:4: error: expected a number: height");
+    refuse(scene_set_size, &s, "640", "error: --size takes WIDTHxHEIGHT, as 300x200, not '640'");
     refuse(scene_set_size, &s, "0x480",
            "--size:1:1: error: width 0 is out of range; it lies "
            "between 1 and 262144");
     refuse(scene_set_light, &s, "3=d65",
-           "--light:1:1: error: light 3 is out of range; it lies "
-           "between 1 and 2");
+           "--light:1:1: error: there is no light 3; the scene has 2");
     refuse(scene_set_light, &s, "d65",
            "--light:1:1: error: expected N=SPECTRUM or "
            "N=SPECTRUM*INTENSITY, not 'd65'");
@@ -551,8 +550,7 @@ static void check_shading(void)
            "--shading:1:1: error: unknown shading 'dull'; known are smooth, flat, phong");
     refuse(scene_set_shading, &s, "flat phong",
            "--shading:1:6: error: 'phong' is too much: shading takes no more");
-    refuse(scene_set_tessellation, &s, "0",
-           "--tessellation:1:1: error: factor 0 must be above 0");
+    refuse(scene_set_tessellation, &s, "0", "--tessellation:1:1: error: factor 0 must be above 0");
     refuse(scene_set_tessellation, &s, "inf",
            "--tessellation:1:1: error: factor must be a number such as 2.5 or 1e-3, not 'inf'");
     scene_free(&s);
