@@ -64,16 +64,46 @@ static bool holds(const struct list *list, const struct builtin_file *file, char
              table_is_detector(file) == (strcmp(list->name, "detectors") == 0)));
 }
 
-static void print_list(const struct list *list)
+static bool is_digit(char c)
 {
-    char name[BUILTIN_NAME];
+    return c >= '0' && c <= '9';
+}
+
+/* Orders names as a reader does: numbers in them by their value, so that f2 comes before f10. */
+static int compare_names(const void *a, const void *b)
+{
+    const char *one = a, *other = b;
+    for (; *one && *other; one++, other++) {
+        char *end, *other_end;
+        const long difference = is_digit(*one) && is_digit(*other)
+                                    ? strtol(one, &end, 10) - strtol(other, &other_end, 10)
+                                    : (unsigned char)*one - (unsigned char)*other;
+        if (difference != 0)
+            return difference < 0 ? -1 : 1;
+        if (is_digit(*one)) {
+            one = end - 1;
+            other = other_end - 1;
+        }
+    }
+    return (unsigned char)*one - (unsigned char)*other;
+}
+
+static bool print_list(const struct list *list, struct error *err)
+{
+    char(*names)[BUILTIN_NAME] = calloc(builtin_file_count, sizeof *names);
+    size_t n = 0;
+    if (!names)
+        return error_memory(err);
     printf("%s\n", list->name);
+    for (size_t i = 0; i < builtin_file_count && !list->print; i++)
+        n += holds(list, &builtin_files[i], names[n]);
+    qsort(names, n, sizeof *names, compare_names);
+    for (size_t i = 0; i < n; i++)
+        printf("  %s\n", names[i]);
+    free(names);
     if (list->print)
         list->print();
-    else
-        for (size_t i = 0; i < builtin_file_count; i++)
-            if (holds(list, &builtin_files[i], name))
-                printf("  %s\n", name);
+    return true;
 }
 
 bool command_list(struct options *options, struct error *err)
@@ -89,7 +119,8 @@ bool command_list(struct options *options, struct error *err)
             !(list->alias && strcasecmp(wanted, list->alias) == 0))
             continue;
         found = true;
-        print_list(list);
+        if (!print_list(list, err))
+            return false;
     }
     return found || error_usage(err, "there is no list '%s'; %s", wanted,
                                 suggestion_end(&suggestion, "the lists are"));

@@ -54,6 +54,9 @@ run "$SPECTRAL" list Illuminants
 cmp -s "$tmp/out" "$tmp/lights"
 ok $? "lights is another word for illuminants, and case is ignored"
 
+"$SPECTRAL" list illuminants | tr -d '\n' >"$tmp/out"
+prints ' f1  f2 .* f9  f10  f11  f12 ' "numbers in names are in their order"
+
 # show
 for kind in scenes/.scene materials/.txt tables/.csv models/.obj materials/.list textures/.tif; do
     bad=
