@@ -47,13 +47,13 @@ PICTURES = {
 # name: scene, width, height, and the half of the map that is shown: the floor (0), or the floor in one band (1)
 MAPS = {"check-map": ("pasture", 480, 320, 0), "check-map-band": ("pasture", 480, 320, 1)}
 
-# name: command that writes the page; its kind; width and height of the window; where to click
+# name: command that writes the page; its kind; width and height of the window (of a plot: its own); where to click
 SEEN = {
     "viewer": (("view", "fluorescence", "--size", "600x400", "-o"), "html", (1100, 1250), (390, 160)),
-    "probe": (("probe", "fluorescence", "700", "300", "--svg", "-o"), "svg", (900, 520), None),
-    "cost": (("cost", "colorchecker", "--svg"), "svg", (800, 984), None),
-    "cost-fluorescent": (("cost", "colorchecker", "--light", "1=fluorescent", "--svg"), "svg", (800, 984), None),
-    "cost-fluorescence": (("cost", "fluorescence", "--svg"), "svg", (800, 1044), None),
+    "probe": (("probe", "fluorescence", "700", "300", "--svg", "-o"), "svg", None, None),
+    "cost": (("cost", "colorchecker", "--svg"), "svg", None, None),
+    "cost-fluorescent": (("cost", "colorchecker", "--light", "1=fluorescent", "--svg"), "svg", None, None),
+    "cost-fluorescence": (("cost", "fluorescence", "--svg"), "svg", None, None),
 }
 
 
@@ -85,12 +85,17 @@ def show_map(folder, name, scene, width, height, half):
             image.crop((half * width, 0, (half + 1) * width, height)).save(os.path.join(folder, name + ".png"))
 
 
+def plot_size(path):
+    with open(path, encoding="utf-8") as plot:
+        return tuple(int(side) for side in re.search(r'width="(\d+)" height="(\d+)"', plot.read()).groups())
+
+
 def see(folder, name, command, ending, size, click):
     with tempfile.TemporaryDirectory() as work:
         page = os.path.join(work, f"{name}.{ending}")
         subprocess.run([SPECTRAL, *command, page], check=True, stdout=subprocess.DEVNULL)
         browser = Browser(os.path.join(work, "browser"))
-        browser.size(*size)
+        browser.size(*(size or plot_size(page)))
         browser.send("Page.navigate", url="file://" + page)
         browser.wait(f"location.href.endsWith('{ending}') && document.readyState === 'complete'")
         if click:
