@@ -381,7 +381,9 @@ static bool run_command(int argc, char **argv, struct error *err)
 int main(int argc, char **argv)
 {
     struct error err = {.status = EXIT_AGREED};
-    signal(SIGPIPE, SIG_IGN); /* a closed pipe is a failed write */
+    /* a closed pipe, and a file that reaches its limit, are failed writes */
+    signal(SIGPIPE, SIG_IGN);
+    signal(SIGXFSZ, SIG_IGN);
     bool done = run_command(argc, argv, &err);
     errno = 0;
     if ((fflush(stdout) != 0 || ferror(stdout)) && !output_is_unread()) {

@@ -79,6 +79,15 @@ small="--size 40x30 --wavelengths 400:700:50"
     one_line "a full device"
     [ -c /dev/full ]
     ok $? "the device is still a device"
+    # A process that is over its limit of a file's size gets SIGXFSZ, and would end without a word.
+    mkdir "$tmp/limited"
+    for command in "render patches --size 200x200 --renderer raster --no-check -o $tmp/limited/a.tif" \
+        "develop $tmp/c.tif -o $tmp/limited/a.tif" "view room --size 200x200 -o $tmp/limited/a.html"; do
+        # shellcheck disable=SC2086
+        (ulimit -f 4 && "$SPECTRAL" $command) >"$tmp/out" 2>"$tmp/err"
+        [ $? = 3 ] && [ "$(wc -l <"$tmp/err")" = 1 ] && [ -z "$(ls -A "$tmp/limited")" ]
+        ok $? "${command%% *}: a limit on the size of files is a failure of the system, and leaves no file"
+    done
     exits 3 "JSON to a full device is a failure of the system" \
         "$SPECTRAL" render patches $small -o /dev/null --quiet --json /dev/full
     exits 2 "a report that cannot be written is refused before any output is written" \
