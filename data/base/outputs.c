@@ -61,11 +61,32 @@ bool file_is_regular(const char *path)
     return !output_is_standard(path) && stat(path, &status) == 0 && S_ISREG(status.st_mode);
 }
 
+/* Finds the folder of a path. Returns false if there is none. */
+static bool stat_folder(const char *path, struct stat *out)
+{
+    char *folder = file_relative(path, ".");
+    const bool found = folder && stat(folder, out) == 0;
+    free(folder);
+    return found;
+}
+
+static const char *last_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+/* Files that do not exist yet are one if they have one name in one folder. */
 bool file_is_same(const char *a, const char *b)
 {
     struct stat one, other;
-    return strcmp(a, b) == 0 || (stat(a, &one) == 0 && stat(b, &other) == 0 &&
-                                 one.st_dev == other.st_dev && one.st_ino == other.st_ino);
+    const bool a_is = stat(a, &one) == 0, b_is = stat(b, &other) == 0;
+    if (strcmp(a, b) == 0)
+        return true;
+    if (a_is != b_is || (!a_is && (strcmp(last_name(a), last_name(b)) != 0 ||
+                                   !stat_folder(a, &one) || !stat_folder(b, &other))))
+        return false;
+    return one.st_dev == other.st_dev && one.st_ino == other.st_ino;
 }
 
 bool output_spares(const char *output, const char *input, struct error *err)

@@ -173,6 +173,25 @@ static bool read_option(const struct option_rules *rules, char *const *words, in
            store_value(options, option, name, value, err);
 }
 
+/* ---- outputs ---- */
+
+/* Refuses two outputs that are one file: the later would replace the earlier. */
+static bool check_outputs(const struct options *options, struct error *err)
+{
+    const struct {
+        const char *word, *path;
+    } outputs[] = {{"--output", options->output}, {"--json", options->json},
+                   {"--map", options->map},       {"--check-map", options->check_map},
+                   {"--csv", options->csv_file},  {"--svg", options->svg_file}};
+    for (size_t i = 0; i < sizeof outputs / sizeof outputs[0]; i++)
+        for (size_t j = 0; j < i; j++)
+            if (outputs[i].path && outputs[j].path && strcmp(outputs[i].path, "/dev/null") != 0 &&
+                file_is_same(outputs[i].path, outputs[j].path))
+                return error_usage(err, "%s and %s name the same file; expected two files",
+                                   outputs[j].word, outputs[i].word);
+    return true;
+}
+
 /* ---- the command line ---- */
 
 bool options_read(const struct option_rules *rules, char *const *words, int n_words,
@@ -194,7 +213,7 @@ bool options_read(const struct option_rules *rules, char *const *words, int n_wo
         }
     }
     out->operand = out->operands[0];
-    return true;
+    return check_outputs(out, err);
 }
 
 void options_free(struct options *options)
@@ -213,7 +232,7 @@ bool options_name_output(struct options *options, const char *path, const char *
         return true;
     options->output = options->named_output =
         output_name(strcmp(path, "-") == 0 ? "scene" : path, ending);
-    return options->output || error_memory(err);
+    return options->output ? check_outputs(options, err) : error_memory(err);
 }
 
 const char *options_scene(const struct options *options)

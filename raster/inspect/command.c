@@ -49,6 +49,7 @@ static bool probe_picture(const struct options *options, const struct probe_opti
     struct plan plan = {.scene = NULL};
     bool done =
         scene_read_options(options, &scene, err) && scene_spared(options->output, &scene, err) &&
+        scene_spared(options->json, &scene, err) &&
         plan_make(&scene, NULL, &plan_options, &plan, err) && probe_scene(&plan, region, out, err);
     plan_free(&plan);
     scene_free(&scene);
@@ -64,6 +65,7 @@ static bool probe_operand(const struct options *options, const struct probe_opti
         return error_usage(err, "%s is a stack; %s needs a scene", options->operand,
                            options->recorded[0]);
     return image_spared(options->output, options->operand, err) &&
+           image_spared(options->json, options->operand, err) &&
            probe_stack(options->operand, region, out, err);
 }
 

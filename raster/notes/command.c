@@ -24,6 +24,7 @@ bool command_plan(struct options *options, struct error *err)
     struct notes notes = {.list = NULL};
     struct json json;
     bool done = scene_read_sampled(options, &scene, &sampling, err) &&
+                scene_spared(options->json, &scene, err) &&
                 plan_make(&scene, sampling_or_none(&sampling), &plan_options, &plan, err) &&
                 note_plan(&plan, &notes, err);
     if (done && options->json) {

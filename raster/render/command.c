@@ -36,22 +36,13 @@ static bool check_stack_name(const struct options *options, const char *path, st
                     options_scene(options), path);
 }
 
-/* Refuses such an option beside --no-check, a map of an unknown format, and outputs of the same
- * name. */
+/* Refuses such an option beside --no-check, and a map of an unknown format. */
 static bool check_asked(const struct options *options, const struct render_output *output,
                         struct error *err)
 {
-    const char *const names[] = {output->path, output->check_map, options->json};
-    static const char *const words[] = {"--output", "--check-map", "--json"};
     const char *checks = options->no_check ? asks_check(options) : NULL;
     if (checks)
         return error_usage(err, "%s needs the check that --no-check leaves out", checks);
-    for (int i = 0; i < 3; i++)
-        for (int j = 0; j < i; j++)
-            if (names[i] && names[j] && strcmp(names[i], names[j]) == 0 &&
-                strcmp(names[i], "/dev/null") != 0)
-                return error_usage(err, "%s and %s name the same file; expected two files",
-                                   words[i], words[j]);
     return check_stack_name(options, output->path, err) &&
            (!output->check_map || picture_accepts(output->check_map, err));
 }

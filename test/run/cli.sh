@@ -48,6 +48,30 @@ small="--size 40x30 --wavelengths 400:700:50"
             cmp -s "$tmp/report.json" "$tmp/printed.json" && /usr/bin/python3 -m json.tool "$tmp/report.json" >/dev/null
         ok $? "${command%% *} writes its results as JSON, into a file and to standard output"
     done
+    cp "$tmp/stack.tif" "$tmp/kept.tif"
+    "$SPECTRAL" show spheres -o "$tmp/kept.scene"
+    mkdir "$tmp/folder"
+    ln -s folder "$tmp/other-name"
+    ln "$tmp/kept.tif" "$tmp/hard-link.tif"
+    for command in "info $tmp/kept.tif --json $tmp/hard-link.tif" "probe $tmp/kept.tif 1 1 --json $tmp/folder/../kept.tif" \
+        "develop $tmp/kept.tif --json $tmp/kept.tif -o $tmp/no.png" "plan $tmp/kept.scene --json $tmp/kept.scene" \
+        "probe $tmp/kept.scene 1 1 --json $tmp/kept.scene"; do
+        # shellcheck disable=SC2086
+        exits 2 "${command%% *} refuses to replace its input by JSON" "$SPECTRAL" $command
+        says 'would replace the input' "the message says so"
+    done
+    cmp -s "$tmp/stack.tif" "$tmp/kept.tif" && "$SPECTRAL" show spheres | cmp -s - "$tmp/kept.scene"
+    ok $? "the inputs stay as they were"
+    for command in "render patches $small -o $tmp/folder/both.tif --json $tmp/other-name/both.tif" \
+        "render patches $small -o $tmp/both.tif --json $tmp/folder/../both.tif" "view patches $small -o $tmp/both.html --json $tmp/both.html" \
+        "develop $tmp/stack.tif -o $tmp/both.png --json $tmp/./both.png" "cost patches --csv $tmp/both.csv --svg $tmp/./both.csv" \
+        "compare $tmp/stack.tif $tmp/stack.tif --map $tmp/both.png --json $tmp/both.png"; do
+        # shellcheck disable=SC2086
+        exits 2 "${command%% *} refuses two outputs that are one file" "$SPECTRAL" $command
+        says 'name the same file; expected two files' "the message names both options"
+    done
+    [ -z "$(find "$tmp" -name 'both.*')" ]
+    ok $? "no output was written"
     exits 2 "an unknown list is bad usage" "$SPECTRAL" list lamps
     exits 0 "plan works without a picture" "$SPECTRAL" plan patches $small
     prints '^bands +7 ' "plan prints the number of bands"
