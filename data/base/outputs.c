@@ -9,10 +9,15 @@
 
 #include "data/base/base.h"
 
+static const char *last_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
 char *output_name(const char *path, const char *ending)
 {
-    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
-    const char *dot = strrchr(name, '.');
+    const char *name = last_name(path), *dot = strrchr(name, '.');
     size_t length = dot && dot > name ? (size_t)(dot - name) : strlen(name);
     size_t capacity = length + strlen(ending) + 1;
     char *out = malloc(capacity);
@@ -34,8 +39,7 @@ static void list_endings(const char *const *endings, char *out, size_t capacity)
 
 bool output_ending(const char *path, const char *const *endings, int *out, struct error *err)
 {
-    const char *slash = strrchr(path, '/'), *name = slash ? slash + 1 : path;
-    const char *dot = strrchr(name, '.');
+    const char *name = last_name(path), *dot = strrchr(name, '.');
     char list[128];
     *out = -1;
     if (!dot || dot == name || !dot[1])
@@ -68,12 +72,6 @@ static bool stat_folder(const char *path, struct stat *out)
     const bool found = folder && stat(folder, out) == 0;
     free(folder);
     return found;
-}
-
-static const char *last_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
 }
 
 /* Files that do not exist yet are one if they have one name in one folder. */

@@ -47,7 +47,7 @@ bool command_compare(struct options *options, struct error *err)
                                               .threads = options->threads};
     const char *a = options->operands[0], *b = options->operands[1];
     if (options->n_operands != 2)
-        return error_usage(err, "compare takes two stacks; try spectral --help");
+        return error_usage(err, "compare takes two stacks; see spectral compare --help");
     if (options->tolerance &&
         !tolerance_read("--tolerance", options->tolerance, &compare_options.tolerance, err))
         return false;

@@ -80,7 +80,7 @@ bool command_develop(struct options *options, struct error *err)
     struct develop_result result;
     const char *stack = options->operand;
     if (!stack)
-        return error_usage(err, "develop takes a STACK; try spectral --help");
+        return error_usage(err, "develop takes a STACK; see spectral develop --help");
     if (!name_picture(options, stack, err) ||
         !read_options(options, &method, &develop_options, err) || !scene_refuse(stack, err) ||
         !image_spared(options->output, stack, err) || !image_spared(options->json, stack, err) ||

@@ -57,12 +57,20 @@ static char *path_of(const struct builtin_file *file, const char *base, const ch
 
 /* ---- words ---- */
 
+/* Returns the word as a name, allocated; NULL: it is empty, or there is no memory. */
+static char *file_name(const struct word *word, struct error *err)
+{
+    char *name = NULL;
+    if (word->length == 0)
+        error_at(err, word->place, "a file name must not be empty");
+    else if (!(name = word_copy(word)))
+        error_memory(err);
+    return name;
+}
+
 bool word_path(const struct word *word, char **out, struct error *err)
 {
-    char *name;
-    if (word->length == 0)
-        return error_at(err, word->place, "a file name must not be empty");
-    name = word_copy(word);
+    char *name = file_name(word, err);
     *out = name ? file_relative(word->place.path, name) : NULL;
     free(name);
     return *out || error_memory(err);
@@ -70,16 +78,13 @@ bool word_path(const struct word *word, char **out, struct error *err)
 
 bool word_file(const struct word *word, enum file_kind kind, char **out, struct error *err)
 {
-    char *name;
-    *out = NULL;
-    if (word->length == 0)
-        return error_at(err, word->place, "a file name must not be empty");
-    name = word_copy(word);
-    if (name)
-        *out = path_of(find(name, kind, true), word->place.path, name);
-    if (*out && file_is_missing(*out) && find(name, kind, false)) {
+    char *name = file_name(word, err);
+    *out = name ? path_of(find(name, kind, true), word->place.path, name) : NULL;
+    const struct builtin_file *other_case =
+        *out && file_is_missing(*out) ? find(name, kind, false) : NULL;
+    if (other_case) {
         free(*out);
-        *out = path_of(find(name, kind, false), NULL, name);
+        *out = path_of(other_case, NULL, name);
     }
     free(name);
     return *out || error_memory(err);

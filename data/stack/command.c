@@ -131,7 +131,7 @@ bool command_info(struct options *options, struct error *err)
     struct image image = {.path = NULL};
     struct record record = {.text = NULL};
     if (!options->operand)
-        return error_usage(err, "info takes a STACK; try spectral --help");
+        return error_usage(err, "info takes a STACK; see spectral info --help");
     bool done = scene_refuse(options->operand, err) &&
                 image_spared(options->json, options->operand, err) &&
                 image_open(options->operand, nowhere, &image, err) &&

@@ -160,7 +160,7 @@ bool command_envi(struct options *options, struct error *err)
 {
     const char *stack = options->operand;
     if (!stack)
-        return error_usage(err, "envi takes a STACK; try spectral --help");
+        return error_usage(err, "envi takes a STACK; see spectral envi --help");
     char *beside = sidecar_name(stack);
     if (!beside)
         return error_memory(err);

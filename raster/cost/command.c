@@ -112,19 +112,12 @@ static bool recommend(const struct options *options, const char *what,
     return true;
 }
 
-static bool is_standard_output(const char *path)
-{
-    return path && strcmp(path, "-") == 0;
-}
-
 static bool report(const struct options *options, const struct cost *cost, double tolerance,
                    double budget, struct error *err)
 {
     const char *csv = options->csv_file, *svg = options->svg_file;
-    FILE *to =
-        is_standard_output(csv) || is_standard_output(svg) || is_standard_output(options->json)
-            ? stderr
-            : stdout;
+    const bool taken = (csv && output_is_standard(csv)) || (svg && output_is_standard(svg));
+    FILE *to = taken ? stderr : options_table(options, NULL);
     struct json json;
     char what[80];
     if (!options->quiet)

@@ -31,8 +31,8 @@ static bool region_read(const struct options *options, struct probe_options *out
         .width = 1, .height = 1, .observer = options_detector(options), .white = options->white};
     if (options->n_operands != 3 && options->n_operands != 5)
         return error_usage(err,
-                           "probe takes a STACK or SCENE, X and Y, and optionally W and H; try "
-                           "spectral --help");
+                           "probe takes a STACK or SCENE, X and Y, and optionally W and H; see "
+                           "spectral probe --help");
     for (int i = 0; i + 1 < options->n_operands; i++)
         if (!pixels_read(names[i], options->operands[1 + i], i < 2 ? 0 : 1, numbers[i], err))
             return false;

@@ -4,46 +4,35 @@
 # A mistyped word is refused with the word that was meant.
 . test/run/tap.sh
 names() { "$SPECTRAL" list "$1" | sed -n 's/^  //p'; }
-plan() { printf '%s\n' "$@" >"$tmp/my.scene" && "$SPECTRAL" plan "$tmp/my.scene"; }
 light='light d65 1 direction 0 0 1'
+ball='object sphere 1 9 9 material m'
 
-bad=
-for name in $(names scenes); do plan "include $name" || bad="$bad $name"; done >"$tmp/out"
-[ -z "$bad" ]
-ok $? "each scene can be included$bad"
-bad=
-for name in $(names materials); do
-    plan "$light" "material m $name" 'object sphere 1 9 9 material m' || bad="$bad $name"
-done >"$tmp/out"
-[ -z "$bad" ]
-ok $? "each material can be used$bad"
-for name in $(names materials | grep colorchecker); do
-    plan "$light" "material m { diffuse $name }" 'object sphere 1 9 9 material m' || bad="$bad $name"
-done >"$tmp/out"
-[ -z "$bad" ]
-ok $? "a material file of one spectrum can be a reflectance$bad"
-bad=
-for name in $(names illuminants); do
-    plan "light $name 1 direction 0 0 1" 'material m { diffuse 0.5 }' 'object sphere 1 9 9 material m' || bad="$bad $name"
-done >"$tmp/out"
-[ -z "$bad" ]
-ok $? "each illuminant can be a light$bad"
-bad=
-for name in $(names models); do plan "$light" 'material m { diffuse 0.5 }' "object mesh $name material m" || bad="$bad $name"; done >"$tmp/out"
-[ -z "$bad" ]
-ok $? "each model can be a mesh$bad"
-bad=
-for name in $(names textures); do
-    kind=texture
-    [ "$name" != picture ] || kind=spectral-texture # it is a stack
-    plan "$light" "material m { diffuse 0.5 $kind $name linear }" 'object plane 1 1 material m' || bad="$bad $name"
-done >"$tmp/out"
-[ -z "$bad" ]
-ok $? "each texture can be used$bad"
-bad=
-for name in $(names lists); do plan "$light" "checker $name sphere 1 9 9" || bad="$bad $name"; done >"$tmp/out"
-[ -z "$bad" ]
-ok $? "each list can be a checker$bad"
+# usable WHAT NAMES LINE...: a scene of these lines can be planned with each of the names in the place of NAME
+usable() {
+    what=$1
+    names=$2
+    shift 2
+    bad=
+    for name in $names; do
+        printf '%s\n' "$@" | sed "s:NAME:$name:g" >"$tmp/my.scene"
+        "$SPECTRAL" plan "$tmp/my.scene" >"$tmp/out" 2>"$tmp/err" || bad="$bad $name"
+    done
+    [ -n "$names" ] && [ -z "$bad" ]
+    ok $? "$what$bad"
+}
+
+usable 'each scene can be included' "$(names scenes)" 'include NAME'
+usable 'each material can be used' "$(names materials)" "$light" 'material m NAME' "$ball"
+usable 'a material file of one spectrum can be a reflectance' "$(names materials | grep colorchecker)" \
+    "$light" 'material m { diffuse NAME }' "$ball"
+usable 'each illuminant can be a light' "$(names illuminants)" 'light NAME 1 direction 0 0 1' \
+    'material m { diffuse 0.5 }' "$ball"
+usable 'each model can be a mesh' "$(names models)" "$light" 'material m { diffuse 0.5 }' 'object mesh NAME material m'
+usable 'each texture can be used' "$(names textures | grep -vx picture)" "$light" \
+    'material m { diffuse 0.5 texture NAME linear }' 'object plane 1 1 material m'
+usable 'the texture that is a stack can be a spectral one' "$(names textures | grep -x picture)" "$light" \
+    'material m { diffuse 0.5 spectral-texture NAME linear }' 'object plane 1 1 material m'
+usable 'each list can be a checker' "$(names lists)" "$light" 'checker NAME sphere 1 9 9'
 "$SPECTRAL" render patches --size 6x4 --renderer raster --no-check --quiet -o "$tmp/a.tif"
 for name in $(names detectors); do
     exits 0 "the detector $name can see a stack" "$SPECTRAL" develop "$tmp/a.tif" --detector "$name" -o "$tmp/seen.tif"
