@@ -122,7 +122,7 @@ run_tests() {
     if [ -n "$(programs)" ] || chosen_need 'LIBRARY|FAULTS|MUTANT'; then
         build_tests
     fi
-    prove --timer --jobs $at_once --exec '' $scripts \
+    prove --timer --failures --comments --jobs $at_once --exec '' $scripts \
         $(for file in $units; do test_name "$file"; echo "$BUILD/test/$name"; done)
     case "$full $scripts" in full*random_scenes*) run_random_tests ;; esac
 }
@@ -130,7 +130,7 @@ run_tests() {
 # 5,000 random scenes on llvmpipe and 500 on softpipe.
 run_random_tests() {
     for random in 'llvmpipe --count 5000' 'softpipe --count 500'; do
-        prove --timer --exec '' test/run/random_scenes.py :: --first 1000 --driver $random
+        prove --timer --failures --comments --exec '' test/run/random_scenes.py :: --first 1000 --driver $random
     done
 }
 
