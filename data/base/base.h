@@ -14,16 +14,22 @@ bool array_add(void *array, int *count, const void *item, size_t size, struct er
 
 /* ---- printed.c: a text that is printed into memory ---- */
 
+/* Zero it before use. Nothing is printed behind what memory had no room for. */
 struct printed {
-    FILE *to;      /* NULL: no memory, or ended */
-    char *text;    /* owned until printed_end; then NULL */
-    size_t length; /* valid after printed_end; does not count the NUL at the end */
+    char *text;      /* owned until printed_end */
+    size_t length;   /* without the NUL at the end */
+    size_t capacity; /* of text */
+    bool failed;     /* memory has run out */
 };
-/* Begins a text. Returns the stream to print it to; NULL: no memory. */
-FILE *printed_begin(struct printed *out);
-/* Closes the stream. Returns the text, which then belongs to the caller; NULL: no memory, here or
- * in printed_begin. Safe on a zeroed struct, and twice. */
+void print(struct printed *to, const char *format, ...) PRINTF_LIKE(2, 3);
+void print_text(struct printed *to, const char *text);
+void print_bytes(struct printed *to, const void *bytes, size_t length);
+/* Returns the whole text, which then belongs to the caller; NULL: no memory, or it was returned
+ * already. Its length stays. */
 char *printed_end(struct printed *printed);
+/* Writes the whole text to a stream and frees it. Fails for lack of memory alone: main looks for
+ * failed writes to standard output. */
+bool printed_show(struct printed *printed, FILE *to, struct error *err);
 
 /* ---- file.c: whole reads, compiled-in files, files that appear whole or not at all ---- */
 

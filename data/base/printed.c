@@ -1,26 +1,85 @@
 /* SPDX-License-Identifier: MIT */
 /* A text that is printed into memory. Only a whole text is returned. */
+#include <stdarg.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "data/base/base.h"
 
-FILE *printed_begin(struct printed *out)
+/* Makes room for more bytes and a NUL. */
+static bool make_room(struct printed *to, size_t more)
 {
-    *out = (struct printed){.text = NULL};
-    out->to = open_memstream(&out->text, &out->length);
-    return out->to;
+    const size_t least = 256;
+    size_t capacity = to->capacity > 0 ? to->capacity : least;
+    if (to->failed || more >= SIZE_MAX / 4 || to->length >= SIZE_MAX / 4) {
+        to->failed = true;
+        return false;
+    }
+    while (capacity <= to->length + more)
+        capacity *= 2;
+    if (capacity == to->capacity)
+        return true;
+    char *text = realloc(to->text, capacity);
+    if (!text) {
+        to->failed = true;
+        return false;
+    }
+    to->text = text;
+    to->capacity = capacity;
+    return true;
+}
+
+void print_bytes(struct printed *to, const void *bytes, size_t length)
+{
+    if (!make_room(to, length))
+        return;
+    if (length > 0)
+        memcpy(to->text + to->length, bytes, length);
+    to->length += length;
+    to->text[to->length] = '\0';
+}
+
+void print_text(struct printed *to, const char *text)
+{
+    print_bytes(to, text, strlen(text));
+}
+
+void print(struct printed *to, const char *format, ...)
+{
+    va_list arguments;
+    va_start(arguments, format);
+    const size_t room = to->failed ? 0 : to->capacity - to->length;
+    const int length = vsnprintf(room > 0 ? to->text + to->length : NULL, room, format, arguments);
+    va_end(arguments);
+    if (length < 0)
+        to->failed = true;
+    else if (make_room(to, (size_t)length)) {
+        va_start(arguments, format);
+        if ((size_t)length >= room)
+            vsnprintf(to->text + to->length, (size_t)length + 1, format, arguments);
+        va_end(arguments);
+        to->length += (size_t)length;
+    }
 }
 
 char *printed_end(struct printed *printed)
 {
-    bool whole = printed->to && !ferror(printed->to);
-    if (printed->to)
-        whole = fclose(printed->to) == 0 && whole;
+    print_bytes(printed, "", 0);
     char *text = printed->text;
-    printed->to = NULL;
-    printed->text = NULL;
+    const bool whole = !printed->failed;
+    *printed = (struct printed){.length = printed->length, .failed = true};
     if (whole)
         return text;
     free(text);
     return NULL;
+}
+
+bool printed_show(struct printed *printed, FILE *to, struct error *err)
+{
+    const size_t length = printed->length;
+    char *text = printed_end(printed);
+    if (text)
+        fwrite(text, 1, length, to);
+    free(text);
+    return text != NULL || error_memory(err);
 }

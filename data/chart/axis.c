@@ -183,57 +183,57 @@ static const char *grid_colour(const struct axis *axis, long tick)
 
 /* Writes the value of a logarithmic tick in digits, or as a power of ten where there are too many.
  */
-static void put_logarithmic(FILE *to, long tick)
+static void put_logarithmic(struct printed *to, long tick)
 {
     static const int digits[] = {1, 2, 5};
     const int decade = decade_of(tick), digit = digits[tick - 3 * decade];
     if (decade < -4 || decade > 4) {
-        fprintf(to, "%d", digit);
+        print(to, "%d", digit);
         chart_exponent(to, decade);
     } else if (decade < 0)
-        fprintf(to, "0.%0*d", -decade, digit);
+        print(to, "0.%0*d", -decade, digit);
     else
-        fprintf(to, "%d%.*s", digit, decade, "0000");
+        print(to, "%d%.*s", digit, decade, "0000");
 }
 
 /* Writes the value of a tick, and ends its text. */
-static void put_value(FILE *to, const struct axis *axis, long tick)
+static void put_value(struct printed *to, const struct axis *axis, long tick)
 {
     if (axis->logarithmic)
         put_logarithmic(to, tick);
     else
-        fprintf(to, "%.*f", axis->decimals, (double)tick * axis->step);
-    fputs("</text>", to);
+        print(to, "%.*f", axis->decimals, (double)tick * axis->step);
+    print_text(to, "</text>");
 }
 
 void axis_draw_x(const struct chart_area *area, const struct axis *axis, const char *label,
                  int strip)
 {
     const int bottom = CHART_TOP + area->height, below = bottom + strip + CHART_TICK;
-    FILE *to = area->to;
-    fputs("<g text-anchor=\"middle\">\n", to);
+    struct printed *to = area->to;
+    print_text(to, "<g text-anchor=\"middle\">\n");
     for (long tick = first_tick(axis); tick <= last_tick(axis); tick++) {
         const double x = CHART_LEFT + area->width * tick_part(axis, tick);
         const bool labelled = is_labelled(axis, tick, area->width);
-        fprintf(to,
-                "<path d=\"M%.2f,%dV%d\" stroke=\"%s\"/><path d=\"M%.2f,%dv%d\" "
-                "stroke=\"#333\"/>",
-                x, CHART_TOP, bottom, grid_colour(axis, tick), x, bottom + strip,
-                labelled ? CHART_TICK : CHART_TICK / 2);
+        print(to,
+              "<path d=\"M%.2f,%dV%d\" stroke=\"%s\"/><path d=\"M%.2f,%dv%d\" "
+              "stroke=\"#333\"/>",
+              x, CHART_TOP, bottom, grid_colour(axis, tick), x, bottom + strip,
+              labelled ? CHART_TICK : CHART_TICK / 2);
         if (labelled) {
-            fprintf(to, "<text x=\"%.2f\" y=\"%d\">", x, below + CHART_TEXT_SIZE + 1);
+            print(to, "<text x=\"%.2f\" y=\"%d\">", x, below + CHART_TEXT_SIZE + 1);
             put_value(to, axis, tick);
         }
-        putc('\n', to);
+        print_text(to, "\n");
     }
-    fprintf(to, "<text x=\"%.2f\" y=\"%d\" font-size=\"%d\">", CHART_LEFT + area->width / 2,
-            below + CHART_TEXT_SIZE + CHART_LABEL_SIZE + 10, CHART_LABEL_SIZE);
+    print(to, "<text x=\"%.2f\" y=\"%d\" font-size=\"%d\">", CHART_LEFT + area->width / 2,
+          below + CHART_TEXT_SIZE + CHART_LABEL_SIZE + 10, CHART_LABEL_SIZE);
     chart_text(to, label, chart_fitting(area->width, CHART_LABEL_SIZE));
     if (axis->exponent != 0) {
-        putc(' ', to);
+        print_text(to, " ");
         chart_exponent(to, axis->exponent);
     }
-    fputs("</text>\n</g>\n", to);
+    print_text(to, "</text>\n</g>\n");
 }
 
 /* Draws the ticks of an axis that stands at x. Labels end, or on the right begin, at label_x. */
@@ -246,19 +246,19 @@ static void draw_y_ticks(const struct chart_area *area, const struct axis *axis,
         const bool covered = axis->clipped && y > bottom - 1.2 * CHART_TEXT_SIZE;
         const bool labelled = is_labelled(axis, tick, area->height) && !covered;
         if (side < 0)
-            fprintf(area->to, "<path d=\"M%.2f,%.2fh%.2f\" stroke=\"%s\"/>", x, y, area->width,
-                    grid_colour(axis, tick));
-        fprintf(area->to, "<path d=\"M%.2f,%.2fh%d\" stroke=\"#333\"/>", x, y,
-                side * (labelled ? CHART_TICK : CHART_TICK / 2));
+            print(area->to, "<path d=\"M%.2f,%.2fh%.2f\" stroke=\"%s\"/>", x, y, area->width,
+                  grid_colour(axis, tick));
+        print(area->to, "<path d=\"M%.2f,%.2fh%d\" stroke=\"#333\"/>", x, y,
+              side * (labelled ? CHART_TICK : CHART_TICK / 2));
         if (labelled) {
-            fprintf(area->to, "<text x=\"%.2f\" y=\"%.2f\">", label_x, y + 0.35 * CHART_TEXT_SIZE);
+            print(area->to, "<text x=\"%.2f\" y=\"%.2f\">", label_x, y + 0.35 * CHART_TEXT_SIZE);
             put_value(area->to, axis, tick);
         }
-        putc('\n', area->to);
+        print_text(area->to, "\n");
     }
     if (axis->clipped)
-        fprintf(area->to, "<text x=\"%.2f\" y=\"%.2f\">≤ %.2g</text>\n", label_x,
-                bottom + 0.35 * CHART_TEXT_SIZE, axis->least);
+        print(area->to, "<text x=\"%.2f\" y=\"%.2f\">≤ %.2g</text>\n", label_x,
+              bottom + 0.35 * CHART_TEXT_SIZE, axis->least);
 }
 
 void axis_draw_y(const struct chart_area *area, const struct axis *axis, const char *label,
@@ -267,18 +267,18 @@ void axis_draw_y(const struct chart_area *area, const struct axis *axis, const c
     const int side = right ? 1 : -1;
     const double x = right ? CHART_LEFT + area->width : CHART_LEFT;
     const double label_x = x + side * (CHART_TICK + 4);
-    FILE *to = area->to;
-    fprintf(to, "<g text-anchor=\"%s\">\n", right ? "start" : "end");
+    struct printed *to = area->to;
+    print(to, "<g text-anchor=\"%s\">\n", right ? "start" : "end");
     draw_y_ticks(area, axis, x, label_x);
     if (axis->exponent != 0) {
-        fprintf(to, "<text x=\"%.2f\" y=\"%d\">", label_x, CHART_TOP - 10);
+        print(to, "<text x=\"%.2f\" y=\"%d\">", label_x, CHART_TOP - 10);
         chart_exponent(to, axis->exponent);
-        fputs("</text>\n", to);
+        print_text(to, "</text>\n");
     }
-    fprintf(to,
-            "<text text-anchor=\"middle\" font-size=\"%d\" transform=\"translate(%.2f,%d) "
-            "rotate(-90)\">",
-            CHART_LABEL_SIZE, right ? x + CHART_RIGHT_AXIS - 14 : 20, CHART_TOP + area->height / 2);
+    print(to,
+          "<text text-anchor=\"middle\" font-size=\"%d\" transform=\"translate(%.2f,%d) "
+          "rotate(-90)\">",
+          CHART_LABEL_SIZE, right ? x + CHART_RIGHT_AXIS - 14 : 20, CHART_TOP + area->height / 2);
     chart_text(to, label, chart_fitting(area->height + CHART_TOP, CHART_LABEL_SIZE));
-    fputs("</text>\n</g>\n", to);
+    print_text(to, "</text>\n</g>\n");
 }

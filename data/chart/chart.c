@@ -17,21 +17,21 @@ static const double character = 0.6;
 
 /* ---- text ---- */
 
-void chart_text(FILE *to, const char *text, int most)
+void chart_text(struct printed *to, const char *text, int most)
 {
     const unsigned char *at = (const unsigned char *)text;
     for (; *at != '\0' && most > 0; most--) {
         const int length = utf8_length(at);
         const bool last = most == 1 && at[length > 0 ? length : 1] != '\0';
         if (last)
-            fputs("…", to);
+            print_text(to, "…");
         else if (length == 0 || (length == 1 && (*at < 0x20 || *at == 0x7f)) ||
                  (*at == 0xef && at[1] == 0xbf && at[2] >= 0xbe))
-            fputs("\xef\xbf\xbd", to);
+            print_text(to, "\xef\xbf\xbd");
         else if (strchr("&<>\"", *at))
-            fprintf(to, "&#%d;", *at);
+            print(to, "&#%d;", *at);
         else
-            fwrite(at, 1, (size_t)length, to);
+            print_bytes(to, at, (size_t)length);
         at += length > 0 ? length : 1;
     }
 }
@@ -54,41 +54,41 @@ int chart_text_length(const char *text)
     return length;
 }
 
-void chart_exponent(FILE *to, int exponent)
+void chart_exponent(struct printed *to, int exponent)
 {
     static const char *const digits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
     char text[16];
     snprintf(text, sizeof text, "%d", exponent);
-    fputs("×10", to);
+    print_text(to, "×10");
     for (const char *c = text; *c != '\0'; c++)
-        fputs(*c == '-' ? "⁻" : digits[*c - '0'], to);
+        print_text(to, *c == '-' ? "⁻" : digits[*c - '0']);
 }
 
 /* ---- what all charts have ---- */
 
-void chart_head(FILE *to, const char *title, int height)
+void chart_head(struct printed *to, const char *title, int height)
 {
-    fprintf(to,
-            "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"%d\" height=\"%d\" "
-            "viewBox=\"0 0 %d %d\" font-family=\"system-ui, sans-serif\" font-size=\"%d\" "
-            "fill=\"#222\">\n<title>",
-            CHART_WIDTH, height, CHART_WIDTH, height, CHART_TEXT_SIZE);
+    print(to,
+          "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
+          "<svg xmlns=\"http://www.w3.org/2000/svg\" version=\"1.1\" width=\"%d\" height=\"%d\" "
+          "viewBox=\"0 0 %d %d\" font-family=\"system-ui, sans-serif\" font-size=\"%d\" "
+          "fill=\"#222\">\n<title>",
+          CHART_WIDTH, height, CHART_WIDTH, height, CHART_TEXT_SIZE);
     chart_text(to, title, 200);
-    fprintf(to,
-            "</title>\n<rect width=\"%d\" height=\"%d\" fill=\"#fff\"/>\n"
-            "<text x=\"%d\" y=\"26\" font-size=\"%d\" font-weight=\"600\">",
-            CHART_WIDTH, height, CHART_LEFT, CHART_TITLE_SIZE);
+    print(to,
+          "</title>\n<rect width=\"%d\" height=\"%d\" fill=\"#fff\"/>\n"
+          "<text x=\"%d\" y=\"26\" font-size=\"%d\" font-weight=\"600\">",
+          CHART_WIDTH, height, CHART_LEFT, CHART_TITLE_SIZE);
     chart_text(to, title, chart_fitting(CHART_WIDTH - CHART_LEFT, CHART_TITLE_SIZE));
-    fputs("</text>\n", to);
+    print_text(to, "</text>\n");
 }
 
 void chart_frame(const struct chart_area *area)
 {
-    fprintf(area->to,
-            "<rect x=\"%d\" y=\"%d\" width=\"%.2f\" height=\"%d\" fill=\"none\" "
-            "stroke=\"#333\"/>\n",
-            CHART_LEFT, CHART_TOP, area->width, area->height);
+    print(area->to,
+          "<rect x=\"%d\" y=\"%d\" width=\"%.2f\" height=\"%d\" fill=\"none\" "
+          "stroke=\"#333\"/>\n",
+          CHART_LEFT, CHART_TOP, area->width, area->height);
 }
 
 struct chart_grid chart_grid(int n, int longest, double sample)
@@ -100,14 +100,11 @@ struct chart_grid chart_grid(int n, int longest, double sample)
                                (CHART_WIDTH - CHART_LEFT) / (double)columns};
 }
 
-char *chart_file(void (*draw)(void *plot, FILE *to), void *plot)
+char *chart_file(void (*draw)(void *plot, struct printed *to), void *plot)
 {
-    struct printed printed;
-    FILE *to = printed_begin(&printed);
-    if (to) {
-        draw(plot, to);
-        fputs("</svg>\n", to);
-    }
+    struct printed printed = {.text = NULL};
+    draw(plot, &printed);
+    print_text(&printed, "</svg>\n");
     return printed_end(&printed);
 }
 
@@ -187,17 +184,17 @@ static void draw_visible(const struct plot *plot)
     const double right = fmin(plot_x(plot, end), CHART_LEFT + plot->area.width);
     if (right <= left)
         return;
-    fprintf(plot->area.to,
-            "<defs><linearGradient id=\"visible\" gradientUnits=\"userSpaceOnUse\" x1=\"%.2f\" "
-            "y1=\"0\" x2=\"%.2f\" y2=\"0\">\n",
-            plot_x(plot, VISIBLE_FIRST), plot_x(plot, end));
+    print(plot->area.to,
+          "<defs><linearGradient id=\"visible\" gradientUnits=\"userSpaceOnUse\" x1=\"%.2f\" "
+          "y1=\"0\" x2=\"%.2f\" y2=\"0\">\n",
+          plot_x(plot, VISIBLE_FIRST), plot_x(plot, end));
     for (int i = 0; i < N_VISIBLE; i++)
-        fprintf(plot->area.to, "<stop offset=\"%.4f\" stop-color=\"#%06x\"/>\n",
-                i / (N_VISIBLE - 1.0), visible[i]);
-    fprintf(plot->area.to,
-            "</linearGradient></defs>\n<rect x=\"%.2f\" y=\"%d\" width=\"%.2f\" height=\"%d\" "
-            "fill=\"url(#visible)\"/>\n",
-            left, CHART_TOP + PLOT_HEIGHT, right - left, STRIP);
+        print(plot->area.to, "<stop offset=\"%.4f\" stop-color=\"#%06x\"/>\n",
+              i / (N_VISIBLE - 1.0), visible[i]);
+    print(plot->area.to,
+          "</linearGradient></defs>\n<rect x=\"%.2f\" y=\"%d\" width=\"%.2f\" height=\"%d\" "
+          "fill=\"url(#visible)\"/>\n",
+          left, CHART_TOP + PLOT_HEIGHT, right - left, STRIP);
 }
 
 /* ---- lines drawn ---- */
@@ -210,12 +207,12 @@ static const char *const dashes[] = {"", "9 4", "2 3", "9 3 2 3", "5 3"};
 enum { N_COLOURS = 7, N_DASHES = 5 };
 
 /* Writes the stroke of a line. The first line is thicker: the others explain it. */
-static void put_stroke(FILE *to, int line)
+static void put_stroke(struct printed *to, int line)
 {
-    fprintf(to, "fill=\"none\" stroke=\"%s\" stroke-width=\"%s\" stroke-linejoin=\"round\"",
-            colours[line % N_COLOURS], line == 0 ? "2.2" : "1.6");
+    print(to, "fill=\"none\" stroke=\"%s\" stroke-width=\"%s\" stroke-linejoin=\"round\"",
+          colours[line % N_COLOURS], line == 0 ? "2.2" : "1.6");
     if (line % N_DASHES > 0)
-        fprintf(to, " stroke-dasharray=\"%s\"", dashes[line % N_DASHES]);
+        print(to, " stroke-dasharray=\"%s\"", dashes[line % N_DASHES]);
 }
 
 /* Draws the spread around a run of points: from its first to its last point and back. */
@@ -223,15 +220,15 @@ static void draw_spread(const struct plot *plot, int index, int first, int end)
 {
     const struct chart_line *line = &plot->chart->lines[index];
     const struct axis *axis = axis_of(plot, line);
-    fprintf(plot->area.to, "<path fill=\"%s\" fill-opacity=\"0.18\" d=\"",
-            colours[index % N_COLOURS]);
+    print(plot->area.to, "<path fill=\"%s\" fill-opacity=\"0.18\" d=\"",
+          colours[index % N_COLOURS]);
     for (int i = first; i < end; i++)
-        fprintf(plot->area.to, "%c%.2f,%.2f", i == first ? 'M' : 'L', plot_x(plot, line->x[i]),
-                chart_y(&plot->area, axis, line->y[i] + spread_at(line, i)));
+        print(plot->area.to, "%c%.2f,%.2f", i == first ? 'M' : 'L', plot_x(plot, line->x[i]),
+              chart_y(&plot->area, axis, line->y[i] + spread_at(line, i)));
     for (int i = end - 1; i >= first; i--)
-        fprintf(plot->area.to, "L%.2f,%.2f", plot_x(plot, line->x[i]),
-                chart_y(&plot->area, axis, band_low(line, i)));
-    fputs("Z\"/>\n", plot->area.to);
+        print(plot->area.to, "L%.2f,%.2f", plot_x(plot, line->x[i]),
+              chart_y(&plot->area, axis, band_low(line, i)));
+    print_text(plot->area.to, "Z\"/>\n");
 }
 
 /* Draws neighbouring points from first to end - 1. A single point is a dot, and its spread a bar.
@@ -242,32 +239,32 @@ static void draw_run(const struct plot *plot, int index, int first, int end)
     const struct axis *axis = axis_of(plot, line);
     const double x = plot_x(plot, line->x[first]), spread = spread_at(line, first);
     if (end - first == 1) {
-        fprintf(plot->area.to,
-                "<path stroke=\"%s\" d=\"M%.2f,%.2fV%.2f\"/><circle fill=\"%s\" cx=\"%.2f\" "
-                "cy=\"%.2f\" r=\"4\"/>\n",
-                colours[index % N_COLOURS], x, chart_y(&plot->area, axis, band_low(line, first)),
-                chart_y(&plot->area, axis, line->y[first] + spread), colours[index % N_COLOURS], x,
-                chart_y(&plot->area, axis, line->y[first]));
+        print(plot->area.to,
+              "<path stroke=\"%s\" d=\"M%.2f,%.2fV%.2f\"/><circle fill=\"%s\" cx=\"%.2f\" "
+              "cy=\"%.2f\" r=\"4\"/>\n",
+              colours[index % N_COLOURS], x, chart_y(&plot->area, axis, band_low(line, first)),
+              chart_y(&plot->area, axis, line->y[first] + spread), colours[index % N_COLOURS], x,
+              chart_y(&plot->area, axis, line->y[first]));
         return;
     }
     if (line->spread)
         draw_spread(plot, index, first, end);
-    fputs("<path ", plot->area.to);
+    print_text(plot->area.to, "<path ");
     put_stroke(plot->area.to, index);
-    fputs(" d=\"", plot->area.to);
+    print_text(plot->area.to, " d=\"");
     for (int i = first; i < end; i++)
-        fprintf(plot->area.to, "%c%.2f,%.2f", i == first ? 'M' : 'L', plot_x(plot, line->x[i]),
-                chart_y(&plot->area, axis, line->y[i]));
-    fputs("\"/>\n", plot->area.to);
+        print(plot->area.to, "%c%.2f,%.2f", i == first ? 'M' : 'L', plot_x(plot, line->x[i]),
+              chart_y(&plot->area, axis, line->y[i]));
+    print_text(plot->area.to, "\"/>\n");
 }
 
 /* Draws a line. Values that are not finite interrupt it. */
 static void draw_line(const struct plot *plot, int index)
 {
     const struct chart_line *line = &plot->chart->lines[index];
-    fputs("<g><title>", plot->area.to);
+    print_text(plot->area.to, "<g><title>");
     chart_text(plot->area.to, line->name, 200);
-    fputs("</title>\n", plot->area.to);
+    print_text(plot->area.to, "</title>\n");
     for (int first = 0, end; first < line->n; first = end) {
         for (end = first; is_drawn(line, end);)
             end++;
@@ -276,7 +273,7 @@ static void draw_line(const struct plot *plot, int index)
         else
             end++;
     }
-    fputs("</g>\n", plot->area.to);
+    print_text(plot->area.to, "</g>\n");
 }
 
 /* ---- legend ---- */
@@ -304,20 +301,20 @@ static void draw_legend(const struct plot *plot, int top)
         const char *note = legend_note(plot, l);
         const double x = CHART_LEFT + grid.column * (l / grid.rows);
         const double y = top + CHART_LEGEND_ROW * (l % grid.rows);
-        fprintf(plot->area.to, "<path ");
+        print(plot->area.to, "<path ");
         put_stroke(plot->area.to, l);
-        fprintf(plot->area.to, " d=\"M%.2f,%.2fh%d\"/><text x=\"%.2f\" y=\"%.2f\">", x, y, SAMPLE,
-                x + SAMPLE + 8, y + 0.35 * CHART_TEXT_SIZE);
+        print(plot->area.to, " d=\"M%.2f,%.2fh%d\"/><text x=\"%.2f\" y=\"%.2f\">", x, y, SAMPLE,
+              x + SAMPLE + 8, y + 0.35 * CHART_TEXT_SIZE);
         chart_text(plot->area.to, plot->chart->lines[l].name,
                    chart_fitting(grid.column - SAMPLE - 16, CHART_TEXT_SIZE) -
                        chart_text_length(note));
-        fprintf(plot->area.to, "%s</text>\n", note);
+        print(plot->area.to, "%s</text>\n", note);
     }
 }
 
 /* ---- the file ---- */
 
-static void draw(void *of, FILE *to)
+static void draw(void *of, struct printed *to)
 {
     struct plot *plot = of;
     const struct chart *chart = plot->chart;

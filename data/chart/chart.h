@@ -3,8 +3,7 @@
 #ifndef CHART_H
 #define CHART_H
 
-#include <stdbool.h>
-#include <stdio.h>
+#include "data/base/base.h"
 
 /* ---- chart.c: curves ---- */
 
@@ -63,20 +62,20 @@ enum {
 
 /* The rectangle that the axes enclose. Its left edge is at CHART_LEFT, its top at CHART_TOP. */
 struct chart_area {
-    FILE *to; /* the SVG file */
+    struct printed *to; /* the SVG file */
     double width;
     int height;
 };
 /* Returns the SVG file that `draw` writes, allocated; NULL: no memory. */
-char *chart_file(void (*draw)(void *plot, FILE *to), void *plot);
+char *chart_file(void (*draw)(void *plot, struct printed *to), void *plot);
 /* Writes the beginning of a file of this height, with the title. */
-void chart_head(FILE *to, const char *title, int height);
+void chart_head(struct printed *to, const char *title, int height);
 void chart_frame(const struct chart_area *area); /* draws its border */
 /* Writes a text, escaped. The last of more than `most` characters becomes an ellipsis. A character
  * that XML cannot hold becomes U+FFFD. */
-void chart_text(FILE *to, const char *text, int most);
+void chart_text(struct printed *to, const char *text, int most);
 /* Writes a decimal exponent: ×10 and raised digits. */
-void chart_exponent(FILE *to, int exponent);
+void chart_exponent(struct printed *to, int exponent);
 /* Return the number of characters that fit into a width, and the width of n characters. */
 int chart_fitting(double width, int size);
 double chart_text_width(int n, int size);

@@ -119,25 +119,24 @@ static void draw_steps(const struct plot *plot)
 {
     if (plot->n_steps == 0)
         return;
-    fprintf(plot->area.to, "<path fill=\"none\" stroke=\"%s\" stroke-width=\"2\" d=\"M%.2f,%.2f",
-            strong, plot->labels.lines[0].x[0], plot->labels.lines[0].y[0]);
+    print(plot->area.to, "<path fill=\"none\" stroke=\"%s\" stroke-width=\"2\" d=\"M%.2f,%.2f",
+          strong, plot->labels.lines[0].x[0], plot->labels.lines[0].y[0]);
     for (int i = 0; i < plot->n_steps; i++)
-        fprintf(plot->area.to, "L%.2f,%.2f", plot->labels.lines[i].x[1],
-                plot->labels.lines[i].y[1]);
-    fputs("\"/>\n", plot->area.to);
+        print(plot->area.to, "L%.2f,%.2f", plot->labels.lines[i].x[1], plot->labels.lines[i].y[1]);
+    print_text(plot->area.to, "\"/>\n");
 }
 
 /* ---- points drawn ---- */
 
-static void draw_marker(FILE *to, double x, double y, bool best, bool uncertain)
+static void draw_marker(struct printed *to, double x, double y, bool best, bool uncertain)
 {
     if (uncertain)
-        fprintf(to,
-                "<circle cx=\"%.2f\" cy=\"%.2f\" r=\"6.5\" fill=\"none\" stroke=\"%s\" "
-                "stroke-dasharray=\"2 1.5\"/>",
-                x, y, strong);
-    fprintf(to, "<circle cx=\"%.2f\" cy=\"%.2f\" r=\"%s\" fill=\"%s\" stroke=\"%s\"/>", x, y,
-            best ? "4.5" : "2.8", best ? strong : "#fff", best ? strong : pale);
+        print(to,
+              "<circle cx=\"%.2f\" cy=\"%.2f\" r=\"6.5\" fill=\"none\" stroke=\"%s\" "
+              "stroke-dasharray=\"2 1.5\"/>",
+              x, y, strong);
+    print(to, "<circle cx=\"%.2f\" cy=\"%.2f\" r=\"%s\" fill=\"%s\" stroke=\"%s\"/>", x, y,
+          best ? "4.5" : "2.8", best ? strong : "#fff", best ? strong : pale);
 }
 
 static void draw_point(const struct plot *plot, int index)
@@ -145,13 +144,12 @@ static void draw_point(const struct plot *plot, int index)
     const struct frontier_point *point = &plot->frontier->points[index];
     const struct chart_label *label = &plot->labels.label[index];
     const struct chart_segment *bar = &plot->labels.lines[plot->n_steps + index];
-    fputs("<g><title>", plot->area.to);
+    print_text(plot->area.to, "<g><title>");
     chart_text(plot->area.to, point->name, 200);
-    fprintf(plot->area.to,
-            "</title><path stroke=\"%s\" stroke-width=\"0.8\" d=\"M%.2f,%.2fH%.2f\"/>",
-            point->best ? strong : pale, bar->x[0], label->y, bar->x[1]);
+    print(plot->area.to, "</title><path stroke=\"%s\" stroke-width=\"0.8\" d=\"M%.2f,%.2fH%.2f\"/>",
+          point->best ? strong : pale, bar->x[0], label->y, bar->x[1]);
     draw_marker(plot->area.to, label->x, label->y, point->best, point->uncertain);
-    fputs("</g>\n", plot->area.to);
+    print_text(plot->area.to, "</g>\n");
 }
 
 /* ---- labels ---- */
@@ -189,18 +187,18 @@ static void draw_label(const struct plot *plot, int index)
     if (!label->placed)
         return;
     if (label->led)
-        fprintf(plot->area.to,
-                "<path stroke=\"%s\" stroke-width=\"0.6\" d=\"M%.2f,%.2fL%.2f,%.2f\"/>", pale,
-                line.x[0], line.y[0], line.x[1], line.y[1]);
-    fprintf(plot->area.to, "<text text-anchor=\"middle\" x=\"%.2f\" y=\"%.2f\" font-size=\"%d\"%s>",
-            (label->box.left + label->box.right) / 2,
-            (label->box.top + label->box.bottom) / 2 + 0.35 * size, size,
-            plot->number[index] > 0 ? " fill=\"#555\"" : "");
+        print(plot->area.to,
+              "<path stroke=\"%s\" stroke-width=\"0.6\" d=\"M%.2f,%.2fL%.2f,%.2f\"/>", pale,
+              line.x[0], line.y[0], line.x[1], line.y[1]);
+    print(plot->area.to, "<text text-anchor=\"middle\" x=\"%.2f\" y=\"%.2f\" font-size=\"%d\"%s>",
+          (label->box.left + label->box.right) / 2,
+          (label->box.top + label->box.bottom) / 2 + 0.35 * size, size,
+          plot->number[index] > 0 ? " fill=\"#555\"" : "");
     if (plot->number[index] > 0)
-        fprintf(plot->area.to, "%d", plot->number[index]);
+        print(plot->area.to, "%d", plot->number[index]);
     else
         chart_text(plot->area.to, plot->frontier->points[index].name, NAME_LENGTH);
-    fputs("</text>\n", plot->area.to);
+    print_text(plot->area.to, "</text>\n");
 }
 
 /* ---- the key ---- */
@@ -223,8 +221,8 @@ static void draw_markers(const struct plot *plot, int y)
     for (int i = 0; i < 3; i++) {
         const double x = CHART_LEFT + 10 + (CHART_WIDTH - CHART_LEFT) / 3.0 * i;
         draw_marker(plot->area.to, x, y, i == 0, i == 2);
-        fprintf(plot->area.to, "<text x=\"%.2f\" y=\"%.2f\">%s</text>\n", x + 14,
-                y + 0.35 * CHART_TEXT_SIZE, meaning[i]);
+        print(plot->area.to, "<text x=\"%.2f\" y=\"%.2f\">%s</text>\n", x + 14,
+              y + 0.35 * CHART_TEXT_SIZE, meaning[i]);
     }
 }
 
@@ -238,19 +236,19 @@ static void draw_key(const struct plot *plot, int top)
             continue;
         const double x = CHART_LEFT + grid.column * (place / grid.rows);
         const double y = top + CHART_LEGEND_ROW * (place % grid.rows) + 0.35 * CHART_TEXT_SIZE;
-        fprintf(plot->area.to,
-                "<text text-anchor=\"end\" x=\"%.2f\" y=\"%.2f\" fill=\"#555\">%d</text>"
-                "<text x=\"%.2f\" y=\"%.2f\">",
-                x + SAMPLE - 8, y, plot->number[i], x + SAMPLE, y);
+        print(plot->area.to,
+              "<text text-anchor=\"end\" x=\"%.2f\" y=\"%.2f\" fill=\"#555\">%d</text>"
+              "<text x=\"%.2f\" y=\"%.2f\">",
+              x + SAMPLE - 8, y, plot->number[i], x + SAMPLE, y);
         chart_text(plot->area.to, plot->frontier->points[i].name,
                    fitting < KEY_LENGTH ? fitting : KEY_LENGTH);
-        fputs("</text>\n", plot->area.to);
+        print_text(plot->area.to, "</text>\n");
     }
 }
 
 /* ---- the file ---- */
 
-static void draw(void *of, FILE *to)
+static void draw(void *of, struct printed *to)
 {
     struct plot *plot = of;
     const int markers = CHART_TOP + HEIGHT + CHART_TICK + CHART_TEXT_SIZE + CHART_LABEL_SIZE + 36;

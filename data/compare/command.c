@@ -33,9 +33,11 @@ static bool report(const struct options *options, const struct comparison *compa
         if (!json_write(&json, options->json, err))
             return false;
     }
-    if (!options->quiet)
-        comparison_print(comparison, options_table(options, options->map));
-    return true;
+    if (options->quiet)
+        return true;
+    struct printed printed = {.text = NULL};
+    comparison_print(comparison, &printed);
+    return printed_show(&printed, options_table(options, options->map), err);
 }
 
 bool command_compare(struct options *options, struct error *err)

@@ -132,9 +132,9 @@ static const struct {
                   [MAP_RADIANCE] = {1.0 / 16384, "largest difference of radiance"},
                   [MAP_COMPONENT] = {1.0 / 16384, "largest difference of components"}};
 
-static void print_colours(enum map_measure measure, FILE *to)
+static void print_colours(enum map_measure measure, struct printed *to)
 {
-    fprintf(to, "%s: 0 black, ", map_scales[measure].name);
+    print(to, "%s: 0 black, ", map_scales[measure].name);
     scale_print(map_scales[measure].least, to);
 }
 
@@ -409,14 +409,11 @@ static enum map_measure map_measure(const struct comparer *comparer)
 /* Returns the description of the map, allocated; NULL: no memory. */
 static char *map_description(const struct comparison *comparison)
 {
-    struct printed printed;
-    FILE *to = printed_begin(&printed);
-    if (!to)
-        return NULL;
-    fputs("How two spectral stacks differ", to);
+    struct printed printed = {.text = NULL};
+    print_text(&printed, "How two spectral stacks differ");
     if (comparison->map != MAP_NUMBERS) {
-        fputs(". ", to);
-        print_colours(comparison->map, to);
+        print_text(&printed, ". ");
+        print_colours(comparison->map, &printed);
     }
     return printed_end(&printed);
 }
@@ -497,20 +494,20 @@ static void pixel_text(double largest, int x, int y, char out[32])
         snprintf(out, 32, "none");
 }
 
-static void print_bands(const struct comparison *comparison, FILE *to)
+static void print_bands(const struct comparison *comparison, struct printed *to)
 {
-    fprintf(to, "%-17s %-12s %-11s %s\n", comparison->components ? "component" : "wavelength (nm)",
-            "largest", "at pixel", "RMS");
+    print(to, "%-17s %-12s %-11s %s\n", comparison->components ? "component" : "wavelength (nm)",
+          "largest", "at pixel", "RMS");
     for (int i = 0; i < comparison->n; i++) {
         const struct band_difference *band = &comparison->bands[i];
         char pixel[32];
         pixel_text(band->largest, band->x, band->y, pixel);
-        fprintf(to, "%-17.10g %-12.6g %-11s %.6g\n", comparison->wavelengths_nm[i], band->largest,
-                pixel, band->rms);
+        print(to, "%-17.10g %-12.6g %-11s %.6g\n", comparison->wavelengths_nm[i], band->largest,
+              pixel, band->rms);
     }
 }
 
-static void print_pixels(const struct comparison *comparison, FILE *to)
+static void print_pixels(const struct comparison *comparison, struct printed *to)
 {
     const char *const names[] = {comparison->components ? "component angle" : "spectral angle",
                                  "CIE76", "CIE94", "CIEDE2000"};
@@ -518,12 +515,12 @@ static void print_pixels(const struct comparison *comparison, FILE *to)
         const struct pixel_difference *difference = &comparison->pixels[i];
         char pixel[32];
         pixel_text(difference->largest, difference->x, difference->y, pixel);
-        fprintf(to, "%-17s %.6g (mean), %.6g (95th percentile), %.6g (largest, at pixel %s)\n",
-                names[i], difference->mean, difference->quantile_95, difference->largest, pixel);
+        print(to, "%-17s %.6g (mean), %.6g (95th percentile), %.6g (largest, at pixel %s)\n",
+              names[i], difference->mean, difference->quantile_95, difference->largest, pixel);
     }
 }
 
-void comparison_print(const struct comparison *comparison, FILE *to)
+void comparison_print(const struct comparison *comparison, struct printed *to)
 {
     const bool components = comparison->components;
     const char *unit = components ? "" : " W sr-1 m-2 nm-1 (relative)";
@@ -531,22 +528,22 @@ void comparison_print(const struct comparison *comparison, FILE *to)
     char pixel[32];
     pixel_text(all->largest, all->x, all->y, pixel);
     print_bands(comparison, to);
-    fprintf(to, "stacks            %d x %d pixels, %d %s\n", comparison->width, comparison->height,
-            comparison->n, components ? "components" : "wavelengths");
-    fprintf(to, "largest           %.6g%s at %s%.10g%s, at pixel %s\n", all->largest, unit,
-            components ? "component " : "", comparison->wavelengths_nm[comparison->largest_band],
-            components ? "" : " nm", pixel);
-    fprintf(to, "RMS               %.6g%s\n", all->rms, unit);
-    fprintf(to, "largest of A      %.6g%s\n", comparison->largest_radiance, unit);
+    print(to, "stacks            %d x %d pixels, %d %s\n", comparison->width, comparison->height,
+          comparison->n, components ? "components" : "wavelengths");
+    print(to, "largest           %.6g%s at %s%.10g%s, at pixel %s\n", all->largest, unit,
+          components ? "component " : "", comparison->wavelengths_nm[comparison->largest_band],
+          components ? "" : " nm", pixel);
+    print(to, "RMS               %.6g%s\n", all->rms, unit);
+    print(to, "largest of A      %.6g%s\n", comparison->largest_radiance, unit);
     print_pixels(comparison, to);
     if (comparison->has_white)
-        fprintf(to, "observer          %s\n", comparison->observer);
+        print(to, "observer          %s\n", comparison->observer);
     else
-        fprintf(to, "colour            none: there is no white; --white SPECTRUM gives one\n");
+        print(to, "colour            none: there is no white; --white SPECTRUM gives one\n");
     if (comparison->map != MAP_NUMBERS) {
-        fputs("map colours       ", to);
+        print_text(to, "map colours       ");
         print_colours(comparison->map, to);
-        putc('\n', to);
+        print(to, "%c", '\n');
     }
 }
 

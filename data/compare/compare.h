@@ -66,7 +66,7 @@ struct comparison {
 bool compare(const char *a, const char *b, const struct compare_options *options,
              struct comparison *out, struct error *err);
 bool comparison_is_within(const struct comparison *comparison, const struct tolerance *tolerance);
-void comparison_print(const struct comparison *comparison, FILE *to);
+void comparison_print(const struct comparison *comparison, struct printed *to);
 /* json.c: begins a text with one JSON object. */
 void comparison_json(const struct comparison *comparison, bool within, struct json *json);
 void comparison_free(struct comparison *comparison);

@@ -93,10 +93,10 @@ bool command_develop(struct options *options, struct error *err)
         if (!json_write(&json, options->json, err))
             return false;
     }
-    if (!options->quiet) {
-        FILE *to = options_table(options, options->output);
-        develop_print(&develop_options, &result, to);
-        fprintf(to, "picture           %s\n", options->output);
-    }
-    return true;
+    if (options->quiet)
+        return true;
+    struct printed printed = {.text = NULL};
+    develop_print(&develop_options, &result, &printed);
+    print(&printed, "picture           %s\n", options->output);
+    return printed_show(&printed, options_table(options, options->output), err);
 }

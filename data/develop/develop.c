@@ -169,58 +169,58 @@ static uint64_t store_chunk(const struct development *of, size_t n)
 /* ---- in words ---- */
 
 static void print_white(const struct develop_options *options, const struct develop_result *result,
-                        FILE *to)
+                        struct printed *to)
 {
     const double *white = result->white;
     double xy[2];
     if (!result->has_white)
-        fputs("white             not recorded\n", to);
+        print_text(to, "white             not recorded\n");
     else {
-        fprintf(to, "white             %s%.6g %.6g %.6g", result->observer ? "XYZ " : "", white[0],
-                white[1], white[2]);
+        print(to, "white             %s%.6g %.6g %.6g", result->observer ? "XYZ " : "", white[0],
+              white[1], white[2]);
         chromaticity(white, xy);
         if (result->observer)
-            fprintf(to, ", xy %.5f %.5f", xy[0], xy[1]);
-        fprintf(to, " (%s)\n", options->white != NULL ? options->white : "recorded");
+            print(to, ", xy %.5f %.5f", xy[0], xy[1]);
+        print(to, " (%s)\n", options->white != NULL ? options->white : "recorded");
     }
 }
 
 /* Prints all that decides a developed picture, except the stack. */
 static void print_settings(const struct develop_options *options,
-                           const struct develop_result *result, FILE *to)
+                           const struct develop_result *result, struct printed *to)
 {
     static const char *const values[] = {
         [DEVELOP_RGB] = "RGB", [DEVELOP_XYZ] = "XYZ", [DEVELOP_LAB] = "CIELAB"};
-    fprintf(to, "detector          %s (%s)\n", options->detector,
-            result->observer ? "observer" : "camera or film, balanced to the white");
+    print(to, "detector          %s (%s)\n", options->detector,
+          result->observer ? "observer" : "camera or film, balanced to the white");
     if (result->sampling[0] != '\0')
-        fprintf(to, "sampling          %s\n", result->sampling);
+        print(to, "sampling          %s\n", result->sampling);
     print_white(options, result, to);
-    fprintf(to, "adaptation        %s", adaptation_name(result->adaptation.kind));
+    print(to, "adaptation        %s", adaptation_name(result->adaptation.kind));
     if (result->adaptation.kind == ADAPTATION_FAIRCHILD)
-        fprintf(to, " to %.6g cd/m2", result->adaptation.luminance);
-    fprintf(to, "\nvalues            %s", values[options->values]);
+        print(to, " to %.6g cd/m2", result->adaptation.luminance);
+    print(to, "\nvalues            %s", values[options->values]);
     if (options->values == DEVELOP_RGB)
-        fprintf(to, " of %d bits\ndisplay           %s", options->bits,
-                display_name(options->display));
-    fprintf(to, "\nexposure          %.10g%s\n", result->exposure,
-            options->exposure > 0 ? "" : " (auto)");
+        print(to, " of %d bits\ndisplay           %s", options->bits,
+              display_name(options->display));
+    print(to, "\nexposure          %.10g%s\n", result->exposure,
+          options->exposure > 0 ? "" : " (auto)");
 }
 
 void develop_print(const struct develop_options *options, const struct develop_result *result,
-                   FILE *to)
+                   struct printed *to)
 {
     const double pixels = (double)result->width * result->height, *lost = result->lost;
     print_settings(options, result, to);
-    fprintf(to, "%s       %d, %s %.10g to %.10g nm\n",
-            result->components ? "components " : "wavelengths", result->n_pages,
-            result->components ? "of" : "from", result->first_nm, result->last_nm);
-    fprintf(to, "unseen            %.4g %%, %.4g %%, %.4g %% of the sensitivities lie outside\n",
-            100 * lost[0], 100 * lost[1], 100 * lost[2]);
+    print(to, "%s       %d, %s %.10g to %.10g nm\n",
+          result->components ? "components " : "wavelengths", result->n_pages,
+          result->components ? "of" : "from", result->first_nm, result->last_nm);
+    print(to, "unseen            %.4g %%, %.4g %%, %.4g %% of the sensitivities lie outside\n",
+          100 * lost[0], 100 * lost[1], 100 * lost[2]);
     if (options->values == DEVELOP_RGB)
-        fprintf(to, "out of gamut      %llu of %.0f pixels (%.3f %%)\n",
-                (unsigned long long)result->out_of_gamut, pixels,
-                100 * (double)result->out_of_gamut / pixels);
+        print(to, "out of gamut      %llu of %.0f pixels (%.3f %%)\n",
+              (unsigned long long)result->out_of_gamut, pixels,
+              100 * (double)result->out_of_gamut / pixels);
 }
 
 void develop_json(const struct develop_options *options, const struct develop_result *result,
@@ -251,12 +251,9 @@ void develop_json(const struct develop_options *options, const struct develop_re
 /* Returns the description of the picture, allocated; NULL: no memory. */
 static char *description(const struct development *of)
 {
-    struct printed printed;
-    FILE *stream = printed_begin(&printed);
-    if (stream == NULL)
-        return NULL;
-    fprintf(stream, "developed by      " PROGRAM "\nstack             %s\n", of->cube.image.path);
-    print_settings(of->options, of->result, stream);
+    struct printed printed = {.text = NULL};
+    print(&printed, "developed by      " PROGRAM "\nstack             %s\n", of->cube.image.path);
+    print_settings(of->options, of->result, &printed);
     return picture_text(printed_end(&printed));
 }
 

@@ -44,7 +44,7 @@ struct develop_result {
 bool develop(const char *stack, const char *output, const struct develop_options *options,
              struct develop_result *out, struct error *err);
 void develop_print(const struct develop_options *options, const struct develop_result *result,
-                   FILE *to);
+                   struct printed *to);
 /* Begins a text with one JSON object. output: the name of the picture. */
 void develop_json(const struct develop_options *options, const struct develop_result *result,
                   const char *output, struct json *json);

@@ -104,14 +104,17 @@ static bool white_finely(const struct development *of, struct fine_spectra *out,
 }
 
 /* Describes the sampling in one line. */
-static void describe_sampling(const struct sampling *sampling, struct develop_result *result)
+static bool describe_sampling(const struct sampling *sampling, struct develop_result *result,
+                              struct error *err)
 {
-    FILE *to = fmemopen(result->sampling, sizeof result->sampling - 1, "w");
-    if (to == NULL)
-        return;
-    sampling_print(sampling, to);
-    fclose(to);
-    result->sampling[strcspn(result->sampling, "\n")] = '\0';
+    struct printed printed = {.text = NULL};
+    sampling_print(sampling, &printed);
+    char *text = printed_end(&printed);
+    if (!text)
+        return error_memory(err);
+    snprintf(result->sampling, sizeof result->sampling, "%.*s", (int)strcspn(text, "\n"), text);
+    free(text);
+    return true;
 }
 
 /* Finds both weights as if the spectra of the pages were sampled. With a fixed sampling the white
@@ -130,14 +133,14 @@ static bool sampled_weights(struct development *of, struct error *err)
     const bool done =
         white_finely(of, &spectra, err) &&
         sampling_make(options->sampling, options->detector, &spectra, &sampling, err) &&
-        (!sampling.fixed || fold_detector(of, &sampling.fine, err));
+        (!sampling.fixed || fold_detector(of, &sampling.fine, err)) &&
+        describe_sampling(&sampling, of->result, err);
     if (done) {
         fold_sampling(image, &sampling, of->weights);
         if (sampling.segment_nm == NULL && !sampling.fixed)
             detector_lost(&of->detector, sampling.pages.wavelength_nm, sampling.pages.n, lost);
         else
             detector_lost_outside(&of->detector, first - 0.5, first + spectra.n_nm - 0.5, lost);
-        describe_sampling(&sampling, of->result);
     }
     sampling_free(&sampling);
     fine_spectra_free(&spectra);

@@ -103,7 +103,7 @@ void picture_discard(struct picture_writer *writer); /* safe after commit */
  * apart for colour-blind readers. */
 void scale_colour(double value, double least, uint8_t out[3]);
 /* Prints the meaning of the colours but black, in a line without its end. */
-void scale_print(double least, FILE *to);
+void scale_print(double least, struct printed *to);
 
 /* ---- planes.c: float pages with names ---- */
 

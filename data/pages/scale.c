@@ -26,21 +26,21 @@ void scale_colour(double value, double least, uint8_t out[3])
 }
 
 /* Prints a power of two, those below 1 as 1/2, 1/4, ... */
-static void print_power(double power, FILE *to)
+static void print_power(double power, struct printed *to)
 {
     if (power < 1)
-        fprintf(to, "1/%.0f", 1 / power);
+        print(to, "1/%.0f", 1 / power);
     else
-        fprintf(to, "%.0f", power);
+        print(to, "%.0f", power);
 }
 
-void scale_print(double least, FILE *to)
+void scale_print(double least, struct printed *to)
 {
-    fputs("up to ", to);
+    print_text(to, "up to ");
     for (int step = 0; step < STEPS - 1; step++)
         if (steps[step].name) {
             print_power(ldexp(least, step), to);
-            fprintf(to, " %s, ", steps[step].name);
+            print(to, " %s, ", steps[step].name);
         }
-    fprintf(to, "above %s", steps[STEPS - 1].name);
+    print(to, "above %s", steps[STEPS - 1].name);
 }

@@ -164,23 +164,23 @@ bool probe_stack(const char *path, const struct probe_options *options, struct p
 
 static const char unit[] = "W sr-1 m-2 nm-1, relative";
 
-static void print_colour(const struct probe *probe, FILE *to)
+static void print_colour(const struct probe *probe, struct printed *to)
 {
     double xy[2], lab[3], luv[3];
     const double *xyz = probe->xyz, *white = probe->white;
     chromaticity(xyz, xy);
-    fprintf(to, "observer          %s\n", probe->observer);
-    fprintf(to, "XYZ               %.4f %.4f %.4f\n", xyz[0], xyz[1], xyz[2]);
-    fprintf(to, "xy                %.5f %.5f\n", xy[0], xy[1]);
+    print(to, "observer          %s\n", probe->observer);
+    print(to, "XYZ               %.4f %.4f %.4f\n", xyz[0], xyz[1], xyz[2]);
+    print(to, "xy                %.5f %.5f\n", xy[0], xy[1]);
     if (!probe->has_white) {
-        fprintf(to, "Lab               none: the white is unknown; --white SPECTRUM sets it\n");
+        print(to, "Lab               none: the white is unknown; --white SPECTRUM sets it\n");
         return;
     }
     cielab(xyz, white, lab);
     cieluv(xyz, white, luv);
-    fprintf(to, "Lab               %.4f %.4f %.4f\n", lab[0], lab[1], lab[2]);
-    fprintf(to, "Luv               %.4f %.4f %.4f\n", luv[0], luv[1], luv[2]);
-    fprintf(to, "white XYZ         %.4f %.4f %.4f\n", white[0], white[1], white[2]);
+    print(to, "Lab               %.4f %.4f %.4f\n", lab[0], lab[1], lab[2]);
+    print(to, "Luv               %.4f %.4f %.4f\n", luv[0], luv[1], luv[2]);
+    print(to, "white XYZ         %.4f %.4f %.4f\n", white[0], white[1], white[2]);
 }
 
 /* Writes the pixel or region in words, e.g. "pixel 3,4". */
@@ -212,40 +212,40 @@ static void column_name(const struct probe *probe, int column, char *out, size_t
     snprintf(out, capacity, "%s (%s)", curve ? curve->name : names[column], of);
 }
 
-void probe_print(const struct probe *probe, FILE *to)
+void probe_print(const struct probe *probe, struct printed *to)
 {
     char text[160];
-    fprintf(to, "source            %s\n", probe->source);
+    print(to, "source            %s\n", probe->source);
     region_text(probe, text, sizeof text);
-    fprintf(to, "region            %s\n", text);
-    fprintf(to, "object            %s\n", probe->object ? probe->object : "unknown, or several");
+    print(to, "region            %s\n", text);
+    print(to, "object            %s\n", probe->object ? probe->object : "unknown, or several");
     print_colour(probe, to);
     for (int column = 0; column < CURVES + probe->n_curves; column++) {
         column_name(probe, column, text, sizeof text);
-        fprintf(to, "column %-10d %s\n", column + 1, text);
+        print(to, "column %-10d %s\n", column + 1, text);
     }
     for (int i = 0; i < probe->n; i++) {
-        fprintf(to, "%-17.10g", probe->wavelengths_nm[i]);
+        print(to, "%-17.10g", probe->wavelengths_nm[i]);
         for (int column = MEAN; column < CURVES + probe->n_curves; column++)
-            fprintf(to, " %-12.6g", column_value(probe, column, i));
-        putc('\n', to);
+            print(to, " %-12.6g", column_value(probe, column, i));
+        print_text(to, "\n");
     }
 }
 
-void probe_print_csv(const struct probe *probe, FILE *to)
+void probe_print_csv(const struct probe *probe, struct printed *to)
 {
     char name[160];
     const int last = CURVES + probe->n_curves - 1;
     for (int column = 0; column <= last; column++) {
         column_name(probe, column, name, sizeof name);
-        putc('"', to);
+        print_text(to, "\"");
         csv_text(name, to);
-        fputs(column < last ? "\"," : "\"\n", to);
+        print_text(to, column < last ? "\"," : "\"\n");
     }
     for (int i = 0; i < probe->n; i++)
         for (int column = 0; column <= last; column++) {
             const double value = column_value(probe, column, i);
-            fprintf(to, "%.*g%c", exact_digits(value), value, column < last ? ',' : '\n');
+            print(to, "%.*g%c", exact_digits(value), value, column < last ? ',' : '\n');
         }
 }
 

@@ -54,8 +54,8 @@ void moments_end(const struct moments *moments, double *mean, double *spread);
 bool probe_colour(struct probe *probe, const struct cube *cube, const struct probe_options *options,
                   struct error *err);
 /* Print a probe as lines of text, as CSV (RFC 4180) and as a chart. */
-void probe_print(const struct probe *probe, FILE *to);
-void probe_print_csv(const struct probe *probe, FILE *to);
+void probe_print(const struct probe *probe, struct printed *to);
+void probe_print_csv(const struct probe *probe, struct printed *to);
 char *probe_svg(const struct probe *probe); /* allocated; NULL: no memory */
 /* Begins a text with one JSON object. */
 void probe_json(const struct probe *probe, struct json *json);

@@ -73,9 +73,9 @@ int exact_digits(double number)
     return 17;
 }
 
-static void put_source(FILE *stream, const struct spectrum *spectrum, double intensity)
+static void put_source(struct printed *stream, const struct spectrum *spectrum, double intensity)
 {
-    fprintf(stream, "%s*%.*g%c", spectrum->name, exact_digits(intensity), intensity, '\0');
+    print(stream, "%s*%.*g%c", spectrum->name, exact_digits(intensity), intensity, '\0');
 }
 
 /* Returns the lights, then the ambient lights, then the name of the sampling, each ended by a NUL;
@@ -83,17 +83,14 @@ static void put_source(FILE *stream, const struct spectrum *spectrum, double int
 static char *source_texts(const struct scene *scene, const struct sampling *sampling)
 {
     char name[SAMPLING_NAME] = "";
-    struct printed printed;
-    FILE *stream = printed_begin(&printed);
-    if (!stream)
-        return NULL;
+    struct printed printed = {.text = NULL};
     for (int i = 0; i < scene->n_lights; i++)
-        put_source(stream, &scene->lights[i].spectrum, scene->lights[i].intensity);
+        put_source(&printed, &scene->lights[i].spectrum, scene->lights[i].intensity);
     for (int i = 0; i < scene->n_ambients; i++)
-        put_source(stream, &scene->ambients[i].spectrum, scene->ambients[i].intensity);
+        put_source(&printed, &scene->ambients[i].spectrum, scene->ambients[i].intensity);
     if (sampling)
         sampling_name(&sampling->method, name);
-    fprintf(stream, "%s%c", name, '\0');
+    print(&printed, "%s%c", name, '\0');
     return printed_end(&printed);
 }
 
@@ -199,31 +196,32 @@ bool record_scene(const struct scene *scene, const struct sampling *sampling, st
 
 /* ---- writing ---- */
 
-static void put_line(FILE *stream, const char *key, const char *value)
+static void put_line(struct printed *stream, const char *key, const char *value)
 {
     const unsigned char *at = (const unsigned char *)value;
-    fprintf(stream, "%s: ", key);
+    print(stream, "%s: ", key);
     while (*at != '\0') {
         const int length = utf8_length(at);
         if (length == 0 || iscntrl(*at) || *at == '%')
-            fprintf(stream, "%%%02X", *at++);
+            print(stream, "%%%02X", *at++);
         else {
-            fwrite(at, 1, (size_t)length, stream);
+            print_bytes(stream, at, (size_t)length);
             at += length;
         }
     }
-    putc('\n', stream);
+    print_text(stream, "\n");
 }
 
-static void put_numbers(FILE *stream, const char *key, const struct numbers *numbers)
+static void put_numbers(struct printed *stream, const char *key, const struct numbers *numbers)
 {
-    fprintf(stream, "%s:", key);
+    print(stream, "%s:", key);
     for (int i = 0; i < numbers->n; i++)
-        fprintf(stream, " %.*g", exact_digits(numbers->value[i]), numbers->value[i]);
-    putc('\n', stream);
+        print(stream, " %.*g", exact_digits(numbers->value[i]), numbers->value[i]);
+    print_text(stream, "\n");
 }
 
-static void put_field(FILE *stream, const struct record *record, const struct field *field)
+static void put_field(struct printed *stream, const struct record *record,
+                      const struct field *field)
 {
     const void *member = (const char *)record + field->offset;
     const char *const *text = member;
@@ -241,10 +239,9 @@ static void put_field(FILE *stream, const struct record *record, const struct fi
 
 char *record_text(const struct record *record)
 {
-    struct printed printed;
-    FILE *stream = printed_begin(&printed);
-    for (int i = 0; stream && i < FIELDS; i++)
-        put_field(stream, record, &fields[i]);
+    struct printed printed = {.text = NULL};
+    for (int i = 0; i < FIELDS; i++)
+        put_field(&printed, record, &fields[i]);
     return printed_end(&printed);
 }
 

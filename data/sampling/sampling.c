@@ -327,7 +327,7 @@ void sampling_label(const struct sampling *sampling, int page, char out[24])
 
 /* Prints how many weights are negative, and the least one in parts of its channel's sum. Channels
  * that see nothing, or as much negative as positive, have no parts. */
-static void print_negative(const struct sampling *sampling, FILE *to)
+static void print_negative(const struct sampling *sampling, struct printed *to)
 {
     const int n = sampling->pages.n;
     double most_negative = 0;
@@ -344,38 +344,37 @@ static void print_negative(const struct sampling *sampling, FILE *to)
             most_negative = fmin(most_negative, least / sum);
     }
     if (n_negative > 0)
-        fprintf(to, ", %d of %d weights negative (%.2g %%)", n_negative, 3 * n,
-                100 * most_negative);
+        print(to, ", %d of %d weights negative (%.2g %%)", n_negative, 3 * n, 100 * most_negative);
 }
 
-static void print_peaks(const struct sampling *sampling, FILE *to)
+static void print_peaks(const struct sampling *sampling, struct printed *to)
 {
     enum { MOST = 8 };
-    fprintf(to, ", %d emission peak%s", sampling->n_peaks, sampling->n_peaks == 1 ? "" : "s");
+    print(to, ", %d emission peak%s", sampling->n_peaks, sampling->n_peaks == 1 ? "" : "s");
     for (int i = 0; i < sampling->n_peaks && i < MOST; i++)
-        fprintf(to, "%s%.6g", i == 0 ? " (" : ", ", sampling->peak_nm[i]);
+        print(to, "%s%.6g", i == 0 ? " (" : ", ", sampling->peak_nm[i]);
     if (sampling->n_peaks > 0)
-        fputs(sampling->n_peaks > MOST ? ", ... nm)" : " nm)", to);
+        print_text(to, sampling->n_peaks > MOST ? ", ... nm)" : " nm)");
 }
 
 /* Most components have negative weights, which are therefore not reported. */
-void sampling_print(const struct sampling *sampling, FILE *to)
+void sampling_print(const struct sampling *sampling, struct printed *to)
 {
     char name[SAMPLING_NAME];
     const struct kind *kind = kind_of(&sampling->method);
     sampling_name(&sampling->method, name);
-    fprintf(to, "%s for %s: %d %s", name, sampling->detector, sampling->pages.n,
-            sampling->pages.n == 1 ? kind->words->page : kind->words->pages);
+    print(to, "%s for %s: %d %s", name, sampling->detector, sampling->pages.n,
+          sampling->pages.n == 1 ? kind->words->page : kind->words->pages);
     if (sampling->method.kind == SAMPLING_BASIS)
-        fprintf(to, " of rank %d", sampling->rank);
+        print(to, " of rank %d", sampling->rank);
     if (sampling->method.kind == SAMPLING_ADAPTIVE)
         print_peaks(sampling, to);
     if (sampling->spectral)
         print_negative(sampling, to);
-    fprintf(to, "; %s", kind->words->limit);
+    print(to, "; %s", kind->words->limit);
     if (sampling->fixed)
-        fprintf(to, "; for no detector but %s", sampling->detector);
-    fputc('\n', to);
+        print(to, "; for no detector but %s", sampling->detector);
+    print_text(to, "\n");
 }
 
 void sampling_free(struct sampling *sampling)

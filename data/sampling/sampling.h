@@ -90,7 +90,7 @@ double *linear_synthesis(const double *wavelength_nm, int n, double first_nm, in
 /* Writes the name of a component: "red", "Y", "component 3"; "" for a wavelength. */
 void sampling_label(const struct sampling *sampling, int page, char out[24]);
 /* Prints one line: name, number of pages, negative weights, peaks, rank, limits. */
-void sampling_print(const struct sampling *sampling, FILE *to);
+void sampling_print(const struct sampling *sampling, struct printed *to);
 void sampling_free(struct sampling *sampling);
 
 /* ---- Inside this room ---- */

@@ -48,14 +48,13 @@ static char *describe(const struct cube *cube)
 {
     const struct record *record = &cube->record;
     const char *slash = strrchr(cube->image.path, '/');
-    struct printed printed;
-    FILE *to = printed_begin(&printed);
-    if (to && record->program)
-        fprintf(to, "%s, rendered by %s, %s; %s, full_scale = %s; %s", record->scene,
-                record->renderer, record->program, record->scale, record->full_scale,
-                cube->image.verdict);
-    else if (to)
-        fputs(slash ? slash + 1 : cube->image.path, to);
+    struct printed printed = {.text = NULL};
+    if (record->program)
+        print(&printed, "%s, rendered by %s, %s; %s, full_scale = %s; %s", record->scene,
+              record->renderer, record->program, record->scale, record->full_scale,
+              cube->image.verdict);
+    else
+        print_text(&printed, slash ? slash + 1 : cube->image.path);
     return printed_end(&printed);
 }
 

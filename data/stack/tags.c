@@ -57,7 +57,7 @@ static void page_label(const struct stack_options *options, int page, char out[T
 }
 
 /* Writes '?' for bytes that XML excludes (control characters, no UTF-8), and nothing for NULL. */
-static void put_escaped(FILE *stream, const char *text)
+static void put_escaped(struct printed *stream, const char *text)
 {
     static const char *const entities['>' + 1] = {
         ['&'] = "&amp;", ['<'] = "&lt;", ['>'] = "&gt;", ['"'] = "&quot;"};
@@ -65,69 +65,68 @@ static void put_escaped(FILE *stream, const char *text)
     while (*at != '\0') {
         int length = utf8_length(at);
         if (*at <= '>' && entities[*at] != NULL)
-            fputs(entities[*at], stream);
+            print_text(stream, entities[*at]);
         else if (length == 0 || *at == 0x7f || (*at < ' ' && *at != '\n' && *at != '\t'))
-            putc('?', stream);
+            print_text(stream, "?");
         else
-            fwrite(at, 1, (size_t)length, stream);
+            print_bytes(stream, at, (size_t)length);
         at += length > 0 ? length : 1;
     }
 }
 
-static void put_channel(FILE *stream, const struct stack_options *options, int page)
+static void put_channel(struct printed *stream, const struct stack_options *options, int page)
 {
     char label[TEXT_SIZE];
     page_label(options, page, label);
-    fprintf(stream, "<Channel ID=\"Channel:0:%d\" Name=\"", page);
+    print(stream, "<Channel ID=\"Channel:0:%d\" Name=\"", page);
     put_escaped(stream, label);
-    fputs("\" SamplesPerPixel=\"1\"", stream);
+    print_text(stream, "\" SamplesPerPixel=\"1\"");
     if (options->labels == NULL)
-        fprintf(stream, " EmissionWavelength=\"%.10g\" EmissionWavelengthUnit=\"nm\"",
-                options->wavelengths_nm[page]);
-    fputs("/>\n", stream);
+        print(stream, " EmissionWavelength=\"%.10g\" EmissionWavelengthUnit=\"nm\"",
+              options->wavelengths_nm[page]);
+    print_text(stream, "/>\n");
 }
 
 /* The first page describes the whole stack. Its text begins with < and ends with >, by which
  * readers recognize OME-XML. */
-static void put_description(FILE *stream, const struct stack_writer *writer, int page)
+static void put_description(struct printed *stream, const struct stack_writer *writer, int page)
 {
     const struct stack_options *options = &writer->options;
     char scale[TEXT_SIZE];
     if (page > 0) {
         if (options->labels != NULL)
-            fprintf(stream, "component=%s", options->labels[page]);
+            print(stream, "component=%s", options->labels[page]);
         else
-            fprintf(stream, "wavelength_nm=%.10g", options->wavelengths_nm[page]);
+            print(stream, "wavelength_nm=%.10g", options->wavelengths_nm[page]);
         return;
     }
     scale_lines(options, scale);
-    fputs("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<OME xmlns=\"" OME_SCHEMA "\""
-          " xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\""
-          " xsi:schemaLocation=\"" OME_SCHEMA " " OME_SCHEMA "/ome.xsd\">\n"
-          "<Image ID=\"Image:0\" Name=\"",
-          stream);
+    print_text(stream, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<OME xmlns=\"" OME_SCHEMA "\""
+                       " xmlns:xsi=\"http://www.w3.org/2001/XMLSchema-instance\""
+                       " xsi:schemaLocation=\"" OME_SCHEMA " " OME_SCHEMA "/ome.xsd\">\n"
+                       "<Image ID=\"Image:0\" Name=\"");
     put_escaped(stream, options->scene);
-    fprintf(stream, "\"><Description>%s", scale);
+    print(stream, "\"><Description>%s", scale);
     put_escaped(stream, options->provenance);
     if (options->map_bytes > 0)
-        fprintf(stream, "object_map: %" PRIu64 " %d\n",
-                pages_offset(&writer->pages, options->n_wavelengths), options->map_bytes);
-    fprintf(stream,
-            "</Description>\n<Pixels ID=\"Pixels:0\" DimensionOrder=\"XYCZT\" Type=\"%s\""
-            " BigEndian=\"false\" SizeX=\"%d\" SizeY=\"%d\" SizeC=\"%d\" SizeZ=\"1\""
-            " SizeT=\"1\">\n",
-            options->bits == 32  ? "float"
-            : options->bits == 8 ? "uint8"
-                                 : "uint16",
-            options->width, options->height, options->n_wavelengths);
+        print(stream, "object_map: %" PRIu64 " %d\n",
+              pages_offset(&writer->pages, options->n_wavelengths), options->map_bytes);
+    print(stream,
+          "</Description>\n<Pixels ID=\"Pixels:0\" DimensionOrder=\"XYCZT\" Type=\"%s\""
+          " BigEndian=\"false\" SizeX=\"%d\" SizeY=\"%d\" SizeC=\"%d\" SizeZ=\"1\""
+          " SizeT=\"1\">\n",
+          options->bits == 32  ? "float"
+          : options->bits == 8 ? "uint8"
+                               : "uint16",
+          options->width, options->height, options->n_wavelengths);
     for (page = 0; page < options->n_wavelengths; page++)
         put_channel(stream, options, page);
     for (page = 0; page < options->n_wavelengths; page++)
-        fprintf(stream,
-                "<TiffData FirstC=\"%d\" FirstZ=\"0\" FirstT=\"0\" IFD=\"%d\""
-                " PlaneCount=\"1\"/>\n",
-                page, page);
-    fputs("</Pixels></Image></OME>", stream);
+        print(stream,
+              "<TiffData FirstC=\"%d\" FirstZ=\"0\" FirstT=\"0\" IFD=\"%d\""
+              " PlaneCount=\"1\"/>\n",
+              page, page);
+    print_text(stream, "</Pixels></Image></OME>");
 }
 
 double page_width_nm(const double *wavelengths_nm, int n, int page)
@@ -136,42 +135,43 @@ double page_width_nm(const double *wavelengths_nm, int n, int page)
     return after > before ? (wavelengths_nm[after] - wavelengths_nm[before]) / (after - before) : 0;
 }
 
-static void put_gdal_wavelength(FILE *stream, const struct stack_options *options, int page)
+static void put_gdal_wavelength(struct printed *stream, const struct stack_options *options,
+                                int page)
 {
     const double *nm = options->wavelengths_nm;
     const double width_nm = page_width_nm(nm, options->n_wavelengths, page);
-    fprintf(stream,
-            "<Item name=\"CENTRAL_WAVELENGTH_UM\" sample=\"0\""
-            " domain=\"IMAGERY\">%.10g</Item>\n",
-            nm[page] / 1000);
+    print(stream,
+          "<Item name=\"CENTRAL_WAVELENGTH_UM\" sample=\"0\""
+          " domain=\"IMAGERY\">%.10g</Item>\n",
+          nm[page] / 1000);
     if (width_nm > 0)
-        fprintf(stream, "<Item name=\"FWHM_UM\" sample=\"0\" domain=\"IMAGERY\">%.10g</Item>\n",
-                width_nm / 1000);
-    fprintf(stream,
-            "<Item name=\"wavelength\" sample=\"0\">%.10g</Item>\n"
-            "<Item name=\"wavelength_units\" sample=\"0\">Nanometers</Item>\n",
-            nm[page]);
+        print(stream, "<Item name=\"FWHM_UM\" sample=\"0\" domain=\"IMAGERY\">%.10g</Item>\n",
+              width_nm / 1000);
+    print(stream,
+          "<Item name=\"wavelength\" sample=\"0\">%.10g</Item>\n"
+          "<Item name=\"wavelength_units\" sample=\"0\">Nanometers</Item>\n",
+          nm[page]);
 }
 
-static void put_gdal(FILE *stream, const struct stack_writer *writer, int page)
+static void put_gdal(struct printed *stream, const struct stack_writer *writer, int page)
 {
     const struct stack_options *options = &writer->options;
     const double scale = options->bits == 32 ? 1 : options->full_scale / largest_count(options);
     char label[TEXT_SIZE];
     page_label(options, page, label);
-    fputs("<GDALMetadata>\n", stream);
+    print_text(stream, "<GDALMetadata>\n");
     if (options->labels == NULL)
         put_gdal_wavelength(stream, options, page);
-    fputs("<Item name=\"DESCRIPTION\" sample=\"0\" role=\"description\">", stream);
+    print_text(stream, "<Item name=\"DESCRIPTION\" sample=\"0\" role=\"description\">");
     put_escaped(stream, label);
-    fprintf(stream,
-            "</Item>\n<Item name=\"OFFSET\" sample=\"0\" role=\"offset\">0</Item>\n"
-            "<Item name=\"SCALE\" sample=\"0\" role=\"scale\">%.*g</Item>\n",
-            exact_digits(scale), scale);
+    print(stream,
+          "</Item>\n<Item name=\"OFFSET\" sample=\"0\" role=\"offset\">0</Item>\n"
+          "<Item name=\"SCALE\" sample=\"0\" role=\"scale\">%.*g</Item>\n",
+          exact_digits(scale), scale);
     if (options->labels == NULL)
-        fputs("<Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">" RADIANCE_UNIT "</Item>\n",
-              stream);
-    fputs("</GDALMetadata>\n", stream);
+        print_text(stream, "<Item name=\"UNITTYPE\" sample=\"0\" role=\"unittype\">" RADIANCE_UNIT
+                           "</Item>\n");
+    print_text(stream, "</GDALMetadata>\n");
 }
 
 /* Writes a string for ImageJ: the lines of the scale (page -1), or the label of a page. */
@@ -186,49 +186,48 @@ static size_t imagej_string(const struct stack_options *options, int page, char 
 
 /* Writes the strings in UTF-16 without terminators, behind "IJIJ" and the numbers of strings of the
  * kinds "info" and "labl". */
-static void put_imagej_texts(FILE *stream, const struct stack_writer *writer, int page)
+static void put_imagej_texts(struct printed *stream, const struct stack_writer *writer, int page)
 {
     const struct stack_options *options = &writer->options;
     const uint32_t header[5] = {0x494a494a, 0x696e666f, 1, 0x6c61626c,
                                 (uint32_t)options->n_wavelengths};
     char text[TEXT_SIZE];
-    fwrite(header, sizeof header, 1, stream);
+    print_bytes(stream, header, sizeof header);
     for (page = -1; page < options->n_wavelengths; page++) {
         size_t length = imagej_string(options, page, text);
         for (size_t i = 0; i < length; i++)
-            fwrite((char[2]){text[i], 0}, 2, 1, stream);
+            print_bytes(stream, (char[2]){text[i], 0}, 2);
     }
 }
 
 /* Writes the sizes in bytes: of the header of five numbers, and of each string. */
-static void put_imagej_sizes(FILE *stream, const struct stack_writer *writer, int page)
+static void put_imagej_sizes(struct printed *stream, const struct stack_writer *writer, int page)
 {
     const struct stack_options *options = &writer->options;
     uint32_t size = 5 * sizeof size;
     char text[TEXT_SIZE];
-    fwrite(&size, sizeof size, 1, stream);
+    print_bytes(stream, &size, sizeof size);
     for (page = -1; page < options->n_wavelengths; page++) {
         size = 2 * (uint32_t)imagej_string(options, page, text);
-        fwrite(&size, sizeof size, 1, stream);
+        print_bytes(stream, &size, sizeof size);
     }
 }
 
-static void put_wavelengths(FILE *stream, const struct stack_writer *writer, int page)
+static void put_wavelengths(struct printed *stream, const struct stack_writer *writer, int page)
 {
     const struct stack_options *options = &writer->options;
     for (page = 0; page < options->n_wavelengths; page++)
-        fwrite(&(float){(float)options->wavelengths_nm[page]}, sizeof(float), 1, stream);
+        print_bytes(stream, &(float){(float)options->wavelengths_nm[page]}, sizeof(float));
 }
 
 /* Sets a tag to the bytes that `put` prints. */
 static bool set_printed(TIFF *tiff, uint32_t tag, const struct stack_writer *writer, int page,
-                        void (*put)(FILE *, const struct stack_writer *, int), struct error *err)
+                        void (*put)(struct printed *, const struct stack_writer *, int),
+                        struct error *err)
 {
     const TIFFField *field = TIFFFieldWithTag(tiff, tag);
-    struct printed printed;
-    FILE *stream = printed_begin(&printed);
-    if (stream != NULL)
-        put(stream, writer, page);
+    struct printed printed = {.text = NULL};
+    put(&printed, writer, page);
     char *bytes = printed_end(&printed);
     if (bytes == NULL)
         return error_memory(err);

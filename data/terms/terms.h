@@ -78,7 +78,7 @@ enum term_kind {
 };
 struct spectral_term {
     enum term_kind kind;
-    int light;   /* index of the first light of its spectrum; -1: none */
+    int light;         /* index of the first light of its spectrum; -1: none */
     double peak, mean; /* of its spectrum on all pages: the largest value, and the mean of them */
 };
 /* The terms of a material. Lights of one spectrum share their terms, and terms that are 0 on all

@@ -1,47 +1,34 @@
 /* SPDX-License-Identifier: MIT */
 /* Writes JSON into a text that grows. The caller is responsible for the structure. */
 #include <math.h>
-#include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
 
 #include "data/text/text.h"
 
-static void json_text(struct json *json, const char *format, ...) PRINTF_LIKE(2, 3);
-
-static void json_text(struct json *json, const char *format, ...)
-{
-    va_list arguments;
-    va_start(arguments, format);
-    if (json->printed.to)
-        vfprintf(json->printed.to, format, arguments);
-    va_end(arguments);
-}
-
 void json_begin(struct json *json)
 {
     *json = (struct json){.separated = false};
-    printed_begin(&json->printed);
 }
 
 static void json_key(struct json *json, const char *key)
 {
-    json_text(json, "%s", json->separated ? ", " : "");
+    print(&json->printed, "%s", json->separated ? ", " : "");
     if (key)
-        json_text(json, "\"%s\": ", key);
+        print(&json->printed, "\"%s\": ", key);
     json->separated = true;
 }
 
 void json_open(struct json *json, const char *key, char bracket)
 {
     json_key(json, key);
-    json_text(json, "%c", bracket);
+    print(&json->printed, "%c", bracket);
     json->separated = false;
 }
 
 void json_close(struct json *json, char bracket)
 {
-    json_text(json, "%c", bracket);
+    print(&json->printed, "%c", bracket);
     json->separated = true;
 }
 
@@ -49,39 +36,39 @@ void json_string(struct json *json, const char *key, const char *value)
 {
     json_key(json, key);
     if (!value) {
-        json_text(json, "null");
+        print(&json->printed, "null");
         return;
     }
-    json_text(json, "\"");
+    print(&json->printed, "\"");
     for (const char *c = value; *c; c++)
         if (*c == '"' || *c == '\\')
-            json_text(json, "\\%c", *c);
+            print(&json->printed, "\\%c", *c);
         else if ((unsigned char)*c < 0x20)
-            json_text(json, "\\u%04x", (unsigned)*c);
+            print(&json->printed, "\\u%04x", (unsigned)*c);
         else
-            json_text(json, "%c", *c);
-    json_text(json, "\"");
+            print(&json->printed, "%c", *c);
+    print(&json->printed, "\"");
 }
 
 void json_number(struct json *json, const char *key, double value)
 {
     json_key(json, key);
     if (isfinite(value))
-        json_text(json, "%.17g", value);
+        print(&json->printed, "%.17g", value);
     else
-        json_text(json, "null");
+        print(&json->printed, "null");
 }
 
 void json_count(struct json *json, const char *key, uint64_t value)
 {
     json_key(json, key);
-    json_text(json, "%llu", (unsigned long long)value);
+    print(&json->printed, "%llu", (unsigned long long)value);
 }
 
 void json_truth(struct json *json, const char *key, bool value)
 {
     json_key(json, key);
-    json_text(json, value ? "true" : "false");
+    print(&json->printed, value ? "true" : "false");
 }
 
 void json_numbers(struct json *json, const char *key, const double *values, int n)
@@ -98,7 +85,7 @@ void json_numbers(struct json *json, const char *key, const double *values, int 
 
 char *json_end(struct json *json)
 {
-    json_text(json, "\n");
+    print(&json->printed, "\n");
     return printed_end(&json->printed);
 }
 

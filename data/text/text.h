@@ -117,7 +117,7 @@ bool text_vector(struct text *text, const char *what, struct vector *out, struct
 bool text_direction(struct text *text, const char *what, struct vector *out, struct error *err);
 
 /* Prints a text within a quoted field of CSV (RFC 4180): doubles its quotation marks. */
-void csv_text(const char *text, FILE *to);
+void csv_text(const char *text, struct printed *to);
 
 /* ---- json.c: JSON out (RFC 8259) ---- */
 

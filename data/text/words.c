@@ -106,8 +106,8 @@ bool text_direction(struct text *text, const char *what, struct vector *out, str
            error_at(err, first, "%s 0 0 0 points nowhere; one of its numbers must not be 0", what);
 }
 
-void csv_text(const char *text, FILE *to)
+void csv_text(const char *text, struct printed *to)
 {
     for (; *text != '\0'; text++)
-        fprintf(to, *text == '"' ? "\"\"" : "%c", *text);
+        print(to, *text == '"' ? "\"\"" : "%c", *text);
 }

@@ -70,43 +70,43 @@ static bool write_files(const struct cost *cost, const char *csv, const char *sv
 }
 
 /* Prints a word as a user would type it in a shell. */
-static void print_word(const char *word, FILE *to)
+static void print_word(const char *word, struct printed *to)
 {
     const bool plain = word[strspn(word, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz"
                                          "0123456789%+,-./:=@_")] == '\0';
-    fputs(plain ? " " : " '", to);
+    print_text(to, plain ? " " : " '");
     for (; *word; word++)
         if (*word == '\'')
-            fputs("'\\''", to);
+            print_text(to, "'\\''");
         else
-            fputc(*word, to);
-    fputs(plain ? "" : "'", to);
+            print(to, "%c", *word);
+    print_text(to, plain ? "" : "'");
 }
 
 static void print_entry(const struct options *options, const char *what,
-                        const struct cost_entry *entry, FILE *to)
+                        const struct cost_entry *entry, struct printed *to)
 {
-    fprintf(to, "%s: %s, %.3g s, dE00 %.3g\n  spectral render", what, entry->name, entry->seconds,
-            entry->accuracy.quantile_95);
+    print(to, "%s: %s, %.3g s, dE00 %.3g\n  spectral render", what, entry->name, entry->seconds,
+          entry->accuracy.quantile_95);
     print_word(options_scene(options), to);
     for (int i = 0; i < options->n_recorded; i++)
         print_word(options->recorded[i], to);
     for (int i = 0; i < entry->n_words; i++)
         print_word(entry->words[i], to);
-    fputc('\n', to);
+    print_text(to, "\n");
 }
 
 /* Prints the best entry. If its pages are not radiances, also prints the best entry with radiances.
  * best NULL: fails with EXIT_DIFFERENT. */
 static bool recommend(const struct options *options, const char *what,
-                      const struct cost_entry *best, const struct cost_entry *spectral, FILE *to,
-                      struct error *err)
+                      const struct cost_entry *best, const struct cost_entry *spectral,
+                      struct printed *to, struct error *err)
 {
     if (!best)
         return error_different(err, "no configuration is %s", what);
     print_entry(options, what, best, to);
     if (!spectral)
-        fputs("with spectra: none\n", to);
+        print_text(to, "with spectra: none\n");
     else if (spectral != best)
         print_entry(options, "with spectra", spectral, to);
     return true;
@@ -118,11 +118,12 @@ static bool report(const struct options *options, const struct cost *cost, doubl
     const char *csv = options->csv_file, *svg = options->svg_file;
     const bool taken = (csv && output_is_standard(csv)) || (svg && output_is_standard(svg));
     FILE *to = taken ? stderr : options_table(options, NULL);
+    struct printed table = {.text = NULL}, advice = {.text = NULL};
     struct json json;
     char what[80];
     if (!options->quiet)
-        cost_print(cost, to);
-    if (!write_files(cost, csv, svg, err))
+        cost_print(cost, &table);
+    if (!printed_show(&table, to, err) || !write_files(cost, csv, svg, err))
         return false;
     if (options->json) {
         cost_json(cost, &json);
@@ -130,12 +131,13 @@ static bool report(const struct options *options, const struct cost *cost, doubl
             return false;
     }
     snprintf(what, sizeof what, "within %.10g CIEDE2000", tolerance);
-    if (options->tolerance && !recommend(options, what, cost_within(cost, tolerance, false),
-                                         cost_within(cost, tolerance, true), to, err))
-        return false;
+    bool done = !options->tolerance || recommend(options, what, cost_within(cost, tolerance, false),
+                                                 cost_within(cost, tolerance, true), &advice, err);
     snprintf(what, sizeof what, "within %.10g s", budget);
-    return !options->budget || recommend(options, what, cost_affordable(cost, budget, false),
-                                         cost_affordable(cost, budget, true), to, err);
+    done =
+        done && (!options->budget || recommend(options, what, cost_affordable(cost, budget, false),
+                                               cost_affordable(cost, budget, true), &advice, err));
+    return printed_show(&advice, to, err) && done;
 }
 
 /* ---- the command ---- */

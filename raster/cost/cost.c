@@ -108,73 +108,70 @@ const struct cost_entry *cost_affordable(const struct cost *cost, double seconds
 
 /* ---- tables ---- */
 
-static void print_entry(const struct cost_entry *entry, FILE *to)
+static void print_entry(const struct cost_entry *entry, struct printed *to)
 {
-    fprintf(to, "%s%s %-40s %8.3f  %7.3f..%-7.3f %8.3g %8.3g %8.3g ", entry->best ? "*" : " ",
-            entry->uncertain ? "~" : " ", entry->name, entry->seconds, entry->fastest,
-            entry->slowest, entry->accuracy.mean, entry->accuracy.quantile_95,
-            entry->accuracy.largest);
+    print(to, "%s%s %-40s %8.3f  %7.3f..%-7.3f %8.3g %8.3g %8.3g ", entry->best ? "*" : " ",
+          entry->uncertain ? "~" : " ", entry->name, entry->seconds, entry->fastest, entry->slowest,
+          entry->accuracy.mean, entry->accuracy.quantile_95, entry->accuracy.largest);
     if (isnan(entry->accuracy.radiance))
-        fprintf(to, "%9s\n", "-");
+        print(to, "%9s\n", "-");
     else
-        fprintf(to, "%9.3g\n", entry->accuracy.radiance);
+        print(to, "%9.3g\n", entry->accuracy.radiance);
 }
 
-void cost_print(const struct cost *cost, FILE *to)
+void cost_print(const struct cost *cost, struct printed *to)
 {
-    fprintf(to,
-            "scene             %s, %d x %d pixels\n"
-            "observer          %s\n"
-            "runs              %d of each configuration after a warm-up, one after the other,\n"
-            "                  each in a process of its own; seconds are the median, fastest\n"
-            "                  and slowest\n"
-            "standard          every nm, phong shading, tessellation 4, in double: %.3g s\n\n",
-            cost->scene, cost->survey.width, cost->survey.height, cost->survey.observer, cost->runs,
-            cost->standard_seconds);
-    fprintf(to, "   %-40s %8s  %16s %8s %8s %8s %9s\n", "configuration", "seconds",
-            "fastest..slowest", "dE00", "95 %", "largest", "radiance");
+    print(to,
+          "scene             %s, %d x %d pixels\n"
+          "observer          %s\n"
+          "runs              %d of each configuration after a warm-up, one after the other,\n"
+          "                  each in a process of its own; seconds are the median, fastest\n"
+          "                  and slowest\n"
+          "standard          every nm, phong shading, tessellation 4, in double: %.3g s\n\n",
+          cost->scene, cost->survey.width, cost->survey.height, cost->survey.observer, cost->runs,
+          cost->standard_seconds);
+    print(to, "   %-40s %8s  %16s %8s %8s %8s %9s\n", "configuration", "seconds",
+          "fastest..slowest", "dE00", "95 %", "largest", "radiance");
     for (int i = 0; i < cost->n; i++)
         print_entry(&cost->entries[i], to);
-    fprintf(
+    print(
         to,
         "\n"
         "*  on the frontier: no other is both faster and closer for 95 %% of the pixels\n"
         "~  within noise: times between fastest and slowest would put it on the frontier, or off;\n"
         "   a true median is between them with a probability of %.4g %%\n",
         100 * (1 - ldexp(2, -cost->runs)));
-    fputs("dE00 is CIEDE2000 over the pixels that show an object: mean, 95 %, largest; radiance is "
-          "the\n"
-          "rms error of radiances at every nm, relative to theirs, - where pages determine none\n",
-          to);
+    print_text(
+        to,
+        "dE00 is CIEDE2000 over the pixels that show an object: mean, 95 %, largest; radiance is "
+        "the\n"
+        "rms error of radiances at every nm, relative to theirs, - where pages determine none\n");
     for (int i = 0; i < cost->n_notes; i++)
-        fprintf(to, "%s- %s\n", i == 0 ? "\n" : "", cost->notes[i]);
+        print(to, "%s- %s\n", i == 0 ? "\n" : "", cost->notes[i]);
 }
 
-static void print_csv_entry(const struct cost_entry *entry, FILE *to)
+static void print_csv_entry(const struct cost_entry *entry, struct printed *to)
 {
-    fprintf(to, "\"%s\",\"", entry->name);
+    print(to, "\"%s\",\"", entry->name);
     for (int i = 0; i < entry->n_words; i++) {
-        fputs(i > 0 ? " " : "", to);
+        print_text(to, i > 0 ? " " : "");
         csv_text(entry->words[i], to);
     }
-    fprintf(to, "\",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,", entry->seconds, entry->fastest, entry->slowest,
-            entry->accuracy.mean, entry->accuracy.quantile_95, entry->accuracy.largest);
+    print(to, "\",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,", entry->seconds, entry->fastest, entry->slowest,
+          entry->accuracy.mean, entry->accuracy.quantile_95, entry->accuracy.largest);
     if (!isnan(entry->accuracy.radiance))
-        fprintf(to, "%.9g", entry->accuracy.radiance);
-    fprintf(to, ",%d,%d\n", entry->best, entry->uncertain);
+        print(to, "%.9g", entry->accuracy.radiance);
+    print(to, ",%d,%d\n", entry->best, entry->uncertain);
 }
 
 char *cost_csv(const struct cost *cost)
 {
-    struct printed printed;
-    FILE *stream = printed_begin(&printed);
-    if (!stream)
-        return NULL;
-    fputs("name,options,seconds,fastest,slowest,dE00_mean,dE00_95,dE00_largest,radiance_error,"
-          "frontier,within_noise\n",
-          stream);
+    struct printed printed = {.text = NULL};
+    print_text(&printed,
+               "name,options,seconds,fastest,slowest,dE00_mean,dE00_95,dE00_largest,radiance_error,"
+               "frontier,within_noise\n");
     for (int i = 0; i < cost->n; i++)
-        print_csv_entry(&cost->entries[i], stream);
+        print_csv_entry(&cost->entries[i], &printed);
     return printed_end(&printed);
 }
 

@@ -43,7 +43,8 @@ struct configuration {
 };
 
 /* The difference of a stack from the standard: in CIEDE2000, over the pixels in which either
- * picture shows an object (0 if there are none); and in radiance at every nm, rms relative to rms */
+ * picture shows an object (0 if there are none); and in radiance at every nm, rms relative to rms
+ */
 struct accuracy {
     int n_pages;
     bool spectral; /* pages are radiances at wavelengths */
@@ -84,7 +85,7 @@ void cost_mark(struct cost *cost);
  * at most so many seconds; NULL: none. spectral: only entries whose pages are radiances count. */
 const struct cost_entry *cost_within(const struct cost *cost, double tolerance, bool spectral);
 const struct cost_entry *cost_affordable(const struct cost *cost, double seconds, bool spectral);
-void cost_print(const struct cost *cost, FILE *to);
+void cost_print(const struct cost *cost, struct printed *to);
 /* Return the table as CSV, and the chart; allocated. NULL: no memory. */
 char *cost_csv(const struct cost *cost);
 char *cost_svg(const struct cost *cost);

@@ -262,13 +262,10 @@ static bool conclude(struct cost *cost, struct error *err)
 /* Returns the scene's name with the changes of the command line, allocated; NULL: no memory. */
 static char *name_scene(const struct measurement *measurement)
 {
-    struct printed printed;
-    FILE *stream = printed_begin(&printed);
-    if (!stream)
-        return NULL;
-    fputs(measurement->cost->survey.scene, stream);
+    struct printed printed = {.text = NULL};
+    print_text(&printed, measurement->cost->survey.scene);
     for (int i = 0; i < measurement->options->n_recorded; i++)
-        fprintf(stream, " %s", measurement->options->recorded[i]);
+        print(&printed, " %s", measurement->options->recorded[i]);
     return printed_end(&printed);
 }
 

@@ -72,10 +72,8 @@ static bool probe_operand(const struct options *options, const struct probe_opti
 /* Returns the probe as text or CSV, allocated; NULL: no memory. */
 static char *probe_text(const struct probe *probe, bool csv)
 {
-    struct printed printed;
-    FILE *stream = printed_begin(&printed);
-    if (stream)
-        (csv ? probe_print_csv : probe_print)(probe, stream);
+    struct printed printed = {.text = NULL};
+    (csv ? probe_print_csv : probe_print)(probe, &printed);
     return printed_end(&printed);
 }
 

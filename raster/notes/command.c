@@ -31,8 +31,10 @@ bool command_plan(struct options *options, struct error *err)
         plan_json(&plan, &notes, &json);
         done = json_write(&json, options->json, err);
     } else if (done) {
-        done = plan_print(&plan, stdout, err);
-        notes_print(&notes, stdout);
+        struct printed printed = {.text = NULL};
+        done = plan_print(&plan, &printed, err);
+        notes_print(&notes, &printed);
+        done = printed_show(&printed, stdout, err) && done;
     }
     notes_free(&notes);
     plan_free(&plan);

@@ -37,10 +37,10 @@ bool notes_make(const struct lit_scene *lit, struct notes *out, struct error *er
     return note_objects(lit, out, err) && note_tables(plan, out, err);
 }
 
-void notes_print(const struct notes *notes, FILE *to)
+void notes_print(const struct notes *notes, struct printed *to)
 {
     for (int i = 0; i < notes->n; i++)
-        fprintf(to, "note              %s\n", notes->list[i].text);
+        print(to, "note              %s\n", notes->list[i].text);
 }
 
 void notes_json(const struct notes *notes, struct json *json)

@@ -25,7 +25,7 @@ struct notes {
 /* Makes the notes on a lit scene in time linear in vertices x terms; looks at no pixel. */
 bool notes_make(const struct lit_scene *lit, struct notes *out, struct error *err);
 /* Prints a line for each note. */
-void notes_print(const struct notes *notes, FILE *to);
+void notes_print(const struct notes *notes, struct printed *to);
 /* Writes the array "notes" of objects with the members "code" and "text". */
 void notes_json(const struct notes *notes, struct json *json);
 void notes_free(struct notes *notes);
@@ -33,7 +33,7 @@ void notes_free(struct notes *notes);
 /* ---- print.c: the plan in words ---- */
 
 /* Fails only where memory runs out. */
-bool plan_print(const struct plan *plan, FILE *to, struct error *err);
+bool plan_print(const struct plan *plan, struct printed *to, struct error *err);
 /* json.c: begins a text with one JSON object. */
 void plan_json(const struct plan *plan, const struct notes *notes, struct json *json);
 

@@ -16,35 +16,37 @@ const char *why_off(const struct plan *plan, const struct light *light)
                                                   : "no material reflects it";
 }
 
-static void print_lights(const struct plan *plan, FILE *to)
+static void print_lights(const struct plan *plan, struct printed *to)
 {
     for (int i = 0; i < plan->scene->n_lights; i++) {
         const struct light *light = &plan->scene->lights[i];
         const char *off = why_off(plan, light);
-        fprintf(to, "light %-11d %s%s (%s, intensity %.6g)\n", i + 1, off ? "off: " : "on",
-                off ? off : "", light->spectrum.name, light->intensity);
+        print(to, "light %-11d %s%s (%s, intensity %.6g)\n", i + 1, off ? "off: " : "on",
+              off ? off : "", light->spectrum.name, light->intensity);
     }
 }
 
-static void print_texture(const struct plan *plan, const struct texture *texture, FILE *to)
+static void print_texture(const struct plan *plan, const struct texture *texture,
+                          struct printed *to)
 {
     const struct image *image = &texture->image;
-    fprintf(to, "texture           %s: %d x %d texels, %d pages, %s%s\n", image->path, image->width,
-            image->height, image->n_pages, texture->linear ? "linear" : "nearest",
-            texture->spectral && plan->sampling ? ", at the wavelength of each page" : "");
+    print(to, "texture           %s: %d x %d texels, %d pages, %s%s\n", image->path, image->width,
+          image->height, image->n_pages, texture->linear ? "linear" : "nearest",
+          texture->spectral && plan->sampling ? ", at the wavelength of each page" : "");
 }
 
-static void print_extrapolation(const struct plan *plan, const struct table_use *use, FILE *to)
+static void print_extrapolation(const struct plan *plan, const struct table_use *use,
+                                struct printed *to)
 {
     const struct spectrum *table = &use->table;
     const int outside = table_outside(plan, use);
     if (outside > 0)
-        fprintf(to, "extrapolated      %s %s: %d of %d wavelengths outside %g..%g nm, %s there\n",
-                use->what, use->owner, outside, pages_looked_at(&plan->illumination.pages),
-                table->wavelength_nm[0], table->wavelength_nm[table->count - 1], use->ends);
+        print(to, "extrapolated      %s %s: %d of %d wavelengths outside %g..%g nm, %s there\n",
+              use->what, use->owner, outside, pages_looked_at(&plan->illumination.pages),
+              table->wavelength_nm[0], table->wavelength_nm[table->count - 1], use->ends);
 }
 
-static bool print_guesses(const struct plan *plan, FILE *to, struct error *err)
+static bool print_guesses(const struct plan *plan, struct printed *to, struct error *err)
 {
     int n;
     struct table_use *tables = tables_list(plan, &n, err);
@@ -56,56 +58,56 @@ static bool print_guesses(const struct plan *plan, FILE *to, struct error *err)
     for (int i = 0; i < plan->n_materials; i++) {
         const struct material *material = plan->materials[i].material;
         if (material->from_rgb)
-            fprintf(to, "not measured      %s: RGB of %s, spread over three bands\n",
-                    material->name, material->path);
+            print(to, "not measured      %s: RGB of %s, spread over three bands\n", material->name,
+                  material->path);
     }
     return true;
 }
 
-static void print_work(const struct plan *plan, FILE *to)
+static void print_work(const struct plan *plan, struct printed *to)
 {
     const struct scene *scene = plan->scene;
     const struct rectangle picture = plan_picture(plan);
     int passes = plan->n_passes * plan->n_light_groups, most = 0;
     for (int i = 0; i < plan->n_materials; i++)
         most = plan->materials[i].n_terms > most ? plan->materials[i].n_terms : most;
-    fprintf(to, "objects           %d (%d instances, %ld vertices, %ld triangles)\n",
-            scene->n_objects, plan->n_instances, plan->n_vertices, plan->n_triangles);
-    fprintf(to, "materials         %d (%ld terms, at most %d in one)\n", plan->n_materials,
-            plan->work.terms, most);
-    fprintf(to, "excitation        %ld integrals\n", plan->work.excitation_integrals);
-    fprintf(to, "tiles             %d of %d x %d pixels\n", plan_tiles(plan, &picture),
-            plan->tile_width, plan->tile_height);
-    fprintf(to, "passes            %ld (%d a tile, %d bands and %d lights each)\n",
-            (long)passes * plan_tiles(plan, &picture), passes, BANDS_PER_PASS, LIGHTS_PER_PASS);
-    fprintf(to, "memory            %.1f MiB for a tile\n", (double)plan->tile_bytes / 1048576);
-    fprintf(to, "file              %llu bytes of pixels\n", (unsigned long long)plan->file_bytes);
+    print(to, "objects           %d (%d instances, %ld vertices, %ld triangles)\n",
+          scene->n_objects, plan->n_instances, plan->n_vertices, plan->n_triangles);
+    print(to, "materials         %d (%ld terms, at most %d in one)\n", plan->n_materials,
+          plan->work.terms, most);
+    print(to, "excitation        %ld integrals\n", plan->work.excitation_integrals);
+    print(to, "tiles             %d of %d x %d pixels\n", plan_tiles(plan, &picture),
+          plan->tile_width, plan->tile_height);
+    print(to, "passes            %ld (%d a tile, %d bands and %d lights each)\n",
+          (long)passes * plan_tiles(plan, &picture), passes, BANDS_PER_PASS, LIGHTS_PER_PASS);
+    print(to, "memory            %.1f MiB for a tile\n", (double)plan->tile_bytes / 1048576);
+    print(to, "file              %llu bytes of pixels\n", (unsigned long long)plan->file_bytes);
 }
 
-static void print_bands(const struct plan *plan, FILE *to)
+static void print_bands(const struct plan *plan, struct printed *to)
 {
     const struct scene *scene = plan->scene;
     if (plan->sampling && !plan->sampling->spectral)
-        fprintf(to, "bands             %d (components)\n", plan->n_bands);
+        print(to, "bands             %d (components)\n", plan->n_bands);
     else
-        fprintf(to, "bands             %d (%.10g to %.10g nm)\n", plan->n_bands,
-                scene->wavelengths_nm[0], scene->wavelengths_nm[plan->n_bands - 1]);
+        print(to, "bands             %d (%.10g to %.10g nm)\n", plan->n_bands,
+              scene->wavelengths_nm[0], scene->wavelengths_nm[plan->n_bands - 1]);
     if (plan->sampling) {
-        fprintf(to, "sampling          ");
+        print(to, "sampling          ");
         sampling_print(plan->sampling, to);
     }
 }
 
-bool plan_print(const struct plan *plan, FILE *to, struct error *err)
+bool plan_print(const struct plan *plan, struct printed *to, struct error *err)
 {
     const struct scene *scene = plan->scene;
-    fprintf(to, "scene             %s\n", scene->path);
-    fprintf(to, "picture           %d x %d pixels\n", scene->width, scene->height);
+    print(to, "scene             %s\n", scene->path);
+    print(to, "picture           %d x %d pixels\n", scene->width, scene->height);
     print_bands(plan, to);
     print_work(plan, to);
     for (int i = 0; i < plan->n_effects; i++)
-        fprintf(to, "%-17s %s (%s)\n", plan->effects[i].name, plan->effects[i].used ? "yes" : "no",
-                plan->effects[i].reason);
+        print(to, "%-17s %s (%s)\n", plan->effects[i].name, plan->effects[i].used ? "yes" : "no",
+              plan->effects[i].reason);
     print_lights(plan, to);
     for (int i = 0; i < plan->n_textures; i++)
         print_texture(plan, &plan->textures[i], to);

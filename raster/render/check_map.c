@@ -20,22 +20,19 @@ static const uint8_t colour_differs[3] = {255, 0, 255};
 
 /* ---- in words ---- */
 
-void check_map_print_colours(FILE *to)
+void check_map_print_colours(struct printed *to)
 {
-    fputs("floors in counts, in all bands alike (left) and in one band (right): ", to);
+    print_text(to, "floors in counts, in all bands alike (left) and in one band (right): ");
     scale_print(least_floor, to);
-    fputs("; background black; pixels that differ magenta", to);
+    print_text(to, "; background black; pixels that differ magenta");
 }
 
 /* Returns the description of the picture, allocated; NULL: no memory. */
 static char *picture_description(void)
 {
-    struct printed printed;
-    FILE *to = printed_begin(&printed);
-    if (!to)
-        return NULL;
-    fputs("Cross-check of OpenGL. ", to);
-    check_map_print_colours(to);
+    struct printed printed = {.text = NULL};
+    print_text(&printed, "Cross-check of OpenGL. ");
+    check_map_print_colours(&printed);
     return printed_end(&printed);
 }
 

@@ -127,33 +127,33 @@ static bool write_json(const struct options *options, const struct plan *plan,
 
 /* Prints the name of the stack's header. A header of an older stack stays where it is: it may give
  * wrong places of samples. */
-static void print_header(const char *stack, bool written, FILE *to)
+static void print_header(const char *stack, bool written, struct printed *to)
 {
     char *header = sidecar_name(stack);
     if (header && written)
-        fprintf(to, "header            %s\n", header);
+        print(to, "header            %s\n", header);
     else if (header && file_is_regular(header))
-        fprintf(to, "header            %s is of an older stack; spectral envi %s renews it\n",
-                header, stack);
+        print(to, "header            %s is of an older stack; spectral envi %s renews it\n", header,
+              stack);
     free(header);
 }
 
 static void print_report(const struct plan *plan, const struct render_result *result,
-                         const struct render_output *output, const char *stored, FILE *to)
+                         const struct render_output *output, const char *stored, struct printed *to)
 {
     report_print(plan, result, to);
     if (stored) {
-        fprintf(to, "stack             %s\n", stored);
+        print(to, "stack             %s\n", stored);
         print_header(stored, output->envi, to);
     }
     if (output->check_map && picture_is_png(output->check_map)) {
-        fputs("map colours       ", to);
+        print_text(to, "map colours       ");
         check_map_print_colours(to);
-        putc('\n', to);
+        print_text(to, "\n");
     }
     if (result->difference.compared)
-        fprintf(to, "again             %s bytes as %s\n",
-                result->difference.found ? "not the same" : "the same", output->again);
+        print(to, "again             %s bytes as %s\n",
+              result->difference.found ? "not the same" : "the same", output->again);
 }
 
 /* Reports, then fails if the pictures differ. made: the record of the stack that is made again;
@@ -171,11 +171,14 @@ static bool report(const struct options *options, const struct plan *plan,
                                              : stored);
     if (options->json && !write_json(options, plan, result, stored, err))
         return false;
+    struct printed printed = {.text = NULL};
     if (!options->quiet) {
-        if (options->verbose && !plan_print(plan, table, err))
+        if (options->verbose && !plan_print(plan, &printed, err))
             return false;
-        print_report(plan, result, output, stored, table);
+        print_report(plan, result, output, stored, &printed);
     }
+    if (!printed_show(&printed, table, err))
+        return false;
     if (agreed)
         return true;
     const char *then = !wanted        ? "no stack was wanted"

@@ -71,11 +71,12 @@ bool report_not_again(const struct plan *plan, const struct render_result *resul
 /* Returns "agreed", "differs", "not verified" or "not checked". */
 const char *verdict_word(const struct plan *plan, const struct check_verdict *verdict);
 /* Prints the verdict with its reason. */
-void print_verdict(const struct plan *plan, const struct check_verdict *verdict, FILE *to);
+void print_verdict(const struct plan *plan, const struct check_verdict *verdict,
+                   struct printed *to);
 
 /* ---- report.c: results as a table and as JSON ---- */
 
-void report_print(const struct plan *plan, const struct render_result *result, FILE *to);
+void report_print(const struct plan *plan, const struct render_result *result, struct printed *to);
 /* Begins a text with one JSON object. output: the stack's name, sha256: its digest; NULL becomes
  * null. */
 void report_json(const struct plan *plan, const struct render_result *result, const char *output,
@@ -101,7 +102,7 @@ struct check_map {
     float *samples; /* of a chunk */
 };
 /* Prints the meaning of a PNG's colours, in a line without its end. */
-void check_map_print_colours(FILE *to);
+void check_map_print_colours(struct printed *to);
 bool check_map_open(const char *path, const struct plan *plan, struct check_map *out,
                     struct error *err);
 bool check_map_write(struct check_map *map, const struct check *check, struct error *err);

@@ -33,21 +33,21 @@ static double existing(double ratio)
 /* ---- in words ---- */
 
 /* Prints a figure behind some words; "none" where it does not exist. */
-static void print_figure(const char *words, const char *format, double figure, FILE *to)
+static void print_figure(const char *words, const char *format, double figure, struct printed *to)
 {
-    fputs(words, to);
+    print_text(to, words);
     if (isfinite(figure))
-        fprintf(to, format, figure);
+        print(to, format, figure);
     else
-        fputs("none", to);
+        print_text(to, "none");
 }
 
-static void print_floor(const char *name, const struct check_floor *floor, FILE *to)
+static void print_floor(const char *name, const struct check_floor *floor, struct printed *to)
 {
     if (floor->n == 0)
-        fprintf(to, "%s none\n", name);
+        print(to, "%s none\n", name);
     else
-        fprintf(
+        print(
             to,
             "%s %.3f counts (median), %.3f (99 %%), %.3f (99.9 %%), %.1f (worst) of %llu pixels\n",
             name, floor_quantile(floor, 0.5), floor_quantile(floor, 0.99),
@@ -55,33 +55,33 @@ static void print_floor(const char *name, const struct check_floor *floor, FILE 
 }
 
 static void print_shares(const char *name, const struct check_floor *floor, uint64_t objects,
-                         FILE *to)
+                         struct printed *to)
 {
     if (objects == 0)
-        fprintf(to, "%s none\n", name);
+        print(to, "%s none\n", name);
     else
-        fprintf(to, "%s %.3f %% of %llu object pixels within 1 count, %.3f %% 8, %.3f %% %d\n",
-                name, percent(floor->within[0], objects), (unsigned long long)objects,
-                percent(floor->within[1], objects), percent(floor->within[2], objects),
-                CHECKED_COUNTS);
+        print(to, "%s %.3f %% of %llu object pixels within 1 count, %.3f %% 8, %.3f %% %d\n", name,
+              percent(floor->within[0], objects), (unsigned long long)objects,
+              percent(floor->within[1], objects), percent(floor->within[2], objects),
+              CHECKED_COUNTS);
 }
 
-static void print_samples(const struct check_verdict *verdict, FILE *to)
+static void print_samples(const struct check_verdict *verdict, struct printed *to)
 {
     const struct check_samples *samples = &verdict->samples;
-    fprintf(to, "samples           %llu\n", (unsigned long long)samples->n);
-    fprintf(to, "exact             %llu (%.3f %%)\n", (unsigned long long)samples->exact,
-            percent(samples->exact, samples->n));
-    fprintf(to, "within 1 count    %llu (%.3f %%)\n", (unsigned long long)samples->within_1,
-            percent(samples->within_1, samples->n));
-    fprintf(to, "largest           %.4f counts", samples->largest);
+    print(to, "samples           %llu\n", (unsigned long long)samples->n);
+    print(to, "exact             %llu (%.3f %%)\n", (unsigned long long)samples->exact,
+          percent(samples->exact, samples->n));
+    print(to, "within 1 count    %llu (%.3f %%)\n", (unsigned long long)samples->within_1,
+          percent(samples->within_1, samples->n));
+    print(to, "largest           %.4f counts", samples->largest);
     print_figure(" (root mean square ", "%.5f", rms(samples), to);
     print_figure(")\nmean residual     ", "%+.6f counts", mean_residual(samples), to);
     print_figure(" (roundings leave at most ", "%.6f", verdict->mean_limit, to);
-    fputs(")\n", to);
+    print_text(to, ")\n");
 }
 
-static void print_check(const struct check_verdict *verdict, FILE *to)
+static void print_check(const struct check_verdict *verdict, struct printed *to)
 {
     print_samples(verdict, to);
     print_floor("floor            ", &verdict->floor, to);
@@ -92,49 +92,49 @@ static void print_check(const struct check_verdict *verdict, FILE *to)
     print_figure("worst error/bound ", "%.3f", existing(verdict->samples.worst_ratio), to);
     print_figure(" (one band ", "%.3f", existing(verdict->samples.worst_fit_ratio), to);
     print_figure(", depth ", "%.3f", existing(verdict->worst_depth_ratio), to);
-    fprintf(to,
-            ")\npixels            %llu, %llu ambiguous, %llu not checked (%llu without a bound)\n",
-            (unsigned long long)verdict->pixels, (unsigned long long)verdict->ambiguous,
-            (unsigned long long)verdict->unchecked, (unsigned long long)verdict->unbounded);
+    print(to,
+          ")\npixels            %llu, %llu ambiguous, %llu not checked (%llu without a bound)\n",
+          (unsigned long long)verdict->pixels, (unsigned long long)verdict->ambiguous,
+          (unsigned long long)verdict->unchecked, (unsigned long long)verdict->unbounded);
     if (verdict->edge_holes + verdict->edge_doubles > 0)
-        fprintf(to, "edge holes        %llu, doubled %llu\n",
-                (unsigned long long)verdict->edge_holes, (unsigned long long)verdict->edge_doubles);
-    fprintf(to, "unexplained       %llu\n", (unsigned long long)verdict->unexplained);
+        print(to, "edge holes        %llu, doubled %llu\n", (unsigned long long)verdict->edge_holes,
+              (unsigned long long)verdict->edge_doubles);
+    print(to, "unexplained       %llu\n", (unsigned long long)verdict->unexplained);
 }
 
-void report_print(const struct plan *plan, const struct render_result *result, FILE *to)
+void report_print(const struct plan *plan, const struct render_result *result, struct printed *to)
 {
     const struct render_seconds *seconds = &result->seconds;
     const int bits = plan->options.bits;
-    fprintf(to, "scene             %s, %d x %d pixels, %d %s\n", plan->scene->path,
-            plan->scene->width, plan->scene->height, plan->n_bands,
-            has_components(plan) ? "components" : "wavelengths");
+    print(to, "scene             %s, %d x %d pixels, %d %s\n", plan->scene->path,
+          plan->scene->width, plan->scene->height, plan->n_bands,
+          has_components(plan) ? "components" : "wavelengths");
     if (plan->sampling) {
-        fprintf(to, "sampling          ");
+        print(to, "sampling          ");
         sampling_print(plan->sampling, to);
     }
-    fprintf(to, "full scale        %.10g is count 65535%s\n", result->full_scale,
-            bits == 8 ? ", stored as 255" : "");
+    print(to, "full scale        %.10g is count 65535%s\n", result->full_scale,
+          bits == 8 ? ", stored as 255" : "");
     if (plan->options.use_gl)
-        fprintf(to, "OpenGL            %s, %s\n", result->gl_renderer, result->gl_version);
+        print(to, "OpenGL            %s, %s\n", result->gl_renderer, result->gl_version);
     if (plan->options.check)
-        fprintf(to, "bounds            of %s\n", result->driver->name);
+        print(to, "bounds            of %s\n", result->driver->name);
     if (plan->options.check)
         print_check(&result->check, to);
     print_verdict(plan, &result->check, to);
     if (result->odd.clipped)
-        fprintf(to, "clipped           %llu samples above full scale are stored as %s\n",
-                (unsigned long long)result->odd.clipped,
-                bits == 8    ? "255"
-                : bits == 32 ? "full scale"
-                             : "65535");
+        print(to, "clipped           %llu samples above full scale are stored as %s\n",
+              (unsigned long long)result->odd.clipped,
+              bits == 8    ? "255"
+              : bits == 32 ? "full scale"
+                           : "65535");
     if (result->notes)
         notes_print(result->notes, to);
-    fprintf(to,
-            "seconds           %.3f (read %.3f, plan %.3f, gl %.3f, raster %.3f, check %.3f, "
-            "write %.3f)\n",
-            seconds->total, seconds->read, seconds->plan, seconds->gl, seconds->raster,
-            seconds->check, seconds->write);
+    print(to,
+          "seconds           %.3f (read %.3f, plan %.3f, gl %.3f, raster %.3f, check %.3f, "
+          "write %.3f)\n",
+          seconds->total, seconds->read, seconds->plan, seconds->gl, seconds->raster,
+          seconds->check, seconds->write);
 }
 
 /* ---- as JSON ---- */

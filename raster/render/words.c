@@ -84,15 +84,15 @@ static void reason_text(const struct plan *plan, const struct check_verdict *ver
     }
 }
 
-void print_verdict(const struct plan *plan, const struct check_verdict *verdict, FILE *to)
+void print_verdict(const struct plan *plan, const struct check_verdict *verdict, struct printed *to)
 {
     char reason[768];
     if (!plan->options.check) {
-        fprintf(to, "verdict           not checked%s\n", no_check(plan));
+        print(to, "verdict           not checked%s\n", no_check(plan));
         return;
     }
     reason_text(plan, verdict, reason, sizeof reason);
-    fprintf(to, "verdict           %s: %s\n", verdict_word(plan, verdict), reason);
+    print(to, "verdict           %s: %s\n", verdict_word(plan, verdict), reason);
 }
 
 /* Pixels of the reference get the same words with and without a check that agrees. */

@@ -84,14 +84,17 @@ bool command_view(struct options *options, struct error *err)
     const struct plan_options plan_options = {
         .store_raster = true, .exchangeable = !still, .threads = options->threads};
     struct view_report report = {.out_of_gamut = 0};
-    const bool done =
-        scene_read_options(options, &scene, err) && scene_spared(options->output, &scene, err) &&
-        scene_spared(options->json, &scene, err) && output_can_open(options->json, err) &&
-        plan_make(&scene, NULL, &plan_options, &plan, err) &&
-        (still ? write_still : write_page)(options, &plan, &report, err) &&
-        (!options->json || write_json(options, &report, still, err));
-    if (done && !options->quiet)
-        notes_print(&report.notes, options_table(options, options->output));
+    bool done = scene_read_options(options, &scene, err) &&
+                scene_spared(options->output, &scene, err) &&
+                scene_spared(options->json, &scene, err) && output_can_open(options->json, err) &&
+                plan_make(&scene, NULL, &plan_options, &plan, err) &&
+                (still ? write_still : write_page)(options, &plan, &report, err) &&
+                (!options->json || write_json(options, &report, still, err));
+    if (done && !options->quiet) {
+        struct printed printed = {.text = NULL};
+        notes_print(&report.notes, &printed);
+        done = printed_show(&printed, options_table(options, options->output), err);
+    }
     notes_free(&report.notes);
     plan_free(&plan);
     scene_free(&scene);

@@ -124,14 +124,11 @@ static bool prepare(struct still *still, struct error *err)
 /* Returns the description of the picture, allocated; NULL: no memory. */
 static char *still_description(const struct plan *plan)
 {
-    struct printed printed;
-    FILE *to = printed_begin(&printed);
-    if (!to)
-        return NULL;
-    fprintf(to,
-            "drawn by          " PROGRAM "\nscene             %s\ndetector          %s\n"
-            "adaptation        none\ndisplay           %s\nexposure          1\n",
-            plan->scene->path, detector_name, display_name(DISPLAY_SRGB));
+    struct printed printed = {.text = NULL};
+    print(&printed,
+          "drawn by          " PROGRAM "\nscene             %s\ndetector          %s\n"
+          "adaptation        none\ndisplay           %s\nexposure          1\n",
+          plan->scene->path, detector_name, display_name(DISPLAY_SRGB));
     return picture_text(printed_end(&printed));
 }
 

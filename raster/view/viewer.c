@@ -369,13 +369,17 @@ static bool put_json(struct page *page, const struct planes *planes, const doubl
 
 /* Writes JSON into HTML. A "<" might end the script element around it, so it is escaped; only
  * strings contain one. */
-static void write_json(const char *text, FILE *to)
+static void write_json(const char *text, struct printed *to)
 {
-    for (; *text; text++)
-        if (*text == '<')
-            fputs("\\u003c", to);
-        else
-            putc(*text, to);
+    while (*text) {
+        const size_t plain = strcspn(text, "<");
+        print_bytes(to, text, plain);
+        text += plain;
+        if (*text == '<') {
+            print_text(to, "\\u003c");
+            text++;
+        }
+    }
 }
 
 /* Writes the page's source, with the data in place of the mark. */
@@ -384,23 +388,20 @@ static bool write_page(const char *json, const char *planes, size_t planes_lengt
 {
     static const char mark[] = "<!-- scene -->\n";
     const struct place nowhere = {NULL, 0, 0};
+    struct printed printed = {.text = NULL};
     char *source = NULL;
     size_t length;
-    struct printed printed;
     if (!file_read("builtin:viewer.html", nowhere, &source, &length, err))
         return false;
     const char *at = strstr(source, mark);
-    FILE *to = printed_begin(&printed);
     assert(at);
-    if (to) {
-        fwrite(source, 1, (size_t)(at - source), to);
-        fputs("<script id=\"scene\" type=\"application/json\">", to);
-        write_json(json, to);
-        fputs("</script>\n<script id=\"planes\" type=\"text/plain\">", to);
-        fwrite(planes, 1, planes_length, to);
-        fputs("</script>\n", to);
-        fputs(at + strlen(mark), to);
-    }
+    print_bytes(&printed, source, (size_t)(at - source));
+    print_text(&printed, "<script id=\"scene\" type=\"application/json\">");
+    write_json(json, &printed);
+    print_text(&printed, "</script>\n<script id=\"planes\" type=\"text/plain\">");
+    print_bytes(&printed, planes, planes_length);
+    print_text(&printed, "</script>\n");
+    print_text(&printed, at + strlen(mark));
     char *text = printed_end(&printed);
     *bytes = printed.length;
     const bool done = text ? file_write(path, text, *bytes, err) : error_memory(err);

@@ -379,14 +379,23 @@ static void check_arrays(void)
 
 static void check_printed(void)
 {
-    struct printed printed = {.to = NULL};
-    CHECK(!printed_end(&printed), "a text that never began is none");
-    fprintf(printed_begin(&printed), "%d%c%d", 1, '\0', 23);
+    struct printed printed = {.text = NULL};
+    for (int i = 0; i < 1000; i++)
+        print(&printed, "%d%c%s", 1, '\0', "23");
+    print_text(&printed, "4");
+    print_bytes(&printed, "\0005", 2);
     char *text = printed_end(&printed);
-    CHECK(text && printed.length == 4 && memcmp(text, "1\00023", 5) == 0,
-          "a text has its length, and a NUL behind it");
-    CHECK(!printed_end(&printed), "it is returned once");
+    bool right = text && printed.length == 4003 && memcmp(text + 4000, "4\0005", 4) == 0;
+    for (size_t i = 0; right && i < 1000; i++)
+        right = memcmp(text + 4 * i, "1\00023", 4) == 0;
+    CHECK(right, "a text has its length, and a NUL behind it");
     free(text);
+    CHECK(!printed_end(&printed), "a text is returned once");
+    printed = (struct printed){.text = NULL};
+    print_text(&printed, "whole");
+    print_bytes(&printed, "", SIZE_MAX / 2);
+    print_text(&printed, "part");
+    CHECK(!printed_end(&printed), "a text that memory has no room for is none, not a part");
 }
 
 int main(void)
