@@ -7,11 +7,11 @@
 #include <string.h>
 #include <strings.h>
 
-#include "data/base/base.h"
 #include "data/catalogue/catalogue.h"
 #include "data/compare/compare.h"
 #include "data/develop/develop.h"
 #include "data/options/options.h"
+#include "data/process/process.h"
 #include "data/scene/scene.h"
 #include "data/stack/stack.h"
 #include "data/text/text.h"
@@ -327,6 +327,14 @@ static bool print_version(void)
 
 /* ---- main ---- */
 
+/* Writes the printed text. A closed pipe is no failure. */
+static bool flush_output(struct error *err)
+{
+    errno = 0;
+    return (fflush(stdout) == 0 && !ferror(stdout)) || output_is_unread() ||
+           error_system(err, "cannot write to standard output");
+}
+
 static bool run_with_options(const struct command *command, char *const *words, int n_words,
                              struct error *err)
 {
@@ -335,6 +343,13 @@ static bool run_with_options(const struct command *command, char *const *words, 
     struct options options;
     bool done = options_read(&rules, words, n_words, &options, err) &&
                 (options.help ? print_command_usage(command) : command->run(&options, err));
+    /* a command that found a difference may have kept its outputs */
+    struct error failure = {.status = EXIT_AGREED};
+    if ((done || err->status == EXIT_DIFFERENT) &&
+        !(flush_output(&failure) && outputs_commit(&options.outputs, &failure))) {
+        *err = failure;
+        done = false;
+    }
     options_free(&options);
     return done;
 }
@@ -378,21 +393,29 @@ static bool run_command(int argc, char **argv, struct error *err)
                                     : run_with_options(command, argv + 2, argc - 2, err);
 }
 
+struct words {
+    int n;
+    char **word;
+};
+
+/* Returns the exit status. A user who has stopped the program needs no message. */
+static int run_words(void *of)
+{
+    const struct words *words = of;
+    struct error err = {.status = EXIT_AGREED};
+    const bool done = run_command(words->n, words->word, &err);
+    if (done && flush_output(&err))
+        return EXIT_AGREED;
+    if (err.text[0] && !is_interrupted())
+        fprintf(stderr, "%s\n", err.text);
+    return (int)err.status;
+}
+
 int main(int argc, char **argv)
 {
-    struct error err = {.status = EXIT_AGREED};
+    struct words words = {argc, argv};
     /* a closed pipe, and a file that reaches its limit, are failed writes */
     signal(SIGPIPE, SIG_IGN);
     signal(SIGXFSZ, SIG_IGN);
-    bool done = run_command(argc, argv, &err);
-    errno = 0;
-    if ((fflush(stdout) != 0 || ferror(stdout)) && !output_is_unread()) {
-        error_system(&err, "cannot write to standard output");
-        done = false;
-    }
-    if (done)
-        return EXIT_AGREED;
-    if (err.text[0])
-        fprintf(stderr, "%s\n", err.text);
-    return (int)err.status;
+    return guard_run(run_words, &words);
 }

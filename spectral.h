@@ -64,6 +64,10 @@ bool error_usage(struct error *err, const char *format, ...) PRINTF_LIKE(2, 3);
 bool error_different(struct error *err, const char *format, ...) PRINTF_LIKE(2, 3);
 /* Appends ": " and the description of errno where errno is not 0. Sets EXIT_SYSTEM. */
 bool error_system(struct error *err, const char *format, ...) PRINTF_LIKE(2, 3);
+/* Appends ": " and the description of a cause, an errno. Sets EXIT_INPUT where the path is at fault
+ * that the user gave, as for ENOENT, and EXIT_SYSTEM for any other cause, as EIO. */
+bool error_cause(struct error *err, struct place place, int cause, const char *format, ...)
+    PRINTF_LIKE(4, 5);
 /* "out of memory". Sets EXIT_SYSTEM. */
 bool error_memory(struct error *err);
 /* Sets EXIT_SYSTEM without a text: the reader of a pipe has closed it, and expects no message. */

@@ -3,6 +3,9 @@
 #ifndef BASE_H
 #define BASE_H
 
+#include <errno.h>
+#include <sys/types.h>
+
 #include "spectral.h"
 
 /* ---- error.c: arrays that grow ---- */
@@ -43,7 +46,7 @@ struct builtin_file {
 extern const struct builtin_file builtin_files[]; /* made by build.sh; sorted by name */
 extern const size_t builtin_file_count;
 
-bool path_is_builtin(const char *path); /* begins with "builtin:" */
+#define BUILTIN_PREFIX "builtin:"
 enum { BUILTIN_NAME = 256 };
 /* Writes the part of a file's name between a folder and an ending. Returns false if the name does
  * not begin and end so. */
@@ -64,45 +67,23 @@ bool input_read(const char *name, char **bytes, size_t *length, struct error *er
 bool file_open(const char *path, struct place from, int *descriptor,
                const struct builtin_file **builtin, struct error *err);
 
-/* Returns the path of `name` as seen from the file `base`: an absolute or "builtin:" name stays,
- * any other name is relative to the folder of base. "a/../" is removed from builtin paths. The
- * result is allocated; NULL: no memory. */
-char *file_relative(const char *base, const char *name);
+/* ---- file.c: bytes of an open file ---- */
 
-/* Holds SIGINT, SIGTERM and SIGHUP back from this thread, and from threads that it starts, until
- * they are released. Returns what signals_release needs; NULL: no memory. Holds nest. */
-void *signals_hold(void);
-void signals_release(void *held); /* NULL is fine */
+/* Repeats a call of the system that a signal has interrupted, e.g. UNTIL_DONE(got, read(...)). */
+#define UNTIL_DONE(result, call)                                                                   \
+    do                                                                                             \
+        (result) = (call);                                                                         \
+    while ((result) < 0 && errno == EINTR)
 
-/* A file that appears whole or not at all. A regular or new file is written under a temporary name
- * beside it and renamed at the end; anything else (a pipe, a device, "-" for standard output)
- * receives a copy of a temporary file. Signals are held back while an output is open. */
-struct output {
-    int descriptor;
-    char *path;      /* final name, links resolved */
-    char *temporary; /* name being written; NULL when none is open */
-    bool copied;     /* path is no regular file, or "-": copy instead of rename */
-    void *held;      /* of signals_hold */
-};
-/* Creates the temporary file. Refuses a path that cannot be written, and a terminal. */
-bool output_open(struct output *out, const char *path, struct error *err);
-bool output_interrupted(void); /* true if a signal that is held back is pending */
-/* Syncs, closes and renames (or copies). After a failure no temporary file is left. */
-bool output_commit(struct output *out, struct error *err);
-void output_discard(struct output *out); /* safe after commit, and on a zeroed struct */
-
-bool write_all(int descriptor, const void *bytes, size_t length); /* false: see errno */
-bool output_is_unread(void); /* standard output is a pipe that its reader has closed */
-/* Writes a whole small file, which appears whole or not at all. "-" is standard output; if its
- * reader closes the pipe, that is no failure. */
-bool file_write(const char *path, const char *bytes, size_t length, struct error *err);
-/* Refuses an output that cannot be opened, before the work begins. Leaves no file. NULL: none. */
-bool output_can_open(const char *path, struct error *err);
+/* Reads `length` bytes, or fewer where the file ends. Returns their number; -1: see errno. */
+ssize_t read_at(int descriptor, void *bytes, size_t length, uint64_t offset);
+/* Write all bytes, at the descriptor's own place or at an offset. Return false with errno. */
+bool write_all(int descriptor, const void *bytes, size_t length);
+bool write_at(int descriptor, const void *bytes, size_t length, uint64_t offset);
 
 /* ---- threads.c ---- */
 
-/* Starts `wanted` threads of OpenMP (0: as many as it offers), and returns their number. Signals
- * are held back from all but the first: another thread would end the program at once. */
+/* Starts `wanted` threads of OpenMP (0: as many as it offers), and returns their number. */
 int threads_start(int wanted);
 
 /* ---- digest.c: SHA-256 (FIPS 180-4) ---- */
@@ -117,14 +98,15 @@ void digest_add(struct digest *digest, const void *bytes, size_t length);
 void digest_end(struct digest *digest, char out[65]); /* 64 hexadecimal digits and a NUL */
 bool digest_file(const char *path, char out[65], struct error *err);
 
-/* ---- outputs.c: the names of files that a command writes ---- */
+/* ---- paths.c: how one file names another, and what a path names ---- */
 
-/* Returns the default name of an output: that of a file without its folder, and with another
- * ending. Allocated; NULL: no memory. */
-char *output_name(const char *path, const char *ending);
-/* Finds the ending of a name in a list as ".png", ".tif", NULL, in capitals or small letters. *out
- * is its index; -1: the name has no ending, as "-" and /dev/stdout. Refuses any other ending. */
-bool output_ending(const char *path, const char *const *endings, int *out, struct error *err);
+bool path_is_builtin(const char *path);  /* begins with BUILTIN_PREFIX */
+const char *path_name(const char *path); /* points behind the last '/' */
+/* Returns the path of `name` as seen from the file `base`: an absolute or "builtin:" name stays,
+ * any other name is relative to the folder of base. "a/../" is removed from builtin paths. The
+ * result is allocated; NULL: no memory. */
+char *file_relative(const char *base, const char *name);
+
 /* Return true if the name is that of a regular file, or of a link to one, and not "-"; if two names
  * are those of one file; if no file has the name, which is not "builtin:...". */
 bool file_is_regular(const char *path);
@@ -133,9 +115,6 @@ bool file_is_missing(const char *path);
 /* format.c: returns the format of a regular file by its first bytes: "TIFF", "PNG", ...; "text":
  * they have no NUL; "": another one, or it cannot be read. */
 const char *file_format(const char *path);
-bool output_is_standard(const char *path); /* true of "-", standard output */
-/* Refuses an output that would replace the input. Either may be NULL. */
-bool output_spares(const char *output, const char *input, struct error *err);
 
 /* ---- progress.c: time, progress and memory of this process ---- */
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* SHA-256 (FIPS 180-4). Reports and records identify files by it. */
+#include <fcntl.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "data/base/base.h"
 
@@ -101,20 +103,29 @@ void digest_end(struct digest *digest, char out[65])
         snprintf(out + 8 * i, 9, "%08lx", (unsigned long)digest->hash[i]);
 }
 
+static bool digest_open(int file, struct digest *digest)
+{
+    unsigned char buffer[1024 * BLOCK];
+    ssize_t got;
+    uint64_t at = 0;
+    while ((got = read_at(file, buffer, sizeof buffer, at)) > 0) {
+        digest_add(digest, buffer, (size_t)got);
+        at += (uint64_t)got;
+    }
+    return got == 0;
+}
+
 bool digest_file(const char *path, char out[65], struct error *err)
 {
     struct digest digest;
-    unsigned char buffer[1024 * BLOCK];
-    size_t got;
-    FILE *file = fopen(path, "rb");
+    int file;
     out[0] = '\0';
-    if (file == NULL)
-        return error_system(err, "cannot read %s", path);
     digest_start(&digest);
-    while ((got = fread(buffer, 1, sizeof buffer, file)) > 0)
-        digest_add(&digest, buffer, got);
-    bool done = !ferror(file) || error_system(err, "cannot read %s", path);
-    fclose(file);
+    UNTIL_DONE(file, open(path, O_RDONLY | O_CLOEXEC));
+    const bool done =
+        (file >= 0 && digest_open(file, &digest)) || error_system(err, "cannot read %s", path);
+    if (file >= 0)
+        close(file);
     if (done)
         digest_end(&digest, out);
     return done;

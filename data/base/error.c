@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A failure is one line of text and an exit status. The text needs no allocation, so that it works
  * when memory has run out. Nothing is printed here: the command line decides what the user sees. */
-#include <errno.h>
 #include <limits.h>
 #include <stdarg.h>
 #include <stdlib.h>
@@ -34,17 +33,24 @@ static bool fail(struct error *err, enum exit_status status, const char *prefix,
     return false;
 }
 
-bool error_at(struct error *err, struct place place, const char *format, ...)
+/* Room for a place. The path gets half of the text at most: the message matters more. */
+enum { LONGEST_PATH = sizeof((struct error *)NULL)->text / 2, PLACE_SIZE = LONGEST_PATH + 32 };
+
+static void write_place(struct place place, char out[PLACE_SIZE])
 {
-    /* The path gets half of the text at most: the message matters more. */
-    char prefix[sizeof err->text / 2 + 32] = "";
-    int longest = (int)(sizeof err->text / 2);
-    va_list arguments;
+    out[0] = '\0';
     if (place.path != NULL && place.line > 0)
-        snprintf(prefix, sizeof prefix, "%.*s:%d:%d: ", longest, place.path, place.line,
+        snprintf(out, PLACE_SIZE, "%.*s:%d:%d: ", LONGEST_PATH, place.path, place.line,
                  place.column);
     else if (place.path != NULL)
-        snprintf(prefix, sizeof prefix, "%.*s: ", longest, place.path);
+        snprintf(out, PLACE_SIZE, "%.*s: ", LONGEST_PATH, place.path);
+}
+
+bool error_at(struct error *err, struct place place, const char *format, ...)
+{
+    char prefix[PLACE_SIZE];
+    va_list arguments;
+    write_place(place, prefix);
     va_start(arguments, format);
     fail(err, EXIT_INPUT, prefix, format, arguments, "");
     va_end(arguments);
@@ -78,6 +84,29 @@ bool error_system(struct error *err, const char *format, ...)
         snprintf(ending, sizeof ending, ": %s", strerror(cause));
     va_start(arguments, format);
     fail(err, EXIT_SYSTEM, "", format, arguments, ending);
+    va_end(arguments);
+    return false;
+}
+
+/* Returns whether a path is at fault: another path, or another right to it, would do. */
+static bool is_of_path(int cause)
+{
+    static const int causes[] = {ENOENT, ENOTDIR,      EISDIR, EACCES, EPERM,
+                                 ELOOP,  ENAMETOOLONG, ENXIO,  ENODEV, EINVAL};
+    for (size_t i = 0; i < sizeof causes / sizeof causes[0]; i++)
+        if (cause == causes[i])
+            return true;
+    return false;
+}
+
+bool error_cause(struct error *err, struct place place, int cause, const char *format, ...)
+{
+    char prefix[PLACE_SIZE], ending[256];
+    va_list arguments;
+    write_place(place, prefix);
+    snprintf(ending, sizeof ending, ": %s", strerror(cause));
+    va_start(arguments, format);
+    fail(err, is_of_path(cause) ? EXIT_INPUT : EXIT_SYSTEM, prefix, format, arguments, ending);
     va_end(arguments);
     return false;
 }

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The formats of files, by their first bytes, so that a message can say which file this is. */
-#include <stdio.h>
+#include <fcntl.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "data/base/base.h"
 
@@ -38,10 +39,13 @@ static bool begins(const unsigned char *start, size_t i)
 const char *file_format(const char *path)
 {
     unsigned char start[512] = {0};
-    FILE *file = file_is_regular(path) ? fopen(path, "rb") : NULL;
-    const size_t length = file ? fread(start, 1, sizeof start, file) : 0;
-    if (file)
-        fclose(file);
+    int file = -1;
+    if (file_is_regular(path))
+        UNTIL_DONE(file, open(path, O_RDONLY | O_CLOEXEC));
+    const ssize_t got = file >= 0 ? read_at(file, start, sizeof start, 0) : -1;
+    const size_t length = got > 0 ? (size_t)got : 0;
+    if (file >= 0)
+        close(file);
     for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++)
         if (length >= formats[i].n && begins(start, i))
             return formats[i].name;

@@ -6,16 +6,13 @@
 
 #include "data/base/base.h"
 
-/* A thread holds back the signals that its parent held back when it was started. */
 int threads_start(int wanted)
 {
     int n = wanted > 0 ? wanted : 1;
 #ifdef _OPENMP
-    void *held = signals_hold();
     n = wanted > 0 ? wanted : omp_get_max_threads();
 #pragma omp parallel num_threads(n)
     (void)omp_get_thread_num();
-    signals_release(held);
 #endif
     return n;
 }

@@ -170,7 +170,7 @@ bool command_show(struct options *options, struct error *err)
     if (done && isatty(STDOUT_FILENO) && strcmp(output, "-") == 0 &&
         memchr(file->bytes, '\0', file->length))
         done = error_usage(err, "%s is no text; add -o FILE", options->operand);
-    done = done && file_write(output, (const char *)file->bytes, file->length, err);
+    done = done && file_write(output, (const char *)file->bytes, file->length, NULL, err);
     free(path);
     return done;
 }

@@ -24,13 +24,13 @@ static bool check_files(const struct options *options, const char *a, const char
 }
 
 /* Writes the differences as JSON, if that is wanted, and prints them. */
-static bool report(const struct options *options, const struct comparison *comparison, bool within,
+static bool report(struct options *options, const struct comparison *comparison, bool within,
                    struct error *err)
 {
     struct json json;
     if (options->json) {
         comparison_json(comparison, within, &json);
-        if (!json_write(&json, options->json, err))
+        if (!json_write(&json, options->json, &options->outputs, err))
             return false;
     }
     if (options->quiet)
@@ -46,7 +46,8 @@ bool command_compare(struct options *options, struct error *err)
     struct compare_options compare_options = {.observer = options_detector(options),
                                               .white = options->white,
                                               .map = options->map,
-                                              .threads = options->threads};
+                                              .threads = options->threads,
+                                              .outputs = &options->outputs};
     const char *a = options->operands[0], *b = options->operands[1];
     if (options->n_operands != 2)
         return error_usage(err, "compare takes two stacks; see spectral compare --help");

@@ -11,6 +11,7 @@
 #include "data/compare/compare.h"
 #include "data/maths/maths.h"
 #include "data/pages/pages.h"
+#include "data/process/process.h"
 #include "data/record/record.h"
 #include "data/spectra/spectra.h"
 #include "data/text/text.h"
@@ -251,7 +252,7 @@ static void add_row(struct comparer *comparer, int row)
 
 static bool compare_chunk(struct comparer *comparer, int first, struct error *err)
 {
-    if (output_interrupted())
+    if (is_interrupted())
         return error_system(err, "interrupted; nothing was written");
     if (!rows_read(&comparer->a, first, err) || !rows_read(&comparer->b, first, err))
         return false;
@@ -468,7 +469,7 @@ bool compare(const char *a, const char *b, const struct compare_options *options
                 prepare(&comparer, err);
     const bool opened = done && open_map(&comparer, err);
     done = opened && compare_chunks(&comparer, err) &&
-           (!options->map || picture_commit(&comparer.picture, err));
+           (!options->map || picture_commit(&comparer.picture, options->outputs, err));
     if (opened && options->map)
         picture_discard(&comparer.picture); /* a committed picture stays */
     comparer_free(&comparer);

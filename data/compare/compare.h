@@ -30,6 +30,7 @@ struct compare_options {
     const char *map;              /* PNG or TIFF to write; NULL: none */
     struct tolerance tolerance;
     int threads;
+    struct outputs *outputs; /* get the map; NULL: it appears at once */
 };
 struct band_difference {
     double largest; /* |A - B|, in radiance */

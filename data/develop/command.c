@@ -90,7 +90,7 @@ bool command_develop(struct options *options, struct error *err)
     if (options->json) {
         struct json json;
         develop_json(&develop_options, &result, options->output, &json);
-        if (!json_write(&json, options->json, err))
+        if (!json_write(&json, options->json, &options->outputs, err))
             return false;
     }
     if (options->quiet)

@@ -10,6 +10,7 @@
 #include "data/base/base.h"
 #include "data/develop/develop.h"
 #include "data/pages/pages.h"
+#include "data/process/process.h"
 #include "data/tiff/tiff.h"
 
 /* ---- sums of pages ---- */
@@ -84,7 +85,7 @@ static bool sum_chunk(struct development *of, int y, int rows, struct error *err
     struct image *image = &of->cube.image;
     memset(of->sums, 0, 3 * of->n_pixels * sizeof *of->sums);
     for (int page = 0; page < image->n_pages; page++) {
-        if (output_interrupted())
+        if (is_interrupted())
             return error_system(err, "interrupted; nothing was written");
         if (!image_read(image, page, y, rows, of->radiance + (size_t)(page % BATCH) * of->n_pixels,
                         err))
@@ -294,7 +295,7 @@ static bool write_picture(struct development *of, const char *path, struct error
         of->result->out_of_gamut += store_chunk(of, (size_t)rows * (size_t)image->width);
         done = done && picture_write(&writer, of->samples, rows, err);
     }
-    done = done && picture_commit(&writer, err);
+    done = done && picture_commit(&writer, of->options->outputs, err);
     picture_discard(&writer);
     return done;
 }

@@ -19,6 +19,7 @@ struct develop_options {
     double exposure;   /* factor of all radiances; 0: the one that brings the largest displayed
                           value (or Y) of the picture to just 1 (or 100) */
     enum develop_values values;
+    struct outputs *outputs;                /* get the picture; NULL: it appears at once */
     int bits;                               /* of RGB: 8 or 16 */
     int threads;                            /* 0: as many as OpenMP offers */
     const struct sampling_method *sampling; /* samples the stack's spectra, linear between pages,

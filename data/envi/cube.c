@@ -95,17 +95,13 @@ static bool bytes_read(const struct envi *envi, uint64_t offset, size_t length, 
                        struct error *err)
 {
     offset += envi->header.layout.offset;
-    while (length > 0) {
-        errno = 0;
-        const ssize_t got = pread(envi->descriptor, out, length, (off_t)offset);
-        if (got <= 0)
-            return error_system(err, "%s: byte %" PRIu64 " cannot be read%s", envi->path, offset,
-                                got == 0 ? ": the file has become shorter" : "");
-        out += got;
-        offset += (uint64_t)got;
-        length -= (size_t)got;
-    }
-    return true;
+    const ssize_t got = read_at(envi->descriptor, out, length, offset);
+    if (got < 0)
+        return error_system(err, "%s: byte %" PRIu64 " cannot be read", envi->path, offset);
+    errno = 0;
+    return (size_t)got == length ||
+           error_system(err, "%s: byte %" PRIu64 " cannot be read: the file has become shorter",
+                        envi->path, offset + (uint64_t)got);
 }
 
 /* Reads n rows of a page that lie by bands (one piece) or by rows (a piece for each row). */

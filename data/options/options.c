@@ -223,6 +223,7 @@ void options_free(struct options *options)
     options->n_recorded = 0;
     free(options->named_output);
     options->named_output = NULL;
+    outputs_discard(&options->outputs);
 }
 
 bool options_name_output(struct options *options, const char *path, const char *ending,
@@ -243,7 +244,7 @@ const char *options_scene(const struct options *options)
 FILE *options_table(const struct options *options, const char *output)
 {
     const bool json = options->json && output_is_standard(options->json);
-    return json || (output && !file_is_regular(output)) ? stderr : stdout;
+    return json || (output && output_is_stream(output)) ? stderr : stdout;
 }
 
 const char *options_detector(const struct options *options)

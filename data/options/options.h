@@ -8,9 +8,10 @@
 #ifndef DATA_OPTIONS_OPTIONS_H
 #define DATA_OPTIONS_OPTIONS_H
 
-#include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
+
+#include "data/output/output.h"
 
 struct error;
 struct scene;
@@ -91,6 +92,7 @@ struct options {
     const char *tolerance, *budget, *unchecked;
     double full_scale;
     int threads, runs;
+    struct outputs outputs; /* complete; they appear when the command has ended well */
     bool xyz, lab, csv, svg, no_check, strict, keep, envi, quiet, verbose, help;
 };
 

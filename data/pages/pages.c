@@ -52,27 +52,18 @@ struct client {
     bool failed; /* err has the reason */
 };
 
-/* Writes on after a short write: Linux writes at most 2 GiB a call, and a full disk what fits. */
-static bool write_at(const struct pages *pages, const void *bytes, size_t length, uint64_t offset,
-                     struct error *err)
+static bool put(const struct pages *pages, const void *bytes, size_t length, uint64_t offset,
+                struct error *err)
 {
-    const char *at = bytes;
-    while (length > 0) {
-        ssize_t written = pwrite(pages->output.descriptor, at, length, (off_t)offset);
-        if (written < 0)
-            return error_system(err, "%s: cannot be written", pages->output.path);
-        at += written;
-        length -= (size_t)written;
-        offset += (uint64_t)written;
-    }
-    return true;
+    return write_at(pages->output.descriptor, bytes, length, offset) ||
+           error_system(err, "%s: cannot be written", pages->output.path);
 }
 
 static tmsize_t client_read(thandle_t handle, void *bytes, tmsize_t length)
 {
     struct client *client = handle;
-    ssize_t count =
-        pread(client->pages->output.descriptor, bytes, (size_t)length, (off_t)client->position);
+    const ssize_t count =
+        read_at(client->pages->output.descriptor, bytes, (size_t)length, client->position);
     if (count < 0)
         client->failed =
             !error_system(client->err, "%s: cannot be read", client->pages->output.path);
@@ -89,7 +80,7 @@ static tmsize_t client_write(thandle_t handle, void *bytes, tmsize_t length)
         if (pages->room != NULL && (size_t)length == pages->room_bytes &&
             memcmp(bytes, pages->room, strlen(pages->room)) == 0)
             pages->room_offset = client->position;
-        if (!write_at(pages, bytes, (size_t)length, client->position, client->err)) {
+        if (!put(pages, bytes, (size_t)length, client->position, client->err)) {
             client->failed = true;
             return -1;
         }
@@ -271,7 +262,7 @@ bool pages_open(struct pages *pages, const char *path, page_tags *set_tags, cons
 bool pages_write(const struct pages *pages, int page, uint64_t at, const void *bytes, size_t length,
                  struct error *err)
 {
-    return write_at(pages, bytes, length, pages_offset(pages, page) + at, err);
+    return put(pages, bytes, length, pages_offset(pages, page) + at, err);
 }
 
 /* ---- the check at the end ---- */
@@ -306,7 +297,7 @@ bool pages_finish(struct pages *pages, const char *room, struct error *err)
     const int last = pages->count - 1;
     struct client client = {.pages = pages, .err = err};
     struct stat status;
-    if (room != NULL && !write_at(pages, room, pages->room_bytes, pages->room_offset, err))
+    if (room != NULL && !put(pages, room, pages->room_bytes, pages->room_offset, err))
         return false;
     if (fstat(pages->output.descriptor, &status) != 0)
         return error_system(err, "%s: cannot be examined", pages->output.path);

@@ -3,7 +3,7 @@
 #ifndef PAGES_H
 #define PAGES_H
 
-#include "data/base/base.h"
+#include "data/output/output.h"
 #include "spectral.h"
 
 struct tiff; /* libtiff's TIFF */
@@ -90,9 +90,10 @@ struct picture_rectangle {
 };
 bool picture_put(struct picture_writer *writer, const struct picture_rectangle *at,
                  const void *samples, struct error *err);
-/* picture_finish completes the file; picture_commit does so, too, and lets it appear. */
+/* picture_finish completes the file; picture_commit does so, too, and lets it appear: see
+ * output_pass. */
 bool picture_finish(struct picture_writer *writer, struct error *err);
-bool picture_commit(struct picture_writer *writer, struct error *err);
+bool picture_commit(struct picture_writer *writer, struct outputs *outputs, struct error *err);
 void picture_discard(struct picture_writer *writer); /* safe after commit */
 
 /* ---- scale.c: numbers as colours ---- */
@@ -123,7 +124,7 @@ struct plane_rectangle {
 bool planes_write(const struct pages *pages, const struct plane_rectangle *to, const float *samples,
                   struct error *err);
 bool planes_finish(struct pages *pages, struct error *err);
-bool planes_commit(struct pages *pages, struct error *err);
+bool planes_commit(struct pages *pages, struct outputs *outputs, struct error *err);
 void planes_discard(struct pages *pages); /* safe after commit */
 
 /* ---- Inside this room ---- */
@@ -137,7 +138,7 @@ bool png_open(struct png **out, const char *path, const struct picture_options *
               struct error *err);
 bool png_write(struct png *png, const void *samples, int rows, struct error *err);
 bool png_finish(struct png *png, struct error *err);
-bool png_commit(struct png *png, struct error *err);
+bool png_commit(struct png *png, struct outputs *outputs, struct error *err);
 void png_free(struct png *png); /* an uncommitted file is gone; NULL is fine */
 
 #endif

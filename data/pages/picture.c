@@ -144,11 +144,11 @@ bool picture_finish(struct picture_writer *writer, struct error *err)
     return writer->finished;
 }
 
-bool picture_commit(struct picture_writer *writer, struct error *err)
+bool picture_commit(struct picture_writer *writer, struct outputs *outputs, struct error *err)
 {
-    const bool done =
-        (writer->finished || picture_finish(writer, err)) &&
-        (writer->png ? png_commit(writer->png, err) : output_commit(&writer->pages.output, err));
+    const bool done = (writer->finished || picture_finish(writer, err)) &&
+                      (writer->png ? png_commit(writer->png, outputs, err)
+                                   : output_pass(&writer->pages.output, outputs, err));
     picture_discard(writer);
     return done;
 }

@@ -42,9 +42,9 @@ bool planes_finish(struct pages *pages, struct error *err)
     return pages_finish(pages, NULL, err);
 }
 
-bool planes_commit(struct pages *pages, struct error *err)
+bool planes_commit(struct pages *pages, struct outputs *outputs, struct error *err)
 {
-    return output_commit(&pages->output, err);
+    return output_pass(&pages->output, outputs, err);
 }
 
 void planes_discard(struct pages *pages)

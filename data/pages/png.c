@@ -306,9 +306,9 @@ bool png_finish(struct png *png, struct error *err)
            is_whole(png, err);
 }
 
-bool png_commit(struct png *png, struct error *err)
+bool png_commit(struct png *png, struct outputs *outputs, struct error *err)
 {
-    return output_commit(&png->output, err);
+    return output_pass(&png->output, outputs, err);
 }
 
 void png_free(struct png *png)

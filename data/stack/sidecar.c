@@ -128,7 +128,8 @@ bool sidecar_can_open(const char *stack, struct error *err)
     return can;
 }
 
-bool stack_commit_envi(struct stack_writer *writer, const char *path, struct error *err)
+bool stack_commit_envi(struct stack_writer *writer, const char *path, struct outputs *outputs,
+                       struct error *err)
 {
     struct output output = {.path = NULL};
     char *name = sidecar_name(path);
@@ -138,7 +139,7 @@ bool stack_commit_envi(struct stack_writer *writer, const char *path, struct err
     errno = 0;
     if (done && !write_all(output.descriptor, header, strlen(header)))
         done = error_system(err, "cannot write %s", name);
-    done = done && stack_commit(writer, err) && output_commit(&output, err);
+    done = done && stack_commit(writer, outputs, err) && output_pass(&output, outputs, err);
     output_discard(&output);
     free(header);
     free(name);
@@ -150,7 +151,7 @@ bool stack_commit_envi(struct stack_writer *writer, const char *path, struct err
 static bool write_header(const char *stack, const char *path, struct error *err)
 {
     char *header = header_make(stack, err);
-    const bool done = header && file_write(path, header, strlen(header), err);
+    const bool done = header && file_write(path, header, strlen(header), NULL, err);
     free(header);
     return done;
 }

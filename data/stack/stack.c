@@ -105,8 +105,8 @@ static bool first_difference(int one, int other, uint64_t *out)
     char a[65536], b[sizeof a];
     ssize_t n = 1;
     for (*out = 0; n > 0;) {
-        const ssize_t n_a = pread(one, a, sizeof a, (off_t)*out);
-        const ssize_t n_b = pread(other, b, sizeof b, (off_t)*out);
+        const ssize_t n_a = read_at(one, a, sizeof a, *out);
+        const ssize_t n_b = read_at(other, b, sizeof b, *out);
         if (n_a < 0 || n_b < 0)
             return false;
         ssize_t same = 0;
@@ -155,9 +155,9 @@ bool stack_compare(const struct stack_writer *writer, const char *path,
 
 /* ---- the end ---- */
 
-bool stack_commit(struct stack_writer *writer, struct error *err)
+bool stack_commit(struct stack_writer *writer, struct outputs *outputs, struct error *err)
 {
-    bool good = output_commit(&writer->pages.output, err);
+    bool good = output_pass(&writer->pages.output, outputs, err);
     stack_discard(writer);
     return good;
 }

@@ -52,8 +52,8 @@ struct stack_difference {
 /* Compares a finished stack, not committed yet, with a file. Refuses a file that cannot be read. */
 bool stack_compare(const struct stack_writer *writer, const char *path,
                    struct stack_difference *out, struct error *err);
-/* Lets a finished stack appear under its name. */
-bool stack_commit(struct stack_writer *writer, struct error *err);
+/* Lets a finished stack appear under its name: see output_pass. */
+bool stack_commit(struct stack_writer *writer, struct outputs *outputs, struct error *err);
 void stack_discard(struct stack_writer *writer); /* safe after commit */
 const char *stack_library(void);                 /* name and version of the libtiff in use */
 
@@ -118,7 +118,8 @@ bool command_envi(struct options *options, struct error *err);
 bool sidecar_can_open(const char *stack, struct error *err);
 /* Lets a finished stack appear under its name, which is `path` as the user wrote it, and then its
  * header. The header is complete before the stack appears: if it fails by then, neither appears. */
-bool stack_commit_envi(struct stack_writer *writer, const char *path, struct error *err);
+bool stack_commit_envi(struct stack_writer *writer, const char *path, struct outputs *outputs,
+                       struct error *err);
 /* Returns the name of a stack's header, allocated; NULL: no memory. */
 char *sidecar_name(const char *stack);
 

@@ -89,10 +89,10 @@ char *json_end(struct json *json)
     return printed_end(&json->printed);
 }
 
-bool json_write(struct json *json, const char *path, struct error *err)
+bool json_write(struct json *json, const char *path, struct outputs *outputs, struct error *err)
 {
     char *text = json_end(json);
-    const bool done = text ? file_write(path, text, strlen(text), err) : error_memory(err);
+    const bool done = text ? file_write(path, text, strlen(text), outputs, err) : error_memory(err);
     free(text);
     return done;
 }

@@ -4,6 +4,7 @@
 #define TEXT_H
 
 #include "data/base/base.h"
+#include "data/output/output.h"
 #include "data/maths/maths.h"
 #include "spectral.h"
 
@@ -143,6 +144,6 @@ void json_numbers(struct json *json, const char *key, const double *values, int 
  * struct. */
 char *json_end(struct json *json);
 /* Ends the text and writes it to a file, as file_write. */
-bool json_write(struct json *json, const char *path, struct error *err);
+bool json_write(struct json *json, const char *path, struct outputs *outputs, struct error *err);
 
 #endif

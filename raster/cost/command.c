@@ -57,13 +57,13 @@ bool cost_read(const struct options *options, const struct cost_entry *entry, st
 /* ---- report ---- */
 
 /* Writes the files that are not NULL. Writes none if memory does not suffice for all. */
-static bool write_files(const struct cost *cost, const char *csv, const char *svg,
-                        struct error *err)
+static bool write_files(const struct cost *cost, struct options *options, struct error *err)
 {
+    const char *csv = options->csv_file, *svg = options->svg_file;
     char *table = csv ? cost_csv(cost) : NULL, *chart = svg ? cost_svg(cost) : NULL;
     bool done = (!csv || table) && (!svg || chart) ? true : error_memory(err);
-    done = done && (!csv || file_write(csv, table, strlen(table), err)) &&
-           (!svg || file_write(svg, chart, strlen(chart), err));
+    done = done && (!csv || file_write(csv, table, strlen(table), &options->outputs, err)) &&
+           (!svg || file_write(svg, chart, strlen(chart), &options->outputs, err));
     free(table);
     free(chart);
     return done;
@@ -112,7 +112,7 @@ static bool recommend(const struct options *options, const char *what,
     return true;
 }
 
-static bool report(const struct options *options, const struct cost *cost, double tolerance,
+static bool report(struct options *options, const struct cost *cost, double tolerance,
                    double budget, struct error *err)
 {
     const char *csv = options->csv_file, *svg = options->svg_file;
@@ -123,11 +123,11 @@ static bool report(const struct options *options, const struct cost *cost, doubl
     char what[80];
     if (!options->quiet)
         cost_print(cost, &table);
-    if (!printed_show(&table, to, err) || !write_files(cost, csv, svg, err))
+    if (!printed_show(&table, to, err) || !write_files(cost, options, err))
         return false;
     if (options->json) {
         cost_json(cost, &json);
-        if (!json_write(&json, options->json, err))
+        if (!json_write(&json, options->json, &options->outputs, err))
             return false;
     }
     snprintf(what, sizeof what, "within %.10g CIEDE2000", tolerance);

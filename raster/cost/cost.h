@@ -106,14 +106,6 @@ bool cost_read(const struct options *options, const struct cost_entry *entry, st
 /* Measures all configurations that make sense for the scene. The caller always frees *out. */
 bool cost_measure(const struct options *options, struct cost *out, struct error *err);
 
-/* ---- process.c ---- */
-
-/* Runs a job in a copy of this process, and waits for it. Returns the job's `size` bytes at `out`,
- * and the seconds from fork to its end (NULL: not wanted). An interruption ends the job. This
- * process may start no thread and no OpenGL: a copy of a process with OpenMP's threads hangs. */
-bool process_run(bool (*job)(void *context, void *out, struct error *err), void *context, void *out,
-                 size_t size, double *seconds, struct error *err);
-
 /* ---- standard.c: the picture at every nm, and the differences of stacks from it ---- */
 
 struct standard_request {

@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "data/base/base.h"
+#include "data/process/process.h"
 #include "raster/cost/cost.h"
 
 /* Linux takes no longer name of a folder. */
@@ -153,7 +154,7 @@ static bool warm_up(struct measurement *measurement, struct cost_entry *entry, s
                       process_run(compare_job, &task, &accuracy, sizeof accuracy, NULL, &own);
     unlink(measurement->stack);
     step(measurement, done ? 2 : 2 + measurement->cost->runs);
-    if (!done && output_interrupted()) {
+    if (!done && is_interrupted()) {
         *err = own;
         return false;
     }
@@ -292,11 +293,9 @@ static bool measure(struct measurement *measurement, struct error *err)
 bool cost_measure(const struct options *options, struct cost *out, struct error *err)
 {
     struct measurement measurement = {.options = options, .cost = out};
-    void *held = signals_hold();
     measurement.shown = progress_start(&measurement.line, options->quiet);
     *out = (struct cost){.scene = NULL};
-    const bool done = held ? measure(&measurement, err) : error_memory(err);
+    const bool done = measure(&measurement, err);
     close_folder(&measurement);
-    signals_release(held);
     return done;
 }

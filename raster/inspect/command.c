@@ -82,11 +82,12 @@ static bool probe_write(const struct options *options, const struct probe *probe
     struct json json;
     if (options->json) {
         probe_json(probe, &json);
-        return json_write(&json, options->json, err);
+        return json_write(&json, options->json, NULL, err);
     }
     char *text = options->svg ? probe_svg(probe) : probe_text(probe, options->csv);
-    bool done = text ? file_write(options->output ? options->output : "-", text, strlen(text), err)
-                     : error_memory(err);
+    bool done =
+        text ? file_write(options->output ? options->output : "-", text, strlen(text), NULL, err)
+             : error_memory(err);
     free(text);
     return done;
 }

@@ -94,6 +94,7 @@ bool render_again(struct options *options, struct error *err)
                                          .again = options->again,
                                          .keep = options->keep,
                                          .discard = discard,
-                                         .envi = options->envi};
+                                         .envi = options->envi,
+                                         .outputs = &options->outputs};
     return render_recorded(options, &output, err);
 }

@@ -149,9 +149,10 @@ bool check_map_finish(struct check_map *map, struct error *err)
     return map->coloured ? picture_finish(&map->picture, err) : planes_finish(&map->pages, err);
 }
 
-bool check_map_commit(struct check_map *map, struct error *err)
+bool check_map_commit(struct check_map *map, struct outputs *outputs, struct error *err)
 {
-    return map->coloured ? picture_commit(&map->picture, err) : planes_commit(&map->pages, err);
+    return map->coloured ? picture_commit(&map->picture, outputs, err)
+                         : planes_commit(&map->pages, outputs, err);
 }
 
 void check_map_discard(struct check_map *map)

@@ -114,15 +114,16 @@ static bool check_header(const struct options *options, const struct render_outp
 /* stored: the name of the stack; NULL: no stack was stored. A stack that went into a pipe gets no
  * digest, since it cannot be read back. */
 static bool write_json(const struct options *options, const struct plan *plan,
-                       const struct render_result *result, const char *stored, struct error *err)
+                       const struct render_result *result, const char *stored,
+                       struct outputs *outputs, struct error *err)
 {
     char sha256[65];
-    bool digested = stored && file_is_regular(stored);
-    if (digested && !digest_file(stored, sha256, err))
+    const char *stack = stored ? outputs_readable(outputs, stored) : NULL;
+    if (stack && !digest_file(stack, sha256, err))
         return false;
     struct json json;
-    report_json(plan, result, stored, digested ? sha256 : NULL, peak_bytes(), &json);
-    return json_write(&json, options->json, err);
+    report_json(plan, result, stored, stack ? sha256 : NULL, peak_bytes(), &json);
+    return json_write(&json, options->json, outputs, err);
 }
 
 /* Prints the name of the stack's header. A header of an older stack stays where it is: it may give
@@ -166,10 +167,10 @@ static bool report(const struct options *options, const struct plan *plan,
     const char *wanted = output->discard ? NULL : output->path;
     const char *stored = agreed || output->keep ? wanted : NULL;
     /* the JSON, the stack itself (-o -) or the map may use standard output */
-    FILE *table = options_table(options, output->check_map && !file_is_regular(output->check_map)
+    FILE *table = options_table(options, output->check_map && output_is_stream(output->check_map)
                                              ? output->check_map
                                              : stored);
-    if (options->json && !write_json(options, plan, result, stored, err))
+    if (options->json && !write_json(options, plan, result, stored, output->outputs, err))
         return false;
     struct printed printed = {.text = NULL};
     if (!options->quiet) {
@@ -299,7 +300,8 @@ bool render_scene(struct options *options, struct error *err)
     const struct render_output wanted = {.path = discard ? NULL : options->output,
                                          .check_map = options->check_map,
                                          .keep = options->keep,
-                                         .envi = options->envi};
+                                         .envi = options->envi,
+                                         .outputs = &options->outputs};
     return render_with_options(options, &wanted, NULL, err);
 }
 

@@ -6,6 +6,7 @@
 #include <string.h>
 #include <time.h>
 
+#include "data/process/process.h"
 #include "data/sampling/sampling.h"
 #include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
@@ -205,7 +206,7 @@ static bool render_pass(struct render_state *state, const struct tile *tile, int
     if (state->progress)
         progress_show(state->progress, state->steps, state->all_steps);
     errno = 0;
-    return !output_interrupted() || error_system(err, "interrupted; nothing was written");
+    return !is_interrupted() || error_system(err, "interrupted; nothing was written");
 }
 
 /* ---- the object map ---- */
@@ -451,8 +452,8 @@ static bool commit(struct render_state *state, const struct render_output *outpu
         stack_finish(&state->writer, verdict, err) &&
         (!output->again || stack_compare(&state->writer, output->again, &result->difference, err));
     if (done && !output->discard && (output->keep || render_agreed(state->plan, result)))
-        done = output->envi ? stack_commit_envi(&state->writer, output->path, err)
-                            : stack_commit(&state->writer, err);
+        done = output->envi ? stack_commit_envi(&state->writer, output->path, output->outputs, err)
+                            : stack_commit(&state->writer, output->outputs, err);
     clock_in(state, &result->seconds.write);
     return done;
 }
@@ -460,10 +461,7 @@ static bool commit(struct render_state *state, const struct render_output *outpu
 static bool render_all(struct render_state *state, const struct render_output *output,
                        struct error *err)
 {
-    /* OpenGL starts its threads here. They must not take signals either: see threads_start. */
-    void *held = signals_hold();
     bool done = prepare(state, output->notes, err);
-    signals_release(held);
     if (done && output->check_map && state->plan->options.check)
         done = state->check_scene.mapped =
             check_map_open(output->check_map, state->plan, &state->map, err);
@@ -479,7 +477,7 @@ static bool render_all(struct render_state *state, const struct render_output *o
     /* both files are complete before the first of them appears */
     const bool mapped = state->check_scene.mapped;
     return (!mapped || check_map_finish(&state->map, err)) && commit(state, output, err) &&
-           (!mapped || check_map_commit(&state->map, err));
+           (!mapped || check_map_commit(&state->map, output->outputs, err));
 }
 
 bool render(const struct plan *plan, const struct render_output *output,

@@ -44,7 +44,8 @@ struct render_output {
     bool keep;             /* store the stack even if it fails its check or differs from `again` */
     bool discard;          /* compare the stack with `again`, and store none */
     bool envi;             /* write the stack's ENVI header beside it */
-    struct notes *notes;   /* zeroed; becomes the notes on the scene; NULL: none are wanted */
+    struct outputs *outputs; /* get all files; NULL: they appear at once */
+    struct notes *notes;     /* zeroed; becomes the notes on the scene; NULL: none are wanted */
 };
 /* Renders into a stack. Returns true even if the picture fails its check or differs from `again`:
  * ask render_agreed. progress: shown after each pass; NULL: none. After a failure, an interruption
@@ -107,7 +108,7 @@ bool check_map_open(const char *path, const struct plan *plan, struct check_map 
                     struct error *err);
 bool check_map_write(struct check_map *map, const struct check *check, struct error *err);
 bool check_map_finish(struct check_map *map, struct error *err);
-bool check_map_commit(struct check_map *map, struct error *err);
+bool check_map_commit(struct check_map *map, struct outputs *outputs, struct error *err);
 void check_map_discard(struct check_map *map); /* safe after commit */
 
 /* Reads, plans and renders the scene of the options, and reports the result. made: the record of

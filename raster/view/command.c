@@ -14,41 +14,43 @@ struct view_report {
     struct viewer_result page;
     uint64_t out_of_gamut; /* pixels of a picture */
     struct notes notes;
+    struct printed table;
 };
 
-static bool write_page(const struct options *options, const struct plan *plan,
-                       struct view_report *out, struct error *err)
+static bool write_page(struct options *options, const struct plan *plan, struct view_report *out,
+                       struct error *err)
 {
     const struct viewer_result *page = &out->page;
-    if (!viewer_write(plan, options->output, &out->page, &out->notes, err))
+    if (!viewer_write(plan, options->output, &out->page, &out->notes, &options->outputs, err))
         return false;
     if (!options->quiet)
-        fprintf(options_table(options, options->output),
-                "objects           %d\nlights            %d, %d illuminants to choose from\n"
-                "detectors         %d\npage              %s, %.2f MB\n",
-                page->n_objects, page->n_lights, page->n_illuminants, page->n_detectors,
-                options->output, (double)page->bytes / 1e6);
+        print(&out->table,
+              "objects           %d\nlights            %d, %d illuminants to choose from\n"
+              "detectors         %d\npage              %s, %.2f MB\n",
+              page->n_objects, page->n_lights, page->n_illuminants, page->n_detectors,
+              options->output, (double)page->bytes / 1e6);
     return true;
 }
 
-static bool write_still(const struct options *options, const struct plan *plan,
-                        struct view_report *out, struct error *err)
+static bool write_still(struct options *options, const struct plan *plan, struct view_report *out,
+                        struct error *err)
 {
     const uint64_t n_pixels = (uint64_t)plan->scene->width * (uint64_t)plan->scene->height;
     out->page = (struct viewer_result){.n_objects = plan->n_instances, .n_lights = plan->n_lights};
-    if (!still_write(plan, options->output, &out->out_of_gamut, &out->notes, err))
+    if (!still_write(plan, options->output, &out->out_of_gamut, &out->notes, &options->outputs,
+                     err))
         return false;
     if (!options->quiet)
-        fprintf(options_table(options, options->output),
-                "objects           %d\nlights            %d\n"
-                "out of gamut      %" PRIu64 " of %" PRIu64 " pixels (%.3f %%)\n"
-                "picture           %s\n",
-                plan->n_instances, plan->n_lights, out->out_of_gamut, n_pixels,
-                100 * (double)out->out_of_gamut / (double)n_pixels, options->output);
+        print(&out->table,
+              "objects           %d\nlights            %d\n"
+              "out of gamut      %" PRIu64 " of %" PRIu64 " pixels (%.3f %%)\n"
+              "picture           %s\n",
+              plan->n_instances, plan->n_lights, out->out_of_gamut, n_pixels,
+              100 * (double)out->out_of_gamut / (double)n_pixels, options->output);
     return true;
 }
 
-static bool write_json(const struct options *options, const struct view_report *report, bool still,
+static bool write_json(struct options *options, const struct view_report *report, bool still,
                        struct error *err)
 {
     struct json json;
@@ -67,7 +69,7 @@ static bool write_json(const struct options *options, const struct view_report *
     notes_json(&report->notes, &json);
     json_string(&json, "output", options->output);
     json_close(&json, '}');
-    return json_write(&json, options->json, err);
+    return json_write(&json, options->json, &options->outputs, err);
 }
 
 bool command_view(struct options *options, struct error *err)
@@ -90,11 +92,9 @@ bool command_view(struct options *options, struct error *err)
                 plan_make(&scene, NULL, &plan_options, &plan, err) &&
                 (still ? write_still : write_page)(options, &plan, &report, err) &&
                 (!options->json || write_json(options, &report, still, err));
-    if (done && !options->quiet) {
-        struct printed printed = {.text = NULL};
-        notes_print(&report.notes, &printed);
-        done = printed_show(&printed, options_table(options, options->output), err);
-    }
+    if (done && !options->quiet)
+        notes_print(&report.notes, &report.table);
+    done = printed_show(&report.table, options_table(options, options->output), err) && done;
     notes_free(&report.notes);
     plan_free(&plan);
     scene_free(&scene);

@@ -8,6 +8,7 @@
 #include "data/base/base.h"
 #include "data/colour/colour.h"
 #include "data/pages/pages.h"
+#include "data/process/process.h"
 #include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
 #include "raster/bounds/bounds.h"
@@ -59,7 +60,7 @@ static bool sum_tile(struct still *still, const struct tile *tile, struct error 
     for (int band = 0; band < n_bands; band += BANDS_PER_PASS) {
         const int end = band + BANDS_PER_PASS < n_bands ? band + BANDS_PER_PASS : n_bands;
         uint64_t undefined = 0;
-        if (output_interrupted())
+        if (is_interrupted())
             return error_system(err, "interrupted; nothing was written");
         if (!plan_load_textures(&still->plan, band, err))
             return false;
@@ -148,7 +149,7 @@ static bool open_picture(struct still *still, const char *path, struct error *er
 }
 
 bool still_write(const struct plan *plan, const char *path, uint64_t *out_of_gamut,
-                 struct notes *notes, struct error *err)
+                 struct notes *notes, struct outputs *outputs, struct error *err)
 {
     struct still still = {.plan = *plan};
     const struct rectangle picture = plan_picture(plan);
@@ -156,7 +157,7 @@ bool still_write(const struct plan *plan, const char *path, uint64_t *out_of_gam
     const bool done = prepare(&still, err) && notes_make(&still.lit, notes, err) &&
                       open_picture(&still, path, err) &&
                       tiles_each(&still.lit, &picture, put_tile, &still, err) &&
-                      picture_commit(&still.picture, err);
+                      picture_commit(&still.picture, outputs, err);
     *out_of_gamut = still.out_of_gamut;
     picture_discard(&still.picture);
     lit_free(&still.lit);

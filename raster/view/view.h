@@ -17,11 +17,11 @@ struct viewer_result {
     int n_objects, n_lights, n_illuminants, n_detectors;
 };
 /* Draws the plan's picture by the reference and writes the page. The plan's lights are exchangeable
- * (plan_options). Makes the notes on the scene. Refuses pictures and scenes that are too large for
- * a page. On failure no file has been created or changed. The caller frees *notes, here and below,
- * also after a failure. */
+ * (plan_options). Makes the notes on the scene. outputs get the page: see output_pass. Refuses
+ * pictures and scenes that are too large for a page. On failure no file has been created or
+ * changed. The caller frees *notes, here and below, also after a failure. */
 bool viewer_write(const struct plan *plan, const char *path, struct viewer_result *out,
-                  struct notes *notes, struct error *err);
+                  struct notes *notes, struct outputs *outputs, struct error *err);
 
 /* ---- still.c: the picture that the page shows first ---- */
 
@@ -30,7 +30,7 @@ bool viewer_write(const struct plan *plan, const char *path, struct viewer_resul
  * channel. Makes the notes on the scene. Memory does not grow with the picture's height. On failure
  * no file has been created or changed. */
 bool still_write(const struct plan *plan, const char *path, uint64_t *out_of_gamut,
-                 struct notes *notes, struct error *err);
+                 struct notes *notes, struct outputs *outputs, struct error *err);
 
 /* ---- command.c: spectral view ---- */
 

@@ -26,6 +26,7 @@
 
 struct page {
     const struct plan *plan;
+    struct outputs *outputs;
     struct json json;
     struct spectrum *illuminants; /* that the page offers; the first n_owned are owned */
     int n_illuminants, n_owned;
@@ -382,9 +383,9 @@ static void write_json(const char *text, struct printed *to)
     }
 }
 
-/* Writes the page's source, with the data in place of the mark. */
-static bool write_page(const char *json, const char *planes, size_t planes_length, const char *path,
-                       size_t *bytes, struct error *err)
+/* Returns the page's source with the data in place of the mark, allocated; NULL: see err. */
+static char *page_text(const char *json, const char *planes, size_t planes_length, size_t *bytes,
+                       struct error *err)
 {
     static const char mark[] = "<!-- scene -->\n";
     const struct place nowhere = {NULL, 0, 0};
@@ -392,7 +393,7 @@ static bool write_page(const char *json, const char *planes, size_t planes_lengt
     char *source = NULL;
     size_t length;
     if (!file_read("builtin:viewer.html", nowhere, &source, &length, err))
-        return false;
+        return NULL;
     const char *at = strstr(source, mark);
     assert(at);
     print_bytes(&printed, source, (size_t)(at - source));
@@ -402,10 +403,19 @@ static bool write_page(const char *json, const char *planes, size_t planes_lengt
     print_bytes(&printed, planes, planes_length);
     print_text(&printed, "</script>\n");
     print_text(&printed, at + strlen(mark));
+    free(source);
     char *text = printed_end(&printed);
     *bytes = printed.length;
-    const bool done = text ? file_write(path, text, *bytes, err) : error_memory(err);
-    free(source);
+    if (!text)
+        error_memory(err);
+    return text;
+}
+
+static bool write_page(struct page *page, const char *json, const char *planes,
+                       size_t planes_length, const char *path, struct error *err)
+{
+    char *text = page_text(json, planes, planes_length, &page->result->bytes, err);
+    const bool done = text && file_write(path, text, page->result->bytes, page->outputs, err);
     free(text);
     return done;
 }
@@ -432,8 +442,7 @@ static bool make_page(struct page *page, const struct planes *planes, const char
     if (done && put_json(page, planes, scale, err)) {
         json = json_end(&page->json);
         text = planes_text(planes, scale, &length);
-        done = json && text ? write_page(json, text, length, path, &page->result->bytes, err)
-                            : error_memory(err);
+        done = json && text ? write_page(page, json, text, length, path, err) : error_memory(err);
     } else
         done = false;
     free(scale);
@@ -443,9 +452,9 @@ static bool make_page(struct page *page, const struct planes *planes, const char
 }
 
 bool viewer_write(const struct plan *plan, const char *path, struct viewer_result *out,
-                  struct notes *notes, struct error *err)
+                  struct notes *notes, struct outputs *outputs, struct error *err)
 {
-    struct page page = {.plan = plan, .result = out};
+    struct page page = {.plan = plan, .outputs = outputs, .result = out};
     struct planes planes = {.n_pixels = 0};
     *out = (struct viewer_result){.n_objects = plan->n_instances, .n_lights = plan->n_lights};
     page.row = calloc(3 * (size_t)plan->n_bands, sizeof *page.row);

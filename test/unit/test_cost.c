@@ -120,86 +120,11 @@ static void csv(void)
     cost_entry_free(&entries[0]);
 }
 
-/* ---- processes ---- */
-
-static bool doubles(void *context, void *out, struct error *err)
-{
-    const int *number = context;
-    (void)err;
-    *(int *)out = 2 * *number;
-    return true;
-}
-
-static bool refuses(void *context, void *out, struct error *err)
-{
-    (void)context;
-    (void)out;
-    return error_usage(err, "seven is no colour");
-}
-
-static bool dies(void *context, void *out, struct error *err)
-{
-    (void)context;
-    (void)out;
-    (void)err;
-    return kill(getpid(), SIGKILL) == 0;
-}
-
-static void processes(void)
-{
-    struct error err = {.status = EXIT_AGREED};
-    int number = 21, out = 0;
-    double seconds = -1;
-    CHECK(process_run(doubles, &number, &out, sizeof out, &seconds, &err) && out == 42,
-          "a process returns its result");
-    CHECK(seconds > 0, "a process returns its seconds");
-    CHECK(number == 21, "a process has its own copy of all other memory");
-    CHECK(!process_run(refuses, &number, &out, sizeof out, NULL, &err) && err.status == EXIT_INPUT,
-          "a process returns its failure");
-    CHECK_TEXT(err.text, "error: seven is no colour",
-               "the message of the failure is the process's own");
-    err = (struct error){.status = EXIT_AGREED};
-    CHECK(!process_run(dies, &number, &out, sizeof out, NULL, &err) && err.status == EXIT_SYSTEM,
-          "a killed process is a failure of the system");
-    CHECK(strstr(err.text, "Killed") != NULL, "the message names the signal");
-}
-
-/* Writes to the pipe to show that nothing ended the process early. */
-static bool lingers(void *context, void *out, struct error *err)
-{
-    const int *to = context;
-    (void)out;
-    (void)err;
-    return sleep(1) == 0 && write(*to, "x", 1) == 1;
-}
-
-static void interruption(void)
-{
-    struct error err = {.status = EXIT_AGREED};
-    int ends[2];
-    char byte;
-    const struct sigaction ignored = {.sa_handler = SIG_IGN};
-    void *held = signals_hold();
-    CHECK(pipe(ends) == 0, "a pipe is made");
-    raise(SIGTERM);
-    CHECK(!process_run(lingers, &ends[1], NULL, 0, NULL, &err) && err.status == EXIT_SYSTEM,
-          "a waiting signal ends a process");
-    CHECK(strstr(err.text, "interrupted") != NULL,
-          "the message says that the process was interrupted");
-    close(ends[1]);
-    CHECK(read(ends[0], &byte, 1) == 0, "the interrupted process is gone");
-    close(ends[0]);
-    sigaction(SIGTERM, &ignored, NULL); /* drops it */
-    signals_release(held);
-}
-
 int main(void)
 {
     frontier();
     equals();
     words();
     csv();
-    processes();
-    interruption();
     return test_end();
 }

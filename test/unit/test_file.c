@@ -11,7 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
+#include "data/output/output.h"
 #include "spectral.h"
 #include "test.h"
 
@@ -175,15 +175,16 @@ static void check_replacement(void)
     output_discard(&output);
     CHECK(count_entries() == before, "a discarded output leaves nothing");
     umask(027);
-    CHECK(file_write(path, "old", 3, &err) && holds(path, "old") && stat(path, &status) == 0 &&
-              (status.st_mode & 0777) == 0640,
+    CHECK(file_write(path, "old", 3, NULL, &err) && holds(path, "old") &&
+              stat(path, &status) == 0 && (status.st_mode & 0777) == 0640,
           "a new file has the mode that the umask gives");
     chmod(path, 0606);
     symlink("out", link);
     CHECK(output_open(&output, link, &err) && write(output.descriptor, "new", 3) == 3 &&
               holds(path, "old"),
           "the old file stands until the commit");
-    CHECK(output_commit(&output, &err) && holds(path, "new"), "the commit replaces the old file");
+    CHECK(output_pass(&output, NULL, &err) && holds(path, "new"),
+          "the commit replaces the old file");
     output_discard(&output);
     CHECK(stat(path, &status) == 0 && (status.st_mode & 0777) == 0606,
           "the new file has the old one's mode");
@@ -196,7 +197,7 @@ static void check_replacement(void)
 static enum exit_status write_status(const char *path)
 {
     struct error err = {0};
-    return file_write(path, "x", 1, &err) ? EXIT_AGREED : err.status;
+    return file_write(path, "x", 1, NULL, &err) ? EXIT_AGREED : err.status;
 }
 
 static void check_refusals(void)
@@ -262,36 +263,6 @@ static void check_devices(void)
     CHECK(count_entries() == before, "copies leave no temporary file");
 }
 
-static void check_signals(void)
-{
-    char path[PATH_SIZE];
-    struct output output;
-    struct error err = {0};
-    pid_t child;
-    int ended, before = count_entries();
-    CHECK(output_open(&output, temporary("signal", path), &err) && !output_interrupted(),
-          "no signal waits at first");
-    raise(SIGTERM);
-    CHECK(output_interrupted(), "a signal waits while an output is open");
-    signal(SIGTERM, SIG_IGN); /* drops the waiting signal */
-    raise(SIGTERM);
-    CHECK(!output_interrupted(), "an ignored signal does not count");
-    output_discard(&output);
-    signal(SIGTERM, SIG_DFL);
-    child = fork();
-    if (child == 0) {
-        signal(SIGINT, SIG_DFL); /* shells ignore it in background jobs */
-        output_open(&output, path, &err);
-        raise(SIGINT);
-        output_discard(&output);
-        _exit(0);
-    }
-    waitpid(child, &ended, 0);
-    CHECK(WIFSIGNALED(ended) && WTERMSIG(ended) == SIGINT,
-          "the signal arrives when the output is gone");
-    CHECK(count_entries() == before, "the interrupted output leaves no file");
-}
-
 /* Returns the exit status of a child process that may write only 4096 bytes. */
 static int write_full(const char *path)
 {
@@ -304,7 +275,7 @@ static int write_full(const char *path)
         dup2(open("/dev/full", O_WRONLY), 1);
         signal(SIGXFSZ, SIG_IGN);
         setrlimit(RLIMIT_FSIZE, &limit);
-        _exit(file_write(path, large, sizeof large, &err) ? 0 : (int)err.status);
+        _exit(file_write(path, large, sizeof large, NULL, &err) ? 0 : (int)err.status);
     }
     waitpid(child, &ended, 0);
     return WIFEXITED(ended) ? WEXITSTATUS(ended) : -1;
@@ -409,7 +380,6 @@ int main(void)
     check_replacement();
     check_refusals();
     check_devices();
-    check_signals();
     check_full();
     check_digest();
     return test_end();

@@ -424,7 +424,7 @@ static void test_stack(void)
         good = stack_write(&writer, &(struct stack_rectangle){page, 0, 0, WIDTH, HEIGHT}, counts,
                            &err);
     }
-    CHECK(good && stack_finish(&writer, "check: agreed", &err) && stack_commit(&writer, &err),
+    CHECK(good && stack_finish(&writer, "check: agreed", &err) && stack_commit(&writer, NULL, &err),
           "a stack is written %s", err.text);
     if (!open_whole(&image, path, "a stack", MANY))
         return;
@@ -777,7 +777,7 @@ static void test_cuts(void)
     for (int page = 0; good && page < PAGES; page++)
         good = stack_write(&writer, &(struct stack_rectangle){page, 0, 0, WIDTH, HEIGHT}, radiance,
                            &err);
-    CHECK(good && stack_finish(&writer, "", &err) && stack_commit(&writer, &err),
+    CHECK(good && stack_finish(&writer, "", &err) && stack_commit(&writer, NULL, &err),
           "a stack of floats is written %s", err.text);
     check_cuts("a stack of floats");
     const char *const bands[] = {"bands.tif", "bands_apart.tif", "bands_deflated.tif",

@@ -70,7 +70,7 @@ static bool write_picture(const char *path, const struct picture_options *option
     struct picture_writer writer;
     if (!picture_open(&writer, path, options, err))
         return false;
-    const bool done = write_rows(&writer, step, err) && picture_commit(&writer, err);
+    const bool done = write_rows(&writer, step, err) && picture_commit(&writer, NULL, err);
     picture_discard(&writer);
     return done;
 }
@@ -185,7 +185,7 @@ static void test_big(enum picture_samples samples, int size)
     struct error err = {0};
     bool done = picture_open(&writer, path, &options, &err);
     writer.row = size - 1;
-    done = done && write_rows(&writer, 1, &err) && picture_commit(&writer, &err);
+    done = done && write_rows(&writer, 1, &err) && picture_commit(&writer, NULL, &err);
     CHECK(done, "a picture above 4 GiB is written %s", err.text);
     TIFF *tiff = done ? TIFFOpen(path, "r") : NULL;
     CHECK(tiff != NULL && TIFFIsBigTIFF(tiff), "it is a BigTIFF");
@@ -291,7 +291,8 @@ static void test_damage(void)
               fstat(writer.pages.output.descriptor, &status) == 0 &&
               ftruncate(writer.pages.output.descriptor, status.st_size - 1) == 0,
           "a picture loses its last byte");
-    CHECK(!picture_commit(&writer, &err) && err.status == EXIT_SYSTEM && access(path, F_OK) != 0,
+    CHECK(!picture_commit(&writer, NULL, &err) && err.status == EXIT_SYSTEM &&
+              access(path, F_OK) != 0,
           "the damaged picture does not appear: %s", err.text);
 }
 
@@ -365,7 +366,7 @@ static void test_rectangles(void)
         for (int y = 0; y < options.height; y++)
             fill_row(&options, y, picture + 3 * (size_t)y * (size_t)width);
         const bool done = picture_open(&writer, "tiles.png", &options, &err) &&
-                          put_tiles(&writer, picture, &err) && picture_commit(&writer, &err);
+                          put_tiles(&writer, picture, &err) && picture_commit(&writer, NULL, &err);
         CHECK(done && write_picture("rows.png", &options, 9, &err) &&
                   same_files("tiles.png", "rows.png"),
               "%d pixels wide: tiles give the bytes that rows give %s", width, err.text);

@@ -35,7 +35,7 @@ static bool written(const char *path, const struct record *record, struct image 
                                     .provenance = text};
     bool done = text && stack_open(&writer, path, &options, err) &&
                 stack_write(&writer, &(struct stack_rectangle){0, 0, 0, 1, 1}, &count, err) &&
-                stack_finish(&writer, "a verdict", err) && stack_commit(&writer, err) &&
+                stack_finish(&writer, "a verdict", err) && stack_commit(&writer, NULL, err) &&
                 image_open(path, nowhere, image, err);
     free(text);
     return done;

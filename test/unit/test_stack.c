@@ -61,7 +61,7 @@ static bool write_small(const char *path, int tile, const char *verdict, struct 
                     return false;
                 }
             }
-    return stack_finish(&writer, verdict, err) && stack_commit(&writer, err);
+    return stack_finish(&writer, verdict, err) && stack_commit(&writer, NULL, err);
 }
 
 /* Returns the allocated content; *length is 0 if there is no file. */
@@ -303,8 +303,8 @@ static void test_map(int map_bytes)
     for (int page = 0; page < PAGES; page++)
         CHECK(write_rectangle(&writer, page, 0, 0, WIDTH, HEIGHT, &err), "page %d is written",
               page);
-    CHECK(stack_finish(&writer, "", &err) && stack_commit(&writer, &err), "the stack commits %s",
-          err.text);
+    CHECK(stack_finish(&writer, "", &err) && stack_commit(&writer, NULL, &err),
+          "the stack commits %s", err.text);
     check_map(path, map_bytes);
     CHECK(stack_open(&writer, "stack_other.tif", &options, &err), "another stack opens %s",
           err.text);
@@ -349,7 +349,7 @@ static void test_float(void)
     const char *path = "stack_float.tif";
     CHECK(stack_open(&writer, path, &options, &err), "a stack of 2x2x1 floats opens");
     CHECK(stack_write(&writer, &(struct stack_rectangle){0, 0, 0, 2, 2}, radiance, &err) &&
-              stack_finish(&writer, "", &err) && stack_commit(&writer, &err),
+              stack_finish(&writer, "", &err) && stack_commit(&writer, NULL, &err),
           "the stack of floats is written");
     TIFF *tiff = TIFFOpen(path, "r");
     if (!CHECK(tiff != NULL, "libtiff opens it"))
@@ -392,7 +392,7 @@ static void check_large(int width, int map_bytes, bool big)
     CHECK(map_bytes == 0 || pages_offset(&writer.pages, 1) == end, "%d pixels: the map is written",
           width);
     CHECK(stack_write(&writer, &(struct stack_rectangle){0, width - 1, 0, 1, 1}, &last, &err) &&
-              stack_finish(&writer, "", &err) && stack_commit(&writer, &err),
+              stack_finish(&writer, "", &err) && stack_commit(&writer, NULL, &err),
           "%d pixels: commits %s", width, err.text);
     int file = open(path, O_RDONLY);
     CHECK(pread(file, head, 4, 0) == 4 && head[2] == (big ? 43 : 42),
@@ -428,8 +428,8 @@ static void test_many_pages(void)
         contiguous = contiguous && pages_offset(&writer.pages, page) ==
                                        pages_offset(&writer.pages, page - 1) + 12;
     CHECK(contiguous, "their pages follow each other");
-    CHECK(stack_finish(&writer, "", &err) && stack_commit(&writer, &err), "the pages commit %s",
-          err.text);
+    CHECK(stack_finish(&writer, "", &err) && stack_commit(&writer, NULL, &err),
+          "the pages commit %s", err.text);
     unlink(path);
 }
 
@@ -488,7 +488,7 @@ static void check_damage(const char *what, void (*damage)(const struct stack_wri
         return;
     CHECK(stack_open(&writer, path, &options, &err), "%s: the stack opens", what);
     damage(&writer);
-    CHECK(!(stack_finish(&writer, "", &err) && stack_commit(&writer, &err)) &&
+    CHECK(!(stack_finish(&writer, "", &err) && stack_commit(&writer, NULL, &err)) &&
               err.status == EXIT_SYSTEM,
           "%s: the commit is refused: %s", what, err.text);
     stack_discard(&writer);
@@ -584,7 +584,7 @@ static void check_narrow(int bits, const char *const *labels)
         good = stack_write(&writer, &(struct stack_rectangle){page, 0, 0, WIDTH, HEIGHT},
                            bits == 8 ? (const void *)narrow : wide, &err);
     }
-    good = good && stack_finish(&writer, "good", &err) && stack_commit(&writer, &err) &&
+    good = good && stack_finish(&writer, "good", &err) && stack_commit(&writer, NULL, &err) &&
            image_open(path, nowhere, &image, &err);
     if (!CHECK(good, "%d bits, %s: written and opened %s", bits, labels ? "labels" : "wavelengths",
                err.text))

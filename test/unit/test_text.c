@@ -93,8 +93,7 @@ static void check_refusals(void)
     CHECK_TEXT(number_error("-1", 0, HUGE_VAL, &err),
                "t:1:1: error: gloss -1 is below 0; it is at least 0",
                "the message names a lower bound");
-    CHECK_TEXT(number_error("0", DBL_MIN, HUGE_VAL, &err),
-               "t:1:1: error: gloss 0 must be above 0",
+    CHECK_TEXT(number_error("0", DBL_MIN, HUGE_VAL, &err), "t:1:1: error: gloss 0 must be above 0",
                "the smallest number as a bound reads as above 0");
     CHECK_TEXT(number_error("3", -HUGE_VAL, 2, &err),
                "t:1:1: error: gloss 3 is above 2; it is at most 2",

@@ -42,7 +42,7 @@ static bool write_stack(int n_pages, float times)
             good = stack_write(&writer, &(struct stack_rectangle){page, i % WIDTH, i / WIDTH, 1, 1},
                                &value, &err);
         }
-    return CHECK(good && stack_finish(&writer, "", &err) && stack_commit(&writer, &err),
+    return CHECK(good && stack_finish(&writer, "", &err) && stack_commit(&writer, NULL, &err),
                  "a stack is written %s", err.text);
 }
 

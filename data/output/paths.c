@@ -7,17 +7,11 @@
 #include <strings.h>
 #include <sys/stat.h>
 
-#include "data/base/base.h"
-
-static const char *last_name(const char *path)
-{
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
+#include "data/output/output.h"
 
 char *output_name(const char *path, const char *ending)
 {
-    const char *name = last_name(path), *dot = strrchr(name, '.');
+    const char *name = path_name(path), *dot = strrchr(name, '.');
     size_t length = dot && dot > name ? (size_t)(dot - name) : strlen(name);
     size_t capacity = length + strlen(ending) + 1;
     char *out = malloc(capacity);
@@ -39,7 +33,7 @@ static void list_endings(const char *const *endings, char *out, size_t capacity)
 
 bool output_ending(const char *path, const char *const *endings, int *out, struct error *err)
 {
-    const char *name = last_name(path), *dot = strrchr(name, '.');
+    const char *name = path_name(path), *dot = strrchr(name, '.');
     char list[128];
     *out = -1;
     if (!dot || dot == name || !dot[1])
@@ -59,32 +53,9 @@ bool output_is_standard(const char *path)
     return strcmp(path, "-") == 0;
 }
 
-bool file_is_regular(const char *path)
+bool output_is_stream(const char *path)
 {
-    struct stat status;
-    return !output_is_standard(path) && stat(path, &status) == 0 && S_ISREG(status.st_mode);
-}
-
-/* Finds the folder of a path. Returns false if there is none. */
-static bool stat_folder(const char *path, struct stat *out)
-{
-    char *folder = file_relative(path, ".");
-    const bool found = folder && stat(folder, out) == 0;
-    free(folder);
-    return found;
-}
-
-/* Files that do not exist yet are one if they have one name in one folder. */
-bool file_is_same(const char *a, const char *b)
-{
-    struct stat one, other;
-    const bool a_is = stat(a, &one) == 0, b_is = stat(b, &other) == 0;
-    if (strcmp(a, b) == 0)
-        return true;
-    if (a_is != b_is || (!a_is && (strcmp(last_name(a), last_name(b)) != 0 ||
-                                   !stat_folder(a, &one) || !stat_folder(b, &other))))
-        return false;
-    return one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+    return output_is_standard(path) || !(file_is_regular(path) || file_is_missing(path));
 }
 
 bool output_spares(const char *output, const char *input, struct error *err)

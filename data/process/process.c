@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* Runs a job in a process of its own, which sends its result through a pipe. */
-#include <errno.h>
 #include <poll.h>
 #include <signal.h>
 #include <stdlib.h>
@@ -8,8 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
-#include "raster/cost/cost.h"
+#include "data/process/process.h"
 
 /* The job sends this first, then its own bytes. */
 struct reply {
@@ -25,7 +23,7 @@ static bool read_all(int from, void *bytes, size_t length)
 {
     for (size_t got = 0; got < length;) {
         struct pollfd ready = {.fd = from, .events = POLLIN};
-        if (output_interrupted())
+        if (is_interrupted())
             return false;
         if (poll(&ready, 1, LOOK_MS) <= 0)
             continue;
@@ -43,7 +41,7 @@ static bool await(pid_t child, int from, void *out, size_t size, struct error *e
     struct reply reply;
     int status = 0;
     const bool whole = read_all(from, &reply, sizeof reply) && read_all(from, out, size);
-    const bool interrupted = !whole && output_interrupted();
+    const bool interrupted = !whole && is_interrupted();
     if (interrupted)
         kill(child, SIGKILL);
     while (waitpid(child, &status, 0) < 0 && errno == EINTR)
@@ -68,10 +66,12 @@ bool process_run(bool (*job)(void *context, void *out, struct error *err), void 
     if (pipe(ends) != 0)
         return error_system(err, "cannot make a pipe");
     const double start = clock_seconds();
-    const pid_t child = fork();
+    const pid_t parent = getpid(), child = fork();
     if (child == 0) {
         struct reply reply = {.done = false};
         close(ends[0]);
+        if (!process_follow(parent))
+            _exit(EXIT_SYSTEM);
         reply.done = job(context, out, &reply.err);
         _exit(!(write_all(ends[1], &reply, sizeof reply) && write_all(ends[1], out, size)));
     }

@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: MIT */
+/* Paths: how one file names another, and what a path names. */
+#include <limits.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "data/base/base.h"
+
+bool path_is_builtin(const char *path)
+{
+    return strncmp(path, BUILTIN_PREFIX, strlen(BUILTIN_PREFIX)) == 0;
+}
+
+const char *path_name(const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+/* Removes "./" and "a/../" in place. The folder above the root is the root. */
+static void fold(char *path)
+{
+    char *out = path;
+    const char *in = path;
+    while (*in != '\0') {
+        size_t length = strcspn(in, "/");
+        bool folder = in[length] == '/';
+        if (folder && length == 2 && strncmp(in, "..", 2) == 0) {
+            out -= out > path;
+            while (out > path && out[-1] != '/')
+                out--;
+        } else if (!folder || length != 1 || in[0] != '.') {
+            memmove(out, in, length + folder);
+            out += length + folder;
+        }
+        in += length + folder;
+    }
+    *out = '\0';
+}
+
+char *file_relative(const char *base, const char *name)
+{
+    const bool whole = base == NULL || name[0] == '/' || path_is_builtin(name);
+    const char *slash = whole ? NULL : strrchr(base, '/');
+    size_t folder = 0;
+    char *path;
+    if (slash != NULL)
+        folder = (size_t)(slash + 1 - base);
+    else if (!whole && path_is_builtin(base))
+        folder = strlen(BUILTIN_PREFIX);
+    path = malloc(folder + strlen(name) + 1);
+    if (path == NULL)
+        return NULL;
+    sprintf(path, "%.*s%s", (int)folder, folder > 0 ? base : "", name);
+    if (path_is_builtin(path))
+        fold(path + strlen(BUILTIN_PREFIX));
+    return path;
+}
+
+/* ---- what a path names ---- */
+
+bool file_is_regular(const char *path)
+{
+    struct stat status;
+    return strcmp(path, "-") != 0 && stat(path, &status) == 0 && S_ISREG(status.st_mode);
+}
+
+bool file_is_missing(const char *path)
+{
+    return !path_is_builtin(path) && access(path, F_OK) != 0 && errno == ENOENT;
+}
+
+/* Finds the folder of a path. Returns false if there is none. */
+static bool stat_folder(const char *path, struct stat *out)
+{
+    char folder[PATH_MAX];
+    const int length = (int)(path_name(path) - path);
+    return snprintf(folder, sizeof folder, "%.*s.", length, path) < PATH_MAX &&
+           stat(folder, out) == 0;
+}
+
+/* Files that do not exist yet are one if they have one name in one folder. */
+bool file_is_same(const char *a, const char *b)
+{
+    struct stat one, other;
+    const bool a_is = stat(a, &one) == 0, b_is = stat(b, &other) == 0;
+    if (strcmp(a, b) == 0)
+        return true;
+    if (a_is != b_is || (!a_is && (strcmp(path_name(a), path_name(b)) != 0 ||
+                                   !stat_folder(a, &one) || !stat_folder(b, &other))))
+        return false;
+    return one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+}

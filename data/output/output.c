@@ -1,0 +1,270 @@
+/* SPDX-License-Identifier: MIT */
+/* Writes files that appear whole or not at all: a long rendering must never leave half a stack, or
+ * destroy an older one. */
+#include <assert.h>
+#include <fcntl.h>
+#include <limits.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "data/output/output.h"
+
+/* ---- opening ---- */
+
+/* A closed pipe gets no message. */
+static bool write_fault(struct error *err, const char *path)
+{
+    const struct place nowhere = {NULL, 0, 0};
+    if (errno == EPIPE)
+        return error_unread(err);
+    return error_cause(err, nowhere, errno, "cannot write %s",
+                       output_is_standard(path) ? "to standard output" : path);
+}
+
+/* Opens a device, a pipe or standard output: its temporary file is created in the folder for
+ * temporary files. */
+static bool open_copied(struct output *out, const char *path, struct error *err)
+{
+    const char *folder = getenv("TMPDIR");
+    char beside[PATH_MAX];
+    if (folder == NULL || folder[0] == '\0')
+        folder = "/tmp";
+    snprintf(beside, sizeof beside, "%s/spectral", folder);
+    out->copied = true;
+    out->path = strdup(path);
+    if (out->path == NULL)
+        return error_memory(err);
+    return temporary_create(out, beside, 0600) ||
+           error_system(err, "cannot create a temporary file in %s", folder);
+}
+
+/* Opens a regular file, or a name that is free (`existing` is NULL). Sets the mode of the replaced
+ * file again, since the umask may have removed bits of it. */
+static bool open_beside(struct output *out, const char *path, const struct stat *existing,
+                        struct error *err)
+{
+    const mode_t mode = existing != NULL ? existing->st_mode & 0777 : 0666;
+    out->path = existing != NULL ? realpath(path, NULL) : strdup(path);
+    return (out->path != NULL && temporary_create(out, out->path, mode) &&
+            (existing == NULL || fchmod(out->descriptor, mode) == 0)) ||
+           write_fault(err, path);
+}
+
+static bool open_target(struct output *out, const char *path, struct error *err)
+{
+    struct stat status;
+    size_t length = strlen(path);
+    if (output_is_standard(path))
+        return open_copied(out, path, err);
+    if (stat(path, &status) == 0) {
+        if (S_ISDIR(status.st_mode))
+            return error_usage(err, "cannot write %s: it is a folder", path);
+        if (access(path, W_OK) != 0)
+            return write_fault(err, path);
+        return S_ISREG(status.st_mode) ? open_beside(out, path, &status, err)
+                                       : open_copied(out, path, err);
+    }
+    if (errno != ENOENT)
+        return write_fault(err, path);
+    if (length == 0 || path[length - 1] == '/' || path_is_builtin(path))
+        return error_usage(err, "cannot write '%s': it names no file", path);
+    if (lstat(path, &status) == 0)
+        return error_usage(err, "cannot write %s: it is a link to a missing file", path);
+    return open_beside(out, path, NULL, err);
+}
+
+static bool open_output(struct output *out, const char *path, struct error *err)
+{
+    *out = (struct output){.descriptor = -1};
+    if (open_target(out, path, err))
+        return true;
+    output_discard(out);
+    return false;
+}
+
+/* Returns whether the output is a terminal. Opens no pipe, which would wait for its reader. */
+static bool is_terminal(const char *path)
+{
+    struct stat status;
+    if (output_is_standard(path))
+        return isatty(STDOUT_FILENO);
+    if (stat(path, &status) != 0 || !S_ISCHR(status.st_mode))
+        return false;
+    const int descriptor = open(path, O_WRONLY | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+    const bool found = descriptor >= 0 && isatty(descriptor);
+    if (descriptor >= 0)
+        close(descriptor);
+    return found;
+}
+
+bool output_open(struct output *out, const char *path, struct error *err)
+{
+    *out = (struct output){.descriptor = -1};
+    return is_terminal(path)
+               ? error_usage(
+                     err, "%s is a terminal, and a picture is no text; expected a file or a pipe",
+                     output_is_standard(path) ? "standard output" : path)
+               : open_output(out, path, err);
+}
+
+bool output_can_open(const char *path, struct error *err)
+{
+    struct output probe = {.path = NULL};
+    bool able = !path || output_is_standard(path) || open_output(&probe, path, err);
+    output_discard(&probe);
+    return able;
+}
+
+/* ---- the end ---- */
+
+/* Some file systems cannot sync, and return EINVAL: that is no failure. */
+static bool sync_descriptor(int descriptor)
+{
+    int got;
+    UNTIL_DONE(got, fsync(descriptor));
+    return got == 0 || errno == EINVAL;
+}
+
+/* Syncs the folder, so that the new name outlives a crash of the machine. The file is whole in any
+ * case, so a failure is none of the output. */
+static void sync_folder(const char *path)
+{
+    char *folder = file_relative(path, ".");
+    const int descriptor = folder ? open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+    if (descriptor >= 0) {
+        sync_descriptor(descriptor);
+        close(descriptor);
+    }
+    free(folder);
+}
+
+/* A file system may report a failed write as late as here: then the name does not appear. */
+static bool commit_name(struct output *out, struct error *err)
+{
+    if (!sync_descriptor(out->descriptor) || !temporary_name(out, out->path))
+        return write_fault(err, out->path);
+    sync_folder(out->path);
+    return true;
+}
+
+static bool copy_bytes(int from, int to)
+{
+    char buffer[1 << 16];
+    uint64_t at = 0;
+    for (;;) {
+        const ssize_t got = read_at(from, buffer, sizeof buffer, at);
+        if (got <= 0)
+            return got == 0;
+        if (!write_all(to, buffer, (size_t)got))
+            return false;
+        at += (uint64_t)got;
+    }
+}
+
+/* Removes the name of the temporary file first: the program may be killed while it waits for the
+ * reader of a pipe. */
+static bool commit_copy(struct output *out, struct error *err)
+{
+    int target;
+    temporary_remove(out);
+    if (output_is_standard(out->path))
+        target = dup(STDOUT_FILENO);
+    else
+        UNTIL_DONE(target, open(out->path, O_WRONLY | O_CLOEXEC));
+    const bool done = target >= 0 && copy_bytes(out->descriptor, target);
+    return ((target < 0 || close(target) == 0 || errno == EINTR) && done) ||
+           write_fault(err, out->path);
+}
+
+static bool commit(struct output *out, struct error *err)
+{
+    const bool done = out->copied ? commit_copy(out, err) : commit_name(out, err);
+    output_discard(out);
+    return done;
+}
+
+void output_discard(struct output *out)
+{
+    if (out->path && out->descriptor >= 0)
+        close(out->descriptor);
+    temporary_remove(out);
+    free(out->path);
+    *out = (struct output){0};
+}
+
+/* ---- outputs ---- */
+
+/* Syncs at once: what has no room on the disk must fail before the first output appears. */
+bool output_pass(struct output *output, struct outputs *outputs, struct error *err)
+{
+    if (!outputs)
+        return commit(output, err);
+    assert(outputs->n < MOST_OUTPUTS);
+    const bool done =
+        output->copied || sync_descriptor(output->descriptor) || write_fault(err, output->path);
+    if (done)
+        outputs->list[outputs->n++] = *output;
+    else
+        output_discard(output);
+    *output = (struct output){.path = NULL};
+    return done;
+}
+
+const char *outputs_readable(const struct outputs *outputs, const char *path)
+{
+    for (int i = 0; i < outputs->n; i++)
+        if (!outputs->list[i].copied && file_is_same(outputs->list[i].path, path))
+            return outputs->list[i].temporary;
+    return NULL;
+}
+
+/* Copies come last: the reader of a pipe may have closed it. */
+bool outputs_commit(struct outputs *outputs, struct error *err)
+{
+    bool done = true;
+    for (int copied = 0; copied < 2; copied++)
+        for (int i = 0; done && i < outputs->n; i++)
+            if (outputs->list[i].copied == copied)
+                done = commit(&outputs->list[i], err);
+    outputs_discard(outputs);
+    return done;
+}
+
+void outputs_discard(struct outputs *outputs)
+{
+    for (int i = 0; i < outputs->n; i++)
+        output_discard(&outputs->list[i]);
+    outputs->n = 0;
+}
+
+/* ---- small files ---- */
+
+bool output_is_unread(void)
+{
+    struct pollfd output = {.fd = STDOUT_FILENO};
+    int got;
+    UNTIL_DONE(got, poll(&output, 1, 0));
+    return got == 1 && (output.revents & POLLERR);
+}
+
+bool file_write(const char *path, const char *bytes, size_t length, struct outputs *outputs,
+                struct error *err)
+{
+    struct output output;
+    if (output_is_standard(path)) {
+        errno = 0;
+        return (fwrite(bytes, 1, length, stdout) == length && fflush(stdout) == 0) ||
+               output_is_unread() || error_system(err, "cannot write to standard output");
+    }
+    if (!open_output(&output, path, err))
+        return false;
+    if (!write_all(output.descriptor, bytes, length)) {
+        write_fault(err, path);
+        output_discard(&output);
+        return false;
+    }
+    return output_pass(&output, outputs, err);
+}

@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "output": files that appear whole or not at all, and the names of files that a command
+ * writes. */
+#ifndef OUTPUT_H
+#define OUTPUT_H
+
+#include "data/base/base.h"
+
+/* ---- output.c: files that appear whole or not at all ---- */
+
+/* A regular or new file is written beside its place, and gets its name at the end; anything else (a
+ * pipe, a device, "-" for standard output) receives a copy of a temporary file. */
+struct output {
+    int descriptor;
+    char *path;      /* final name, links resolved */
+    char *temporary; /* a name by which the file can be read until it is committed; NULL when none
+                        is open */
+    bool named;      /* the temporary name stands in the folder, and must be removed */
+    bool copied;     /* path is no regular file, or "-": copy at the end */
+};
+/* Creates the file. Refuses a path that cannot be written, and a terminal. */
+bool output_open(struct output *out, const char *path, struct error *err);
+void output_discard(struct output *out); /* safe after output_pass, and on a zeroed struct */
+
+/* The outputs of a command: they appear together, when all that can fail is done. */
+enum { MOST_OUTPUTS = 4 };
+struct outputs {
+    struct output list[MOST_OUTPUTS]; /* complete, and owned */
+    int n;
+};
+/* Passes a complete output, which is zeroed, to a command's outputs. NULL: commits it at once.
+ * After a failure it is discarded. */
+bool output_pass(struct output *output, struct outputs *outputs, struct error *err);
+/* Returns the name by which the output of a path can be read before it is committed; NULL: there is
+ * none, or it will be copied. */
+const char *outputs_readable(const struct outputs *outputs, const char *path);
+bool outputs_commit(struct outputs *outputs, struct error *err);
+void outputs_discard(struct outputs *outputs); /* safe after commit */
+/* Writes a whole small file, which appears whole or not at all. "-" is standard output; if its
+ * reader closes the pipe, that is no failure. outputs as output_pass takes them. */
+bool file_write(const char *path, const char *bytes, size_t length, struct outputs *outputs,
+                struct error *err);
+/* Refuses an output that cannot be opened, before the work begins. Leaves no file. NULL: none. */
+bool output_can_open(const char *path, struct error *err);
+bool output_is_unread(void); /* standard output is a pipe that its reader has closed */
+
+/* ---- paths.c: the names of files that a command writes ---- */
+
+/* Returns the default name of an output: that of a file without its folder, and with another
+ * ending. Allocated; NULL: no memory. */
+char *output_name(const char *path, const char *ending);
+/* Finds the ending of a name in a list as ".png", ".tif", NULL, in capitals or small letters. *out
+ * is its index; -1: the name has no ending, as "-" and /dev/stdout. Refuses any other ending. */
+bool output_ending(const char *path, const char *const *endings, int *out, struct error *err);
+bool output_is_standard(const char *path); /* true of "-", standard output */
+bool output_is_stream(const char *path);   /* true of "-", and of what exists and is no file */
+/* Refuses an output that would replace the input. Either may be NULL. */
+bool output_spares(const char *output, const char *input, struct error *err);
+
+/* ---- Inside this room ---- */
+
+/* temporary.c: fills out->descriptor, temporary and named with a new file in the folder of a path.
+ * Where the file system can, the file has no name, so that nothing stays behind if the program is
+ * killed. Otherwise its name is .NAME.PID.N.tmp, and it holds a lock as long as it is open: a later
+ * output of the same NAME removes such files that nobody holds. Returns false with errno. */
+bool temporary_create(struct output *out, const char *path, mode_t mode);
+/* Gives the file the path's name, in place of any file of that name. Returns false with errno. */
+bool temporary_name(struct output *out, const char *path);
+void temporary_remove(struct output *out); /* its name; the descriptor stays open */
+
+#endif

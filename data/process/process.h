@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "process": jobs in processes of their own, and the signals that end a run. */
+#ifndef PROCESS_H
+#define PROCESS_H
+
+#include "data/base/base.h"
+
+/* ---- guard.c: the command in a process that another one watches ---- */
+
+/* Does the work in a process of its own, and returns its exit status, 0 to 3, when that process has
+ * ended. A status counts only if the work returned it: if a library ends the process, or a signal
+ * does, this prints a line and returns EXIT_SYSTEM. SIGINT, SIGTERM and SIGHUP end both processes:
+ * the work has GRACE_MS to remove its temporary files. */
+int guard_run(int (*work)(void *of), void *of);
+enum { GRACE_MS = 200 };
+/* Returns whether such a signal has come. The work looks for it between its steps, and then
+ * returns. Outside of guard_run: whether one is blocked and pending. */
+bool is_interrupted(void);
+
+/* ---- process.c: a job in a process of its own ---- */
+
+/* Runs a job in a copy of this process, and waits for it. Returns the job's `size` bytes at `out`,
+ * and the seconds from fork to its end (NULL: not wanted). An interruption ends the job. This
+ * process may start no thread and no OpenGL: a copy of a process with OpenMP's threads hangs. */
+bool process_run(bool (*job)(void *context, void *out, struct error *err), void *context, void *out,
+                 size_t size, double *seconds, struct error *err);
+
+/* ---- Inside this room ---- */
+
+/* Lets this process end when its parent ends, where the system can do so. Returns false if the
+ * parent has ended already. */
+bool process_follow(pid_t parent);
+
+#endif
