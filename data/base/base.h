@@ -26,13 +26,25 @@ struct printed {
 };
 void print(struct printed *to, const char *format, ...) PRINTF_LIKE(2, 3);
 void print_text(struct printed *to, const char *text);
+/* Prints "NAME  VALUE" in a line of its own, without the value's unprintable characters. */
+void print_fact(struct printed *to, const char *name, const char *value);
 void print_bytes(struct printed *to, const void *bytes, size_t length);
 /* Returns the whole text, which then belongs to the caller; NULL: no memory, or it was returned
  * already. Its length stays. */
 char *printed_end(struct printed *printed);
-/* Writes the whole text to a stream and frees it. Fails for lack of memory alone: main looks for
- * failed writes to standard output. */
+/* Writes the whole text to a stream, without unprintable characters, and frees it. Fails for lack
+ * of memory alone: main looks for failed writes to standard output. */
 bool printed_show(struct printed *printed, FILE *to, struct error *err);
+
+/* ---- printable.c: what may reach a terminal ---- */
+
+/* Returns the length in bytes of the UTF-8 character at `at`, in a text that ends with a NUL; 0:
+ * the character is not valid, or, for the second, has no picture. */
+int utf8_length(const unsigned char *at);
+int printable_length(const unsigned char *at);
+/* Replaces each unprintable character by '?', in place, but for the control characters in `kept`.
+ */
+void hide_unprintable(char *text, const char *kept);
 
 /* ---- file.c: whole reads, compiled-in files, files that appear whole or not at all ---- */
 

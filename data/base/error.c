@@ -8,15 +8,6 @@
 
 #include "data/base/base.h"
 
-/* Replaces control characters. A word or a file name could otherwise forge a second line, or
- * control the terminal. */
-static void hide_controls(char *text)
-{
-    for (; *text != '\0'; text++)
-        if ((unsigned char)*text < 0x20 || *text == 0x7f)
-            *text = '?';
-}
-
 /* Cuts a message that is too long before `ending`, which is the cause. */
 static bool fail(struct error *err, enum exit_status status, const char *prefix, const char *format,
                  va_list arguments, const char *ending)
@@ -29,7 +20,7 @@ static bool fail(struct error *err, enum exit_status status, const char *prefix,
     used = strlen(err->text);
     vsnprintf(err->text + used, room - used, format, arguments);
     strcat(err->text, ending);
-    hide_controls(err->text);
+    hide_unprintable(err->text, "");
     return false;
 }
 
@@ -91,8 +82,8 @@ bool error_system(struct error *err, const char *format, ...)
 /* Returns whether a path is at fault: another path, or another right to it, would do. */
 static bool is_of_path(int cause)
 {
-    static const int causes[] = {ENOENT, ENOTDIR,      EISDIR, EACCES, EPERM,
-                                 ELOOP,  ENAMETOOLONG, ENXIO,  ENODEV, EINVAL};
+    static const int causes[] = {ENOENT,       ENOTDIR, EISDIR, EACCES, EPERM, ELOOP,
+                                 ENAMETOOLONG, ENXIO,   ENODEV, EINVAL, EBADF};
     for (size_t i = 0; i < sizeof causes / sizeof causes[0]; i++)
         if (cause == causes[i])
             return true;

@@ -62,6 +62,18 @@ void print(struct printed *to, const char *format, ...)
     }
 }
 
+void print_fact(struct printed *to, const char *name, const char *value)
+{
+    print(to, "%-17s ", name);
+    const size_t start = to->length;
+    print_text(to, value);
+    if (to->failed)
+        return;
+    hide_unprintable(to->text + start, "");
+    to->length = start + strlen(to->text + start);
+    print_text(to, "\n");
+}
+
 char *printed_end(struct printed *printed)
 {
     print_bytes(printed, "", 0);
@@ -76,10 +88,11 @@ char *printed_end(struct printed *printed)
 
 bool printed_show(struct printed *printed, FILE *to, struct error *err)
 {
-    const size_t length = printed->length;
     char *text = printed_end(printed);
-    if (text)
-        fwrite(text, 1, length, to);
+    if (text) {
+        hide_unprintable(text, "\n");
+        fputs(text, to);
+    }
     free(text);
     return text != NULL || error_memory(err);
 }

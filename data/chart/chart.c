@@ -25,8 +25,7 @@ void chart_text(struct printed *to, const char *text, int most)
         const bool last = most == 1 && at[length > 0 ? length : 1] != '\0';
         if (last)
             print_text(to, "…");
-        else if (length == 0 || (length == 1 && (*at < 0x20 || *at == 0x7f)) ||
-                 (*at == 0xef && at[1] == 0xbf && at[2] >= 0xbe))
+        else if (printable_length(at) == 0)
             print_text(to, "\xef\xbf\xbd");
         else if (strchr("&<>\"", *at))
             print(to, "&#%d;", *at);

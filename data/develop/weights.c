@@ -243,9 +243,7 @@ static void begin_result(const struct development *of)
     if (record->sampling != NULL)
         snprintf(out->sampling, sizeof out->sampling, "%s for %s (recorded)", record->sampling,
                  record->sampling_detector);
-    for (char *at = out->sampling; *at != '\0';
-         at++) /* a control character of a file could drive the terminal */
-        *at = iscntrl((unsigned char)*at) ? '?' : *at;
+    hide_unprintable(out->sampling, "");
     cube_lost(cube, &of->detector, out->lost);
 }
 

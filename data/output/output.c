@@ -200,11 +200,10 @@ void output_discard(struct output *out)
 /* Syncs at once: what has no room on the disk must fail before the first output appears. */
 bool output_pass(struct output *output, struct outputs *outputs, struct error *err)
 {
-    if (!outputs)
+    if (!outputs || output->copied)
         return commit(output, err);
     assert(outputs->n < MOST_OUTPUTS);
-    const bool done =
-        output->copied || sync_descriptor(output->descriptor) || write_fault(err, output->path);
+    const bool done = sync_descriptor(output->descriptor) || write_fault(err, output->path);
     if (done)
         outputs->list[outputs->n++] = *output;
     else
@@ -216,19 +215,16 @@ bool output_pass(struct output *output, struct outputs *outputs, struct error *e
 const char *outputs_readable(const struct outputs *outputs, const char *path)
 {
     for (int i = 0; i < outputs->n; i++)
-        if (!outputs->list[i].copied && file_is_same(outputs->list[i].path, path))
+        if (file_is_same(outputs->list[i].path, path))
             return outputs->list[i].temporary;
     return NULL;
 }
 
-/* Copies come last: the reader of a pipe may have closed it. */
 bool outputs_commit(struct outputs *outputs, struct error *err)
 {
     bool done = true;
-    for (int copied = 0; copied < 2; copied++)
-        for (int i = 0; done && i < outputs->n; i++)
-            if (outputs->list[i].copied == copied)
-                done = commit(&outputs->list[i], err);
+    for (int i = 0; done && i < outputs->n; i++)
+        done = commit(&outputs->list[i], err);
     outputs_discard(outputs);
     return done;
 }

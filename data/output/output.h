@@ -28,11 +28,12 @@ struct outputs {
     struct output list[MOST_OUTPUTS]; /* complete, and owned */
     int n;
 };
-/* Passes a complete output, which is zeroed, to a command's outputs. NULL: commits it at once.
- * After a failure it is discarded. */
+/* Passes a complete output, which is zeroed, to a command's outputs. NULL: lets it appear at once.
+ * A copy is made at once in any case. After a failure it is discarded, and no temporary file is
+ * left. */
 bool output_pass(struct output *output, struct outputs *outputs, struct error *err);
-/* Returns the name by which the output of a path can be read before it is committed; NULL: there is
- * none, or it will be copied. */
+/* Returns the name by which the output of a path can be read before it is committed; NULL: it is
+ * none of them. */
 const char *outputs_readable(const struct outputs *outputs, const char *path);
 bool outputs_commit(struct outputs *outputs, struct error *err);
 void outputs_discard(struct outputs *outputs); /* safe after commit */

@@ -169,7 +169,7 @@ static void print_colour(const struct probe *probe, struct printed *to)
     double xy[2], lab[3], luv[3];
     const double *xyz = probe->xyz, *white = probe->white;
     chromaticity(xyz, xy);
-    print(to, "observer          %s\n", probe->observer);
+    print_fact(to, "observer", probe->observer);
     print(to, "XYZ               %.4f %.4f %.4f\n", xyz[0], xyz[1], xyz[2]);
     print(to, "xy                %.5f %.5f\n", xy[0], xy[1]);
     if (!probe->has_white) {
@@ -214,15 +214,16 @@ static void column_name(const struct probe *probe, int column, char *out, size_t
 
 void probe_print(const struct probe *probe, struct printed *to)
 {
-    char text[160];
-    print(to, "source            %s\n", probe->source);
+    char text[160], number[32];
+    print_fact(to, "source", probe->source);
     region_text(probe, text, sizeof text);
     print(to, "region            %s\n", text);
-    print(to, "object            %s\n", probe->object ? probe->object : "unknown, or several");
+    print_fact(to, "object", probe->object ? probe->object : "unknown, or several");
     print_colour(probe, to);
     for (int column = 0; column < CURVES + probe->n_curves; column++) {
         column_name(probe, column, text, sizeof text);
-        print(to, "column %-10d %s\n", column + 1, text);
+        snprintf(number, sizeof number, "column %d", column + 1);
+        print_fact(to, number, text);
     }
     for (int i = 0; i < probe->n; i++) {
         print(to, "%-17.10g", probe->wavelengths_nm[i]);

@@ -140,9 +140,21 @@ static int fail(const char *what)
     return EXIT_SYSTEM;
 }
 
+/* Puts something in the place of standard input, output or error where it is closed: a file of the
+ * program would take its number, and get the text of a table. Reading or writing there still fails.
+ */
+static void fill_standard(void)
+{
+    static const int wrong_ways[] = {O_WRONLY, O_RDONLY, O_RDONLY};
+    for (int i = 0; i < 3; i++)
+        if (fcntl(i, F_GETFD) < 0 && open("/dev/null", wrong_ways[i]) < 0)
+            return;
+}
+
 int guard_run(int (*work)(void *of), void *of)
 {
     int ends[2], status = 0;
+    fill_standard();
     sigset_t held;
     const pid_t parent = getpid();
     signal(SIGCHLD, SIG_DFL); /* a process that ignores it cannot wait for another */
@@ -154,8 +166,10 @@ int guard_run(int (*work)(void *of), void *of)
     const pid_t worker = fork();
     if (worker < 0)
         return fail("cannot start a process");
-    if (worker == 0)
+    if (worker == 0) {
+        close(ends[0]);
         run_worker(work, of, parent, ends[1]);
+    }
     close(ends[1]);
     const int number = watch(worker, &held, &status);
     return number > 0 ? die_of(number) : conclude(read_report(ends[0]), status);

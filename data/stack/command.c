@@ -15,53 +15,45 @@ bool record_open(const char *path, struct image *image, struct record *out, stru
     return image_open(path, nowhere, image, err) && record_read(image, out, err);
 }
 
-/* Prints one fact. A control character of a file could drive the terminal: it becomes '?'. */
-static void print_fact(const char *name, const char *value)
+static void print_scene(const struct record *record, struct printed *to)
 {
-    printf("%-17s ", name);
-    for (; *value; value++)
-        putchar(iscntrl((unsigned char)*value) ? '?' : *value);
-    putchar('\n');
-}
-
-static void print_scene(const struct record *record)
-{
-    print_fact("program", record->program);
-    print_fact("scene", record->scene);
-    print_fact("scene SHA-256", record->scene_sha256);
+    print_fact(to, "program", record->program);
+    print_fact(to, "scene", record->scene);
+    print_fact(to, "scene SHA-256", record->scene_sha256);
     for (int i = 0; i < record->n_options; i++)
-        print_fact("option", record->options[i]);
-    print_fact("renderer", record->renderer);
+        print_fact(to, "option", record->options[i]);
+    print_fact(to, "renderer", record->renderer);
     for (int i = 0; i < record->lights.n; i++)
-        print_fact("light", record->lights.text[i]);
+        print_fact(to, "light", record->lights.text[i]);
     for (int i = 0; i < record->ambients.n; i++)
-        print_fact("ambient light", record->ambients.text[i]);
+        print_fact(to, "ambient light", record->ambients.text[i]);
     if (record->sampling) {
-        print_fact("sampling", record->sampling);
-        print_fact(record->response.n > 0 ? "sampled only for" : "sampled for",
+        print_fact(to, "sampling", record->sampling);
+        print_fact(to, record->response.n > 0 ? "sampled only for" : "sampled for",
                    record->sampling_detector);
     }
 }
 
-static void print_size(const struct image *image)
+static void print_size(const struct image *image, struct printed *to)
 {
-    printf("pages             %d of %d x %d pixels\n", image->n_pages, image->width, image->height);
+    print(to, "pages             %d of %d x %d pixels\n", image->n_pages, image->width,
+          image->height);
     if (image->wavelengths_nm)
-        printf("wavelengths       %.10g to %.10g nm\n", image->wavelengths_nm[0],
-               image->wavelengths_nm[image->n_pages - 1]);
+        print(to, "wavelengths       %.10g to %.10g nm\n", image->wavelengths_nm[0],
+              image->wavelengths_nm[image->n_pages - 1]);
 }
 
-static void print_pages(const struct image *image, const struct record *record)
+static void print_pages(const struct image *image, const struct record *record, struct printed *to)
 {
     if (record->map_bytes > 0)
-        printf("objects           %d\n", record->objects.n);
-    print_size(image);
+        print(to, "objects           %d\n", record->objects.n);
+    print_size(image, to);
     if (record->components)
-        printf("components        of %.10g to %.10g nm\n", record->range_nm.value[0] + 0.5,
-               record->range_nm.value[1] - 0.5);
-    print_fact("full scale", record->full_scale);
-    print_fact("scale", record->scale);
-    print_fact("verdict", image->verdict);
+        print(to, "components        of %.10g to %.10g nm\n", record->range_nm.value[0] + 0.5,
+              record->range_nm.value[1] - 0.5);
+    print_fact(to, "full scale", record->full_scale);
+    print_fact(to, "scale", record->scale);
+    print_fact(to, "verdict", image->verdict);
 }
 
 static void json_texts(struct json *json, const char *key, const char *const *texts, int n)
@@ -97,7 +89,7 @@ static void info_json(const struct image *image, const struct record *record, st
 }
 
 /* Prints what the header of an ENVI cube states. */
-static void print_cube(const struct image *image)
+static void print_cube(const struct image *image, struct printed *to)
 {
     const struct envi_header *header = &image->envi->header;
     const struct envi_layout *layout = &header->layout;
@@ -105,29 +97,31 @@ static void print_cube(const struct image *image)
     for (int i = 1; i < header->n; i++)
         alike =
             alike && header->gain[i] == header->gain[0] && header->offset[i] == header->offset[0];
-    print_fact("ENVI cube", image->envi->path);
-    print_fact("description", header->description);
-    printf("samples           %s, %s, %s, from byte %" PRIu64 "\n", envi_type_name(layout->type),
-           envi_interleave_name(layout->interleave),
-           layout->big_endian ? "big-endian" : "little-endian", layout->offset);
-    print_size(image);
+    print_fact(to, "ENVI cube", image->envi->path);
+    print_fact(to, "description", header->description);
+    print(to, "samples           %s, %s, %s, from byte %" PRIu64 "\n", envi_type_name(layout->type),
+          envi_interleave_name(layout->interleave),
+          layout->big_endian ? "big-endian" : "little-endian", layout->offset);
+    print_size(image, to);
     if (header->n < layout->bands)
-        printf("bad bands         %d of %d, left out\n", layout->bands - header->n, layout->bands);
+        print(to, "bad bands         %d of %d, left out\n", layout->bands - header->n,
+              layout->bands);
     if (!alike)
-        printf("scale             radiance = sample x gain + offset, each band its own\n");
+        print(to, "scale             radiance = sample x gain + offset, each band its own\n");
     else if (header->offset[0] != 0)
-        printf("scale             radiance = sample x %.10g + %.10g\n", header->gain[0],
-               header->offset[0]);
+        print(to, "scale             radiance = sample x %.10g + %.10g\n", header->gain[0],
+              header->offset[0]);
     else
-        printf("scale             radiance = sample x %.10g\n", header->gain[0]);
+        print(to, "scale             radiance = sample x %.10g\n", header->gain[0]);
     if (header->has_ignored)
-        printf("ignored           %.10g, read as 0\n", header->ignored);
+        print(to, "ignored           %.10g, read as 0\n", header->ignored);
 }
 
 bool command_info(struct options *options, struct error *err)
 {
     const struct place nowhere = {0};
     struct json json;
+    struct printed table = {.text = NULL};
     struct image image = {.path = NULL};
     struct record record = {.text = NULL};
     if (!options->operand)
@@ -139,12 +133,13 @@ bool command_info(struct options *options, struct error *err)
     if (done && options->json) {
         info_json(&image, &record, &json);
         done = json_write(&json, options->json, NULL, err);
-    } else if (done && image.envi)
-        print_cube(&image);
-    else if (done) {
-        print_scene(&record);
-        print_pages(&image, &record);
+    } else if (done && image.envi) {
+        print_cube(&image, &table);
+    } else if (done) {
+        print_scene(&record, &table);
+        print_pages(&image, &record, &table);
     }
+    done = printed_show(&table, stdout, err) && done;
     record_free(&record);
     image_close(&image);
     return done;

@@ -32,6 +32,24 @@ void json_close(struct json *json, char bracket)
     json->separated = true;
 }
 
+/* Puts a character, and returns its length in bytes. The text is valid UTF-8, whatever the value is
+ * (RFC 8259, section 8.1): a byte that is none becomes U+FFFD. */
+static int put_character(struct printed *to, const unsigned char *at)
+{
+    const int length = utf8_length(at);
+    if (*at == '"' || *at == '\\')
+        print(to, "\\%c", *at);
+    else if (*at < 0x20 || *at == 0x7f)
+        print(to, "\\u%04x", (unsigned)*at);
+    else if (length == 2 && at[0] == 0xc2 && at[1] < 0xa0) /* a control character of Latin 1 */
+        print(to, "\\u%04x", (unsigned)at[1]);
+    else if (length == 0)
+        print_text(to, "\xef\xbf\xbd");
+    else
+        print_bytes(to, at, (size_t)length);
+    return length > 0 ? length : 1;
+}
+
 void json_string(struct json *json, const char *key, const char *value)
 {
     json_key(json, key);
@@ -39,15 +57,10 @@ void json_string(struct json *json, const char *key, const char *value)
         print(&json->printed, "null");
         return;
     }
-    print(&json->printed, "\"");
-    for (const char *c = value; *c; c++)
-        if (*c == '"' || *c == '\\')
-            print(&json->printed, "\\%c", *c);
-        else if ((unsigned char)*c < 0x20)
-            print(&json->printed, "\\u%04x", (unsigned)*c);
-        else
-            print(&json->printed, "%c", *c);
-    print(&json->printed, "\"");
+    print_text(&json->printed, "\"");
+    for (const unsigned char *at = (const unsigned char *)value; *at;)
+        at += put_character(&json->printed, at);
+    print_text(&json->printed, "\"");
 }
 
 void json_number(struct json *json, const char *key, double value)

@@ -390,17 +390,3 @@ bool text_integer(struct text *text, const char *what, long lowest, long highest
     return expect_number(text, &word, what, err) &&
            word_integer(&word, what, lowest, highest, out, err);
 }
-
-/* By table 3-7 of Unicode. */
-int utf8_length(const unsigned char *at)
-{
-    int length = at[0] < 0x80 ? 1 : 2 + (at[0] >= 0xe0) + (at[0] >= 0xf0);
-    if ((at[0] >= 0x80 && at[0] < 0xc2) || at[0] > 0xf4 || (at[0] == 0xe0 && at[1] < 0xa0) ||
-        (at[0] == 0xed && at[1] > 0x9f) || (at[0] == 0xf0 && at[1] < 0x90) ||
-        (at[0] == 0xf4 && at[1] > 0x8f))
-        return 0;
-    for (int i = 1; i < length; i++)
-        if ((at[i] & 0xc0) != 0x80)
-            return 0;
-    return length;
-}

@@ -72,10 +72,6 @@ bool text_number(struct text *text, const char *what, double lowest, double high
 bool text_integer(struct text *text, const char *what, long lowest, long highest, long *out,
                   struct error *err);
 
-/* Returns the length in bytes of the UTF-8 character at `at`, in a text that ends with a NUL; 0:
- * the character is not valid. */
-int utf8_length(const unsigned char *at);
-
 /* ---- suggest.c: "did you mean ...?" ---- */
 
 enum { LIST_SIZE = 512 };

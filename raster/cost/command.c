@@ -39,7 +39,7 @@ bool cost_render(const struct options *options, const struct cost_entry *entry, 
     struct options own = {.operand = NULL};
     bool done = read_words(options, entry, &own, err);
     own.output = output;
-    done = done && render_scene(&own, err);
+    done = done && render_scene(&own, err) && outputs_commit(&own.outputs, err);
     options_free(&own);
     return done;
 }

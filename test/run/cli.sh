@@ -257,6 +257,9 @@ says '^<stdin>: error: the file is empty' "the message says so"
 "$SPECTRAL" plan - 2>"$tmp/err" <&-
 [ $? = 2 ]
 ok $? "a closed standard input is refused"
+"$SPECTRAL" render "$input/a.scene" --renderer raster --no-check -o "$input/closed.tif" 2>"$tmp/err" >&-
+[ $? = 3 ] && [ ! -e "$input/closed.tif" ]
+ok $? "a closed standard output, for the table, is a failure of the system, and leaves no stack"
 
 printf '%s\n' "$PWD/data/builtin/materials/colorchecker/01-dark-skin.txt" \
     "$PWD/data/builtin/materials/colorchecker/15-red.txt" >"$tmp/two.list"

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: MIT */
+/* No byte of a stranger's file drives the terminal: messages, tables and JSON hold printable
+ * characters of valid UTF-8 only. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/text/text.h"
+#include "test.h"
+
+static const struct {
+    const char *what, *bytes;
+    int length;
+} characters[] = {{"a letter", "a", 1},
+                  {"a letter of two bytes", "\xc3\xa9", 2},
+                  {"a no-break space", "\xc2\xa0", 2},
+                  {"a letter of three bytes", "\xe2\x82\xac", 3},
+                  {"a picture of four bytes", "\xf0\x9f\x98\x80", 4},
+                  {"an escape", "\x1b", 0},
+                  {"a delete", "\x7f", 0},
+                  {"U+0080", "\xc2\x80", 0},
+                  {"U+009B, which begins commands of a terminal", "\xc2\x9b", 0},
+                  {"U+009F", "\xc2\x9f", 0},
+                  {"a raw byte 0x9B", "\x9b", 0},
+                  {"a raw byte 0x80", "\x80", 0},
+                  {"an overlong slash", "\xc0\xaf", 0},
+                  {"a surrogate", "\xed\xa0\x80", 0},
+                  {"a cut character", "\xe2\x82", 0},
+                  {"U+202E, which turns letters around", "\xe2\x80\xae", 0},
+                  {"U+2066, an isolate", "\xe2\x81\xa6", 0},
+                  {"U+200F, a mark of direction", "\xe2\x80\x8f", 0},
+                  {"U+061C, a mark of direction", "\xd8\x9c", 0},
+                  {"U+2028, a line's end", "\xe2\x80\xa8", 0},
+                  {"U+FEFF, without a width", "\xef\xbb\xbf", 0},
+                  {"U+E0041, a tag", "\xf3\xa0\x81\x81", 0},
+                  {"U+10FFFF, no character", "\xf4\x8f\xbf\xbf", 0}};
+
+int main(void)
+{
+    for (size_t i = 0; i < sizeof characters / sizeof characters[0]; i++)
+        CHECK(printable_length((const unsigned char *)characters[i].bytes) == characters[i].length,
+              "%s has %d printable bytes", characters[i].what, characters[i].length);
+    char text[] = "a\xc2\x9b"
+                  "b\x9b\xe2\x80\xae\xc3\xa9\n\x1b[2J\xe2\x82";
+    hide_unprintable(text, "\n");
+    CHECK_TEXT(text,
+               "a?b?"
+               "?\xc3\xa9\n?[2J?"
+               "?",
+               "each unprintable character becomes one mark");
+    struct error err = {.status = EXIT_AGREED};
+    error_usage(&err, "no file '%s'", "x\xc2\x9b\x9b\n\xe2\x80\xae");
+    CHECK_TEXT(err.text,
+               "error: no file 'x?"
+               "?"
+               "?"
+               "?'",
+               "a message has printable characters only");
+    struct printed printed = {.text = NULL};
+    print_fact(&printed, "scene", "a\nverdict agreed\x9b");
+    char *fact = printed_end(&printed);
+    CHECK_TEXT(fact, "scene             a?verdict agreed?\n", "a fact stays in its line");
+    free(fact);
+    struct json json;
+    json_begin(&json);
+    json_string(&json, NULL, "\xc2\x9b\x9b\xc3\xa9\x7f");
+    char *value = json_end(&json);
+    CHECK_TEXT(value, "\"\\u009b\xef\xbf\xbd\xc3\xa9\\u007f\"\n", "JSON is valid UTF-8");
+    free(value);
+    return test_end();
+}
