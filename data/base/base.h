@@ -124,9 +124,9 @@ char *file_relative(const char *base, const char *name);
 bool file_is_regular(const char *path);
 bool file_is_same(const char *a, const char *b);
 bool file_is_missing(const char *path);
-/* format.c: returns the format of a regular file by its first bytes: "TIFF", "PNG", ...; "text":
- * they have no NUL; "": another one, or it cannot be read. */
-const char *file_format(const char *path);
+/* format.c: finds the format of a regular file by its first bytes: "TIFF", "PNG", ...; "text": they
+ * have no NUL; "": another one, or no such file. Fails only where the system does. */
+bool file_format(const char *path, const char **out, struct error *err);
 
 /* ---- progress.c: time, progress and memory of this process ---- */
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* The formats of files, by their first bytes, so that a message can say which file this is. */
-#include <fcntl.h>
 #include <string.h>
 #include <unistd.h>
 
@@ -36,18 +35,37 @@ static bool begins(const unsigned char *start, size_t i)
     return true;
 }
 
-const char *file_format(const char *path)
+static const char *format_of(const unsigned char *start, size_t length)
 {
-    unsigned char start[512] = {0};
-    int file = -1;
-    if (file_is_regular(path))
-        UNTIL_DONE(file, open(path, O_RDONLY | O_CLOEXEC));
-    const ssize_t got = file >= 0 ? read_at(file, start, sizeof start, 0) : -1;
-    const size_t length = got > 0 ? (size_t)got : 0;
-    if (file >= 0)
-        close(file);
     for (size_t i = 0; i < sizeof formats / sizeof formats[0]; i++)
         if (length >= formats[i].n && begins(start, i))
             return formats[i].name;
     return length > 0 && !memchr(start, '\0', length) ? "text" : "";
+}
+
+/* Does not wait for a pipe. */
+bool file_format(const char *path, const char **out, struct error *err)
+{
+    const struct place nowhere = {NULL, 0, 0};
+    struct error failure = {.status = EXIT_AGREED};
+    const struct builtin_file *builtin;
+    unsigned char start[512];
+    int file;
+    *out = "";
+    if (!file_open(path, nowhere, &file, &builtin, &failure)) {
+        if (failure.status == EXIT_SYSTEM)
+            *err = failure;
+        return failure.status != EXIT_SYSTEM;
+    }
+    if (builtin) {
+        *out = format_of(builtin->bytes, builtin->length);
+        return true;
+    }
+    const ssize_t got = read_at(file, start, sizeof start, 0);
+    const int cause = errno;
+    close(file);
+    if (got < 0)
+        return error_cause(err, nowhere, cause, "cannot read %s", path);
+    *out = format_of(start, (size_t)got);
+    return true;
 }

@@ -11,7 +11,9 @@
 /* Refuses a stack or a picture where a scene is expected. */
 static bool refuse_picture(const char *scene, struct error *err)
 {
-    const char *format = file_format(scene);
+    const char *format;
+    if (!file_format(scene, &format, err))
+        return false;
     if (strcmp(format, "TIFF") == 0)
         return error_usage(err,
                            "%s is a TIFF file, not a scene; a stack is for develop, probe, "
@@ -44,7 +46,11 @@ bool scene_spared(const char *output, const struct scene *scene, struct error *e
 
 bool scene_refuse(const char *stack, struct error *err)
 {
-    const bool is_text = strcmp(file_format(stack), "text") == 0 && !image_is(stack);
+    const char *format;
+    enum image_kind kind;
+    if (!file_format(stack, &format, err) || !image_kind(stack, &kind, err))
+        return false;
+    const bool is_text = strcmp(format, "text") == 0 && kind == IMAGE_NONE;
     return (!is_text && (access(stack, F_OK) == 0 || scene_is_missing(stack))) ||
            error_usage(err, "%s is %s, not a stack; spectral render %s writes the stack of a scene",
                        stack, is_text ? "a text file" : "a scene", stack);

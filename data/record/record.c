@@ -270,8 +270,8 @@ static void unescape(char *text)
 }
 
 /* Returns the text of the OME-XML's element Description, unescaped; allocated. NULL: there is none,
- * or no memory. */
-static char *description_text(const char *xml)
+ * or an error. */
+static char *description_text(const char *xml, struct error *err)
 {
     static const char begin[] = "<Description>";
     const char *from = strstr(xml, begin), *to = from != NULL ? strstr(from, "</") : NULL;
@@ -281,6 +281,8 @@ static char *description_text(const char *xml)
     char *text = strndup(from, (size_t)(to - from));
     if (text != NULL)
         unescape(text);
+    else
+        error_memory(err);
     return text;
 }
 
@@ -437,7 +439,7 @@ double record_illumination(const struct record *record)
 
 bool record_read(const struct image *image, struct record *out, struct error *err)
 {
-    *out = (struct record){.text = description_text(image->description)};
+    *out = (struct record){.text = description_text(image->description, err)};
     if (out->text != NULL && keep_lines(out, err) && read_map(out) &&
         (out->white.n == 0 || out->white.n == image->n_pages) &&
         (record_illumination(out) > 0 || out->white.n + out->white_response.n == 0) &&

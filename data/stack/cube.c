@@ -39,6 +39,10 @@ static bool open_cube(const char *path, struct cube *out, struct error *err)
     if (!image_open(path, nowhere, image, err))
         return false;
     const bool own = record_read(image, &out->record, &foreign);
+    if (foreign.status == EXIT_SYSTEM) {
+        *err = foreign;
+        return false;
+    }
     out->components = out->record.components && !image->coloured;
     if (out->components && !number_pages(image, err))
         return false;

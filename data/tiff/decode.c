@@ -26,18 +26,11 @@ static size_t least(size_t a, size_t b)
 
 /* ---- rows as stored ---- */
 
-static bool bytes_read(const struct image *image, uint64_t offset, size_t length, void *out)
-{
-    TIFF *tiff = image->file->tiff;
-    const thandle_t data = TIFFClientdata(tiff);
-    return TIFFGetSeekProc(tiff)(data, offset, SEEK_SET) == offset &&
-           TIFFGetReadProc(tiff)(data, out, (tmsize_t)length) == (tmsize_t)length;
-}
-
 bool image_read_bytes(const struct image *image, uint64_t offset, size_t length, void *out,
                       struct error *err)
 {
-    return bytes_read(image, offset, length, out) ||
+    errno = 0;
+    return source_bytes(image, offset, length, out) ||
            image_refuse(image, -1, err, "its byte %" PRIu64 " cannot be read", offset);
 }
 
@@ -48,7 +41,7 @@ static bool rows_copy(const struct stored_rows *of, uint16_t plane, void *out, s
     const bool swapped = TIFFIsByteSwapped(of->image->file->tiff);
     const size_t length = of->n * layout->row_bytes;
     const uint64_t before = (uint64_t)plane * layout->height + of->first;
-    if (!bytes_read(of->image, layout->rows_offset + before * layout->row_bytes, length, out))
+    if (!source_bytes(of->image, layout->rows_offset + before * layout->row_bytes, length, out))
         return image_refuse(of->image, of->page, err, "its row %" PRIu32 " cannot be read",
                             of->first);
     if (swapped && layout->bits == 16)
@@ -61,8 +54,8 @@ static bool rows_copy(const struct stored_rows *of, uint16_t plane, void *out, s
 /* Refuses the page if libtiff returned a negative number or printed a message. */
 static bool is_decoded(const struct stored_rows *of, tmsize_t got, struct error *err)
 {
-    return (got >= 0 && of->image->file->message[0] == '\0') ||
-           image_refuse_broken(of->image, of->page, err);
+    return source_is_sound(of->image, err) && ((got >= 0 && of->image->file->message[0] == '\0') ||
+                                               image_refuse_broken(of->image, of->page, err));
 }
 
 /* Decodes the tiles that contain the rows, and joins them. */
@@ -245,6 +238,7 @@ static bool page_read(struct stored_rows *of, uint32_t y, uint32_t n, float *out
     const struct sample_layout *layout = &of->layout;
     struct image_file *file = of->image->file;
     const uint32_t first = y, end = y + n;
+    errno = 0;
     bool good = page_turn(of->image, of->page, err) && rows_allocate(of, n, err);
     file->message[0] = '\0';
     file->decoding = true;

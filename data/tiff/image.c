@@ -10,26 +10,6 @@
 
 #include "data/tiff/tiff.h"
 
-/* Keeps the first error of libtiff, and prints nothing. */
-static int PRINTF_LIKE(4, 0)
-    keep_error(TIFF *tiff, void *data, const char *module, const char *format, va_list arguments)
-{
-    struct image_file *file = data;
-    (void)tiff;
-    (void)module;
-    if (file->message[0] == '\0')
-        vsnprintf(file->message, sizeof file->message, format, arguments);
-    return 1;
-}
-
-/* Keeps a warning only while samples are decoded: others are about private tags. */
-static int PRINTF_LIKE(4, 0)
-    keep_warning(TIFF *tiff, void *data, const char *module, const char *format, va_list arguments)
-{
-    const struct image_file *file = data;
-    return file->decoding ? keep_error(tiff, data, module, format, arguments) : 1;
-}
-
 /* ---- the layout of a page ---- */
 
 bool PRINTF_LIKE(4, 5)
@@ -37,6 +17,8 @@ bool PRINTF_LIKE(4, 5)
 {
     char why[512], where[64] = "";
     va_list arguments;
+    if (!source_is_sound(image, err))
+        return false; /* not the file is to blame */
     va_start(arguments, format);
     vsnprintf(why, sizeof why, format, arguments);
     va_end(arguments);
@@ -290,70 +272,55 @@ static bool wavelengths_keep(struct image *image, struct error *err)
     return true;
 }
 
+/* Returns the number of pages that a stack of this program records; 0: another program's file. */
+static int pages_recorded(TIFF *tiff)
+{
+    uint16_t page = 0, n_pages = 0;
+    uint32_t length = 0;
+    const char *verdict = NULL;
+    if (!TIFFGetField(tiff, TAG_VERDICT, &length, &verdict) ||
+        !TIFFGetField(tiff, TIFFTAG_PAGENUMBER, &page, &n_pages))
+        return 0;
+    return n_pages;
+}
+
+/* Refuses another number of pages than the recorded one. For libtiff a damaged link to the next
+ * page is the end. */
+static bool pages_are_whole(const struct image *image, int recorded, struct error *err)
+{
+    return recorded == 0 || recorded == image->n_pages ||
+           image_refuse(image, -1, err, "it has %d pages, but records %d; it was cut or damaged",
+                        image->n_pages, recorded);
+}
+
 static bool pages_read(struct image *image, struct error *err)
 {
     TIFF *tiff = image->file->tiff;
+    const int recorded = pages_recorded(tiff);
     if (!metadata_description(image, err))
         return false;
     do {
         if (image->n_pages > 0 && !TIFFReadDirectory(tiff))
             return image_refuse_broken(image, -1, err);
-        if (!directory_add(image, err))
+        if (!source_is_sound(image, err) || !directory_add(image, err) ||
+            !source_is_sound(image, err))
             return false;
     } while (!TIFFLastDirectory(tiff));
+    if (!pages_are_whole(image, recorded, err))
+        return false;
     image->width = (int)image->file->pages->width;
     image->height = (int)image->file->pages->height;
     return wavelengths_keep(image, err);
 }
 
-/* ---- the calls by which libtiff reads a compiled-in file ---- */
-
-static tmsize_t builtin_read(thandle_t handle, void *bytes, tmsize_t length)
-{
-    struct image_file *file = handle;
-    size_t at = (size_t)file->position, left = 0;
-    if (file->position < file->builtin->length)
-        left = file->builtin->length - at;
-    if (left < (size_t)length)
-        length = (tmsize_t)left;
-    memcpy(bytes, file->builtin->bytes + (left > 0 ? at : 0), (size_t)length);
-    file->position += (uint64_t)length;
-    return length;
-}
-
-static tmsize_t builtin_write(thandle_t handle, void *bytes, tmsize_t length)
-{
-    (void)handle;
-    (void)bytes;
-    (void)length;
-    return -1;
-}
-
-static toff_t builtin_size(thandle_t handle)
-{
-    const struct image_file *file = handle;
-    return file->builtin->length;
-}
-
-static toff_t builtin_seek(thandle_t handle, toff_t offset, int whence)
-{
-    struct image_file *file = handle;
-    file->position = offset + (whence == SEEK_CUR   ? file->position
-                               : whence == SEEK_END ? file->builtin->length
-                                                    : 0);
-    return file->position;
-}
-
-static int builtin_close(thandle_t handle)
-{
-    (void)handle;
-    return 0;
-}
+/* ---- the file ---- */
 
 /* Refuses a picture of another format, with the command that converts it. */
 static bool refuse_foreign(const struct image *image, struct error *err)
 {
-    const char *format = file_format(image->path);
+    const char *format;
+    if (!file_format(image->path, &format, err))
+        return false;
     char *name = output_name(image->path, ".tif");
     const bool text = strcmp(format, "text") == 0;
     const bool good =
@@ -367,43 +334,14 @@ static bool refuse_foreign(const struct image *image, struct error *err)
     return good;
 }
 
-static bool libtiff_open(struct image *image, struct error *err)
-{
-    const tmsize_t most_bytes = 1 << 30; /* of one allocation; a broken file may ask for more */
-    struct image_file *file = image->file;
-    int descriptor;
-    if (!refuse_foreign(image, err) ||
-        !file_open(image->path, file->from, &descriptor, &file->builtin, err))
-        return false;
-    TIFFOpenOptions *options = TIFFOpenOptionsAlloc();
-    if (options != NULL) {
-        TIFFOpenOptionsSetMaxSingleMemAlloc(options, most_bytes);
-        TIFFOpenOptionsSetErrorHandlerExtR(options, keep_error, file);
-        TIFFOpenOptionsSetWarningHandlerExtR(options, keep_warning, file);
-        /* "m": the file is not mapped into memory; a file that is cut while it is mapped would end
-         * the program. "c": libtiff does not split a large strip into small ones. */
-        file->tiff =
-            file->builtin == NULL
-                ? TIFFFdOpenExt(descriptor, image->path, "rmc", options)
-                : TIFFClientOpenExt(image->path, "rmc", file, builtin_read, builtin_write,
-                                    builtin_seek, builtin_close, builtin_size, NULL, NULL, options);
-        TIFFOpenOptionsFree(options);
-    }
-    if (file->tiff == NULL && descriptor >= 0)
-        close(descriptor);
-    if (file->tiff != NULL)
-        image->bytes = TIFFGetSizeProc(file->tiff)(TIFFClientdata(file->tiff));
-    return file->tiff != NULL ||
-           (options == NULL ? error_memory(err) : image_refuse_broken(image, -1, err));
-}
-
 bool tiff_open(struct image *image, struct place from, struct error *err)
 {
     image->file = calloc(1, sizeof *image->file);
     if (image->file == NULL)
         return error_memory(err);
     image->file->from = from;
-    return libtiff_open(image, err) && pages_read(image, err);
+    image->file->descriptor = -1;
+    return refuse_foreign(image, err) && source_open(image, err) && pages_read(image, err);
 }
 
 void tiff_close(struct image_file *file)
@@ -412,6 +350,8 @@ void tiff_close(struct image_file *file)
         return;
     if (file->tiff != NULL)
         TIFFClose(file->tiff);
+    if (file->descriptor >= 0)
+        close(file->descriptor);
     free(file->pages);
     free(file->kept.samples);
     free(file);

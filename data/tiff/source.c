@@ -5,14 +5,13 @@
 
 #include "data/tiff/tiff.h"
 
-static bool is_tiff(const char *path)
+bool image_kind(const char *path, enum image_kind *out, struct error *err)
 {
-    return strcmp(file_format(path), "TIFF") == 0;
-}
-
-bool image_is(const char *path)
-{
-    return is_tiff(path) || envi_is(path);
+    const char *format;
+    if (!file_format(path, &format, err))
+        return false;
+    *out = strcmp(format, "TIFF") == 0 ? IMAGE_TIFF : envi_is(path) ? IMAGE_ENVI : IMAGE_NONE;
+    return true;
 }
 
 /* Fills what all pictures have from the header of the cube. */
@@ -48,8 +47,10 @@ bool image_open(const char *path, struct place from, struct image *out, struct e
     *out = (struct image){.scale = 1, .path = strdup(path)};
     if (!out->path)
         return error_memory(err);
-    const bool is_cube = !is_tiff(path) && envi_is(path);
-    const bool done = is_cube ? cube_image_open(out, from, err) : tiff_open(out, from, err);
+    enum image_kind kind;
+    const bool done =
+        image_kind(path, &kind, err) &&
+        (kind == IMAGE_ENVI ? cube_image_open(out, from, err) : tiff_open(out, from, err));
     if (!done)
         image_close(out);
     return done;
@@ -65,8 +66,11 @@ bool image_spared(const char *output, const char *input, struct error *err)
 {
     char header[ENVI_PATH], data[ENVI_PATH];
     struct error ignored = {0};
-    const bool is_cube = !is_tiff(input) && envi_is(input) &&
-                         envi_files(input, (struct place){0}, header, data, &ignored);
+    enum image_kind kind;
+    if (!image_kind(input, &kind, err))
+        return false;
+    const bool is_cube =
+        kind == IMAGE_ENVI && envi_files(input, (struct place){0}, header, data, &ignored);
     return output_spares(output, input, err) &&
            (!is_cube || (output_spares(output, header, err) && output_spares(output, data, err)));
 }

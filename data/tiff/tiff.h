@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "tiff": pictures in, from TIFF files or ENVI cubes, and textures. */
+/* The room "tiff": pictures in, from TIFF files or ENVI cubes. */
 #ifndef DATA_TIFF_H
 #define DATA_TIFF_H
 
@@ -29,8 +29,9 @@ struct image {
     struct image_file *file; /* of a TIFF file; owned */
     struct envi *envi;       /* of an ENVI cube; NULL: a TIFF file; owned */
 };
-/* Returns whether a file begins as a TIFF file does, or envi_is. */
-bool image_is(const char *path);
+/* Finds whether a file begins as a TIFF file does, or envi_is. Fails only where the system does. */
+enum image_kind { IMAGE_NONE, IMAGE_TIFF, IMAGE_ENVI };
+bool image_kind(const char *path, enum image_kind *out, struct error *err);
 /* Opens the file (or "builtin:..." file) and reads the metadata of its pages, but no samples.
  * Refuses, at the place `from`: pages without pixels or of different sizes, other samples than the
  * above, bands without wavelengths, a file that is too short, and what envi_open refuses. */
@@ -55,27 +56,6 @@ bool image_read_bytes(const struct image *image, uint64_t offset, size_t length,
 /* describe.c. Finds how the samples of all pages lie, as an ENVI header states it. Refuses a cube,
  * colours, grey whose 0 is white, compressed samples, and gaps between pages. */
 bool image_describe(const struct image *image, struct envi_layout *out, struct error *err);
-
-/* ---- texture.c: pictures on surfaces ---- */
-
-enum { TEXTURE_PLANES = 3 };
-/* Planes have rows from t = 0 (the picture's bottom row) upwards, width values each. */
-struct texture {
-    struct image image; /* open as long as planes are to be loaded */
-    bool spectral;
-    bool linear;                  /* between texel centres; otherwise the nearest texel */
-    double largest;               /* of all values of all pages */
-    float *plane[TEXTURE_PLANES]; /* grey: the first; spectral: those loaded; owned */
-};
-/* Reads a texture; the caller chooses `linear` and `spectral` of *out. A grey texture is one page
- * with values that hold for every wavelength. A spectral texture is a stack of pages with
- * wavelengths; all of them are read once, to find their largest value. Refuses a side of more than
- * 16384 texels, since OpenGL's textures have a limit, too. */
-bool texture_read(const char *path, struct place from, struct texture *out, struct error *err);
-/* Fills the planes for n wavelengths, at most TEXTURE_PLANES: linear between pages, and the end
- * page beyond the first and the last one. Does nothing for a grey texture. */
-bool texture_load(struct texture *texture, const double *wavelengths_nm, int n, struct error *err);
-void texture_free(struct texture *texture);
 
 /* ---- Inside this room ---- */
 
@@ -104,8 +84,10 @@ struct kept_bands {
 };
 struct image_file {
     struct tiff *tiff;
-    const struct builtin_file *builtin; /* NULL: libtiff reads a descriptor */
-    uint64_t position;                  /* in it */
+    int descriptor;                     /* -1: builtin is read */
+    const struct builtin_file *builtin; /* NULL: descriptor is read */
+    uint64_t position, bytes;           /* where libtiff reads; the file's size */
+    int cause;                          /* errno of the first call that failed; 0: none did */
     double count_scale;                 /* radiance of a count, by page 0's GDAL metadata */
     struct sample_layout *pages;
     uint64_t directory; /* where libtiff is; 0: at none of the pages */
@@ -121,6 +103,14 @@ struct image_file {
 bool tiff_open(struct image *image, struct place from, struct error *err);
 bool tiff_read(struct image *image, int page, int y, int rows, float *out, struct error *err);
 void tiff_close(struct image_file *file); /* NULL is fine */
+
+/* reading.c: opens the file with libtiff. */
+bool source_open(struct image *image, struct error *err);
+/* Reads bytes of the file. Returns false at its end, or where the system failed. */
+bool source_bytes(const struct image *image, uint64_t offset, size_t length, void *out);
+/* Returns whether each read so far succeeded, and memory sufficed. libtiff goes on without what it
+ * could not read, so ask this after its calls: they begin with errno 0. */
+bool source_is_sound(const struct image *image, struct error *err);
 
 /* Refuses a page (from 0; -1: the file). The message has its wavelength, if that is recorded. */
 bool PRINTF_LIKE(4, 5)

@@ -6,7 +6,7 @@
 
 #include "data/maths/maths.h"
 #include "data/terms/terms.h"
-#include "data/tiff/tiff.h"
+#include "data/texture/texture.h"
 #include "raster/candidates/candidates.h"
 #include "raster/plan/plan.h"
 

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #include "data/maths/maths.h"
-#include "data/tiff/tiff.h"
+#include "data/texture/texture.h"
 #include "raster/candidates/candidates.h"
 #include "raster/plan/plan.h"
 

@@ -8,7 +8,7 @@
  * sqrt(2 q). */
 #include <math.h>
 
-#include "data/tiff/tiff.h"
+#include "data/texture/texture.h"
 #include "raster/fit/fit.h"
 
 enum { UU, UV, VV, U, V }; /* rows of an estimate: of the sums g g' / n^2 and g d / n^2 */

@@ -7,7 +7,7 @@
 #define GL_H
 
 #include "data/maths/maths.h"
-#include "data/tiff/tiff.h"
+#include "data/texture/texture.h"
 #include "raster/bounds/bounds.h"
 #include "raster/plan/plan.h"
 #include "raster/reference/reference.h"

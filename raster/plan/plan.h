@@ -9,7 +9,7 @@
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
 #include "data/terms/terms.h"
-#include "data/tiff/tiff.h"
+#include "data/texture/texture.h"
 #include "raster/reference/reference.h"
 #include "spectral.h"
 

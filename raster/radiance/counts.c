@@ -8,7 +8,7 @@
 #include <math.h>
 #include <string.h>
 
-#include "data/tiff/tiff.h"
+#include "data/texture/texture.h"
 #include "raster/radiance/radiance.h"
 
 /* In counts, some 10^-25 of full scale. Mesa flushes results below 2^-126 = 1.2e-38 to zero. The

@@ -6,7 +6,7 @@
 #include <string.h>
 #include <zlib.h>
 
-#include "data/tiff/tiff.h"
+#include "data/texture/texture.h"
 #include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
 #include "raster/driver/driver.h"

@@ -7,7 +7,7 @@
 #include <unistd.h>
 
 #include "data/stack/stack.h"
-#include "data/tiff/tiff.h"
+#include "data/texture/texture.h"
 #include "spectral.h"
 #include "test.h"
 

@@ -5,7 +5,7 @@
 #include <stdlib.h>
 
 #include "data/names/names.h"
-#include "data/tiff/tiff.h"
+#include "data/texture/texture.h"
 
 enum { LONGEST_TEXTURE = 16384 }; /* in texels a side; OpenGL has a limit, too */
 
