@@ -133,7 +133,9 @@ static const struct option known_options[] = {
     {"--depth 8|16|32f", "bits of counts, or 32-bit float radiances (default: 16)",
      FOR_RENDER | RECORDED, TEXT(depth), .choices = depths},
     {"-j, --threads N", "threads to compute with (default: one per processor)",
-     FOR_SCENES | FOR_STACKS, COUNT(threads), .lowest = 1},
+     FOR_SCENES | FOR_STACKS, COUNT(threads), .lowest = 1, .highest = 1024},
+    {"--memory MIB", "MiB of memory that a command may take beyond a tile's 300 (default: 1024)",
+     FOR_ALL, COUNT(memory_mib), .lowest = 1, .highest = 1 << 24},
     {"--json FILE", "writes the results as JSON; - is standard output",
      FOR_SCENES | FOR_STACKS | FOR_INFO, TEXT(json)},
     {"-v, --verbose", "prints the plan, too: each effect, and why it is simulated", FOR_RENDER,
@@ -187,7 +189,7 @@ static const struct option known_options[] = {
     {"--observer, --detector NAME", "measures colour differences for it (default: cie1931)",
      FOR_COST, TEXT(detector)},
     {"--runs N", "runs of each configuration, at least 5 (default: 5)", FOR_COST, COUNT(runs),
-     .lowest = 5},
+     .lowest = 5, .highest = 1024},
     {"--csv FILE", "writes the table; - is standard output", FOR_COST, TEXT(csv_file)},
     {"--svg FILE", "writes a chart; - is standard output", FOR_COST, TEXT(svg_file)},
     {"--tolerance EdE00",
@@ -335,6 +337,12 @@ static bool flush_output(struct error *err)
            error_system(err, "cannot write to standard output");
 }
 
+static bool run_limited(const struct command *command, struct options *options, struct error *err)
+{
+    options_limit_memory(options);
+    return command->run(options, err);
+}
+
 static bool run_with_options(const struct command *command, char *const *words, int n_words,
                              struct error *err)
 {
@@ -342,7 +350,7 @@ static bool run_with_options(const struct command *command, char *const *words, 
                                        command->n_operands};
     struct options options;
     bool done = options_read(&rules, words, n_words, &options, err) &&
-                (options.help ? print_command_usage(command) : command->run(&options, err));
+                (options.help ? print_command_usage(command) : run_limited(command, &options, err));
     /* a command that found a difference may have kept its outputs */
     struct error failure = {.status = EXIT_AGREED};
     if ((done || err->status == EXIT_DIFFERENT) &&

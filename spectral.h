@@ -43,6 +43,9 @@ struct place {
     int line, column; /* from 1; a column counts bytes */
 };
 
+/* The longest side of a picture, in pixels: of one that is rendered, and of one that is read. */
+enum { LONGEST_SIDE = 262144 };
+
 enum exit_status {
     EXIT_AGREED = 0,    /* done, and the pictures agree */
     EXIT_DIFFERENT = 1, /* cross-check or comparison found a difference */

@@ -93,22 +93,19 @@ ssize_t read_at(int descriptor, void *bytes, size_t length, uint64_t offset);
 bool write_all(int descriptor, const void *bytes, size_t length);
 bool write_at(int descriptor, const void *bytes, size_t length, uint64_t offset);
 
+/* ---- memory.c: the memory that a command may take ---- */
+
+/* Limits this process and those that it starts to so many bytes more than it has now. */
+void memory_limit(uint64_t bytes);
+/* Refuses what would need more memory than the limit leaves, before it is tried. The format names
+ * what needs it, e.g. "a mesh of %d triangles". */
+bool memory_suffices(double bytes, struct place place, struct error *err, const char *format, ...)
+    PRINTF_LIKE(4, 5);
+
 /* ---- threads.c ---- */
 
 /* Starts `wanted` threads of OpenMP (0: as many as it offers), and returns their number. */
 int threads_start(int wanted);
-
-/* ---- digest.c: SHA-256 (FIPS 180-4) ---- */
-
-struct digest {
-    uint32_t hash[8];
-    unsigned char block[64]; /* bytes that do not fill a block yet */
-    uint64_t total;          /* bytes */
-};
-void digest_start(struct digest *out);
-void digest_add(struct digest *digest, const void *bytes, size_t length);
-void digest_end(struct digest *digest, char out[65]); /* 64 hexadecimal digits and a NUL */
-bool digest_file(const char *path, char out[65], struct error *err);
 
 /* ---- paths.c: how one file names another, and what a path names ---- */
 

@@ -105,7 +105,7 @@ bool error_cause(struct error *err, struct place place, int cause, const char *f
 bool error_memory(struct error *err)
 {
     errno = 0;
-    return error_system(err, "out of memory");
+    return error_system(err, "out of memory; --memory sets the limit");
 }
 
 bool error_unread(struct error *err)

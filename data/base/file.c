@@ -129,6 +129,8 @@ static bool read_path(struct reading *of, struct error *err)
     /* One byte is for the NUL, and one for the read that finds the end. */
     const bool done = size > (off_t)longest_read
                           ? refuse_reading(err, of, "it is too long for a text file")
+                      : !memory_suffices((double)size, of->from, err, "the text of %s", of->path)
+                          ? false
                           : read_open(of, descriptor, size > 0 ? (size_t)size + 2 : 1 << 16, err);
     close(descriptor);
     return done;

@@ -297,8 +297,8 @@ static bool layout_read(const struct values *values, struct envi_layout *out, st
     long samples, lines, bands, offset = 0, order = 0;
     if (!plain_read(values, err) ||
         (is_given(values, FILE_TYPE) && choice_read(values, FILE_TYPE, file_types, err) < 0) ||
-        !whole_read(values, SAMPLES, 1, INT32_MAX, &samples, err) ||
-        !whole_read(values, LINES, 1, INT32_MAX, &lines, err) ||
+        !whole_read(values, SAMPLES, 1, LONGEST_SIDE, &samples, err) ||
+        !whole_read(values, LINES, 1, LONGEST_SIDE, &lines, err) ||
         !whole_read(values, BANDS, 1, most_bands, &bands, err) ||
         (is_given(values, HEADER_OFFSET) &&
          !whole_read(values, HEADER_OFFSET, 0, LONG_MAX / 2, &offset, err)) ||

@@ -13,15 +13,19 @@ struct mesh {
     struct vertex *vertices;
     int32_t (*triangles)[3]; /* counter-clockwise seen from outside */
     int n_vertices, n_triangles;
-    int32_t *part;     /* of each triangle; NULL: all are part 0 */
-    char **part_names; /* the usemtl of each part, "" before the first one; NULL: no names */
-    int n_parts;       /* at least 1 */
+    int32_t *part;      /* of each triangle; NULL: all are part 0 */
+    char **part_names;  /* the usemtl of each part, "" before the first one; NULL: no names */
+    int n_parts;        /* at least 1 */
+    struct place place; /* that names its shape; for messages */
 };
 
 /* Makes room for so many more vertices and triangles; *mesh keeps its content. A second call before
  * the room is filled must ask for the rest of it again; 0, 0 gives back all unused room. Fails with
  * EXIT_SYSTEM. */
 bool mesh_reserve(struct mesh *mesh, size_t n_vertices, size_t n_triangles, struct error *err);
+/* Does the same for the mesh of a shape. Refuses one that, planned and drawn, would need more
+ * memory than is left. */
+bool mesh_begin(struct mesh *mesh, size_t n_vertices, size_t n_triangles, struct error *err);
 /* Reads a Wavefront OBJ file: v, vt, vn, f and usemtl. Skips other known statements, refuses
  * unknown and malformed ones. Cuts faces of any size, concave ones too, into triangles. A corner
  * without vn gets the mean normal of its face and of the faces there that meet it at less than

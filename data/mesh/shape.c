@@ -155,7 +155,7 @@ static bool add_face(struct mesh *mesh, const double size[3], int face, struct e
     const double side = face % 2 ? -1 : 1;
     double normal[3] = {0, 0, 0}, at[3];
 
-    if (!mesh_reserve(mesh, 4, 2, err))
+    if (!mesh_begin(mesh, 4, 2, err))
         return false;
     normal[axis] = side;
     at[axis] = side * size[axis] / 2;
@@ -186,7 +186,7 @@ static bool add_disk(struct mesh *mesh, double radius, double z, double facing, 
     const int centre = mesh->n_vertices, rim = centre + 1;
     const struct vector normal = {0, 0, facing};
 
-    if (!mesh_reserve(mesh, (size_t)slices + 1, (size_t)slices, err))
+    if (!mesh_begin(mesh, (size_t)slices + 1, (size_t)slices, err))
         return false;
     add_vertex(mesh, (struct vector){0, 0, z}, normal, 0.5, 0.5);
     for (int i = 0; i < slices; i++) {
@@ -253,7 +253,7 @@ static bool add_revolution(const struct shape *shape, int steps, int slices, str
     const size_t n = (size_t)slices, rows = (size_t)steps;
     struct profile last = {.radius = 0};
 
-    if (!mesh_reserve(mesh, (rows + 1) * (n + 1), 2 * rows * n, err))
+    if (!mesh_begin(mesh, (rows + 1) * (n + 1), 2 * rows * n, err))
         return false;
     for (int i = 0, below = 0; i <= steps; i++) {
         const int ring = mesh->n_vertices;
@@ -399,7 +399,7 @@ static bool build_teapot(const struct shape *shape, struct mesh *out, struct err
     if (!text_open(&text, "builtin:models/teapot.txt", shape->place, err))
         return false;
     const bool good =
-        mesh_reserve(out, TEAPOT_PATCHES * (n + 1) * (n + 1), TEAPOT_PATCHES * 2 * n * n, err) &&
+        mesh_begin(out, TEAPOT_PATCHES * (n + 1) * (n + 1), TEAPOT_PATCHES * 2 * n * n, err) &&
         read_teapot(&text, shape, out, err);
     text_free(&text);
     return good;
@@ -440,7 +440,7 @@ static bool build(const struct shape *shape, struct mesh *out, struct error *err
 
 bool shape_build(const struct shape *shape, struct mesh *out, struct error *err)
 {
-    *out = (struct mesh){.n_vertices = 0};
+    *out = (struct mesh){.place = shape->place};
     if (build(shape, out, err))
         return true;
     mesh_free(out);

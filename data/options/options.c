@@ -3,6 +3,8 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "data/options/options.h"
 #include "data/text/text.h"
@@ -23,11 +25,11 @@ bool option_number(const char *option, const char *value, double lowest, double 
     return done;
 }
 
-static bool read_count(const char *option, const char *value, double lowest, int *out,
-                       struct error *err)
+static bool read_count(const char *option, const char *value, double lowest, double highest,
+                       int *out, struct error *err)
 {
     double count;
-    if (!option_number(option, value, lowest, OPTION_COUNT_LIMIT, &count, err))
+    if (!option_number(option, value, lowest, highest, &count, err))
         return false;
     *out = (int)count;
     return count == *out || error_usage(err, "%s takes a whole number, not '%s'", option, value);
@@ -133,7 +135,7 @@ static bool store_value(struct options *options, const struct option *option, co
     case OPTION_NUMBER:
         return option_number(name, value, option->lowest, option->highest, (double *)at, err);
     case OPTION_COUNT:
-        return read_count(name, value, option->lowest, (int *)at, err);
+        return read_count(name, value, option->lowest, option->highest, (int *)at, err);
     case OPTION_FLAG:
         *(bool *)at = true;
         return true;
@@ -234,6 +236,22 @@ bool options_name_output(struct options *options, const char *path, const char *
     options->output = options->named_output =
         output_name(strcmp(path, "-") == 0 ? "scene" : path, ending);
     return options->output ? check_outputs(options, err) : error_memory(err);
+}
+
+/* A tile, with the program's and OpenGL's own memory, takes at most 300 MiB: the tests measure it.
+ * Stacks of threads count although most of them stays unused: OpenMP and OpenGL have a thread for
+ * each processor. */
+void options_limit_memory(const struct options *options)
+{
+    const uint64_t mib = 1048576, usual_mib = 1024, tile_mib = 300, usual_stack = 8 * mib;
+    const long processors = sysconf(_SC_NPROCESSORS_ONLN);
+    const uint64_t threads =
+        (uint64_t)(options->threads > processors ? options->threads : processors);
+    struct rlimit stack;
+    const bool known = getrlimit(RLIMIT_STACK, &stack) == 0 && stack.rlim_cur != RLIM_INFINITY;
+    const uint64_t wanted = options->memory_mib > 0 ? (uint64_t)options->memory_mib : usual_mib;
+    memory_limit((wanted + tile_mib) * mib +
+                 2 * threads * (known ? (uint64_t)stack.rlim_cur : usual_stack));
 }
 
 const char *options_scene(const struct options *options)

@@ -41,7 +41,7 @@ enum {
 enum option_kind {
     OPTION_TEXT,   /* const char *: kept as it is written */
     OPTION_NUMBER, /* double, from lowest to highest */
-    OPTION_COUNT,  /* int: a whole number from lowest to 1024 */
+    OPTION_COUNT,  /* int: a whole number from lowest to highest */
     OPTION_FLAG,   /* bool: takes no value */
     OPTION_CHANGE  /* changes the scene, by the function `change` */
 };
@@ -54,7 +54,7 @@ struct option {
     int commands;
     enum option_kind kind;
     size_t offset;              /* of the value in struct options; unused by OPTION_CHANGE */
-    double lowest, highest;     /* of a number; of a count only lowest */
+    double lowest, highest;     /* of a number or a count */
     const char *const *choices; /* OPTION_TEXT: the words to choose from, then NULL; NULL: any */
     /* OPTION_TEXT: refuses a value that the command cannot use; NULL: any is good. */
     bool (*accepts)(const char *option, const char *value, struct error *err);
@@ -72,7 +72,7 @@ struct option_change {
     const char *value;
 };
 
-enum { MAX_OPERANDS = 5, MAX_RECORDED = 64, OPTION_COUNT_LIMIT = 1024 };
+enum { MAX_OPERANDS = 5, MAX_RECORDED = 64 };
 
 /* A command line as it was read. Texts point into it. NULL, 0 or false means that an option was not
  * given. */
@@ -91,7 +91,7 @@ struct options {
     const char *sampling, *detector, *white, *adaptation, *display, *exposure;
     const char *tolerance, *budget, *unchecked;
     double full_scale;
-    int threads, runs;
+    int threads, runs, memory_mib;
     struct outputs outputs; /* complete; they appear when the command has ended well */
     bool xyz, lab, csv, svg, no_check, strict, keep, envi, quiet, verbose, help;
 };
@@ -117,6 +117,8 @@ void options_free(struct options *options);
  * The name lasts until options_free. */
 bool options_name_output(struct options *options, const char *path, const char *ending,
                          struct error *err);
+/* Limits the memory of the command: see memory_limit. */
+void options_limit_memory(const struct options *options);
 /* Returns SCENE, or the built-in colorchecker if none is given. */
 const char *options_scene(const struct options *options);
 /* Returns the detector or observer, or cie1931 if none is given. */

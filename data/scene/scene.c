@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "data/base/base.h"
+#include "data/digest/digest.h"
 #include "data/scene/scene.h"
 
 /* ---- files ---- */

@@ -37,6 +37,17 @@ static bool plane_allocate(struct texture *texture, int i, struct error *err)
     return texture->plane[i] != NULL || error_memory(err);
 }
 
+/* A spectral texture loads three planes, with room for one more page; OpenGL gets a copy of four
+ * floats a texel. */
+static bool planes_fit(const struct texture *texture, const char *path, struct place from,
+                       struct error *err)
+{
+    const double floats = (texture->spectral ? TEXTURE_PLANES + 1 : 1) + 4;
+    return memory_suffices(floats * sizeof(float) * (double)plane_size(texture), from, err,
+                           "%s: a texture of %dx%d texels", path, texture->image.width,
+                           texture->image.height);
+}
+
 /* Reads all pages, one after the other, into the first plane, to find the largest value. */
 static bool find_largest(struct texture *texture, struct error *err)
 {
@@ -76,7 +87,7 @@ bool texture_read(const char *path, struct place from, struct texture *out, stru
                  "%s: it has %d pages; expected one page for a texture; a stack of pages with"
                  " wavelengths is a spectral-texture",
                  path, out->image.n_pages);
-    else if (find_largest(out, err))
+    else if (planes_fit(out, path, from, err) && find_largest(out, err))
         return true;
     texture_free(out);
     return false;

@@ -225,7 +225,12 @@ static bool rows_allocate(struct stored_rows *of, uint32_t n, struct error *err)
 {
     const struct sample_layout *layout = &of->layout;
     const size_t rows = least(layout->block_height, layout->rows_offset > 0 ? n : layout->height);
-    if ((double)layout->row_bytes * (double)rows * layout->n_planes < (double)PTRDIFF_MAX)
+    const double bytes = (double)layout->row_bytes * (double)rows * layout->n_planes;
+    if (!memory_suffices(bytes + (layout->tiled ? (double)layout->block_bytes : 0),
+                         of->image->file->from, err, "%s: a block of its page %d", of->image->path,
+                         of->page + 1))
+        return false;
+    if (bytes < (double)PTRDIFF_MAX)
         of->samples = calloc(layout->n_planes * rows, layout->row_bytes);
     if (layout->tiled)
         of->tile = calloc(1, layout->block_bytes);

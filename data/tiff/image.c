@@ -170,9 +170,11 @@ bool image_layout(const struct image *image, int page, struct sample_layout *out
     TIFFGetField(tiff, TIFFTAG_IMAGEWIDTH, &out->width);
     TIFFGetField(tiff, TIFFTAG_IMAGELENGTH, &out->height);
     TIFFGetField(tiff, TIFFTAG_IMAGEDEPTH, &depth);
-    if (out->width - 1 >= INT32_MAX || out->height - 1 >= INT32_MAX || depth != 1)
-        return image_refuse(image, page, err, "it has %" PRIu32 "x%" PRIu32 "x%" PRIu32 " pixels",
-                            out->width, out->height, depth);
+    if (out->width - 1 >= LONGEST_SIDE || out->height - 1 >= LONGEST_SIDE || depth != 1)
+        return image_refuse(image, page, err,
+                            "it has %" PRIu32 "x%" PRIu32 "x%" PRIu32
+                            " pixels; a side has 1 to %d, and the depth is 1",
+                            out->width, out->height, depth, LONGEST_SIDE);
     if (orientation != ORIENTATION_TOPLEFT)
         return image_refuse(image, page, err, "its orientation is %d, not 1 (the top row first)",
                             orientation);

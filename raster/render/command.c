@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/digest/digest.h"
 #include "data/invocation/invocation.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"

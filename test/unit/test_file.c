@@ -11,6 +11,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "data/digest/digest.h"
 #include "data/output/output.h"
 #include "spectral.h"
 #include "test.h"

@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "data/base/base.h"
+#include "data/digest/digest.h"
 #include "data/pages/pages.h"
 #include "spectral.h"
 #include "test.h"

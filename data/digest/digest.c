@@ -4,7 +4,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#include "data/base/base.h"
+#include "data/digest/digest.h"
 
 enum { BLOCK = sizeof((struct digest *)0)->block };
 

@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: MIT */
+/* The memory that a command may take. The kernel holds the limit (RLIMIT_DATA), so that libraries
+ * keep it, too; what is known to be large is refused before it is tried, with its figure. Without
+ * such a limit, as on other systems than Linux, all is allowed. */
+#include <fcntl.h>
+#include <stdarg.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "data/base/base.h"
+
+static const double MiB = 1048576;
+
+/* Returns the memory that counts against the limit; 0: unknown. It is the sixth number of statm, in
+ * pages (proc(5)). */
+static uint64_t used_bytes(void)
+{
+    char text[256] = "";
+    int file;
+    UNTIL_DONE(file, open("/proc/self/statm", O_RDONLY | O_CLOEXEC));
+    if (file < 0)
+        return 0;
+    const ssize_t got = read_at(file, text, sizeof text - 1, 0);
+    close(file);
+    const char *at = text;
+    for (int i = 0; got > 0 && i < 5; i++)
+        at += strcspn(at, " ") + 1;
+    return got > 0 ? strtoull(at, NULL, 10) * (uint64_t)sysconf(_SC_PAGESIZE) : 0;
+}
+
+void memory_limit(uint64_t bytes)
+{
+    struct rlimit limit;
+    const uint64_t most = used_bytes() + bytes;
+    if (getrlimit(RLIMIT_DATA, &limit) != 0 || (uint64_t)limit.rlim_cur <= most)
+        return;
+    limit.rlim_cur = (rlim_t)most;
+    setrlimit(RLIMIT_DATA, &limit);
+}
+
+/* Returns the bytes that may still be allocated; UINT64_MAX: there is no limit. */
+static uint64_t left_bytes(void)
+{
+    struct rlimit limit;
+    if (getrlimit(RLIMIT_DATA, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY)
+        return UINT64_MAX;
+    const uint64_t used = used_bytes();
+    return used < (uint64_t)limit.rlim_cur ? (uint64_t)limit.rlim_cur - used : 0;
+}
+
+bool memory_suffices(double bytes, struct place place, struct error *err, const char *format, ...)
+{
+    const double left = (double)left_bytes();
+    char what[512];
+    va_list arguments;
+    if (bytes <= left)
+        return true;
+    va_start(arguments, format);
+    vsnprintf(what, sizeof what, format, arguments);
+    va_end(arguments);
+    return error_at(err, place,
+                    "%s needs %.0f MiB of memory, and %.0f are left; --memory sets the limit", what,
+                    bytes / MiB, left / MiB);
+}

@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "digest": SHA-256 (FIPS 180-4). */
+#ifndef DIGEST_H
+#define DIGEST_H
+
+#include "data/base/base.h"
+
+struct digest {
+    uint32_t hash[8];
+    unsigned char block[64]; /* bytes that do not fill a block yet */
+    uint64_t total;          /* bytes */
+};
+void digest_start(struct digest *out);
+void digest_add(struct digest *digest, const void *bytes, size_t length);
+void digest_end(struct digest *digest, char out[65]); /* 64 hexadecimal digits and a NUL */
+bool digest_file(const char *path, char out[65], struct error *err);
+
+#endif
