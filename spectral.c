@@ -109,6 +109,8 @@ static const struct option known_options[] = {
      "makes that stack again, from the scene and the options that it records; the new one must be "
      "the same to the last byte (default output: STACK's name + -again.tif)",
      FOR_RENDER, TEXT(again)},
+    {"--trust", "--again reads whatever files the stack names, not only those below this folder",
+     FOR_RENDER, FLAG(trust)},
     {"--renderer gl|llvmpipe|softpipe|raster",
      "stores the pixels of gl (default), of its driver llvmpipe or softpipe, or of raster, the "
      "reference",

@@ -93,7 +93,7 @@ struct options {
     double full_scale;
     int threads, runs, memory_mib;
     struct outputs outputs; /* complete; they appear when the command has ended well */
-    bool xyz, lab, csv, svg, no_check, strict, keep, envi, quiet, verbose, help;
+    bool xyz, lab, csv, svg, no_check, strict, trust, keep, envi, quiet, verbose, help;
 };
 
 /* The options and operands that a command allows. */

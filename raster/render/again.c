@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral render --again: makes a stack again from its own record. The new stack must be the same,
  * byte for byte. */
+#include <ctype.h>
+#include <limits.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "data/scene/scene.h"
@@ -38,6 +41,83 @@ static bool recorded_options(const struct options *options, const struct record 
     return true;
 }
 
+/* ---- trust ---- */
+
+/* Returns whether a file lies below the working folder, all links followed. */
+static bool lies_below(const char *path)
+{
+    char folder[PATH_MAX], file[PATH_MAX];
+    if (!realpath(".", folder) || !realpath(path, file))
+        return false;
+    const size_t length = strcmp(folder, "/") == 0 ? 0 : strlen(folder);
+    return strncmp(file, folder, length) == 0 && file[length] == '/';
+}
+
+/* A stack of a stranger could name any file, whose words an error would then show, or a pipe that
+ * nobody writes to. */
+static bool is_trusted(const char *stack, const char *file, struct error *err)
+{
+    return file_is_missing(file) || (file_is_regular(file) && lies_below(file)) ||
+           error_usage(err,
+                       "%s names %.500s, which is no file below this folder; --trust reads it "
+                       "nevertheless",
+                       stack, file);
+}
+
+/* Returns the spectrum or detector that a recorded option names, e.g. of "--light=1=FILE*3"; NULL:
+ * it names none. */
+static const char *named_by(const char *option)
+{
+    static const char *const naming[] = {"--light=", "--ambient=", "--detector="};
+    for (size_t i = 0; i < sizeof naming / sizeof naming[0]; i++) {
+        if (strncmp(option, naming[i], strlen(naming[i])) != 0)
+            continue;
+        const char *value = option + strlen(naming[i]);
+        const size_t digits = strspn(value, "0123456789");
+        return digits > 0 && value[digits] == '=' ? value + digits + 1 : value;
+    }
+    return NULL;
+}
+
+/* Checks the file, with and without the factor behind it. */
+static bool option_is_trusted(const char *stack, const char *option, struct error *err)
+{
+    const char *named = named_by(option);
+    char *file = named ? strdup(named) : NULL, *factor = file ? strrchr(file, '*') : NULL;
+    if (!named)
+        return true;
+    bool trusted = file ? is_trusted(stack, file, err) : error_memory(err);
+    if (factor) {
+        *factor = '\0';
+        trusted = trusted && is_trusted(stack, file, err);
+    }
+    free(file);
+    return trusted;
+}
+
+static bool record_is_trusted(const char *stack, const struct record *record, struct error *err)
+{
+    bool trusted = is_trusted(stack, record->scene, err);
+    for (int i = 0; trusted && i < record->n_options; i++)
+        trusted = option_is_trusted(stack, record->options[i], err);
+    return trusted;
+}
+
+/* Replaces the message about a place in an input: it may quote a word of the file. */
+static void hide_message(const char *stack, struct error *err)
+{
+    static const char mark[] = ": error: ";
+    char *message = strstr(err->text, mark);
+    if (err->status != EXIT_INPUT || !message || !isdigit((unsigned char)message[-1]))
+        return;
+    message += sizeof mark - 1;
+    snprintf(message, (size_t)(err->text + sizeof err->text - message),
+             "this input is not what it was when %.500s was made; render its scene to see why",
+             stack);
+}
+
+/* ---- making it again ---- */
+
 /* Refuses a stack that cannot be the same, before anything is drawn. */
 static bool can_be_same(const struct record *record, const struct render_output *output,
                         struct error *err)
@@ -68,8 +148,11 @@ static bool render_recorded(const struct options *options, const struct render_o
     struct options made = {.operand = NULL};
     bool done = record_open(options->again, &image, &record, err) &&
                 recorded_options(options, &record, &made, err) &&
+                (options->trust || record_is_trusted(options->again, &record, err)) &&
                 can_be_same(&record, output, err) &&
                 render_with_options(&made, output, &record, err);
+    if (!done && !options->trust)
+        hide_message(options->again, err);
     options_free(&made);
     record_free(&record);
     image_close(&image);

@@ -167,4 +167,41 @@ prints '^option +--[?]ize=8x8$' "a control character does not reach the terminal
 exits 2 "another check of OpenGL's pixels is refused" "$SPECTRAL" render --again "$tmp/gl.tif" --no-check
 exits 2 "a compiled-in stack is refused" "$SPECTRAL" render --again builtin:textures/picture.tif -o /dev/null
 says 'compiled in' "the message says that it is compiled in"
+
+# The stack of a stranger may name any file.
+mkdir "$tmp/here"
+printf '%s\n' 'include "a folder/more.scene"' 'wavelengths 500 600 50' 'size 8 8' 'object sphere 1 9 9 material paint' >"$tmp/own.scene"
+cp "$tmp/own.scene" "$tmp/here/own.scene"
+cp -r "$tmp/a folder" "$tmp/here"
+here() { # COMMAND... in that folder
+    (cd "$tmp/here" && timeout 10 "$SPECTRAL" "$@" >out 2>err)
+}
+here render own.scene --renderer raster --no-check -o made.tif
+ok $? "a stack of a relative name is made"
+here render --again made.tif -o again.tif
+ok $? "it is made again in that folder"
+here render "$(realpath "$tmp/own.scene")" --renderer raster --no-check -o outside.tif &&
+    here render own.scene --light '1=../a folder/lamp.csv' --renderer raster --no-check -o lamp.tif
+ok $? "stacks of files outside of the folder are made"
+for stack in outside lamp; do
+    here render --again $stack.tif -o refused.tif
+    [ $? = 2 ] && grep -q 'names .*, which is no file below this folder; --trust reads it' "$tmp/here/err" && [ ! -e "$tmp/here/refused.tif" ]
+    ok $? "$stack: a stack that names a file outside of the folder is refused"
+    here render --again $stack.tif -o trusted.tif --trust
+    ok $? "$stack: --trust makes it again"
+done
+ln -sf "$(realpath "$tmp/own.scene")" "$tmp/here/own.scene"
+here render --again made.tif -o refused.tif
+[ $? = 2 ] && grep -q 'no file below this folder' "$tmp/here/err"
+ok $? "a link out of the folder is refused"
+rm "$tmp/here/own.scene"
+mkfifo "$tmp/here/own.scene"
+here render --again made.tif -o refused.tif
+[ $? = 2 ] && grep -q 'no file below this folder' "$tmp/here/err"
+ok $? "a pipe is refused, and not waited for"
+rm "$tmp/here/own.scene"
+echo 'root:secret:0' >"$tmp/here/own.scene"
+here render --again made.tif -o refused.tif
+[ $? = 2 ] && ! grep -q 'secret' "$tmp/here/err" && grep -q '^own.scene:1:1: error: this input is not what it was' "$tmp/here/err"
+ok $? "a message does not quote the file that a stack names"
 done_testing
