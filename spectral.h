@@ -56,7 +56,8 @@ enum exit_status {
 /* Zero it before use. The first failure wins: later ones leave it as it is. */
 struct error {
     enum exit_status status;
-    char text[2048]; /* one line, without a newline */
+    bool unsupported; /* EXIT_SYSTEM: the system works, but cannot do this */
+    char text[2048];  /* one line, without a newline */
 };
 
 /* In data/base/error.c. All of these return false, so that a caller can `return error_at(...)`.
@@ -67,6 +68,8 @@ bool error_usage(struct error *err, const char *format, ...) PRINTF_LIKE(2, 3);
 bool error_different(struct error *err, const char *format, ...) PRINTF_LIKE(2, 3);
 /* Appends ": " and the description of errno where errno is not 0. Sets EXIT_SYSTEM. */
 bool error_system(struct error *err, const char *format, ...) PRINTF_LIKE(2, 3);
+/* Sets EXIT_SYSTEM and `unsupported`. */
+bool error_unsupported(struct error *err, const char *format, ...) PRINTF_LIKE(2, 3);
 /* Appends ": " and the description of a cause, an errno. Sets EXIT_INPUT where the path is at fault
  * that the user gave, as for ENOENT, and EXIT_SYSTEM for any other cause, as EIO. */
 bool error_cause(struct error *err, struct place place, int cause, const char *format, ...)

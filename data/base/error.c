@@ -66,6 +66,18 @@ bool error_different(struct error *err, const char *format, ...)
     return false;
 }
 
+bool error_unsupported(struct error *err, const char *format, ...)
+{
+    va_list arguments;
+    if (err->status != EXIT_AGREED)
+        return false;
+    va_start(arguments, format);
+    fail(err, EXIT_SYSTEM, "", format, arguments, "");
+    va_end(arguments);
+    err->unsupported = true;
+    return false;
+}
+
 bool error_system(struct error *err, const char *format, ...)
 {
     char ending[256] = "";

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* The memory that a command may take. The kernel holds the limit (RLIMIT_DATA), so that libraries
- * keep it, too; what is known to be large is refused before it is tried, with its figure. Without
+ * keep it, too. Large needs are refused before they are tried, with their figure. Without
  * such a limit, as on other systems than Linux, all is allowed. */
 #include <fcntl.h>
 #include <stdarg.h>

@@ -58,6 +58,16 @@ bool output_is_stream(const char *path);   /* true of "-", and of what exists an
 /* Refuses an output that would replace the input. Either may be NULL. */
 bool output_spares(const char *output, const char *input, struct error *err);
 
+/* ---- folder.c: a folder for files that nobody keeps ---- */
+
+struct folder {
+    char path[4096]; /* Linux takes no longer one; "": there is none */
+    int lock;        /* -1: there is none */
+};
+/* Makes a folder in TMPDIR, or /tmp. Removes those of processes that were killed. */
+bool folder_open(struct folder *out, struct error *err);
+void folder_close(struct folder *folder); /* with all files in it */
+
 /* ---- Inside this room ---- */
 
 /* temporary.c: fills out->descriptor, temporary and named with a new file in the folder of a path.

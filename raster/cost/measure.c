@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Runs each configuration of render several times, each time in a process of its own, and measures
  * the accuracy of its stack. */
-#include <dirent.h>
-#include <errno.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -11,15 +9,14 @@
 #include "data/process/process.h"
 #include "raster/cost/cost.h"
 
-/* Linux takes no longer name of a folder. */
-enum { DEFAULT_RUNS = 5, FOLDER_LENGTH = 4096 };
+enum { DEFAULT_RUNS = 5 };
 
 struct measurement {
     const struct options *options;
     struct progress_line line;
-    bool shown;                                                  /* the line of progress */
-    char folder[FOLDER_LENGTH];                                  /* temporary; "": there is none */
-    char stack[FOLDER_LENGTH + 16], summary[FOLDER_LENGTH + 16]; /* files in it */
+    bool shown; /* the line of progress */
+    struct folder folder;
+    char stack[sizeof(struct folder) + 16], summary[sizeof(struct folder) + 16]; /* files in it */
     long steps, all_steps;
     struct cost *cost;
 };
@@ -35,32 +32,21 @@ static void step(struct measurement *measurement, long steps)
 
 static bool open_folder(struct measurement *measurement, struct error *err)
 {
-    const char *given = getenv("TMPDIR"), *parent = given && given[0] ? given : "/tmp";
-    char *folder = measurement->folder;
-    snprintf(folder, sizeof measurement->folder, "%s/spectral-cost.XXXXXX", parent);
-    if (!mkdtemp(folder)) {
-        folder[0] = '\0';
-        return error_system(err, "cannot make a temporary folder in %s", parent);
-    }
-    snprintf(measurement->stack, sizeof measurement->stack, "%s/stack.tif", folder);
-    snprintf(measurement->summary, sizeof measurement->summary, "%s/standard", folder);
+    if (!folder_open(&measurement->folder, err))
+        return false;
+    snprintf(measurement->stack, sizeof measurement->stack, "%s/stack.tif",
+             measurement->folder.path);
+    snprintf(measurement->summary, sizeof measurement->summary, "%s/standard",
+             measurement->folder.path);
     return true;
 }
 
-/* Deletes the folder and all files in it. An interrupted run leaves some. */
-static void close_folder(const struct measurement *measurement)
+/* Removes the two files by their names, since listing a folder needs memory. */
+static void close_folder(struct measurement *measurement)
 {
-    char path[FOLDER_LENGTH + 257];
-    DIR *folder = measurement->folder[0] ? opendir(measurement->folder) : NULL;
-    if (!folder)
-        return;
-    for (struct dirent *entry; (entry = readdir(folder));) {
-        snprintf(path, sizeof path, "%s/%s", measurement->folder, entry->d_name);
-        if (strcmp(entry->d_name, ".") != 0 && strcmp(entry->d_name, "..") != 0)
-            unlink(path);
-    }
-    closedir(folder);
-    rmdir(measurement->folder);
+    unlink(measurement->stack);
+    unlink(measurement->summary);
+    folder_close(&measurement->folder);
 }
 
 /* ---- jobs for processes of their own ---- */
@@ -136,15 +122,15 @@ static bool make_standard(struct measurement *measurement, bool *lit, struct err
     unlink(measurement->stack);
     cost_entry_free(&entry);
     errno = 0;
-    if (strstr(own.text, measurement->folder))
+    if (strstr(own.text, measurement->folder.path))
         error_system(err, "%s; set TMPDIR to a folder with more room", reason(&own));
     else if (!done)
         *err = own;
     return done;
 }
 
-/* Runs a configuration once, without taking its time, and measures its stack. A failure becomes a
- * note. */
+/* Runs a configuration once, without taking its time, and measures its stack. A configuration that
+ * is refused, or that this system does not support, becomes a note. */
 static bool warm_up(struct measurement *measurement, struct cost_entry *entry, struct error *err)
 {
     struct task task = {measurement, entry};
@@ -154,7 +140,7 @@ static bool warm_up(struct measurement *measurement, struct cost_entry *entry, s
                       process_run(compare_job, &task, &accuracy, sizeof accuracy, NULL, &own);
     unlink(measurement->stack);
     step(measurement, done ? 2 : 2 + measurement->cost->runs);
-    if (!done && is_interrupted()) {
+    if (!done && own.status == EXIT_SYSTEM && !own.unsupported) {
         *err = own;
         return false;
     }
@@ -292,7 +278,7 @@ static bool measure(struct measurement *measurement, struct error *err)
 
 bool cost_measure(const struct options *options, struct cost *out, struct error *err)
 {
-    struct measurement measurement = {.options = options, .cost = out};
+    struct measurement measurement = {.options = options, .folder = {.lock = -1}, .cost = out};
     measurement.shown = progress_start(&measurement.line, options->quiet);
     *out = (struct cost){.scene = NULL};
     const bool done = measure(&measurement, err);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT */
 /* OSMesa's contexts and the buffers that they draw into: floats, or counts of 8 or 16 bits. */
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -52,12 +51,11 @@ void gl_library(char *out, size_t capacity)
 static bool check_driver(const struct gl *gl, struct error *err)
 {
     const char *wanted = gl->plan->options.gl_driver;
-    errno = 0;
     return !wanted || strncmp(gl_renderer(gl), wanted, strlen(wanted)) == 0 ||
-           error_system(err,
-                        "this OSMesa draws with %.100s, not with %s; --renderer gl takes any "
-                        "driver",
-                        gl_renderer(gl), wanted);
+           error_unsupported(err,
+                             "this OSMesa draws with %.100s, not with %s; --renderer gl takes any "
+                             "driver",
+                             gl_renderer(gl), wanted);
 }
 
 /* ---- contexts ---- */
@@ -70,13 +68,14 @@ static bool check_context(const struct plan *plan, int needed_bits, struct error
     glGetIntegerv(GL_STENCIL_BITS, &stencil_bits);
     glGetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
     if (red_bits != needed_bits || depth_bits < 24 || stencil_bits < 8)
-        return error_system(err,
-                            "OSMesa gives %d bits of colour, %d of depth and %d of stencil; %d, 24 "
-                            "and 8 are needed",
-                            red_bits, depth_bits, stencil_bits, needed_bits);
+        return error_unsupported(
+            err,
+            "OSMesa gives %d bits of colour, %d of depth and %d of stencil; %d, 24 "
+            "and 8 are needed",
+            red_bits, depth_bits, stencil_bits, needed_bits);
     return (viewport[0] >= plan->tile_width && viewport[1] >= plan->tile_height) ||
-           error_system(err, "OSMesa draws at most %d x %d pixels at once", viewport[0],
-                        viewport[1]);
+           error_unsupported(err, "OSMesa draws at most %d x %d pixels at once", viewport[0],
+                             viewport[1]);
 }
 
 /* Each type of buffer has a context of its own. One context for both would work, but OSMesa of Mesa

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 /* Reads fail cleanly, names resolve, outputs appear whole or not at all, and digests agree with
  * FIPS 180-4's own examples. */
+#define _GNU_SOURCE /* flock */
 #include <dirent.h>
 #include <fcntl.h>
 #include <limits.h>
 #include <signal.h>
 #include <stdlib.h>
+#include <sys/file.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <sys/wait.h>
@@ -264,6 +266,87 @@ static void check_devices(void)
     CHECK(count_entries() == before, "copies leave no temporary file");
 }
 
+/* ---- what killed processes left ---- */
+
+/* Starts a process that locks a file or folder, and makes it if it is to be a file. Returns its PID
+ * when it has the lock. */
+static pid_t hold(const char *path, int flags)
+{
+    int ends[2];
+    char byte;
+    if (pipe(ends) != 0)
+        return -1;
+    fflush(stdout);
+    const pid_t child = fork();
+    if (child == 0) {
+        flock(open(path, flags, 0600), LOCK_EX);
+        close(ends[1]);
+        pause();
+    }
+    close(ends[1]);
+    read(ends[0], &byte, 1); /* ends when the child has its lock */
+    close(ends[0]);
+    return child;
+}
+
+static void end(pid_t child)
+{
+    kill(child, SIGKILL);
+    waitpid(child, NULL, 0);
+}
+
+/* A temporary name is .NAME.PID.N.tmp: see data/output/temporary.c. */
+static void check_abandoned(void)
+{
+    static const char *const kept[] = {".swept.7.x.tmp", ".swept7.0.tmp", ".other.7.0.tmp",
+                                       "swept.7.0.tmp", ".swept.tmp.7"};
+    char path[PATH_SIZE], left[PATH_SIZE], held[PATH_SIZE], other[PATH_SIZE];
+    struct error err = {0};
+    temporary("swept", path);
+    put(path, "old", 3);
+    put(temporary(".swept.7.0.tmp", left), "left", 4);
+    for (int i = 0; i < 5; i++)
+        put(temporary(kept[i], other), "kept", 4);
+    const pid_t holder = hold(temporary(".swept.8.0.tmp", held), O_RDWR | O_CREAT);
+    CHECK(file_write(path, "new", 3, NULL, &err) && holds(path, "new"), "an output is replaced");
+    CHECK(access(left, F_OK) != 0, "a temporary file that nobody holds is removed");
+    CHECK(access(held, F_OK) == 0, "that of a living process stays");
+    int n = 0;
+    for (int i = 0; i < 5; i++)
+        n += holds(temporary(kept[i], other), "kept");
+    CHECK(n == 5, "files of other names stay");
+    end(holder);
+    CHECK(file_write(path, "newer", 5, NULL, &err) && access(held, F_OK) != 0,
+          "when the process has ended, its file is removed, too");
+    for (int i = 0; i < 5; i++)
+        unlink(temporary(kept[i], other));
+    unlink(path);
+}
+
+static void check_folders(void)
+{
+    char path[PATH_SIZE], file[sizeof(struct folder) + 16];
+    struct folder own, other;
+    struct error err = {0};
+    setenv("TMPDIR", temporary(".", path), 1);
+    const int before = count_entries();
+    CHECK(folder_open(&own, &err) && folder_open(&other, &err) && access(own.path, F_OK) == 0,
+          "folders of two that live stand side by side");
+    snprintf(file, sizeof file, "%s/file", other.path);
+    put(file, "x", 1);
+    folder_close(&other);
+    CHECK(access(file, F_OK) != 0 && count_entries() == before + 1,
+          "a folder goes with all that is in it");
+    close(own.lock); /* as if its process had been killed */
+    snprintf(file, sizeof file, "%s/file", own.path);
+    put(file, "x", 1);
+    CHECK(folder_open(&other, &err) && access(own.path, F_OK) != 0,
+          "the next one removes the folder of one that was killed");
+    folder_close(&other);
+    CHECK(count_entries() == before, "no folder is left");
+    unsetenv("TMPDIR");
+}
+
 /* Returns the exit status of a child process that may write only 4096 bytes. */
 static int write_full(const char *path)
 {
@@ -381,6 +464,8 @@ int main(void)
     check_replacement();
     check_refusals();
     check_devices();
+    check_abandoned();
+    check_folders();
     check_full();
     check_digest();
     return test_end();
