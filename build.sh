@@ -30,6 +30,8 @@ language='-std=c99 -D_XOPEN_SOURCE=700 -D_FILE_OFFSET_BITS=64 -I. -fno-associati
   -fno-math-errno'
 warnings='-pedantic -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstrict-prototypes
   -Wmissing-prototypes -Wundef -Wvla -Wcast-qual -Wwrite-strings'
+hardening='-fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2'
+hardened_link='-Wl,-z,relro,-z,now,-z,noexecstack'
 mark=made-by-build.sh # a file in each folder that `clean` may delete
 parts=                # packages that become part of the program, with their versions
 
@@ -117,10 +119,17 @@ list_commands() {
         END { print "\n]" }' >"$BUILD/compile_commands.json"
 }
 
+# Code without optimization has no fortified calls.
+harden() {
+    case $CFLAGS in *-O[123s]*) CFLAGS="$CFLAGS $hardening" ;; esac
+    case $libraries in *-static*) ;; *) CFLAGS="$CFLAGS -fPIE" libraries="-pie $hardened_link $libraries" ;; esac
+}
+
 build() {
     prepare
     find_sources
     find_libraries
+    harden
     compile obj "$CFLAGS" $sources "$BUILD/builtin.c"
     list_commands
     link spectral $objects

@@ -79,7 +79,7 @@ build_tests() (
         ar rcs "$LIBRARY.new" "$@"
         mv "$LIBRARY.new" "$LIBRARY"
     fi
-    compile test/units '-O1 -Werror -Itest/unit' $(programs | sort -u)
+    compile test/units '-O1 -Werror -fPIE -Itest/unit' $(programs | sort -u)
     for object in $objects; do
         test_name "$object"
         link "test/$name" "$object" "$LIBRARY"
@@ -98,7 +98,7 @@ build_mutant() {
     sed "$2" "$mutated" >"$BUILD/test/$1.new"
     ! cmp -s "$mutated" "$BUILD/test/$1.new" || refuse "test/run.sh: the mutation finds nothing in $mutated"
     cmp -s "$BUILD/test/$1.new" "$BUILD/test/$1.c" || mv "$BUILD/test/$1.new" "$BUILD/test/$1.c"
-    compile "test/$1" "-O1 -Werror -I$(dirname "$mutated")" "$BUILD/test/$1.c"
+    compile "test/$1" "-O1 -Werror -fPIE -I$(dirname "$mutated")" "$BUILD/test/$1.c"
     link "test/spectral-$1" "$main" $objects "$LIBRARY"
 }
 

@@ -104,7 +104,8 @@ bool memory_suffices(double bytes, struct place place, struct error *err, const 
 
 /* ---- threads.c ---- */
 
-/* Starts `wanted` threads of OpenMP (0: as many as it offers), and returns their number. */
+/* Starts `wanted` threads of OpenMP (0: as many as it offers), or as many as the system gives.
+ * Returns their number. */
 int threads_start(int wanted);
 
 /* ---- paths.c: how one file names another, and what a path names ---- */

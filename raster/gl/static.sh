@@ -4,7 +4,6 @@
 # build.sh reads this.
 static_packages='g++ libc6-dev libtiff-dev zlib1g-dev libzstd-dev libdeflate-dev liblzma-dev libjpeg-dev libwebp-dev
   liblerc-dev'
-hardening='-fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2'
 . raster/gl/osmesa.sh
 
 # Sets $sources, $CFLAGS and $libraries. Mesa calls the pthread functions only if another object brings
