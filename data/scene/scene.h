@@ -92,7 +92,7 @@ bool scene_set_tessellation(struct scene *scene, const char *text, struct error 
 
 /* ---- Inside this room ---- */
 
-enum { DEEPEST_INCLUDE = 32, N_ONCE = 5 };
+enum { DEEPEST_INCLUDE = 32, MOST_INCLUDES = 1000, N_ONCE = 5 };
 
 /* The state of reading a scene. A function NAME_read below reads one statement, from behind its
  * first word. */
@@ -104,7 +104,7 @@ struct scene_reader {
     struct place place;         /* of its first word */
     struct place given[N_ONCE]; /* of the statements that may be given only once */
     const char *open[DEEPEST_INCLUDE]; /* the files that are being read, outermost first */
-    int n_open;
+    int n_open, n_included; /* n_included: all files included, each as often as it is */
     struct text list; /* a checker reads it in place of the list that it names; zeroed: none */
 };
 /* Gives the text to the scene, which owns it; a failure frees it. *text stays valid as a cursor. */
