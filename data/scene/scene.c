@@ -173,6 +173,7 @@ bool scene_read(const char *name, struct scene *out, struct error *err)
     view_set_defaults(out);
     done = read_named(&reader, name, err);
     free(reader.materials);
+    materials_forget(&reader);
     if (done)
         digest_files(out);
     else
