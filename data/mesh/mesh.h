@@ -134,9 +134,9 @@ double polygon_angle(const struct vector *ring, int n, int i, struct vector norm
 
 struct cutter { /* working memory, for faces of up to so many corners */
     struct cutter_node *nodes;
-    int32_t *blockers;
+    struct blockers *blockers;
     int32_t (*triangles)[3]; /* the result: indices into the ring */
-    int n_blockers, n_triangles;
+    int n_triangles;
     double noise; /* rounding has moved a corner by at most so much in the plane of the polygon */
 };
 bool cutter_open(struct cutter *out, int corners, struct error *err);
