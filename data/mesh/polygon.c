@@ -94,7 +94,7 @@ struct cutter_node {
 /* Blockers are corners that do not turn left: only they can lie inside of an ear. The corners are
  * sorted along a curve that stays in a square until it has met all corners there, and cut into
  * groups. A tree has a box round each group, and round the boxes of two nodes. */
-enum { GROUP = 16 };
+enum { GROUP = 8 };
 struct box {
     double low_x, low_y, high_x, high_y;
     int32_t n; /* blockers inside */
@@ -288,6 +288,11 @@ static void list_blocker(struct blockers *blockers, int corner, bool listed)
         blockers->boxes[k].n += by;
 }
 
+static double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
 /* Returns whether the way from a by b to any place in the box certainly turns right. The next step
  * of this way that turns left most is that to one of the corners of the box. Roundings change
  * nothing: a rounded difference or product does not fall when its exact value grows. */
@@ -297,8 +302,8 @@ static bool is_right_of(const struct cutter *cutter, const struct cutter_node *a
     const double x = b->x - a->x, y = b->y - a->y;
     const double next_x = (y > 0 ? box->low_x : box->high_x) - b->x;
     const double next_y = (x > 0 ? box->high_y : box->low_y) - b->y;
-    const double reach_x = fmax(fabs(box->low_x - b->x), fabs(box->high_x - b->x));
-    const double reach_y = fmax(fabs(box->low_y - b->y), fabs(box->high_y - b->y));
+    const double reach_x = larger(fabs(box->low_x - b->x), fabs(box->high_x - b->x));
+    const double reach_y = larger(fabs(box->low_y - b->y), fabs(box->high_y - b->y));
     const double length = fabs(x) + fabs(y) + reach_x + reach_y;
 
     return x * next_y - y * next_x < -2 * cutter->noise * length;
