@@ -13,9 +13,8 @@ struct index_slot {
     int number;
 };
 
-/* Every bit of the result depends on every bit of `bits` (the finalizer of MurmurHash3, which its
- * author has put into the public domain). */
-static uint64_t mix(uint64_t bits)
+/* The finalizer of MurmurHash3, which its author has put into the public domain. */
+uint64_t hash_bits(uint64_t bits)
 {
     bits = (bits ^ bits >> 33) * 0xff51afd7ed558ccdU;
     bits = (bits ^ bits >> 33) * 0xc4ceb9fe1a85ec53U;
@@ -24,12 +23,12 @@ static uint64_t mix(uint64_t bits)
 
 static uint64_t hash_of(const struct index *index, const char *key, size_t length)
 {
-    uint64_t hash = mix(index->seed ^ length), part;
+    uint64_t hash = hash_bits(index->seed ^ length), part;
     for (; length > 0; key += sizeof part) {
         const size_t n = length < sizeof part ? length : sizeof part;
         part = 0;
         memcpy(&part, key, n);
-        hash = mix(hash ^ part);
+        hash = hash_bits(hash ^ part);
         length -= n;
     }
     return hash > 0 ? hash : 1;
@@ -65,7 +64,7 @@ static bool grow_slots(struct index *index, struct error *err)
     if (slots == NULL)
         return error_memory(err);
     if (before.n_slots == 0)
-        index->seed = mix((uint64_t)(uintptr_t)slots ^ mix((uint64_t)(uintptr_t)index));
+        index->seed = hash_bits((uint64_t)(uintptr_t)slots ^ hash_bits((uint64_t)(uintptr_t)index));
     index->slots = slots;
     index->n_slots = n;
     for (size_t i = 0; i < before.n_slots; i++) {

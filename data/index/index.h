@@ -23,5 +23,7 @@ int index_find(const struct index *index, const void *key, size_t length);
  * memory, changes nothing. */
 bool index_add(struct index *index, const void *key, size_t length, int number, struct error *err);
 void index_free(struct index *index);
+/* Returns a number whose every bit depends on every bit of the argument. */
+uint64_t hash_bits(uint64_t bits);
 
 #endif

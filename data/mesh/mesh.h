@@ -3,6 +3,7 @@
 #ifndef MESH_H
 #define MESH_H
 
+#include "data/index/index.h"
 #include "data/maths/maths.h"
 #include "data/names/names.h"
 #include "spectral.h"
@@ -85,15 +86,13 @@ bool shape_build(const struct shape *shape, struct mesh *out, struct error *err)
 void shape_free(struct shape *shape);
 
 /* ---- Inside this room ---- */
-
 /* obj.c: the statements of a Wavefront OBJ file. */
-
 enum { OBJ_POINT, OBJ_TEXTURE, OBJ_NORMAL };
 
 struct obj_corner {
     int32_t index[3]; /* into the lists, from 0; -1: none */
     int32_t face;
-    /* The normal of the whole face, and the angle of the face here: set by mesh.c if normals are
+    /* The normal of the whole face, and the angle of the face here: mesh.c sets them if normals are
      * lacking. A face without area has 0 0 0 and 0, and so no weight in any mean. */
     struct vector normal;
     double angle;
@@ -113,6 +112,7 @@ struct obj {
     struct obj_corner *corners;
     struct obj_face *faces;
     char **names; /* of usemtl, in order of first use by a face; "" before the first; owned */
+    struct index places; /* of the names */
     int n_corners, n_faces, n_names;
     struct word material; /* the latest usemtl, while the file is read */
     int32_t name;         /* its index; -1: not used yet */
@@ -124,14 +124,16 @@ bool obj_read(const char *path, struct place from, struct obj *out, struct error
 struct vector obj_point(const struct obj *obj, int corner); /* the place of a corner */
 void obj_free(struct obj *obj);
 
+/* normals.c: computes the normals that corners lack, and adds them to the list. The corners of a
+ * point are order[starts[point]] up to before order[starts[point + 1]], and increase. */
+bool normals_fill(struct obj *obj, const int32_t *order, const int32_t *starts, double crease_deg,
+                  struct error *err);
 /* polygon.c: faces of any size. */
-
 bool same_place(struct vector a, struct vector b);
 /* The unit normal by Newell's sum; (0,0,0) where the area is within rounding of 0. */
 struct vector polygon_normal(const struct vector *ring, int n);
 /* The interior angle at ring[i], 0 to 2 pi, seen against the normal. Neighbours differ. */
 double polygon_angle(const struct vector *ring, int n, int i, struct vector normal);
-
 struct cutter { /* working memory, for faces of up to so many corners */
     struct cutter_node *nodes;
     struct blockers *blockers;
