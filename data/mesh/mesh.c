@@ -42,6 +42,7 @@ void mesh_free(struct mesh *mesh)
     for (int i = 0; mesh->part_names && i < mesh->n_parts; i++)
         free(mesh->part_names[i]);
     free(mesh->part_names);
+    division_free(mesh->division);
     *mesh = (struct mesh){.n_vertices = 0};
 }
 

@@ -9,7 +9,6 @@
 #include "spectral.h"
 
 /* ---- mesh.c: triangles ---- */
-
 struct mesh {
     struct vertex *vertices;
     int32_t (*triangles)[3]; /* counter-clockwise seen from outside */
@@ -17,6 +16,7 @@ struct mesh {
     int32_t *part;     /* of each triangle; NULL: all are part 0 */
     char **part_names; /* the usemtl of each part, "" before the first one; NULL: no names */
     int n_parts;       /* at least 1 */
+    struct division *division; /* the triangles of each part, once mesh_part has asked; owned */
 };
 
 /* Makes room for so many more vertices and triangles; *mesh keeps its content. A second call before
@@ -38,14 +38,13 @@ void mesh_planar(struct mesh *mesh);
 void mesh_free(struct mesh *mesh);
 
 /* ---- split.c: parts of a mesh ---- */
-
 /* Cuts all triangles that cross x = 0 there, and makes two parts: 0 at negative x, 1 at positive x.
  * New vertices lie at exactly x = 0, with the same bits on both sides and in neighbouring
  * triangles, so that no crack opens. The parts and names of *from are lost. */
 bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err);
-/* Makes a mesh of the triangles of one part, with the vertices that they use, in their order. It
- * may be empty: n_triangles 0. */
-bool mesh_part(const struct mesh *from, int part, struct mesh *out, struct error *err);
+/* Makes a mesh of the triangles of one part (-1: of all), with the vertices that they use, in their
+ * order. It may be empty: n_triangles 0. */
+bool mesh_part(struct mesh *from, int part, struct mesh *out, struct error *err);
 
 /* ---- shape.c: built-in shapes as triangles ---- */
 
@@ -86,6 +85,7 @@ bool shape_build(const struct shape *shape, struct mesh *out, struct error *err)
 void shape_free(struct shape *shape);
 
 /* ---- Inside this room ---- */
+void division_free(struct division *division); /* in split.c; NULL is fine */
 /* obj.c: the statements of a Wavefront OBJ file. */
 enum { OBJ_POINT, OBJ_TEXTURE, OBJ_NORMAL };
 
