@@ -5,7 +5,7 @@
 test_packages='gcc clang libomp-dev lld wasi-libc libclang-rt-dev-wasm32 wabt perl liblcms2-utils python3-pil python3-tifffile python3-numpy python3-scipy python3-gdal
   imagej default-jdk-headless glmark2-data psychtoolbox-3-common colord-data mandoc bsdextrautils busybox-static pngcheck zsh fish
   octave gdal-bin python3-h5py python3-hdf4 python3-xarray python3-netcdf4 python3-spectral openexr imagemagick libgdk-pixbuf2.0-bin
-  chromium file binutils musl-tools gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user'
+  chromium file valgrind binutils musl-tools gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user'
 at_once=2                                               # tests that run at the same time
 longest='portable cost verdict scenes random_scenes hard static' # these begin first, so that no processor waits at the end
 # Two mutants are the program with a fault in this file: bounds on colours that are a thousand times too wide, and

@@ -3,8 +3,9 @@
 #ifndef MATERIAL_H
 #define MATERIAL_H
 
-#include "data/spectra/spectra.h"
+#include "data/index/index.h"
 #include "data/names/names.h"
+#include "data/spectra/spectra.h"
 #include "spectral.h"
 
 /* ---- material.c: materials from files and from words ---- */
@@ -44,10 +45,21 @@ bool material_has_word(const struct word *word);
 
 /* ---- mtl.c: the colours that come with OBJ models ---- */
 
-/* Reads the entry of that name. `from` is the place that names the file; a missing file or entry is
- * an error there. */
-bool mtl_read(const char *path, struct place from, const struct word *name, struct material *out,
-              struct error *err);
+/* An MTL file and where its entries are. */
+struct mtl {
+    struct text text;
+    struct index names; /* the indices of the entries */
+    struct mtl_entry *entries;
+    int n_entries;
+};
+/* Opens an MTL file and finds its entries. `from` is the place that names it. A failure frees all.
+ */
+bool mtl_open(const char *path, struct place from, struct mtl *out, struct error *err);
+/* Reads the entry of that name; without one the error is at `from`. The caller frees *out, after a
+ * failure too. */
+bool mtl_read(const struct mtl *mtl, struct place from, const struct word *name,
+              struct material *out, struct error *err);
+void mtl_free(struct mtl *mtl);
 
 /* ---- Inside this room ---- */
 

@@ -4,6 +4,7 @@
  * is constant. It reads Kd, Ks, Ns and Ke, and skips all else, since the format has many dialects.
  * An entry is read only if a scene uses it. */
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "data/material/material.h"
@@ -44,31 +45,86 @@ static bool read_statement(struct text *text, const struct word *first, struct e
            text_end(text, statements[i], err);
 }
 
-/* Reads the statements between the newmtl of the entry and the next newmtl. */
-static bool read_entry(struct text *text, const struct word *name, struct place from,
-                       struct entry *out, struct error *err)
+/* ---- finding the entries ---- */
+
+/* Where an entry is in its file. */
+struct mtl_entry {
+    struct text behind; /* the cursor behind its name */
+    struct word name;
+    struct place again; /* of the next entry of that name; line 0: there is none */
+};
+
+/* Adds the entry of a newmtl. A second entry of one name is refused only if a scene uses it. */
+static bool add_entry(struct mtl *mtl, const struct word *name, struct error *err)
+{
+    const int first = index_find(&mtl->names, name->start, name->length);
+    const struct mtl_entry entry = {.behind = mtl->text, .name = *name};
+    if (first >= 0) {
+        if (mtl->entries[first].again.line == 0)
+            mtl->entries[first].again = name->place;
+        return true;
+    }
+    return index_add(&mtl->names, name->start, name->length, mtl->n_entries, err) &&
+           array_add(&mtl->entries, &mtl->n_entries, &entry, sizeof entry, err);
+}
+
+static bool find_entries(struct mtl *mtl, struct error *err)
+{
+    struct word word;
+    while (text_next_line(&mtl->text))
+        if (text_word(&mtl->text, &word) && word_is(&word, "newmtl") &&
+            (!text_expect(&mtl->text, &word, "a name", err) || !add_entry(mtl, &word, err)))
+            return false;
+    return true;
+}
+
+bool mtl_open(const char *path, struct place from, struct mtl *out, struct error *err)
+{
+    *out = (struct mtl){.n_entries = 0};
+    if (text_open(&out->text, path, from, err) && find_entries(out, err))
+        return true;
+    mtl_free(out);
+    return false;
+}
+
+void mtl_free(struct mtl *mtl)
+{
+    text_free(&mtl->text);
+    index_free(&mtl->names);
+    free(mtl->entries);
+    *mtl = (struct mtl){.n_entries = 0};
+}
+
+/* ---- reading an entry ---- */
+
+static bool refuse_missing(const struct mtl *mtl, struct place from, const struct word *name,
+                           struct error *err)
 {
     struct suggestion suggestion = {.distance = 0};
+    for (int i = 0; i < mtl->n_entries; i++)
+        suggestion_add(&suggestion, name, mtl->entries[i].name.start, mtl->entries[i].name.length);
+    return error_at(err, from, "no entry '%.*s' in %.200s; %s", word_shown(name), name->start,
+                    mtl->text.path, suggestion_end(&suggestion, "its entries are"));
+}
+
+/* Reads the statements of the entry up to the next newmtl. Their places name `path`. */
+static bool read_entry(const struct mtl_entry *found, char *path, struct entry *out,
+                       struct error *err)
+{
+    struct text text = found->behind;
     struct word word;
-    bool inside = false;
-    while (text_next_line(text)) {
-        if (!text_word(text, &word))
+    text.path = path;
+    out->place = found->name.place;
+    out->place.path = path;
+    while (text_next_line(&text)) {
+        if (!text_word(&text, &word))
             continue;
-        if (word_is(&word, "newmtl")) {
-            if (!text_expect(text, &word, "a name", err))
-                return false;
-            suggestion_add(&suggestion, name, word.start, word.length);
-            inside =
-                word.length == name->length && memcmp(word.start, name->start, word.length) == 0;
-            if (inside && !place_once(&out->place, word.place, "this entry", err))
-                return false;
-        } else if (inside && !read_statement(text, &word, out, err)) {
+        if (word_is(&word, "newmtl"))
+            break;
+        if (!read_statement(&text, &word, out, err))
             return false;
-        }
     }
-    return out->place.line > 0 ||
-           error_at(err, from, "no entry '%.*s' in %.200s; %s", word_shown(name), name->start,
-                    text->path, suggestion_end(&suggestion, "its entries are"));
+    return found->again.line == 0 || place_once(&out->place, found->again, "this entry", err);
 }
 
 /* Makes a spectrum of a colour: blue up to 480 nm, green from 500 to 570 nm, red from 600 nm on. It
@@ -109,20 +165,18 @@ static bool make_material(struct entry *entry, struct material *out, struct erro
            (!present[KE] || spread(entry, KE, out->name, &out->glow, err));
 }
 
-bool mtl_read(const char *path, struct place from, const struct word *name, struct material *out,
-              struct error *err)
+bool mtl_read(const struct mtl *mtl, struct place from, const struct word *name,
+              struct material *out, struct error *err)
 {
     struct entry entry = {.shininess = 0};
-    struct text text;
-    bool done;
+    const int found = index_find(&mtl->names, name->start, name->length);
     *out = (struct material){0};
-    if (!text_open(&text, path, from, err))
-        return false;
-    out->path = text.path; /* taken over: the places point at it */
+    if (found < 0)
+        return refuse_missing(mtl, from, name, err);
     out->name = word_copy(name);
-    done = out->name ? read_entry(&text, name, from, &entry, err) && make_material(&entry, out, err)
-                     : error_memory(err);
-    text.path = NULL;
-    text_free(&text);
-    return done;
+    if (!out->name)
+        return error_memory(err);
+    return string_copy(mtl->text.path, &out->path, err) &&
+           read_entry(&mtl->entries[found], out->path, &entry, err) &&
+           make_material(&entry, out, err);
 }

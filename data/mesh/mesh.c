@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Makes a mesh of the faces of an OBJ file. Corners that agree in point, normal and texture
  * coordinates become one vertex, in the order of first use. Normals and texture coordinates that
- * the file lacks are computed. Time grows linearly with the size of the file; at one point, with
- * the square of the number of different corners there. */
+ * the file lacks are computed. Time grows linearly with the size of the file. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -54,6 +53,7 @@ void mesh_free(struct mesh *mesh)
     for (int i = 0; mesh->part_names && i < mesh->n_parts; i++)
         free(mesh->part_names[i]);
     free(mesh->part_names);
+    division_free(mesh->division);
     *mesh = (struct mesh){.n_vertices = 0};
 }
 
@@ -64,10 +64,10 @@ struct builder {
     struct vector *ring; /* a face */
     struct cutter cutter;
     int32_t *order, *starts; /* corners sorted by point; where each point's begin, and the end */
-    double cosine;           /* two faces are smooth neighbours if that of their angle exceeds it */
-    double half_cosine;      /* of half that angle */
-    /* The vertices at a point form a chain, which ends with -1. */
-    int32_t *first_vertex; /* of each point */
+    /* Vertices form chains, which end with -1. A point has as many chains as it has corners: the
+     * hash of the other indices decides which of them a vertex is in. */
+    int32_t *first_vertex; /* of each chain, in the order of points */
+    uint64_t seed;         /* of the hash: another one in each run */
     struct link {
         int32_t next, corner;
     } * links; /* of each vertex */
@@ -82,7 +82,8 @@ static bool builder_allocate(struct builder *b, struct error *err)
     b->ring = calloc((size_t)longest, sizeof *b->ring);
     b->order = calloc(n_corners, sizeof *b->order);
     b->starts = calloc(n_points + 1, sizeof *b->starts);
-    b->first_vertex = calloc(n_points, sizeof *b->first_vertex);
+    b->first_vertex = calloc(n_corners, sizeof *b->first_vertex);
+    b->seed = (uintptr_t)b->first_vertex;
     b->links = calloc(n_corners, sizeof *b->links);
     if (b->ring && b->order && b->starts && b->first_vertex && b->links)
         return cutter_open(&b->cutter, longest, err);
@@ -143,7 +144,8 @@ static void measure_face(struct builder *b, const struct obj_face *face)
     }
 }
 
-/* Counting sort. starts[p] is first the end of its point's corners, and at last their begin. */
+/* Counting sort. starts[p] is first the end of its point's corners, and at last their begin. The
+ * corners of a point keep their order. */
 static void sort_corners(struct builder *b)
 {
     for (int i = 0; i < b->obj.n_corners; i++)
@@ -154,83 +156,11 @@ static void sort_corners(struct builder *b)
         b->order[--b->starts[b->obj.corners[i].index[OBJ_POINT]]] = i;
 }
 
-static struct vector weighted_normal(const struct obj_corner *corner)
+static bool add_normals(struct builder *b, double crease_deg, struct error *err)
 {
-    return vector_scale(corner->normal, corner->angle);
-}
-
-/* Returns the mean normal of all faces at the point; 0 0 0 if no face there has an area. *smooth
- * means that all lie within half the crease angle of the mean, so that any two are neighbours. */
-static struct vector whole_average(const struct builder *b, int point, bool *smooth)
-{
-    const struct obj_corner *corners = b->obj.corners;
-    struct vector sum = {0, 0, 0};
-    for (int i = b->starts[point]; i < b->starts[point + 1]; i++)
-        sum = vector_add(sum, weighted_normal(&corners[b->order[i]]));
-    sum = vector_normalise(sum);
-    *smooth = true;
-    for (int i = b->starts[point]; *smooth && i < b->starts[point + 1]; i++) {
-        const struct obj_corner *corner = &corners[b->order[i]];
-        *smooth = corner->angle == 0 || vector_dot(corner->normal, sum) > b->half_cosine;
-    }
-    return sum;
-}
-
-/* Returns the mean normal of the faces at the point that are smooth neighbours of this corner's. */
-static struct vector crease_average(const struct builder *b, int point,
-                                    const struct obj_corner *own)
-{
-    struct vector sum = {0, 0, 0};
-    for (int i = b->starts[point]; i < b->starts[point + 1]; i++) {
-        const struct obj_corner *other = &b->obj.corners[b->order[i]];
-        if (other->face == own->face || vector_dot(other->normal, own->normal) > b->cosine)
-            sum = vector_add(sum, weighted_normal(other));
-    }
-    sum = vector_normalise(sum);
-    return vector_dot(sum, sum) > 0 ? sum : own->normal;
-}
-
-/* Sets the normals that corners at the point lack. Equal normals are stored once. */
-static bool fill_point(struct builder *b, int point, struct error *err)
-{
-    struct obj_list *list = &b->obj.list[OBJ_NORMAL];
-    const int first = list->n;
-    bool smooth;
-    struct vector average = whole_average(b, point, &smooth);
-    if (vector_dot(average, average) == 0)
-        average.z = 1;
-    for (int i = b->starts[point]; i < b->starts[point + 1]; i++) {
-        struct obj_corner *corner = &b->obj.corners[b->order[i]];
-        int32_t *index = &corner->index[OBJ_NORMAL];
-        struct vector normal = average;
-        if (*index >= 0)
-            continue;
-        if (!smooth && corner->angle > 0)
-            normal = crease_average(b, point, corner);
-        for (*index = first; *index < list->n && !same_place(list->at[*index], normal);)
-            ++*index;
-        if (*index == list->n && !array_add(&list->at, &list->n, &normal, sizeof normal, err))
-            return false;
-    }
-    return true;
-}
-
-/* Rounding must not decide whether faces that meet at the crease angle itself are neighbours. Most
- * files have coordinates of six significant digits. A face of a thirtieth of the model's size may
- * then lean by 1.5e-5 radians, or 0.001 degrees. Neighbours must meet at so much less. */
-static bool fill_normals(struct builder *b, double crease_deg, struct error *err)
-{
-    const double slack_deg = 0.001;
-    double sine;
-    sine_cosine(fmax(crease_deg - slack_deg, 0), &sine, &b->cosine);
-    b->half_cosine = sqrt((1 + b->cosine) / 2);
     for (int i = 0; i < b->obj.n_faces; i++)
         measure_face(b, &b->obj.faces[i]);
-    sort_corners(b);
-    for (int point = 0; point < b->obj.list[OBJ_POINT].n; point++)
-        if (!fill_point(b, point, err))
-            return false;
-    return true;
+    return normals_fill(&b->obj, b->order, b->starts, crease_deg, err);
 }
 
 /* ---- vertices ---- */
@@ -274,11 +204,20 @@ static void fill_texture(const struct builder *b, struct mesh *mesh)
     }
 }
 
+/* Returns the chain that the vertex of a corner is in. */
+static int32_t *chain_of(const struct builder *b, const int32_t index[3])
+{
+    const int32_t start = b->starts[index[OBJ_POINT]], n = b->starts[index[OBJ_POINT] + 1] - start;
+    const uint64_t others =
+        (uint64_t)(uint32_t)index[OBJ_TEXTURE] << 32 | (uint32_t)index[OBJ_NORMAL];
+    return &b->first_vertex[start + (int32_t)(hash_bits(others ^ b->seed) % (uint64_t)n)];
+}
+
 /* Returns the vertex of a corner, and adds it if there is none yet; -1: no memory. */
 static int32_t find_vertex(struct builder *b, int32_t corner, struct mesh *mesh, struct error *err)
 {
     const struct obj_corner *corners = b->obj.corners, *wanted = &corners[corner];
-    int32_t *link = &b->first_vertex[wanted->index[OBJ_POINT]];
+    int32_t *link = chain_of(b, wanted->index);
     for (; *link >= 0; link = &b->links[*link].next)
         if (memcmp(corners[b->links[*link].corner].index, wanted->index, sizeof wanted->index) == 0)
             return *link;
@@ -331,8 +270,8 @@ static bool divide(struct obj *obj, size_t n_triangles, struct mesh *mesh, struc
 static bool add_faces(struct builder *b, struct mesh *mesh, struct error *err)
 {
     const size_t most = (size_t)(b->obj.n_corners - 2 * b->obj.n_faces);
-    for (int p = 0; p < b->obj.list[OBJ_POINT].n; p++)
-        b->first_vertex[p] = -1;
+    for (int i = 0; i < b->obj.n_corners; i++)
+        b->first_vertex[i] = -1;
     if (!mesh_begin(mesh, 0, most, err) || !divide(&b->obj, most, mesh, err))
         return false;
     for (int i = 0; i < b->obj.n_faces; i++)
@@ -350,7 +289,9 @@ bool mesh_read(const char *path, struct place from, bool unitize, double crease_
     *out = (struct mesh){.n_vertices = 0};
     if (good && unitize)
         unitize_points(&builder);
-    good = good && (!builder.obj.lacks_normals || fill_normals(&builder, crease_deg, err)) &&
+    if (good)
+        sort_corners(&builder);
+    good = good && (!builder.obj.lacks_normals || add_normals(&builder, crease_deg, err)) &&
            add_faces(&builder, out, err);
     builder_free(&builder);
     if (!good)

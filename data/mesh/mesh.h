@@ -3,12 +3,13 @@
 #ifndef MESH_H
 #define MESH_H
 
+#include "data/index/index.h"
 #include "data/maths/maths.h"
 #include "data/names/names.h"
+#include "data/polygon/polygon.h"
 #include "spectral.h"
 
 /* ---- mesh.c: triangles ---- */
-
 struct mesh {
     struct vertex *vertices;
     int32_t (*triangles)[3]; /* counter-clockwise seen from outside */
@@ -17,6 +18,7 @@ struct mesh {
     char **part_names;  /* the usemtl of each part, "" before the first one; NULL: no names */
     int n_parts;        /* at least 1 */
     struct place place; /* that names its shape; for messages */
+    struct division *division; /* the triangles of each part, once mesh_part has asked; owned */
 };
 
 /* Makes room for so many more vertices and triangles; *mesh keeps its content. A second call before
@@ -41,14 +43,13 @@ void mesh_planar(struct mesh *mesh);
 void mesh_free(struct mesh *mesh);
 
 /* ---- split.c: parts of a mesh ---- */
-
 /* Cuts all triangles that cross x = 0 there, and makes two parts: 0 at negative x, 1 at positive x.
  * New vertices lie at exactly x = 0, with the same bits on both sides and in neighbouring
  * triangles, so that no crack opens. The parts and names of *from are lost. */
 bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err);
-/* Makes a mesh of the triangles of one part, with the vertices that they use, in their order. It
- * may be empty: n_triangles 0. */
-bool mesh_part(const struct mesh *from, int part, struct mesh *out, struct error *err);
+/* Makes a mesh of the triangles of one part (-1: of all), with the vertices that they use, in their
+ * order. It may be empty: n_triangles 0. */
+bool mesh_part(struct mesh *from, int part, struct mesh *out, struct error *err);
 
 /* ---- shape.c: built-in shapes as triangles ---- */
 
@@ -90,6 +91,8 @@ void shape_free(struct shape *shape);
 
 /* ---- Inside this room ---- */
 
+void division_free(struct division *division); /* in split.c; NULL is fine */
+
 /* obj.c: the statements of a Wavefront OBJ file. */
 
 enum { OBJ_POINT, OBJ_TEXTURE, OBJ_NORMAL };
@@ -97,7 +100,7 @@ enum { OBJ_POINT, OBJ_TEXTURE, OBJ_NORMAL };
 struct obj_corner {
     int32_t index[3]; /* into the lists, from 0; -1: none */
     int32_t face;
-    /* The normal of the whole face, and the angle of the face here: set by mesh.c if normals are
+    /* The normal of the whole face, and the angle of the face here: mesh.c sets them if normals are
      * lacking. A face without area has 0 0 0 and 0, and so no weight in any mean. */
     struct vector normal;
     double angle;
@@ -117,6 +120,7 @@ struct obj {
     struct obj_corner *corners;
     struct obj_face *faces;
     char **names; /* of usemtl, in order of first use by a face; "" before the first; owned */
+    struct index places; /* of the names */
     int n_corners, n_faces, n_names;
     struct word material; /* the latest usemtl, while the file is read */
     int32_t name;         /* its index; -1: not used yet */
@@ -128,25 +132,8 @@ bool obj_read(const char *path, struct place from, struct obj *out, struct error
 struct vector obj_point(const struct obj *obj, int corner); /* the place of a corner */
 void obj_free(struct obj *obj);
 
-/* polygon.c: faces of any size. */
-
-bool same_place(struct vector a, struct vector b);
-/* The unit normal by Newell's sum; (0,0,0) where the area is within rounding of 0. */
-struct vector polygon_normal(const struct vector *ring, int n);
-/* The interior angle at ring[i], 0 to 2 pi, seen against the normal. Neighbours differ. */
-double polygon_angle(const struct vector *ring, int n, int i, struct vector normal);
-
-struct cutter { /* working memory, for faces of up to so many corners */
-    struct cutter_node *nodes;
-    int32_t *blockers;
-    int32_t (*triangles)[3]; /* the result: indices into the ring */
-    int n_blockers, n_triangles;
-    double noise; /* rounding has moved a corner by at most so much in the plane of the polygon */
-};
-bool cutter_open(struct cutter *out, int corners, struct error *err);
-/* Cuts the polygon, concave or not, into at most n - 2 triangles of the same orientation. Leaves
- * out triangles with two corners at one place. A polygon without area becomes a fan. */
-void cutter_run(struct cutter *cutter, const struct vector *ring, int n);
-void cutter_free(struct cutter *cutter);
-
+/* normals.c: computes the normals that corners lack, and adds them to the list. The corners of a
+ * point are order[starts[point]] up to before order[starts[point + 1]], and increase. */
+bool normals_fill(struct obj *obj, const int32_t *order, const int32_t *starts, double crease_deg,
+                  struct error *err);
 #endif

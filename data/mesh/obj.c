@@ -130,11 +130,14 @@ static bool add_corner(struct obj *obj, int first, struct obj_corner corner, str
 /* Finds the current usemtl among the names, or adds it. */
 static bool find_name(struct obj *obj, struct error *err)
 {
-    for (obj->name = 0; obj->name < obj->n_names; obj->name++)
-        if (word_equals(&obj->material, obj->names[obj->name]))
-            return true;
-    char *name = word_copy(&obj->material);
-    if (name && array_add(&obj->names, &obj->n_names, &name, sizeof name, err))
+    const struct word *material = &obj->material;
+    obj->name = index_find(&obj->places, material->start, material->length);
+    if (obj->name >= 0)
+        return true;
+    obj->name = obj->n_names;
+    char *name = word_copy(material);
+    if (name && index_add(&obj->places, material->start, material->length, obj->n_names, err) &&
+        array_add(&obj->names, &obj->n_names, &name, sizeof name, err))
         return true;
     free(name);
     return error_memory(err);
@@ -230,7 +233,7 @@ bool obj_read(const char *path, struct place from, struct obj *out, struct error
     struct word name;
     bool good = true;
     *out = (struct obj){.material = {.start = ""}, .name = -1};
-    if (!file_expected(path, from, FILE_MODEL, err) || !text_open(&text, path, from, err))
+    if (!file_expected(path, from, FILE_MODEL, err) || !text_open_large(&text, path, from, err))
         return false;
     while (good && text_next_line(&text))
         good = !next_word(&text, &name) || read_statement(&text, &name, out, err);
@@ -248,6 +251,7 @@ void obj_free(struct obj *obj)
     for (int i = 0; i < obj->n_names; i++)
         free(obj->names[i]);
     free(obj->names);
+    index_free(&obj->places);
     free(obj->corners);
     free(obj->faces);
     *obj = (struct obj){.n_faces = 0};

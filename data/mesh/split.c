@@ -140,38 +140,137 @@ bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err)
 
 /* ---- taking a part out ---- */
 
-static bool in_part(const struct mesh *mesh, int triangle, int part)
+/* The triangles of part p are triangles[first[p]] up to before triangles[first[p + 1]]. */
+struct division {
+    int32_t *triangles, *first; /* NULL: all triangles are part 0 */
+    int32_t *number;            /* of each vertex in the part that is taken out; otherwise -1 */
+};
+
+void division_free(struct division *division)
 {
-    return (mesh->part ? mesh->part[triangle] : 0) == part;
+    if (division) {
+        free(division->triangles);
+        free(division->first);
+        free(division->number);
+    }
+    free(division);
 }
 
-/* Copies the part. number[v] is first 1 if the part uses vertex v, then the number of v in *out. */
-static void take(const struct mesh *from, int part, int32_t *number, struct mesh *out)
+/* Counting sort. first[p] is first the end of part p, and at last its begin. */
+static void sort_triangles(const struct mesh *mesh, struct division *division)
 {
-    for (int i = 0; i < from->n_triangles; i++)
-        for (int k = 0; k < 3 && in_part(from, i, part); k++)
-            number[from->triangles[i][k]] = 1;
-    for (int i = 0; i < from->n_vertices; i++)
-        if (number[i]) {
-            number[i] = out->n_vertices;
-            out->vertices[out->n_vertices++] = from->vertices[i];
-        }
-    for (int i = 0; i < from->n_triangles; i++)
-        if (in_part(from, i, part)) {
-            for (int k = 0; k < 3; k++)
-                out->triangles[out->n_triangles][k] = number[from->triangles[i][k]];
-            out->n_triangles++;
-        }
+    for (int i = 0; i < mesh->n_triangles; i++)
+        division->first[mesh->part[i]]++;
+    for (int part = 0; part < mesh->n_parts; part++)
+        division->first[part + 1] += division->first[part];
+    for (int i = mesh->n_triangles; i-- > 0;)
+        division->triangles[--division->first[mesh->part[i]]] = i;
 }
 
-bool mesh_part(const struct mesh *from, int part, struct mesh *out, struct error *err)
+/* Makes the division of the mesh, which owns it. */
+static bool divide(struct mesh *mesh, struct error *err)
 {
-    int32_t *number = calloc((size_t)from->n_vertices + 1, sizeof *number);
+    struct division *division = mesh->division = calloc(1, sizeof *division);
+    if (!division)
+        return error_memory(err);
+    division->number = malloc(((size_t)mesh->n_vertices + 1) * sizeof *division->number);
+    if (mesh->part) {
+        division->triangles = malloc(((size_t)mesh->n_triangles + 1) * sizeof *division->triangles);
+        division->first = calloc((size_t)mesh->n_parts + 1, sizeof *division->first);
+    }
+    if (!division->number || (mesh->part && (!division->triangles || !division->first))) {
+        division_free(division);
+        mesh->division = NULL;
+        return error_memory(err);
+    }
+    for (int i = 0; i < mesh->n_vertices; i++)
+        division->number[i] = -1;
+    if (mesh->part)
+        sort_triangles(mesh, division);
+    return true;
+}
+
+/* The triangles of a part; `list` NULL: they are the first n triangles of the mesh. */
+struct triangle_list {
+    const int32_t *list;
+    int n;
+};
+
+static const int32_t *triangle_of(const struct mesh *mesh, const struct triangle_list *part, int i)
+{
+    return mesh->triangles[part->list ? part->list[i] : i];
+}
+
+static int compare_numbers(const void *a, const void *b)
+{
+    const int32_t p = *(const int32_t *)a, q = *(const int32_t *)b;
+    return (p > q) - (p < q);
+}
+
+/* Finds the vertices that the part uses, in their order; returns their number. Numbers them from 0.
+ * Few of them are sorted; many are found among all vertices. */
+static int number_vertices(const struct mesh *from, const struct triangle_list *part, int32_t *used)
+{
+    int32_t *number = from->division->number;
+    int n = 0;
+    for (int i = 0; i < part->n; i++)
+        for (int k = 0; k < 3; k++) {
+            const int32_t vertex = triangle_of(from, part, i)[k];
+            if (number[vertex] < 0)
+                used[n++] = vertex;
+            number[vertex] = 0;
+        }
+    if (n < from->n_vertices / 16)
+        qsort(used, (size_t)n, sizeof *used, compare_numbers);
+    else
+        for (int i = 0, found = 0; i < from->n_vertices; i++)
+            if (number[i] == 0)
+                used[found++] = i;
+    for (int i = 0; i < n; i++)
+        number[used[i]] = i;
+    return n;
+}
+
+/* Copies the part, whose vertices have numbers, and takes the numbers away. */
+static void take(const struct mesh *from, const struct triangle_list *part, const int32_t *used,
+                 int n_used, struct mesh *out)
+{
+    int32_t *number = from->division->number;
+    out->n_triangles = part->n;
+    for (int i = 0; i < part->n; i++)
+        for (int k = 0; k < 3; k++)
+            out->triangles[i][k] = number[triangle_of(from, part, i)[k]];
+    out->n_vertices = n_used;
+    for (int i = 0; i < n_used; i++) {
+        out->vertices[i] = from->vertices[used[i]];
+        number[used[i]] = -1;
+    }
+}
+
+static struct triangle_list list_part(const struct mesh *mesh, int part)
+{
+    const struct division *division = mesh->division;
+    if (part < 0 || (part == 0 && !mesh->part))
+        return (struct triangle_list){NULL, mesh->n_triangles};
+    if (part >= mesh->n_parts)
+        return (struct triangle_list){NULL, 0};
+    return (struct triangle_list){division->triangles + division->first[part],
+                                  division->first[part + 1] - division->first[part]};
+}
+
+bool mesh_part(struct mesh *from, int part, struct mesh *out, struct error *err)
+{
     *out = (struct mesh){.n_vertices = 0};
-    const bool good = (number || error_memory(err)) &&
-                      mesh_reserve(out, (size_t)from->n_vertices, (size_t)from->n_triangles, err);
+    if (!from->division && !divide(from, err))
+        return false;
+    const struct triangle_list list = list_part(from, part);
+    int32_t *used = malloc((3 * (size_t)list.n + 1) * sizeof *used);
+    if (!used)
+        return error_memory(err);
+    const int n_used = number_vertices(from, &list, used);
+    const bool good = mesh_reserve(out, (size_t)n_used, (size_t)list.n, err);
     if (good)
-        take(from, part, number, out);
-    free(number);
-    return good && mesh_reserve(out, 0, 0, err); /* gives back what was not needed */
+        take(from, &list, used, n_used, out);
+    free(used);
+    return good;
 }

@@ -356,11 +356,11 @@ static bool keep_lines(struct record *record, struct error *err)
 {
     bool good = true;
     for (char *line = record->text, *next; good && *line != '\0'; line = next) {
-        char *colon = strstr(line, ": ");
         next = line + strcspn(line, "\n");
         if (*next != '\0')
             *next++ = '\0';
-        if (!colon || colon >= next)
+        char *colon = strstr(line, ": ");
+        if (!colon)
             continue;
         *colon = '\0';
         decode(colon + 2);

@@ -120,14 +120,13 @@ static bool add_lights(const struct rows *rows, const struct fine_scene *fine,
     const struct illumination *illumination = &fine->illumination;
     const struct scene *scene = illumination->scene;
     bool done = true;
-    for (int i = 0; done && i < illumination->n_lights + scene->n_ambients; i++) {
-        const int ambient = i - illumination->n_lights;
-        const struct light *light = ambient < 0 ? illumination->lights[i].light : NULL;
+    for (int i = 0; done && i < illumination->n_first + scene->n_ambients; i++) {
+        const int ambient = i - illumination->n_first;
+        const struct light *light =
+            ambient < 0 ? illumination->lights[illumination->first[i]].light : NULL;
         const struct spectrum *spectrum =
             light ? &light->spectrum : &scene->ambients[ambient].spectrum;
         const double intensity = light ? light->intensity : scene->ambients[ambient].intensity;
-        if (light && illumination->lights[i].first != i)
-            continue;
         done = material ? add_luminescence(rows, fine, material, spectrum, err)
                         : add_light(rows, fine, spectrum, intensity, err);
     }

@@ -10,31 +10,22 @@
 
 /* ---- definitions ---- */
 
-/* Returns whether a statement defines the material by its name. A file in a list has no name yet;
- * an entry of an MTL file has a name, but no statement. */
-static bool is_defined(const struct material *material)
+static int find_material(const struct scene_reader *reader, const struct word *word)
 {
-    return material->name && !material->from_rgb;
+    return index_find(&reader->named, word->start, word->length);
 }
 
-static int find_material(const struct scene *scene, const struct word *word)
+static bool check_name(const struct scene_reader *reader, const struct word *word,
+                       struct error *err)
 {
-    for (int i = 0; i < scene->n_materials; i++)
-        if (is_defined(&scene->materials[i]) && word_equals(word, scene->materials[i].name))
-            return i;
-    return -1;
-}
-
-static bool check_name(const struct scene *scene, const struct word *word, struct error *err)
-{
-    int first = find_material(scene, word);
+    const int first = find_material(reader, word);
     if (word_is(word, "{"))
         return error_at(err, word->place, "expected a name before the {");
     if (first < 0)
         return true;
+    const struct material *material = &reader->scene->materials[first];
     return error_at(err, word->place, "there is a material '%.100s' already, in line %d of %.200s",
-                    scene->materials[first].name, scene->materials[first].place.line,
-                    scene->materials[first].place.path);
+                    material->name, material->place.line, material->place.path);
 }
 
 /* Reads the words in braces behind the name, or notes the name of a file. */
@@ -60,11 +51,12 @@ bool definition_read(struct scene_reader *reader, struct error *err)
     struct material material = {0};
     struct word word;
     if (text_expect(reader->text, &word, "a name for the material", err) &&
-        check_name(scene, &word, err) && read_content(reader->text, &material, err)) {
+        check_name(reader, &word, err) && read_content(reader->text, &material, err)) {
         material.name = word_copy(&word);
         if (!material.name)
             error_memory(err);
-        else if (array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err))
+        else if (index_add(&reader->named, word.start, word.length, scene->n_materials, err) &&
+                 array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err))
             return true;
     }
     material_free(&material);
@@ -74,24 +66,33 @@ bool definition_read(struct scene_reader *reader, struct error *err)
 /* ---- files in a list ---- */
 
 /* A listed material has no name until it is read. A file that is listed twice is one material. */
-bool listed_add(struct scene *scene, const struct word *word, int *out, struct error *err)
+bool listed_add(struct scene_reader *reader, const struct word *word, int *out, struct error *err)
 {
     struct material material = {.place = word->place};
-    int i = 0;
+    struct scene *scene = reader->scene;
     if (!word_file(word, FILE_MATERIAL, &material.path, err))
         return false;
-    while (i < scene->n_materials &&
-           (scene->materials[i].name || strcmp(scene->materials[i].path, material.path) != 0))
-        i++;
-    *out = i;
-    if (i == scene->n_materials &&
-        array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err))
-        return true;
+    const size_t length = strlen(material.path);
+    *out = index_find(&reader->listed, material.path, length);
+    const bool known = *out >= 0;
+    if (!known) {
+        *out = scene->n_materials;
+        if (index_add(&reader->listed, material.path, length, *out, err) &&
+            array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err))
+            return true;
+    }
     material_free(&material);
-    return i < scene->n_materials;
+    return known;
 }
 
 /* ---- materials that are used ---- */
+
+/* Returns whether a statement defines the material by its name. A file in a list has no name yet;
+ * an entry of an MTL file has a name, but no statement. */
+static bool is_defined(const struct material *material)
+{
+    return material->name && !material->from_rgb;
+}
 
 static bool refuse_unknown(const struct scene *scene, const struct word *name, struct error *err)
 {
@@ -128,21 +129,24 @@ static bool load(struct material *material, struct error *err)
 }
 
 /* Finds a material and reads its file. */
-static bool find_named(struct scene *scene, const struct word *name, int *out, struct error *err)
+static bool find_named(const struct scene_reader *reader, const struct word *name, int *out,
+                       struct error *err)
 {
-    *out = find_material(scene, name);
-    return *out >= 0 ? load(&scene->materials[*out], err) : refuse_unknown(scene, name, err);
+    *out = find_material(reader, name);
+    return *out >= 0 ? load(&reader->scene->materials[*out], err)
+                     : refuse_unknown(reader->scene, name, err);
 }
 
 /* Finds the partner that a material names, if it names one. */
-static bool use_partner(struct scene *scene, int index, struct error *err)
+static bool use_partner(const struct scene_reader *reader, int index, struct error *err)
 {
+    struct scene *scene = reader->scene;
     struct material *material = &scene->materials[index], *partner;
     struct word name = {.start = material->partner_name, .place = material->partner_place};
     if (!name.start)
         return true;
     name.length = strlen(name.start);
-    if (!find_named(scene, &name, &material->partner_index, err))
+    if (!find_named(reader, &name, &material->partner_index, err))
         return false;
     partner = &scene->materials[material->partner_index];
     if (partner == material)
@@ -155,9 +159,10 @@ static bool use_partner(struct scene *scene, int index, struct error *err)
     return true;
 }
 
-static bool use_named(struct scene *scene, const struct word *name, int *out, struct error *err)
+static bool use_named(const struct scene_reader *reader, const struct word *name, int *out,
+                      struct error *err)
 {
-    return find_named(scene, name, out, err) && use_partner(scene, *out, err);
+    return find_named(reader, name, out, err) && use_partner(reader, *out, err);
 }
 
 const struct material *scene_partner(const struct scene *scene, const struct material *material)
@@ -167,78 +172,119 @@ const struct material *scene_partner(const struct scene *scene, const struct mat
 
 /* ---- material maps ---- */
 
-/* Finds the material of an entry of an MTL file, or reads the entry. */
-static bool use_entry(struct scene *scene, const struct word *entry, const struct word *file,
-                      int *out, struct error *err)
+/* Finds the MTL file, or opens it; -1 after an error. */
+static int find_mtl(struct scene_reader *reader, const char *path, struct place from,
+                    struct error *err)
 {
-    struct material material = {0};
+    const size_t length = strlen(path);
+    const int known = index_find(&reader->mtl_paths, path, length);
+    struct mtl mtl;
+    if (known >= 0)
+        return known;
+    if (!mtl_open(path, from, &mtl, err))
+        return -1;
+    if (index_add(&reader->mtl_paths, path, length, reader->n_mtl, err) &&
+        array_add(&reader->mtl, &reader->n_mtl, &mtl, sizeof mtl, err))
+        return reader->n_mtl - 1;
+    mtl_free(&mtl);
+    return -1;
+}
+
+/* Reads an entry of an MTL file as a material. */
+static bool add_entry(struct scene_reader *reader, int mtl, const struct word *entry,
+                      struct place from, struct error *err)
+{
+    struct scene *scene = reader->scene;
+    struct material material;
+    if (mtl_read(&reader->mtl[mtl], from, entry, &material, err) &&
+        array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err))
+        return true;
+    material_free(&material);
+    return false;
+}
+
+/* Finds the material of an entry of an MTL file, or reads the entry. */
+static bool use_entry(struct scene_reader *reader, const struct word *entry,
+                      const struct word *file, int *out, struct error *err)
+{
     char *path;
-    bool done;
     if (word_is(entry, "*"))
         return error_at(err, entry->place, "* is no entry of an MTL file; give it a material");
     if (!word_path(file, &path, err))
         return false;
-    for (*out = 0; *out < scene->n_materials; ++*out) {
-        const struct material *known = &scene->materials[*out];
-        if (known->from_rgb && word_equals(entry, known->name) && strcmp(known->path, path) == 0)
-            break;
-    }
-    done = *out < scene->n_materials ||
-           (mtl_read(path, file->place, entry, &material, err) &&
-            array_add(&scene->materials, &scene->n_materials, &material, sizeof material, err));
-    if (!done)
-        material_free(&material);
+    const int mtl = find_mtl(reader, path, file->place, err);
     free(path);
+    char *key = mtl >= 0 ? malloc(sizeof mtl + entry->length) : NULL;
+    if (!key)
+        return error_memory(err);
+    memcpy(key, &mtl, sizeof mtl);
+    memcpy(key + sizeof mtl, entry->start, entry->length);
+    *out = index_find(&reader->entries, key, sizeof mtl + entry->length);
+    const bool known = *out >= 0;
+    *out = known ? *out : reader->scene->n_materials;
+    const bool done =
+        known || (add_entry(reader, mtl, entry, file->place, err) &&
+                  index_add(&reader->entries, key, sizeof mtl + entry->length, *out, err));
+    free(key);
     return done;
 }
 
 /* Reads "material MATERIAL" or "mtl FILE", and finds the material. */
-static bool use_assigned(struct scene *scene, struct text *text, const struct word *name, int *out,
-                         struct error *err)
+static bool use_assigned(struct scene_reader *reader, struct text *text, const struct word *name,
+                         int *out, struct error *err)
 {
     static const char *const words[] = {"material", "mtl", NULL};
     const int kind = text_choose(text, "material or mtl", words, "word in a material map", err);
     struct word word;
     return kind >= 0 && text_expect(text, &word, kind == 0 ? "a material" : "an MTL file", err) &&
            text_end(text, "a line of a material map", err) &&
-           (kind == 0 ? use_named(scene, &word, out, err)
-                      : use_entry(scene, name, &word, out, err));
+           (kind == 0 ? use_named(reader, &word, out, err)
+                      : use_entry(reader, name, &word, out, err));
 }
 
+/* A material map that is being read. */
+struct map {
+    struct text text;
+    struct object *object;
+    struct index names; /* of its lines */
+};
+
 /* Reads "NAME material MATERIAL" or "NAME mtl FILE". */
-static bool read_assignment(struct scene *scene, struct text *text, struct object *object,
-                            struct error *err)
+static bool read_assignment(struct scene_reader *reader, struct map *map, struct error *err)
 {
+    struct object *object = map->object;
     struct material_assignment assignment = {0};
     struct word name;
-    if (!text_expect(text, &name, "the name of a usemtl", err))
+    if (!text_expect(&map->text, &name, "the name of a usemtl", err))
         return false;
-    for (int i = 0; i < object->n_assignments; i++)
-        if (word_equals(&name, object->assignments[i].name))
-            return place_once(&object->assignments[i].place, name.place, "this name", err);
+    const int first = index_find(&map->names, name.start, name.length);
+    if (first >= 0)
+        return place_once(&object->assignments[first].place, name.place, "this name", err);
     assignment.place = name.place;
-    if (!use_assigned(scene, text, &name, &assignment.material, err))
+    if (!use_assigned(reader, &map->text, &name, &assignment.material, err))
         return false;
     assignment.name = word_copy(&name);
-    if (assignment.name && array_add(&object->assignments, &object->n_assignments, &assignment,
-                                     sizeof assignment, err))
+    if (assignment.name &&
+        index_add(&map->names, name.start, name.length, object->n_assignments, err) &&
+        array_add(&object->assignments, &object->n_assignments, &assignment, sizeof assignment,
+                  err))
         return true;
     free(assignment.name);
     return error_memory(err);
 }
 
-static bool map_read(struct scene *scene, const struct word *file, struct object *object,
+static bool map_read(struct scene_reader *reader, const struct word *file, struct object *object,
                      struct error *err)
 {
-    struct text text;
+    struct map map = {.object = object};
     struct word word;
-    if (!scene_open(scene, file, FILE_MAP, &text, err))
-        return false;
-    while (text_next_line(&text))
-        if (text_peek(text, &word) && !read_assignment(scene, &text, object, err))
-            return false;
-    return object->n_assignments > 0 ||
-           error_at(err, text_whole(&text), "no lines; a material map has at least one");
+    bool done = scene_open(reader->scene, file, FILE_MAP, &map.text, err);
+    while (done && text_next_line(&map.text))
+        done = !text_peek(map.text, &word) || read_assignment(reader, &map, err);
+    index_free(&map.names);
+    return done &&
+           (object->n_assignments > 0 ||
+            error_at(err, text_whole(&map.text), "no lines; a material map has at least one"));
 }
 
 /* ---- all of them ---- */
@@ -249,8 +295,9 @@ bool materials_resolve(struct scene_reader *reader, struct error *err)
     for (int i = 0; i < scene->n_objects; i++) {
         struct object *object = &scene->objects[i];
         const struct word *word = &reader->materials[i];
-        if (word->start && !(object->material_map ? map_read(scene, word, object, err)
-                                                  : use_named(scene, word, &object->material, err)))
+        if (word->start &&
+            !(object->material_map ? map_read(reader, word, object, err)
+                                   : use_named(reader, word, &object->material, err)))
             return false;
     }
     /* Listed materials come last: reading names them, and no object may find them by that name. */
@@ -259,4 +306,15 @@ bool materials_resolve(struct scene_reader *reader, struct error *err)
             !load(&scene->materials[scene->objects[i].material], err))
             return false;
     return true;
+}
+
+void materials_forget(struct scene_reader *reader)
+{
+    struct index *indices[] = {&reader->named, &reader->listed, &reader->entries,
+                               &reader->mtl_paths};
+    for (int i = 0; i < 4; i++)
+        index_free(indices[i]);
+    for (int i = 0; i < reader->n_mtl; i++)
+        mtl_free(&reader->mtl[i]);
+    free(reader->mtl);
 }

@@ -199,7 +199,7 @@ static bool add_listed(struct scene_reader *reader, struct text *list, struct de
         if (text_peek(*list, &word) &&
             (!text_expect(list, &word, "a material file", err) ||
              !text_end(list, "a line of a list", err) ||
-             !listed_add(reader->scene, &word, &pattern->object.material, err) ||
+             !listed_add(reader, &word, &pattern->object.material, err) ||
              !add_object(reader, pattern, err)))
             return false;
     return true;

@@ -37,8 +37,11 @@ static bool include_read(struct scene_reader *reader, struct error *err)
     struct word word;
     struct text text;
     if (!text_expect(reader->text, &word, "a scene file", err) ||
-        !text_end(reader->text, "include", err) ||
-        !scene_open(reader->scene, &word, FILE_SCENE, &text, err))
+        !text_end(reader->text, "include", err))
+        return false;
+    if (reader->n_included++ == MOST_INCLUDES)
+        return error_at(err, word.place, "a scene includes at most %d files in all", MOST_INCLUDES);
+    if (!scene_open(reader->scene, &word, FILE_SCENE, &text, err))
         return false;
     if (reader->n_open == DEEPEST_INCLUDE)
         return error_at(err, word.place, "files include each other more than %d deep",
@@ -171,6 +174,7 @@ bool scene_read(const char *name, struct scene *out, struct error *err)
     view_set_defaults(out);
     done = read_named(&reader, name, err);
     free(reader.materials);
+    materials_forget(&reader);
     if (done)
         digest_files(out);
     else

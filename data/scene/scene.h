@@ -6,8 +6,6 @@
 #include "data/material/material.h"
 #include "data/maths/maths.h"
 #include "data/mesh/mesh.h"
-#include "data/names/names.h"
-#include "data/spectra/spectra.h"
 #include "spectral.h"
 
 struct light {
@@ -91,8 +89,7 @@ bool scene_set_shading(struct scene *scene, const char *text, struct error *err)
 bool scene_set_tessellation(struct scene *scene, const char *text, struct error *err);
 
 /* ---- Inside this room ---- */
-
-enum { DEEPEST_INCLUDE = 32, N_ONCE = 5 };
+enum { DEEPEST_INCLUDE = 32, MOST_INCLUDES = 1000, N_ONCE = 5 };
 
 /* The state of reading a scene. A function NAME_read below reads one statement, from behind its
  * first word. */
@@ -104,8 +101,13 @@ struct scene_reader {
     struct place place;         /* of its first word */
     struct place given[N_ONCE]; /* of the statements that may be given only once */
     const char *open[DEEPEST_INCLUDE]; /* the files that are being read, outermost first */
-    int n_open;
+    int n_open, n_included;            /* n_included: all files included, each as often as it is */
     struct text list; /* a checker reads it in place of the list that it names; zeroed: none */
+    /* Indices of materials: by name; by file, of those in lists; by MTL file and entry. The last
+     * one has the indices of the MTL files in `mtl`. */
+    struct index named, listed, entries, mtl_paths;
+    struct mtl *mtl; /* the MTL files that were read */
+    int n_mtl;
 };
 /* Gives the text to the scene, which owns it; a failure frees it. *text stays valid as a cursor. */
 bool scene_keep(struct scene *scene, struct text *text, struct error *err);
@@ -114,7 +116,6 @@ bool scene_open(struct scene *scene, const struct word *word, enum file_kind kin
                 struct error *err);
 
 /* view.c: wavelengths, size, camera, shading. */
-
 bool wavelengths_read(struct scene_reader *reader, struct error *err);
 bool size_read(struct scene_reader *reader, struct error *err);
 bool camera_read(struct scene_reader *reader, struct error *err);
@@ -134,15 +135,14 @@ bool ambient_read(struct scene_reader *reader, struct error *err); /* in lights.
 bool light_read(struct scene_reader *reader, struct error *err);
 
 /* materials.c: finds materials by name, and reads those that are used. */
-
 bool definition_read(struct scene_reader *reader, struct error *err);
 /* Adds the material of a file that a list names, unless it is there already; *out is its index. */
-bool listed_add(struct scene *scene, const struct word *word, int *out, struct error *err);
+bool listed_add(struct scene_reader *reader, const struct word *word, int *out, struct error *err);
 /* Finds the materials of all objects and reads those that are used. */
 bool materials_resolve(struct scene_reader *reader, struct error *err);
+void materials_forget(struct scene_reader *reader); /* frees what finds materials by name */
 
 /* object.c: shapes, objects and grids of them. */
-
 bool object_read(struct scene_reader *reader, struct error *err);
 bool checker_read(struct scene_reader *reader, struct error *err);
 void object_free(struct object *object);

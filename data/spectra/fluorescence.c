@@ -222,7 +222,7 @@ bool donaldson_read(const char *path, struct place from, const struct spectrum *
 {
     struct matrix_table table = {.out = out};
     *out = (struct donaldson){.share = NULL};
-    if (!text_open(&table.text, path, from, err))
+    if (!text_open_large(&table.text, path, from, err))
         return false;
     table.text.separators = ",;";
     const bool done =

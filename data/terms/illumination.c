@@ -2,9 +2,11 @@
 /* Lists the lights that shine. Lights that differ only in strength share their terms. A light that
  * is 0 everywhere does not shine. If lights may be exchanged, all of them are kept, each by itself.
  */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/digest/digest.h"
 #include "data/terms/terms.h"
 
 bool spectrum_is_zero(const struct spectrum *spectrum)
@@ -18,17 +20,21 @@ bool spectrum_is_zero(const struct spectrum *spectrum)
     return zero || spectrum->factor == 0;
 }
 
-/* Returns whether one spectrum is the other times a factor. Compares without rounding, so it may
- * miss a pair. */
-static bool same_spectrum(const struct spectrum *a, const struct spectrum *b)
+/* Writes a key that two spectra share if one is the other times a factor. It is made of their
+ * numbers without rounding, so it may miss a pair. */
+static void spectrum_key(const struct spectrum *spectrum, char key[65])
 {
-    if (a->kind != b->kind || a->count != b->count)
-        return false;
-    size_t size = (size_t)a->count * sizeof *a->value;
-    return a->kind == SPECTRUM_CONSTANT ||
-           (memcmp(a->parameter, b->parameter, sizeof a->parameter) == 0 &&
-            (size == 0 || (memcmp(a->wavelength_nm, b->wavelength_nm, size) == 0 &&
-                           memcmp(a->value, b->value, size) == 0)));
+    const size_t size = (size_t)spectrum->count * sizeof *spectrum->value;
+    struct digest digest;
+    digest_start(&digest);
+    digest_add(&digest, &spectrum->kind, sizeof spectrum->kind);
+    if (spectrum->kind != SPECTRUM_CONSTANT)
+        digest_add(&digest, spectrum->parameter, sizeof spectrum->parameter);
+    if (size > 0) {
+        digest_add(&digest, spectrum->wavelength_nm, size);
+        digest_add(&digest, spectrum->value, size);
+    }
+    digest_end(&digest, key);
 }
 
 static double strength(const struct light *light)
@@ -38,42 +44,76 @@ static double strength(const struct light *light)
     return light->intensity * spectrum->factor * level;
 }
 
-/* Adds the light, and finds the first one of its spectrum. Two lights share no spectrum if the
- * share is too large or too small to be exact. */
-static void add_light(struct illumination *illumination, const struct light *light)
+/* The list of lights while it is made. */
+struct light_list {
+    struct illumination *to;
+    struct index spectra; /* the first lights by their spectra, */
+    int *next;            /* and after each the next first one of the same spectrum; 0: none */
+};
+
+/* Returns the first light that the light shares its spectrum with; itself: there is none. Two
+ * lights share no spectrum if the share is too large or too small to be exact. *last is the last
+ * light of this spectrum that had no other to share with; -1: none. */
+static int find_first(const struct light_list *list, int index, const char *key, int *last)
 {
-    int index = illumination->n_lights++;
-    struct shining_light *new = &illumination->lights[index];
-    *new = (struct shining_light){light, index, 1};
-    for (int i = 0; i < index && !illumination->exchangeable; i++) {
-        const struct shining_light *other = &illumination->lights[i];
-        double share = strength(light) / strength(other->light);
-        if (other->first != i || !(share > 1e-30 && share < 1e30) ||
-            !same_spectrum(&light->spectrum, &other->light->spectrum))
+    struct shining_light *lights = list->to->lights;
+    *last = index_find(&list->spectra, key, strlen(key));
+    for (int i = *last; i >= 0; i = list->next[i] > 0 ? list->next[i] : -1) {
+        const double share = strength(lights[index].light) / strength(lights[i].light);
+        *last = i;
+        if (!(share > 1e-30 && share < 1e30))
             continue;
-        new->first = i;
-        new->share = share;
-        return;
+        lights[index].share = share;
+        return i;
     }
+    return index;
+}
+
+/* Adds the light. A light that has no strength in numbers shares its spectrum with no other. */
+static bool add_light(struct light_list *list, const struct light *light, struct error *err)
+{
+    struct illumination *to = list->to;
+    const int index = to->n_lights++;
+    const bool alone = to->exchangeable || !(strength(light) > 0 && isfinite(strength(light)));
+    int first = index, last = -1;
+    char key[65];
+    to->lights[index] = (struct shining_light){.light = light, .share = 1};
+    if (!alone) {
+        spectrum_key(&light->spectrum, key);
+        first = find_first(list, index, key, &last);
+    }
+    to->lights[index].first = first;
+    to->lights[first].n_alike++;
+    if (first != index)
+        return true;
+    to->first[to->n_first++] = index;
+    if (last >= 0)
+        list->next[last] = index;
+    return alone || last >= 0 || index_add(&list->spectra, key, strlen(key), index, err);
 }
 
 bool illumination_make(const struct scene *scene, const struct spectral_pages *pages,
                        bool exchangeable, struct illumination *out, struct error *err)
 {
+    const size_t n = (size_t)scene->n_lights + 1;
+    struct light_list list = {.to = out, .next = calloc(n, sizeof *list.next)};
     *out = (struct illumination){.scene = scene, .pages = *pages, .exchangeable = exchangeable};
-    out->lights = calloc((size_t)scene->n_lights + 1, sizeof *out->lights);
-    if (!out->lights)
-        return error_memory(err);
-    for (int i = 0; i < scene->n_lights; i++) {
+    out->lights = calloc(n, sizeof *out->lights);
+    out->first = calloc(n, sizeof *out->first);
+    bool done = (list.next && out->lights && out->first) || error_memory(err);
+    for (int i = 0; done && i < scene->n_lights; i++) {
         const struct light *light = &scene->lights[i];
         if (exchangeable || (light->intensity != 0 && !spectrum_is_zero(&light->spectrum)))
-            add_light(out, light);
+            done = add_light(&list, light, err);
     }
-    return true;
+    index_free(&list.spectra);
+    free(list.next);
+    return done;
 }
 
 void illumination_free(struct illumination *illumination)
 {
     free(illumination->lights);
+    free(illumination->first);
     *illumination = (struct illumination){.n_lights = 0};
 }

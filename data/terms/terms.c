@@ -202,7 +202,7 @@ static bool allocate(struct terms_maker *maker, struct error *err)
 {
     const struct spectral_pages *pages = &maker->illumination->pages;
     struct material_terms *out = maker->out;
-    size_t most = 1 + 2 * (size_t)maker->illumination->n_lights;
+    size_t most = 1 + 2 * (size_t)maker->illumination->n_first;
     out->terms = calloc(most, sizeof *out->terms);
     out->spectra = calloc(most * (size_t)pages->n, sizeof *out->spectra);
     maker->row = calloc((size_t)product_length(pages), sizeof *maker->row);
@@ -216,8 +216,8 @@ bool material_terms_make(const struct illumination *illumination, const struct m
     *out = (struct material_terms){.material = material};
     bool done = open_luminescence(&illumination->pages, material, &maker.luminescence, err) &&
                 allocate(&maker, err) && add_constant(&maker, err);
-    for (int i = 0; done && i < illumination->n_lights; i++)
-        done = illumination->lights[i].first != i || add_light(&maker, i, err);
+    for (int i = 0; done && i < illumination->n_first; i++)
+        done = add_light(&maker, illumination->first[i], err);
     donaldson_free(&maker.luminescence.matrix);
     free(maker.row);
     if (!done)
@@ -234,37 +234,45 @@ void material_terms_free(struct material_terms *terms)
 
 /* ---- materials that objects show ---- */
 
-static void add_once(const struct material **list, int *n, const struct material *material)
+struct material_list {
+    const struct material **list;
+    int n;
+    struct index known; /* of the materials in the list */
+};
+
+static bool add_once(struct material_list *to, const struct material *material, struct error *err)
 {
-    for (int i = 0; i < *n; i++)
-        if (list[i] == material)
-            return;
-    list[(*n)++] = material;
+    if (index_find(&to->known, &material, sizeof material) >= 0)
+        return true;
+    to->list[to->n++] = material;
+    return index_add(&to->known, &material, sizeof material, to->n - 1, err);
 }
 
 /* Adds a material, and its partner if it has one. */
-static void add_halves(const struct scene *scene, int index, const struct material **list, int *n)
+static bool add_halves(const struct scene *scene, int index, struct material_list *to,
+                       struct error *err)
 {
     const struct material *material = &scene->materials[index];
     const struct material *partner = scene_partner(scene, material);
-    add_once(list, n, material);
-    if (partner)
-        add_once(list, n, partner);
+    return add_once(to, material, err) && (!partner || add_once(to, partner, err));
 }
 
 bool materials_shown(const struct scene *scene, const struct material ***out, int *n,
                      struct error *err)
 {
-    *n = 0;
-    *out = calloc(2 * (size_t)scene->n_materials + 1, sizeof **out);
-    if (!*out)
-        return error_memory(err);
-    for (int i = 0; i < scene->n_objects; i++) {
+    struct material_list to = {.list = calloc(2 * (size_t)scene->n_materials + 1, sizeof *to.list)};
+    bool done = to.list || error_memory(err);
+    for (int i = 0; done && i < scene->n_objects; i++) {
         const struct object *object = &scene->objects[i];
         if (!object->material_map)
-            add_halves(scene, object->material, *out, n);
-        for (int line = 0; line < object->n_assignments; line++)
-            add_halves(scene, object->assignments[line].material, *out, n);
+            done = add_halves(scene, object->material, &to, err);
+        for (int line = 0; done && line < object->n_assignments; line++)
+            done = add_halves(scene, object->assignments[line].material, &to, err);
     }
-    return true;
+    index_free(&to.known);
+    if (!done)
+        free(to.list);
+    *out = done ? to.list : NULL;
+    *n = done ? to.n : 0;
+    return done;
 }

@@ -51,6 +51,7 @@ struct shining_light {
     const struct light *light;
     int first;    /* index of the first light of the same spectrum; perhaps this one */
     double share; /* this light's radiation divided by that of the first one */
+    int n_alike;  /* lights whose first one this is */
 };
 /* The light of a scene, and the pages that show it. */
 struct illumination {
@@ -60,6 +61,7 @@ struct illumination {
                           and each light has its own terms */
     int n_lights;
     struct shining_light *lights; /* in the scene's order; owned */
+    int *first, n_first;          /* those that are the first of their spectrum; owned */
 };
 /* Lists the lights that are not 0 everywhere. Scene and pages must outlive *out. */
 bool illumination_make(const struct scene *scene, const struct spectral_pages *pages,
@@ -101,7 +103,7 @@ bool material_luminescence(const struct spectral_pages *pages, const struct mate
                            const struct spectrum *light, double *out, struct error *err);
 /* Lists the materials of all objects, each once, and their partners. Lists all materials of a
  * material map, since only its mesh decides which of them are needed. The array is allocated, even
- * for no materials. */
+ * for no materials; after a failure it is NULL. */
 bool materials_shown(const struct scene *scene, const struct material ***out, int *n,
                      struct error *err);
 

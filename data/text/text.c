@@ -8,6 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 #include "data/text/text.h"
 
@@ -18,8 +19,36 @@ enum {
 
 /* ---- lines ---- */
 
+static const size_t longest_line = (size_t)64 << 20; /* a face of a million corners has 24 MB */
+static const size_t longest_text = (size_t)256 << 20;
+
+static bool refuse_length(const char *path, size_t length, struct error *err)
+{
+    return error_at(err, (struct place){path, 0, 0},
+                    "the file has %zu MB; a text file has at most %zu MB", (length >> 20) + 1,
+                    longest_text >> 20);
+}
+
+/* Refuses a text that is too long, or that has a line that is. */
+static bool check_lengths(const struct text *text, size_t longest, struct error *err)
+{
+    const char *at = text->bytes, *end = at + text->length, *next;
+    struct place place = {text->path, 1, 1};
+    if (text->length > longest)
+        return refuse_length(text->path, text->length, err);
+    for (; (size_t)(end - at) > longest_line; at = next + 1, place.line++) {
+        next = memchr(at, '\n', (size_t)(end - at));
+        next = next != NULL ? next : end;
+        if ((size_t)(next - at) > longest_line)
+            return error_at(err, place, "the line has %zu MB; a line has at most %zu MB",
+                            ((size_t)(next - at) >> 20) + 1, longest_line >> 20);
+    }
+    return true;
+}
+
 /* Starts to read bytes, which it owns from now on. Fails if they are NULL: no memory. */
-static bool start(struct text *text, const char *name, char *bytes, struct error *err)
+static bool start(struct text *text, const char *name, char *bytes, size_t longest,
+                  struct error *err)
 {
     *text = (struct text){.path = strdup(name), .bytes = bytes, .separators = ""};
     if (text->path == NULL || bytes == NULL) {
@@ -30,15 +59,31 @@ static bool start(struct text *text, const char *name, char *bytes, struct error
     /* Spreadsheets begin UTF-8 files with a byte order mark. It is not part of the first word. */
     text->at = bytes + (strncmp(bytes, "\xEF\xBB\xBF", 3) == 0 ? 3 : 0);
     text->line_start = text->line_end = text->at;
-    return true;
+    if (check_lengths(text, longest, err))
+        return true;
+    text_free(text);
+    return false;
 }
 
-bool text_open(struct text *out, const char *path, struct place from, struct error *err)
+bool text_open_large(struct text *out, const char *path, struct place from, struct error *err)
 {
     char *bytes;
     size_t length;
     *out = (struct text){0};
-    return file_read(path, from, &bytes, &length, err) && start(out, path, bytes, err);
+    return file_read(path, from, &bytes, &length, err) && start(out, path, bytes, SIZE_MAX, err);
+}
+
+/* Refuses a long regular file before it is read. */
+bool text_open(struct text *out, const char *path, struct place from, struct error *err)
+{
+    struct stat status;
+    char *bytes;
+    size_t length;
+    *out = (struct text){0};
+    if (stat(path, &status) == 0 && S_ISREG(status.st_mode) && status.st_size > (off_t)longest_text)
+        return refuse_length(path, (size_t)status.st_size, err);
+    return file_read(path, from, &bytes, &length, err) &&
+           start(out, path, bytes, longest_text, err);
 }
 
 bool text_open_input(struct text *out, const char *name, struct error *err)
@@ -46,12 +91,12 @@ bool text_open_input(struct text *out, const char *name, struct error *err)
     char *bytes;
     size_t length;
     *out = (struct text){0};
-    return input_read(name, &bytes, &length, err) && start(out, name, bytes, err);
+    return input_read(name, &bytes, &length, err) && start(out, name, bytes, longest_text, err);
 }
 
 bool text_open_string(struct text *out, const char *name, const char *string, struct error *err)
 {
-    return start(out, name, strdup(string), err);
+    return start(out, name, strdup(string), longest_text, err);
 }
 
 bool text_open_line(struct text *out, const char *name, const char *line, struct error *err)

@@ -29,8 +29,10 @@ struct word {
     struct place place;
 };
 
-/* Opens a file. `from` is the place that names it. No line is current yet. */
+/* Opens a file. `from` is the place that names it. No line is current yet. Refuses a line of more
+ * than 64 MiB, and a file of more than 256 MiB; text_open_large opens files of up to 2 GiB. */
 bool text_open(struct text *out, const char *path, struct place from, struct error *err);
+bool text_open_large(struct text *out, const char *path, struct place from, struct error *err);
 /* Opens standard input, which is read to its end. `name` takes the place of the path. */
 bool text_open_input(struct text *out, const char *name, struct error *err);
 /* Opens a string as a text. `name` takes the place of the path in messages. Both are copied. */

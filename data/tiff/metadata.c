@@ -129,8 +129,6 @@ double metadata_wavelength(struct image_file *file, const char *const items[ITEM
 bool metadata_scale(struct image *image, int page, const struct sample_layout *layout,
                     const char *const items[ITEMS], struct error *err)
 {
-    const char *own =
-        strstr(image->description, "<Description>"); /* the names before it are the user's */
     const double plain = 1 / layout->largest;
     const double count_scale = items[ITEM_SCALE] != NULL ? number_at(items[ITEM_SCALE]) : plain;
     if (layout->bits == 32)
@@ -138,6 +136,8 @@ bool metadata_scale(struct image *image, int page, const struct sample_layout *l
     if (items[ITEM_OFFSET] != NULL && number_at(items[ITEM_OFFSET]) != 0)
         return image_refuse(image, page, err, "its samples have an offset");
     if (page == 0) {
+        /* the names before it are the user's */
+        const char *own = strstr(image->description, "<Description>");
         image->file->count_scale = count_scale;
         image->scale =
             number_after(own != NULL ? own : image->description,

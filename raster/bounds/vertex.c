@@ -284,6 +284,9 @@ static bool allocate(const struct plan *plan, const struct placed_instance *plac
            (bounds->group_weights || plan->n_light_groups == 1 || !plan->options.check);
 }
 
+/* So few vertices are lit in less time than it takes to wake the threads. */
+enum { FEW_VERTICES = 64 };
+
 static bool make_surface(const struct lit_scene *lit, int index, struct light_work *work,
                          struct error *err)
 {
@@ -298,7 +301,7 @@ static bool make_surface(const struct lit_scene *lit, int index, struct light_wo
     long vertices = 0, specular = 0, powers = 0;
     int n_vertices = placed->instance.n_vertices;
 #pragma omp parallel for reduction(+ : vertices, specular, powers) \
-    num_threads(lit->plan->options.threads)
+    num_threads(lit->plan->options.threads) if (n_vertices > FEW_VERTICES)
     for (int i = 0; i < n_vertices; i++) {
         struct light_work own = {0};
         make_vertex(&of, i, &own);

@@ -5,12 +5,19 @@
 
 #include "raster/notes/notes.h"
 
+/* The sources keep the order of the scene's lights. */
+static int compare_sources(const void *a, const void *b)
+{
+    const struct light *p = *(const struct light *const *)a, *q = *(const struct light *const *)b;
+    return (p > q) - (p < q);
+}
+
 const char *why_off(const struct plan *plan, const struct light *light)
 {
     const struct spectral_pages *pages = &plan->illumination.pages;
-    for (int i = 0; i < plan->n_lights; i++)
-        if (plan->sources[i] == light)
-            return NULL;
+    if (bsearch(&light, plan->sources, (size_t)plan->n_lights, sizeof *plan->sources,
+                compare_sources))
+        return NULL;
     return light->intensity == 0                  ? "intensity 0"
            : !pages_show(pages, &light->spectrum) ? "spectrum 0 at every wavelength shown"
                                                   : "no material reflects it";

@@ -148,38 +148,58 @@ static bool ends_early(const struct plan *plan, const struct table_use *use)
             misses(use, last_nm(plan) - at[last], last > 0 ? at[last] - at[last - 1] : 0, last));
 }
 
-static bool same_range(const struct table_use *a, const struct table_use *b)
+/* How many tables of one kind and range end too early, and the first of them. */
+struct alike {
+    int first, n;
+};
+struct table_ends {
+    const struct plan *plan;
+    const struct table_list *tables;
+    struct alike *alike;
+    int n_alike;
+    struct index ranges; /* the indices of `alike` */
+};
+
+/* Writes a key that tables of one kind and range share. */
+static int range_key(const struct table_use *use, char key[128])
 {
-    return strcmp(a->what, b->what) == 0 && strcmp(a->ends, b->ends) == 0 &&
-           a->table.wavelength_nm[0] == b->table.wavelength_nm[0] && table_end(a) == table_end(b);
+    return snprintf(key, 128, "%s,%s,%a,%a", use->what, use->ends, use->table.wavelength_nm[0],
+                    table_end(use));
 }
 
-/* Returns how many tables of this one's kind and range end too early; 0: an earlier one, whose note
- * counts them, does. */
-static int count_alike(const struct plan *plan, const struct table_list *tables, int index)
+/* Counts the tables that end too early. */
+static bool count_alike(struct table_ends *ends, struct error *err)
 {
-    int n = 0;
-    for (int i = 0; i < tables->n; i++) {
-        if (!same_range(&tables->list[i], &tables->list[index]) ||
-            !ends_early(plan, &tables->list[i]))
+    for (int i = 0; i < ends->tables->n; i++) {
+        const struct table_use *use = &ends->tables->list[i];
+        const struct alike fresh = {.first = i, .n = 1};
+        char key[128];
+        if (!ends_early(ends->plan, use))
             continue;
-        if (i < index)
-            return 0;
-        n++;
+        const size_t length = (size_t)range_key(use, key);
+        const int known = index_find(&ends->ranges, key, length);
+        if (known >= 0)
+            ends->alike[known].n++;
+        else if (!index_add(&ends->ranges, key, length, ends->n_alike, err) ||
+                 !array_add(&ends->alike, &ends->n_alike, &fresh, sizeof fresh, err))
+            return false;
     }
-    return n;
+    return true;
 }
 
-static bool note_end(const struct plan *plan, const struct table_list *tables, int index,
-                     struct notes *notes, struct error *err)
+/* Adds a note if tables end too early, and this is the first of them. */
+static bool note_end(const struct table_ends *ends, int index, struct notes *notes,
+                     struct error *err)
 {
-    const struct table_use *use = &tables->list[index];
-    const int n = ends_early(plan, use) ? count_alike(plan, tables, index) : 0;
-    char others[32] = "";
-    if (n > 1)
-        snprintf(others, sizeof others, " and %d more", n - 1);
-    return n == 0 ||
-           note_add(notes, "extrapolated", err,
+    const struct plan *plan = ends->plan;
+    const struct table_use *use = &ends->tables->list[index];
+    char others[32] = "", key[128];
+    const int known = index_find(&ends->ranges, key, (size_t)range_key(use, key));
+    if (known < 0 || ends->alike[known].first != index)
+        return true;
+    if (ends->alike[known].n > 1)
+        snprintf(others, sizeof others, " and %d more", ends->alike[known].n - 1);
+    return note_add(notes, "extrapolated", err,
                     "%s %.300s%s: the table covers %g to %g nm; %d of the %d wavelengths of the "
                     "picture lie outside, where %s",
                     use->what, use->owner, others, use->table.wavelength_nm[0], table_end(use),
@@ -218,10 +238,13 @@ static bool note_percent(const struct table_use *use, struct notes *notes, struc
 bool note_tables(const struct plan *plan, struct notes *notes, struct error *err)
 {
     struct table_list tables;
+    struct table_ends ends = {.plan = plan, .tables = &tables};
     tables.list = tables_list(plan, &tables.n, err);
-    bool done = tables.list != NULL;
+    bool done = tables.list != NULL && count_alike(&ends, err);
     for (int i = 0; done && i < tables.n; i++)
-        done = note_end(plan, &tables, i, notes, err) && note_percent(&tables.list[i], notes, err);
+        done = note_end(&ends, i, notes, err) && note_percent(&tables.list[i], notes, err);
     free(tables.list);
+    free(ends.alike);
+    index_free(&ends.ranges);
     return done;
 }

@@ -14,25 +14,43 @@ struct whole {
     struct shape shape; /* tessellated; its names are the scene's */
     struct mesh mesh;
     struct vector centre;
-    double unit; /* as in plan_mesh */
+    double unit;        /* as in plan_mesh */
+    struct index parts; /* the parts of the mesh by name, once a material map has asked */
 };
 struct instance_maker {
     struct plan *plan;
     struct whole *wholes;
     int n_wholes;
+    struct index shapes, cuttings; /* wholes by their shape, and meshes of the plan by cutting */
 };
 
 /* ---- whole meshes ---- */
 
-static bool same_shape(const struct shape *a, const struct shape *b)
+/* Shapes of one key have one mesh. The path of an OBJ file follows. */
+struct shape_key {
+    double numbers[7];
+    int kind, planar, unitize, unused;
+};
+
+/* Returns the key of a shape, allocated, and its length; NULL: no memory. */
+static char *shape_key(const struct shape *shape, size_t *length)
 {
-    if (a->kind != b->kind || a->planar != b->planar ||
-        memcmp(a->repeat, b->repeat, sizeof a->repeat) != 0)
-        return false;
-    if (a->kind == SHAPE_MESH)
-        return strcmp(a->path, b->path) == 0 && a->unitize == b->unitize &&
-               a->crease_deg == b->crease_deg;
-    return memcmp(a->parameter, b->parameter, sizeof a->parameter) == 0;
+    struct shape_key key = {.kind = (int)shape->kind, .planar = shape->planar};
+    const char *path = shape->kind == SHAPE_MESH ? shape->path : "";
+    memcpy(key.numbers, shape->repeat, sizeof shape->repeat);
+    if (shape->kind == SHAPE_MESH) {
+        key.unitize = shape->unitize;
+        key.numbers[2] = shape->crease_deg + 0; /* -0 becomes 0 */
+    } else {
+        memcpy(key.numbers + 2, shape->parameter, sizeof shape->parameter);
+    }
+    *length = sizeof key + strlen(path);
+    char *out = malloc(*length);
+    if (out) {
+        memcpy(out, &key, sizeof key);
+        memcpy(out + sizeof key, path, strlen(path));
+    }
+    return out;
 }
 
 static struct vector centre_of(const struct mesh *mesh)
@@ -70,21 +88,33 @@ static bool build_whole(struct whole *whole, struct error *err)
     return true;
 }
 
+static bool add_whole(struct instance_maker *maker, const struct shape *shape, struct error *err)
+{
+    struct whole whole = {.shape = *shape};
+    if (build_whole(&whole, err) &&
+        array_add(&maker->wholes, &maker->n_wholes, &whole, sizeof whole, err))
+        return true;
+    mesh_free(&whole.mesh);
+    return false;
+}
+
 /* The index of a shape's mesh, which is built when it is first asked for; -1 after an error. */
 static int find_whole(struct instance_maker *maker, const struct shape *described,
                       struct error *err)
 {
     const struct shape shape = shape_tessellated(described, maker->plan->scene->tessellation);
-    for (int i = 0; i < maker->n_wholes; i++)
-        if (same_shape(&maker->wholes[i].shape, &shape))
-            return i;
-    struct whole whole = {.shape = shape};
-    if (!build_whole(&whole, err) ||
-        !array_add(&maker->wholes, &maker->n_wholes, &whole, sizeof whole, err)) {
-        mesh_free(&whole.mesh);
+    size_t length;
+    char *key = shape_key(&shape, &length);
+    if (!key) {
+        error_memory(err);
         return -1;
     }
-    return maker->n_wholes - 1;
+    int found = index_find(&maker->shapes, key, length);
+    if (found < 0 && add_whole(maker, &shape, err) &&
+        index_add(&maker->shapes, key, length, maker->n_wholes - 1, err))
+        found = maker->n_wholes - 1;
+    free(key);
+    return found;
 }
 
 /* ---- meshes as they are drawn ---- */
@@ -101,7 +131,8 @@ static bool add_mesh(struct instance_maker *maker, struct cutting cutting, struc
     for (int i = 0; i < mesh->n_vertices; i++)
         mesh->vertices[i].position = vector_scale(
             vector_subtract(mesh->vertices[i].position, whole->centre), 1 / whole->unit);
-    if (array_add(&plan->meshes, &plan->n_meshes, &added, sizeof added, err))
+    if (index_add(&maker->cuttings, &cutting, sizeof cutting, plan->n_meshes, err) &&
+        array_add(&plan->meshes, &plan->n_meshes, &added, sizeof added, err))
         return true;
     mesh_free(mesh);
     return false;
@@ -125,10 +156,8 @@ static bool add_sides(struct instance_maker *maker, struct cutting cutting, cons
 /* Takes out what a cutting shows; both of its sides, where it asks for one. */
 static bool cut_out(struct instance_maker *maker, struct cutting cutting, struct error *err)
 {
-    struct mesh from = maker->wholes[cutting.whole].mesh, part = {.n_vertices = 0};
-    if (cutting.part < 0)
-        from.part = NULL; /* everything is part 0 */
-    bool done = mesh_part(&from, cutting.part < 0 ? 0 : cutting.part, &part, err);
+    struct mesh part;
+    bool done = mesh_part(&maker->wholes[cutting.whole].mesh, cutting.part, &part, err);
     if (done && cutting.side < 0)
         return add_mesh(maker, cutting, &part, err);
     done = done && add_sides(maker, cutting, &part, err);
@@ -136,21 +165,13 @@ static bool cut_out(struct instance_maker *maker, struct cutting cutting, struct
     return done;
 }
 
-static int known_mesh(const struct plan *plan, const struct cutting *wanted)
-{
-    for (int i = 0; i < plan->n_meshes; i++)
-        if (memcmp(&plan->meshes[i].cutting, wanted, sizeof *wanted) == 0)
-            return i;
-    return -1;
-}
-
 /* The index of the mesh in the plan, which is made when it is first asked for; -1 after an error.
  */
 static int find_mesh(struct instance_maker *maker, struct cutting wanted, struct error *err)
 {
-    int known = known_mesh(maker->plan, &wanted);
+    int known = index_find(&maker->cuttings, &wanted, sizeof wanted);
     if (known < 0 && cut_out(maker, wanted, err))
-        known = known_mesh(maker->plan, &wanted);
+        known = index_find(&maker->cuttings, &wanted, sizeof wanted);
     return known;
 }
 
@@ -248,52 +269,67 @@ static int count_parts(const struct mesh *mesh)
     return mesh->part ? mesh->n_parts : 1;
 }
 
-static const struct material_assignment *find_use(const struct object *object, const char *name)
+static bool index_parts(struct whole *whole, struct error *err)
 {
-    const struct material_assignment *all = NULL;
-    for (int i = 0; i < object->n_assignments; i++)
-        if (strcmp(object->assignments[i].name, name) == 0)
-            return &object->assignments[i];
-        else if (strcmp(object->assignments[i].name, "*") == 0)
-            all = &object->assignments[i];
-    return all;
-}
-
-/* A line for a usemtl that the mesh does not have is a mistake. */
-static bool check_uses(const struct object *object, const struct mesh *mesh, struct error *err)
-{
-    for (int i = 0; i < object->n_assignments; i++) {
-        bool found = strcmp(object->assignments[i].name, "*") == 0;
-        for (int part = 0; part < count_parts(mesh); part++)
-            found = found || strcmp(object->assignments[i].name, part_name(mesh, part)) == 0;
-        if (!found)
-            return error_at(err, object->assignments[i].place, "%.300s has no usemtl '%.100s'",
-                            object->shape.path, object->assignments[i].name);
+    const int n = count_parts(&whole->mesh);
+    for (int part = (int)whole->parts.n_keys; part < n; part++) {
+        const char *name = part_name(&whole->mesh, part);
+        if (!index_add(&whole->parts, name, strlen(name), part, err))
+            return false;
     }
     return true;
+}
+
+/* Finds the line of the map for each part; use[part] NULL: there is none. A line for a usemtl that
+ * the mesh does not have is a mistake. */
+static bool find_uses(const struct object *object, const struct whole *whole,
+                      const struct material_assignment **use, struct error *err)
+{
+    const int n_parts = count_parts(&whole->mesh);
+    const struct material_assignment *others = NULL;
+    for (int i = 0; i < object->n_assignments; i++) {
+        const struct material_assignment *line = &object->assignments[i];
+        const int part = index_find(&whole->parts, line->name, strlen(line->name));
+        const bool star = strcmp(line->name, "*") == 0;
+        if (star)
+            others = line;
+        if (part >= 0)
+            use[part] = line;
+        else if (!star)
+            return error_at(err, line->place, "%.300s has no usemtl '%.100s'", object->shape.path,
+                            line->name);
+    }
+    for (int part = 0; part < n_parts; part++)
+        use[part] = use[part] ? use[part] : others;
+    return true;
+}
+
+static bool add_part(struct instance_maker *maker, const struct object *object,
+                     struct cutting cutting, const struct material_assignment *use,
+                     struct error *err)
+{
+    const char *name = part_name(&maker->wholes[cutting.whole].mesh, cutting.part);
+    if (!use)
+        return error_at(err, object->place,
+                        "%s%.100s of %.300s has no line in %.300s; a line for * stands for all "
+                        "others",
+                        name[0] ? "usemtl " : "the part before the first usemtl", name,
+                        object->shape.path, object->material_map);
+    return add_halves(maker, object, cutting, &maker->plan->scene->materials[use->material], err);
 }
 
 static bool add_parts(struct instance_maker *maker, const struct object *object, int whole,
                       struct error *err)
 {
-    const struct material *materials = maker->plan->scene->materials;
-    int n_parts = count_parts(&maker->wholes[whole].mesh);
-    if (!check_uses(object, &maker->wholes[whole].mesh, err))
-        return false;
-    for (int part = 0; part < n_parts; part++) {
-        const char *name = part_name(&maker->wholes[whole].mesh, part);
-        const struct material_assignment *use = find_use(object, name);
-        if (!use)
-            return error_at(err, object->place,
-                            "%s%.100s of %.300s has no line in %.300s; a line for * stands for all "
-                            "others",
-                            name[0] ? "usemtl " : "the part before the first usemtl", name,
-                            object->shape.path, object->material_map);
-        if (!add_halves(maker, object, (struct cutting){whole, part, -1}, &materials[use->material],
-                        err))
-            return false;
-    }
-    return true;
+    struct whole *of = &maker->wholes[whole];
+    const int n_parts = count_parts(&of->mesh);
+    const struct material_assignment **use = calloc((size_t)n_parts, sizeof *use);
+    bool done = use || error_memory(err);
+    done = done && index_parts(of, err) && find_uses(object, of, use, err);
+    for (int part = 0; done && part < n_parts; part++)
+        done = add_part(maker, object, (struct cutting){whole, part, -1}, use[part], err);
+    free(use);
+    return done;
 }
 
 static bool add_object(struct instance_maker *maker, const struct object *object, struct error *err)
@@ -368,9 +404,13 @@ bool instances_make(struct plan *plan, struct error *err)
     bool done = true;
     for (int i = 0; i < plan->scene->n_objects && done; i++)
         done = add_object(&maker, &plan->scene->objects[i], err);
-    for (int i = 0; i < maker.n_wholes; i++)
+    for (int i = 0; i < maker.n_wholes; i++) {
         mesh_free(&maker.wholes[i].mesh);
+        index_free(&maker.wholes[i].parts);
+    }
     free(maker.wholes);
+    index_free(&maker.shapes);
+    index_free(&maker.cuttings);
     for (int i = 0; done && i < plan->n_instances; i++)
         fill_instance(plan, &plan->instances[i]);
     return done && find_twins(plan, err);

@@ -70,19 +70,24 @@ bool lights_list(struct plan *plan, struct error *err)
     return true;
 }
 
-/* Gives the terms of a light another number. Returns false if the light has none. */
-static bool renumber_terms(struct plan *plan, int from, int to)
+/* Marks the lights that terms have. */
+static void mark_lights(const struct plan *plan, int *marks)
 {
-    bool any = false;
-    for (int f = 0; f < plan->n_materials; f++)
-        for (int t = 0; t < plan->materials[f].n_terms; t++) {
-            struct term *term = &plan->materials[f].terms[t];
-            if (term->light != from)
-                continue;
-            term->light = to;
-            any = true;
+    for (int m = 0; m < plan->n_materials; m++)
+        for (int t = 0; t < plan->materials[m].n_terms; t++)
+            if (plan->materials[m].terms[t].light >= 0)
+                marks[plan->materials[m].terms[t].light] = 1;
+}
+
+/* Gives the lights of terms their new numbers. */
+static void renumber_terms(struct plan *plan, const int *number)
+{
+    for (int m = 0; m < plan->n_materials; m++)
+        for (int t = 0; t < plan->materials[m].n_terms; t++) {
+            struct term *term = &plan->materials[m].terms[t];
+            if (term->light >= 0)
+                term->light = number[term->light];
         }
-    return any;
 }
 
 /* Lights that share a spectrum are kept or dropped together. */
@@ -90,13 +95,15 @@ bool lights_drop_idle(struct plan *plan, struct error *err)
 {
     if (plan->options.exchangeable)
         return true;
-    int *number = calloc((size_t)plan->n_lights + 1, sizeof *number); /* new one; -1: dropped */
+    /* First a 1 for each light that terms have, then its new number; -1: it is dropped. */
+    int *number = calloc((size_t)plan->n_lights + 1, sizeof *number);
     if (!number)
         return error_memory(err);
     int n = 0;
+    mark_lights(plan, number);
     for (int i = 0; i < plan->n_lights; i++) {
         struct eye_light light = plan->lights[i];
-        bool kept = light.first == i ? renumber_terms(plan, i, n) : number[light.first] >= 0;
+        const bool kept = light.first == i ? number[i] > 0 : number[light.first] >= 0;
         number[i] = kept ? n : -1;
         light.first = number[light.first];
         if (!kept)
@@ -104,6 +111,7 @@ bool lights_drop_idle(struct plan *plan, struct error *err)
         plan->lights[n] = light;
         plan->sources[n++] = plan->sources[i];
     }
+    renumber_terms(plan, number);
     free(number);
     plan->n_lights = n;
     return true;

@@ -227,6 +227,8 @@ void plan_free(struct plan *plan)
     free(plan->meshes);
     free(plan->materials);
     free(plan->textures);
+    index_free(&plan->by_material);
+    index_free(&plan->by_texture);
     free(plan->instances);
     free(plan->lights);
     free(plan->sources);

@@ -9,28 +9,39 @@
 
 /* ---- textures ---- */
 
-static bool same_texture(const struct texture *a, const char *path, bool spectral, bool linear)
+/* Reads a texture, and adds it under its key. */
+static struct texture *add_texture(struct plan *plan, const struct material *material,
+                                   const char *key, struct error *err)
 {
-    return a->spectral == spectral && a->linear == linear && strcmp(a->image.path, path) == 0;
+    const bool spectral = material->spectral_texture != NULL;
+    const struct place place =
+        spectral ? material->spectral_texture_place : material->texture_place;
+    struct texture *new = &plan->textures[plan->n_textures];
+    *new = (struct texture){.spectral = spectral, .linear = material->texture_linear};
+    if (!texture_read(spectral ? material->spectral_texture : material->texture, place, new, err))
+        return NULL;
+    plan->n_textures++;
+    plan->work.textures_loaded++;
+    return index_add(&plan->by_texture, key, strlen(key), plan->n_textures - 1, err) ? new : NULL;
 }
 
 /* A texture is read when it is first asked for; NULL after an error. */
 static struct texture *find_texture(struct plan *plan, const struct material *material,
                                     struct error *err)
 {
-    bool spectral = material->spectral_texture != NULL, linear = material->texture_linear;
+    const bool spectral = material->spectral_texture != NULL;
     const char *path = spectral ? material->spectral_texture : material->texture;
-    struct place place = spectral ? material->spectral_texture_place : material->texture_place;
-    struct texture *new = &plan->textures[plan->n_textures];
-    for (int i = 0; i < plan->n_textures; i++)
-        if (same_texture(&plan->textures[i], path, spectral, linear))
-            return &plan->textures[i];
-    *new = (struct texture){.spectral = spectral, .linear = linear};
-    if (!texture_read(path, place, new, err))
+    char *key = malloc(strlen(path) + 3);
+    if (!key) {
+        error_memory(err);
         return NULL;
-    plan->n_textures++;
-    plan->work.textures_loaded++;
-    return new;
+    }
+    sprintf(key, "%c%c%s", spectral ? 's' : 'g', material->texture_linear ? 'l' : 'n', path);
+    const int known = index_find(&plan->by_texture, key, strlen(key));
+    struct texture *texture =
+        known >= 0 ? &plan->textures[known] : add_texture(plan, material, key, err);
+    free(key);
+    return texture;
 }
 
 struct texels plan_texels(const struct texture *texture, int plane)
@@ -55,11 +66,10 @@ bool plan_load_textures(const struct plan *plan, int first_band, struct error *e
 static int count_colours(const struct plan *plan, const struct material_terms *made)
 {
     int n = 0;
-    for (int t = 0; t < made->n; t++) {
-        n += made->terms[t].kind == TERM_CONSTANT;
-        for (int i = 0; i < plan->n_lights; i++)
-            n += plan->lights[i].first == made->terms[t].light;
-    }
+    for (int t = 0; t < made->n; t++)
+        n += made->terms[t].kind == TERM_CONSTANT
+                 ? 1
+                 : plan->illumination.lights[made->terms[t].light].n_alike;
     return n;
 }
 
@@ -102,11 +112,12 @@ double shaded_brightest(const struct shaded_material *shaded)
 static bool find_terms(struct plan *plan, const struct material *material, int *out,
                        struct error *err)
 {
-    for (*out = 0; *out < plan->n_materials; ++*out)
-        if (plan->materials[*out].material == material)
-            return true;
-    plan->n_materials++; /* counted first, so that plan_free reaches it after a failure */
-    return make_terms(plan, material, &plan->materials[*out], err);
+    *out = index_find(&plan->by_material, &material, sizeof material);
+    if (*out >= 0)
+        return true;
+    *out = plan->n_materials++; /* counted first, so that plan_free reaches it after a failure */
+    return make_terms(plan, material, &plan->materials[*out], err) &&
+           index_add(&plan->by_material, &material, sizeof material, *out, err);
 }
 
 bool shaded_material_find(struct plan *plan, const struct material *material, int *out,

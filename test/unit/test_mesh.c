@@ -596,6 +596,52 @@ static void check_bunny(void)
     mesh_free(&mesh);
 }
 
+/* ---- many faces at a point ---- */
+
+enum { CROWD = 1000 };
+
+/* Writes a sharp cone without normals, and reads it. Its first point is the tip. */
+static struct mesh read_cone(double crease_deg)
+{
+    FILE *file = fopen(obj_path, "w");
+    fprintf(file, "v 0 0 0\n");
+    for (int i = 0; i < CROWD; i++)
+        fprintf(file, "v %.15g %.15g -3\n", cos(2 * PI * i / CROWD), sin(2 * PI * i / CROWD));
+    for (int i = 0; i < CROWD; i++)
+        fprintf(file, "f 1 %d %d\n", i + 2, (i + 1) % CROWD + 2);
+    fclose(file);
+    return read_obj(false, crease_deg);
+}
+
+/* Compares each normal at the tip with the mean of all faces that meet this one at less than the
+ * crease. All faces have one angle there. Sums of 1000 unit vectors are off by 1000 roundings. */
+static void check_crowd(void)
+{
+    static const double creases[] = {0, 5, 30, 37.5, 90, 120};
+    for (size_t c = 0; c < sizeof creases / sizeof creases[0]; c++) {
+        const double least = cos((fmax(creases[c] - 0.001, 0)) * PI / 180);
+        struct mesh mesh = read_cone(creases[c]);
+        struct vector face[CROWD];
+        double worst = 0;
+        for (int i = 0; i < CROWD; i++) {
+            const double angle = 2 * PI * (i + 0.5) / CROWD, across = cos(PI / CROWD);
+            face[i] = vector_normalise((struct vector){cos(angle), sin(angle), across / 3});
+        }
+        for (int i = 0; i < CROWD; i++) {
+            const struct vector seen = mesh.vertices[mesh.triangles[i][0]].normal;
+            struct vector sum = face[i];
+            for (int k = 0; k < CROWD; k++)
+                if (k != i && vector_dot(face[i], face[k]) > least)
+                    sum = vector_add(sum, face[k]);
+            const struct vector off = vector_subtract(seen, vector_normalise(sum));
+            worst = fmax(worst, vector_reach(off));
+        }
+        CHECK_NEAR(worst, 0, 1000 * DBL_EPSILON, "the tip of a cone of %d faces, crease %g", CROWD,
+                   creases[c]);
+        mesh_free(&mesh);
+    }
+}
+
 int main(void)
 {
     choose_path();
@@ -614,6 +660,7 @@ int main(void)
     check_refusals();
     check_reserve();
     check_bunny();
+    check_crowd();
     remove(obj_path);
     return test_end();
 }

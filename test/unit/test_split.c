@@ -37,9 +37,11 @@ static struct mesh cut(const struct mesh *mesh)
 static struct mesh part_of(const struct mesh *mesh, int part)
 {
     struct error err = {.text = ""};
-    struct mesh out;
+    struct mesh from = *mesh, out;
 
-    stop_unless(mesh_part(mesh, part, &out, &err), &err);
+    from.division = NULL;
+    stop_unless(mesh_part(&from, part, &out, &err), &err);
+    division_free(from.division);
     return out;
 }
 
