@@ -12,6 +12,7 @@ import os
 import queue
 import shutil
 import sys
+import time
 
 sys.dont_write_bytecode = True
 from attacked import FORMS, TMP, Place, chain, error_lines, faults, results
@@ -31,7 +32,7 @@ FAMILIES = {
     "storm": ("system calls are interrupted, or move a half", False),
 }
 # How many calls of a kind are tried: of allocations, ..., of each system call; first in a quick command.
-MOST = {"own": (10 ** 6, 60), "own+": (400, 20), "gl": (200, 12), "start": (100, 10), "call": (10 ** 6, 8),
+MOST = {"own": (10 ** 6, 60), "own+": (150, 20), "gl": (200, 12), "start": (100, 10), "call": (10 ** 6, 8),
         "call+": (20, 2)} if FULL else \
        {"own": (14, 2), "own+": (3, 1), "gl": (2, 1), "start": (100, 1), "call": (1, 0), "call+": (0, 0)}
 OTHER_ERRORS = {"open": (5, 12), "write": (5,), "pwrite": (5,), "fsync": (28,), "ftruncate": (28,), "rename": (28,), "link": (5,),
@@ -100,20 +101,23 @@ class Tried:
 
 
 def prepare(form, places):
-    """The results of a form when nothing fails, and its counts of calls; the second run is in the other folder."""
+    """The results of a form when nothing fails, its counts of calls, and the seconds after which another run hangs. The
+    second run is in the other folder."""
+    start = time.monotonic()
     places[0].run(form, counted=False)  # fills the drivers' cache
     expected = results(form, places[0].run(form, counted=False))
     counted = places[1].run(form, older=True)
     check(results(form, counted) == expected and not faults(form, counted, expected, True) and expected[0] in (0, 1, 2),
           f"{form.name}: nothing fails: the same result in another folder, over older files", counted.stderr,
           f"status {expected[0]}, then {counted.status}")
-    return expected, {depth: counted.report.counts[depth] for depth in sorted(counted.report.counts)}
+    return (expected, {depth: counted.report.counts[depth] for depth in sorted(counted.report.counts)},
+            8 + 8 * (time.monotonic() - start))
 
 
-def attempt(place_queue, form, attack, expected, older):
+def attempt(place_queue, form, attack, older, expected, longest):
     place = place_queue.get()
     try:
-        run = place.run(form, attack.fail, attack.depth, older)
+        run = place.run(form, attack.fail, attack.depth, older, longest=longest)
         found = faults(form, run, expected, older)
         if not FAMILIES[attack.family][1] and run.status == 3 and expected[0] != 3:
             found = found | {"wrong status"}
@@ -156,9 +160,9 @@ def main():
     table = {}
     with concurrent.futures.ThreadPoolExecutor(AT_ONCE) as pool:
         for i, form in enumerate(forms):
-            expected, counts = prepare(form, places)
+            expected, counts, longest = prepare(form, places)
             # older files lie there in every second run
-            jobs = [(attack, pool.submit(attempt, place_queue, form, attack, expected, j % 2 == 1))
+            jobs = [(attack, pool.submit(attempt, place_queue, form, attack, j % 2 == 1, expected, longest))
                     for j, attack in enumerate(attacks(form, counts, (i * 0.381966 + 0.2) % 1))]
             for attack, job in jobs:
                 tried = table.setdefault((attack.family, form.name), Tried())
