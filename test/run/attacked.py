@@ -174,8 +174,11 @@ class Place:
 
     def prepare(self, a_form, older):
         for name in ("out", "tmp"):
-            shutil.rmtree(self.path(name), ignore_errors=True)
-            os.mkdir(self.path(name))
+            os.makedirs(self.path(name), exist_ok=True)
+            for left in os.listdir(self.path(name)):  # out may be the root of a file system
+                shutil.rmtree(self.path(name, left), ignore_errors=True)
+                if os.path.lexists(self.path(name, left)):
+                    os.remove(self.path(name, left))
         for output in a_form.outputs if older else ():
             with open(self.path(output), "wb") as out:
                 out.write(OLDER)
@@ -195,10 +198,11 @@ class Place:
         return subprocess.Popen([SPECTRAL, *a_form.words], cwd=self.folder, env=environment, stdin=subprocess.DEVNULL,
                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True, **more)
 
-    def run(self, a_form, attack=None, depth=None, older=False, counted=True, longest=LONGEST_RUN):
+    def run(self, a_form, attack=None, depth=None, older=False, counted=True, longest=LONGEST_RUN, **more):
+        """Runs the command to its end. `counted`: with the library; `more` goes to Popen."""
         self.prepare(a_form, older)
         before = self.stamps()
-        process = self.start(a_form, self.environment_of(attack, depth) if counted else self.environment)
+        process = self.start(a_form, self.environment_of(attack, depth) if counted else self.environment, **more)
         try:
             stdout, stderr = process.communicate(timeout=longest)
             status = process.returncode
