@@ -222,7 +222,7 @@ class Place:
 
 
 class Report:
-    """What the library wrote: calls by generation and kind, and where the first failure and a crash were."""
+    """The report of the library: calls by generation and kind, and the places of the first failure and of a crash."""
 
     def __init__(self, path):
         with open(path, "rb") as file:
@@ -287,7 +287,7 @@ def error_lines(run):
 
 
 def results(a_form, run):
-    """What must be the same in each run that has the same status."""
+    """All that is equal in each run that has the same status."""
     return (run.status, normal(a_form, "", run.stdout), error_lines(run),
             {name: normal(a_form, name, data) for name, data in run.files.items()})
 

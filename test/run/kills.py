@@ -171,7 +171,7 @@ def check_file_size(place, a_form, expected):
 
 
 def check_full_disk(place, a_form, expected):
-    """The outputs lie on a file system in memory, of which a filler leaves some pages free."""
+    """The outputs lie on a file system in memory. A filler leaves only some of its pages free."""
     sizes = sum(map(len, expected[-1].values()))
     place.prepare(a_form, False)
     mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={sizes + (1 << 20)}", "tmpfs", place.path("out")],
