@@ -139,11 +139,13 @@ def print_table(table):
 
 
 def print_places(table):
-    """Groups the faults by the place of the crash, or else of the failure."""
+    """Groups the faults by the place of the crash, or else of the failure. Storms have many places: the message stands for
+    them."""
     places = collections.defaultdict(list)
     for (_, name), tried in table.items():
         for attack, run, found in tried.wrong:
-            key = ", ".join(sorted(found)), attack.fail.split(":")[0], chain(run.report.crash or run.report.failure)
+            place = " ".join(error_lines(run)) if attack.family == "storm" else chain(run.report.crash or run.report.failure)
+            key = ", ".join(sorted(found)), attack.fail.split(":")[0], place
             places[key].append(f"{name} {attack.fail}{'' if attack.depth == 0 else f' @{attack.depth}'}")
     for (found, kind, where), examples in sorted(places.items(), key=lambda item: (item[0][0], -len(item[1]))):
         print(f"# {len(examples)} x {found} | {kind} | {where} | {'; '.join(examples[:3])}")
