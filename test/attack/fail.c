@@ -221,10 +221,12 @@ static _Unwind_Reason_Code print_frame(struct _Unwind_Context *frame, void *cont
     const int n = snprintf(trace->text + trace->length, TEXT - trace->length, "%s+%llx\n",
                            object ? object->name : "?",
                            (unsigned long long)(address - (object ? object->base : 0)));
-    if (n < 0 || trace->length + (size_t)n >= TEXT || ++trace->n_frames == FRAMES)
+    if (n < 0 || trace->length + (size_t)n >= TEXT) {
+        trace->text[trace->length] = '\0'; /* no part of a line */
         return _URC_NORMAL_STOP;
+    }
     trace->length += (size_t)n;
-    return _URC_NO_REASON;
+    return ++trace->n_frames < FRAMES ? _URC_NO_REASON : _URC_NORMAL_STOP;
 }
 
 static void print_trace(char text[TEXT])

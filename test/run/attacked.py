@@ -260,7 +260,7 @@ def functions(object_name, offsets):
 def chain(trace, longest=7):
     """Says in one line where a failure was: the functions from the failing call to main. A frame has the address behind
     its call."""
-    frames = [line.split("+") for line in trace]
+    frames = [line.rsplit("+", 1) for line in trace]  # libstdc++ has the sign in its name
     frames = [(name, f"{int(offset, 16) - 1:x}") for name, offset in frames if name != "fail.so" and offset != "0"]
     while frames and frames[0][0] == "libc.so.6":
         frames.pop(0)
