@@ -87,8 +87,11 @@ build_tests() (
     ! chosen_need 'FAULTS|MUTANT' || build_faults
 )
 
+# build_preloaded SOURCE LIBRARY: a library for LD_PRELOAD
+build_preloaded() { $CC $warnings -Werror $CPPFLAGS -O1 $language -shared -fPIC $LDFLAGS "$1" -o "$2" -ldl; }
+
 build_faults() {
-    $CC $warnings -Werror $CPPFLAGS -O1 $language -shared -fPIC $LDFLAGS test/oracle/fault.c -o "$FAULTS" -ldl
+    build_preloaded test/oracle/fault.c "$FAULTS"
     build_mutant mutant "$mutation"
     build_mutant endless "$endless"
 }
@@ -114,13 +117,17 @@ run_tests() {
     choose "$@"
     build
     export SPECTRAL="$BUILD/spectral" STATIC="$BUILD/spectral-static" TEST_TMP="$BUILD/tmp" BUILD \
-        FAULTS="$BUILD/test/fault.so" LIBRARY="$BUILD/test/library.a"
+        FAULTS="$BUILD/test/fault.so" FAIL_LIBRARY="$BUILD/test/fail.so" LIBRARY="$BUILD/test/library.a"
     export OMP_WAIT_POLICY=passive # threads that wait must not take the processor from the other test
     need perl $([ -z "$scripts" ] || echo $test_packages)
     mkdir -p "$TEST_TMP"
     ! chosen_need STATIC || static_program
     if [ -n "$(programs)" ] || chosen_need 'LIBRARY|FAULTS|MUTANT'; then
         build_tests
+    fi
+    if chosen_need 'from attacked'; then
+        mkdir -p "$BUILD/test"
+        build_preloaded test/attack/fail.c "$FAIL_LIBRARY"
     fi
     prove --timer --failures --comments --jobs $at_once --exec '' $scripts \
         $(for file in $units; do test_name "$file"; echo "$BUILD/test/$name"; done)

@@ -1,0 +1,233 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""Ends renders at random moments, by signals, and lets the disk become full and files reach their limit of size. The stack
+that was there before stays as it was, or the new one replaces it, byte by byte, and no other file stays behind.
+
+With FULL=1: 200 SIGKILLs, to the first process, to its children or to all of them, 100 of each signal that users send, and
+100,000 objects in a scene.
+Prints TAP, and the seconds that the program took to end."""
+import os
+import random
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+sys.dont_write_bytecode = True
+from attacked import TMP, Place, Run, error_lines, faults, form, results
+from tap import check, done
+
+FULL = "FULL" in os.environ
+KILLS, SIGNALS, SIGNALS_OF_MANY = (200, 100, 30) if FULL else (20, 5, 2)
+SIGNALS_OF_USERS = signal.SIGINT, signal.SIGTERM, signal.SIGHUP
+LONGEST_END = 2     # seconds from a signal to the end: 0.3 are promised; the machine may be busy
+LONGEST_ORPHAN = 10
+OBJECTS = 100_000 if FULL else 20_000
+PICTURE = "--size 240x160 --wavelengths 400:700:5 -q -o out/a.tif"
+RENDERS = [form("OpenGL", f"render in/plain.scene {PICTURE}", "a.tif"),
+           form("the reference", f"render in/mesh.scene --renderer raster --no-check {PICTURE}", "a.tif")]
+MANY = form(f"{OBJECTS} objects", f"render in/many.scene --renderer raster {PICTURE}", "a.tif")
+
+
+def write_many_objects(path):
+    """Small things in a plane, each a little out of the way of the others."""
+    with open(path, "w") as out:
+        out.write("camera perspective 24 near 5 far 40 eye 0 6 13 look 0.1 0.6 0\nambient d65 0.25\nlight d65 0.7 position -5 9 8\n"
+                  "material grey { diffuse 0.5 }\n")
+        for i in range(OBJECTS):
+            out.write(f"object sphere 0.02 4 3 material grey translate {i % 400 * 0.02 - 4:.2f} {i // 400 * 0.01 - 1:.2f} 0\n")
+
+
+def children(process):
+    try:
+        with open(f"/proc/{process.pid}/task/{process.pid}/children") as file:
+            return [int(word) for word in file.read().split()]
+    except OSError:
+        return []
+
+
+def ends(process, longest):
+    """Waits for the first process, and then until no process of its group is left. Returns its messages, and whether all
+    processes end in time."""
+    process.wait()
+    end = time.monotonic() + longest
+    try:
+        while time.monotonic() < end:
+            os.killpg(process.pid, 0)
+            time.sleep(0.005)
+        os.killpg(process.pid, signal.SIGKILL)
+        return process.communicate()[1], False
+    except ProcessLookupError:
+        return process.communicate()[1], True
+
+
+class Render:
+    """A render over an existing stack, with the results of a whole one."""
+
+    def __init__(self, place, a_form):
+        self.place, self.form = place, a_form
+        place.run(a_form, counted=False)  # fills the drivers' cache
+        start = time.monotonic()
+        self.expected = results(a_form, place.run(a_form, counted=False))
+        self.seconds = time.monotonic() - start
+        self.older = open(place.path("in", "other.tif"), "rb").read()
+        check(self.expected[0] == 0, f"{a_form.name}: the stack is rendered")
+
+    def start(self, emptied, part, parts):
+        """Starts the command, and waits until a random moment in one of so many equal parts of its time."""
+        if emptied:
+            self.place.prepare(self.form, False)
+        with open(self.place.path("out", "a.tif"), "wb") as out:
+            out.write(self.older)
+        process = self.place.start(self.form, self.place.environment)
+        time.sleep(1.1 * self.seconds * (part + random.random()) / parts)
+        return process
+
+    def stack(self):
+        """old, new, or what else the output is."""
+        data = self.place.outputs().get("out/a.tif")
+        kinds = {self.older: "old", self.expected[-1]["out/a.tif"]: "new"}
+        return kinds.get(data, "missing" if data is None else f"broken, {len(data)} bytes")
+
+
+def check_kills(render, count):
+    """The first process, its children, or all processes receive SIGKILL."""
+    stacks, lasting, wrong = {}, 0, []
+    render.place.prepare(render.form, False)
+    for i in range(count):
+        process = render.start(False, i, count)
+        whom = ("first process", "all", "children")[i % 3]
+        victims = children(process) if whom == "children" else [process.pid]
+        for victim in victims:
+            try:
+                (os.killpg if whom == "all" else os.kill)(victim, signal.SIGKILL)
+            except ProcessLookupError:
+                pass
+        stderr, all_end = ends(process, LONGEST_ORPHAN)
+        lasting += not all_end
+        stack = render.stack()
+        stacks[stack] = stacks.get(stack, 0) + 1
+        refused = process.returncode == 3 and stderr.count(b"error: ") == 1
+        if whom == "children" and not refused and (process.returncode, stack) != (0, "new"):
+            wrong.append((process.returncode, stack, stderr))
+    name = f"{render.form.name}: {count} SIGKILLs"
+    check(set(stacks) <= {"old", "new"}, f"{name}: the old stack or the new one is there", stacks)
+    check(lasting == 0, f"{name}: all processes end", lasting)
+    check(not wrong, f"{name}: where only a child is killed, the exit status is 3, with one line", *wrong[:10])
+    left = sorted(set(render.place.outputs()) - {"out/a.tif"})
+    process = render.place.start(render.form, render.place.environment)
+    process.communicate()
+    after = sorted(set(render.place.outputs()) - {"out/a.tif"})
+    check(render.stack() == "new" and not after and not os.listdir(render.place.path("tmp")),
+          f"{name}: after one more run the new stack is the only file", after[:5])
+    print(f"# {name}: {stacks}, {len(left)} other files before one more run, {len(after)} after it")
+
+
+def check_signal(render, number, count):
+    longest, wrong, ended = 0, [], 0
+    for i in range(count):
+        process = render.start(True, i, count)
+        start = time.monotonic()
+        process.send_signal(number)
+        process.wait()
+        seconds = time.monotonic() - start
+        stderr, all_end = ends(process, LONGEST_END)
+        stack, left = render.stack(), set(render.place.outputs()) - {"out/a.tif"}
+        well = process.returncode == 0 and stack == "new"
+        longest, ended = max(longest, seconds), ended + well
+        if not (well or process.returncode == -number and stack in ("old", "new")) or left or not all_end or \
+                os.listdir(render.place.path("tmp")):
+            wrong.append((process.returncode, stack, left, all_end, stderr))
+    name = f"{render.form.name}: {count} {number.name}s"
+    check(not wrong and ended < count, f"{name}: the program dies of them, the old stack or the new one is there, and no other file",
+          f"{ended} had ended before", *wrong[:10])
+    check(longest < LONGEST_END, f"{name}: it ends within {LONGEST_END} s", longest)
+    print(f"# {name}: at most {longest:.3f} s to the end; {ended} had ended before")
+
+
+# ---- full disk, limits ----
+
+def check_refusals(name, a_form, expected, runs):
+    """Each run has the right result, or exit status 3 and the older file; both happen."""
+    wrong, statuses = [], set()
+    for label, run in runs:
+        found = faults(a_form, run, expected, True)
+        statuses.add(run.status)
+        if found:
+            wrong.append((label, found, run.status, error_lines(run)))
+    check(not wrong, f"{name}: the right result, or exit status 3 and the older files", f"{len(wrong)} of {len(runs)}", *wrong[:10])
+    check(statuses == {0, 3}, f"{name}: small limits are refused, large ones are enough", statuses)
+
+
+def limits(largest):
+    step = 4096 if FULL else 65536
+    return range(0, largest + 2 * step, step)
+
+
+def check_file_size(place, a_form, expected):
+    def limited(limit):
+        return lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+    largest = max(map(len, expected[-1].values()))
+    check_refusals(f"{a_form.name}: a limit on the size of files", a_form, expected,
+                   [(limit, place.run(a_form, older=True, counted=False, preexec_fn=limited(limit))) for limit in limits(largest)])
+
+
+def check_full_disk(place, a_form, expected):
+    """The outputs lie on a file system in memory. A filler leaves only some of its pages free."""
+    sizes = sum(map(len, expected[-1].values()))
+    place.prepare(a_form, False)
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={sizes + (1 << 20)}", "tmpfs", place.path("out")],
+                             capture_output=True, text=True, check=False)
+    if mounted.returncode != 0:
+        check(True, f"{a_form.name}: a full disk # SKIP cannot mount a tmpfs: {mounted.stderr.strip()}")
+        return
+    runs = []
+    try:
+        for free in limits(sizes + 16384):
+            runs.append((free, run_with_free(place, a_form, free)))
+    finally:
+        subprocess.run(["umount", place.path("out")], check=True)
+    check_refusals(f"{a_form.name}: a full disk", a_form, expected, runs)
+
+
+def run_with_free(place, a_form, free):
+    """Runs where so many bytes are free beside the older files."""
+    place.prepare(a_form, True)
+    space = os.statvfs(place.path("out"))
+    filler = place.path("out", "filler")
+    with open(filler, "wb") as out:
+        os.posix_fallocate(out.fileno(), 0, max(space.f_bavail * space.f_frsize - free, 1))
+    process = place.start(a_form, place.environment)
+    stdout, stderr = process.communicate()
+    files = place.outputs()
+    del files["out/filler"]
+    return Run(process.returncode, stdout, stderr.decode(), files, os.listdir(place.path("tmp")), True, None)
+
+
+def main():
+    random.seed(19)
+    for number in SIGNALS_OF_USERS:
+        signal.signal(number, signal.SIG_DFL)  # a test in the background may have to ignore some of them
+    shutil.rmtree(TMP, ignore_errors=True)
+    place = Place(0)
+    write_many_objects(place.path("in", "many.scene"))
+    for a_form in RENDERS:
+        render = Render(place, a_form)
+        check_kills(render, KILLS // len(RENDERS))
+        for number in SIGNALS_OF_USERS:
+            check_signal(render, number, SIGNALS // len(RENDERS) or 1)
+    many = Render(place, MANY)
+    for number in SIGNALS_OF_USERS:
+        check_signal(many, number, SIGNALS_OF_MANY)
+    outputs = form("all outputs", "render in/plain.scene --size 120x80 --wavelengths 400:700:20 -q --renderer raster --check-map "
+                   "out/map.tif --json out/a.json --envi -o out/a.tif", "a.tif", "a.tif.hdr", "a.json", "map.tif")
+    expected = results(outputs, place.run(outputs, counted=False))
+    check_file_size(place, outputs, expected)
+    check_full_disk(place, outputs, expected)
+    shutil.rmtree(TMP, ignore_errors=True)
+    done()
+
+
+main()
