@@ -536,7 +536,7 @@ static void check_override_errors(void)
 static void check_shading(void)
 {
     struct scene s = read_string("shading phong\n");
-    struct error err = {EXIT_AGREED, ""};
+    struct error err = {.status = EXIT_AGREED};
     CHECK(s.shading == SHADING_PHONG && s.tessellation == 1,
           "a scene sets its shading; the factor of tessellation is 1 by default");
     CHECK(scene_set_shading(&s, "flat", &err) && s.shading == SHADING_FLAT,
@@ -620,7 +620,7 @@ static const char spectral_scene[] =
 static void check_spectra(void)
 {
     struct fine_spectra spectra;
-    struct error err = {EXIT_AGREED, ""};
+    struct error err = {.status = EXIT_AGREED};
     write_text("spectral.map", "a material glossy\nb material half\n");
     struct scene s = read_string(spectral_scene);
     bool done = scene_spectra(&s, &spectra, &err);
