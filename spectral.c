@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* The command line: the table of commands, the table of options, the help made of both, and main.
  * Only main prints errors and exits. The code of each command is in the room of its subject. */
-#include <errno.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
+#include <unistd.h>
 
 #include "data/catalogue/catalogue.h"
 #include "data/compare/compare.h"
@@ -217,50 +217,52 @@ static const struct option_table option_table = {known_options,
 enum { HELP_WIDTH = 80, HELP_COLUMN = 34 }; /* of a line; where an explanation begins */
 
 /* Prints the words of a text from the cursor's column on. A new line begins at that column. */
-static void print_words(const char *text, int column)
+static void print_words(struct printed *to, const char *text, int column)
 {
     const char *gap = "";
     for (int at = column, length; *(text += strspn(text, " \n")); text += length) {
         length = (int)strcspn(text, " \n");
         if (at + (int)strlen(gap) + length > HELP_WIDTH) {
-            printf("\n%*s", column, "");
+            print(to, "\n%*s", column, "");
             at = column;
             gap = "";
         }
-        at += printf("%s%.*s", gap, length, text);
+        print(to, "%s%.*s", gap, length, text);
+        at += (int)strlen(gap) + length;
         gap = " ";
     }
-    putchar('\n');
+    print_text(to, "\n");
 }
 
 /* Prints a command or an option as the user types it, and its explanation beside it, or below if
  * there is no room. */
-static void print_explained(const char *typed, const char *explanation)
+static void print_explained(struct printed *to, const char *typed, const char *explanation)
 {
-    const int used = printf("  %s", typed);
+    const int used = 2 + (int)strlen(typed);
+    print(to, "  %s", typed);
     if (used + 2 > HELP_COLUMN)
-        putchar('\n');
-    printf("%*s", used + 2 > HELP_COLUMN ? HELP_COLUMN : HELP_COLUMN - used, "");
-    print_words(explanation, HELP_COLUMN);
+        print_text(to, "\n");
+    print(to, "%*s", used + 2 > HELP_COLUMN ? HELP_COLUMN : HELP_COLUMN - used, "");
+    print_words(to, explanation, HELP_COLUMN);
 }
 
-static void print_commands(void)
+static void print_commands(struct printed *to)
 {
     for (int i = 0; i < N_COMMANDS; i++) {
         char typed[64];
         snprintf(typed, sizeof typed, "%-7s %s", commands[i].name, commands[i].operands);
-        print_explained(typed, commands[i].summary);
+        print_explained(to, typed, commands[i].summary);
     }
 }
 
-static void print_options(void)
+static void print_options(struct printed *to)
 {
     for (int i = 0; i < option_table.n; i++) {
         const struct option *option = &known_options[i];
         if (option->heading)
-            printf("%s\n", option->heading);
+            print(to, "%s\n", option->heading);
         else
-            print_explained(option->usage, option->help);
+            print_explained(to, option->usage, option->help);
     }
 }
 
@@ -268,76 +270,72 @@ static const char scene_operand[] =
     "SCENE is a scene file, a list of material files, a built-in scene (default:\n"
     "colorchecker), or - for standard input.\n";
 
-/* Always succeeds: main reports a failed write to standard output. */
-static bool print_usage(void)
+static bool print_usage(struct error *err)
 {
-    fputs("usage: spectral COMMAND [SCENE] [OPTIONS]\n"
-          "\n"
-          "Renders a 3D scene wavelength by wavelength through OpenGL, cross-checks every\n"
-          "pixel of every wavelength against its own rasterizer, and writes a spectral\n"
-          "TIFF stack.\n"
-          "\n",
-          stdout);
-    print_commands();
-    printf("\n%s\n", scene_operand);
-    print_options();
-    fputs("\n"
-          "exit status: 0 agreed, 1 pictures or stacks differ, 2 bad usage or input,\n"
-          "3 the system failed\n",
-          stdout);
-    return true;
+    struct printed printed = {.text = NULL}, *to = &printed;
+    print_text(to,
+               "usage: spectral COMMAND [SCENE] [OPTIONS]\n"
+               "\n"
+               "Renders a 3D scene wavelength by wavelength through OpenGL, cross-checks every\n"
+               "pixel of every wavelength against its own rasterizer, and writes a spectral\n"
+               "TIFF stack.\n"
+               "\n");
+    print_commands(to);
+    print(to, "\n%s\n", scene_operand);
+    print_options(to);
+    print_text(to, "\n"
+                   "exit status: 0 agreed, 1 pictures or stacks differ, 2 bad usage or input,\n"
+                   "3 the system failed\n");
+    return printed_show(to, STDOUT_FILENO, err);
 }
 
-static bool print_command_usage(const struct command *command)
+static bool print_command_usage(const struct command *command, struct error *err)
 {
-    printf("usage: spectral %s %s [OPTIONS]\n\n", command->name, command->operands);
-    print_words(command->summary, 0);
+    struct printed printed = {.text = NULL}, *to = &printed;
+    print(to, "usage: spectral %s %s [OPTIONS]\n\n", command->name, command->operands);
+    print_words(to, command->summary, 0);
     if (strstr(command->operands, "SCENE"))
-        printf("\n%s", scene_operand);
-    putchar('\n');
+        print(to, "\n%s", scene_operand);
+    print_text(to, "\n");
     for (int i = 0; i < option_table.n; i++)
         if (option_takes(&known_options[i], command->options))
-            print_explained(known_options[i].usage, known_options[i].help);
-    printf("\nexample:\n  spectral %s\n", command->example);
-    return true;
+            print_explained(to, known_options[i].usage, known_options[i].help);
+    print(to, "\nexample:\n  spectral %s\n", command->example);
+    return printed_show(to, STDOUT_FILENO, err);
 }
 
 /* The answer to the name of the program alone. It ends as bad usage does, for scripts. */
 static bool greet(struct error *err)
 {
-    err->status = EXIT_INPUT;
-    fputs("spectral renders 3D scenes wavelength by wavelength, and checks every pixel.\n"
-          "\n"
-          "  spectral render colorchecker          writes the stack colorchecker.tif\n"
-          "  spectral develop colorchecker.tif     writes the picture that a person sees\n"
-          "  spectral probe colorchecker 100 100   prints the spectrum of a pixel\n"
-          "  spectral view fluorescence            writes a page for the browser\n"
-          "  spectral show spheres -o my.scene     copies a scene, to change it\n"
-          "\n"
-          "spectral list prints what is built in. spectral COMMAND --help explains a\n"
-          "command, spectral --help all of them, man spectral the scene language.\n",
-          stdout);
+    struct printed printed = {.text = NULL};
+    print_text(&printed,
+               "spectral renders 3D scenes wavelength by wavelength, and checks every pixel.\n"
+               "\n"
+               "  spectral render colorchecker          writes the stack colorchecker.tif\n"
+               "  spectral develop colorchecker.tif     writes the picture that a person sees\n"
+               "  spectral probe colorchecker 100 100   prints the spectrum of a pixel\n"
+               "  spectral view fluorescence            writes a page for the browser\n"
+               "  spectral show spheres -o my.scene     copies a scene, to change it\n"
+               "\n"
+               "spectral list prints what is built in. spectral COMMAND --help explains a\n"
+               "command, spectral --help all of them, man spectral the scene language.\n");
+    if (printed_show(&printed, STDOUT_FILENO, err))
+        err->status = EXIT_INPUT;
     return false;
 }
 
-static bool print_version(void)
+static bool print_version(struct error *err)
 {
+    struct printed printed = {.text = NULL};
     char gl[256];
     const char *tiff = stack_library();
     gl_library(gl, sizeof gl);
-    printf("spectral %s\n%s\n%.*s\n", SPECTRAL_VERSION, gl, (int)strcspn(tiff, "\n"), tiff);
-    return true;
+    print(&printed, "spectral %s\n%s\n%.*s\n", SPECTRAL_VERSION, gl, (int)strcspn(tiff, "\n"),
+          tiff);
+    return printed_show(&printed, STDOUT_FILENO, err);
 }
 
 /* ---- main ---- */
-
-/* Writes the printed text. A closed pipe is no failure. */
-static bool flush_output(struct error *err)
-{
-    errno = 0;
-    return (fflush(stdout) == 0 && !ferror(stdout)) || output_is_unread() ||
-           error_system(err, "cannot write to standard output");
-}
 
 static bool run_limited(const struct command *command, struct options *options, struct error *err)
 {
@@ -351,12 +349,12 @@ static bool run_with_options(const struct command *command, char *const *words, 
     const struct option_rules rules = {command->name, &option_table, command->options,
                                        command->n_operands};
     struct options options;
-    bool done = options_read(&rules, words, n_words, &options, err) &&
-                (options.help ? print_command_usage(command) : run_limited(command, &options, err));
+    bool done =
+        options_read(&rules, words, n_words, &options, err) &&
+        (options.help ? print_command_usage(command, err) : run_limited(command, &options, err));
     /* a command that found a difference may have kept its outputs */
     struct error failure = {.status = EXIT_AGREED};
-    if ((done || err->status == EXIT_DIFFERENT) &&
-        !(flush_output(&failure) && outputs_commit(&options.outputs, &failure))) {
+    if ((done || err->status == EXIT_DIFFERENT) && !outputs_commit(&options.outputs, &failure)) {
         *err = failure;
         done = false;
     }
@@ -393,13 +391,13 @@ static bool run_command(int argc, char **argv, struct error *err)
     if (argc < 2)
         return greet(err);
     if (is_one_of(argv[1], version))
-        return print_version();
+        return print_version(err);
     if (is_one_of(argv[1], help) && argc == 2)
-        return print_usage();
+        return print_usage(err);
     command = find_command(is_one_of(argv[1], help) ? argv[2] : argv[1], err);
     if (!command)
         return false;
-    return is_one_of(argv[1], help) ? print_command_usage(command)
+    return is_one_of(argv[1], help) ? print_command_usage(command, err)
                                     : run_with_options(command, argv + 2, argc - 2, err);
 }
 
@@ -413,8 +411,7 @@ static int run_words(void *of)
 {
     const struct words *words = of;
     struct error err = {.status = EXIT_AGREED};
-    const bool done = run_command(words->n, words->word, &err);
-    if (done && flush_output(&err))
+    if (run_command(words->n, words->word, &err))
         return EXIT_AGREED;
     if (err.text[0] && !is_interrupted())
         fprintf(stderr, "%s\n", err.text);

@@ -32,9 +32,9 @@ void print_bytes(struct printed *to, const void *bytes, size_t length);
 /* Returns the whole text, which then belongs to the caller; NULL: no memory, or it was returned
  * already. Its length stays. */
 char *printed_end(struct printed *printed);
-/* Writes the whole text to a stream, without unprintable characters, and frees it. Fails for lack
- * of memory alone: main looks for failed writes to standard output. */
-bool printed_show(struct printed *printed, FILE *to, struct error *err);
+/* Writes the whole text, without unprintable characters, to a descriptor, and frees it. It is no
+ * failure if the reader of a pipe has gone, or standard error takes nothing. */
+bool printed_show(struct printed *printed, int to, struct error *err);
 
 /* ---- printable.c: what may reach a terminal ---- */
 

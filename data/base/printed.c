@@ -3,6 +3,7 @@
 #include <stdarg.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "data/base/base.h"
 
@@ -86,13 +87,14 @@ char *printed_end(struct printed *printed)
     return NULL;
 }
 
-bool printed_show(struct printed *printed, FILE *to, struct error *err)
+bool printed_show(struct printed *printed, int to, struct error *err)
 {
     char *text = printed_end(printed);
-    if (text) {
-        hide_unprintable(text, "\n");
-        fputs(text, to);
-    }
+    if (!text)
+        return error_memory(err);
+    hide_unprintable(text, "\n");
+    const bool done = write_all(to, text, strlen(text)) || errno == EPIPE || to == STDERR_FILENO ||
+                      error_system(err, "cannot write to standard output");
     free(text);
-    return text != NULL || error_memory(err);
+    return done;
 }

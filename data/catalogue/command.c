@@ -11,20 +11,21 @@
 #include "data/names/names.h"
 #include "data/spectra/spectra.h"
 
-static void list_shapes(void)
+static void list_shapes(struct printed *to)
 {
     for (enum shape_kind kind = SHAPE_SPHERE; kind < SHAPE_MESH; kind++) {
-        printf("  %s", shape_name(kind));
+        print(to, "  %s", shape_name(kind));
         for (int i = 0; shape_size_name(kind, i); i++)
-            printf(" %s", shape_size_name(kind, i));
-        putchar('\n');
+            print(to, " %s", shape_size_name(kind, i));
+        print_text(to, "\n");
     }
-    puts("  mesh FILE.obj [unitize] [crease ANGLE]");
+    print_text(to, "  mesh FILE.obj [unitize] [crease ANGLE]\n");
 }
 
-static void list_samplings(void)
+static void list_samplings(struct printed *to)
 {
-    fputs(
+    print_text(
+        to,
         "  box:N               N boxes of equal area under the detector's functions\n"
         "  riemann:STEP        a sample every STEP nm\n"
         "  gauss:N             Gaussian quadrature weighted by the detector's functions\n"
@@ -32,14 +33,14 @@ static void list_samplings(void)
         "  gauss:N,xyz|lms|acc by tristimulus values, cones or opponent functions, each its own\n"
         "  adaptive:TOLERANCE  emission peaks, and quadrature between them\n"
         "  basis:K             K principal components of lights x reflectances: no spectra\n"
-        "  rgb, xyz            three numbers a light and a material: no spectra, no fluorescence\n",
-        stdout);
+        "  rgb, xyz            three numbers a light and a material: no spectra, no "
+        "fluorescence\n");
 }
 
 static const struct list {
-    const char *name, *alias; /* alias NULL: none */
-    void (*print)(void);      /* NULL: the list has the names of built-in files */
-    enum file_kind kind;      /* of these files */
+    const char *name, *alias;          /* alias NULL: none */
+    void (*print)(struct printed *to); /* NULL: the list has the names of built-in files */
+    enum file_kind kind;               /* of these files */
 } lists[] = {
     {"scenes", NULL, NULL, FILE_SCENE},
     {"materials", NULL, NULL, FILE_MATERIAL},
@@ -88,21 +89,21 @@ static int compare_names(const void *a, const void *b)
     return (unsigned char)*one - (unsigned char)*other;
 }
 
-static bool print_list(const struct list *list, struct error *err)
+static bool print_list(const struct list *list, struct printed *to, struct error *err)
 {
     char(*names)[BUILTIN_NAME] = calloc(builtin_file_count, sizeof *names);
     size_t n = 0;
     if (!names)
         return error_memory(err);
-    printf("%s\n", list->name);
+    print(to, "%s\n", list->name);
     for (size_t i = 0; i < builtin_file_count && !list->print; i++)
         n += holds(list, &builtin_files[i], names[n]);
     qsort(names, n, sizeof *names, compare_names);
     for (size_t i = 0; i < n; i++)
-        printf("  %s\n", names[i]);
+        print(to, "  %s\n", names[i]);
     free(names);
     if (list->print)
-        list->print();
+        list->print(to);
     return true;
 }
 
@@ -111,19 +112,24 @@ bool command_list(struct options *options, struct error *err)
     const char *wanted = options->operand ? options->operand : "";
     const struct word typed = {.start = wanted, .length = strlen(wanted)};
     struct suggestion suggestion = {.distance = 0};
-    bool found = false;
-    for (int i = 0; i < N_LISTS; i++) {
+    struct printed printed = {.text = NULL};
+    bool found = false, done = true;
+    for (int i = 0; done && i < N_LISTS; i++) {
         const struct list *list = &lists[i];
         suggestion_add(&suggestion, &typed, list->name, strlen(list->name));
         if (*wanted && strcasecmp(wanted, list->name) != 0 &&
             !(list->alias && strcasecmp(wanted, list->alias) == 0))
             continue;
         found = true;
-        if (!print_list(list, err))
-            return false;
+        done = print_list(list, &printed, err);
     }
-    return found || error_usage(err, "there is no list '%s'; %s", wanted,
-                                suggestion_end(&suggestion, "the lists are"));
+    if (done && !found)
+        done = error_usage(err, "there is no list '%s'; %s", wanted,
+                           suggestion_end(&suggestion, "the lists are"));
+    if (done)
+        return printed_show(&printed, STDOUT_FILENO, err);
+    free(printed_end(&printed));
+    return false;
 }
 
 /* ---- spectral show ---- */

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* A scene as the command line names it, changes it and samples it. */
 #include <string.h>
-#include <unistd.h>
 
 #include "data/base/base.h"
 #include "data/invocation/invocation.h"
@@ -51,7 +50,7 @@ bool scene_refuse(const char *stack, struct error *err)
     if (!file_format(stack, &format, err) || !image_kind(stack, &kind, err))
         return false;
     const bool is_text = strcmp(format, "text") == 0 && kind == IMAGE_NONE;
-    return (!is_text && (access(stack, F_OK) == 0 || scene_is_missing(stack))) ||
+    return (!is_text && (!file_is_missing(stack) || scene_is_missing(stack))) ||
            error_usage(err, "%s is %s, not a stack; spectral render %s writes the stack of a scene",
                        stack, is_text ? "a text file" : "a scene", stack);
 }

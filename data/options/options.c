@@ -259,10 +259,10 @@ const char *options_scene(const struct options *options)
     return options->operand ? options->operand : "colorchecker";
 }
 
-FILE *options_table(const struct options *options, const char *output)
+int options_table(const struct options *options, const char *output)
 {
     const bool json = options->json && output_is_standard(options->json);
-    return json || (output && output_is_stream(output)) ? stderr : stdout;
+    return json || (output && output_is_stream(output)) ? STDERR_FILENO : STDOUT_FILENO;
 }
 
 const char *options_detector(const struct options *options)

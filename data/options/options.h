@@ -126,9 +126,9 @@ const char *options_detector(const struct options *options);
 
 /* Returns whether commands with one of these bits take the option. */
 bool option_takes(const struct option *option, int commands);
-/* Returns the stream of a command's table: standard output, or standard error if the JSON or the
- * command's output (NULL: none) may go to standard output. */
-FILE *options_table(const struct options *options, const char *output);
+/* Returns the descriptor of a command's table: standard output, or standard error if the JSON or
+ * the command's output (NULL: none) may go to standard output. */
+int options_table(const struct options *options, const char *output);
 /* Reads the one number of an option or operand, from lowest to highest. Messages name `option`. */
 bool option_number(const char *option, const char *value, double lowest, double highest,
                    double *out, struct error *err);

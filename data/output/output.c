@@ -141,10 +141,9 @@ static void sync_folder(const char *path)
     free(folder);
 }
 
-/* A file system may report a failed write as late as here: then the name does not appear. */
 static bool commit_name(struct output *out, struct error *err)
 {
-    if (!sync_descriptor(out->descriptor) || !temporary_name(out, out->path))
+    if (!temporary_name(out, out->path))
         return write_fault(err, out->path);
     sync_folder(out->path);
     return true;
@@ -197,19 +196,21 @@ void output_discard(struct output *out)
 
 /* ---- outputs ---- */
 
-/* Syncs at once: what has no room on the disk must fail before the first output appears. */
+/* Syncs at once: a file system may report a failed write as late as then, and no output may have
+ * appeared. */
 bool output_pass(struct output *output, struct outputs *outputs, struct error *err)
 {
+    if (!output->copied && !sync_descriptor(output->descriptor)) {
+        write_fault(err, output->path);
+        output_discard(output);
+        return false;
+    }
     if (!outputs || output->copied)
         return commit(output, err);
     assert(outputs->n < MOST_OUTPUTS);
-    const bool done = sync_descriptor(output->descriptor) || write_fault(err, output->path);
-    if (done)
-        outputs->list[outputs->n++] = *output;
-    else
-        output_discard(output);
+    outputs->list[outputs->n++] = *output;
     *output = (struct output){.path = NULL};
-    return done;
+    return true;
 }
 
 const char *outputs_readable(const struct outputs *outputs, const char *path)
@@ -238,23 +239,13 @@ void outputs_discard(struct outputs *outputs)
 
 /* ---- small files ---- */
 
-bool output_is_unread(void)
-{
-    struct pollfd output = {.fd = STDOUT_FILENO};
-    int got;
-    UNTIL_DONE(got, poll(&output, 1, 0));
-    return got == 1 && (output.revents & POLLERR);
-}
-
 bool file_write(const char *path, const char *bytes, size_t length, struct outputs *outputs,
                 struct error *err)
 {
     struct output output;
-    if (output_is_standard(path)) {
-        errno = 0;
-        return (fwrite(bytes, 1, length, stdout) == length && fflush(stdout) == 0) ||
-               output_is_unread() || error_system(err, "cannot write to standard output");
-    }
+    if (output_is_standard(path))
+        return write_all(STDOUT_FILENO, bytes, length) || errno == EPIPE ||
+               error_system(err, "cannot write to standard output");
     if (!open_output(&output, path, err))
         return false;
     if (!write_all(output.descriptor, bytes, length)) {

@@ -43,7 +43,6 @@ bool file_write(const char *path, const char *bytes, size_t length, struct outpu
                 struct error *err);
 /* Refuses an output that cannot be opened, before the work begins. Leaves no file. NULL: none. */
 bool output_can_open(const char *path, struct error *err);
-bool output_is_unread(void); /* standard output is a pipe that its reader has closed */
 
 /* ---- paths.c: the names of files that a command writes ---- */
 

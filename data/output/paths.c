@@ -55,7 +55,8 @@ bool output_is_standard(const char *path)
 
 bool output_is_stream(const char *path)
 {
-    return output_is_standard(path) || !(file_is_regular(path) || file_is_missing(path));
+    struct stat status;
+    return output_is_standard(path) || (stat(path, &status) == 0 && !S_ISREG(status.st_mode));
 }
 
 bool output_spares(const char *output, const char *input, struct error *err)

@@ -6,7 +6,6 @@
  * libtiff writes the directories, through callbacks on our own descriptor. Instead of the pixels of
  * a page it gets a pointer that nobody reads. The callback only moves the end of the file: libtiff
  * records the right offset, and no blank pixels are written or kept. */
-#include <errno.h>
 #include <inttypes.h>
 #include <string.h>
 #include <sys/stat.h>
@@ -119,7 +118,7 @@ static int PRINTF_LIKE(4, 0) client_message(TIFF *tiff, void *data, const char *
     char message[1024];
     (void)tiff;
     (void)module;
-    if (client != NULL) {
+    if (client != NULL && errno != ENOMEM) {
         client->failed = true;
         vsnprintf(message, sizeof message, format, arguments);
         errno = 0;
@@ -128,9 +127,10 @@ static int PRINTF_LIKE(4, 0) client_message(TIFF *tiff, void *data, const char *
     return 1; /* libtiff prints nothing */
 }
 
-/* Returns NULL on failure. */
+/* Returns NULL on failure. From here to close_tiff nothing may set errno to 0. */
 static TIFF *open_tiff(struct client *client, const char *mode)
 {
+    errno = 0;
     TIFFOpenOptions *options = TIFFOpenOptionsAlloc();
     if (options == NULL) {
         error_memory(client->err);
@@ -145,11 +145,15 @@ static TIFF *open_tiff(struct client *client, const char *mode)
     return tiff;
 }
 
-/* Returns true if nothing has failed. Sets an error if libtiff has given none. tiff may be NULL. */
+/* Returns true if nothing has failed. Sets an error if libtiff has given none. tiff may be NULL.
+ * For lack of memory libtiff may leave out a tag, and say nothing: the C library has set errno
+ * then. */
 static bool close_tiff(TIFF *tiff, const struct client *client, bool good)
 {
     if (tiff != NULL)
         TIFFClose(tiff);
+    if (errno == ENOMEM && !client->failed)
+        return error_memory(client->err);
     errno = 0;
     return (good && !client->failed) ||
            error_system(client->err, "%s: the written file is not complete",

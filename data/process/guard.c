@@ -66,8 +66,9 @@ static int die_of(int number)
 
 /* ---- the process that works ---- */
 
-/* It reports its exit status, or this and the number of a signal that it found. */
-enum { SIGNALLED = 1000 };
+/* It ends with this and its exit status, or this and the number of a signal that it found: no
+ * library ends a process so. */
+enum { ENDED = 96, SIGNALLED = 128 };
 
 bool process_follow(pid_t parent)
 {
@@ -77,27 +78,32 @@ bool process_follow(pid_t parent)
     return getppid() == parent;
 }
 
-static void run_worker(int (*work)(void *of), void *of, pid_t parent, int to)
+static void run_worker(int (*work)(void *of), void *of, pid_t parent)
 {
     if (!process_follow(parent))
         exit(EXIT_SYSTEM);
     const int status = work(of), number = pending_signal();
-    const int report = number > 0 ? SIGNALLED + number : status;
-    write_all(to, &report, sizeof report);
-    exit(status);
+    exit(number > 0 ? SIGNALLED + number : ENDED + status);
 }
 
 /* ---- the process that watches ---- */
+
+/* Returns whether the worker has ended. */
+static bool has_ended(pid_t worker, int *status)
+{
+    pid_t ended;
+    UNTIL_DONE(ended, waitpid(worker, status, WNOHANG));
+    return ended == worker;
+}
 
 /* Waits for the end of the worker. Returns the signal that came meanwhile; 0: none. The first one
  * is passed on; after a second, or GRACE_MS, the worker is killed. */
 static int watch(pid_t worker, const sigset_t *held, int *status)
 {
-    const struct timespec grace = {0, GRACE_MS * 1000000L};
+    const struct timespec grace = {0, GRACE_MS * 1000000L}, rest = {1, 0};
     int number = 0;
-    pid_t ended;
-    while ((ended = waitpid(worker, status, WNOHANG)) == 0 || (ended < 0 && errno == EINTR)) {
-        const int got = number > 0 ? sigtimedwait(held, NULL, &grace) : sigwaitinfo(held, NULL);
+    while (!has_ended(worker, status)) {
+        const int got = sigtimedwait(held, NULL, number > 0 ? &grace : &rest);
         if (number > 0 && (got > 0 ? got != SIGCHLD : errno == EAGAIN))
             kill(worker, SIGKILL);
         else if (got > 0 && got != SIGCHLD)
@@ -106,37 +112,20 @@ static int watch(pid_t worker, const sigset_t *held, int *status)
     return number;
 }
 
-/* Returns the worker's report; -1: there is none. */
-static int read_report(int from)
-{
-    int report;
-    ssize_t got;
-    if (fcntl(from, F_SETFL, O_NONBLOCK) != 0)
-        return -1;
-    UNTIL_DONE(got, read(from, &report, sizeof report));
-    return got == (ssize_t)sizeof report ? report : -1;
-}
-
 /* Returns the exit status of a worker that has ended. */
-static int conclude(int report, int status)
+static int conclude(int status)
 {
     static const char hint[] = "memory or threads may have run out";
-    if (report > SIGNALLED)
-        return die_of(report - SIGNALLED);
-    if (WIFEXITED(status) && WEXITSTATUS(status) == report)
-        return report;
+    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    if (code > SIGNALLED)
+        return die_of(code - SIGNALLED);
+    if (code >= ENDED && code <= ENDED + EXIT_SYSTEM)
+        return code - ENDED;
     if (WIFSIGNALED(status))
         fprintf(stderr, "error: the work was ended by signal %d (%s); %s\n", WTERMSIG(status),
                 strsignal(WTERMSIG(status)), hint);
     else
-        fprintf(stderr, "error: a library ended the work with status %d; %s\n",
-                WIFEXITED(status) ? WEXITSTATUS(status) : -1, hint);
-    return EXIT_SYSTEM;
-}
-
-static int fail(const char *what)
-{
-    fprintf(stderr, "error: %s: %s\n", what, strerror(errno));
+        fprintf(stderr, "error: a library ended the work with status %d; %s\n", code, hint);
     return EXIT_SYSTEM;
 }
 
@@ -153,24 +142,21 @@ static void fill_standard(void)
 
 int guard_run(int (*work)(void *of), void *of)
 {
-    int ends[2], status = 0;
-    fill_standard();
+    int status = 0;
     sigset_t held;
     const pid_t parent = getpid();
+    fill_standard();
     signal(SIGCHLD, SIG_DFL); /* a process that ignores it cannot wait for another */
     find_ending(&held);
     sigaddset(&held, SIGCHLD);
     sigprocmask(SIG_BLOCK, &held, NULL);
-    if (pipe(ends) != 0)
-        return fail("cannot make a pipe");
     const pid_t worker = fork();
-    if (worker < 0)
-        return fail("cannot start a process");
-    if (worker == 0) {
-        close(ends[0]);
-        run_worker(work, of, parent, ends[1]);
+    if (worker == 0)
+        run_worker(work, of, parent);
+    if (worker < 0) {
+        fprintf(stderr, "error: cannot start a process: %s\n", strerror(errno));
+        return EXIT_SYSTEM;
     }
-    close(ends[1]);
     const int number = watch(worker, &held, &status);
-    return number > 0 ? die_of(number) : conclude(read_report(ends[0]), status);
+    return number > 0 ? die_of(number) : conclude(status);
 }

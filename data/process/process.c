@@ -25,12 +25,17 @@ static bool read_all(int from, void *bytes, size_t length)
         struct pollfd ready = {.fd = from, .events = POLLIN};
         if (is_interrupted())
             return false;
-        if (poll(&ready, 1, LOOK_MS) <= 0)
-            continue;
-        const ssize_t more = read(from, (char *)bytes + got, length - got);
-        if (more == 0 || (more < 0 && errno != EINTR))
+        int n;
+        ssize_t more;
+        UNTIL_DONE(n, poll(&ready, 1, LOOK_MS));
+        if (n < 0)
             return false;
-        got += more > 0 ? (size_t)more : 0;
+        if (n == 0)
+            continue;
+        UNTIL_DONE(more, read(from, (char *)bytes + got, length - got));
+        if (more <= 0)
+            return false;
+        got += (size_t)more;
     }
     return true;
 }
@@ -42,10 +47,11 @@ static bool await(pid_t child, int from, void *out, size_t size, struct error *e
     int status = 0;
     const bool whole = read_all(from, &reply, sizeof reply) && read_all(from, out, size);
     const bool interrupted = !whole && is_interrupted();
-    if (interrupted)
+    pid_t ended;
+    if (!whole)
         kill(child, SIGKILL);
-    while (waitpid(child, &status, 0) < 0 && errno == EINTR)
-        continue;
+    UNTIL_DONE(ended, waitpid(child, &status, 0));
+    (void)ended;
     errno = 0;
     if (interrupted)
         return error_system(err, "interrupted; nothing was written");

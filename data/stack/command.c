@@ -4,6 +4,7 @@
 #include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
+#include <unistd.h>
 
 #include "data/invocation/invocation.h"
 #include "data/stack/stack.h"
@@ -139,7 +140,7 @@ bool command_info(struct options *options, struct error *err)
         print_scene(&record, &table);
         print_pages(&image, &record, &table);
     }
-    done = printed_show(&table, stdout, err) && done;
+    done = printed_show(&table, STDOUT_FILENO, err) && done;
     record_free(&record);
     image_close(&image);
     return done;

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "data/base/base.h"
 #include "data/compare/compare.h"
@@ -117,7 +118,7 @@ static bool report(struct options *options, const struct cost *cost, double tole
 {
     const char *csv = options->csv_file, *svg = options->svg_file;
     const bool taken = (csv && output_is_standard(csv)) || (svg && output_is_standard(svg));
-    FILE *to = taken ? stderr : options_table(options, NULL);
+    const int to = taken ? STDERR_FILENO : options_table(options, NULL);
     struct printed table = {.text = NULL}, advice = {.text = NULL};
     struct json json;
     char what[80];

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* OSMesa's contexts and the buffers that they draw into: floats, or counts of 8 or 16 bits. */
+#include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -56,6 +57,45 @@ static bool check_driver(const struct gl *gl, struct error *err)
                              "this OSMesa draws with %.100s, not with %s; --renderer gl takes any "
                              "driver",
                              gl_renderer(gl), wanted);
+}
+
+/* ---- the threads of llvmpipe ---- */
+
+/* Returns whether a thread of this process is one of llvmpipe's, by its name. */
+static bool is_of_llvmpipe(const char *task)
+{
+    static const char prefix[] = "llvmpipe-";
+    char path[64], name[sizeof prefix] = "";
+    snprintf(path, sizeof path, "/proc/self/task/%.16s/comm", task);
+    FILE *file = fopen(path, "r");
+    if (!file)
+        return false;
+    const size_t got = fread(name, 1, strlen(prefix), file);
+    fclose(file);
+    return got == strlen(prefix) && strcmp(name, prefix) == 0;
+}
+
+/* Where the system gives llvmpipe fewer threads than it asks for, Mesa 22.3.6 goes on, and then
+ * waits for ever: its fences count the threads that were asked for (lp_fence_create in lp_setup.c).
+ */
+static bool has_threads(const struct gl *gl, struct error *err)
+{
+    const char *wanted = getenv("LP_NUM_THREADS");
+    const long asked = wanted ? strtol(wanted, NULL, 10) : 0;
+    long n = 0;
+    DIR *tasks = opendir("/proc/self/task");
+    if (!tasks || strncmp(gl_renderer(gl), "llvmpipe", strlen("llvmpipe")) != 0) {
+        if (tasks)
+            closedir(tasks);
+        return true;
+    }
+    for (const struct dirent *task; (task = readdir(tasks));)
+        n += is_of_llvmpipe(task->d_name);
+    closedir(tasks);
+    errno = 0;
+    /* llvmpipe has at most 16 threads, from Mesa 22.0 on at most 32 (LP_MAX_THREADS) */
+    return n >= asked || n == 16 || n == 32 ||
+           error_system(err, "OpenGL has started %ld of its %ld threads", n, asked);
 }
 
 /* ---- contexts ---- */
@@ -141,7 +181,7 @@ static bool open_context(struct gl *gl, struct error *err)
         gl->numbers = create_context();
     if (!gl->context || (gl->steps && plan->options.check && !gl->numbers))
         return error_system(err, "OSMesa gives no context");
-    return gl_draw_into(gl, false, err) && check_driver(gl, err);
+    return gl_draw_into(gl, false, err) && check_driver(gl, err) && has_threads(gl, err);
 }
 
 bool gl_succeeded(struct error *err)

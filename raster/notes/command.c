@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral plan: what would be simulated, and why. */
 #include <stdio.h>
+#include <unistd.h>
 
 #include "data/invocation/invocation.h"
 #include "raster/notes/notes.h"
@@ -34,7 +35,7 @@ bool command_plan(struct options *options, struct error *err)
         struct printed printed = {.text = NULL};
         done = plan_print(&plan, &printed, err);
         notes_print(&notes, &printed);
-        done = printed_show(&printed, stdout, err) && done;
+        done = printed_show(&printed, STDOUT_FILENO, err) && done;
     }
     notes_free(&notes);
     plan_free(&plan);

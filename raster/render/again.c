@@ -43,21 +43,28 @@ static bool recorded_options(const struct options *options, const struct record 
 
 /* ---- trust ---- */
 
-/* Returns whether a file lies below the working folder, all links followed. */
-static bool lies_below(const char *path)
+/* Finds whether a file lies below the working folder, all links followed. */
+static bool find_below(const char *path, bool *below, struct error *err)
 {
+    const struct place nowhere = {NULL, 0, 0};
     char folder[PATH_MAX], file[PATH_MAX];
     if (!realpath(".", folder) || !realpath(path, file))
-        return false;
+        return error_cause(err, nowhere, errno, "cannot find the folder of %s", path);
     const size_t length = strcmp(folder, "/") == 0 ? 0 : strlen(folder);
-    return strncmp(file, folder, length) == 0 && file[length] == '/';
+    *below = strncmp(file, folder, length) == 0 && file[length] == '/';
+    return true;
 }
 
 /* A stack of a stranger could name any file, whose words an error would then show, or a pipe that
  * nobody writes to. */
 static bool is_trusted(const char *stack, const char *file, struct error *err)
 {
-    return file_is_missing(file) || (file_is_regular(file) && lies_below(file)) ||
+    bool below = false;
+    if (file_is_missing(file))
+        return true;
+    if (file_is_regular(file) && !find_below(file, &below, err))
+        return false;
+    return below ||
            error_usage(err,
                        "%s names %.500s, which is no file below this folder; --trust reads it "
                        "nevertheless",

@@ -168,9 +168,9 @@ static bool report(const struct options *options, const struct plan *plan,
     const char *wanted = output->discard ? NULL : output->path;
     const char *stored = agreed || output->keep ? wanted : NULL;
     /* the JSON, the stack itself (-o -) or the map may use standard output */
-    FILE *table = options_table(options, output->check_map && output_is_stream(output->check_map)
-                                             ? output->check_map
-                                             : stored);
+    const int table = options_table(
+        options,
+        output->check_map && output_is_stream(output->check_map) ? output->check_map : stored);
     if (options->json && !write_json(options, plan, result, stored, output->outputs, err))
         return false;
     struct printed printed = {.text = NULL};
