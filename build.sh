@@ -153,6 +153,7 @@ case "${*:-build}" in
 build) build ;;
 run) build; first_minute ;;
 test | 'test '* | bench | 'bench effects') . test/run.sh ;;
+fuzz | 'fuzz '*) . test/fuzz/fuzz.sh; shift; fuzz "$@" ;;
 static) . raster/gl/static.sh; static_program ;;
 dist) . raster/gl/static.sh; dist ;;
 'install '?*) [ $# = 2 ] || refuse; build; . data/install.sh; install_program "$2" ;;
