@@ -53,14 +53,14 @@ fuzz_targets() { grep -oE '[{]"[a-z]+", fuzz_' test/fuzz/fuzz.c | cut -d '"' -f 
 # fuzz_seeds TARGET prints the files that a target begins with, beside those that are kept.
 fuzz_seeds() {
     case $1 in
-    scene) find data/builtin/scenes data/samples test/cases -name '*.scene' ;;
+    scene) find data/builtin/scenes data/samples test/cases "$made" -name '*.scene' ;;
     list) find data/builtin/materials test/cases/bad -name '*.list' ;;
     material) find data/builtin/materials test/cases/bad/materials -name '*.txt' ;;
     table) find data/builtin/tables data/builtin/daylight data/samples test/cases/bad/tables -name '*.csv' -o -name '*.txt' ;;
     mesh) find data/builtin/models data/samples test/cases/bad/meshes -name '*.obj' ;;
-    mtl) find test/cases/bad/maps -name '*.mtl' ;;
-    map) find data/builtin/models test/cases/bad/maps -name '*.map' ;;
-    matrix) find test/cases/bad/matrices -name '*.csv' ;;
+    mtl) find test/cases/bad/maps "$made" -name '*.mtl' ;;
+    map) find data/builtin/models test/cases/bad/maps "$made" -name '*.map' ;;
+    matrix) find test/cases/bad/matrices "$made" -name '*.csv' ;;
     texture) find data/builtin/textures test/cases/bad/textures "$made" -name '*.tif' ;;
     stack) find "$made" -name 'stack-*' ;;
     foreign) find "$made" -name 'foreign-*' ;;
@@ -68,7 +68,7 @@ fuzz_seeds() {
     esac
 }
 
-# fuzz_words TARGET prints the words of its sources as a dictionary: each string without blanks, '%' and '\'.
+# fuzz_words TARGET prints the words of its sources as a dictionary: each string of ASCII without blanks, '%' and '\'.
 fuzz_words() {
     case $1 in
     scene) words='data/scene data/material data/mesh/shape.c data/spectra' ;;
@@ -80,7 +80,7 @@ fuzz_words() {
     stack | foreign) words='data/tiff data/envi data/record data/stack data/method' ;;
     line) words='spectral.c data/method data/colour data/develop data/compare data/spectra data/scene' ;;
     esac
-    find $words -name '*.c' | xargs grep -hv '^#' | grep -oE '"[^"%\\ ]{1,32}"' | sort -u
+    find $words -name '*.c' | xargs grep -hv '^#' | grep -oE '"[!#$&-Z^-~]{1,32}"' | sort -u
 }
 
 # Writes stacks of this program, files of others and command lines below the folder $made.

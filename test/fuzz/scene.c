@@ -86,7 +86,7 @@ void fuzz_map(const struct fuzz_input *input)
 {
     static const char format[] =
         "material a { diffuse 0.5 }\nmaterial b bricks.txt\nlight d65 1 direction 0 0 1\n"
-        "object mesh chair materials %s\nobject mesh house.obj materials %s\n";
+        "object mesh chair materials %s\nobject mesh meshes/two.obj materials %s\n";
     char map[FUZZ_PATH], path[FUZZ_PATH], scene[sizeof format + 2 * FUZZ_PATH];
     fuzz_write(".map", input->bytes, input->length, map);
     snprintf(scene, sizeof scene, format, map, map);

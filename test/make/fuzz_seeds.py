@@ -1,10 +1,12 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Writes small stacks as other programs write them, for test/fuzz to begin with: all compressions and layouts of
-GDAL's TIFF driver, and ENVI cubes, each as its header, a NUL, and its samples.
+"""Writes inputs for test/fuzz to begin with: the blocks of the pages for users, and small stacks as other programs write
+them: all compressions and layouts of GDAL's TIFF driver, and ENVI cubes, each as its header, a NUL, and its samples.
 
     test/make/fuzz_seeds.py FOLDER"""
+import glob
 import os
+import re
 import sys
 
 import numpy as np
@@ -48,7 +50,22 @@ def cube(path, kind, interleave, more=""):
         file.write(head.encode() + b"\0" + samples(kind).transpose(order).tobytes())
 
 
+def blocks(folder):
+    """The blocks of README and data/doc that are files of some kind."""
+    for page_path in ["README.md", *sorted(glob.glob("data/doc/*.md"))]:
+        with open(page_path, encoding="utf-8") as file:
+            found = re.findall(r"^```(scene|csv|mtl|map)\b[^\n]*\n(.*?)^```", file.read(), re.MULTILINE | re.DOTALL)
+        for i, (kind, text) in enumerate(found):
+            with open(f"{folder}/{os.path.basename(page_path)[:-3]}-{i}.{kind}", "w", encoding="utf-8") as file:
+                file.write(text)
+    with open(f"{folder}/entries.mtl", "w", encoding="utf-8") as file:
+        file.write("newmtl a\nKa 0 0 0\nKd 0.8 0.5 0.1\nKs 0.1 0.2 0.3\nKe 0 0 0.5\nNs 20\nillum 2\nnewmtl b\nKd 1 1 1\n")
+    with open(f"{folder}/parts.map", "w", encoding="utf-8") as file:
+        file.write('# parts\na material a\n"b c" mtl maps/mtl-entry-twice.mtl\n* material b\n')
+
+
 def main(folder):
+    blocks(folder)
     def path(name):
         return os.path.join(folder, name)
     compressions = ["NONE", "LZW", "DEFLATE", "PACKBITS", "JPEG", "ZSTD", "LZMA", "WEBP", "LERC"]
