@@ -154,6 +154,8 @@ build) build ;;
 run) build; first_minute ;;
 test | 'test '* | bench | 'bench effects') . test/run.sh ;;
 fuzz | 'fuzz '*) . test/fuzz/fuzz.sh; shift; fuzz "$@" ;;
+sanitize) . test/sanitize.sh; sanitize ;;
+coverage) . test/coverage.sh; coverage ;;
 static) . raster/gl/static.sh; static_program ;;
 dist) . raster/gl/static.sh; dist ;;
 'install '?*) [ $# = 2 ] || refuse; build; . data/install.sh; install_program "$2" ;;
