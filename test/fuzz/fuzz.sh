@@ -128,14 +128,21 @@ run_fuzzer() {
         "$@" </dev/null
 }
 
-# unpack TARGET puts its kept inputs and seeds into $BUILD/fuzz/TARGET, which also keeps what was found before.
+# unpack TARGET puts its kept inputs into the empty folder $BUILD/fuzz/kept.
 unpack() {
-    mkdir -p "$BUILD/fuzz/found" "$BUILD/fuzz/$1"
-    find $fuzz_kept/$1 -type f ! -name kept.tar.gz -exec cp {} "$BUILD/fuzz/$1" \; 2>/dev/null || :
-    [ ! -f $fuzz_kept/$1/kept.tar.gz ] || tar -C "$BUILD/fuzz/$1" -xzf $fuzz_kept/$1/kept.tar.gz
+    rm -rf "$BUILD/fuzz/kept"
+    mkdir -p "$BUILD/fuzz/found" "$BUILD/fuzz/kept"
+    find $fuzz_kept/$1 -type f ! -name kept.tar.gz -exec cp {} "$BUILD/fuzz/kept" \; 2>/dev/null || : # none yet
+    [ ! -f $fuzz_kept/$1/kept.tar.gz ] || tar -C "$BUILD/fuzz/kept" -xzf $fuzz_kept/$1/kept.tar.gz
+}
+
+# prepare_target TARGET fills $BUILD/fuzz/TARGET, which keeps what earlier runs found, and writes its words.
+prepare_target() {
+    mkdir -p "$BUILD/fuzz/$1"
     fuzz_seeds $1 | while read -r file; do
         cp "$file" "$BUILD/fuzz/$1/$(echo "$file" | tr / _)"
     done
+    cp -R "$BUILD/fuzz/kept/." "$BUILD/fuzz/$1"
     fuzz_words $1 >"$BUILD/fuzz/$1.dict"
 }
 
@@ -148,7 +155,7 @@ keep() {
         gzip -9n >$fuzz_kept/$1/kept.tar.gz
 }
 
-# fuzz [SECONDS|keep] [TARGET...]
+# fuzz [SECONDS|keep] [TARGET...]: 0 seconds only read the kept inputs again; keep: replaces them
 fuzz() {
     seconds=60
     case ${1:-} in
@@ -160,16 +167,19 @@ fuzz() {
         echo "$all" | grep -qx -- "$target" || refuse "build.sh: there is no target '$target'; the targets are:
 $all"
     done
-    make_seeds
+    [ "$seconds" = 0 ] || make_seeds
     build_fuzzer
     open_folder
     for target in ${*:-$all}; do
         unpack $target
-        if [ $seconds = keep ]; then
-            keep $target
-        else
+        case $seconds in
+        0) run_fuzzer $target -runs=0 "$BUILD/fuzz/kept" ;;
+        keep) prepare_target $target; keep $target ;;
+        *)
+            prepare_target $target
             echo "fuzzing $target for $seconds seconds"
             run_fuzzer $target -max_total_time=$seconds -dict="$BUILD/fuzz/$target.dict" "$BUILD/fuzz/$target"
-        fi
+            ;;
+        esac
     done
 }
