@@ -4,7 +4,7 @@
 # program under valgrind; build.sh reads this for `sanitize`. The first finding ends it: a wrong access, a
 # leak, undefined behaviour, a number that a cast changes, a value that depends on memory never written.
 sanitize_packages='clang libclang-rt-dev libomp-dev valgrind perl'
-sanitizers='-g -O1 -fno-omit-frame-pointer -fsanitize=address,undefined,float-cast-overflow,implicit-conversion
+sanitizers='-g -O2 -fno-omit-frame-pointer -fsanitize=address,undefined,float-cast-overflow,implicit-conversion
   -fno-sanitize-recover=all'
 sanitize_size='--size 48x32 --wavelengths 400:700:50'
 
@@ -84,7 +84,7 @@ sanitize() {
     program=$BUILD/sanitize/spectral
     mkdir -p "$out"
     export ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1 \
-        LSAN_OPTIONS=suppressions=test/sanitize.leaks:print_suppressions=0 UBSAN_OPTIONS=print_stacktrace=1 \
+        LSAN_OPTIONS=suppressions=$PWD/test/sanitize.leaks:print_suppressions=0 UBSAN_OPTIONS=print_stacktrace=1 \
         OMP_WAIT_POLICY=passive
     BUILD=$BUILD/sanitize CC=clang CFLAGS=$sanitizers CPPFLAGS=$sanitizers ./build.sh test \
         $(find test -name 'test_*.c' | sed 's:.*/::; s:[.]c$::' | sort)
