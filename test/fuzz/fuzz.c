@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* What all fuzz targets share: their table, files, and the rules that hold for each result. */
+/* The table of the fuzz targets, their files, and the rules that hold for each result. */
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# shellcheck shell=sh disable=SC1091,SC2034,SC2046,SC2086,SC2154
+# shellcheck shell=sh disable=SC1091,SC2034,SC2046,SC2048,SC2086,SC2154,SC2164
 # Fuzzing: libFuzzer of clang changes inputs at random, keeps those that reach new code, and stops at the
 # first that breaks a rule of the sanitizers or of the target; build.sh reads this for `fuzz`. The code and
 # libtiff, from Debian's source, are built with AddressSanitizer and UndefinedBehaviorSanitizer. A target is
@@ -80,7 +80,7 @@ fuzz_words() {
     stack | foreign) words='data/tiff data/envi data/record data/stack data/method' ;;
     line) words='spectral.c data/method data/colour data/develop data/compare data/spectra data/scene' ;;
     esac
-    find $words -name '*.c' | xargs grep -hv '^#' | grep -oE '"[!#$&-Z^-~]{1,32}"' | sort -u
+    find $words -name '*.c' -exec grep -hv '^#' {} + | grep -oE '"[!#$&-Z^-~]{1,32}"' | sort -u
 }
 
 # Writes stacks of this program, files of others and command lines below the folder $made.

@@ -3,6 +3,7 @@
 # Inputs that fuzzing has kept (test/fuzz/corpus), a few hundred for each reader: they reach nearly all of its
 # code. Each is read again; whatever it is, the reader gives a result or one message. With FULL=1 the
 # sanitizers watch, and libtiff's code too.
+# shellcheck disable=SC2013 # names are words
 . test/run/tap.sh
 FUZZ_FOLDER=$(mktemp -d /dev/shm/spectral-replay.XXXXXX 2>/dev/null || mktemp -d)
 export FUZZ_FOLDER
