@@ -83,7 +83,7 @@ sanitize() {
     out=$BUILD/sanitize/out
     program=$BUILD/sanitize/spectral
     mkdir -p "$out"
-    export ASAN_OPTIONS=detect_stack_use_after_return=1:strict_string_checks=1 \
+    export ASAN_OPTIONS=detect_stack_use_after_return=1 \
         LSAN_OPTIONS=suppressions=$PWD/test/sanitize.leaks:print_suppressions=0 UBSAN_OPTIONS=print_stacktrace=1 \
         OMP_WAIT_POLICY=passive
     BUILD=$BUILD/sanitize CC=clang CFLAGS=$sanitizers CPPFLAGS=$sanitizers ./build.sh test \
