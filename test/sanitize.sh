@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 # shellcheck shell=sh disable=SC1091,SC2034,SC2046,SC2086,SC2154
-# The unit tests and all commands on all built-in scenes under the sanitizers of clang, and the static
-# program under valgrind; build.sh reads this for `sanitize`. The first finding ends it: a wrong access, a
+# The unit tests and all commands on all built-in scenes under the sanitizers of clang, and the code of
+# the static program under valgrind; build.sh reads this for `sanitize`. The first finding ends it: a wrong access, a
 # leak, undefined behaviour, a number that a cast changes, a value that depends on memory never written.
 sanitize_packages='clang libclang-rt-dev libomp-dev valgrind perl'
 sanitizers='-g -O2 -fno-omit-frame-pointer -fsanitize=address,undefined,float-cast-overflow,implicit-conversion
@@ -64,19 +64,31 @@ sanitize_commands() {
     clean $program cost patches --size 24x16 --tolerance 1dE00 --csv "$out/cost.csv" --svg "$out/cost.svg" -q
 }
 
-# Valgrind sees values that were never written, which the sanitizers do not.
-sanitize_static() {
+# Makes the static program with one change: the C library is shared, since valgrind can only watch the
+# allocations of a shared one. All else is the same objects and the same libraries, OSMesa and libtiff too.
+build_for_valgrind() {
     . raster/gl/static.sh
-    static_program
+    prepare
+    find_static_libraries
+    find_openmp
+    parts=$(versions $static_packages)
+    compile obj-static "$CFLAGS" $sources "$BUILD/builtin.c"
+    libraries="-Wl,-Bstatic $(echo "$libraries" | sed 's/-static-pie//; s/-lm$/-Wl,-Bdynamic -lm/')"
+    link sanitize/valgrind $objects
+}
+
+# Valgrind sees values that were never written, which the sanitizers do not.
+sanitize_static() (
+    build_for_valgrind
     for scene in patches room fluorescence; do
-        echo "running the static program under valgrind: $scene"
+        echo "running render and develop of $scene under valgrind"
         for words in "render $scene --size 16x12 --wavelengths 400:700:150 -q -o $out/static.tif" \
             "develop $out/static.tif -q -o $out/static.png"; do
-            clean valgrind -q --error-exitcode=99 --soname-synonyms=somalloc=NONE --leak-check=full \
-                --errors-for-leak-kinds=definite --suppressions=test/sanitize.supp "$BUILD/spectral-static.symbols" $words
+            clean valgrind -q --error-exitcode=99 --leak-check=full --show-leak-kinds=definite \
+                --errors-for-leak-kinds=definite --suppressions=test/sanitize.supp "$BUILD/sanitize/valgrind" $words
         done
     done
-}
+)
 
 sanitize() {
     need $sanitize_packages
