@@ -9,10 +9,11 @@
 #include "test/fuzz/fuzz.h"
 
 static const struct fuzz_target targets[] = {
-    {"scene", fuzz_scene}, {"list", fuzz_list},       {"material", fuzz_material},
-    {"table", fuzz_table}, {"mesh", fuzz_mesh},       {"mtl", fuzz_mtl},
-    {"map", fuzz_map},     {"matrix", fuzz_matrix},   {"texture", fuzz_texture},
-    {"stack", fuzz_stack}, {"foreign", fuzz_foreign}, {"line", fuzz_line},
+    {"scene", fuzz_scene},   {"list", fuzz_list},     {"material", fuzz_material},
+    {"table", fuzz_table},   {"mesh", fuzz_mesh},     {"mtl", fuzz_mtl},
+    {"map", fuzz_map},       {"matrix", fuzz_matrix}, {"texture", fuzz_texture},
+    {"record", fuzz_record}, {"stack", fuzz_stack},   {"foreign", fuzz_foreign},
+    {"line", fuzz_line},
 };
 
 const struct fuzz_target *fuzz_target(const char *name)

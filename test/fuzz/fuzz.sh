@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-# shellcheck shell=sh disable=SC1091,SC2034,SC2046,SC2048,SC2086,SC2154,SC2164
+# shellcheck shell=sh disable=SC1091,SC2012,SC2034,SC2046,SC2048,SC2086,SC2154,SC2164
 # Fuzzing: libFuzzer of clang changes inputs at random, keeps those that reach new code, and stops at the
 # first that breaks a rule of the sanitizers or of the target; build.sh reads this for `fuzz`. The code and
 # libtiff, from Debian's source, are built with AddressSanitizer and UndefinedBehaviorSanitizer. A target is
@@ -11,8 +11,9 @@ fuzz_packages='clang libclang-rt-dev dpkg-dev make autoconf automake libtool lib
 fuzz_sanitizers='-g -O1 -fno-omit-frame-pointer -fsanitize=fuzzer-no-link,address,undefined'
 own_sanitizers="$fuzz_sanitizers -fsanitize=float-cast-overflow,implicit-conversion -fno-sanitize-recover=all"
 # An allocation above 256 MB fails, as on a machine that has no more: large pictures are legitimate, but
-# would take the time of thousands of inputs. So may an input that takes 10 s; the slowest good one takes 1.
-fuzz_limits='-timeout=10 -rss_limit_mb=2560 -detect_leaks=1'
+# would take the time of thousands of inputs. No input may take 25 s; the slowest good one takes less than 1 s,
+# but the machine may be busy.
+fuzz_limits='-timeout=25 -rss_limit_mb=2560 -detect_leaks=1'
 export ASAN_OPTIONS=allocator_may_return_null=1:max_allocation_size_mb=256:detect_stack_use_after_return=0
 fuzz_kept=test/fuzz/corpus # kept inputs: TARGET/kept.tar.gz, and beside it those that once failed
 
@@ -64,6 +65,7 @@ fuzz_seeds() {
     texture) find data/builtin/textures test/cases/bad/textures "$made" -name '*.tif' ;;
     stack) find "$made" -name 'stack-*' ;;
     foreign) find "$made" -name 'foreign-*' ;;
+    record) find "$made" -name 'record-*' ;;
     line) find "$made" -name 'line-*' ;;
     esac
 }
@@ -77,6 +79,7 @@ fuzz_words() {
     table | matrix) words='data/spectra' ;;
     mesh) words=data/mesh/obj.c ;;
     texture) words=data/tiff ;;
+    record) words='data/record data/stack/tags.c data/method' ;;
     stack | foreign) words='data/tiff data/envi data/record data/stack data/method' ;;
     line) words='spectral.c data/method data/colour data/develop data/compare data/spectra data/scene' ;;
     esac
@@ -126,6 +129,17 @@ run_fuzzer() {
     case $FUZZ_TARGET in texture | stack | foreign) most=16384 ;; *) most=4096 ;; esac
     "$BUILD/fuzz/fuzz" $fuzz_limits -max_len=$most -print_final_stats=1 -artifact_prefix="$BUILD/fuzz/found/$FUZZ_TARGET-" \
         "$@" </dev/null
+}
+
+# Ends the fuzzing of a target that failed: makes its input smaller, where it can, and names it.
+end_failed() {
+    found=$(ls -t "$BUILD/fuzz/found/$1"-* | head -n 1)
+    echo "making $found smaller"
+    run_fuzzer $1 -minimize_crash=1 -max_total_time=60 -exact_artifact_path="$found.small" "$found" >"$BUILD/fuzz/small.log" 2>&1 || :
+    [ -f "$found.small" ] || cp "$found" "$found.small"
+    echo "the input that fails is $found.small; to see it fail again:
+FUZZ_FOLDER=$BUILD FUZZ_TARGET=$1 $BUILD/fuzz/fuzz $found.small"
+    exit 1
 }
 
 # unpack TARGET puts its kept inputs into the empty folder $BUILD/fuzz/kept.
@@ -178,7 +192,8 @@ $all"
         *)
             prepare_target $target
             echo "fuzzing $target for $seconds seconds"
-            run_fuzzer $target -max_total_time=$seconds -dict="$BUILD/fuzz/$target.dict" "$BUILD/fuzz/$target"
+            run_fuzzer $target -max_total_time=$seconds -dict="$BUILD/fuzz/$target.dict" "$BUILD/fuzz/$target" ||
+                end_failed $target
             ;;
         esac
     done

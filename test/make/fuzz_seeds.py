@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Writes inputs for test/fuzz to begin with: the blocks of the pages for users, and small stacks as other programs write
-them: all compressions and layouts of GDAL's TIFF driver, and ENVI cubes, each as its header, a NUL, and its samples.
+"""Writes inputs for test/fuzz to begin with: the blocks of the pages for users, the records of stacks that lie there, and small
+stacks as other programs write them: all compressions and layouts of GDAL's TIFF driver, and ENVI cubes, each as its header, a NUL, and its samples.
 
     test/make/fuzz_seeds.py FOLDER"""
 import glob
@@ -64,8 +64,18 @@ def blocks(folder):
         file.write('# parts\na material a\n"b c" mtl maps/mtl-entry-twice.mtl\n* material b\n')
 
 
+def records(folder):
+    """The descriptions of the stacks in the folder, which hold their records; '-' before those without wavelengths."""
+    for stack in glob.glob(f"{folder}/stack-*.tif"):
+        text = gdal.Open(stack).GetMetadataItem("TIFFTAG_IMAGEDESCRIPTION")
+        mark = "-" if "components: yes" in text else "+"
+        with open(stack.replace("/stack-", "/record-").replace(".tif", ""), "w", encoding="utf-8") as file:
+            file.write(mark + text)
+
+
 def main(folder):
     blocks(folder)
+    records(folder)
     def path(name):
         return os.path.join(folder, name)
     compressions = ["NONE", "LZW", "DEFLATE", "PACKBITS", "JPEG", "ZSTD", "LZMA", "WEBP", "LERC"]
