@@ -43,7 +43,7 @@ build_fuzzer() {
     find_sources
     set -- $sources
     shift # spectral.c, which test/fuzz/line.c includes
-    compile fuzz/objects "-isystem $library/include $own_sanitizers" "$@" "$BUILD/builtin.c" \
+    compile fuzz/objects "-Werror -isystem $library/include $own_sanitizers" "$@" "$BUILD/builtin.c" \
         $(find test/fuzz -name '*.c' ! -name replay.c | sort)
     link fuzz/fuzz $objects
 }
