@@ -4,6 +4,9 @@
 #   build                  makes the program, build/spectral; the same without a COMMAND
 #   run                    makes it, and with it colorchecker.tif, colorchecker.png and colorchecker.html
 #   test [full] [NAME...]  runs all tests, or those named, such as test_text or cli; full: longer ones
+#   fuzz [SECONDS] [TARGET...]  changes inputs of readers at random, so long for each target (60 seconds)
+#   sanitize               unit tests and all commands under the sanitizers of clang, and under valgrind
+#   coverage               prints the lines that no test runs
 #   bench [effects]        measures the seconds of a large picture, or of each effect
 #   static                 makes build/spectral-static, which needs nothing but a Linux kernel
 #   dist                   makes a release archive around the static program
@@ -15,7 +18,7 @@
 
 # Other scripts have the libraries (data/libraries.sh), the files that are compiled in (data/builtin.sh),
 # install and uninstall (data/install.sh), the static program and the release (raster/gl/static.sh), the tests
-# (test/run.sh). Lists are split on purpose.
+# (test/run.sh, test/fuzz/fuzz.sh, test/sanitize.sh, test/coverage.sh). Lists are split on purpose.
 # shellcheck disable=SC1091,SC2015,SC2016,SC2034,SC2046,SC2086,SC2154
 set -eu
 export LC_ALL=C
@@ -162,6 +165,9 @@ case "${*:-build}" in
 build) build ;;
 run) build; first_minute ;;
 test | 'test '* | bench | 'bench effects') . test/run.sh ;;
+fuzz | 'fuzz '*) . test/fuzz/fuzz.sh; shift; fuzz "$@" ;;
+sanitize) . test/sanitize.sh; sanitize ;;
+coverage) . test/coverage.sh; coverage ;;
 static) . raster/gl/static.sh; static_program ;;
 dist) . raster/gl/static.sh; dist ;;
 'install '?*) [ $# = 2 ] || refuse; build; . data/install.sh; install_program "$2" ;;

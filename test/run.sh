@@ -85,10 +85,17 @@ build_tests() (
         link "test/$name" "$object" "$LIBRARY"
     done
     ! chosen_need 'FAULTS|MUTANT' || build_faults
+    ! chosen_need REPLAY || build_replay
 )
 
 # build_preloaded SOURCE LIBRARY: a library for LD_PRELOAD
 build_preloaded() { $CC $warnings -Werror $CPPFLAGS -O1 $language -shared -fPIC $LDFLAGS "$1" -o "$2" -ldl; }
+
+# The fuzz targets (test/fuzz), which read files given to them.
+build_replay() {
+    compile test/fuzz '-O1 -Werror -fPIE' $(find test/fuzz -name '*.c' ! -name driver.c | sort)
+    link test/replay $objects "$LIBRARY"
+}
 
 build_faults() {
     build_preloaded test/oracle/fault.c "$FAULTS"
@@ -117,12 +124,12 @@ run_tests() {
     choose "$@"
     build
     export SPECTRAL="$BUILD/spectral" STATIC="$BUILD/spectral-static" TEST_TMP="$BUILD/tmp" BUILD \
-        FAULTS="$BUILD/test/fault.so" FAIL_LIBRARY="$BUILD/test/fail.so" LIBRARY="$BUILD/test/library.a"
+        FAULTS="$BUILD/test/fault.so" FAIL_LIBRARY="$BUILD/test/fail.so" LIBRARY="$BUILD/test/library.a" REPLAY="$BUILD/test/replay"
     export OMP_WAIT_POLICY=passive # threads that wait must not take the processor from the other test
     need perl $([ -z "$scripts" ] || echo $test_packages)
     mkdir -p "$TEST_TMP"
     ! chosen_need STATIC || static_program
-    if [ -n "$(programs)" ] || chosen_need 'LIBRARY|FAULTS|MUTANT'; then
+    if [ -n "$(programs)" ] || chosen_need 'LIBRARY|FAULTS|MUTANT|REPLAY'; then
         build_tests
     fi
     if chosen_need 'from attacked'; then

@@ -5,7 +5,7 @@
 # $MUTANT the program with all bounds a thousand times too wide. Scenes lie in test/cases/faults/.
 . test/run/tap.sh
 FAULTS=${FAULTS:-build/test/fault.so}
-MUTANT=${MUTANT:-build/test/spectral-mutant}
+MUTANT=${MUTANT:-${BUILD:-build}/test/spectral-mutant}
 FAULT_PASSES=$tmp/passes
 export FAULT_PASSES
 

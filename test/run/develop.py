@@ -662,7 +662,7 @@ def full_disks(stack):
     before = sorted(os.listdir(TMP))
 
     def limit():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (512, 512))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (512, resource.getrlimit(resource.RLIMIT_FSIZE)[1]))
     result = run(stack.path, "-o", os.path.join(TMP, "full.tif"), preexec_fn=limit, restore_signals=False)
     check(result.returncode == 3 and result.stderr.count(b"\n") == 1 and sorted(os.listdir(TMP)) == before,
           "a full disk gives exit 3, one line and no file", result.stderr)

@@ -19,7 +19,7 @@ SQUARES = """wavelengths 300 760 5
 size 300 200
 camera ortho 12
 light {light} 1 direction 0 0 1
-checker ../../../data/builtin/materials/{list} plane 5 5
+checker {list} plane 5 5
 """
 
 
@@ -72,7 +72,7 @@ def chromaticities(xyz):
 
 def check_illuminant_metamerism():
     """figure 28: a match under D65, none under A or the fluorescent tube"""
-    far = {light: distances(develop(squares("illuminant", "metamers/illuminant.list", light), "--lab"))
+    far = {light: distances(develop(squares("illuminant", "metamers/illuminant", light), "--lab"))
            for light in ("d65", "a", "fluorescent")}
     check(max(far["d65"]) < 0.5, "illuminant metamers match under D65", far["d65"])
     for light in ("a", "fluorescent"):
@@ -81,7 +81,7 @@ def check_illuminant_metamerism():
 
 def check_observer_metamerism():
     """figure 26: a match to a person, none to the camera or the film"""
-    stack = squares("observer", "metamers/observer.list", "d65")
+    stack = squares("observer", "metamers/observer", "d65")
     check(max(distances(develop(stack, "--lab"))) < 0.5, "observer metamers match to CIE 1931")
     for detector in ("dcs200-camera", "transparency-film"):
         far = distances(develop(stack, "--detector", detector))
@@ -92,7 +92,7 @@ def check_observer_metamerism():
 
 def check_fluorescence():
     """figure 30: a match under A, none under D65, a glow under ultraviolet, where the other half is almost black"""
-    stacks = {light: squares("fluorescence", "fluorescence.list", light) for light in ("a", "d65", "uv")}
+    stacks = {light: squares("fluorescence", "fluorescence", light) for light in ("a", "d65", "uv")}
     far = {light: distances(develop(stack, "--lab")) for light, stack in stacks.items()}
     check(max(far["a"]) < 0.5, "fluorescent and plain halves match under A", far["a"])
     check(min(far["d65"]) > 4, "fluorescent and plain halves differ under D65", far["d65"])
@@ -111,7 +111,7 @@ size 200 100
 camera ortho 8
 light d65 1 direction 0 0 1
 material plastic { diffuse 0.1 gloss 40 }
-material metal { diffuse 0.1 specular ../../../data/builtin/materials/colorchecker/16-yellow.txt gloss 40 }
+material metal { diffuse 0.1 specular colorchecker/16-yellow gloss 40 }
 object sphere 1.8 90 90 material plastic translate -2 0 0
 object sphere 1.8 90 90 material metal translate 2 0 0
 """)
@@ -128,7 +128,7 @@ def check_textures():
 size 100 100
 camera ortho 4
 light d65 1 direction 0 0 1
-material bark { diffuse ../../../data/builtin/materials/colorchecker/15-red.txt texture ../../../data/builtin/textures/bark.tif }
+material bark { diffuse colorchecker/15-red texture bark }
 object plane 4 4 material bark
 """)
     xyz = develop(render("textured", scene=scene), "--xyz")

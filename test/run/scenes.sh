@@ -48,7 +48,7 @@ cat >"$tmp/pairs.scene" <<'SCENE'
 size 300 200
 camera ortho 12
 light a 1 direction 0 0 1
-checker ../../../data/builtin/materials/fluorescence.list plane 5 5
+checker fluorescence plane 5 5
 SCENE
 halves() { # TRUTH NAME OPTION...
     truth=$1

@@ -352,12 +352,14 @@ static int write_full(const char *path)
 {
     static char large[1 << 20];
     struct error err = {0};
-    struct rlimit limit = {4096, 4096};
+    struct rlimit limit;
     pid_t child = fork();
     int ended;
     if (child == 0) {
         dup2(open("/dev/full", O_WRONLY), 1);
         signal(SIGXFSZ, SIG_IGN);
+        getrlimit(RLIMIT_FSIZE, &limit);
+        limit.rlim_cur = 4096;
         setrlimit(RLIMIT_FSIZE, &limit);
         _exit(file_write(path, large, sizeof large, NULL, &err) ? 0 : (int)err.status);
     }

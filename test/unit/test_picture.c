@@ -423,7 +423,7 @@ static void test_scale(void)
             wrong += same_colour(most, ldexp(0.25, other));
     }
     CHECK(wrong == 0, "each of 13 steps ends at a power of two, and has a colour of its own");
-    CHECK(same_colour(1025, HUGE_VAL) && same_colour(1025, NAN) && !same_colour(1024, 1025),
+    CHECK(same_colour(1025, HUGE_VAL) && same_colour(1025, (double)NAN) && !same_colour(1024, 1025),
           "numbers above the largest step and NaN share the last colour");
 }
 

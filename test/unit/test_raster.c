@@ -286,7 +286,7 @@ static void check_agreements(void)
 {
     const double ties[] = {0.5, 1.5, 2.5, 0.49999999, 32767.5, 65534.5, 65535, 0},
                  near[] = {0.5, 1.4999, 2.5001, 0.5, 32767.4, 65534.6, 65535.2, -0.3};
-    const double outside[] = {-1, 65536, 70000, 0, 65535.4, NAN, 3, 5, 1e300},
+    const double outside[] = {-1, 65536, 70000, 0, 65535.4, (double)NAN, 3, 5, 1e300},
                  beside[] = {0, 65535, 65534, -0.6, 65535.6, 0, 4.2, 3, 1e300};
     check_agreement("ties", ties, near, 8);
     check_agreement("ties, the other way round", near, ties, 8);

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: MIT */
+/* Fuzz target: a command line, each word of it on a line of the input; the first is the command.
+ * The tables are those of spectral.c. No command is run: it could replace any file. */
+#include <stdlib.h>
+#include <string.h>
+
+int spectral_main(int argc, char **argv);
+#define main spectral_main
+#include "spectral.c"
+#undef main
+
+#include "data/invocation/invocation.h"
+#include "test/fuzz/fuzz.h"
+
+enum { MOST_WORDS = 64 };
+
+/* Makes the changes of the scene that the options ask for. */
+static void change_scene(struct options *options)
+{
+    struct error err = {.status = EXIT_AGREED};
+    struct scene scene = {.path = NULL};
+    options->operand = "patches";
+    fuzz_ends(scene_read_options(options, &scene, &err), &err);
+    scene_free(&scene);
+}
+
+static void read_words(const struct command *command, char *const *words, int n_words)
+{
+    const struct option_rules rules = {command->name, &option_table, command->options,
+                                       command->n_operands};
+    struct error err = {.status = EXIT_AGREED};
+    struct options options;
+    if (fuzz_ends(options_read(&rules, words, n_words, &options, &err), &err) &&
+        (command->options & FOR_SCENES))
+        change_scene(&options);
+    options_free(&options);
+}
+
+void fuzz_line(const struct fuzz_input *input)
+{
+    struct error err = {.status = EXIT_AGREED};
+    char *line = strdup(input->bytes), *words[MOST_WORDS], *at = line;
+    int n = 0;
+    if (line == NULL)
+        return;
+    while (at != NULL && n < MOST_WORDS) {
+        words[n++] = at;
+        at = strchr(at, '\n');
+        if (at != NULL)
+            *at++ = '\0';
+    }
+    const struct command *command = find_command(words[0], &err);
+    if (fuzz_ends(command != NULL, &err))
+        read_words(command, words + 1, n - 1);
+    free(line);
+}

@@ -1,0 +1,153 @@
+/* SPDX-License-Identifier: MIT */
+/* Fuzz targets: pictures in. A stack of this program or of others, an ENVI cube, a texture. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/compare/compare.h"
+#include "data/develop/develop.h"
+#include "data/probe/probe.h"
+#include "data/stack/stack.h"
+#include "test/fuzz/fuzz.h"
+
+/* Good input may have any number of pixels; more of them reach no other code. */
+static bool is_small(const struct image *image)
+{
+    return (double)image->width * image->height * image->n_pages <= 1 << 16;
+}
+
+/* Reads all rows of all pages, a few at a time, and the numbers of the objects. */
+static bool read_rows(struct cube *cube, struct error *err)
+{
+    struct image *image = &cube->image;
+    const size_t width = (size_t)image->width;
+    float *row = malloc(3 * width * sizeof *row);
+    int *objects = malloc(width * sizeof *objects);
+    bool done = (row != NULL && objects != NULL) || error_memory(err);
+    for (int y = 0; done && y < image->height; y += 3)
+        for (int page = 0; done && page < image->n_pages; page++) {
+            const int rows = image->height - y < 3 ? image->height - y : 3;
+            done = image_read(image, page, y, rows, row, err);
+            for (size_t i = 0; done && i < (size_t)rows * width; i++)
+                fuzz_holds(isfinite(row[i]) && row[i] >= 0,
+                           "a radiance is finite, and not negative");
+        }
+    for (int y = 0; done && y < image->height; y++) {
+        done = cube_objects(cube, 0, y, image->width, objects, err);
+        for (int x = 0; done && x < image->width; x++)
+            fuzz_holds(objects[x] >= -1 && objects[x] <= cube->record.objects.n,
+                       "an object has a name");
+    }
+    free(row);
+    free(objects);
+    return done;
+}
+
+static void develop_stack(const char *path, const struct develop_options *options,
+                          const char *ending)
+{
+    struct error err = {.status = EXIT_AGREED};
+    struct develop_result result;
+    char picture[FUZZ_PATH];
+    fuzz_write(ending, "", 0, picture);
+    fuzz_ends(develop(path, picture, options, &result, &err), &err);
+}
+
+static void probe_pixel(const char *path)
+{
+    const struct probe_options options = {0, 0, 1, 1, "cie1931", NULL};
+    struct error err = {.status = EXIT_AGREED};
+    struct probe probe = {.source = NULL};
+    if (fuzz_ends(probe_stack(path, &options, &probe, &err), &err)) {
+        FILE *nowhere = fuzz_nowhere();
+        probe_print(&probe, nowhere);
+        fclose(nowhere);
+    }
+    probe_free(&probe);
+}
+
+static void compare_with_itself(const char *path)
+{
+    const struct compare_options options = {"cie1931", .threads = 1};
+    struct error err = {.status = EXIT_AGREED};
+    struct comparison comparison = {0};
+    if (fuzz_ends(compare(path, path, &options, &comparison, &err), &err))
+        fuzz_holds(comparison.all.largest == 0, "a stack does not differ from itself");
+    comparison_free(&comparison);
+}
+
+static void develop_colour(const char *path)
+{
+    const struct develop_options options = {"cie1931", .bits = 16, .threads = 1};
+    develop_stack(path, &options, ".png");
+}
+
+static void develop_sampled(const char *path)
+{
+    const struct sampling_method gauss = {.kind = SAMPLING_GAUSS, .count = 5};
+    const struct develop_options options = {
+        "cie1964",    {ADAPTATION_CAT16, 0}, .white = "d65", .exposure = 1, .values = DEVELOP_LAB,
+        .threads = 1, .sampling = &gauss};
+    develop_stack(path, &options, ".developed.tif");
+}
+
+/* Reads everything, and then does what one of the commands does, which the last byte chooses: all
+ * of them would take four times as long. */
+static void read_stack(const char *path, const struct fuzz_input *input)
+{
+    void (*const commands[])(const char *) = {develop_colour, develop_sampled, probe_pixel,
+                                              compare_with_itself};
+    const unsigned char last =
+        (unsigned char)input->bytes[input->length > 0 ? input->length - 1 : 0];
+    struct error err = {.status = EXIT_AGREED};
+    struct cube cube = {.components = false};
+    const bool opened = cube_open(path, &cube, &err), small = opened && is_small(&cube.image);
+    fuzz_ends(opened && (!small || read_rows(&cube, &err)), &err);
+    cube_close(&cube);
+    if (small)
+        commands[last % 4](path);
+}
+
+void fuzz_stack(const struct fuzz_input *input)
+{
+    char path[FUZZ_PATH];
+    fuzz_write(".tif", input->bytes, input->length, path);
+    read_stack(path, input);
+}
+
+/* A TIFF, or an ENVI header and, behind a NUL, the samples. */
+void fuzz_foreign(const struct fuzz_input *input)
+{
+    const char *end = memchr(input->bytes, '\0', input->length);
+    char path[FUZZ_PATH];
+    if (strncmp(input->bytes, "ENVI", 4) != 0 || end == NULL) {
+        fuzz_stack(input);
+        return;
+    }
+    fuzz_write(".hdr", input->bytes, (size_t)(end - input->bytes), path);
+    fuzz_write(".img", end + 1, input->length - (size_t)(end + 1 - input->bytes), path);
+    read_stack(path, input);
+}
+
+static void read_texture(const char *path, bool spectral)
+{
+    static const double nm[] = {300, 500.5, 9000};
+    struct error err = {.status = EXIT_AGREED};
+    struct texture texture = {.spectral = spectral, .linear = spectral};
+    if (fuzz_ends(texture_read(path, (struct place){0}, &texture, &err), &err) &&
+        fuzz_ends(texture_load(&texture, nm, 3, &err), &err)) {
+        const size_t n = (size_t)texture.image.width * (size_t)texture.image.height;
+        for (size_t i = 0; texture.plane[0] != NULL && i < n; i++)
+            fuzz_holds(texture.plane[0][i] >= 0 && (double)texture.plane[0][i] <= texture.largest,
+                       "a texel lies from 0 to the largest");
+    }
+    texture_free(&texture);
+}
+
+void fuzz_texture(const struct fuzz_input *input)
+{
+    char path[FUZZ_PATH];
+    fuzz_write(".texture.tif", input->bytes, input->length, path);
+    read_texture(path, false);
+    read_texture(path, true);
+}
