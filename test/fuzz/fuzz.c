@@ -67,10 +67,3 @@ void fuzz_write(const char *ending, const char *bytes, size_t length, char path[
     fuzz_holds(file >= 0 && write_all(file, bytes, length) && close(file) == 0,
                "the input is written to a file");
 }
-
-FILE *fuzz_nowhere(void)
-{
-    FILE *nowhere = fopen("/dev/null", "w");
-    fuzz_holds(nowhere != NULL, "/dev/null can be opened");
-    return nowhere;
-}

@@ -27,8 +27,6 @@ void fuzz_run(const struct fuzz_target *target, const unsigned char *bytes, size
 /* Writes bytes to a file of this process in $FUZZ_FOLDER, with this ending, and stores its path. */
 enum { FUZZ_PATH = 512 };
 void fuzz_write(const char *ending, const char *bytes, size_t length, char path[FUZZ_PATH]);
-/* Returns a stream to print to, which keeps nothing. */
-FILE *fuzz_nowhere(void);
 /* Aborts unless the truth holds. */
 void fuzz_holds(bool truth, const char *what);
 /* Aborts if a success has an error, or if a failure has no message of one line, or none of the

@@ -3,6 +3,8 @@
 #include <math.h>
 #include <string.h>
 
+#include <stdlib.h>
+
 #include "raster/bounds/bounds.h"
 #include "raster/notes/notes.h"
 #include "raster/plan/plan.h"
@@ -31,17 +33,17 @@ static bool plan_scene(const struct scene *scene, struct error *err)
     struct notes notes = {.list = NULL};
     struct lit_scene lit = {0};
     struct light_work work;
-    FILE *nowhere = fuzz_nowhere();
+    struct printed printed = {.text = NULL};
     struct json json;
     bool done = plan_make(scene, NULL, &options, &plan, err) &&
                 lit_make(&plan, driver_of(NULL), &lit, &work, err) && notes_make(&lit, &notes, err);
     if (done) {
-        done = plan_print(&plan, nowhere, err);
-        notes_print(&notes, nowhere);
+        done = plan_print(&plan, &printed, err);
+        notes_print(&notes, &printed);
         plan_json(&plan, &notes, &json);
-        done = json_write(&json, "/dev/null", err) && done;
+        done = json_write(&json, "/dev/null", NULL, err) && done;
     }
-    fclose(nowhere);
+    free(printed_end(&printed));
     lit_free(&lit);
     notes_free(&notes);
     plan_free(&plan);

@@ -8,6 +8,7 @@
 #include "data/develop/develop.h"
 #include "data/probe/probe.h"
 #include "data/stack/stack.h"
+#include "data/texture/texture.h"
 #include "test/fuzz/fuzz.h"
 
 /* Good input may have any number of pixels; more of them reach no other code. */
@@ -59,9 +60,9 @@ static void probe_pixel(const char *path)
     struct error err = {.status = EXIT_AGREED};
     struct probe probe = {.source = NULL};
     if (fuzz_ends(probe_stack(path, &options, &probe, &err), &err)) {
-        FILE *nowhere = fuzz_nowhere();
-        probe_print(&probe, nowhere);
-        fclose(nowhere);
+        struct printed printed = {.text = NULL};
+        probe_print(&probe, &printed);
+        free(printed_end(&printed));
     }
     probe_free(&probe);
 }
