@@ -36,7 +36,7 @@ bool develop_accepts_exposure(const char *option, const char *value, struct erro
 }
 
 /* Stores the sampling method in *method; out->sampling points to it. */
-static bool read_options(const struct options *options, struct sampling_method *method,
+static bool read_options(struct options *options, struct sampling_method *method,
                          struct develop_options *out, struct error *err)
 {
     *out =
@@ -48,6 +48,7 @@ static bool read_options(const struct options *options, struct sampling_method *
                                                           : DEVELOP_RGB,
                                  .bits = options->bits && strcmp(options->bits, "16") == 0 ? 16 : 8,
                                  .threads = options->threads,
+                                 .outputs = &options->outputs,
                                  .sampling = options->sampling ? method : NULL};
     if (options->xyz && options->lab)
         return error_usage(err, "--xyz and --lab exclude each other");

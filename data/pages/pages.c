@@ -241,7 +241,9 @@ static bool lay_out(struct pages *pages, page_tags *set_tags, const void *of, st
     good = good && (!fits || place_pages(tiff, &client));
     if (!close_tiff(tiff, &client, good) || !check_free_space(&pages->output, end, err))
         return false;
-    if (ftruncate(pages->output.descriptor, fits ? (off_t)end : 0) != 0)
+    int resized;
+    UNTIL_DONE(resized, ftruncate(pages->output.descriptor, fits ? (off_t)end : 0));
+    if (resized != 0)
         return error_system(err, "%s: cannot hold %" PRIu64 " bytes", pages->output.path, end);
     pages->big = pages->big || end > UINT32_MAX;
     return fits || lay_out(pages, set_tags, of, err);

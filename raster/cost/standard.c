@@ -9,10 +9,11 @@
  *
  * A float is off by up to 6e-8 of a radiance, which moves L*, a* and b* by some 1e-6. Only errors
  * of that size, of stacks of floats, are measured less exactly by this. */
-#include <errno.h>
+#include <fcntl.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "data/base/base.h"
 #include "data/colour/colour.h"
@@ -45,8 +46,9 @@ struct walk {
     struct standard standard;
     struct stack_rows rows;
     struct sight sight;
-    FILE *summary;
-    bool writes; /* writes the summary; otherwise reads it */
+    int summary;     /* its descriptor; -1: it is not open */
+    uint64_t passed; /* bytes of it so far */
+    bool writes;     /* writes the summary; otherwise reads it */
     int threads;
     struct standard_pixel *pixels; /* of a chunk */
     float *lattice;                /* [column][nm]: of a row of the lattice */
@@ -69,28 +71,32 @@ static bool open_walk(struct walk *walk, struct error *err)
         !rows_allocate(&walk->rows, chunk_samples, err) ||
         !sight_make(&walk->rows.cube, request->observer, &white, &walk->sight, err))
         return false;
-    errno = 0;
-    walk->summary = fopen(request->summary, walk->writes ? "wb" : "rb");
-    return walk->summary || error_system(err, "cannot open %s", request->summary);
+    UNTIL_DONE(walk->summary,
+               open(request->summary,
+                    (walk->writes ? O_WRONLY | O_CREAT | O_TRUNC : O_RDONLY) | O_CLOEXEC, 0600));
+    return walk->summary >= 0 || error_system(err, "cannot open %s", request->summary);
 }
 
 /* Writes n elements to the summary, or reads them. */
-static bool pass(const struct walk *walk, void *elements, size_t size, size_t n, struct error *err)
+static bool pass(struct walk *walk, void *elements, size_t size, size_t n, struct error *err)
 {
+    const size_t length = size * n;
     errno = 0;
-    const size_t passed = walk->writes ? fwrite(elements, size, n, walk->summary)
-                                       : fread(elements, size, n, walk->summary);
-    return passed == n || error_system(err, "cannot %s %s", walk->writes ? "write" : "read",
-                                       walk->request->summary);
+    const bool done =
+        walk->writes ? write_all(walk->summary, elements, length)
+                     : read_at(walk->summary, elements, length, walk->passed) == (ssize_t)length;
+    walk->passed += length;
+    return done || error_system(err, "cannot %s %s", walk->writes ? "write" : "read",
+                                walk->request->summary);
 }
 
-static bool pass_pixels(const struct walk *walk, struct error *err)
+static bool pass_pixels(struct walk *walk, struct error *err)
 {
     return pass(walk, walk->pixels, sizeof *walk->pixels,
                 (size_t)walk->rows.n * (size_t)walk->standard.width, err);
 }
 
-static bool pass_lattice(const struct walk *walk, struct error *err)
+static bool pass_lattice(struct walk *walk, struct error *err)
 {
     return pass(walk, walk->lattice, sizeof *walk->lattice,
                 (size_t)walk->standard.columns * (size_t)walk->standard.n_nm, err);
@@ -116,8 +122,7 @@ static bool allocate(struct walk *walk, struct error *err)
 
 static bool close_walk(struct walk *walk, struct error *err)
 {
-    errno = 0;
-    const bool closed = !walk->summary || fclose(walk->summary) == 0;
+    const bool closed = walk->summary < 0 || close(walk->summary) == 0 || errno == EINTR;
     rows_close(&walk->rows);
     sight_free(&walk->sight);
     free(walk->pixels);
@@ -223,7 +228,7 @@ static bool describe(struct walk *walk)
 
 bool standard_summarize(const struct standard_request *request, bool *lit, struct error *err)
 {
-    struct walk walk = {.request = request, .writes = true};
+    struct walk walk = {.request = request, .summary = -1, .writes = true};
     bool done = open_walk(&walk, err);
     *lit = done && describe(&walk);
     done =
@@ -340,7 +345,7 @@ static void conclude(const struct walk *walk, struct accuracy *out)
 bool standard_compare(const struct standard_request *request, struct accuracy *out,
                       struct error *err)
 {
-    struct walk walk = {.request = request};
+    struct walk walk = {.request = request, .summary = -1};
     const bool done = open_walk(&walk, err) && allocate(&walk, err) && find_synthesis(&walk, err) &&
                       walk_rows(&walk, compare_chunk, compare_lattice, err);
     if (done)

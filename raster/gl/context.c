@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT */
 /* OSMesa's contexts and the buffers that they draw into: floats, or counts of 8 or 16 bits. */
 #include <dirent.h>
+#include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <GL/osmesa.h>
 
@@ -65,14 +67,15 @@ static bool check_driver(const struct gl *gl, struct error *err)
 static bool is_of_llvmpipe(const char *task)
 {
     static const char prefix[] = "llvmpipe-";
-    char path[64], name[sizeof prefix] = "";
+    char path[64], name[sizeof prefix - 1];
+    int file;
     snprintf(path, sizeof path, "/proc/self/task/%.16s/comm", task);
-    FILE *file = fopen(path, "r");
-    if (!file)
+    UNTIL_DONE(file, open(path, O_RDONLY | O_CLOEXEC));
+    if (file < 0)
         return false;
-    const size_t got = fread(name, 1, strlen(prefix), file);
-    fclose(file);
-    return got == strlen(prefix) && strcmp(name, prefix) == 0;
+    const bool whole = read_at(file, name, sizeof name, 0) == (ssize_t)sizeof name;
+    close(file);
+    return whole && memcmp(name, prefix, sizeof name) == 0;
 }
 
 /* Where the system gives llvmpipe fewer threads than it asks for, Mesa 22.3.6 goes on, and then

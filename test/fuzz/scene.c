@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* Fuzz targets: a scene, and a list of materials, from the file to the plan and its notes. */
 #include <math.h>
-#include <string.h>
-
 #include <stdlib.h>
+#include <string.h>
 
 #include "raster/bounds/bounds.h"
 #include "raster/notes/notes.h"
