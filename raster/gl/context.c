@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <GL/osmesa.h>
@@ -63,42 +64,69 @@ static bool check_driver(const struct gl *gl, struct error *err)
 
 /* ---- the threads of llvmpipe ---- */
 
-/* Returns whether a thread of this process is one of llvmpipe's, by its name. */
-static bool is_of_llvmpipe(const char *task)
+enum { THREAD_NAME = 16 }; /* Linux cuts names of threads to 15 characters */
+
+/* Threads of this process: of llvmpipe, and those that have this thread's name, which a new thread
+ * has until it takes its own. */
+struct threads {
+    long of_llvmpipe, unnamed;
+};
+
+static void read_name(const char *task, char out[THREAD_NAME])
 {
-    static const char prefix[] = "llvmpipe-";
-    char path[64], name[sizeof prefix - 1];
+    char path[64];
     int file;
+    memset(out, 0, THREAD_NAME);
     snprintf(path, sizeof path, "/proc/self/task/%.16s/comm", task);
     UNTIL_DONE(file, open(path, O_RDONLY | O_CLOEXEC));
     if (file < 0)
-        return false;
-    const bool whole = read_at(file, name, sizeof name, 0) == (ssize_t)sizeof name;
+        return;
+    read_at(file, out, THREAD_NAME - 1, 0);
     close(file);
-    return whole && memcmp(name, prefix, sizeof name) == 0;
+}
+
+/* Returns false where they cannot be counted. */
+static bool count_threads(struct threads *out)
+{
+    static const char prefix[] = "llvmpipe-";
+    char own[THREAD_NAME], name[THREAD_NAME], self[24];
+    DIR *tasks = opendir("/proc/self/task");
+    *out = (struct threads){0, 0};
+    if (!tasks)
+        return false;
+    snprintf(self, sizeof self, "%ld", (long)getpid());
+    read_name(self, own);
+    for (const struct dirent *task; (task = readdir(tasks));) {
+        read_name(task->d_name, name);
+        out->of_llvmpipe += strncmp(name, prefix, strlen(prefix)) == 0;
+        out->unnamed += name[0] != '\0' && strcmp(name, own) == 0;
+    }
+    closedir(tasks);
+    return true;
 }
 
 /* Where the system gives llvmpipe fewer threads than it asks for, Mesa 22.3.6 goes on, and then
  * waits for ever: its fences count the threads that were asked for (lp_fence_create in lp_setup.c).
- */
-static bool has_threads(const struct gl *gl, struct error *err)
+ * Waits until each new thread has its name. `before`: before the first context. */
+static bool has_threads(const struct gl *gl, const struct threads *before, struct error *err)
 {
+    const struct timespec pause = {0, 2000000};
     const char *wanted = getenv("LP_NUM_THREADS");
     const long asked = wanted ? strtol(wanted, NULL, 10) : 0;
-    long n = 0;
-    DIR *tasks = opendir("/proc/self/task");
-    if (!tasks || strncmp(gl_renderer(gl), "llvmpipe", strlen("llvmpipe")) != 0) {
-        if (tasks)
-            closedir(tasks);
+    struct threads now = {0, 0};
+    if (strncmp(gl_renderer(gl), "llvmpipe", strlen("llvmpipe")) != 0)
         return true;
+    for (int i = 0; i < 5000; i++) {
+        /* llvmpipe has at most 16 threads, in later versions of Mesa at most 32 (LP_MAX_THREADS) */
+        if (!count_threads(&now) || now.of_llvmpipe >= asked || now.of_llvmpipe == 16 ||
+            now.of_llvmpipe == 32)
+            return true;
+        if (now.unnamed <= before->unnamed)
+            break;
+        nanosleep(&pause, NULL);
     }
-    for (const struct dirent *task; (task = readdir(tasks));)
-        n += is_of_llvmpipe(task->d_name);
-    closedir(tasks);
     errno = 0;
-    /* llvmpipe has at most 16 threads, from Mesa 22.0 on at most 32 (LP_MAX_THREADS) */
-    return n >= asked || n == 16 || n == 32 ||
-           error_system(err, "OpenGL has started %ld of its %ld threads", n, asked);
+    return error_system(err, "OpenGL has started %ld of its %ld threads", now.of_llvmpipe, asked);
 }
 
 /* ---- contexts ---- */
@@ -172,9 +200,11 @@ static bool open_context(struct gl *gl, struct error *err)
 {
     const struct plan *plan = gl->plan;
     const char *driver = only_driver ? only_driver : plan->options.gl_driver;
+    struct threads before;
     char threads[16];
     if (!allocate(gl, err))
         return false;
+    count_threads(&before);
     snprintf(threads, sizeof threads, "%d", plan->options.threads);
     setenv("LP_NUM_THREADS", threads, 0); /* for llvmpipe; a user's own configuration stands */
     if (driver)
@@ -184,7 +214,7 @@ static bool open_context(struct gl *gl, struct error *err)
         gl->numbers = create_context();
     if (!gl->context || (gl->steps && plan->options.check && !gl->numbers))
         return error_system(err, "OSMesa gives no context");
-    return gl_draw_into(gl, false, err) && check_driver(gl, err) && has_threads(gl, err);
+    return gl_draw_into(gl, false, err) && check_driver(gl, err) && has_threads(gl, &before, err);
 }
 
 bool gl_succeeded(struct error *err)

@@ -168,6 +168,17 @@ exits 2 "another check of OpenGL's pixels is refused" "$SPECTRAL" render --again
 exits 2 "a compiled-in stack is refused" "$SPECTRAL" render --again builtin:textures/picture.tif -o /dev/null
 says 'compiled in' "the message says that it is compiled in"
 
+# The link from the first page to the second one is damaged: for libtiff the file ends there.
+changed 'at = int.from_bytes(stack[4:8], "little"); at += 2 + 12 * int.from_bytes(stack[at:at + 2], "little"); stack[at:at + 4] = bytes(4)' \
+    "$tmp/gl.tif" "$tmp/lost.tif"
+for command in "develop $tmp/lost.tif -o $tmp/lost.png" "probe $tmp/lost.tif 1 1" "info $tmp/lost.tif" \
+    "compare $tmp/lost.tif $tmp/lost.tif"; do
+    # shellcheck disable=SC2086
+    exits 2 "${command%% *}: a stack that has lost pages is refused" "$SPECTRAL" $command
+    says 'it has 1 pages, but records [0-9]+; it was cut or damaged' "the message has both numbers of pages"
+done
+absent "$tmp/lost.png" "a stack that has lost pages"
+
 # The stack of a stranger may name any file.
 mkdir "$tmp/here"
 printf '%s\n' 'include "a folder/more.scene"' 'wavelengths 500 600 50' 'size 8 8' 'object sphere 1 9 9 material paint' >"$tmp/own.scene"
