@@ -148,6 +148,10 @@ static bool kept_fill(const struct envi *envi, struct error *err)
                  fitting = ((size_t)1 << 20) / row;
     const size_t n_rows = (size_t)kept->n_rows, width = (size_t)envi->header.layout.samples;
     const size_t most = fitting < 1 ? 1 : fitting < n_rows ? fitting : n_rows;
+    if (!memory_suffices((double)row * (double)most, envi->from, err,
+                         "%s: a row of %d samples in %d bands", envi->path,
+                         envi->header.layout.samples, envi->header.layout.bands))
+        return false;
     char *block = malloc(most * row);
     bool done = block != NULL || error_memory(err);
     for (size_t y = 0, n; done && y < n_rows; y += n) {

@@ -31,6 +31,11 @@ static bool planes_allocate(const struct plan *plan, struct planes *out, struct 
     for (int i = 0; i < plan->n_textures; i++)
         if (plan->textures[i].spectral && plan->textures[i].image.n_pages > out->n_pages)
             out->n_pages = plan->textures[i].image.n_pages;
+    /* of each value: a float, 2 bytes, and up to 2 when they are packed; 14 of each pixel */
+    const double n_values = (double)out->n_weights + out->n_pages;
+    if (!memory_suffices((double)out->n_pixels * (8 * n_values + 14), (struct place){NULL, 0, 0},
+                         err, "a page of %dx%d pixels", plan->scene->width, plan->scene->height))
+        return false;
     out->surface = calloc(out->n_pixels, sizeof *out->surface);
     out->values =
         calloc(out->n_pixels * (size_t)(out->n_weights + out->n_pages), sizeof *out->values);
