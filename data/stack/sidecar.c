@@ -117,7 +117,7 @@ char *sidecar_name(const char *stack)
 
 bool sidecar_can_open(const char *stack, struct error *err)
 {
-    if (!stack || output_is_standard(stack) || !(file_is_regular(stack) || file_is_missing(stack)))
+    if (!stack || output_is_stream(stack))
         return error_usage(err,
                            "--envi writes a header beside the stack; expected -o with the name of a"
                            " file, not %s",

@@ -107,22 +107,22 @@ static bool count_threads(struct threads *out)
 
 /* Where the system gives llvmpipe fewer threads than it asks for, Mesa 22.3.6 goes on, and then
  * waits for ever: its fences count the threads that were asked for (lp_fence_create in lp_setup.c).
- * Waits until each new thread has its name. `before`: before the first context. */
+ * A new thread may take a moment to name itself; as many threads for compute shaders never do.
+ * `before`: before the first context. */
 static bool has_threads(const struct gl *gl, const struct threads *before, struct error *err)
 {
     const struct timespec pause = {0, 2000000};
+    const int patience = 1000, most = 5000; /* pauses: without, and with a thread that is new */
     const char *wanted = getenv("LP_NUM_THREADS");
     const long asked = wanted ? strtol(wanted, NULL, 10) : 0;
     struct threads now = {0, 0};
     if (strncmp(gl_renderer(gl), "llvmpipe", strlen("llvmpipe")) != 0)
         return true;
-    for (int i = 0; i < 5000; i++) {
+    for (int i = 0; i < (now.unnamed - before->unnamed > asked ? most : patience); i++) {
         /* llvmpipe has at most 16 threads, in later versions of Mesa at most 32 (LP_MAX_THREADS) */
         if (!count_threads(&now) || now.of_llvmpipe >= asked || now.of_llvmpipe == 16 ||
             now.of_llvmpipe == 32)
             return true;
-        if (now.unnamed <= before->unnamed)
-            break;
         nanosleep(&pause, NULL);
     }
     errno = 0;
