@@ -337,7 +337,7 @@ def test_refused_files():
     write("refused.hdr", whole.replace("offset = 0", "offset = 8000000000"))
     refuses(here, "an offset beyond the end", "of 4 bytes behind the first 8000000000")
     write("refused.hdr", whole.replace("= 6", "= 2147483647").replace("= 7", "= 2147483647"))
-    refuses(here, "more samples than 64 bits count", "the file has 840 bytes; its header describes 92233720")
+    refuses(here, "a side above the longest", "samples 2147483647 is out of range; it lies between 1 and 262144")
     os.remove(path("refused"))
     refuses(here, "a header without its data file", f"{here}: its data file is missing; expected {path('refused')}, or")
     os.remove(here)
@@ -378,7 +378,7 @@ ssize_t pread64(int file, void *bytes, size_t length, off_t at)
             result = run("compare", here, path("expected.tif"),
                          env={**os.environ, "LD_PRELOAD": library, "READS": reads})
             check(result.returncode == status and
-                  (status == 0 or "cannot be read: Input/output error" in result.stderr),
+                  (status == 0 or "Input/output error" in result.stderr),
                   f"{interleave}: after {reads} short reads the status is {status}", result.stderr)
 
 

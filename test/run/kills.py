@@ -69,9 +69,11 @@ class Render:
     def __init__(self, place, a_form):
         self.place, self.form = place, a_form
         place.run(a_form, counted=False)  # fills the drivers' cache
-        start = time.monotonic()
-        self.expected = results(a_form, place.run(a_form, counted=False))
-        self.seconds = time.monotonic() - start
+        self.seconds = LONGEST_ORPHAN
+        for _ in range(3):  # the shortest time: other processes may make the others longer
+            start = time.monotonic()
+            self.expected = results(a_form, place.run(a_form, counted=False))
+            self.seconds = min(self.seconds, time.monotonic() - start)
         self.older = open(place.path("in", "other.tif"), "rb").read()
         check(self.expected[0] == 0, f"{a_form.name}: the stack is rendered")
 
@@ -82,7 +84,7 @@ class Render:
         with open(self.place.path("out", "a.tif"), "wb") as out:
             out.write(self.older)
         process = self.place.start(self.form, self.place.environment)
-        time.sleep(1.1 * self.seconds * (part + random.random()) / parts)
+        time.sleep(self.seconds * (part + random.random()) / parts)
         return process
 
     def stack(self):
@@ -126,6 +128,7 @@ def check_kills(render, count):
 
 
 def check_signal(render, number, count):
+    """Returns how many signals the program received before its end."""
     longest, wrong, ended = 0, [], 0
     for i in range(count):
         process = render.start(True, i, count)
@@ -141,10 +144,11 @@ def check_signal(render, number, count):
                 os.listdir(render.place.path("tmp")):
             wrong.append((process.returncode, stack, left, all_end, stderr))
     name = f"{render.form.name}: {count} {number.name}s"
-    check(not wrong and ended < count, f"{name}: the program dies of them, the old stack or the new one is there, and no other file",
-          f"{ended} had ended before", *wrong[:10])
+    check(not wrong, f"{name}: the program dies of them, the old stack or the new one is there, and no other file",
+          *wrong[:10])
     check(longest < LONGEST_END, f"{name}: it ends within {LONGEST_END} s", longest)
     print(f"# {name}: at most {longest:.3f} s to the end; {ended} had ended before")
+    return count - ended
 
 
 # ---- full disk, limits ----
@@ -213,14 +217,16 @@ def main():
     shutil.rmtree(TMP, ignore_errors=True)
     place = Place(0)
     write_many_objects(place.path("in", "many.scene"))
+    met = 0
     for a_form in RENDERS:
         render = Render(place, a_form)
         check_kills(render, KILLS // len(RENDERS))
         for number in SIGNALS_OF_USERS:
-            check_signal(render, number, SIGNALS // len(RENDERS) or 1)
+            met += check_signal(render, number, SIGNALS // len(RENDERS) or 1)
     many = Render(place, MANY)
     for number in SIGNALS_OF_USERS:
-        check_signal(many, number, SIGNALS_OF_MANY)
+        met += check_signal(many, number, SIGNALS_OF_MANY)
+    check(met > 0, "some signals meet a program at work", met)
     outputs = form("all outputs", "render in/plain.scene --size 120x80 --wavelengths 400:700:20 -q --renderer raster --check-map "
                    "out/map.tif --json out/a.json --envi -o out/a.tif", "a.tif", "a.tif.hdr", "a.json", "map.tif")
     expected = results(outputs, place.run(outputs, counted=False))
