@@ -34,7 +34,7 @@ FAMILIES = {
 # How many calls of a kind are tried: of allocations, ..., of each system call; first in a quick command.
 MOST = {"own": (10 ** 6, 60), "own+": (150, 20), "gl": (200, 12), "start": (100, 10), "call": (10 ** 6, 8),
         "call+": (20, 2)} if FULL else \
-       {"own": (14, 2), "own+": (3, 1), "gl": (2, 1), "start": (100, 1), "call": (1, 0), "call+": (0, 0)}
+       {"own": (8, 2), "own+": (2, 1), "gl": (2, 1), "start": (6, 1), "call": (1, 0), "call+": (0, 0)}
 OTHER_ERRORS = {"open": (5, 12), "write": (5,), "pwrite": (5,), "fsync": (28,), "ftruncate": (28,), "rename": (28,), "link": (5,),
                 "mmap": (11,), "fork": (12,)} if FULL else {}
 COLUMNS = ("tried", "right result", "exit 3", "wrong status", "crash", "wrong bytes", "output changed", "file left",
