@@ -5,7 +5,6 @@
 #define _GNU_SOURCE /* O_TMPFILE */
 #include <ctype.h>
 #include <dirent.h>
-#include <errno.h>
 #include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
@@ -88,8 +87,12 @@ static bool is_temporary(const char *name, const char *path)
     const size_t length = strnlen(own, 200);
     if (name[0] != '.' || strncmp(at, own, length) != 0 || at[length] != '.')
         return false;
-    for (at += length; at[0] == '.' && isdigit((unsigned char)at[1]);)
+    at += length;
+    for (int i = 0; i < 2; i++) {
+        if (at[0] != '.' || !isdigit((unsigned char)at[1]))
+            return false;
         at += 1 + strspn(at + 1, "0123456789");
+    }
     return strcmp(at, ".tmp") == 0;
 }
 
@@ -131,13 +134,17 @@ static bool create_named(struct output *out, const char *path, mode_t mode)
                    open(out->temporary, O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, mode));
         if (out->descriptor < 0 && errno == EEXIST)
             continue;
-        out->named = out->descriptor >= 0;
+        if (out->descriptor < 0)
+            return false;
         /* a file system without locks is swept by nobody */
-        if (!out->named || !lock(out->descriptor, LOCK_EX) ||
-            (fstat(out->descriptor, &status) == 0 && status.st_nlink > 0))
-            return out->named;
+        if (!lock(out->descriptor, LOCK_EX) ||
+            (fstat(out->descriptor, &status) == 0 && status.st_nlink > 0)) {
+            out->named = true;
+            return true;
+        }
         close(out->descriptor);
     }
+    out->descriptor = -1;
     return false;
 }
 

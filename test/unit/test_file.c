@@ -298,27 +298,29 @@ static void end(pid_t child)
 /* A temporary name is .NAME.PID.N.tmp: see data/output/temporary.c. */
 static void check_abandoned(void)
 {
-    static const char *const kept[] = {".swept.7.x.tmp", ".swept7.0.tmp", ".other.7.0.tmp",
-                                       "swept.7.0.tmp", ".swept.tmp.7"};
+    static const char *const kept[] = {".swept.7.x.tmp", ".swept7.0.tmp",   ".other.7.0.tmp",
+                                       "swept.7.0.tmp",  ".swept.tmp.7",    ".swept.tmp",
+                                       ".swept.7.tmp",   ".swept.7.0.1.tmp"};
+    enum { KEPT = sizeof kept / sizeof kept[0] };
     char path[PATH_SIZE], left[PATH_SIZE], held[PATH_SIZE], other[PATH_SIZE];
     struct error err = {0};
     temporary("swept", path);
     put(path, "old", 3);
     put(temporary(".swept.7.0.tmp", left), "left", 4);
-    for (int i = 0; i < 5; i++)
+    for (int i = 0; i < KEPT; i++)
         put(temporary(kept[i], other), "kept", 4);
     const pid_t holder = hold(temporary(".swept.8.0.tmp", held), O_RDWR | O_CREAT);
     CHECK(file_write(path, "new", 3, NULL, &err) && holds(path, "new"), "an output is replaced");
     CHECK(access(left, F_OK) != 0, "a temporary file that nobody holds is removed");
     CHECK(access(held, F_OK) == 0, "that of a living process stays");
     int n = 0;
-    for (int i = 0; i < 5; i++)
+    for (int i = 0; i < KEPT; i++)
         n += holds(temporary(kept[i], other), "kept");
-    CHECK(n == 5, "files of other names stay");
+    CHECK(n == KEPT, "files of other names stay");
     end(holder);
     CHECK(file_write(path, "newer", 5, NULL, &err) && access(held, F_OK) != 0,
           "when the process has ended, its file is removed, too");
-    for (int i = 0; i < 5; i++)
+    for (int i = 0; i < KEPT; i++)
         unlink(temporary(kept[i], other));
     unlink(path);
 }
