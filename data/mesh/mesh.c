@@ -286,7 +286,7 @@ bool mesh_read(const char *path, struct place from, bool unitize, double crease_
 {
     struct builder builder = {.ring = NULL};
     bool good = obj_read(path, from, &builder.obj, err) && builder_allocate(&builder, err);
-    *out = (struct mesh){.n_vertices = 0};
+    *out = (struct mesh){.place = from};
     if (good && unitize)
         unitize_points(&builder);
     if (good)
