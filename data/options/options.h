@@ -112,9 +112,8 @@ bool options_read(const struct option_rules *rules, char *const *words, int n_wo
 void options_free(struct options *options);
 
 /* Names the output after the file `path`, with another ending, where the command line gives none;
- * after "scene" where the path is "-", standard input.
- * Refuses the name of another output.
- * The name lasts until options_free. */
+ * after "scene" where the path is "-", standard input. Refuses the name of another output. The name
+ * lasts until options_free. */
 bool options_name_output(struct options *options, const char *path, const char *ending,
                          struct error *err);
 /* Limits the memory of the command: see memory_limit. */

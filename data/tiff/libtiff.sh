@@ -4,7 +4,7 @@
 # of libtiff holds pictures that the program refuses, of 1, 2 or 4 bits or of logarithms, or needs
 # more libraries.
 tiff_packages='dpkg-dev make autoconf automake libtool'
-tiff_options='--disable-shared --disable-cxx --disable-dependency-tracking --disable-jpeg --disable-jbig
+tiff_options='--disable-jpeg --disable-jbig
   --disable-lerc --disable-lzma --disable-zstd --disable-webp --disable-libdeflate --disable-ccitt
   --disable-thunder --disable-next --disable-logluv --disable-mdi'
 tiff_flags='-Os -ffunction-sections -fdata-sections -fno-asynchronous-unwind-tables'
@@ -20,10 +20,15 @@ make_zlib() {
 }
 
 make_tiff() {
+    configure_tiff $tiff_options --host="$($CC -dumpmachine)" CC="$CC" CFLAGS="$tiff_flags" \
+        CPPFLAGS="-I$zlib/include" LDFLAGS="-L$zlib"
+}
+
+# configure_tiff OPTION... makes a static libtiff with these options of its configure.
+configure_tiff() {
     cd source
     autoreconf -i
-    ./configure $tiff_options --host="$($CC -dumpmachine)" CC="$CC" CFLAGS="$tiff_flags" \
-        CPPFLAGS="-I$zlib/include" LDFLAGS="-L$zlib"
+    ./configure --disable-shared --disable-cxx --disable-dependency-tracking "$@"
     make -C port
     make -C libtiff libtiff.la
     mkdir -p ../library/include

@@ -60,7 +60,7 @@ static bool find_below(const char *path, bool *below, struct error *err)
 static bool is_trusted(const char *stack, const char *file, struct error *err)
 {
     bool below = false;
-    if (file_is_missing(file))
+    if (path_is_builtin(file) || file_is_missing(file))
         return true;
     if (file_is_regular(file) && !find_below(file, &below, err))
         return false;

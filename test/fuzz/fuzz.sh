@@ -17,17 +17,7 @@ fuzz_limits='-timeout=25 -rss_limit_mb=2560 -detect_leaks=1'
 export ASAN_OPTIONS=allocator_may_return_null=1:max_allocation_size_mb=256:detect_stack_use_after_return=0
 fuzz_kept=test/fuzz/corpus # kept inputs: TARGET/kept.tar.gz, and beside it those that once failed
 
-make_tiff_fuzz() {
-    cd source
-    autoreconf -i
-    ./configure --disable-shared --disable-cxx --disable-dependency-tracking CC=clang \
-        CFLAGS="$fuzz_sanitizers"
-    make -C port
-    make -C libtiff libtiff.la
-    mkdir -p ../library/include
-    cp libtiff/.libs/libtiff.a ../library
-    cp libtiff/tiff.h libtiff/tiffio.h libtiff/tiffvers.h libtiff/tiffconf.h ../library/include
-}
+make_tiff_fuzz() { configure_tiff CC=clang CFLAGS="$fuzz_sanitizers"; }
 
 # Makes $BUILD/fuzz/fuzz.
 build_fuzzer() {
@@ -35,7 +25,7 @@ build_fuzzer() {
     CC=clang GL=none
     prepare
     version=$(debian_version libtiff6)
-    key="$(sed -n '/^make_tiff_fuzz/,/^}/p' test/fuzz/fuzz.sh) $fuzz_sanitizers $($CC -v 2>&1)"
+    key="$(cat data/tiff/libtiff.sh) $fuzz_sanitizers $($CC -v 2>&1)"
     cached tiff_fuzz tiff "$version" "$key"
     libraries="-fsanitize=fuzzer -L$library -ltiff -ldeflate -ljbig -ljpeg -lLerc -llzma -lwebp -lzstd -lz -lm"
     openmp=-Wno-unknown-pragmas # one thread: the same input takes the same way again

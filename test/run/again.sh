@@ -201,6 +201,10 @@ for stack in outside lamp; do
     here render --again $stack.tif -o trusted.tif --trust
     ok $? "$stack: --trust makes it again"
 done
+here render builtin:scenes/patches.scene --size 8x8 --light 1=builtin:tables/a.csv --renderer raster --no-check -o builtin.tif
+ok $? "a stack of built-in files, by their paths, is made"
+here render --again builtin.tif -o builtin-again.tif
+ok $? "it is made again: built-in files need no --trust"
 ln -sf "$(realpath "$tmp/own.scene")" "$tmp/here/own.scene"
 here render --again made.tif -o refused.tif
 [ $? = 2 ] && grep -q 'no file below this folder' "$tmp/here/err"

@@ -100,11 +100,11 @@ def check_kills(render, count):
     render.place.prepare(render.form, False)
     for i in range(count):
         process = render.start(False, i, count)
-        whom = ("first process", "all", "children")[i % 3]
-        victims = children(process) if whom == "children" else [process.pid]
+        receiver = ("first process", "all", "children")[i % 3]
+        victims = children(process) if receiver == "children" else [process.pid]
         for victim in victims:
             try:
-                (os.killpg if whom == "all" else os.kill)(victim, signal.SIGKILL)
+                (os.killpg if receiver == "all" else os.kill)(victim, signal.SIGKILL)
             except ProcessLookupError:
                 pass
         stderr, all_end = ends(process, LONGEST_ORPHAN)
@@ -112,7 +112,7 @@ def check_kills(render, count):
         stack = render.stack()
         stacks[stack] = stacks.get(stack, 0) + 1
         refused = process.returncode == 3 and stderr.count(b"error: ") == 1
-        if whom == "children" and not refused and (process.returncode, stack) != (0, "new"):
+        if receiver == "children" and not refused and (process.returncode, stack) != (0, "new"):
             wrong.append((process.returncode, stack, stderr))
     name = f"{render.form.name}: {count} SIGKILLs"
     check(set(stacks) <= {"old", "new"}, f"{name}: the old stack or the new one is there", stacks)
