@@ -85,9 +85,9 @@ static bool stat_folder(const char *path, struct stat *out)
 bool file_is_same(const char *a, const char *b)
 {
     struct stat one, other;
-    const bool a_is = stat(a, &one) == 0, b_is = stat(b, &other) == 0;
     if (strcmp(a, b) == 0)
         return true;
+    const bool a_is = stat(a, &one) == 0, b_is = stat(b, &other) == 0;
     if (a_is != b_is || (!a_is && (strcmp(path_name(a), path_name(b)) != 0 ||
                                    !stat_folder(a, &one) || !stat_folder(b, &other))))
         return false;

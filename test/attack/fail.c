@@ -17,8 +17,9 @@
  * filter turns each into a signal, whose handler makes the call or refuses it.
  *
  * FAIL_DEPTH restricts failures to processes of one generation: 0 is the first process, 1 its
- * children. FAIL_REPORT names a file of sizeof(struct report) bytes, which test/run/attacked.py
- * reads. It receives the counts, and the return addresses at the failure and at a crash. */
+ * children. With FAIL_NAMELESS no file system keeps files without a name (O_TMPFILE). FAIL_REPORT
+ * names a file of sizeof(struct report) bytes, which test/run/attacked.py reads. It receives the
+ * counts, and the return addresses at the failure and at a crash. */
 #define _GNU_SOURCE
 #include <errno.h>
 #include <fcntl.h>
@@ -133,6 +134,7 @@ static int n_objects;
 
 static struct attack {
     bool on_calls, later, storm, cuts;
+    bool nameless; /* files without a name are refused */
     int kind, error;
     long depth; /* -1: all */
     uint64_t n;
@@ -395,8 +397,17 @@ static bool is_message(const struct call *call, const greg_t *registers)
     return call->number == SYS_write && registers[REG_RDI] == STDERR_FILENO;
 }
 
+/* Returns whether the call wants a file without a name. */
+static bool is_nameless(const struct call *call, const greg_t *registers)
+{
+    const greg_t flags = registers[call->number == SYS_openat ? REG_RDX : REG_RSI];
+    return strcmp(call->name, "open") == 0 && (flags & O_TMPFILE) == O_TMPFILE;
+}
+
 static long answer(const struct call *call, const greg_t *registers)
 {
+    if (attack.nameless && is_nameless(call, registers))
+        return -EOPNOTSUPP;
     const int kind = CALLS + first_row(call->name);
     greg_t length = registers[REG_RDX];
     bool fails = false;
@@ -437,6 +448,8 @@ static struct sock_filter jump_if(uint32_t value, int to, int otherwise)
 /* Traps the system calls of `calls`, unless the attack needs only some of them. */
 static bool is_trapped(const struct call *call)
 {
+    if (attack.nameless && strcmp(call->name, "open") == 0)
+        return true;
     if (!attack.on_calls)
         return attack.n == 0;
     return attack.storm ? call->flags & (attack.cuts ? MOVES_BYTES : INTERRUPTIBLE)
@@ -541,10 +554,11 @@ static int begin_main(int n, char **words, char **environment)
     else
         attack.kind = -1;
     dl_iterate_phdr(note_object, NULL);
+    attack.nameless = getenv("FAIL_NAMELESS") != NULL;
     begin_process(0);
     pthread_atfork(NULL, NULL, begin_child);
     watch_crashes();
-    if (attack.on_calls || attack.kind < 0)
+    if (attack.on_calls || attack.nameless || attack.kind < 0)
         filter_calls();
     counts = true;
     return next_main(n, words, environment);

@@ -15,7 +15,7 @@ import sys
 import time
 
 sys.dont_write_bytecode = True
-from attacked import FORMS, TMP, Place, chain, error_lines, faults, results
+from attacked import FORMS, TMP, Place, chain, error_lines, faults, normal, results
 from tap import check, done
 
 FULL = "FULL" in os.environ
@@ -114,6 +114,14 @@ def prepare(form, places):
             8 + 8 * (time.monotonic() - start))
 
 
+def leaves_only_until_next_run(place, form, run, expected):
+    """Where files have temporary names, a crash may leave one. The next run removes it."""
+    if not form.nameless or "the work was ended by signal" not in run.stderr:
+        return False
+    place.start(form).communicate()
+    return {name: normal(form, name, data) for name, data in place.outputs().items()} == expected[3]
+
+
 def attempt(place_queue, form, attack, older, expected, longest):
     place = place_queue.get()
     try:
@@ -121,6 +129,8 @@ def attempt(place_queue, form, attack, older, expected, longest):
         found = faults(form, run, expected, older, attack.fail.split(":")[0] in ("rename", "link"))
         if not FAMILIES[attack.family][1] and run.status == 3 and expected[0] != 3:
             found = found | {"wrong status"}
+        if found == {"file left"} and leaves_only_until_next_run(place, form, run, expected):
+            found = set()
         # pictures would fill the memory
         return run._replace(stdout=None, files=None), found
     finally:

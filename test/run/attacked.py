@@ -96,11 +96,17 @@ def make_inputs(folder):
 
 # ---- commands ----
 
-Form = collections.namedtuple("Form", "name words outputs slow uses_gl", defaults=((), False, False))
+# nameless: on a file system that cannot keep files without a name
+Form = collections.namedtuple("Form", "name words outputs slow uses_gl nameless", defaults=((), False, False, False))
 
 
 def form(name, words, *outputs, slow=False, uses_gl=False):
     return Form(name, words.split(), tuple("out/" + output for output in outputs), slow, uses_gl)
+
+
+def on_old_file_systems(a_form):
+    """The form where each file that is being written has a name."""
+    return a_form._replace(name=a_form.name + ", no nameless files", nameless=True)
 
 
 FORMS = [
@@ -143,6 +149,8 @@ FORMS = [
     form("--help", "--help"),
     form("--version", "--version"),
 ]
+FORMS += [on_old_file_systems(a_form) for a_form in FORMS
+          if a_form.name in ("render, all outputs", "compare", "probe, CSV", "envi", "cost")]
 
 
 # ---- runs ----
@@ -183,7 +191,7 @@ class Place:
             with open(self.path(output), "wb") as out:
                 out.write(OLDER)
 
-    def environment_of(self, attack, depth):
+    def environment_of(self, a_form, attack=None, depth=None):
         """The variables that load the library; attack None: it only counts."""
         with open(self.report, "wb") as out:
             out.truncate(REPORT_BYTES)
@@ -192,17 +200,25 @@ class Place:
             more["FAIL"] = attack
         if depth is not None:
             more["FAIL_DEPTH"] = str(depth)
+        if a_form.nameless:
+            more["FAIL_NAMELESS"] = "1"
         return {**self.environment, **more}
 
-    def start(self, a_form, environment, **more):
-        return subprocess.Popen([SPECTRAL, *a_form.words], cwd=self.folder, env=environment, stdin=subprocess.DEVNULL,
+    def usual_environment(self, a_form):
+        """The variables of a run that nobody counts and in which nothing fails."""
+        return self.environment_of(a_form) if a_form.nameless else self.environment
+
+    def start(self, a_form, environment=None, **more):
+        """Without an environment: the usual one."""
+        return subprocess.Popen([SPECTRAL, *a_form.words], cwd=self.folder,
+                                env=environment or self.usual_environment(a_form), stdin=subprocess.DEVNULL,
                                 stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True, **more)
 
     def run(self, a_form, attack=None, depth=None, older=False, counted=True, longest=LONGEST_RUN, **more):
         """Runs the command to its end. `counted`: with the library; `more` goes to Popen."""
         self.prepare(a_form, older)
         before = self.stamps()
-        process = self.start(a_form, self.environment_of(attack, depth) if counted else self.environment, **more)
+        process = self.start(a_form, self.environment_of(a_form, attack, depth) if counted else None, **more)
         try:
             stdout, stderr = process.communicate(timeout=longest)
             status = process.returncode

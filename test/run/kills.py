@@ -16,7 +16,7 @@ import sys
 import time
 
 sys.dont_write_bytecode = True
-from attacked import TMP, Place, Run, error_lines, faults, form, results
+from attacked import TMP, Place, Run, error_lines, faults, form, on_old_file_systems, results
 from tap import check, done
 
 FULL = "FULL" in os.environ
@@ -28,6 +28,7 @@ OBJECTS = 100_000 if FULL else 20_000
 PICTURE = "--size 240x160 --wavelengths 400:700:5 -q -o out/a.tif"
 RENDERS = [form("OpenGL", f"render in/plain.scene {PICTURE}", "a.tif"),
            form("the reference", f"render in/mesh.scene --renderer raster --no-check {PICTURE}", "a.tif")]
+RENDERS.append(on_old_file_systems(RENDERS[1]))
 MANY = form(f"{OBJECTS} objects", f"render in/many.scene --renderer raster {PICTURE}", "a.tif")
 
 
@@ -83,7 +84,7 @@ class Render:
             self.place.prepare(self.form, False)
         with open(self.place.path("out", "a.tif"), "wb") as out:
             out.write(self.older)
-        process = self.place.start(self.form, self.place.environment)
+        process = self.place.start(self.form)
         time.sleep(self.seconds * (part + random.random()) / parts)
         return process
 
@@ -119,7 +120,7 @@ def check_kills(render, count):
     check(lasting == 0, f"{name}: all processes end", lasting)
     check(not wrong, f"{name}: where only a child is killed, the exit status is 3, with one line", *wrong[:10])
     left = sorted(set(render.place.outputs()) - {"out/a.tif"})
-    process = render.place.start(render.form, render.place.environment)
+    process = render.place.start(render.form)
     process.communicate()
     after = sorted(set(render.place.outputs()) - {"out/a.tif"})
     check(render.stack() == "new" and not after and not os.listdir(render.place.path("tmp")),
@@ -203,7 +204,7 @@ def run_with_free(place, a_form, free):
     filler = place.path("out", "filler")
     with open(filler, "wb") as out:
         os.posix_fallocate(out.fileno(), 0, max(space.f_bavail * space.f_frsize - free, 1))
-    process = place.start(a_form, place.environment)
+    process = place.start(a_form)
     stdout, stderr = process.communicate()
     files = place.outputs()
     del files["out/filler"]
@@ -230,8 +231,9 @@ def main():
     outputs = form("all outputs", "render in/plain.scene --size 120x80 --wavelengths 400:700:20 -q --renderer raster --check-map "
                    "out/map.tif --json out/a.json --envi -o out/a.tif", "a.tif", "a.tif.hdr", "a.json", "map.tif")
     expected = results(outputs, place.run(outputs, counted=False))
-    check_file_size(place, outputs, expected)
-    check_full_disk(place, outputs, expected)
+    for a_form in (outputs, on_old_file_systems(outputs)):
+        check_file_size(place, a_form, expected)
+        check_full_disk(place, a_form, expected)
     shutil.rmtree(TMP, ignore_errors=True)
     done()
 
