@@ -41,4 +41,53 @@ refuses 'more than 32 deep' "a chain of 34 includes" "$SPECTRAL" plan "$tmp/0.sc
 
 run "$SPECTRAL" render patches --size 24x16 --wavelengths 400:700:150 -o /dev/null --check-map "$tmp/map.png"
 prints '^map colours ' "render says what the colours of a map mean"
+
+for count in 1 2; do
+    refuses 'three functions need at least 3 samples; [0-9]* have a solution' "too few samples of three functions" \
+        "$SPECTRAL" plan patches --sampling gauss:$count,acc
+done
+refuses 'has no solution for functions such as cie1964.s; 6 samples have one' "functions without a quadrature" \
+    "$SPECTRAL" plan colorchecker --sampling gauss:4,acc --detector cie1964
+run "$SPECTRAL" view patches --size 8x6 -o "$tmp/still.png" --json - -q
+prints '"out_of_gamut_pixels": [0-9]' "view counts the pixels of a picture that are out of gamut"
+# shellcheck disable=SC2046
+refuses 'more than 64 options of the picture' "too many options" "$SPECTRAL" plan spheres $(yes -- '--light 1=d65' | head -n 65)
+"$SPECTRAL" render patches --size 4x4 --wavelengths 400:700:150 -q -o "$tmp/checked.tif"
+for option in --no-check --strict '--unchecked 0.5'; do
+    # shellcheck disable=SC2086
+    refuses "--again takes no ${option%% *}" "another check of a checked stack" \
+        "$SPECTRAL" render --again "$tmp/checked.tif" $option -o "$tmp/again.tif"
+done
+
+# a light so close above the only pixel that the square of its distance is 0
+printf '%s\n' 'material m { diffuse 0.5 }' 'object plane 2 2 material m' 'light d65 1 position 0 0 1e-320 attenuation 0 0 1' \
+    'camera ortho 2' 'size 1 1' >"$tmp/near.scene"
+refuses 'a radiance is not finite' "view of an infinite radiance" \
+    "$SPECTRAL" view "$tmp/near.scene" --shading phong -o "$tmp/near.png"
+refuses 'a radiance in the region is not finite' "probe of an infinite radiance" \
+    "$SPECTRAL" probe "$tmp/near.scene" 0 0 --shading phong
+printf '%s\n' 'material m { diffuse 0.5 }' 'object plane 2 2 material m' 'ambient d65 0' 'camera ortho 2' >"$tmp/dark.scene"
+run "$SPECTRAL" cost "$tmp/dark.scene" --size 4x4 --runs 5 -j 1
+prints 'the observer sees no light: the white is a radiance of 1' "cost notes that a scene has no light"
+
+# two pixels by two of two bands; the second band is in the far infrared
+for i in 1 2 3 4; do printf '\001\000\002\000'; done >"$tmp/cube.img"
+cube() { # LINE...
+    {
+        printf '%s\n' ENVI 'samples = 2' 'lines = 2' 'bands = 2' 'data type = 2' 'interleave = bsq' 'byte order = 0' \
+            'wavelength units = Nanometers' "$@"
+    } >"$tmp/cube.hdr"
+    run "$SPECTRAL" info "$tmp/cube.hdr"
+}
+cube 'wavelength = {500, 600}' 'data gain values = {2, 3}' 'data offset values = {0, 1}' 'data ignore value = 4'
+prints '^scale +radiance = sample x gain [+] offset, each band its own$' "info says that each band has a scale"
+prints '^ignored +4, read as 0$' "info prints the value that is ignored"
+cube 'wavelength = {500, 600}' 'data gain values = {2, 2}' 'data offset values = {1, 1}'
+prints '^scale +radiance = sample x 2 [+] 1$' "info prints the scale of all bands"
+cube 'wavelength = {500, 200000}'
+run "$SPECTRAL" probe "$tmp/cube.hdr" 0 0 --white e --svg
+prints 'wavelength .nm. ×10⁵</text>' "an axis of long wavelengths has a power of ten"
+cube 'wavelength = {500, 2000000}'
+refuses 'its wavelengths reach 2000000 nm; --sampling goes up to 1000000 nm' "sampling of a cube of long wavelengths" \
+    "$SPECTRAL" develop "$tmp/cube.hdr" --white e --sampling box:2 -o "$tmp/cube.png"
 done_testing

@@ -208,6 +208,23 @@ static void check_whole(const char *name, const struct frontier_point *points, i
     free(again);
 }
 
+/* Names that find no place become numbers. */
+static void test_crowd(void)
+{
+    static char names[MANY][32];
+    struct frontier_point points[MANY];
+    for (int i = 0; i < MANY; i++) {
+        snprintf(names[i], sizeof names[i], "configuration %d of many", i);
+        points[i] = point_of(names[i], 1 + 1e-3 * i, 1 - 1e-3 * i, true);
+    }
+    points[0].cost = 0.01;
+    check_whole("a crowded frontier", points, MANY);
+    char *svg = svg_of(points, MANY);
+    CHECK_NEAR(count_of(svg, ">2<"), 2, 0,
+               "a name without a place has a number, which is explained below the chart");
+    free(svg);
+}
+
 static void test_degenerate(void)
 {
     static char name[200];
@@ -298,6 +315,7 @@ int main(void)
     test_edge();
     test_edge_label();
     test_markers();
+    test_crowd();
     test_degenerate();
     test_labels(50);
     test_labels(MANY);
