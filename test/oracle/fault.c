@@ -574,7 +574,7 @@ static const struct sample_fault {
 } sample_faults[] = {
     {34, 1, 1 / 65535.0F, 0, 0}, {35, 1, 0, 65535, 0}, {37, 1, 0, 255, 0.5F}, {47, 1.001F, 0, 0, 0},
     {66, 0.5F, 0, 0, 0},         {67, 0, 0, 0, 0},     {68, NAN, 0, 0, 0},
-    {76, 1.0005F, 0, 0, 0},
+    {76, 1.0005F, 0, 0, 0},      {80, 1, 0.16F / 65535, 0, 0},
 };
 
 static void spoil_samples(const struct sample_fault *row)

@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: MIT
 """Checks what the program ($SPECTRAL) says of its own check: that a picture in which little could be checked is never
 called agreed, that small faults in single samples are found where the floor says so, and that the map shows both.
-Prints TAP. Faults 73 to 79 are those of test/README.md; $FAULTS plants them, and $ENDLESS is the program with
+Prints TAP. Faults 73 to 80 are those of test/README.md; $FAULTS plants them, and $ENDLESS is the program with
 infinite bounds for the first object of a scene."""
 import json
+import math
 import os
 import random
 import subprocess
@@ -130,7 +131,23 @@ def check_words():
               f"{driver}: roundings leave less than a tenth of a count on average", off)
 
 
-# ---- faults in single samples ----
+# ---- faults in samples ----
+
+def write_ramp(n=60):
+    """A slope of n x n squares of two triangles, each 4 x 4 pixels. The normals make the light grow evenly from left to right,
+    so that roundings of positions may change each sample by the same small number of counts, up or down."""
+    cosines = [0.2 + 0.7 * x / n for x in range(n + 1)]
+    with open(os.path.join(TMP, "ramp.obj"), "w") as out:
+        out.writelines(f"vn {math.sqrt(1 - c * c)!r} 0 {c!r}\n" for c in cosines)
+        out.writelines(f"v {x} {y} 0\n" for y in range(n + 1) for x in range(n + 1))
+        for y in range(n):
+            for x in range(n):
+                corners = ((x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1))
+                out.write("f " + " ".join(f"{b * (n + 1) + a + 1}//{a + 1}" for a, b in corners) + "\n")
+    with open(os.path.join(TMP, "ramp.scene"), "w") as out:
+        out.write(f"material m {{ diffuse 1 }}\nobject mesh ramp.obj material m translate {-n / 2} {-n / 2} 0\n"
+                  f"light e 1 direction 0 0 1\ncamera ortho {n}\nsize {4 * n} {4 * n}\nwavelengths 400 700 100\n")
+
 
 def spots(render, wanted, seed, n=10):
     """Random pixels of a map that are settled and of the wanted kind, not at the border."""
@@ -152,7 +169,9 @@ def found_at(scene, options, driver, fault, counts, pixels):
 
 
 def check_samples():
-    """Each fault at ten random pixels; nine must be found, and the map must show that pixel and no other."""
+    """Each fault at ten random pixels; nine must be found, and the map must show that pixel and no other. Faults of all
+    samples must be found, too."""
+    write_ramp()
     for driver in DRIVERS:
         for fault, scene, options, counts, what in (
                 (73, "pasture", SMALL, 1, "of textured ground in perspective"),
@@ -173,6 +192,10 @@ def check_samples():
         bright = Render(f"{CASES}wide-floor.scene", driver=driver, fault=76)
         check(bright.status == 1 and bright.verdict == "differs",
               f"{driver}: fault 76, all light times 1.0005 on a floor that the border cuts, is found", bright)
+        plain, biased = (Render(os.path.join(TMP, "ramp.scene"), driver=driver, fault=fault) for fault in (0, 80))
+        check(plain.status == 0 and biased.status == 1 and biased.verdict == "differs" and
+              biased.report["check"]["unexplained_pixels"] == 0 and "OpenGL is off by +0.16" in biased.table + biased.says,
+              f"{driver}: fault 80, all samples too large by less than the bound of each, shows in their mean", plain, biased)
 
 
 # ---- the map ----
