@@ -85,14 +85,11 @@ bool stack_write(struct stack_writer *writer, const struct stack_rectangle *to, 
 }
 
 /* Blanks fill the room behind the verdict, so that the size of the file does not depend on it.
- * Bytes that are not printable ASCII become '?', and a verdict that is too long loses its tail. */
+ * A verdict that is too long loses its tail. */
 bool stack_finish(struct stack_writer *writer, const char *verdict, struct error *err)
 {
     char room[STACK_VERDICT];
     snprintf(room, sizeof room, "%-*.*s", STACK_VERDICT - 1, STACK_VERDICT - 1, verdict);
-    for (char *at = room; *at != '\0'; at++)
-        if (*at < ' ' || *at > '~')
-            *at = '?';
     return pages_finish(&writer->pages, room, err);
 }
 

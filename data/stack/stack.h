@@ -39,8 +39,8 @@ struct stack_rectangle {
  * floats; of the object map uint8_t or uint16_t. */
 bool stack_write(struct stack_writer *writer, const struct stack_rectangle *to, const void *samples,
                  struct error *err);
-/* Stores `verdict` (the check in one line, ASCII, at most STACK_VERDICT - 1 bytes) in the room that
- * stack_open left for it, and reads all directories again to see that they are whole. */
+/* Stores `verdict` (the check in one line, printable ASCII, at most STACK_VERDICT - 1 bytes) in the
+ * room that stack_open left for it, and reads all directories again to see that they are whole. */
 enum { STACK_VERDICT = 512 };
 bool stack_finish(struct stack_writer *writer, const char *verdict, struct error *err);
 /* The first byte in which two stacks differ. */

@@ -74,6 +74,12 @@ eval "\"\$SPECTRAL\" render $line --json - -q -o /dev/null" >"$tmp/typed.json" &
 ok $? "a shell reads the command that cost proposes, with the scene's path and the options: $line"
 prints 'the observer sees no light: the white is a radiance of 1' "cost notes that a scene has no light"
 
+name=$(printf '%s/a\001\177.scene' "$tmp")
+"$SPECTRAL" show patches >"$name"
+"$SPECTRAL" render "$name" --size 4x4 --wavelengths 500 -q -o "$tmp/named.tif" --json "$tmp/named.json" &&
+    grep -aq 'a??[.]scene' "$tmp/named.tif" && grep -q 'a\\u0001\\u007f[.]scene' "$tmp/named.json"
+ok $? "control characters of a name are '?' in the stack, which is XML, and numbers in JSON"
+
 # two pixels by two of two bands; the second band is in the far infrared
 for i in 1 2 3 4; do printf '\001\000\002\000'; done >"$tmp/cube.img"
 cube() { # LINE...
