@@ -8,6 +8,7 @@ Without FULL=1 only some calls of each kind are tried. PLACES=1 prints where the
 Words behind test/run/attack.py are the names of the commands to run. Prints TAP, and a table of all runs."""
 import collections
 import concurrent.futures
+import errno
 import os
 import queue
 import shutil
@@ -35,7 +36,8 @@ FAMILIES = {
 MOST = {"own": (10 ** 6, 60), "own+": (150, 20), "gl": (200, 12), "start": (100, 10), "call": (10 ** 6, 8),
         "call+": (20, 2)} if FULL else \
        {"own": (8, 2), "own+": (2, 1), "gl": (2, 1), "start": (6, 1), "call": (1, 0), "call+": (0, 0)}
-OTHER_ERRORS = {"open": (5, 12), "write": (5,), "pwrite": (5,), "fsync": (28,), "ftruncate": (28,), "rename": (28,), "link": (5,),
+QUOTA = errno.EDQUOT
+OTHER_ERRORS = {"open": (5, 12), "write": (5, QUOTA), "pwrite": (5, QUOTA), "fsync": (28,), "ftruncate": (28,), "rename": (28,), "link": (5,),
                 "mmap": (11,), "fork": (12,)} if FULL else {}
 COLUMNS = ("tried", "right result", "exit 3", "wrong status", "crash", "wrong bytes", "output changed", "file left",
            "not one line", "hangs", "input changed")
