@@ -37,8 +37,8 @@ MOST = {"own": (10 ** 6, 60), "own+": (150, 20), "gl": (200, 12), "start": (100,
         "call+": (20, 2)} if FULL else \
        {"own": (8, 2), "own+": (2, 1), "gl": (2, 1), "start": (6, 1), "call": (1, 0), "call+": (0, 0)}
 QUOTA = errno.EDQUOT
-OTHER_ERRORS = {"open": (5, 12), "write": (5, QUOTA), "pwrite": (5, QUOTA), "fsync": (28,), "ftruncate": (28,), "rename": (28,), "link": (5,),
-                "mmap": (11,), "fork": (12,)} if FULL else {}
+OTHER_ERRORS = {"open": (5, 12), "write": (5, QUOTA), "pwrite": (5, QUOTA), "fsync": (28,), "ftruncate": (28,), "rename": (28,),
+                "link": (5,), "mmap": (11,), "fork": (12,)} if FULL else {}
 COLUMNS = ("tried", "right result", "exit 3", "wrong status", "crash", "wrong bytes", "output changed", "file left",
            "not one line", "hangs", "input changed")
 
