@@ -3,7 +3,7 @@
 # The reference's stacks have the same bytes for every compiler, C library and processor, with and without OpenGL,
 # with any number of threads, checked or not. test/cases/golden.sha256 has the digests of all built-in scenes: small
 # ones in counts and in radiances, and scenes at their own size. FULL=1 also renders them with gcc's other
-# optimisations, with one thread each, and at their own size by all programs; and metals on aarch64.
+# optimisations, with one thread each, and at their own size by all programs; and metals and room on aarch64.
 # $STATIC is the static program with OpenGL.
 #     test/run/portable.sh renew      writes test/cases/golden.sha256 anew, by $SPECTRAL
 # Lists are split into words on purpose.
@@ -117,8 +117,8 @@ fi
 set -- $matrix
 while [ $# -gt 0 ]; do
     case $1 in
-    aarch64-*) # the many triangles of metals take most of the time under an emulator
-        [ "${FULL:-0}" != 0 ] || left_out='^metals-'
+    aarch64-*) # the many triangles of these take most of the time under an emulator
+        [ "${FULL:-0}" != 0 ] || left_out='^metals-\|^room-'
         as_golden_by "$1 $2, OpenGL $3" qemu-aarch64 "$builds/$1$2/spectral"
         left_out='^$'
         ;;
