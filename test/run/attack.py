@@ -33,8 +33,8 @@ FAMILIES = {
     "storm": ("system calls are interrupted, or move a half", False),
 }
 # How many calls of a kind are tried: of allocations, ..., of each system call; first in a quick command.
-MOST = {"own": (10 ** 6, 60), "own+": (150, 20), "gl": (200, 12), "start": (100, 10), "call": (10 ** 6, 8),
-        "call+": (20, 2)} if FULL else \
+MOST = {"own": (10 ** 6, 60), "own+": (150, 20), "gl": (200, 12), "start": (100, 10), "call": (10 ** 6, 4),
+        "call+": (20, 1)} if FULL else \
        {"own": (5, 2), "own+": (2, 1), "gl": (2, 1), "start": (3, 1), "call": (1, 0), "call+": (0, 0)}
 QUOTA = errno.EDQUOT
 OTHER_ERRORS = {"open": (5, 12), "write": (5, QUOTA), "pwrite": (5, QUOTA), "fsync": (28,), "ftruncate": (28,), "rename": (28,),
