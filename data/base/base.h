@@ -117,11 +117,11 @@ const char *path_name(const char *path); /* points behind the last '/' */
  * result is allocated; NULL: no memory. */
 char *file_relative(const char *base, const char *name);
 
-/* Return true if the name is that of a regular file, or of a link to one, and not "-"; if two names
- * are those of one file; if no file has the name, which is not "builtin:...". */
-bool file_is_regular(const char *path);
-bool file_is_same(const char *a, const char *b);
-bool file_is_missing(const char *path);
+/* Find whether the name is that of a regular file, or of a link to one, and not "-"; whether two
+ * names are those of one file. Fail only where the system does. */
+bool file_is_regular(const char *path, bool *out, struct error *err);
+bool file_is_same(const char *a, const char *b, bool *out, struct error *err);
+bool file_is_missing(const char *path); /* no file has the name, which is not "builtin:..." */
 /* format.c: finds the format of a regular file by its first bytes: "TIFF", "PNG", ...; "text": they
  * have no NUL; "": another one, or no such file. Fails only where the system does. */
 bool file_format(const char *path, const char **out, struct error *err);

@@ -61,10 +61,27 @@ char *file_relative(const char *base, const char *name)
 
 /* ---- what a path names ---- */
 
-bool file_is_regular(const char *path)
+/* Fails only where the system does. */
+static bool examine(const char *path, bool *exists, struct stat *out, struct error *err)
+{
+    const struct place nowhere = {NULL, 0, 0};
+    struct error failure = {.status = EXIT_AGREED};
+    *exists = stat(path, out) == 0;
+    if (*exists)
+        return true;
+    error_cause(&failure, nowhere, errno, "cannot examine %s", path);
+    if (failure.status == EXIT_SYSTEM)
+        *err = failure;
+    return failure.status != EXIT_SYSTEM;
+}
+
+bool file_is_regular(const char *path, bool *out, struct error *err)
 {
     struct stat status;
-    return strcmp(path, "-") != 0 && stat(path, &status) == 0 && S_ISREG(status.st_mode);
+    bool exists = false;
+    const bool done = strcmp(path, "-") == 0 || examine(path, &exists, &status, err);
+    *out = exists && S_ISREG(status.st_mode);
+    return done;
 }
 
 bool file_is_missing(const char *path)
@@ -72,24 +89,28 @@ bool file_is_missing(const char *path)
     return !path_is_builtin(path) && access(path, F_OK) != 0 && errno == ENOENT;
 }
 
-/* Finds the folder of a path. Returns false if there is none. */
-static bool stat_folder(const char *path, struct stat *out)
+static bool examine_folder(const char *path, bool *exists, struct stat *out, struct error *err)
 {
     char folder[PATH_MAX];
     const int length = (int)(path_name(path) - path);
-    return snprintf(folder, sizeof folder, "%.*s.", length, path) < PATH_MAX &&
-           stat(folder, out) == 0;
+    *exists = false;
+    return snprintf(folder, sizeof folder, "%.*s.", length, path) >= PATH_MAX ||
+           examine(folder, exists, out, err);
 }
 
 /* Files that do not exist yet are one if they have one name in one folder. */
-bool file_is_same(const char *a, const char *b)
+bool file_is_same(const char *a, const char *b, bool *out, struct error *err)
 {
     struct stat one, other;
-    if (strcmp(a, b) == 0)
+    bool a_is, b_is;
+    *out = strcmp(a, b) == 0;
+    if (*out)
         return true;
-    const bool a_is = stat(a, &one) == 0, b_is = stat(b, &other) == 0;
-    if (a_is != b_is || (!a_is && (strcmp(path_name(a), path_name(b)) != 0 ||
-                                   !stat_folder(a, &one) || !stat_folder(b, &other))))
+    if (!examine(a, &a_is, &one, err) || !examine(b, &b_is, &other, err))
         return false;
-    return one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+    if (!a_is && !b_is && strcmp(path_name(a), path_name(b)) == 0 &&
+        (!examine_folder(a, &a_is, &one, err) || !examine_folder(b, &b_is, &other, err)))
+        return false;
+    *out = a_is && b_is && one.st_dev == other.st_dev && one.st_ino == other.st_ino;
+    return true;
 }

@@ -176,7 +176,8 @@ bool command_show(struct options *options, struct error *err)
     if (done && isatty(STDOUT_FILENO) && strcmp(output, "-") == 0 &&
         memchr(file->bytes, '\0', file->length))
         done = error_usage(err, "%s is no text; add -o FILE", options->operand);
-    done = done && file_write(output, (const char *)file->bytes, file->length, NULL, err);
+    done =
+        done && file_write(output, (const char *)file->bytes, file->length, &options->outputs, err);
     free(path);
     return done;
 }

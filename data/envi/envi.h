@@ -83,9 +83,10 @@ struct envi {
     uint64_t bytes; /* of the data file */
     struct envi_rows *kept;
 };
-/* Returns whether the path names an ENVI header (NAME.hdr), or a data file with a header beside it:
- * PATH.hdr, or for NAME.img, .dat, .raw, .bsq, .bil and .bip NAME.hdr. */
-bool envi_is(const char *path);
+/* Finds whether the path names an ENVI header (NAME.hdr), or a data file with a header beside it:
+ * PATH.hdr, or for NAME.img, .dat, .raw, .bsq, .bil and .bip NAME.hdr. Fails only where the system
+ * does. */
+bool envi_is(const char *path, bool *out, struct error *err);
 /* Opens such a cube and reads its header, but no samples. The data file of NAME.hdr is NAME, or
  * NAME with one of these endings. Refuses what envi_header_read refuses, and a data file that is
  * too short. */

@@ -23,29 +23,39 @@ static size_t length_without(const char *path, const char *const *endings)
     return 0;
 }
 
-/* Finds a file whose name is the first `length` bytes of the path, then one of the endings. */
+/* Finds a file whose name is the first `length` bytes of the path, then one of the endings. "": no
+ * file has such a name. */
 static bool find_beside(const char *path, size_t length, const char *const *endings,
-                        char out[ENVI_PATH])
+                        char out[ENVI_PATH], struct error *err)
 {
-    for (; *endings; endings++)
+    bool found = false;
+    for (; !found && *endings; endings++)
         if (snprintf(out, ENVI_PATH, "%.*s%s", (int)length, path, *endings) < ENVI_PATH &&
-            file_is_regular(out))
-            return true;
-    return false;
+            !file_is_regular(out, &found, err))
+            return false;
+    if (!found)
+        out[0] = '\0';
+    return true;
 }
 
-static bool find_header(const char *data, char out[ENVI_PATH])
+static bool find_header(const char *data, char out[ENVI_PATH], struct error *err)
 {
     const size_t named = length_without(data, data_endings);
-    return find_beside(data, strlen(data), header_endings, out) ||
-           (named > 0 && find_beside(data, named, header_endings, out));
+    return find_beside(data, strlen(data), header_endings, out, err) &&
+           (out[0] != '\0' || named == 0 || find_beside(data, named, header_endings, out, err));
 }
 
-bool envi_is(const char *path)
+bool envi_is(const char *path, bool *out, struct error *err)
 {
-    char header[ENVI_PATH];
-    return length_without(path, header_endings) > 0 ||
-           (file_is_regular(path) && find_header(path, header));
+    char header[ENVI_PATH] = "";
+    bool is_file;
+    *out = length_without(path, header_endings) > 0;
+    if (*out)
+        return true;
+    if (!file_is_regular(path, &is_file, err) || (is_file && !find_header(path, header, err)))
+        return false;
+    *out = header[0] != '\0';
+    return true;
 }
 
 bool envi_files(const char *path, struct place from, char header[ENVI_PATH], char data[ENVI_PATH],
@@ -53,18 +63,19 @@ bool envi_files(const char *path, struct place from, char header[ENVI_PATH], cha
 {
     static const char *const whole_name[] = {"", NULL};
     const size_t named = length_without(path, header_endings);
+    bool is_file;
     if (named == 0) {
         snprintf(data, ENVI_PATH, "%s", path);
-        return find_header(path, header) ||
-               error_at(err, from, "%s: its ENVI header has vanished", path);
+        return find_header(path, header, err) &&
+               (header[0] != '\0' || error_at(err, from, "%s: its ENVI header has vanished", path));
     }
     snprintf(header, ENVI_PATH, "%s", path);
-    if (find_beside(path, named, whole_name, data) || find_beside(path, named, data_endings, data))
+    if (!find_beside(path, named, whole_name, data, err) ||
+        (data[0] == '\0' && !find_beside(path, named, data_endings, data, err)) ||
+        !file_is_regular(path, &is_file, err))
+        return false;
+    if (data[0] != '\0' || !is_file) /* the reader of the header says why it is no file */
         return true;
-    if (!file_is_regular(path)) {
-        data[0] = '\0'; /* the reader of the header says why */
-        return true;
-    }
     return error_at(err, from,
                     "%s: its data file is missing; expected %.*s, or this name with the ending"
                     " .img, .dat, .raw, .bsq, .bil or .bip; any other name may stand in place of"

@@ -186,11 +186,16 @@ static bool check_outputs(const struct options *options, struct error *err)
                    {"--map", options->map},       {"--check-map", options->check_map},
                    {"--csv", options->csv_file},  {"--svg", options->svg_file}};
     for (size_t i = 0; i < sizeof outputs / sizeof outputs[0]; i++)
-        for (size_t j = 0; j < i; j++)
-            if (outputs[i].path && outputs[j].path && strcmp(outputs[i].path, "/dev/null") != 0 &&
-                file_is_same(outputs[i].path, outputs[j].path))
+        for (size_t j = 0; j < i; j++) {
+            bool same;
+            if (!outputs[i].path || !outputs[j].path || strcmp(outputs[i].path, "/dev/null") == 0)
+                continue;
+            if (!file_is_same(outputs[i].path, outputs[j].path, &same, err))
+                return false;
+            if (same)
                 return error_usage(err, "%s and %s name the same file; expected two files",
                                    outputs[j].word, outputs[i].word);
+        }
     return true;
 }
 

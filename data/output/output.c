@@ -212,12 +212,19 @@ bool output_pass(struct output *output, struct outputs *outputs, struct error *e
     return true;
 }
 
-const char *outputs_readable(const struct outputs *outputs, const char *path)
+/* The outputs have the names that open_beside found. A pipe may have none. */
+bool outputs_readable(const struct outputs *outputs, const char *path, const char **out,
+                      struct error *err)
 {
+    char *resolved = realpath(path, NULL);
+    *out = NULL;
+    if (!resolved && errno != ENOENT && errno != EACCES)
+        return error_system(err, "cannot find the folder of %s", path);
     for (int i = 0; i < outputs->n; i++)
-        if (file_is_same(outputs->list[i].path, path))
-            return outputs->list[i].temporary;
-    return NULL;
+        if (strcmp(outputs->list[i].path, resolved ? resolved : path) == 0)
+            *out = outputs->list[i].temporary;
+    free(resolved);
+    return true;
 }
 
 bool outputs_commit(struct outputs *outputs, struct error *err)

@@ -32,9 +32,10 @@ struct outputs {
  * A copy is made at once in any case. After a failure it is discarded, and no temporary file is
  * left. */
 bool output_pass(struct output *output, struct outputs *outputs, struct error *err);
-/* Returns the name by which the output of a path can be read before it is committed; NULL: it is
- * none of them. */
-const char *outputs_readable(const struct outputs *outputs, const char *path);
+/* Finds the name by which the output of a path can be read before it is committed; NULL: it is none
+ * of them. Fails only where the system does. */
+bool outputs_readable(const struct outputs *outputs, const char *path, const char **out,
+                      struct error *err);
 bool outputs_commit(struct outputs *outputs, struct error *err);
 void outputs_discard(struct outputs *outputs); /* safe after commit */
 /* Writes a whole small file, which appears whole or not at all. "-" is standard output; if its

@@ -61,7 +61,11 @@ bool output_is_stream(const char *path)
 
 bool output_spares(const char *output, const char *input, struct error *err)
 {
-    return !output || !input || output_is_standard(output) || !file_is_regular(input) ||
-           !file_is_same(output, input) ||
+    bool regular, same;
+    if (!output || !input || output_is_standard(output))
+        return true;
+    if (!file_is_regular(input, &regular, err) || !file_is_same(output, input, &same, err))
+        return false;
+    return !regular || !same ||
            error_usage(err, "%s would replace the input; expected another file", output);
 }

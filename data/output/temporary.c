@@ -137,8 +137,8 @@ static bool create_named(struct output *out, const char *path, mode_t mode)
         if (out->descriptor < 0)
             return false;
         /* a file system without locks is swept by nobody */
-        if (!lock(out->descriptor, LOCK_EX) ||
-            (fstat(out->descriptor, &status) == 0 && status.st_nlink > 0)) {
+        if (!lock(out->descriptor, LOCK_EX) || fstat(out->descriptor, &status) != 0 ||
+            status.st_nlink > 0) {
             out->named = true;
             return true;
         }

@@ -83,17 +83,25 @@ static void run_worker(int (*work)(void *of), void *of, pid_t parent)
     if (!process_follow(parent))
         exit(EXIT_SYSTEM);
     const int status = work(of), number = pending_signal();
+    if (status == EXIT_SYSTEM && number == 0) /* the libraries may be in no state to clean up */
+        _exit(ENDED + status);
     exit(number > 0 ? SIGNALLED + number : ENDED + status);
 }
 
 /* ---- the process that watches ---- */
 
-/* Returns whether the worker has ended. */
+enum { UNKNOWN_STATUS = -1 }; /* waitpid never gives it */
+
+/* Returns whether the worker has ended. A worker that cannot be waited for is killed. */
 static bool has_ended(pid_t worker, int *status)
 {
     pid_t ended;
     UNTIL_DONE(ended, waitpid(worker, status, WNOHANG));
-    return ended == worker;
+    if (ended < 0) {
+        kill(worker, SIGKILL);
+        *status = UNKNOWN_STATUS;
+    }
+    return ended != 0;
 }
 
 /* Waits for the end of the worker. Returns the signal that came meanwhile; 0: none. The first one
@@ -117,6 +125,10 @@ static int conclude(int status)
 {
     static const char hint[] = "memory or threads may have run out";
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    if (status == UNKNOWN_STATUS) {
+        fprintf(stderr, "error: cannot wait for the work, and ended it\n");
+        return EXIT_SYSTEM;
+    }
     if (code > SIGNALLED)
         return die_of(code - SIGNALLED);
     if (code >= ENDED && code <= ENDED + EXIT_SYSTEM)

@@ -46,9 +46,13 @@ static bool include_read(struct scene_reader *reader, struct error *err)
     if (reader->n_open == DEEPEST_INCLUDE)
         return error_at(err, word.place, "files include each other more than %d deep",
                         DEEPEST_INCLUDE);
-    for (int i = 0; i < reader->n_open; i++)
-        if (file_is_same(reader->open[i], text.path))
+    for (int i = 0; i < reader->n_open; i++) {
+        bool same;
+        if (!file_is_same(reader->open[i], text.path, &same, err))
+            return false;
+        if (same)
             return error_at(err, word.place, "%.200s would include itself", reader->open[i]);
+    }
     return read_statements(reader, &text, err);
 }
 

@@ -133,7 +133,7 @@ bool command_info(struct options *options, struct error *err)
                 (image.envi || record_read(&image, &record, err));
     if (done && options->json) {
         info_json(&image, &record, &json);
-        done = json_write(&json, options->json, NULL, err);
+        done = json_write(&json, options->json, &options->outputs, err);
     } else if (done && image.envi) {
         print_cube(&image, &table);
     } else if (done) {

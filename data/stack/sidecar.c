@@ -148,10 +148,11 @@ bool stack_commit_envi(struct stack_writer *writer, const char *path, struct out
 
 /* ---- the command ---- */
 
-static bool write_header(const char *stack, const char *path, struct error *err)
+static bool write_header(const char *stack, const char *path, struct outputs *outputs,
+                         struct error *err)
 {
     char *header = header_make(stack, err);
-    const bool done = header && file_write(path, header, strlen(header), NULL, err);
+    const bool done = header && file_write(path, header, strlen(header), outputs, err);
     free(header);
     return done;
 }
@@ -166,7 +167,7 @@ bool command_envi(struct options *options, struct error *err)
         return error_memory(err);
     const char *path = options->output ? options->output : beside;
     const bool done = scene_refuse(stack, err) && image_spared(path, stack, err) &&
-                      write_header(stack, path, err);
+                      write_header(stack, path, &options->outputs, err);
     free(beside);
     return done;
 }

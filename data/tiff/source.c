@@ -8,9 +8,13 @@
 bool image_kind(const char *path, enum image_kind *out, struct error *err)
 {
     const char *format;
+    bool envi = false;
     if (!file_format(path, &format, err))
         return false;
-    *out = strcmp(format, "TIFF") == 0 ? IMAGE_TIFF : envi_is(path) ? IMAGE_ENVI : IMAGE_NONE;
+    const bool tiff = strcmp(format, "TIFF") == 0;
+    if (!tiff && !envi_is(path, &envi, err))
+        return false;
+    *out = tiff ? IMAGE_TIFF : envi ? IMAGE_ENVI : IMAGE_NONE;
     return true;
 }
 

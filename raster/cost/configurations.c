@@ -46,37 +46,46 @@ static void survey_picture(const struct scene *scene, struct survey *out)
     out->shaded = varied && scene->n_lights > 0;
 }
 
-/* Reads the sampling of the scene by a method. */
+/* Makes the sampling of the scene by a method. A method that refuses the scene leaves *out
+ * empty. Fails only where the system does. */
 static bool read_sampling(const struct options *options, const char *method, struct sampling *out,
                           struct error *err)
 {
+    struct error refusal = {.status = EXIT_AGREED};
     struct configuration configuration = {.tessellation = 1, .renderer = BY_RASTER};
     struct cost_entry entry = {.n_words = 0};
     struct scene scene = {.path = NULL};
     snprintf(configuration.sampling, sizeof configuration.sampling, "%s", method);
-    const bool done = configuration_entry(&configuration, options_detector(options), &entry, err) &&
-                      cost_read(options, &entry, &scene, out, err);
+    const bool done =
+        configuration_entry(&configuration, options_detector(options), &entry, &refusal) &&
+        cost_read(options, &entry, &scene, out, &refusal);
     cost_entry_free(&entry);
     scene_free(&scene);
-    return done;
+    if (!done)
+        sampling_free(out);
+    if (!done && refusal.status == EXIT_SYSTEM)
+        *err = refusal;
+    return done || refusal.status != EXIT_SYSTEM;
 }
 
 /* Finds peaks and rank by making two samplings. A sampling that refuses the scene finds nothing. */
-static void survey_spectra(const struct options *options, struct survey *out)
+static bool survey_spectra(const struct options *options, struct survey *out, struct error *err)
 {
-    struct error ignored = {.status = EXIT_AGREED};
     struct sampling sampling = {.detector = NULL};
     out->n_peaks = -1;
-    if (read_sampling(options, "adaptive:0.01", &sampling, &ignored)) {
+    bool done = read_sampling(options, "adaptive:0.01", &sampling, err);
+    if (done && sampling.detector) {
         out->n_peaks = sampling.n_peaks < MAX_SURVEY_PEAKS ? sampling.n_peaks : MAX_SURVEY_PEAKS;
         for (int i = 0; i < out->n_peaks; i++)
             out->peak_nm[i] = sampling.peak_nm[i];
     }
     sampling_free(&sampling);
-    ignored = (struct error){.status = EXIT_AGREED};
-    if (!out->spectral_texture && read_sampling(options, "basis:1", &sampling, &ignored))
+    if (done && !out->spectral_texture) {
+        done = read_sampling(options, "basis:1", &sampling, err);
         out->rank = sampling.rank;
-    sampling_free(&sampling);
+        sampling_free(&sampling);
+    }
+    return done;
 }
 
 static bool survey(void *context, void *result, struct error *err)
@@ -86,14 +95,14 @@ static bool survey(void *context, void *result, struct error *err)
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.detector = NULL};
     struct detector observer = {.name = NULL};
-    const bool done = observer_read(out->observer, &observer, err) &&
-                      cost_read(options, NULL, &scene, &sampling, err);
+    bool done = observer_read(out->observer, &observer, err) &&
+                cost_read(options, NULL, &scene, &sampling, err);
     if (done) {
         snprintf(out->scene, sizeof out->scene, "%s", scene.path);
         out->width = scene.width;
         out->height = scene.height;
         survey_picture(&scene, out);
-        survey_spectra(options, out);
+        done = survey_spectra(options, out, err);
     }
     detector_free(&observer);
     sampling_free(&sampling);

@@ -80,17 +80,17 @@ static char *probe_text(const struct probe *probe, bool csv)
     return printed_end(&printed);
 }
 
-static bool probe_write(const struct options *options, const struct probe *probe, struct error *err)
+static bool probe_write(struct options *options, const struct probe *probe, struct error *err)
 {
     struct json json;
     if (options->json) {
         probe_json(probe, &json);
-        return json_write(&json, options->json, NULL, err);
+        return json_write(&json, options->json, &options->outputs, err);
     }
     char *text = options->svg ? probe_svg(probe) : probe_text(probe, options->csv);
-    bool done =
-        text ? file_write(options->output ? options->output : "-", text, strlen(text), NULL, err)
-             : error_memory(err);
+    bool done = text ? file_write(options->output ? options->output : "-", text, strlen(text),
+                                  &options->outputs, err)
+                     : error_memory(err);
     free(text);
     return done;
 }

@@ -30,7 +30,7 @@ bool command_plan(struct options *options, struct error *err)
                 note_plan(&plan, &notes, err);
     if (done && options->json) {
         plan_json(&plan, &notes, &json);
-        done = json_write(&json, options->json, NULL, err);
+        done = json_write(&json, options->json, &options->outputs, err);
     } else if (done) {
         struct printed printed = {.text = NULL};
         done = plan_print(&plan, &printed, err);

@@ -59,10 +59,10 @@ static bool find_below(const char *path, bool *below, struct error *err)
  * nobody writes to. */
 static bool is_trusted(const char *stack, const char *file, struct error *err)
 {
-    bool below = false;
+    bool regular, below = false;
     if (path_is_builtin(file) || file_is_missing(file))
         return true;
-    if (file_is_regular(file) && !find_below(file, &below, err))
+    if (!file_is_regular(file, &regular, err) || (regular && !find_below(file, &below, err)))
         return false;
     return below ||
            error_usage(err,

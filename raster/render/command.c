@@ -119,8 +119,9 @@ static bool write_json(const struct options *options, const struct plan *plan,
                        struct outputs *outputs, struct error *err)
 {
     char sha256[65];
-    const char *stack = stored ? outputs_readable(outputs, stored) : NULL;
-    if (stack && !digest_file(stack, sha256, err))
+    const char *stack = NULL;
+    if ((stored && !outputs_readable(outputs, stored, &stack, err)) ||
+        (stack && !digest_file(stack, sha256, err)))
         return false;
     struct json json;
     report_json(plan, result, stored, stack ? sha256 : NULL, peak_bytes(), &json);
@@ -129,24 +130,29 @@ static bool write_json(const struct options *options, const struct plan *plan,
 
 /* Prints the name of the stack's header. A header of an older stack stays where it is: it may give
  * wrong places of samples. */
-static void print_header(const char *stack, bool written, struct printed *to)
+static bool print_header(const char *stack, bool written, struct printed *to, struct error *err)
 {
     char *header = sidecar_name(stack);
-    if (header && written)
+    bool older = false;
+    const bool done = header ? written || file_is_regular(header, &older, err) : error_memory(err);
+    if (done && written)
         print(to, "header            %s\n", header);
-    else if (header && file_is_regular(header))
+    else if (older)
         print(to, "header            %s is of an older stack; spectral envi %s renews it\n", header,
               stack);
     free(header);
+    return done;
 }
 
-static void print_report(const struct plan *plan, const struct render_result *result,
-                         const struct render_output *output, const char *stored, struct printed *to)
+static bool print_report(const struct plan *plan, const struct render_result *result,
+                         const struct render_output *output, const char *stored, struct printed *to,
+                         struct error *err)
 {
     report_print(plan, result, to);
     if (stored) {
         print(to, "stack             %s\n", stored);
-        print_header(stored, output->envi, to);
+        if (!print_header(stored, output->envi, to, err))
+            return false;
     }
     if (output->check_map && picture_is_png(output->check_map)) {
         print_text(to, "map colours       ");
@@ -156,6 +162,7 @@ static void print_report(const struct plan *plan, const struct render_result *re
     if (result->difference.compared)
         print(to, "again             %s bytes as %s\n",
               result->difference.found ? "not the same" : "the same", output->again);
+    return true;
 }
 
 /* Reports, then fails if the pictures differ. made: the record of the stack that is made again;
@@ -174,11 +181,9 @@ static bool report(const struct options *options, const struct plan *plan,
     if (options->json && !write_json(options, plan, result, stored, output->outputs, err))
         return false;
     struct printed printed = {.text = NULL};
-    if (!options->quiet) {
-        if (options->verbose && !plan_print(plan, &printed, err))
-            return false;
-        print_report(plan, result, output, stored, &printed);
-    }
+    if (!options->quiet && ((options->verbose && !plan_print(plan, &printed, err)) ||
+                            !print_report(plan, result, output, stored, &printed, err)))
+        return false;
     if (!printed_show(&printed, table, err))
         return false;
     if (agreed)

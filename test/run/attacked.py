@@ -299,7 +299,8 @@ def normal(a_form, name, data):
 
 
 def error_lines(run):
-    return [line for line in run.stderr.splitlines() if ERROR_LINE.match(line)]
+    """The program's messages, without those of OpenGL."""
+    return [line for line in run.stderr.splitlines() if ERROR_LINE.match(line) and not line.startswith("Mesa ")]
 
 
 def results(a_form, run):
