@@ -4,8 +4,8 @@
  * in test/README.md. Faults of place and state change every draw call; faults of samples, bands and
  * passes change the passes of colours, which the program draws by glDrawElements.
  *
- * Faults 73 to 75 change a sample by FAULT_COUNTS counts at the pixel FAULT_PIXEL, "x,y" from the top
- * left; 78 exchanges two bands around it.
+ * Faults 73 to 75 change a sample by FAULT_COUNTS counts at the pixel FAULT_PIXEL, "x,y" from the
+ * top left; 78 exchanges two bands around it.
  *
  * 0 and CONTROL are no faults: CONTROL lights by the shader below, and 0 keeps the passes in the
  * file named by FAULT_PASSES, where fault 4 reads them. */
@@ -214,6 +214,26 @@ void glViewport(GLint x, GLint y, GLsizei width, GLsizei height)
     void (*next)(GLint, GLint, GLsizei, GLsizei);
     real("glViewport", &next);
     next(fault() == 42 ? x + 1 : x, y, width, height);
+}
+
+/* ---- an OpenGL that can do less ---- */
+
+void glGetIntegerv(GLenum name, GLint *values)
+{
+    void (*next)(GLenum, GLint *);
+    real("glGetIntegerv", &next);
+    next(name, values);
+    if (fault() == 81 && name == GL_DEPTH_BITS)
+        *values = 16;
+    if (fault() == 82 && name == GL_MAX_VIEWPORT_DIMS)
+        values[0] = 16;
+}
+
+const GLubyte *glGetString(GLenum name)
+{
+    const GLubyte *(*next)(GLenum);
+    real("glGetString", &next);
+    return fault() == 83 && name == GL_RENDERER ? (const GLubyte *)"another driver" : next(name);
 }
 
 /* ---- drawing in a wrong state ---- */
@@ -572,9 +592,9 @@ static const struct sample_fault {
     int fault;
     float factor, offset, levels, rounding;
 } sample_faults[] = {
-    {34, 1, 1 / 65535.0F, 0, 0}, {35, 1, 0, 65535, 0}, {37, 1, 0, 255, 0.5F}, {47, 1.001F, 0, 0, 0},
-    {66, 0.5F, 0, 0, 0},         {67, 0, 0, 0, 0},     {68, NAN, 0, 0, 0},
-    {76, 1.0005F, 0, 0, 0},      {80, 1, 0.16F / 65535, 0, 0},
+    {34, 1, 1 / 65535.0F, 0, 0}, {35, 1, 0, 65535, 0},   {37, 1, 0, 255, 0.5F},
+    {47, 1.001F, 0, 0, 0},       {66, 0.5F, 0, 0, 0},    {67, 0, 0, 0, 0},
+    {68, NAN, 0, 0, 0},          {76, 1.0005F, 0, 0, 0}, {80, 1, 0.16F / 65535, 0, 0},
 };
 
 static void spoil_samples(const struct sample_fault *row)
@@ -608,7 +628,8 @@ static float *chosen_pixel(void)
 {
     const char *at = getenv("FAULT_PIXEL");
     char *rest = NULL;
-    long x = at ? strtol(at, &rest, 10) : -1, y = at && *rest == ',' ? strtol(rest + 1, NULL, 10) : -1;
+    long x = at ? strtol(at, &rest, 10) : -1,
+         y = at && *rest == ',' ? strtol(rest + 1, NULL, 10) : -1;
     bool inside = x >= 1 && y >= 1 && x < buffer_width - 1 && y < buffer_height - 1;
     return inside ? buffer + CHANNELS * ((size_t)y * (size_t)buffer_width + (size_t)x) : NULL;
 }

@@ -166,10 +166,30 @@ GALLIUM_DRIVER=llvmpipe
 
 exits 1 "one wrong sample fails the whole picture" render 43 patches
 prints '^unexplained +1$' "only the pixel of the wrong sample is unexplained"
+exits 1 "a picture of components is checked, too" render 34 patches --sampling basis:3
+grep -q 'at component [1-3] OpenGL' "$tmp/err"
+ok $? "the message names the component: $(cat "$tmp/err")"
 exits 1 "--keep stores a stack that failed" render 43 patches --keep
 grep -aq 'differs; ' "$tmp/out.tif"
 ok $? "the kept stack records the verdict"
 rm -f "$tmp/out.tif"
+
+lacks() { # FAULT MESSAGE [OPTION...]
+    fault=$1
+    message=$2
+    shift 2
+    exits 3 "an OpenGL that cannot draw the scene is no difference: $message" render "$fault" patches "$@"
+    grep -q "$message" "$tmp/err"
+    ok $? "the message says what it lacks: $(cat "$tmp/err")"
+    absent "$tmp/out.tif" "fault $fault"
+}
+lacks 81 'OSMesa gives 32 bits of colour, 16 of depth and 8 of stencil; 32, 24 and 8 are needed'
+lacks 82 'OSMesa draws at most 16 x [0-9]* pixels at once'
+lacks 83 'this OSMesa draws with another driver, not with softpipe' --renderer softpipe
+exits 0 "cost goes on where OSMesa lacks a driver" \
+    env FAULT=83 LD_PRELOAD="$FAULTS" "$SPECTRAL" cost test/cases/faults/grid.scene --size 8x6 --runs 5 -j 1
+prints 'without .*softpipe.*: this OSMesa draws with another driver, not with softpipe' "cost notes what it leaves out"
+
 for depth in 16 32f; do
     for fault in 48 68; do
         exits 3 "NaN is refused even unchecked, at depth $depth: $fault" \

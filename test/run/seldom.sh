@@ -100,4 +100,24 @@ prints 'wavelength .nm. ×10⁵</text>' "an axis of long wavelengths has a power
 cube 'wavelength = {500, 2000000}'
 refuses 'its wavelengths reach 2000000 nm; --sampling goes up to 1000000 nm' "sampling of a cube of long wavelengths" \
     "$SPECTRAL" develop "$tmp/cube.hdr" --white e --sampling box:2 -o "$tmp/cube.png"
+name=$tmp/élan.tif
+cp "$tmp/checked.tif" "$name"
+run "$SPECTRAL" develop "$name" -o "$tmp/named.tif" -q
+grep -aq '/[?][?]lan[.]tif' "$tmp/named.tif"
+ok $? "bytes beyond ASCII are '?' in the description of a picture"
+yes 'object plane 1 1 material m' | head -n 65536 | cat "$tmp/near.scene" - >"$tmp/many.scene"
+refuses 'a page shows at most 65535 objects and parts; this scene has 65537' "view of too many objects" \
+    "$SPECTRAL" view "$tmp/many.scene" -o "$tmp/many.html"
+{
+    printf '%s\n' 'material m { diffuse 0.5 }' 'object plane 2 2 material m' 'camera ortho 2' 'size 8192 1'
+    for i in $(seq 70); do echo "light blackbody:$((2000 + i)) 1 position 0 0 $i"; done
+} >"$tmp/wide.scene"
+run "$SPECTRAL" plan "$tmp/wide.scene"
+prints '^tiles +2 of 4096 x 1 pixels' "a pixel with many terms has narrower tiles"
+refuses 'the file has 257 MB; a text file has at most 256 MB' "a pipe that gives too long a text" \
+    sh -c 'yes "# a comment" | head -c 268435457 | "$SPECTRAL" plan -'
+printf '%s\n' 'material m { diffuse 0.5 }' 'material black { diffuse 0 }' 'object plane 2 2 material m' \
+    'object plane 1 1 material black translate 0 0 0.5' 'light e 1 position 0 0 2' 'camera ortho 2' 'size 9 9' >"$tmp/black.scene"
+run "$SPECTRAL" render "$tmp/black.scene" --renderer raster --shading phong --wavelengths 500 -o "$tmp/black.tif"
+prints '^full scale +0.5 is count 65535' "an object that reflects no light does not change the full scale"
 done_testing
