@@ -41,7 +41,7 @@ OTHER_ERRORS = {"open": (5, 12), "write": (5, QUOTA), "pwrite": (5, QUOTA), "fsy
                 "link": (5,), "mmap": (11,), "fork": (12,)} if FULL else {}
 # Where these fail, an earlier output of the command may have got its name, or the program cannot know how the work ended.
 NAMING = "rename", "link", "wait"
-# What cannot be removed stays. Work that cannot be waited for may have printed its message before it was ended.
+# A file that cannot be removed stays. Work that cannot be waited for may have printed its message before it was ended.
 ALLOWED = {"unlink": {"file left"}, "wait": {"not one line"}}
 COLUMNS = ("tried", "right result", "exit 3", "wrong status", "crash", "wrong bytes", "output changed", "file left",
            "not one line", "hangs", "input changed")
