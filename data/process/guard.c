@@ -123,7 +123,7 @@ static int watch(pid_t worker, const sigset_t *held, int *status)
 /* Returns the exit status of a worker that has ended. */
 static int conclude(int status)
 {
-    static const char hint[] = "memory or threads may have run out";
+    static const char hint[] = "memory or threads may have run out; --memory sets a limit";
     const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     if (status == UNKNOWN_STATUS) {
         fprintf(stderr, "error: cannot wait for the work, and ended it\n");

@@ -12,7 +12,7 @@
  * does, this prints a line and returns EXIT_SYSTEM. SIGINT, SIGTERM and SIGHUP end both processes:
  * the work has GRACE_MS to remove its temporary files. */
 int guard_run(int (*work)(void *of), void *of);
-enum { GRACE_MS = 200 };
+enum { GRACE_MS = 150 };
 /* Returns whether such a signal has come. The work looks for it between its steps, and then
  * returns. Outside of guard_run: whether one is blocked and pending. */
 bool is_interrupted(void);
