@@ -77,7 +77,7 @@ is_fresh() {
 # an error no other file is begun.
 compile() {
     tree=$BUILD/$1
-    command="$CC $warnings $CPPFLAGS $2 $language $openmp"
+    command="$CC $warnings $CPPFLAGS $2 $language -pthread"
     shift 2
     mkdir -p "$tree"
     stamp "$tree/made-with" "$command $($CC --version | head -n 1) $parts"
@@ -103,10 +103,10 @@ compile() {
 link() {
     program=$BUILD/$1
     shift
-    stamp "$program.made-with" "$CC $CFLAGS $openmp $LDFLAGS $* $libraries $parts"
+    stamp "$program.made-with" "$CC $CFLAGS -pthread $LDFLAGS $* $libraries $parts"
     if [ ! -x "$program" ] || [ -n "$(find "$@" "$program.made-with" -newer "$program")" ]; then
         echo "building $program"
-        $CC $CFLAGS $openmp $LDFLAGS "$@" -o "$program.new" $libraries
+        $CC $CFLAGS -pthread $LDFLAGS "$@" -o "$program.new" $libraries
         mv "$program.new" "$program"
     fi
 }

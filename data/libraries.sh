@@ -20,7 +20,7 @@ links() {
         $CC $CPPFLAGS $CFLAGS $LDFLAGS -x c - -o "$BUILD/probe" "$@" 2>/dev/null
 }
 
-# Sets $libraries for $GL, and $openmp. A compiler that sees no libtiff, such as musl-gcc or one for another
+# Sets $libraries for $GL. A compiler that sees no libtiff, such as musl-gcc or one for another
 # processor, gets its own, and makes a static program.
 find_libraries() {
     libraries='-ltiff -lz -lm'
@@ -36,13 +36,6 @@ find_libraries() {
         CPPFLAGS="$CPPFLAGS -I$tiff/include -I$zlib/include"
         libraries="-static -Wl,--gc-sections -L$tiff -L$zlib $libraries"
     fi
-    find_openmp
-}
-
-# Sets $openmp. Without OpenMP for the C library in use, --threads changes nothing.
-find_openmp() {
-    openmp=-fopenmp
-    links omp.h omp_get_max_threads -fopenmp $libraries || openmp=-Wno-unknown-pragmas
 }
 
 # ---- packages ----
@@ -72,7 +65,7 @@ install_packages() {
 need_compiler() {
     case $CC in
     gcc) need gcc libc6-dev ;;
-    clang) need clang libomp-dev libc6-dev ;;
+    clang) need clang libc6-dev ;;
     musl-gcc) need musl-tools ;;
     aarch64-linux-gnu-gcc) need gcc-aarch64-linux-gnu libc6-dev-arm64-cross ;;
     esac

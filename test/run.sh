@@ -2,7 +2,7 @@
 # shellcheck shell=sh disable=SC1091,SC2013,SC2016,SC2030,SC2031,SC2046,SC2086,SC2154
 # Builds and runs the tests and the benches; build.sh reads this for `test` and `bench`. A test is a file
 # test_NAME.c or an executable script, anywhere below this folder, and prints TAP.
-test_packages='gcc clang libomp-dev lld wasi-libc libclang-rt-dev-wasm32 wabt perl liblcms2-utils python3-pil python3-tifffile python3-numpy python3-scipy python3-gdal
+test_packages='gcc clang lld wasi-libc libclang-rt-dev-wasm32 wabt perl liblcms2-utils python3-pil python3-tifffile python3-numpy python3-scipy python3-gdal
   imagej default-jdk-headless glmark2-data psychtoolbox-3-common colord-data mandoc bsdextrautils busybox-static pngcheck zsh fish
   octave gdal-bin python3-h5py python3-hdf4 python3-xarray python3-netcdf4 python3-spectral openexr imagemagick libgdk-pixbuf2.0-bin
   chromium file valgrind binutils musl-tools gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user'
@@ -125,7 +125,6 @@ run_tests() {
     build
     export SPECTRAL="$BUILD/spectral" STATIC="$BUILD/spectral-static" TEST_TMP="$BUILD/tmp" BUILD \
         FAULTS="$BUILD/test/fault.so" FAIL_LIBRARY="$BUILD/test/fail.so" LIBRARY="$BUILD/test/library.a" REPLAY="$BUILD/test/replay"
-    export OMP_WAIT_POLICY=passive # threads that wait must not take the processor from the other test
     need perl $([ -z "$scripts" ] || echo $test_packages)
     mkdir -p "$TEST_TMP"
     ! chosen_need STATIC || static_program

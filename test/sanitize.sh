@@ -3,7 +3,7 @@
 # The unit tests and all commands on all built-in scenes under the sanitizers of clang, and the code of
 # the static program under valgrind; build.sh reads this for `sanitize`. The first finding ends it: a wrong access, a
 # leak, undefined behaviour, a number that a cast changes, a value that depends on memory never written.
-sanitize_packages='clang libclang-rt-dev libomp-dev valgrind perl'
+sanitize_packages='clang libclang-rt-dev valgrind perl'
 sanitizers='-g -O2 -fno-omit-frame-pointer -fsanitize=address,undefined,float-cast-overflow,implicit-conversion
   -fno-sanitize-recover=all'
 sanitize_size='--size 48x32 --wavelengths 400:700:50'
@@ -70,7 +70,6 @@ build_for_valgrind() {
     . raster/gl/static.sh
     prepare
     find_static_libraries
-    find_openmp
     parts=$(versions $static_packages)
     compile obj-static "$CFLAGS" $sources "$BUILD/builtin.c"
     libraries="-Wl,-Bstatic $(echo "$libraries" | sed 's/-static-pie//; s/-lm$/-Wl,-Bdynamic -lm/')"
@@ -96,8 +95,7 @@ sanitize() {
     program=$BUILD/sanitize/spectral
     mkdir -p "$out"
     export ASAN_OPTIONS=detect_stack_use_after_return=1 \
-        LSAN_OPTIONS=suppressions=$PWD/test/sanitize.leaks:print_suppressions=0 UBSAN_OPTIONS=print_stacktrace=1 \
-        OMP_WAIT_POLICY=passive
+        LSAN_OPTIONS=suppressions=$PWD/test/sanitize.leaks:print_suppressions=0 UBSAN_OPTIONS=print_stacktrace=1
     BUILD=$BUILD/sanitize CC=clang CFLAGS=$sanitizers CPPFLAGS=$sanitizers ./build.sh test \
         $(find test -name 'test_*.c' | sed 's:.*/::; s:[.]c$::' | sort)
     sanitize_commands

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "base": growing arrays, files, threads, digests. */
+/* The room "base": growing arrays, files, texts, memory. */
 #ifndef BASE_H
 #define BASE_H
 
@@ -101,12 +101,6 @@ void memory_limit(uint64_t bytes);
  * what needs it, e.g. "a mesh of %d triangles". */
 bool memory_suffices(double bytes, struct place place, struct error *err, const char *format, ...)
     PRINTF_LIKE(4, 5);
-
-/* ---- threads.c ---- */
-
-/* Starts `wanted` threads of OpenMP (0: as many as it offers), or as many as the system gives.
- * Returns their number. */
-int threads_start(int wanted);
 
 /* ---- paths.c: how one file names another, and what a path names ---- */
 

@@ -15,6 +15,7 @@
 #include "data/record/record.h"
 #include "data/spectra/spectra.h"
 #include "data/text/text.h"
+#include "data/threads/threads.h"
 #include "data/tiff/tiff.h"
 
 /* ---- tolerances ---- */
@@ -202,8 +203,9 @@ static void map_pixel(struct comparer *comparer, size_t at, double largest)
                      map_scales[shown].least, comparer->colours[at]);
 }
 
-static void compare_row(struct comparer *comparer, int row)
+static void compare_row(void *context, int row)
 {
+    struct comparer *comparer = context;
     const int n = comparer->out->n, width = comparer->out->width;
     const size_t stride = comparer->a.stride;
     struct band_difference *bands = comparer->bands + (size_t)row * (size_t)n;
@@ -256,9 +258,7 @@ static bool compare_chunk(struct comparer *comparer, int first, struct error *er
         return error_system(err, "interrupted; nothing was written");
     if (!rows_read(&comparer->a, first, err) || !rows_read(&comparer->b, first, err))
         return false;
-#pragma omp parallel for schedule(dynamic) num_threads(comparer->threads)
-    for (int row = 0; row < comparer->a.n; row++)
-        compare_row(comparer, row);
+    threads_each(comparer->threads, comparer->a.n, compare_row, comparer);
     for (int row = 0; row < comparer->a.n; row++)
         add_row(comparer, row);
     return !comparer->options->map ||
@@ -363,7 +363,7 @@ static bool prepare_chunk(struct comparer *comparer, struct error *err)
         return false;
     const size_t n = (size_t)comparer->out->n, rows = (size_t)comparer->a.most,
                  pixels = comparer->a.stride;
-    comparer->threads = threads_start(comparer->options->threads);
+    comparer->threads = threads_count(comparer->options->threads);
     comparer->spectra = calloc(2 * n * rows, sizeof *comparer->spectra);
     comparer->bands = calloc(n * rows, sizeof *comparer->bands);
     comparer->largest_a = calloc(rows, sizeof *comparer->largest_a);

@@ -11,6 +11,7 @@
 #include "data/develop/develop.h"
 #include "data/pages/pages.h"
 #include "data/process/process.h"
+#include "data/threads/threads.h"
 #include "data/tiff/tiff.h"
 
 /* ---- sums of pages ---- */
@@ -18,7 +19,7 @@
 enum {
     BATCH = 8,              /* pages that are read before they are added up */
     CHUNK_PIXELS = 1 << 21, /* at most, or one row: 64 MB of a batch, 48 MB of sums */
-    BLOCK_PIXELS = 1024     /* added up at once by a thread */
+    BLOCK_PIXELS = 1 << 13  /* that a thread takes at a time */
 };
 
 static size_t sample_bytes(const struct develop_options *options)
@@ -32,25 +33,32 @@ static bool prepare_chunk(struct development *of, struct error *err)
     const int rows = CHUNK_PIXELS / image->width;
     of->rows = rows < 1 ? 1 : rows < image->height ? rows : image->height;
     of->n_pixels = (size_t)of->rows * (size_t)image->width;
-    of->threads = threads_start(of->options->threads);
+    of->threads = threads_count(of->options->threads);
     of->radiance = calloc(BATCH * of->n_pixels, sizeof *of->radiance);
     of->sums = calloc(3 * of->n_pixels, sizeof *of->sums);
     of->samples = calloc(3 * of->n_pixels, sample_bytes(of->options));
     return (of->radiance != NULL && of->sums != NULL && of->samples != NULL) || error_memory(err);
 }
 
-/* Adds a batch of pages to up to BLOCK_PIXELS pixels, page after page. Pages and channels lie
- * `stride` apart. */
-static void add_block(const float *restrict radiance, size_t stride, double weights[3][BATCH],
-                      size_t n, double *sums)
+/* A batch of pages that is added to a chunk. */
+struct batch {
+    const struct development *of;
+    double weights[3][BATCH];
+};
+
+/* Adds a batch of pages to some pixels, page after page. Pages and channels lie a chunk apart. */
+static void add_pixels(void *context, size_t first, size_t end)
 {
-    double *restrict x = sums, *restrict y = sums + stride, *restrict z = sums + 2 * stride;
-    for (size_t i = 0; i < n; i++) {
+    const struct batch *batch = context;
+    const size_t stride = batch->of->n_pixels;
+    const float *restrict radiance = batch->of->radiance;
+    double *restrict x = batch->of->sums, *restrict y = x + stride, *restrict z = y + stride;
+    for (size_t i = first; i < end; i++) {
         double sum[3] = {x[i], y[i], z[i]};
         for (int page = 0; page < BATCH; page++) {
             const double value = (double)radiance[(size_t)page * stride + i];
             for (int channel = 0; channel < 3; channel++)
-                sum[channel] += weights[channel][page] * value;
+                sum[channel] += batch->weights[channel][page] * value;
         }
         x[i] = sum[0];
         y[i] = sum[1];
@@ -62,15 +70,11 @@ static void add_block(const float *restrict radiance, size_t stride, double weig
 static void add_batch(struct development *of, int first, size_t n)
 {
     const int n_pages = of->cube.image.n_pages;
-    const size_t stride = of->n_pixels;
-    double weights[3][BATCH] = {{0}};
+    struct batch batch = {.of = of};
     for (int channel = 0; channel < 3; channel++)
         for (int page = 0; page < BATCH && first + page < n_pages; page++)
-            weights[channel][page] = of->weights[channel * n_pages + first + page];
-#pragma omp parallel for num_threads(of->threads)
-    for (size_t i = 0; i < n; i += BLOCK_PIXELS)
-        add_block(of->radiance + i, stride, weights, n - i < BLOCK_PIXELS ? n - i : BLOCK_PIXELS,
-                  of->sums + i);
+            batch.weights[channel][page] = of->weights[channel * n_pages + first + page];
+    threads_blocks(of->threads, n, BLOCK_PIXELS, add_pixels, &batch);
 }
 
 /* Returns the number of rows of the chunk that begins with row y. */
@@ -102,7 +106,6 @@ static double largest_sum(const struct development *of, int channel, size_t n)
 {
     const double *sums = of->sums + (size_t)channel * of->n_pixels;
     double largest = 0;
-#pragma omp parallel for reduction(max : largest) num_threads(of->threads)
     for (size_t i = 0; i < n; i++)
         largest = sums[i] > largest ? sums[i] : largest;
     return largest;
@@ -147,14 +150,20 @@ static void store_floats(const struct development *of, size_t pixel, const doubl
             stored(of->options->values == DEVELOP_LAB ? lab[channel] : values[channel]);
 }
 
-/* Returns how many pixels are out of gamut. */
-static uint64_t store_chunk(const struct development *of, size_t n)
+/* Where pixels of a chunk are stored. */
+struct storing {
+    const struct development *of;
+    struct counter out_of_gamut;
+};
+
+static void store_pixels(void *context, size_t first, size_t end)
 {
+    struct storing *storing = context;
+    const struct development *of = storing->of;
     const double exposure = of->result->exposure;
     const bool rgb = of->options->values == DEVELOP_RGB;
     uint64_t clipped = 0;
-#pragma omp parallel for reduction(+ : clipped) num_threads(of->threads)
-    for (size_t i = 0; i < n; i++) {
+    for (size_t i = first; i < end; i++) {
         double values[3];
         for (size_t channel = 0; channel < 3; channel++)
             values[channel] = exposure * of->sums[channel * of->n_pixels + i];
@@ -164,7 +173,7 @@ static uint64_t store_chunk(const struct development *of, size_t n)
         else
             store_floats(of, i, values);
     }
-    return clipped;
+    counter_add(&storing->out_of_gamut, clipped);
 }
 
 /* ---- in words ---- */
@@ -286,15 +295,18 @@ static bool write_picture(struct development *of, const char *path, struct error
 {
     const struct image *image = &of->cube.image;
     struct picture_writer writer;
+    struct storing storing = {.of = of, .out_of_gamut = COUNTER};
     bool done = open_picture(of, path, &writer, err);
     if (!done)
         return false;
     for (int y = 0; done && y < image->height; y += rows_at(of, y)) {
         const int rows = rows_at(of, y);
         done = sum_chunk(of, y, rows, err);
-        of->result->out_of_gamut += store_chunk(of, (size_t)rows * (size_t)image->width);
+        threads_blocks(of->threads, (size_t)rows * (size_t)image->width, BLOCK_PIXELS, store_pixels,
+                       &storing);
         done = done && picture_write(&writer, of->samples, rows, err);
     }
+    of->result->out_of_gamut = storing.out_of_gamut.n;
     done = done && picture_commit(&writer, of->options->outputs, err);
     picture_discard(&writer);
     return done;

@@ -21,7 +21,7 @@ struct develop_options {
     enum develop_values values;
     struct outputs *outputs;                /* get the picture; NULL: it appears at once */
     int bits;                               /* of RGB: 8 or 16 */
-    int threads;                            /* 0: as many as OpenMP offers */
+    int threads;                            /* 0: one a processor */
     const struct sampling_method *sampling; /* samples the stack's spectra, linear between pages,
                                                before they are developed; NULL: no. Refused for
                                                stacks that were sampled, and for basis, rgb and

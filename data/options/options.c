@@ -244,8 +244,8 @@ bool options_name_output(struct options *options, const char *path, const char *
 }
 
 /* A tile, with the program's and OpenGL's own memory, takes at most 300 MiB: the tests measure it.
- * Stacks of threads count although most of them stays unused: OpenMP and OpenGL have a thread for
- * each processor. */
+ * Stacks of threads count although most of them stays unused: the program and OpenGL have a thread
+ * for each processor. */
 void options_limit_memory(const struct options *options)
 {
     const uint64_t mib = 1048576, usual_mib = 1024, tile_mib = 300, usual_stack = 8 * mib;

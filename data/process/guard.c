@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* A command runs in a process that another one watches. A library may end its process, as OpenMP
- * does without threads and LLVM without memory, or be ended by a bad pointer. The watching process
+/* A command runs in a process that another one watches. A library may end its process, as LLVM
+ * does without memory, or be ended by a bad pointer. The watching process
  * survives that, and the user still gets one line and an exit status. It also ends a command that
  * does not stop by itself after a signal. */
 #include <fcntl.h>

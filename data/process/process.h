@@ -21,7 +21,8 @@ bool is_interrupted(void);
 
 /* Runs a job in a copy of this process, and waits for it. Returns the job's `size` bytes at `out`,
  * and the seconds from fork to its end (NULL: not wanted). An interruption ends the job. This
- * process may start no thread and no OpenGL: a copy of a process with OpenMP's threads hangs. */
+ * process may start no thread and no OpenGL: a copy of a process
+ * has none of its threads, and OpenGL would wait for them. */
 bool process_run(bool (*job)(void *context, void *out, struct error *err), void *context, void *out,
                  size_t size, double *seconds, struct error *err);
 

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/threads/threads.h"
 #include "raster/bounds/bounds.h"
 
 /* A homogeneous coordinate goes through: one rounding of the vertex, of the modelview and of the
@@ -109,6 +110,7 @@ struct bounding {
     struct surface_bounds *bounds;
     struct matrix product;
     bool may_be_exact;
+    struct counter vertices_lit, specular_vertices, power_functions;
 };
 
 static void make_vertex(const struct bounding *of, int index, struct light_work *work)
@@ -284,8 +286,19 @@ static bool allocate(const struct plan *plan, const struct placed_instance *plac
            (bounds->group_weights || plan->n_light_groups == 1 || !plan->options.check);
 }
 
-/* So few vertices are lit in less time than it takes to wake the threads. */
-enum { FEW_VERTICES = 64 };
+/* Vertices that a thread takes at a time. To light fewer takes less time than to start a thread. */
+enum { BLOCK_VERTICES = 256 };
+
+static void make_vertices(void *context, size_t first, size_t end)
+{
+    struct bounding *of = context;
+    struct light_work work = {0};
+    for (size_t i = first; i < end; i++)
+        make_vertex(of, (int)i, &work);
+    counter_add(&of->vertices_lit, (uint64_t)work.vertices_lit);
+    counter_add(&of->specular_vertices, (uint64_t)work.specular_vertices);
+    counter_add(&of->power_functions, (uint64_t)work.power_functions);
+}
 
 static bool make_surface(const struct lit_scene *lit, int index, struct light_work *work,
                          struct error *err)
@@ -294,24 +307,18 @@ static bool make_surface(const struct lit_scene *lit, int index, struct light_wo
     struct bounding of = {.lit = lit,
                           .surface_index = index,
                           .surface = &lit->surfaces[index],
-                          .bounds = &lit->bounds[index]};
+                          .bounds = &lit->bounds[index],
+                          .vertices_lit = COUNTER,
+                          .specular_vertices = COUNTER,
+                          .power_functions = COUNTER};
     if (!allocate(lit->plan, placed, of.surface, of.bounds))
         return error_memory(err);
     of.may_be_exact = may_be_exact(lit->plan, &placed->instance, &of.product);
-    long vertices = 0, specular = 0, powers = 0;
-    int n_vertices = placed->instance.n_vertices;
-#pragma omp parallel for reduction(+ : vertices, specular, powers) \
-    num_threads(lit->plan->options.threads) if (n_vertices > FEW_VERTICES)
-    for (int i = 0; i < n_vertices; i++) {
-        struct light_work own = {0};
-        make_vertex(&of, i, &own);
-        vertices += own.vertices_lit;
-        specular += own.specular_vertices;
-        powers += own.power_functions;
-    }
-    work->vertices_lit += vertices;
-    work->specular_vertices += specular;
-    work->power_functions += powers;
+    threads_blocks(lit->plan->options.threads, (size_t)placed->instance.n_vertices, BLOCK_VERTICES,
+                   make_vertices, &of);
+    work->vertices_lit += (long)of.vertices_lit.n;
+    work->specular_vertices += (long)of.specular_vertices.n;
+    work->power_functions += (long)of.power_functions.n;
     if (!check_surface(&of, err))
         return false;
     find_extent(of.surface, of.bounds);

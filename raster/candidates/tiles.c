@@ -2,24 +2,33 @@
 /* The loop over the tiles of a region. Threads share the chunks of a tile. */
 #include <stdlib.h>
 
+#include "data/threads/threads.h"
 #include "raster/candidates/candidates.h"
 #include "raster/plan/plan.h"
 
-static bool draw_chunks(const struct tile *tile)
+/* A tile whose chunks are drawn. */
+struct drawn_tile {
+    struct tile *tile;
+    struct counter failures;
+};
+
+static void draw_chunk(void *context, int i)
 {
-    bool done = true;
-#pragma omp parallel for schedule(dynamic) num_threads(tile->lit->plan->options.threads) \
-    reduction(&& : done)
-    for (int i = 0; i < tile->n_chunks; i++)
-        done = chunk_draw(tile->lit, &tile->at, i, &tile->chunks[i]) && done;
-    return done;
+    struct drawn_tile *drawn = context;
+    const struct tile *tile = drawn->tile;
+    if (!chunk_draw(tile->lit, &tile->at, i, &tile->chunks[i]))
+        counter_add(&drawn->failures, 1);
 }
 
 static bool draw_tile(struct tile *tile, struct error *err)
 {
     tile->n_chunks = (tile->at.height + CHUNK_ROWS - 1) / CHUNK_ROWS;
     tile->chunks = calloc((size_t)tile->n_chunks, sizeof *tile->chunks);
-    return (tile->chunks && draw_chunks(tile)) || error_memory(err);
+    if (!tile->chunks)
+        return error_memory(err);
+    struct drawn_tile drawn = {tile, COUNTER};
+    threads_each(tile->lit->plan->options.threads, tile->n_chunks, draw_chunk, &drawn);
+    return drawn.failures.n == 0 || error_memory(err);
 }
 
 static void free_tile(struct tile *tile)

@@ -20,10 +20,13 @@
 #include "data/compare/compare.h"
 #include "data/spectra/spectra.h"
 #include "data/stack/stack.h"
+#include "data/threads/threads.h"
 #include "raster/cost/cost.h"
 
 /* The lattice has about so many points. */
 static const double lattice_pixels = 2500;
+
+enum { BLOCK_PIXELS = 1024 }; /* that a thread takes at a time */
 
 /* Samples of a chunk of rows: 8 MiB. */
 static const size_t chunk_samples = (size_t)1 << 21;
@@ -66,7 +69,7 @@ static bool open_walk(struct walk *walk, struct error *err)
 {
     const struct standard_request *request = walk->request;
     const struct white_request white = {NULL, false};
-    walk->threads = threads_start(request->threads);
+    walk->threads = threads_count(request->threads);
     if (!cube_open(request->stack, &walk->rows.cube, err) ||
         !rows_allocate(&walk->rows, chunk_samples, err) ||
         !sight_make(&walk->rows.cube, request->observer, &white, &walk->sight, err))
@@ -90,10 +93,14 @@ static bool pass(struct walk *walk, void *elements, size_t size, size_t n, struc
                                 walk->request->summary);
 }
 
+static size_t chunk_pixels(const struct walk *walk)
+{
+    return (size_t)walk->rows.n * (size_t)walk->standard.width;
+}
+
 static bool pass_pixels(struct walk *walk, struct error *err)
 {
-    return pass(walk, walk->pixels, sizeof *walk->pixels,
-                (size_t)walk->rows.n * (size_t)walk->standard.width, err);
+    return pass(walk, walk->pixels, sizeof *walk->pixels, chunk_pixels(walk), err);
 }
 
 static bool pass_lattice(struct walk *walk, struct error *err)
@@ -185,18 +192,22 @@ static bool find_shown(struct walk *walk, struct error *err)
     return done;
 }
 
-static bool summarize_chunk(struct walk *walk, struct error *err)
+static void summarize_pixels(void *context, size_t first, size_t end)
 {
-    const int n_pixels = walk->rows.n * walk->standard.width;
-    if (!find_shown(walk, err))
-        return false;
-#pragma omp parallel for num_threads(walk->threads)
-    for (int i = 0; i < n_pixels; i++) {
+    const struct walk *walk = context;
+    for (size_t i = first; i < end; i++) {
         struct standard_pixel *pixel = &walk->pixels[i];
         double xyz[3];
-        pixel->shown = find_xyz(walk, (size_t)i, xyz) || pixel->shown;
+        pixel->shown = find_xyz(walk, i, xyz) || pixel->shown;
         cielab(xyz, walk->standard.white, pixel->lab);
     }
+}
+
+static bool summarize_chunk(struct walk *walk, struct error *err)
+{
+    if (!find_shown(walk, err))
+        return false;
+    threads_blocks(walk->threads, chunk_pixels(walk), BLOCK_PIXELS, summarize_pixels, walk);
     return pass_pixels(walk, err);
 }
 
@@ -248,18 +259,23 @@ static float difference_at(const struct walk *walk, size_t pixel)
     return (float)ciede2000_difference(walk->pixels[pixel].lab, lab);
 }
 
+static void compare_pixels(void *context, size_t first, size_t end)
+{
+    const struct walk *walk = context;
+    for (size_t i = first; i < end; i++)
+        walk->differences[walk->n_differences + i] = difference_at(walk, i);
+}
+
 /* Keeps the differences of pixels that show an object. */
 static bool compare_chunk(struct walk *walk, struct error *err)
 {
-    const int n_pixels = walk->rows.n * walk->standard.width;
+    const size_t n_pixels = chunk_pixels(walk);
     float *differences = walk->differences + walk->n_differences;
     size_t n = 0;
     if (!pass_pixels(walk, err))
         return false;
-#pragma omp parallel for num_threads(walk->threads)
-    for (int i = 0; i < n_pixels; i++)
-        differences[i] = difference_at(walk, (size_t)i);
-    for (int i = 0; i < n_pixels; i++)
+    threads_blocks(walk->threads, n_pixels, BLOCK_PIXELS, compare_pixels, walk);
+    for (size_t i = 0; i < n_pixels; i++)
         if (differences[i] >= 0)
             differences[n++] = differences[i];
     walk->n_differences += n;
@@ -267,8 +283,9 @@ static bool compare_chunk(struct walk *walk, struct error *err)
 }
 
 /* Sums up squares at a pixel of the lattice, over every nm. */
-static void square(const struct walk *walk, int column)
+static void square(void *context, int column)
 {
+    const struct walk *walk = context;
     const int n_pages = walk->rows.cube.image.n_pages, n_nm = walk->standard.n_nm;
     const double *synthesis = walk->synthesis;
     const float *pages = walk->pages + (size_t)column * (size_t)n_pages;
@@ -294,9 +311,7 @@ static bool compare_lattice(struct walk *walk, struct error *err)
     if (!pass_lattice(walk, err))
         return false;
     copy_lattice(walk, walk->pages);
-#pragma omp parallel for num_threads(walk->threads)
-    for (int column = 0; column < columns; column++)
-        square(walk, column);
+    threads_each(walk->threads, columns, square, walk);
     for (int column = 0; column < columns; column++) {
         walk->error += walk->squares[column][0];
         walk->all += walk->squares[column][1];

@@ -7,7 +7,7 @@ static_packages='g++ libc6-dev libtiff-dev zlib1g-dev libzstd-dev libdeflate-dev
 . raster/gl/osmesa.sh
 
 # Sets $sources, $CFLAGS and $libraries. Mesa calls the pthread functions only if another object brings
-# them, and crashes without. OpenMP would load drivers of accelerators by dlopen, but never does. libjbig
+# them, and crashes without. libjbig
 # would put the program under the GPL: its functions are left out and never called, since data/tiff/image.c
 # refuses its pictures.
 find_static_libraries() {
@@ -19,7 +19,6 @@ find_static_libraries() {
         -DOSMESA_VERSION=\"${osmesa_version%%-*}\""
     libraries="-static-pie -Wl,--gc-sections,-z,relro,-z,now,-z,noexecstack
         -Wl,-u,pthread_mutexattr_init,-u,pthread_mutexattr_settype,-u,pthread_mutexattr_destroy
-        -Wl,--wrap=dlopen,--defsym=__wrap_dlopen=abort
         $(printf ' -Wl,--defsym=jbg_%s=abort' dec_free dec_getimage dec_getsize dec_in dec_init enc_free \
             enc_init enc_out newlen strerror)
         -L$osmesa -lOSMesa -ltiff -lwebp -lzstd -llzma -lLerc -ljpeg -ldeflate -lz -lstdc++ -lm"
@@ -30,7 +29,6 @@ find_static_libraries() {
 static_program() (
     prepare
     find_static_libraries
-    find_openmp
     parts=$(versions $static_packages)
     compile obj-static "$CFLAGS" $sources "$BUILD/builtin.c"
     link spectral-static.symbols $objects

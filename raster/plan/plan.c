@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-#include "data/base/base.h"
+#include "data/threads/threads.h"
 #include "raster/plan/plan.h"
 
 /* Bytes that a pixel of a tile takes apart from its rows: Mesa's own colour and depth (20), our
@@ -193,7 +193,7 @@ bool plan_make(const struct scene *scene, const struct sampling *sampling,
     camera.near /= out->unit;
     camera.far /= out->unit;
     camera.extent /= camera.perspective ? 1 : out->unit;
-    out->options.threads = threads_start(options->threads);
+    out->options.threads = threads_count(options->threads);
     out->options.bits = options->bits > 0 ? options->bits : 16;
     out->n_bands = pages.n;
     out->n_passes = (out->n_bands + BANDS_PER_PASS - 1) / BANDS_PER_PASS;

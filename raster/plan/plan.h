@@ -68,7 +68,7 @@ struct plan_options {
     bool store_raster;     /* the stored pixels are the reference's */
     int bits;              /* of a page's sample: 8 or 16 of counts, 32 of floats; 0: 16 */
     bool exchangeable; /* lights may be exchanged afterwards: all lights and terms are kept apart */
-    int threads;       /* 0: as many as OpenMP offers; the plan holds the number */
+    int threads;       /* 0: one a processor; the plan holds the number */
     char *const *recorded; /* options for the stack's record, each one word; not owned */
     int n_recorded;        /* at most MAX_RECORDED */
 };

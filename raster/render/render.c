@@ -8,6 +8,7 @@
 
 #include "data/process/process.h"
 #include "data/sampling/sampling.h"
+#include "data/threads/threads.h"
 #include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
 #include "raster/fit/fit.h"
@@ -42,6 +43,31 @@ static void clock_in(struct render_state *state, double *part)
 
 /* ---- the checks of a tile ---- */
 
+/* A pass over a tile whose chunks threads share. */
+struct tile_pass {
+    struct render_state *state;
+    const struct tile *tile;
+    int pass;
+    const float *pixels; /* OpenGL's; NULL: none are drawn */
+    void (*look)(struct check *check, int first_band, const float *pixels, size_t stride);
+    struct counter clipped, undefined;
+};
+
+/* A thread is worth starting for so many pixels of a pass. */
+enum { FEW_PIXELS = 1 << 14 };
+
+static int pass_threads(const struct render_state *state, const struct tile *tile)
+{
+    return threads_for(state->plan->options.threads,
+                       (size_t)tile->at.width * (size_t)tile->at.height, FEW_PIXELS);
+}
+
+static void identify_chunk(void *context, int i)
+{
+    const struct tile_pass *of = context;
+    check_identity(&of->state->checks[i], of->state->gl, &of->tile->at);
+}
+
 /* Opens the checks of all chunks, and checks that OpenGL shows the right triangle at each pixel. */
 static bool open_checks(struct render_state *state, const struct tile *tile, struct error *err)
 {
@@ -53,9 +79,8 @@ static bool open_checks(struct render_state *state, const struct tile *tile, str
             return false;
     if (!gl_identify(state->gl, err))
         return false;
-#pragma omp parallel for schedule(dynamic) num_threads(state->plan->options.threads)
-    for (int i = 0; i < tile->n_chunks; i++)
-        check_identity(&state->checks[i], state->gl, &tile->at);
+    struct tile_pass of = {.state = state, .tile = tile};
+    threads_each(pass_threads(state, tile), tile->n_chunks, identify_chunk, &of);
     return true;
 }
 
@@ -91,17 +116,22 @@ static int bands_of_pass(const struct plan *plan, int pass)
     return left < BANDS_PER_PASS ? left : BANDS_PER_PASS;
 }
 
+static void look_at_chunk(void *context, int i)
+{
+    const struct tile_pass *of = context;
+    const size_t stride = (size_t)of->state->plan->tile_width, row = (size_t)i * CHUNK_ROWS;
+    of->look(&of->state->checks[i], of->pass * BANDS_PER_PASS, of->pixels + row * stride * 4,
+             stride);
+}
+
 /* Has all chunks of a tile look at the pixels of a pass. */
 static void
 look_at_pass(struct render_state *state, const struct tile *tile, int pass, const float *pixels,
              void (*look)(struct check *check, int first_band, const float *pixels, size_t stride))
 {
-    size_t stride = (size_t)state->plan->tile_width;
-#pragma omp parallel for schedule(dynamic) num_threads(state->plan->options.threads)
-    for (int i = 0; i < tile->n_chunks; i++) {
-        size_t row = (size_t)i * CHUNK_ROWS;
-        look(&state->checks[i], pass * BANDS_PER_PASS, pixels + row * stride * 4, stride);
-    }
+    struct tile_pass of = {
+        .state = state, .tile = tile, .pass = pass, .pixels = pixels, .look = look};
+    threads_each(pass_threads(state, tile), tile->n_chunks, look_at_chunk, &of);
 }
 
 /* Draws the passes that hold pilots, and learns from them. Their pixels are kept until their turn.
@@ -153,23 +183,30 @@ static struct odd_samples count_chunk(struct render_state *state, const struct p
                                                  pixels + row * stride * 4 + channel, stride);
 }
 
+static void count_bands(void *context, int i)
+{
+    struct tile_pass *of = context;
+    const int first = of->pass * BANDS_PER_PASS, n = bands_of_pass(of->state->plan, of->pass);
+    for (int band = first; band < first + n; band++) {
+        const struct odd_samples odd = count_chunk(of->state, &of->tile->chunks[i].picture,
+                                                   (size_t)i * CHUNK_ROWS, band, of->pixels);
+        counter_add(&of->clipped, odd.clipped);
+        counter_add(&of->undefined, odd.undefined);
+    }
+}
+
 static void count_tile(struct render_state *state, const struct tile *tile, int pass,
                        const float *pixels)
 {
-    const struct plan *plan = state->plan;
-    const int first = pass * BANDS_PER_PASS, end = first + bands_of_pass(plan, pass);
-    uint64_t clipped = 0, undefined = 0;
-#pragma omp parallel for schedule(dynamic) num_threads(plan->options.threads) \
-    reduction(+ : clipped, undefined)
-    for (int i = 0; i < tile->n_chunks; i++)
-        for (int band = first; band < end; band++) {
-            const struct odd_samples odd =
-                count_chunk(state, &tile->chunks[i].picture, (size_t)i * CHUNK_ROWS, band, pixels);
-            clipped += odd.clipped;
-            undefined += odd.undefined;
-        }
-    state->result->odd.clipped += clipped;
-    state->result->odd.undefined += undefined;
+    struct tile_pass of = {.state = state,
+                           .tile = tile,
+                           .pass = pass,
+                           .pixels = pixels,
+                           .clipped = COUNTER,
+                           .undefined = COUNTER};
+    threads_each(pass_threads(state, tile), tile->n_chunks, count_bands, &of);
+    state->result->odd.clipped += of.clipped.n;
+    state->result->odd.undefined += of.undefined.n;
 }
 
 static bool write_tile(struct render_state *state, const struct rectangle *at, int pass,

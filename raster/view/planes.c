@@ -7,6 +7,7 @@
 #include <zlib.h>
 
 #include "data/texture/texture.h"
+#include "data/threads/threads.h"
 #include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
 #include "raster/driver/driver.h"
@@ -68,20 +69,30 @@ static void put_pixel(const struct lit_scene *lit, const struct picture *picture
         planes->place[i][to] = *weight;
 }
 
+/* A tile whose chunks are put into planes. */
+struct put {
+    const struct tile *tile;
+    struct planes *planes;
+};
+
+static void put_chunk(void *context, int i)
+{
+    const struct put *put = context;
+    const struct lit_scene *lit = put->tile->lit;
+    const struct picture *picture = &put->tile->chunks[i].picture;
+    const struct rectangle *at = &picture->at;
+    const size_t width = (size_t)lit->plan->scene->width;
+    for (int y = 0; y < at->height; y++)
+        for (int x = 0; x < at->width; x++)
+            put_pixel(lit, picture, (size_t)y * (size_t)at->width + (size_t)x, put->planes,
+                      (size_t)(at->y + y) * width + (size_t)(at->x + x));
+}
+
 static bool put_tile(void *context, const struct tile *tile, struct error *err)
 {
-    const struct plan *plan = tile->lit->plan;
-    struct planes *planes = context;
+    struct put put = {tile, context};
     (void)err;
-#pragma omp parallel for schedule(dynamic) num_threads(plan->options.threads)
-    for (int i = 0; i < tile->n_chunks; i++) {
-        const struct picture *picture = &tile->chunks[i].picture;
-        const struct rectangle *at = &picture->at;
-        for (int y = 0; y < at->height; y++)
-            for (int x = 0; x < at->width; x++)
-                put_pixel(tile->lit, picture, (size_t)y * (size_t)at->width + (size_t)x, planes,
-                          (size_t)(at->y + y) * (size_t)plan->scene->width + (size_t)(at->x + x));
-    }
+    threads_each(tile->lit->plan->options.threads, tile->n_chunks, put_chunk, &put);
     return true;
 }
 

@@ -11,6 +11,7 @@
 #include "data/process/process.h"
 #include "data/scene/scene.h"
 #include "data/spectra/spectra.h"
+#include "data/threads/threads.h"
 #include "raster/bounds/bounds.h"
 #include "raster/candidates/candidates.h"
 #include "raster/driver/driver.h"
@@ -33,45 +34,69 @@ struct still {
 
 /* ---- a tile ---- */
 
-/* Adds some bands to the pixels of a chunk. Returns the number of samples that are not finite. */
-static uint64_t add_bands(const struct still *still, const struct picture *picture, size_t first,
-                          int band, int end)
+/* Bands that are added to the pixels of a tile. */
+struct adding {
+    const struct still *still;
+    const struct tile *tile;
+    int band, end;
+    struct counter undefined; /* samples that are not finite */
+};
+
+static void add_bands(void *context, int i)
 {
+    struct adding *adding = context;
+    const struct still *still = adding->still;
+    const struct picture *picture = &adding->tile->chunks[i].picture;
     const int n_bands = still->plan.n_bands;
+    const size_t first = (size_t)i * CHUNK_ROWS * (size_t)picture->at.width;
     const size_t n = (size_t)picture->at.width * (size_t)picture->at.height;
     float *radiance = still->radiance + first;
     double(*rgb)[3] = still->rgb + first;
     uint64_t undefined = 0;
-    for (; band < end; band++) {
+    for (int band = adding->band; band < adding->end; band++) {
         const struct stored_band stored = {&still->plan, band, 1, radiance};
         undefined += store_reference(&stored, &still->lit, picture).undefined;
-        for (size_t i = 0; i < n; i++)
+        for (size_t k = 0; k < n; k++)
             for (int channel = 0; channel < 3; channel++)
-                rgb[i][channel] += still->weights[channel * n_bands + band] * (double)radiance[i];
+                rgb[k][channel] += still->weights[channel * n_bands + band] * (double)radiance[k];
     }
-    return undefined;
+    counter_add(&adding->undefined, undefined);
 }
 
 /* Sums all bands of a tile. */
 static bool sum_tile(struct still *still, const struct tile *tile, struct error *err)
 {
     const int n_bands = still->plan.n_bands;
-    const size_t chunk = (size_t)CHUNK_ROWS * (size_t)tile->at.width;
     for (int band = 0; band < n_bands; band += BANDS_PER_PASS) {
         const int end = band + BANDS_PER_PASS < n_bands ? band + BANDS_PER_PASS : n_bands;
-        uint64_t undefined = 0;
+        struct adding adding = {still, tile, band, end, COUNTER};
         if (is_interrupted())
             return error_system(err, "interrupted; nothing was written");
         if (!plan_load_textures(&still->plan, band, err))
             return false;
-#pragma omp parallel for schedule(dynamic) num_threads(still->plan.options.threads) \
-    reduction(+ : undefined)
-        for (int i = 0; i < tile->n_chunks; i++)
-            undefined += add_bands(still, &tile->chunks[i].picture, (size_t)i * chunk, band, end);
-        if (undefined > 0)
+        threads_each(still->plan.options.threads, tile->n_chunks, add_bands, &adding);
+        if (adding.undefined.n > 0)
             return error_usage(err, "%s: a radiance is not finite", still->plan.scene->path);
     }
     return true;
+}
+
+enum { BLOCK_PIXELS = 1024 }; /* that a thread takes at a time */
+
+/* Pixels of a tile that are stored. */
+struct storing {
+    struct still *still;
+    struct counter out_of_gamut;
+};
+
+static void store_pixels(void *context, size_t first, size_t end)
+{
+    struct storing *storing = context;
+    struct still *still = storing->still;
+    uint64_t clipped = 0;
+    for (size_t i = first; i < end; i++)
+        clipped += display_store(DISPLAY_SRGB, STILL_BITS, still->rgb[i], still->codes[i]);
+    counter_add(&storing->out_of_gamut, clipped);
 }
 
 static bool put_tile(void *context, const struct tile *tile, struct error *err)
@@ -80,14 +105,12 @@ static bool put_tile(void *context, const struct tile *tile, struct error *err)
     const struct rectangle *at = &tile->at;
     const struct picture_rectangle to = {at->x, at->y, at->width, at->height};
     const size_t n = (size_t)at->width * (size_t)at->height;
-    uint64_t clipped = 0;
+    struct storing storing = {still, COUNTER};
     memset(still->rgb, 0, n * sizeof *still->rgb);
     if (!sum_tile(still, tile, err))
         return false;
-#pragma omp parallel for reduction(+ : clipped) num_threads(still->plan.options.threads)
-    for (size_t i = 0; i < n; i++)
-        clipped += display_store(DISPLAY_SRGB, STILL_BITS, still->rgb[i], still->codes[i]);
-    still->out_of_gamut += clipped;
+    threads_blocks(still->plan.options.threads, n, BLOCK_PIXELS, store_pixels, &storing);
+    still->out_of_gamut += storing.out_of_gamut.n;
     return picture_put(&still->picture, &to, still->codes, err);
 }
 

@@ -14,7 +14,6 @@ import tifffile
 
 PROGRAM, FOLDER = sys.argv[1:3]
 ROUNDS = int(sys.argv[3]) if len(sys.argv) > 3 else 15
-QUIET = dict(os.environ, OMP_WAIT_POLICY="passive")  # waiting threads stay out of OpenGL's way
 HEAD = "wavelengths 400 700 10\nsize 900 600\ncamera ortho 12\n"
 LIGHT = "light d65 1 position 0 0 8"
 MATERIAL = "diffuse gaussian:550,120*0.8"
@@ -63,7 +62,7 @@ def write(name, text):
 
 def render(path, *options):
     output = subprocess.run([PROGRAM, "render", path, "--quiet", "--json", "-", *options],
-                            stdout=subprocess.PIPE, check=True, env=QUIET).stdout
+                            stdout=subprocess.PIPE, check=True).stdout
     return json.loads(output)
 
 

@@ -28,7 +28,6 @@ build_fuzzer() {
     key="$(cat data/tiff/libtiff.sh) $fuzz_sanitizers $($CC -v 2>&1)"
     cached tiff_fuzz tiff "$version" "$key"
     libraries="-fsanitize=fuzzer -L$library -ltiff -ldeflate -ljbig -ljpeg -lLerc -llzma -lwebp -lzstd -lz -lm"
-    openmp=-Wno-unknown-pragmas # one thread: the same input takes the same way again
     CFLAGS=$own_sanitizers
     find_sources
     set -- $sources

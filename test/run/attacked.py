@@ -171,7 +171,7 @@ class Place:
         else:
             make_inputs(self.path("in"))
         self.environment = {
-            "PATH": os.environ["PATH"], "LC_ALL": "C", "OMP_WAIT_POLICY": "passive", "HOME": self.folder,
+            "PATH": os.environ["PATH"], "LC_ALL": "C", "HOME": self.folder,
             "TMPDIR": self.path("tmp"), "MESA_SHADER_CACHE_DIR": os.path.join(TMP, "cache")}
 
     def path(self, *names):

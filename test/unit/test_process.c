@@ -109,7 +109,7 @@ static int differs(void *of)
     return EXIT_DIFFERENT;
 }
 
-static int exits(void *of) /* as OpenMP does where it gets no threads */
+static int exits(void *of) /* as a library may do */
 {
     (void)of;
     exit(1);
