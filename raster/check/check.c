@@ -50,7 +50,7 @@ static void learn(const struct check *check, const struct run *run, int band, st
     double difference[BLOCK];
     expect(check, run, band, block);
     for (size_t i = 0; i < block->n; i++)
-        difference[i] = block->seen[i] - block->expected[i];
+        difference[i] = (double)block->seen[i] * FULL_COUNT - block->expected[i];
     if (run->shaded)
         fit_add(check->scene->fit, run, band, difference, estimates);
 }
@@ -61,11 +61,19 @@ static bool compare(const struct check *check, const struct run *run, int band,
                     const float *estimates, struct check_samples *samples, struct block *block)
 {
     expect(check, run, band, block);
-    bool within = samples_compare(samples, block);
     block->fitted = run->shaded && run->errors &&
                     fit_explain(check->scene->fit, run, band, estimates, block->bound, &block->fit);
-    bool fits = !block->fitted || samples_compare_fit(samples, block);
-    return within && fits;
+    for (size_t i = 0; i < block->n && !block->fitted; i++) {
+        block->fit.explained[i] = 0;
+        block->fit.limit[i] = block->fit.floor[i] = HUGE_VALF;
+    }
+    return samples_compare(samples, block);
+}
+
+/* The magnitude of the rest that the fit leaves of a difference. */
+static float rest_size(const struct block *block, size_t i)
+{
+    return fabsf(block->difference[i] - block->fit.explained[i]);
 }
 
 /* Returns whether sample i of a block is outside of a bound; *failure names the bound. */
@@ -73,22 +81,21 @@ static bool is_outside(const struct block *block, size_t i, int band, struct che
 {
     *failure = (struct check_failure){.kind = FAILURE_RADIANCE,
                                       .band = band,
-                                      .seen = block->seen[i],
+                                      .seen = (double)block->seen[i] * FULL_COUNT,
                                       .expected = block->expected[i],
                                       .bound = (double)block->bound[i]};
-    if (!(block->difference[i] <= block->bound[i]))
+    if (!(fabsf(block->difference[i]) <= block->bound[i]))
         return true;
     failure->kind = FAILURE_BANDS;
     failure->expected += (double)block->fit.explained[i];
     failure->bound = (double)block->fit.limit[i];
-    return block->fitted && !(block->rest[i] <= block->fit.limit[i]);
+    return !(rest_size(block, i) <= block->fit.limit[i]);
 }
 
 /* The largest error that could pass in this band alone. */
 static float band_floor(const struct block *block, size_t i)
 {
-    return block->fitted && block->fit.floor[i] < block->bound[i] ? block->fit.floor[i]
-                                                                  : block->bound[i];
+    return block->fit.floor[i] < block->bound[i] ? block->fit.floor[i] : block->bound[i];
 }
 
 /* ---- pixels with a single candidate ---- */
@@ -119,7 +126,7 @@ static void load(const struct stretch *stretch, struct block *block)
 {
     block->n = stretch->n;
     for (size_t i = 0; i < stretch->n; i++)
-        block->seen[i] = (double)stretch->channel[4 * i] * FULL_COUNT;
+        block->seen[i] = stretch->channel[4 * i];
 }
 
 static void learn_stretch(struct check *check, const struct stretch *stretch)
@@ -134,10 +141,8 @@ static void learn_stretch(struct check *check, const struct stretch *stretch)
 static void raise_ratios(float *ratio, const struct block *block)
 {
     for (size_t i = 0; i < block->n; i++) {
-        float plain = block->bound[i] > 0 ? block->difference[i] / block->bound[i] : 0,
-              alone = block->fitted && block->fit.limit[i] > 0
-                          ? block->rest[i] / block->fit.limit[i]
-                          : 0;
+        float plain = block->bound[i] > 0 ? fabsf(block->difference[i]) / block->bound[i] : 0,
+              alone = block->fit.limit[i] > 0 ? rest_size(block, i) / block->fit.limit[i] : 0;
         ratio[i] = fmaxf(ratio[i], fmaxf(plain, alone));
     }
 }
@@ -198,7 +203,7 @@ static float *estimates_of(const struct check *check, const struct candidate *ca
 /* candidate NULL stands for the background. A candidate without a bound explains everything, NaN
  * too. */
 static void try_candidate(struct check *check, const struct candidate *candidate,
-                          struct hypothesis *hypothesis, int band, double seen)
+                          struct hypothesis *hypothesis, int band, float seen)
 {
     struct block single;
     struct run run = {.n = 1};
@@ -222,7 +227,7 @@ static void try_candidate(struct check *check, const struct candidate *candidate
 }
 
 static void judge_ambiguous(struct check *check, const struct ambiguous_pixel *pixel, int band,
-                            double seen)
+                            float seen)
 {
     const struct chunk *chunk = check->chunk;
     const size_t index = (size_t)(pixel - chunk->ambiguous);
@@ -232,7 +237,7 @@ static void judge_ambiguous(struct check *check, const struct ambiguous_pixel *p
 }
 
 static void learn_ambiguous(struct check *check, const struct ambiguous_pixel *pixel, int band,
-                            double seen)
+                            float seen)
 {
     const struct chunk *chunk = check->chunk;
     struct block single;
@@ -405,7 +410,7 @@ bool check_open(const struct check_scene *scene, const struct chunk *chunk, stru
 struct treatment {
     void (*stretch)(struct check *check, const struct stretch *stretch);
     void (*ambiguous)(struct check *check, const struct ambiguous_pixel *pixel, int band,
-                      double seen);
+                      float seen);
 };
 
 /* Treats the samples of the bands from first_band on. `pixels` is the chunk's first pixel, 4 floats
@@ -429,7 +434,7 @@ static void treat_pass(struct check *check, const struct treatment *treatment, i
         const size_t at = (size_t)pixel->pixel, x = at % width, y = at / width;
         for (int c = 0; c < n_channels; c++)
             treatment->ambiguous(check, pixel, first_band + c,
-                                 (double)pixels[(y * stride + x) * 4 + (size_t)c] * FULL_COUNT);
+                                 pixels[(y * stride + x) * 4 + (size_t)c]);
     }
 }
 

@@ -81,18 +81,27 @@ static void expect_steps(const struct plan *plan, size_t n, double *expected, fl
 /* Adds what may be flushed to zero. A bound that single precision cannot hold is infinite. */
 static void add_flushed(size_t n, float *bound)
 {
+    const float flushed = (float)flushed_counts();
     for (size_t i = 0; i < n; i++)
-        bound[i] = bound[i] <= FLT_MAX ? bound[i] + (float)flushed_counts() : HUGE_VALF;
+        bound[i] = bound[i] <= FLT_MAX ? bound[i] + flushed : HUGE_VALF;
 }
 
+/* Rows that are added together, so that sums are loaded and stored half as often. */
+enum { PAIR = 2 };
+
 void add_rows(const struct run *run, const float *rows, const float *factors, size_t n_terms,
-              float *sums)
+              float *restrict sums)
 {
-    for (size_t t = 0; t < n_terms; t++) {
-        const float *row = rows + t * run->stride, factor = factors[t];
-        for (size_t i = 0; i < run->n; i++)
-            sums[i] += row[i] * factor;
+    const size_t n = run->n;
+    size_t t = 0;
+    for (; t + 1 < n_terms; t += PAIR) {
+        const float *restrict row = rows + t * run->stride, *restrict next = row + run->stride;
+        for (size_t i = 0; i < n; i++)
+            sums[i] = sums[i] + row[i] * factors[t] + next[i] * factors[t + 1];
     }
+    const float *restrict last = rows + t * run->stride;
+    for (size_t i = 0; i < n && t < n_terms; i++)
+        sums[i] += last[i] * factors[t];
 }
 
 void expect_counts(const struct plan *plan, const struct run *run, int band, double full_scale,
@@ -102,13 +111,18 @@ void expect_counts(const struct plan *plan, const struct run *run, int band, dou
     memset(expected, 0, run->n * sizeof *expected);
     if (run->errors)
         memset(bound, 0, run->n * sizeof *bound);
-    for (int t = 0; t < shaded->n_terms; t++) {
-        double spectrum = shaded->made.spectra[(size_t)t * (size_t)plan->n_bands + (size_t)band] /
-                          full_scale * FULL_COUNT;
-        add_term(run->rows + (size_t)t * run->stride, spectrum, run->n, expected);
-        const float factor = (float)spectrum;
+    for (size_t t = 0; t < (size_t)shaded->n_terms; t += PAIR) {
+        const size_t left = (size_t)shaded->n_terms - t, n = left < PAIR ? left : PAIR;
+        float factors[PAIR];
+        for (size_t i = 0; i < n; i++) {
+            const double spectrum =
+                shaded->made.spectra[(t + i) * (size_t)plan->n_bands + (size_t)band] / full_scale *
+                FULL_COUNT;
+            add_term(run->rows + (t + i) * run->stride, spectrum, run->n, expected);
+            factors[i] = (float)spectrum;
+        }
         if (run->errors)
-            add_rows(run, run->errors + (size_t)t * run->stride, &factor, 1, bound);
+            add_rows(run, run->errors + t * run->stride, factors, n, bound);
     }
     if (shaded->texture && shaded->texture->spectral)
         apply_texture(run, band, expected, bound);
@@ -147,27 +161,67 @@ static double clipping_limit(const struct plan *plan)
                                      : FULL_COUNT + 0.5;
 }
 
-/* Stores n samples from band->out[at] on. `counts` are in units of full scale / FULL_COUNT; those
- * at or above `limit` are counted as clipped. */
-static void store(const struct stored_band *band, const double *counts, size_t n, double limit,
-                  size_t at, struct odd_samples *odd)
+/* A page of counts holds none above full scale; a page of floats holds them as radiances. */
+static bool holds_counts(const struct stored_band *band)
 {
-    int bits = band->plan->options.bits;
-    double scale = bits == 32 ? band->full_scale / FULL_COUNT : 1;
-    int clipped = 0, undefined = 0;
+    return band->plan->options.bits < 32;
+}
+
+/* The sample of a page that stands for one count. */
+static double page_scale(const struct stored_band *band)
+{
+    return holds_counts(band) ? 1 : band->full_scale / FULL_COUNT;
+}
+
+/* Returns whether all are counts from 0 to full scale; NaN is not. Sums are kept in lanes, which
+ * the compiler can do together; `counts` is filled up to whole lanes with 0. */
+static bool are_counts(double *counts, size_t n)
+{
+    enum { LANES = 4 };
+    const double middle = 0.5 * FULL_COUNT;
+    double odd[LANES] = {0}, sum = 0;
+    for (; n % LANES != 0; n++)
+        counts[n] = 0;
+    for (size_t i = 0; i < n; i += LANES)
+        for (size_t k = 0; k < LANES; k++)
+            odd[k] += fabs(counts[i + k] - middle) <= middle ? 0 : 1;
+    for (size_t k = 0; k < LANES; k++)
+        sum += odd[k];
+    return sum < 1;
+}
+
+/* Replaces what the page cannot hold by what it stores instead. Counts at or above `limit` are
+ * counted as clipped. */
+static void tame(const struct stored_band *band, double *counts, size_t n, double limit,
+                 struct odd_samples *odd)
+{
+    const double scale = page_scale(band);
     for (size_t i = 0; i < n; i++) {
-        clipped += counts[i] >= limit;
-        undefined += !is_storable(counts[i] * scale);
+        const bool storable = is_storable(counts[i] * scale);
+        odd->clipped += counts[i] >= limit;
+        odd->undefined += !storable;
+        counts[i] = holds_counts(band) ? counts_clamp(counts[i]) : storable ? counts[i] : 0;
     }
-    odd->clipped += (uint64_t)clipped;
-    odd->undefined += (uint64_t)undefined;
+}
+
+/* Stores n <= BLOCK samples from band->out[at] on. `counts`, BLOCK of them, in units of full scale
+ * / FULL_COUNT, are changed where the page cannot hold them. Usually none are. */
+static void store(const struct stored_band *band, double *counts, size_t n, double limit, size_t at,
+                  struct odd_samples *odd)
+{
+    const int bits = band->plan->options.bits;
+    const double scale = page_scale(band);
+    uint8_t *bytes = (uint8_t *)band->out + at;
+    uint16_t *words = (uint16_t *)band->out + at;
+    float *floats = (float *)band->out + at;
+    if (!holds_counts(band) || limit <= FULL_COUNT || !are_counts(counts, n))
+        tame(band, counts, n, limit, odd);
     for (size_t i = 0; i < n && bits == 8; i++)
-        ((uint8_t *)band->out)[at + i] = (uint8_t)(counts_clamp(counts[i]) / COUNTS_PER_BYTE + 0.5);
+        bytes[i] = (uint8_t)(int)(counts[i] / COUNTS_PER_BYTE + 0.5);
     for (size_t i = 0; i < n && bits == 16; i++)
-        ((uint16_t *)band->out)[at + i] = (uint16_t)counts_round(counts[i]);
+        words[i] = (uint16_t)(int)(counts[i] + 0.5);
     for (size_t i = 0; i < n && bits == 32; i++)
-        ((float *)band->out)[at + i] =
-            is_storable(counts[i] * scale) ? (float)(counts[i] * scale) : 0.0F;
+        floats[i] = (float)(counts[i] * scale);
 }
 
 struct odd_samples store_reference(const struct stored_band *band, const struct lit_scene *lit,

@@ -16,20 +16,24 @@ static size_t fill_lanes(struct block *block)
 {
     size_t n = block->n;
     for (; n % LANES != 0; n++) {
-        block->seen[n] = block->expected[n] = 0;
-        block->bound[n] = 0;
+        block->seen[n] = block->bound[n] = block->fit.explained[n] = block->fit.limit[n] = 0;
+        block->expected[n] = 0;
     }
     return n;
 }
 
-/* Finds the magnitudes of the differences. */
+static double seen_counts(const struct block *block, size_t i)
+{
+    return (double)block->seen[i] * FULL_COUNT;
+}
+
 static void differ(struct check_samples *samples, struct block *block, size_t all)
 {
     double sums[LANES] = {0}, squares[LANES] = {0};
     for (size_t i = 0; i < all; i += LANES)
         for (size_t k = 0; k < LANES; k++) {
-            double difference = block->seen[i + k] - block->expected[i + k];
-            block->difference[i + k] = (float)fabs(difference);
+            const double difference = seen_counts(block, i + k) - block->expected[i + k];
+            block->difference[i + k] = (float)difference;
             sums[k] += difference;
             squares[k] += difference * difference;
         }
@@ -39,100 +43,89 @@ static void differ(struct check_samples *samples, struct block *block, size_t al
     }
 }
 
-/* NaN never counts as larger. (gcc 12 for ARM cannot compile this with fmax.) */
-static float largest_difference(const struct block *block, size_t all)
+/* Limits that all samples of a block may be within. */
+struct within {
+    float difference;       /* the largest magnitude of a difference */
+    float ratio, fit_ratio; /* the largest error / bound, rest / limit */
+};
+
+/* Returns whether all samples are counts, which need not be clamped, and within these limits; NaN
+ * is not. */
+static bool are_within(const struct block *block, const struct within *limits, size_t all)
 {
-    float most[LANES] = {0}, largest = 0;
-    for (size_t i = 0; i < all; i += LANES)
-        for (size_t k = 0; k < LANES; k++)
-            most[k] = most[k] < block->difference[i + k] ? block->difference[i + k] : most[k];
-    for (size_t k = 0; k < LANES; k++)
-        largest = largest < most[k] ? most[k] : largest;
-    return largest;
+    int odd = 0;
+    for (size_t i = 0; i < all; i++) {
+        const float difference = block->difference[i], rest = difference - block->fit.explained[i];
+        odd |= !(block->seen[i] >= 0) | !(block->seen[i] <= 1) |
+               !(fabsf(difference) <= limits->difference) |
+               !(fabsf(difference) <= limits->ratio * block->bound[i]) |
+               !(fabsf(rest) <= limits->fit_ratio * block->fit.limit[i]);
+    }
+    return odd == 0;
 }
 
-/* Returns whether all values can be stored without being clamped; NaN cannot. */
-static bool are_counts(const double *values, size_t all)
-{
-    const double middle = 0.5 * FULL_COUNT;
-    double odd[LANES] = {0}, sum = 0;
-    for (size_t i = 0; i < all; i += LANES)
-        for (size_t k = 0; k < LANES; k++)
-            odd[k] += fabs(values[i + k] - middle) <= middle ? 0 : 1;
-    for (size_t k = 0; k < LANES; k++)
-        sum += odd[k];
-    return sum < 1;
-}
-
-/* Values that need no clamping, and are at most half a count apart, need only be rounded. */
-static int exact_of_close(const struct block *block)
+/* Values that need no clamping, and are less than half a count apart, need only be rounded. */
+static void count_close(struct check_samples *samples, const struct block *block)
 {
     int exact = 0;
     for (size_t i = 0; i < block->n; i++)
-        exact += (int)(block->seen[i] + 0.5) == (int)(block->expected[i] + 0.5);
-    return exact;
-}
-
-static void count_equal(struct check_samples *samples, const struct block *block, bool close)
-{
-    int exact = close ? exact_of_close(block) : 0, within_1 = close ? (int)block->n : 0;
-    for (size_t i = 0; i < block->n && !close; i++) {
-        int apart = counts_round(block->seen[i]) - counts_round(block->expected[i]);
-        exact += apart == 0;
-        within_1 += apart >= -1 && apart <= 1;
-    }
-    samples->n += block->n;
+        exact += (int)(seen_counts(block, i) + 0.5) == (int)(block->expected[i] + 0.5);
     samples->exact += (uint64_t)exact;
-    samples->within_1 += (uint64_t)within_1;
+    samples->within_1 += block->n;
 }
 
-/* Returns whether all values are at most `factor` times their bounds; NaN is not. */
-static bool are_within(const float *values, const float *bounds, float factor, size_t all)
+static void count_equal(struct check_samples *samples, const struct block *block)
 {
-    int above[LANES] = {0};
-    int sum = 0;
-    for (size_t i = 0; i < all; i += LANES)
-        for (size_t k = 0; k < LANES; k++)
-            above[k] |= !(values[i + k] <= factor * bounds[i + k]);
-    for (size_t k = 0; k < LANES; k++)
-        sum |= above[k];
-    return sum == 0;
-}
-
-/* Raises the worst ratio of those values that are within their bounds, and returns whether all are.
- * Looks closer only where a ratio may be larger. A bound of 0 has no ratio. */
-static bool raise_ratio(double *worst, const float *values, const float *bounds, size_t n,
-                        size_t all)
-{
-    if (are_within(values, bounds, (float)*worst, all)) /* which is at most 1 */
-        return true;
-    for (size_t i = 0; i < n; i++) {
-        double value = (double)values[i], bound = (double)bounds[i];
-        if (value <= bound && bound > 0 && value > *worst * bound)
-            *worst = value / bound;
+    for (size_t i = 0; i < block->n; i++) {
+        const int apart = counts_round(seen_counts(block, i)) - counts_round(block->expected[i]);
+        samples->exact += apart == 0;
+        samples->within_1 += apart >= -1 && apart <= 1;
     }
-    return are_within(values, bounds, 1, all);
 }
 
+/* Raises the worst ratio to that of a value within its bound. Returns whether it is within; NaN is
+ * not. A bound of 0 has no ratio. */
+static bool raise_ratio(double *worst, float value, float bound)
+{
+    const double size = fabs((double)value);
+    if (!(size <= (double)bound))
+        return false;
+    if (bound > 0 && size > *worst * (double)bound)
+        *worst = size / (double)bound;
+    return true;
+}
+
+/* Looks at each sample by itself. Returns whether all are within their bounds. */
+static bool look_closer(struct check_samples *samples, const struct block *block)
+{
+    bool within = true;
+    count_equal(samples, block);
+    for (size_t i = 0; i < block->n; i++) {
+        const float difference = block->difference[i];
+        if (samples->largest < fabs((double)difference)) /* NaN never counts as larger */
+            samples->largest = fabs((double)difference);
+        within = raise_ratio(&samples->worst_ratio, difference, block->bound[i]) && within;
+        if (block->fitted)
+            within = raise_ratio(&samples->worst_fit_ratio, difference - block->fit.explained[i],
+                                 block->fit.limit[i]) &&
+                     within;
+    }
+    return within;
+}
+
+/* Nearly all blocks are within what others were. */
 bool samples_compare(struct check_samples *samples, struct block *block)
 {
-    size_t all = fill_lanes(block);
+    const size_t all = fill_lanes(block);
+    const struct within usual = {.difference = fminf((float)samples->largest, 0.499F),
+                                 .ratio = (float)samples->worst_ratio, /* at most 1 */
+                                 .fit_ratio = block->fitted ? (float)samples->worst_fit_ratio : 1};
+    samples->n += block->n;
     differ(samples, block, all);
-    const float largest = largest_difference(block, all);
-    samples->largest = fmax(samples->largest, (double)largest);
-    count_equal(samples, block, largest < 0.5F && are_counts(block->seen, all));
-    return raise_ratio(&samples->worst_ratio, block->difference, block->bound, block->n, all);
-}
-
-bool samples_compare_fit(struct check_samples *samples, struct block *block)
-{
-    size_t all = fill_lanes(block);
-    for (size_t i = block->n; i < all; i++)
-        block->fit.explained[i] = block->fit.limit[i] = 0;
-    for (size_t i = 0; i < all; i++)
-        block->rest[i] =
-            (float)fabs(block->seen[i] - block->expected[i] - (double)block->fit.explained[i]);
-    return raise_ratio(&samples->worst_fit_ratio, block->rest, block->fit.limit, block->n, all);
+    if (!are_within(block, &usual, all))
+        return look_closer(samples, block);
+    count_close(samples, block);
+    return true;
 }
 
 void samples_add(struct check_samples *to, const struct check_samples *from)

@@ -71,18 +71,17 @@ struct check_verdict {
 /* Samples together with the values and bounds that are expected. */
 struct block {
     size_t n;
-    double seen[BLOCK], expected[BLOCK];
-    float bound[BLOCK], difference[BLOCK];
+    float seen[BLOCK];      /* OpenGL's, in parts of full scale */
+    double expected[BLOCK]; /* in counts */
+    float bound[BLOCK];
     struct textured_sample textured[BLOCK]; /* kept for the fit */
     bool fitted;
-    struct fit_block fit;
-    float rest[BLOCK]; /* of the differences, which the fit does not explain */
+    struct fit_block fit;    /* with no limit if the band is not fitted */
+    float difference[BLOCK]; /* seen - expected, in counts */
 };
-/* Adds a block to a comparison, and fills in the magnitudes of its differences. Returns false where
- * any is outside its bound. */
+/* Adds a block to a comparison, and fills in its differences. Returns false where any is outside of
+ * its bound, or the rest that the fit leaves of it is outside of the limit. */
 bool samples_compare(struct check_samples *samples, struct block *block);
-/* Does so for the rest that the fit leaves. */
-bool samples_compare_fit(struct check_samples *samples, struct block *block);
 void samples_add(struct check_samples *to, const struct check_samples *from);
 void floor_note(struct check_floor *to, double counts);
 void verdict_add(struct check_verdict *to, const struct check_verdict *from);

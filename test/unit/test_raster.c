@@ -257,16 +257,22 @@ static void check_drivers(void)
           "an unknown driver gets the widest of all bounds");
 }
 
-/* Counts that agree are counted as they are stored, whether a block needs clamping or not. */
-static void check_agreement(const char *name, const double *seen, const double *expected, size_t n)
+/* Counts that agree are counted as they are stored, whether a block needs clamping or not, and
+ * whether or not other blocks had larger errors before. */
+static void check_agreement(const char *name, const double *seen, const double *expected, size_t n,
+                            double worst)
 {
     static struct block block;
-    struct check_samples samples = {.worst_ratio = -1, .worst_fit_ratio = -1};
+    struct check_samples samples = {
+        .largest = fmax(worst, 0), .worst_ratio = worst, .worst_fit_ratio = worst};
     uint64_t exact = 0, within_1 = 0;
     block.n = n;
     for (size_t i = 0; i < n; i++) {
-        const int apart = counts_round(seen[i]) - counts_round(expected[i]);
-        block.seen[i] = seen[i];
+        block.seen[i] = (float)(seen[i] / FULL_COUNT);
+        block.fit.explained[i] = 0;
+        block.fit.limit[i] = HUGE_VALF;
+        const int apart =
+            counts_round((double)block.seen[i] * FULL_COUNT) - counts_round(expected[i]);
         block.expected[i] = expected[i];
         block.bound[i] = 4;
         exact += apart == 0;
@@ -286,12 +292,17 @@ static void check_agreements(void)
 {
     const double ties[] = {0.5, 1.5, 2.5, 0.49999999, 32767.5, 65534.5, 65535, 0},
                  near[] = {0.5, 1.4999, 2.5001, 0.5, 32767.4, 65534.6, 65535.2, -0.3};
-    const double outside[] = {-1, 65536, 70000, 0, 65535.4, (double)NAN, 3, 5, 1e300},
-                 beside[] = {0, 65535, 65534, -0.6, 65535.6, 0, 4.2, 3, 1e300};
-    check_agreement("ties", ties, near, 8);
-    check_agreement("ties, the other way round", near, ties, 8);
-    check_agreement("samples beyond black and white", outside, beside, 9);
-    check_agreement("samples far apart", outside + 6, beside + 6, 2);
+    const double outside[] = {-1, 65536, 70000, 0, 65535.4, (double)NAN, 3, 5, 131070},
+                 beside[] = {0, 65535, 65534, -0.6, 65535.6, 0, 4.2, 3, 131070};
+    const double close[] = {0.49, 0.51, 1.5, 65534.49, 65534.51, 300.2},
+                 by[] = {0.51, 0.49, 1.49, 65534.51, 65534.49, 300.21};
+    for (int worst = -1; worst <= 1; worst += 2) {
+        check_agreement("ties", ties, near, 8, worst);
+        check_agreement("ties, the other way round", near, ties, 8, worst);
+        check_agreement("samples that are close", close, by, 6, worst);
+        check_agreement("samples beyond black and white", outside, beside, 9, worst);
+        check_agreement("samples far apart", outside + 6, beside + 6, 2, worst);
+    }
 }
 
 static void check_floor(void)
