@@ -37,12 +37,12 @@ static bool plane_allocate(struct texture *texture, int i, struct error *err)
     return texture->plane[i] != NULL || error_memory(err);
 }
 
-/* A spectral texture loads three planes, with room for one more page; OpenGL gets a copy of four
- * floats a texel. */
+/* A spectral texture loads three planes, with room for one more page, for the reference and for
+ * OpenGL; OpenGL gets a copy of four floats a texel. */
 static bool planes_fit(const struct texture *texture, const char *path, struct place from,
                        struct error *err)
 {
-    const double floats = (texture->spectral ? TEXTURE_PLANES + 1 : 1) + 4;
+    const double floats = (texture->spectral ? 2 * (TEXTURE_PLANES + 1) : 1) + 4;
     return memory_suffices(floats * sizeof(float) * (double)plane_size(texture), from, err,
                            "%s: a texture of %dx%d texels", path, texture->image.width,
                            texture->image.height);
@@ -63,9 +63,8 @@ static bool find_largest(struct texture *texture, struct error *err)
     return true;
 }
 
-bool texture_read(const char *path, struct place from, struct texture *out, struct error *err)
+static bool open_pages(const char *path, struct place from, struct texture *out, struct error *err)
 {
-    *out = (struct texture){.linear = out->linear, .spectral = out->spectral};
     if (!file_expected(path, from, FILE_TEXTURE, err) || !image_open(path, from, &out->image, err))
         return false;
     if (out->image.width > LONGEST_TEXTURE || out->image.height > LONGEST_TEXTURE)
@@ -87,10 +86,23 @@ bool texture_read(const char *path, struct place from, struct texture *out, stru
                  "%s: it has %d pages; expected one page for a texture; a stack of pages with"
                  " wavelengths is a spectral-texture",
                  path, out->image.n_pages);
-    else if (planes_fit(out, path, from, err) && find_largest(out, err))
-        return true;
-    texture_free(out);
+    else
+        return planes_fit(out, path, from, err) && find_largest(out, err);
     return false;
+}
+
+bool texture_read(const char *path, struct place from, struct texture *out, struct error *err)
+{
+    *out = (struct texture){.linear = out->linear, .spectral = out->spectral};
+    out->reading = malloc(sizeof *out->reading);
+    if (out->reading == NULL)
+        return error_memory(err);
+    pthread_mutex_init(out->reading, NULL);
+    if (!open_pages(path, from, out, err)) {
+        texture_free(out);
+        return false;
+    }
+    return true;
 }
 
 /* Reads the plane of a wavelength. `other` is room for one more page. */
@@ -114,18 +126,28 @@ static bool plane_load(struct texture *texture, double nm, float *plane, float *
     return true;
 }
 
-bool texture_load(struct texture *texture, const double *wavelengths_nm, int n, struct error *err)
+bool texture_fill(struct texture *texture, const double *wavelengths_nm, int n,
+                  float *const planes[TEXTURE_PLANES], struct error *err)
 {
     assert(n <= TEXTURE_PLANES);
-    if (!texture->spectral)
-        return true;
     float *other = malloc(plane_size(texture) * sizeof *other);
     bool good = other != NULL || error_memory(err);
+    pthread_mutex_lock(texture->reading);
     for (int i = 0; good && i < n; i++)
-        good = plane_allocate(texture, i, err) &&
-               plane_load(texture, wavelengths_nm[i], texture->plane[i], other, err);
+        good = plane_load(texture, wavelengths_nm[i], planes[i], other, err);
+    pthread_mutex_unlock(texture->reading);
     free(other);
     return good;
+}
+
+bool texture_load(struct texture *texture, const double *wavelengths_nm, int n, struct error *err)
+{
+    if (!texture->spectral)
+        return true;
+    for (int i = 0; i < n; i++)
+        if (!plane_allocate(texture, i, err))
+            return false;
+    return texture_fill(texture, wavelengths_nm, n, texture->plane, err);
 }
 
 void texture_free(struct texture *texture)
@@ -133,5 +155,8 @@ void texture_free(struct texture *texture)
     for (int i = 0; i < TEXTURE_PLANES; i++)
         free(texture->plane[i]);
     image_close(&texture->image);
+    if (texture->reading != NULL)
+        pthread_mutex_destroy(texture->reading);
+    free(texture->reading);
     *texture = (struct texture){0};
 }

@@ -3,6 +3,8 @@
 #ifndef TEXTURE_H
 #define TEXTURE_H
 
+#include <pthread.h>
+
 #include "data/tiff/tiff.h"
 
 enum { TEXTURE_PLANES = 3 };
@@ -13,6 +15,7 @@ struct texture {
     bool linear;                  /* between texel centres; otherwise the nearest texel */
     double largest;               /* of all values of all pages */
     float *plane[TEXTURE_PLANES]; /* grey: the first; spectral: those loaded; owned */
+    pthread_mutex_t *reading;     /* held while the image is read; owned */
 };
 /* Reads a texture; the caller chooses `linear` and `spectral` of *out. A grey texture is one page
  * with values that hold for every wavelength. A spectral texture is a stack of pages with
@@ -22,6 +25,10 @@ bool texture_read(const char *path, struct place from, struct texture *out, stru
 /* Fills the planes for n wavelengths, at most TEXTURE_PLANES: linear between pages, and the end
  * page beyond the first and the last one. Does nothing for a grey texture. */
 bool texture_load(struct texture *texture, const double *wavelengths_nm, int n, struct error *err);
+/* Does the same with planes of the caller's, which have room for a page each. Several threads may
+ * call it. */
+bool texture_fill(struct texture *texture, const double *wavelengths_nm, int n,
+                  float *const planes[TEXTURE_PLANES], struct error *err);
 void texture_free(struct texture *texture);
 
 #endif

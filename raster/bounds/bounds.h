@@ -53,6 +53,8 @@ struct surface_bounds {
     float *jumps;         /* at gated sides: the other outcome minus surface.weights; or NULL */
     float *group_weights; /* [light group][weight]: what each adds to them; NULL: there is one */
     double left, top, right, bottom; /* in the window; everything where a vertex is not in front */
+    bool *hidden; /* of each triangle: OpenGL need not draw it; NULL: all are drawn; owned */
+    int n_hidden;
 };
 /* The weights that one group of lights adds to surface.weights; NULL: there is one group. */
 float *group_weights(const struct surface *surface, const struct surface_bounds *bounds, int group);
@@ -80,6 +82,17 @@ double distance_from_rigid(const struct matrix *m);
  * infinite where a weight has no bound. */
 void light_bounds(const struct lit_scene *lit, int surface, int index, double e_eye,
                   struct light_work *work);
+
+/* ---- facing.c: on which side a triangle is seen ---- */
+
+/* The error with which OpenGL follows an edge, in pixels, in a tile of this size. It may move the
+ * ends to its grid. */
+double edge_error(const struct driver *driver, int width, int height);
+/* True if the triangle may turn the other way, where its corners may each be off by e pixels. */
+bool may_turn(const struct screen_triangle *triangle, const double e[3]);
+/* Fills in the hidden triangles of a surface whose vertices have bounds: those that OpenGL sees
+ * from behind for sure, on a solid, one-sided surface between the near and the far plane. */
+bool find_hidden(const struct lit_scene *lit, int surface, struct error *err);
 
 /* ---- texel.c: a texture at a point ---- */
 

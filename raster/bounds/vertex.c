@@ -322,7 +322,7 @@ static bool make_surface(const struct lit_scene *lit, int index, struct light_wo
     if (!check_surface(&of, err))
         return false;
     find_extent(of.surface, of.bounds);
-    return true;
+    return find_hidden(lit, index, err);
 }
 
 bool lit_make(const struct plan *plan, const struct driver *driver, struct lit_scene *out,
@@ -349,6 +349,7 @@ void lit_free(struct lit_scene *lit)
         free(lit->bounds[i].vertices);
         free(lit->bounds[i].errors);
         free(lit->bounds[i].jumps);
+        free(lit->bounds[i].hidden);
         free(lit->bounds[i].group_weights);
     }
     free(lit->surfaces);

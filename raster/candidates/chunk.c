@@ -95,6 +95,17 @@ static bool is_surely_covered(const struct bounding *bounding, const struct seam
     return is_closed(seam) && seam->n_covered > 0 && bounding->fragments.lit->driver->watertight;
 }
 
+/* Returns whether the reference shows a triangle that should be hidden. OpenGL does not draw it:
+ * then nothing explains the pixel. */
+static bool shows_hidden(const struct bounding *bounding, size_t index)
+{
+    const struct lit_scene *lit = bounding->fragments.lit;
+    const struct picture *picture = &bounding->chunk->picture;
+    const int32_t surface = picture->surface[index];
+    return surface >= 0 && lit->bounds[surface].hidden &&
+           lit->bounds[surface].hidden[picture->triangle[index]];
+}
+
 static bool add_ambiguous(struct bounding *bounding, size_t index, int x, int y)
 {
     const struct fragment_list *pixel = &bounding->fragments.pixels[index];
@@ -103,11 +114,12 @@ static bool add_ambiguous(struct bounding *bounding, size_t index, int x, int y)
                     sizeof *out->ambiguous))
         return false;
     struct ambiguous_pixel *ambiguous = &out->ambiguous[out->n_ambiguous++];
-    *ambiguous = (struct ambiguous_pixel){
-        .pixel = (int32_t)index,
-        .first = (int32_t)out->n_candidates,
-        .background = pixel->limit == HUGE_VAL &&
-                      !is_surely_covered(bounding, &bounding->fragments.seams[index])};
+    *ambiguous =
+        (struct ambiguous_pixel){.pixel = (int32_t)index, .first = (int32_t)out->n_candidates};
+    if (shows_hidden(bounding, index))
+        return true;
+    ambiguous->background =
+        pixel->limit == HUGE_VAL && !is_surely_covered(bounding, &bounding->fragments.seams[index]);
     for (int32_t f = pixel->head; f >= 0; f = bounding->fragments.fragments[f].next)
         if (!add_candidates(bounding, &bounding->fragments.fragments[f], x, y))
             return false;

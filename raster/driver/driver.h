@@ -4,7 +4,7 @@
 #ifndef DRIVER_H
 #define DRIVER_H
 
-#include <stdbool.h>
+#include "spectral.h"
 
 /* The rule that gives a pixel to a triangle when its centre lies exactly on an edge. */
 enum fill_rule { FILL_ANY, FILL_LEFT_BOTTOM };
@@ -19,5 +19,18 @@ struct driver {
 };
 /* NULL stands for an unknown one. */
 const struct driver *driver_of(const char *gl_renderer);
+
+/* threads.c. Threads of this process: of llvmpipe, and those that have this thread's name, which a
+ * new thread has until it takes its own. */
+struct driver_threads {
+    long of_llvmpipe, unnamed;
+};
+/* Returns false where they cannot be counted. */
+bool driver_count_threads(struct driver_threads *out);
+/* Refuses a driver that has fewer threads than it has asked for. Where the system gives llvmpipe
+ * fewer, Mesa 22.3.6 goes on, and then waits for ever: its fences count the threads that were asked
+ * for (lp_fence_create in lp_setup.c). `before`: counted before the first context. */
+bool driver_has_threads(const char *gl_renderer, const struct driver_threads *before,
+                        struct error *err);
 
 #endif

@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/index/index.h"
 #include "data/maths/maths.h"
 #include "raster/fragments/fragments.h"
 
@@ -75,20 +76,12 @@ static bool add_fragment(struct fragments *of, struct fragment_list *pixel,
 
 /* ---- counting fragments ---- */
 
-/* Scatters bits (the finalizer of SplitMix64: Steele, Lea and Flood 2014). */
-static uint64_t scatter(uint64_t bits)
-{
-    bits = (bits ^ (bits >> 30)) * 0xbf58476d1ce4e5b9u;
-    bits = (bits ^ (bits >> 27)) * 0x94d049bb133111ebu;
-    return bits ^ (bits >> 31);
-}
-
 static uint64_t corner_number(const struct screen_triangle *triangle, int i, uint64_t object)
 {
     uint64_t x, y;
     memcpy(&x, &triangle->x[i], sizeof x);
     memcpy(&y, &triangle->y[i], sizeof y);
-    return scatter(scatter(scatter(object) + x) + y);
+    return hash_bits(hash_bits(hash_bits(object) + x) + y);
 }
 
 /* A triangle at a pixel centre. */
@@ -123,7 +116,8 @@ static void add_edges(const struct visit *visit)
             continue;
         uint64_t from = corner_number(screen, (i + 1) % 3, object),
                  to = corner_number(screen, (i + 2) % 3, object);
-        visit->seam->edge_sum[screen->clockwise] += scatter(from + 2 * to) - scatter(to + 2 * from);
+        visit->seam->edge_sum[screen->clockwise] +=
+            hash_bits(from + 2 * to) - hash_bits(to + 2 * from);
     }
 }
 
@@ -314,8 +308,9 @@ bool fragments_find(struct fragments *out)
         if (!surface_reaches(&out->lit->bounds[s], &out->rows))
             continue;
         int n_triangles = out->lit->surfaces[s].instance->n_triangles;
+        const bool *hidden = out->lit->bounds[s].hidden;
         for (int t = 0; t < n_triangles; t++)
-            if (!visit_triangle(out, s, t))
+            if (!(hidden && hidden[t]) && !visit_triangle(out, s, t))
                 return false;
     }
     for (size_t i = 0; i < n_pixels; i++)

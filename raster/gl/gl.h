@@ -2,7 +2,7 @@
 /* Draws the plan's picture through OpenGL, a tile and a pass at a time, and says which triangle
  * OpenGL shows at each pixel. Only this room includes a GL header. It may not know what the
  * reference shows: of lit scenes it reads only where each surface lies in the window, so that it
- * draws no surface that a tile cannot show. */
+ * draws nothing that a tile cannot show. */
 #ifndef GL_H
 #define GL_H
 
@@ -20,10 +20,12 @@ struct gl;
 bool gl_is_built(void);
 /* Writes name, version and driver of the OSMesa in use. */
 void gl_library(char *out, size_t capacity);
-/* Opens OpenGL for a plan, which must outlive *out, and uploads its meshes and textures. Fails with
- * EXIT_SYSTEM where there is no usable OpenGL, or not the driver that the plan asks for. Afterwards
- * gl_close frees *out, also after a failure. One struct gl can be open at a time. */
-bool gl_open(const struct plan *plan, struct gl **out, struct error *err);
+/* Opens OpenGL for a plan, which must outlive *out, and uploads its meshes and textures. n_buffers:
+ * of gl_draw, at most MOST_BUFFERS. Fails with EXIT_SYSTEM where there is no usable OpenGL, or not
+ * the driver that the plan asks for. Afterwards gl_close frees *out, also after a failure. One
+ * struct gl can be open at a time; the thread that opens it draws. */
+enum { MOST_BUFFERS = 8 };
+bool gl_open(const struct plan *plan, int n_buffers, struct gl **out, struct error *err);
 void gl_close(struct gl *gl); /* NULL is fine */
 /* Return GL_RENDERER and GL_VERSION, until gl_close. */
 const char *gl_renderer(const struct gl *gl);
@@ -31,15 +33,17 @@ const char *gl_version(const struct gl *gl);
 
 /* ---- pass.c: lights, materials and passes ---- */
 
-/* Aims at a tile of the picture, of at most the plan's tile size in pixels. `lit` is of the same
- * plan, and must live until the next gl_aim. */
-void gl_aim(struct gl *gl, const struct lit_scene *lit, const struct rectangle *tile);
-/* Draws bands first_band .. first_band + BANDS_PER_PASS - 1 (those that exist) of the aimed tile;
- * spectral textures have these bands loaded. *pixels becomes radiances divided by full_scale,
- * rounded to the nearest step where the colour buffer has steps: 4 floats a pixel, rows of the
- * plan's tile_width from the top; owned by gl, until the next gl_draw or gl_identify. */
-bool gl_draw(struct gl *gl, int first_band, double full_scale, const float **pixels,
-             struct error *err);
+/* Takes the lit scene of the plan, before the first gl_aim; it must outlive gl. */
+bool gl_take_scene(struct gl *gl, const struct lit_scene *lit, struct error *err);
+/* Aims at a tile of the picture, of at most the plan's tile size in pixels. */
+void gl_aim(struct gl *gl, const struct rectangle *tile);
+/* Draws bands first_band .. first_band + BANDS_PER_PASS - 1 (those that exist) of the aimed tile
+ * into a buffer. Where the plan asks for a check, gl_identify has drawn the tile before. */
+bool gl_draw(struct gl *gl, int buffer, int first_band, double full_scale, struct error *err);
+/* Returns what was last drawn into the buffer: radiances divided by full_scale, rounded to the
+ * nearest step where the colour buffer has steps; 4 floats a pixel, rows of the plan's tile_width
+ * from the top. Other threads may read it until something is drawn there again. */
+const float *gl_pixels(const struct gl *gl, int buffer);
 struct gl_work {
     long passes, draw_calls;
 };
@@ -57,8 +61,9 @@ struct shown {
 /* Draws the numbers of surfaces and triangles of the aimed tile instead of their colours. The plan
  * asks for a check. */
 bool gl_identify(struct gl *gl, struct error *err);
-/* Returns what the last gl_identify drew; no gl_draw has come since. x and y count from the tile's
- * top left pixel. A number that no instance has becomes surface n_instances. */
+/* Returns what the last gl_identify drew. x and y count from the tile's top left pixel. A number
+ * that no instance has becomes surface n_instances. Other threads may call it until the next
+ * gl_identify. */
 struct shown gl_shown(const struct gl *gl, int x, int y);
 
 /* ---- inside this room ---- */
@@ -68,22 +73,26 @@ struct gl {
     const struct lit_scene *lit;
     struct osmesa_context *context; /* draws colours; numbers too where `numbers` is NULL */
     struct osmesa_context *numbers; /* draws into floats where `context` draws into steps */
-    float *pixels;       /* tile_height rows of tile_width pixels of 4 floats, from the top */
-    void *steps;         /* the same of uint8_t or uint16_t, where `context` draws into steps */
-    const void *current; /* the one of the two that OpenGL draws into */
-    float *sum;          /* pixels of all passes; NULL where one pass has all lights */
-    uint32_t *depths;    /* rows from the bottom: 24 bits of depth, 8 of stencil; NULL: no check */
-    unsigned *buffers;   /* names of the buffer objects: some for each mesh */
-    unsigned *textures;  /* names of the texture objects: one for each texture */
+    /* tile_height rows of tile_width pixels of 4 floats, from the top */
+    float *buffers[MOST_BUFFERS], *part; /* part: of some lights; NULL where one pass has all */
+    float *shown;                        /* numbers of triangles; NULL: no check */
+    void *steps;      /* the same of uint8_t or uint16_t, where `context` draws into steps */
+    uint32_t *depths; /* rows from the bottom: 24 bits of depth, 8 of stencil; NULL: no check */
+    bool is_stale[2]; /* of `context` and `numbers`: the buffer holds colours of another tile */
+    struct osmesa_context *current;
+    unsigned *objects;       /* names of the buffer objects: some for each mesh */
+    unsigned *textures;      /* names of the texture objects: one for each texture */
+    unsigned *shown_indices; /* of each instance that hides triangles, the buffer of the others */
     struct rectangle tile;
     struct gl_work work;
 };
 
 /* ---- context.c ---- */
 
-/* Makes OpenGL draw into floats from now on, or into the buffer of colours, which may be of steps.
- */
-bool gl_draw_into(struct gl *gl, bool floats, struct error *err);
+/* Makes OpenGL draw into these floats from now on; NULL: into steps. `numbers`: not colours. */
+bool gl_draw_into(struct gl *gl, float *floats, bool numbers, struct error *err);
+/* Empties what the current context has drawn of another tile. */
+void gl_clear_stale(struct gl *gl);
 /* Returns false after any error of OpenGL since the last call. */
 bool gl_succeeded(struct error *err);
 
@@ -91,10 +100,12 @@ bool gl_succeeded(struct error *err);
 
 /* Uploads all meshes and all textures but the texels of spectral ones. */
 bool gl_upload(struct gl *gl, struct error *err);
-/* Uploads the bands of all spectral textures that are loaded. */
-bool gl_upload_bands(const struct gl *gl, struct error *err);
-/* The next draw call takes its vertices from a mesh of the plan. */
-void gl_bind_mesh(const struct gl *gl, int mesh, bool textured);
+/* Loads and uploads all spectral textures for the bands of a pass. */
+bool gl_upload_bands(const struct gl *gl, int first_band, struct error *err);
+/* Uploads, of instances that hide triangles, which ones are drawn. */
+bool gl_upload_shown(struct gl *gl, struct error *err);
+/* The next draw call takes its vertices from an instance's mesh. Returns how many. */
+int gl_bind_mesh(const struct gl *gl, int instance);
 /* The next draw calls show a texture of the plan; NULL: none. */
 void gl_bind_texture(const struct gl *gl, const struct texture *texture);
 
@@ -106,7 +117,8 @@ void gl_set_state(const struct gl *gl);
 void gl_load_view(const struct gl *gl);
 /* Replaces the current matrix of OpenGL. */
 void gl_load_matrix(const struct matrix *m);
-/* Empties the aimed tile, and leaves lighting, textures and the depth test switched off. */
+/* Empties the colours of the buffer, and leaves lighting, textures and the depth test switched off.
+ */
 void gl_blacken(void);
 
 #endif

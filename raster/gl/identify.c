@@ -34,24 +34,39 @@ static void number_triangle(const struct mesh *mesh, int triangle, int placed,
     }
 }
 
-static void draw_numbers(const struct plan *plan, int placed, struct numbered_vertex *batch)
+static void draw_batch(const struct numbered_vertex *batch, int n_triangles)
 {
-    const struct mesh *mesh = &plan->meshes[plan->instances[placed].mesh].mesh;
-    gl_load_matrix(&plan->instances[placed].instance.model_view);
-    for (int first = 0; first < mesh->n_triangles; first += BATCH) {
-        int n = mesh->n_triangles - first < BATCH ? mesh->n_triangles - first : BATCH;
-        for (int i = 0; i < n; i++)
-            number_triangle(mesh, first + i, placed, batch + 3 * (size_t)i);
-        glVertexPointer(3, GL_FLOAT, sizeof *batch, batch->position);
-        glColorPointer(3, GL_FLOAT, sizeof *batch, batch->number);
-        glDrawArrays(GL_TRIANGLES, 0, 3 * n);
-    }
+    glVertexPointer(3, GL_FLOAT, sizeof *batch, batch->position);
+    glColorPointer(3, GL_FLOAT, sizeof *batch, batch->number);
+    glDrawArrays(GL_TRIANGLES, 0, 3 * n_triangles);
 }
 
-static void draw_instances(const struct gl *gl, struct numbered_vertex *batch)
+static void draw_numbers(const struct gl *gl, int placed, struct numbered_vertex *batch)
 {
+    const struct placed_instance *instance = &gl->plan->instances[placed];
+    const struct mesh *mesh = &gl->plan->meshes[instance->mesh].mesh;
+    const bool *hidden = gl->lit->bounds[placed].hidden;
+    int n = 0;
+    gl_load_matrix(&instance->instance.model_view);
+    for (int i = 0; i < mesh->n_triangles; i++) {
+        if (hidden && hidden[i])
+            continue;
+        number_triangle(mesh, i, placed, batch + 3 * (size_t)n++);
+        if (n == BATCH) {
+            draw_batch(batch, n);
+            n = 0;
+        }
+    }
+    if (n > 0)
+        draw_batch(batch, n);
+}
+
+static void draw_instances(struct gl *gl, struct numbered_vertex *batch)
+{
+    gl_clear_stale(gl);
+    glDisable(GL_LIGHTING);
+    glDisable(GL_TEXTURE_2D);
     glClear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
-    gl_blacken();
     glShadeModel(GL_FLAT);
     glEnable(GL_DEPTH_TEST);
     glEnable(GL_STENCIL_TEST);
@@ -63,7 +78,7 @@ static void draw_instances(const struct gl *gl, struct numbered_vertex *batch)
     glEnableClientState(GL_COLOR_ARRAY);
     for (int i = 0; i < gl->plan->n_instances; i++)
         if (surface_reaches(&gl->lit->bounds[i], &gl->tile))
-            draw_numbers(gl->plan, i, batch);
+            draw_numbers(gl, i, batch);
     glDisableClientState(GL_COLOR_ARRAY);
     glEnableClientState(GL_NORMAL_ARRAY);
     glDisable(GL_STENCIL_TEST);
@@ -75,7 +90,7 @@ bool gl_identify(struct gl *gl, struct error *err)
     struct numbered_vertex *batch = malloc(3 * BATCH * sizeof *batch);
     if (!batch)
         return error_memory(err);
-    if (!gl_draw_into(gl, true, err)) {
+    if (!gl_draw_into(gl, gl->shown, true, err)) {
         free(batch);
         return false;
     }
@@ -98,7 +113,7 @@ static int32_t whole(float value)
 struct shown gl_shown(const struct gl *gl, int x, int y)
 {
     size_t width = (size_t)gl->plan->tile_width, below = (size_t)(gl->plan->tile_height - 1 - y);
-    const float *number = gl->pixels + 4 * ((size_t)y * width + (size_t)x);
+    const float *number = gl->shown + 4 * ((size_t)y * width + (size_t)x);
     uint32_t depth = gl->depths[below * width + (size_t)x];
     struct shown shown = {-1, -1, depth >> 8, (uint8_t)(depth & 0xff)};
     int32_t low = whole(number[0]), high = whole(number[1]), placed = whole(number[2]);

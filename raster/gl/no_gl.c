@@ -15,9 +15,9 @@ void gl_library(char *out, size_t capacity)
     snprintf(out, capacity, "without OpenGL");
 }
 
-bool gl_open(const struct plan *plan, struct gl **out, struct error *err)
+bool gl_open(const struct plan *plan, int n_buffers, struct gl **out, struct error *err)
 {
-    (void)plan;
+    (void)plan, (void)n_buffers;
     *out = NULL;
     errno = 0;
     return error_system(err, "this program was built without OpenGL");
@@ -42,16 +42,27 @@ const char *gl_version(const struct gl *gl)
     return "none";
 }
 
-void gl_aim(struct gl *gl, const struct lit_scene *lit, const struct rectangle *tile)
+bool gl_take_scene(struct gl *gl, const struct lit_scene *lit, struct error *err)
 {
-    (void)gl, (void)lit, (void)tile;
+    (void)gl, (void)lit;
+    return error_system(err, "there is no OpenGL");
 }
 
-bool gl_draw(struct gl *gl, int first_band, double full_scale, const float **pixels,
-             struct error *err)
+void gl_aim(struct gl *gl, const struct rectangle *tile)
 {
-    (void)gl, (void)first_band, (void)full_scale, (void)pixels;
+    (void)gl, (void)tile;
+}
+
+bool gl_draw(struct gl *gl, int buffer, int first_band, double full_scale, struct error *err)
+{
+    (void)gl, (void)buffer, (void)first_band, (void)full_scale;
     return error_system(err, "there is no OpenGL");
+}
+
+const float *gl_pixels(const struct gl *gl, int buffer)
+{
+    (void)gl, (void)buffer;
+    return NULL;
 }
 
 bool gl_identify(struct gl *gl, struct error *err)

@@ -49,10 +49,16 @@ void gl_load_view(const struct gl *gl)
     glViewport(0, gl->plan->tile_height - tile->height, tile->width, tile->height);
 }
 
-void gl_aim(struct gl *gl, const struct lit_scene *lit, const struct rectangle *tile)
+bool gl_take_scene(struct gl *gl, const struct lit_scene *lit, struct error *err)
 {
     gl->lit = lit;
+    return gl_upload_shown(gl, err);
+}
+
+void gl_aim(struct gl *gl, const struct rectangle *tile)
+{
     gl->tile = *tile;
+    gl->is_stale[0] = gl->is_stale[1] = true;
     gl_load_view(gl);
 }
 
@@ -169,14 +175,14 @@ static void set_material(const struct gl *gl, const struct shaded_material *shad
     gl_bind_texture(gl, shaded->texture);
 }
 
-static void draw_instance(const struct gl *gl, const struct placed_instance *placed)
+static void draw_instance(const struct gl *gl, int instance)
 {
-    gl_bind_mesh(gl, placed->mesh, gl->plan->materials[placed->shaded].texture);
+    const struct placed_instance *placed = &gl->plan->instances[instance];
+    const int n = gl_bind_mesh(gl, instance);
     glLightModeli(GL_LIGHT_MODEL_TWO_SIDE, placed->object->two_sided);
     glFrontFace(placed->instance.mirrored ? GL_CW : GL_CCW);
     gl_load_matrix(&placed->instance.model_view);
-    glDrawElements(GL_TRIANGLES, 3 * gl->plan->meshes[placed->mesh].mesh.n_triangles,
-                   GL_UNSIGNED_INT, NULL);
+    glDrawElements(GL_TRIANGLES, n, GL_UNSIGNED_INT, NULL);
 }
 
 /* Clears the colour by drawing over it: Mesa fills 16-byte pixels one by one, at ten times the
@@ -202,8 +208,8 @@ static void draw_pass(struct gl *gl, const struct pass *pass)
 {
     const struct plan *plan = gl->plan;
     int shaded = -1;
+    gl_clear_stale(gl);
     glClear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
-    gl_blacken();
     glEnable(GL_DEPTH_TEST);
     glEnable(GL_LIGHTING);
     place_lights(gl, pass->group);
@@ -214,7 +220,7 @@ static void draw_pass(struct gl *gl, const struct pass *pass)
         if (placed->shaded != shaded)
             set_material(gl, &plan->materials[placed->shaded], pass);
         shaded = placed->shaded;
-        draw_instance(gl, placed);
+        draw_instance(gl, i);
         gl->work.draw_calls++;
     }
     glFinish(); /* only now does OSMesa fill the buffer */
@@ -222,7 +228,7 @@ static void draw_pass(struct gl *gl, const struct pass *pass)
 }
 
 /* Converts steps to parts of full scale. */
-static void convert_steps(struct gl *gl)
+static void convert_steps(const struct gl *gl, float *pixels)
 {
     size_t n = 4 * (size_t)gl->plan->tile_width * (size_t)gl->plan->tile_height;
     const uint16_t *words = gl->steps;
@@ -230,32 +236,39 @@ static void convert_steps(struct gl *gl)
     float whole = (float)buffer_steps(gl->plan);
     bool wide = gl->plan->options.buffer_bits == 16;
     for (size_t i = 0; i < n && wide; i++)
-        gl->pixels[i] = (float)words[i] / whole;
+        pixels[i] = (float)words[i] / whole;
     for (size_t i = 0; i < n && !wide; i++)
-        gl->pixels[i] = (float)bytes[i] / whole;
+        pixels[i] = (float)bytes[i] / whole;
 }
 
-static void add_pass(struct gl *gl, bool first)
+static void add_part(const struct gl *gl, float *sum)
 {
     size_t n = 4 * (size_t)gl->plan->tile_width * (size_t)gl->plan->tile_height;
     for (size_t i = 0; i < n; i++)
-        gl->sum[i] = first ? gl->pixels[i] : gl->sum[i] + gl->pixels[i];
+        sum[i] += gl->part[i];
 }
 
-bool gl_draw(struct gl *gl, int first_band, double full_scale, const float **pixels,
-             struct error *err)
+bool gl_draw(struct gl *gl, int buffer, int first_band, double full_scale, struct error *err)
 {
-    if (!gl_draw_into(gl, false, err) || !gl_upload_bands(gl, err))
+    float *sum = gl->buffers[buffer];
+    if (!gl_upload_bands(gl, first_band, err))
         return false;
     for (int group = 0; group < gl->plan->n_light_groups; group++) {
+        float *pixels = group == 0 ? sum : gl->part;
+        if (!gl_draw_into(gl, gl->steps ? NULL : pixels, false, err))
+            return false;
         draw_pass(gl, &(struct pass){first_band, group, full_scale});
         if (gl->steps)
-            convert_steps(gl);
-        if (gl->sum)
-            add_pass(gl, group == 0);
+            convert_steps(gl, pixels);
+        if (group > 0)
+            add_part(gl, sum);
     }
-    *pixels = gl->sum ? gl->sum : gl->pixels;
     return gl_succeeded(err);
+}
+
+const float *gl_pixels(const struct gl *gl, int buffer)
+{
+    return gl->buffers[buffer];
 }
 
 struct gl_work gl_work(const struct gl *gl)

@@ -2,6 +2,7 @@
 /* Meshes and textures as OpenGL keeps them. Geometry is uploaded once; a spectral texture's texels
  * are uploaded anew for each pass. Only this file says how a vertex lies in a buffer. */
 #include <stdlib.h>
+#include <string.h>
 
 #define GL_GLEXT_PROTOTYPES
 #include <GL/gl.h>
@@ -50,7 +51,7 @@ static bool upload_vertices(const struct mesh *mesh, size_t n_floats,
 static bool upload_mesh(const struct gl *gl, int index, struct error *err)
 {
     const struct mesh *mesh = &gl->plan->meshes[index].mesh;
-    const GLuint *buffers = gl->buffers + BUFFERS * index;
+    const GLuint *buffers = gl->objects + BUFFERS * index;
     if (mesh->n_triangles == 0)
         return true;
     glBindBuffer(GL_ARRAY_BUFFER, buffers[VERTICES]);
@@ -68,28 +69,66 @@ static bool upload_mesh(const struct gl *gl, int index, struct error *err)
 static bool upload_meshes(struct gl *gl, struct error *err)
 {
     int n_meshes = gl->plan->n_meshes;
-    gl->buffers = calloc(BUFFERS * (size_t)n_meshes + 1, sizeof *gl->buffers);
-    if (!gl->buffers)
+    gl->objects = calloc(BUFFERS * (size_t)n_meshes + 1, sizeof *gl->objects);
+    if (!gl->objects)
         return error_memory(err);
-    glGenBuffers(BUFFERS * n_meshes, gl->buffers);
+    glGenBuffers(BUFFERS * n_meshes, gl->objects);
     for (int i = 0; i < n_meshes; i++)
         if (!upload_mesh(gl, i, err))
             return false;
     return true;
 }
 
-void gl_bind_mesh(const struct gl *gl, int mesh, bool textured)
+/* Fills the bound buffer with the triangles of an instance that are not hidden. */
+static bool upload_indices(const struct gl *gl, int instance, struct error *err)
+{
+    const struct mesh *mesh = &gl->plan->meshes[gl->plan->instances[instance].mesh].mesh;
+    const struct surface_bounds *bounds = &gl->lit->bounds[instance];
+    const size_t size = sizeof *mesh->triangles;
+    size_t n = 0;
+    char *indices = malloc((size_t)mesh->n_triangles * size);
+    if (!indices)
+        return error_memory(err);
+    for (int i = 0; i < mesh->n_triangles; i++)
+        if (!bounds->hidden[i])
+            memcpy(indices + size * n++, mesh->triangles[i], size);
+    glBufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(n * size), indices, GL_STATIC_DRAW);
+    free(indices);
+    return true;
+}
+
+bool gl_upload_shown(struct gl *gl, struct error *err)
+{
+    const int n = gl->plan->n_instances;
+    gl->shown_indices = calloc((size_t)n + 1, sizeof *gl->shown_indices);
+    if (!gl->shown_indices)
+        return error_memory(err);
+    for (int i = 0; i < n; i++) {
+        if (gl->lit->bounds[i].n_hidden == 0)
+            continue;
+        glGenBuffers(1, &gl->shown_indices[i]);
+        glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, gl->shown_indices[i]);
+        if (!upload_indices(gl, i, err))
+            return false;
+    }
+    return true;
+}
+
+int gl_bind_mesh(const struct gl *gl, int instance)
 {
     const GLsizei step = VERTEX_FLOATS * sizeof(GLfloat);
-    const GLuint *buffers = gl->buffers + BUFFERS * mesh;
+    const struct placed_instance *placed = &gl->plan->instances[instance];
+    const GLuint *buffers = gl->objects + BUFFERS * placed->mesh;
+    const GLuint shown = gl->shown_indices[instance];
     glBindBuffer(GL_ARRAY_BUFFER, buffers[VERTICES]);
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffers[INDICES]);
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, shown ? shown : buffers[INDICES]);
     glVertexPointer(3, GL_FLOAT, step, NULL); /* offsets into the bound buffer */
     glNormalPointer(GL_FLOAT, step, (const void *)(3 * sizeof(GLfloat)));
-    if (textured) {
+    if (gl->plan->materials[placed->shaded].texture) {
         glBindBuffer(GL_ARRAY_BUFFER, buffers[COORDINATES]);
         glTexCoordPointer(2, GL_FLOAT, 0, NULL);
     }
+    return 3 * (placed->instance.n_triangles - gl->lit->bounds[instance].n_hidden);
 }
 
 /* ---- textures ---- */
@@ -131,8 +170,9 @@ static bool upload_textures(struct gl *gl, struct error *err)
     return true;
 }
 
-/* Uploads the planes of a spectral texture that are loaded. */
-static bool upload_planes(const struct texture *texture, GLuint name, struct error *err)
+/* Uploads three planes, one behind the other, as texels of three channels. */
+static bool upload_planes(const struct texture *texture, const float *planes, GLuint name,
+                          struct error *err)
 {
     size_t n = (size_t)texture->image.width * (size_t)texture->image.height;
     float *texels = malloc(n * BANDS_PER_PASS * sizeof *texels);
@@ -140,7 +180,7 @@ static bool upload_planes(const struct texture *texture, GLuint name, struct err
         return error_memory(err);
     for (size_t i = 0; i < n; i++)
         for (size_t c = 0; c < BANDS_PER_PASS; c++)
-            texels[BANDS_PER_PASS * i + c] = texture->plane[c] ? texture->plane[c][i] : 0;
+            texels[BANDS_PER_PASS * i + c] = planes[c * n + i];
     glBindTexture(GL_TEXTURE_2D, name);
     glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F_ARB, texture->image.width, texture->image.height, 0,
                  GL_RGB, GL_FLOAT, texels);
@@ -160,11 +200,27 @@ void gl_bind_texture(const struct gl *gl, const struct texture *texture)
     glEnableClientState(GL_TEXTURE_COORD_ARRAY);
 }
 
-bool gl_upload_bands(const struct gl *gl, struct error *err)
+/* Planes of bands that do not exist stay black. */
+static bool upload_texture_bands(const struct gl *gl, int index, int first_band, struct error *err)
 {
-    const struct plan *plan = gl->plan;
-    for (int i = 0; i < plan->n_textures; i++)
-        if (plan->textures[i].spectral && !upload_planes(&plan->textures[i], gl->textures[i], err))
+    struct texture *texture = &gl->plan->textures[index];
+    const size_t n = (size_t)texture->image.width * (size_t)texture->image.height;
+    const int left = gl->plan->n_bands - first_band;
+    float *planes = calloc(n, BANDS_PER_PASS * sizeof *planes);
+    if (!planes)
+        return error_memory(err);
+    float *const rooms[BANDS_PER_PASS] = {planes, planes + n, planes + 2 * n};
+    bool done = texture_fill(texture, gl->plan->scene->wavelengths_nm + first_band,
+                             left < BANDS_PER_PASS ? left : BANDS_PER_PASS, rooms, err) &&
+                upload_planes(texture, planes, gl->textures[index], err);
+    free(planes);
+    return done;
+}
+
+bool gl_upload_bands(const struct gl *gl, int first_band, struct error *err)
+{
+    for (int i = 0; i < gl->plan->n_textures; i++)
+        if (gl->plan->textures[i].spectral && !upload_texture_bands(gl, i, first_band, err))
             return false;
     return true;
 }

@@ -119,6 +119,21 @@ static int find_whole(struct instance_maker *maker, const struct shape *describe
 
 /* ---- meshes as they are drawn ---- */
 
+/* Finds the points of a mesh that is a solid: closed, with all faces outward. Only built-in shapes
+ * are known to be so; an OBJ file may have faces inside out, even where it is closed. */
+static bool find_solid(const struct shape *shape, struct plan_mesh *mesh, struct error *err)
+{
+    if (shape->kind == SHAPE_MESH)
+        return true;
+    if (!mesh_points(&mesh->mesh, &mesh->points, err))
+        return false;
+    if (!mesh_is_closed(&mesh->mesh, mesh->points)) {
+        free(mesh->points);
+        mesh->points = NULL;
+    }
+    return true;
+}
+
 /* Adds a mesh to the plan, which takes it over even if this fails; moved by the centre of the
  * whole: halves and parts that meet have the same numbers where they do. */
 static bool add_mesh(struct instance_maker *maker, struct cutting cutting, struct mesh *mesh,
@@ -126,14 +141,16 @@ static bool add_mesh(struct instance_maker *maker, struct cutting cutting, struc
 {
     struct plan *plan = maker->plan;
     const struct whole *whole = &maker->wholes[cutting.whole];
-    const struct plan_mesh added = {
+    struct plan_mesh added = {
         .mesh = *mesh, .cutting = cutting, .centre = whole->centre, .unit = whole->unit};
     for (int i = 0; i < mesh->n_vertices; i++)
         mesh->vertices[i].position = vector_scale(
             vector_subtract(mesh->vertices[i].position, whole->centre), 1 / whole->unit);
-    if (index_add(&maker->cuttings, &cutting, sizeof cutting, plan->n_meshes, err) &&
+    if (find_solid(&whole->shape, &added, err) &&
+        index_add(&maker->cuttings, &cutting, sizeof cutting, plan->n_meshes, err) &&
         array_add(&plan->meshes, &plan->n_meshes, &added, sizeof added, err))
         return true;
+    free(added.points);
     mesh_free(mesh);
     return false;
 }

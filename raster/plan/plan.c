@@ -216,8 +216,10 @@ bool plan_make(const struct scene *scene, const struct sampling *sampling,
 
 void plan_free(struct plan *plan)
 {
-    for (int i = 0; i < plan->n_meshes; i++)
+    for (int i = 0; i < plan->n_meshes; i++) {
         mesh_free(&plan->meshes[i].mesh);
+        free(plan->meshes[i].points);
+    }
     for (int i = 0; i < plan->n_materials; i++) {
         free(plan->materials[i].terms);
         material_terms_free(&plan->materials[i].made);

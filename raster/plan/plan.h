@@ -39,6 +39,7 @@ struct plan_mesh {
     struct vector centre; /* of the whole mesh */
     double unit;          /* what its lengths are measured in: a power of two, about its size */
     bool textured;        /* some instance of it is */
+    int32_t *points; /* of a solid, the point of each vertex: see mesh_points; NULL: of another */
 };
 /* An object, or a part of one, as it will be drawn: transform and camera composed in double. */
 struct placed_instance {

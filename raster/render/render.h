@@ -10,6 +10,7 @@
 #include "data/pages/pages.h"
 #include "data/record/record.h"
 #include "data/stack/stack.h"
+#include "data/threads/threads.h"
 #include "raster/check/check.h"
 #include "raster/driver/driver.h"
 #include "raster/gl/gl.h"
@@ -110,6 +111,37 @@ bool check_map_write(struct check_map *map, const struct check *check, struct er
 bool check_map_finish(struct check_map *map, struct error *err);
 bool check_map_commit(struct check_map *map, struct outputs *outputs, struct error *err);
 void check_map_discard(struct check_map *map); /* safe after commit */
+
+/* stages.c. Counts on their way to the stack: of some pages of a tile. */
+struct written {
+    struct rectangle at;
+    int first_page, n_pages;                /* the object map is the page after the last one */
+    unsigned char *samples[BANDS_PER_PASS]; /* each has room for one page of a tile; owned */
+};
+/* OpenGL may be so many passes ahead of the check; and the check of the file. */
+enum { AHEAD_PASSES = 2, WRITTEN_PLACES = 2 };
+struct render_state {
+    const struct plan *plan;
+    struct lit_scene lit;
+    struct gl *gl; /* NULL: not opened */
+    struct stack_writer writer;
+    bool writing;
+    struct written written[WRITTEN_PLACES];
+    struct fit fit;
+    struct check_scene check_scene;
+    struct check_totals totals;
+    struct check_map map;                 /* if check_scene.mapped */
+    struct check *checks;                 /* one for each chunk of the current tile; NULL: none */
+    struct queue numbers, drawn, counted; /* of OpenGL's numbers and pixels; of `written` */
+    long steps, all_steps;
+    double since; /* clock_seconds at the last clock_in */
+    double written_seconds;
+    struct progress_line *progress; /* NULL: none */
+    struct render_result *result;
+};
+/* Draws, judges and writes all tiles. */
+bool stages_run(struct render_state *state, struct error *err);
+void clock_in(double *since, double *part);
 
 /* Reads, plans and renders the scene of the options, and reports the result. made: the record of
  * the stack that is made again; NULL: the stack is new. */

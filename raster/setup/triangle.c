@@ -25,26 +25,7 @@ static void widen(struct slack *to, struct slack by)
     to->w = fmax(to->w, by.w);
 }
 
-/* True if OpenGL may take the front for the back: moving a corner by e in x and y changes twice the
- * area by at most e times the 1-norm of the edge opposite, all together by 8 e^2 more. */
-static bool is_edge_on(const struct bounded_triangle *triangle)
-{
-    const double *x = triangle->screen.x, *y = triangle->screen.y;
-    double worst = most_of(triangle->edge_px), change = 8 * worst * worst;
-    for (int i = 0; i < 3; i++) {
-        int j = (i + 1) % 3, k = (i + 2) % 3;
-        change += triangle->edge_px[i] * (fabs(x[k] - x[j]) + fabs(y[k] - y[j]));
-    }
-    return triangle->screen.twice_area <= change;
-}
-
 /* ---- triangles that OpenGL sets up ---- */
-
-/* The error with which OpenGL follows an edge. It may move the ends to its grid. */
-static double edge_error(const struct driver *driver, const struct rectangle *tile)
-{
-    return driver->grid_px + roundings(driver->edge_roundings) * fmax(tile->width, tile->height);
-}
 
 /* True if all corners lie on the driver's grid, without any error. Corners of cuts do not. */
 static bool is_exact(const struct lit_scene *lit, const struct bounded_triangle *triangle)
@@ -70,7 +51,7 @@ static struct clipped_triangle clipped(const struct lit_scene *lit,
                                        const struct rectangle *tile, const double slack_px[3],
                                        const double moved[3])
 {
-    struct clipped_triangle out = {.grid_px = edge_error(lit->driver, tile),
+    struct clipped_triangle out = {.grid_px = edge_error(lit->driver, tile->width, tile->height),
                                    .value_roundings = lit->driver->value_roundings,
                                    .slack = from->slack};
     memcpy(out.x, from->screen.x, sizeof out.x);
@@ -168,7 +149,8 @@ static void set_edge_errors(const struct lit_scene *lit, const struct rectangle 
     for (int i = 0; i < 3; i++) {
         double slack =
             triangle->straddles ? triangle->slack.px : whole_slack(lit, &triangle->screen, i).px;
-        triangle->edge_px[i] = exact ? 0 : slack + edge_error(lit->driver, tile);
+        triangle->edge_px[i] =
+            exact ? 0 : slack + edge_error(lit->driver, tile->width, tile->height);
     }
 }
 
@@ -193,7 +175,7 @@ static void complete(const struct lit_scene *lit, const struct rectangle *tile,
     }
     triangle->depth_error = error < 0 ? HUGE_VAL : error + depth_rounding(lit->driver);
     set_edge_errors(lit, tile, triangle);
-    triangle->edge_on = is_edge_on(triangle);
+    triangle->edge_on = may_turn(&triangle->screen, triangle->edge_px);
 }
 
 /* ---- the parts of a triangle ---- */
