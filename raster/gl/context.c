@@ -10,16 +10,18 @@
 
 /* ---- the driver ---- */
 
-const char *gl_renderer(const struct gl *gl)
+static const char *renderer(void)
 {
-    (void)gl; /* the current context is this one's */
     return (const char *)glGetString(GL_RENDERER);
 }
 
-const char *gl_version(const struct gl *gl)
+struct gl_names gl_names(const struct gl *gl)
 {
-    (void)gl;
-    return (const char *)glGetString(GL_VERSION);
+    struct gl_names names;
+    (void)gl; /* the current context is this one's */
+    snprintf(names.renderer, sizeof names.renderer, "%s", renderer());
+    snprintf(names.version, sizeof names.version, "%s", (const char *)glGetString(GL_VERSION));
+    return names;
 }
 
 bool gl_is_built(void)
@@ -39,7 +41,7 @@ void gl_library(char *out, size_t capacity)
     OSMesaContext context = OSMesaCreateContext(OSMESA_RGBA, NULL);
     if (context && OSMesaMakeCurrent(context, pixel, GL_FLOAT, 1, 1))
         snprintf(out, capacity, "OSMesa %s (%s)", (const char *)glGetString(GL_VERSION),
-                 (const char *)glGetString(GL_RENDERER));
+                 renderer());
     else
         snprintf(out, capacity, "OSMesa gives no context");
     if (context)
@@ -51,11 +53,11 @@ void gl_library(char *out, size_t capacity)
 static bool check_driver(const struct gl *gl, struct error *err)
 {
     const char *wanted = gl->plan->options.gl_driver;
-    return !wanted || strncmp(gl_renderer(gl), wanted, strlen(wanted)) == 0 ||
+    return !wanted || strncmp(renderer(), wanted, strlen(wanted)) == 0 ||
            error_unsupported(err,
                              "this OSMesa draws with %.100s, not with %s; --renderer gl takes any "
                              "driver",
-                             gl_renderer(gl), wanted);
+                             renderer(), wanted);
 }
 
 /* ---- contexts ---- */
@@ -157,8 +159,7 @@ static bool open_context(struct gl *gl, int n_buffers, struct error *err)
     if (!gl->context || (gl->steps && plan->options.check && !gl->numbers))
         return error_system(err, "OSMesa gives no context");
     return gl_draw_into(gl, gl->steps ? NULL : gl->buffers[0], false, err) &&
-           check_driver(gl, err) &&
-           driver_has_threads(gl_renderer(gl), &before, err);
+           check_driver(gl, err) && driver_has_threads(renderer(), &before, err);
 }
 
 bool gl_succeeded(struct error *err)
@@ -197,7 +198,7 @@ void gl_close(struct gl *gl)
         free(gl->buffers[i]);
     free(gl->objects);
     free(gl->textures);
-    free(gl->shown_indices);
+    free(gl->indices);
     free(gl->part);
     free(gl->shown);
     free(gl->steps);

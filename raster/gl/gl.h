@@ -9,6 +9,7 @@
 #include "data/maths/maths.h"
 #include "data/texture/texture.h"
 #include "raster/bounds/bounds.h"
+#include "raster/passes/passes.h"
 #include "raster/plan/plan.h"
 #include "raster/reference/reference.h"
 #include "spectral.h"
@@ -20,21 +21,26 @@ struct gl;
 bool gl_is_built(void);
 /* Writes name, version and driver of the OSMesa in use. */
 void gl_library(char *out, size_t capacity);
-/* Opens OpenGL for a plan, which must outlive *out, and uploads its meshes and textures. n_buffers:
- * of gl_draw, at most MOST_BUFFERS. Fails with EXIT_SYSTEM where there is no usable OpenGL, or not
- * the driver that the plan asks for. Afterwards gl_close frees *out, also after a failure. One
- * struct gl can be open at a time; the thread that opens it draws. */
+/* Opens OpenGL for a plan, which must outlive *out, and uploads its vertices and textures.
+ * n_buffers: of gl_draw, at most MOST_BUFFERS. Fails with EXIT_SYSTEM where there is no usable
+ * OpenGL, or not the driver that the plan asks for. Afterwards gl_close frees *out, also after a
+ * failure. One struct gl can be open at a time; the thread that opens it draws. */
 enum { MOST_BUFFERS = 8 };
 bool gl_open(const struct plan *plan, int n_buffers, struct gl **out, struct error *err);
 void gl_close(struct gl *gl); /* NULL is fine */
-/* Return GL_RENDERER and GL_VERSION, until gl_close. */
-const char *gl_renderer(const struct gl *gl);
-const char *gl_version(const struct gl *gl);
+struct gl_names {
+    char renderer[128], version[128]; /* GL_RENDERER and GL_VERSION; empty: OpenGL is not open */
+};
+struct gl_names gl_names(const struct gl *gl);
+
+/* ---- upload.c: meshes and textures ---- */
+
+/* Takes the lit scene of the plan, before the first gl_aim, and uploads the triangles that are
+ * drawn. It must outlive gl. */
+bool gl_take_scene(struct gl *gl, const struct lit_scene *lit, struct error *err);
 
 /* ---- pass.c: lights, materials and passes ---- */
 
-/* Takes the lit scene of the plan, before the first gl_aim; it must outlive gl. */
-bool gl_take_scene(struct gl *gl, const struct lit_scene *lit, struct error *err);
 /* Aims at a tile of the picture, of at most the plan's tile size in pixels. */
 void gl_aim(struct gl *gl, const struct rectangle *tile);
 /* Draws bands first_band .. first_band + BANDS_PER_PASS - 1 (those that exist) of the aimed tile
@@ -80,9 +86,9 @@ struct gl {
     uint32_t *depths; /* rows from the bottom: 24 bits of depth, 8 of stencil; NULL: no check */
     bool is_stale[2]; /* of `context` and `numbers`: the buffer holds colours of another tile */
     struct osmesa_context *current;
-    unsigned *objects;       /* names of the buffer objects: some for each mesh */
-    unsigned *textures;      /* names of the texture objects: one for each texture */
-    unsigned *shown_indices; /* of each instance that hides triangles, the buffer of the others */
+    unsigned *objects;  /* names of the buffer objects: some for each mesh */
+    unsigned *indices;  /* of triangles: each mesh's, then those of instances that hide some */
+    unsigned *textures; /* names of the texture objects: one for each texture */
     struct rectangle tile;
     struct gl_work work;
 };
@@ -96,14 +102,12 @@ void gl_clear_stale(struct gl *gl);
 /* Returns false after any error of OpenGL since the last call. */
 bool gl_succeeded(struct error *err);
 
-/* ---- upload.c: meshes and textures ---- */
+/* ---- upload.c ---- */
 
-/* Uploads all meshes and all textures but the texels of spectral ones. */
+/* Uploads all vertices, and all textures but the texels of spectral ones. */
 bool gl_upload(struct gl *gl, struct error *err);
 /* Loads and uploads all spectral textures for the bands of a pass. */
 bool gl_upload_bands(const struct gl *gl, int first_band, struct error *err);
-/* Uploads, of instances that hide triangles, which ones are drawn. */
-bool gl_upload_shown(struct gl *gl, struct error *err);
 /* The next draw call takes its vertices from an instance's mesh. Returns how many. */
 int gl_bind_mesh(const struct gl *gl, int instance);
 /* The next draw calls show a texture of the plan; NULL: none. */

@@ -30,16 +30,10 @@ void gl_close(struct gl *gl)
 
 /* ---- for an open struct gl ---- */
 
-const char *gl_renderer(const struct gl *gl)
+struct gl_names gl_names(const struct gl *gl)
 {
     (void)gl;
-    return "none";
-}
-
-const char *gl_version(const struct gl *gl)
-{
-    (void)gl;
-    return "none";
+    return (struct gl_names){"", ""};
 }
 
 bool gl_take_scene(struct gl *gl, const struct lit_scene *lit, struct error *err)

@@ -3,10 +3,8 @@
  * of a pass; each channel is lit by itself, so that a pass is three exact single-wavelength
  * renderings.
  *
- * Products of light and material spectra are made in double and given to OpenGL as the colours of
- * the lights, with white materials: a fluorescent material, too, is then one pass under eight
- * lights. More lights take more passes, whose colours are added here; each pass draws everything
- * anew, so that all show the same surfaces. A pass changes colours only. */
+ * A pass has eight lights. More lights take more passes, whose colours are added here; each pass
+ * draws everything anew, so that all show the same surfaces. A pass changes colours only. */
 #define GL_GLEXT_PROTOTYPES
 #include <GL/gl.h>
 #include <GL/glext.h>
@@ -47,12 +45,6 @@ void gl_load_view(const struct gl *gl)
     glMatrixMode(GL_MODELVIEW);
     /* a smaller tile lies in the first rows of the buffer */
     glViewport(0, gl->plan->tile_height - tile->height, tile->width, tile->height);
-}
-
-bool gl_take_scene(struct gl *gl, const struct lit_scene *lit, struct error *err)
-{
-    gl->lit = lit;
-    return gl_upload_shown(gl, err);
 }
 
 void gl_aim(struct gl *gl, const struct rectangle *tile)
@@ -121,25 +113,6 @@ static void place_lights(const struct gl *gl, int group)
 
 /* ---- drawing ---- */
 
-/* Fills in the colour of a term in the bands of a pass; row NULL stands for no term: black. */
-static void band_colour(const struct plan *plan, const double *row, int first_band,
-                        double full_scale, GLfloat out[4])
-{
-    for (int c = 0; c < BANDS_PER_PASS; c++)
-        out[c] = row && first_band + c < plan->n_bands ? (GLfloat)(row[first_band + c] / full_scale)
-                                                       : 0.0F;
-    out[3] = 1;
-}
-
-static const double *term_row(const struct plan *plan, const struct shaded_material *shaded,
-                              enum reflection reflection, int light)
-{
-    for (int t = 0; t < shaded->n_terms; t++)
-        if (shaded->terms[t].reflection == reflection && shaded->terms[t].light == light)
-            return shaded->made.spectra + (size_t)t * (size_t)plan->n_bands;
-    return NULL;
-}
-
 /* One pass draws up to BANDS_PER_PASS bands, lit by one group of lights. */
 struct pass {
     int first_band, group;
@@ -149,29 +122,16 @@ struct pass {
 static void set_material(const struct gl *gl, const struct shaded_material *shaded,
                          const struct pass *pass)
 {
-    const struct plan *plan = gl->plan;
-    const double *constant = pass->group == 0 ? term_row(plan, shaded, CONSTANT, -1) : NULL;
-    GLfloat colour[4];
-    bool shiny = false;
-    for (int i = 0; i < LIGHTS_PER_PASS; i++) {
-        GLenum name = GL_LIGHT0 + (GLenum)i;
-        int light = pass->group * LIGHTS_PER_PASS + i;
-        if (light >= plan->n_lights)
-            break;
-        int first = plan->lights[light].first;
-        double full_scale = pass->full_scale / plan->lights[light].share;
-        const double *specular = term_row(plan, shaded, SPECULAR, first);
-        band_colour(plan, term_row(plan, shaded, DIFFUSE, first), pass->first_band, full_scale,
-                    colour);
-        glLightfv(name, GL_DIFFUSE, colour);
-        band_colour(plan, specular, pass->first_band, full_scale, colour);
-        glLightfv(name, GL_SPECULAR, colour);
-        shiny = shiny || specular;
+    struct pass_colours colours;
+    pass_colours(gl->plan, shaded, pass->group, pass->first_band, pass->full_scale, &colours);
+    for (int i = 0; i < colours.n_lights; i++) {
+        glLightfv(GL_LIGHT0 + (GLenum)i, GL_DIFFUSE, colours.diffuse[i]);
+        glLightfv(GL_LIGHT0 + (GLenum)i, GL_SPECULAR, colours.specular[i]);
     }
-    band_colour(plan, constant, pass->first_band, pass->full_scale, colour);
-    glMaterialfv(GL_FRONT_AND_BACK, GL_AMBIENT, colour);
-    glMaterialfv(GL_FRONT_AND_BACK, GL_SPECULAR, shiny ? white : black);
-    glMaterialf(GL_FRONT_AND_BACK, GL_SHININESS, shiny ? (GLfloat)shaded->material->gloss : 0.0F);
+    glMaterialfv(GL_FRONT_AND_BACK, GL_AMBIENT, colours.constant);
+    glMaterialfv(GL_FRONT_AND_BACK, GL_SPECULAR, colours.shines ? white : black);
+    glMaterialf(GL_FRONT_AND_BACK, GL_SHININESS,
+                colours.shines ? (GLfloat)shaded->material->gloss : 0.0F);
     gl_bind_texture(gl, shaded->texture);
 }
 
@@ -235,10 +195,8 @@ static void convert_steps(const struct gl *gl, float *pixels)
     const uint8_t *bytes = gl->steps;
     float whole = (float)buffer_steps(gl->plan);
     bool wide = gl->plan->options.buffer_bits == 16;
-    for (size_t i = 0; i < n && wide; i++)
-        pixels[i] = (float)words[i] / whole;
-    for (size_t i = 0; i < n && !wide; i++)
-        pixels[i] = (float)bytes[i] / whole;
+    for (size_t i = 0; i < n; i++)
+        pixels[i] = (float)(wide ? words[i] : bytes[i]) / whole;
 }
 
 static void add_part(const struct gl *gl, float *sum)

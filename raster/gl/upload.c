@@ -11,7 +11,7 @@
 #include "data/mesh/mesh.h"
 #include "raster/gl/gl.h"
 
-enum { VERTICES, INDICES, COORDINATES, BUFFERS };
+enum { VERTICES, COORDINATES, BUFFERS };
 
 /* Floats of a vertex in its two buffers: position and normal; texture coordinates, which only
  * textured meshes have. */
@@ -57,10 +57,6 @@ static bool upload_mesh(const struct gl *gl, int index, struct error *err)
     glBindBuffer(GL_ARRAY_BUFFER, buffers[VERTICES]);
     if (!upload_vertices(mesh, VERTEX_FLOATS, copy_vertex, err))
         return false;
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffers[INDICES]);
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER,
-                 (GLsizeiptr)((size_t)mesh->n_triangles * sizeof *mesh->triangles), mesh->triangles,
-                 GL_STATIC_DRAW);
     glBindBuffer(GL_ARRAY_BUFFER, buffers[COORDINATES]);
     return !gl->plan->meshes[index].textured ||
            upload_vertices(mesh, COORDINATE_FLOATS, copy_coordinates, err);
@@ -79,36 +75,46 @@ static bool upload_meshes(struct gl *gl, struct error *err)
     return true;
 }
 
+/* Returns the name of the buffer of an instance's triangles: its mesh's, or its own if it hides
+ * some of them. 0: there is none yet. */
+static GLuint *index_buffer(const struct gl *gl, int instance)
+{
+    return &gl->indices[gl->lit->bounds[instance].hidden ? gl->plan->n_meshes + instance
+                                                         : gl->plan->instances[instance].mesh];
+}
+
 /* Fills the bound buffer with the triangles of an instance that are not hidden. */
-static bool upload_indices(const struct gl *gl, int instance, struct error *err)
+static bool upload_triangles(const struct gl *gl, int instance, struct error *err)
 {
     const struct mesh *mesh = &gl->plan->meshes[gl->plan->instances[instance].mesh].mesh;
-    const struct surface_bounds *bounds = &gl->lit->bounds[instance];
+    const bool *hidden = gl->lit->bounds[instance].hidden;
     const size_t size = sizeof *mesh->triangles;
     size_t n = 0;
-    char *indices = malloc((size_t)mesh->n_triangles * size);
+    char *indices = malloc((size_t)mesh->n_triangles * size + 1);
     if (!indices)
         return error_memory(err);
     for (int i = 0; i < mesh->n_triangles; i++)
-        if (!bounds->hidden[i])
+        if (!hidden || !hidden[i])
             memcpy(indices + size * n++, mesh->triangles[i], size);
     glBufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(n * size), indices, GL_STATIC_DRAW);
     free(indices);
     return true;
 }
 
-bool gl_upload_shown(struct gl *gl, struct error *err)
+bool gl_take_scene(struct gl *gl, const struct lit_scene *lit, struct error *err)
 {
-    const int n = gl->plan->n_instances;
-    gl->shown_indices = calloc((size_t)n + 1, sizeof *gl->shown_indices);
-    if (!gl->shown_indices)
+    const int n_instances = gl->plan->n_instances;
+    gl->lit = lit;
+    gl->indices = calloc((size_t)gl->plan->n_meshes + (size_t)n_instances + 1, sizeof *gl->indices);
+    if (!gl->indices)
         return error_memory(err);
-    for (int i = 0; i < n; i++) {
-        if (gl->lit->bounds[i].n_hidden == 0)
+    for (int i = 0; i < n_instances; i++) {
+        GLuint *buffer = index_buffer(gl, i);
+        if (*buffer)
             continue;
-        glGenBuffers(1, &gl->shown_indices[i]);
-        glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, gl->shown_indices[i]);
-        if (!upload_indices(gl, i, err))
+        glGenBuffers(1, buffer);
+        glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, *buffer);
+        if (!upload_triangles(gl, i, err))
             return false;
     }
     return true;
@@ -119,9 +125,8 @@ int gl_bind_mesh(const struct gl *gl, int instance)
     const GLsizei step = VERTEX_FLOATS * sizeof(GLfloat);
     const struct placed_instance *placed = &gl->plan->instances[instance];
     const GLuint *buffers = gl->objects + BUFFERS * placed->mesh;
-    const GLuint shown = gl->shown_indices[instance];
     glBindBuffer(GL_ARRAY_BUFFER, buffers[VERTICES]);
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, shown ? shown : buffers[INDICES]);
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, *index_buffer(gl, instance));
     glVertexPointer(3, GL_FLOAT, step, NULL); /* offsets into the bound buffer */
     glNormalPointer(GL_FLOAT, step, (const void *)(3 * sizeof(GLfloat)));
     if (gl->plan->materials[placed->shaded].texture) {
@@ -170,24 +175,6 @@ static bool upload_textures(struct gl *gl, struct error *err)
     return true;
 }
 
-/* Uploads three planes, one behind the other, as texels of three channels. */
-static bool upload_planes(const struct texture *texture, const float *planes, GLuint name,
-                          struct error *err)
-{
-    size_t n = (size_t)texture->image.width * (size_t)texture->image.height;
-    float *texels = malloc(n * BANDS_PER_PASS * sizeof *texels);
-    if (!texels)
-        return error_memory(err);
-    for (size_t i = 0; i < n; i++)
-        for (size_t c = 0; c < BANDS_PER_PASS; c++)
-            texels[BANDS_PER_PASS * i + c] = planes[c * n + i];
-    glBindTexture(GL_TEXTURE_2D, name);
-    glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F_ARB, texture->image.width, texture->image.height, 0,
-                 GL_RGB, GL_FLOAT, texels);
-    free(texels);
-    return true;
-}
-
 void gl_bind_texture(const struct gl *gl, const struct texture *texture)
 {
     if (!texture) {
@@ -200,19 +187,26 @@ void gl_bind_texture(const struct gl *gl, const struct texture *texture)
     glEnableClientState(GL_TEXTURE_COORD_ARRAY);
 }
 
-/* Planes of bands that do not exist stay black. */
+/* Uploads three planes as texels of three channels. Those of bands that do not exist are black. */
 static bool upload_texture_bands(const struct gl *gl, int index, int first_band, struct error *err)
 {
     struct texture *texture = &gl->plan->textures[index];
-    const size_t n = (size_t)texture->image.width * (size_t)texture->image.height;
-    const int left = gl->plan->n_bands - first_band;
-    float *planes = calloc(n, BANDS_PER_PASS * sizeof *planes);
+    const int width = texture->image.width, height = texture->image.height,
+              left = gl->plan->n_bands - first_band;
+    const size_t n = (size_t)width * (size_t)height;
+    float *planes = calloc(2 * n, BANDS_PER_PASS * sizeof *planes), *texels = planes;
     if (!planes)
         return error_memory(err);
     float *const rooms[BANDS_PER_PASS] = {planes, planes + n, planes + 2 * n};
-    bool done = texture_fill(texture, gl->plan->scene->wavelengths_nm + first_band,
-                             left < BANDS_PER_PASS ? left : BANDS_PER_PASS, rooms, err) &&
-                upload_planes(texture, planes, gl->textures[index], err);
+    const bool done = texture_fill(texture, gl->plan->scene->wavelengths_nm + first_band,
+                                   left < BANDS_PER_PASS ? left : BANDS_PER_PASS, rooms, err);
+    texels += BANDS_PER_PASS * n;
+    for (size_t i = 0; i < n && done; i++)
+        for (size_t c = 0; c < BANDS_PER_PASS; c++)
+            texels[BANDS_PER_PASS * i + c] = rooms[c][i];
+    glBindTexture(GL_TEXTURE_2D, gl->textures[index]);
+    if (done)
+        glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F_ARB, width, height, 0, GL_RGB, GL_FLOAT, texels);
     free(planes);
     return done;
 }

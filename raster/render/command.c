@@ -233,7 +233,7 @@ static bool plan_options_of(const struct options *options, struct plan_options *
 
 /* before: the seconds that it took to read the scene and make the plan. */
 static bool render_planned(const struct options *options, const struct plan *plan,
-                           const struct render_seconds *before, const struct render_output *output,
+                           const struct part_seconds *before, const struct render_output *output,
                            const struct record *made, struct error *err)
 {
     struct progress_line line;
@@ -259,7 +259,7 @@ bool render_with_options(const struct options *options, const struct render_outp
     struct sampling sampling = {.detector = NULL};
     struct plan plan = {.scene = NULL};
     struct plan_options plan_options;
-    struct render_seconds seconds = {.read = 0};
+    struct part_seconds seconds = {.read = 0};
     double start = clock_seconds();
     bool done =
         check_asked(options, output, err) && plan_options_of(options, &plan_options, err) &&

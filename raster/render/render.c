@@ -10,20 +10,23 @@
 #include "raster/fit/fit.h"
 #include "raster/render/render.h"
 
-static bool open_gl(struct render_state *state, struct error *err)
-{
-    struct render_result *result = state->result;
-    const int n_buffers = AHEAD_PASSES + (state->plan->options.check ? MAX_PILOT_PASSES : 0);
-    if (!gl_open(state->plan, n_buffers, &state->gl, err))
-        return false;
-    snprintf(result->gl_renderer, sizeof result->gl_renderer, "%s", gl_renderer(state->gl));
-    snprintf(result->gl_version, sizeof result->gl_version, "%s", gl_version(state->gl));
-    return true;
-}
+/* A render on its way: what the stages work on, in the order in which it is made. */
+struct state {
+    struct stages stages;
+    struct passes passes;
+    struct lit_scene lit;
+    struct fit fit;
+    struct check_scene check_scene;
+    struct check_totals totals;
+    struct check_map map;
+    struct stack_writer writer;
+    double since; /* clock_seconds at the last clock_in */
+    struct render_result *result;
+};
 
 const char *render_stored(const struct plan *plan, const struct render_result *result)
 {
-    return plan->options.store_raster ? "raster" : result->gl_renderer;
+    return plan->options.store_raster ? "raster" : result->names.renderer;
 }
 
 /* Lists the names of the objects in the order of their numbers; none if there is no object map. */
@@ -60,20 +63,6 @@ static char *provenance_text(const struct plan *plan, const struct render_result
     return text;
 }
 
-static bool allocate_samples(struct render_state *state, struct error *err)
-{
-    const struct plan *plan = state->plan;
-    size_t n_samples = (size_t)plan->tile_width * (size_t)plan->tile_height;
-    size_t size = (size_t)plan->options.bits / 8, map = (size_t)plan->map_bytes;
-    for (int i = 0; i < WRITTEN_PLACES * BANDS_PER_PASS; i++) {
-        unsigned char **samples = &state->written[i / BANDS_PER_PASS].samples[i % BANDS_PER_PASS];
-        *samples = malloc(n_samples * (size > map ? size : map));
-        if (!*samples)
-            return error_memory(err);
-    }
-    return true;
-}
-
 /* Returns the labels of the pages of components. One allocation holds the pointers and the text.
  * NULL: no memory. */
 static const char **make_labels(const struct sampling *sampling, struct error *err)
@@ -91,13 +80,11 @@ static const char **make_labels(const struct sampling *sampling, struct error *e
     return labels;
 }
 
-static bool open_stack(struct render_state *state, const char *path, struct error *err)
+static bool open_stack(struct state *state, const char *path, struct error *err)
 {
-    const struct plan *plan = state->plan;
+    const struct plan *plan = state->stages.plan;
     const struct sampling *sampling = plan->sampling;
     const bool labelled = sampling && !sampling->spectral;
-    if (!allocate_samples(state, err))
-        return false;
     char *provenance = provenance_text(plan, state->result, err);
     const char **labels = labelled && provenance ? make_labels(sampling, err) : NULL;
     struct stack_options options = {.width = plan->scene->width,
@@ -110,46 +97,65 @@ static bool open_stack(struct render_state *state, const char *path, struct erro
                                     .provenance = provenance,
                                     .map_bytes = plan->map_bytes,
                                     .labels = labels};
-    state->writing =
-        provenance && (labels || !labelled) && stack_open(&state->writer, path, &options, err);
+    if (provenance && (labels || !labelled) && stack_open(&state->writer, path, &options, err))
+        state->stages.writer = &state->writer;
     free(labels);
     free(provenance);
-    clock_in(&state->since, &state->result->seconds.write);
-    return state->writing;
+    clock_in(&state->since, &state->stages.seconds.write);
+    return state->stages.writer != NULL;
 }
 
-/* Prepares the check of all bands together. */
-static bool prepare_fit(struct render_state *state, struct error *err)
+/* Prepares the check of all bands together, and its map if `path` is not NULL. */
+static bool open_check(struct state *state, const char *path, struct error *err)
 {
-    const struct plan *plan = state->plan;
-    if (!fit_make(plan, state->result->full_scale, &state->fit, err))
+    struct stages *stages = &state->stages;
+    if (!fit_make(stages->plan, stages->full_scale, &state->fit, err))
         return false;
-    state->check_scene.lit = &state->lit;
-    state->check_scene.fit = &state->fit;
-    state->check_scene.full_scale = state->result->full_scale;
-    state->check_scene.clips = state->result->clips;
-    bool done = totals_open(&state->check_scene, &state->totals, err);
-    clock_in(&state->since, &state->result->seconds.check);
+    state->check_scene = (struct check_scene){.lit = &state->lit,
+                                              .fit = &state->fit,
+                                              .full_scale = stages->full_scale,
+                                              .clips = stages->clips,
+                                              .mapped = path != NULL};
+    stages->check_scene = &state->check_scene;
+    stages->totals = &state->totals;
+    if (!totals_open(&state->check_scene, &state->totals, err))
+        return false;
+    if (path && check_map_open(path, stages->plan, &state->map, err))
+        stages->map = &state->map;
+    clock_in(&state->since, &stages->seconds.check);
+    return !path || stages->map;
+}
+
+static bool open_gl(struct state *state, struct error *err)
+{
+    struct stages *stages = &state->stages;
+    const int n_buffers = stages->plan->options.check ? GL_BUFFERS : AHEAD_FRAMES;
+    const bool done =
+        !stages->plan->options.use_gl || gl_open(stages->plan, n_buffers, &stages->gl, err);
+    if (done && stages->gl)
+        state->result->names = gl_names(stages->gl);
+    clock_in(&state->since, &stages->seconds.gl);
     return done;
 }
 
-/* Does everything that comes before the first pixel. notes: see struct render_output. */
-static bool prepare(struct render_state *state, struct notes *notes, struct error *err)
+/* Does everything that comes before the first pixel. */
+static bool prepare(struct state *state, const struct render_output *output, struct error *err)
 {
     struct render_result *result = state->result;
-    const struct plan *plan = state->plan;
-    if (plan->options.use_gl && !open_gl(state, err))
+    struct stages *stages = &state->stages;
+    const struct plan *plan = stages->plan;
+    if (!passes_make(plan, &state->passes, err) || !open_gl(state, err))
         return false;
-    result->driver = driver_of(state->gl ? result->gl_renderer : NULL);
-    clock_in(&state->since, &result->seconds.gl);
-    if (!lit_make(plan, result->driver, &state->lit, &result->light, err) ||
-        (state->gl && !gl_take_scene(state->gl, &state->lit, err)))
+    result->driver = driver_of(stages->gl ? result->names.renderer : NULL);
+    if (!lit_make(plan, result->driver, &state->lit, &stages->light, err) ||
+        (stages->gl && !gl_take_scene(stages->gl, &state->lit, err)) ||
+        !find_full_scale(&state->lit, &stages->full_scale, &stages->clips, err) ||
+        (output->notes && !notes_make(&state->lit, output->notes, err)))
         return false;
-    if (!find_full_scale(&state->lit, &result->full_scale, &result->clips, err) ||
-        (notes && !notes_make(&state->lit, notes, err)))
-        return false;
-    clock_in(&state->since, &result->seconds.raster);
-    return !plan->options.check || prepare_fit(state, err);
+    result->full_scale = stages->full_scale;
+    clock_in(&state->since, &stages->seconds.raster);
+    return (!plan->options.check || open_check(state, output->check_map, err)) &&
+           (!output->path || open_stack(state, output->path, err));
 }
 
 bool render_agreed(const struct plan *plan, const struct render_result *result)
@@ -158,13 +164,13 @@ bool render_agreed(const struct plan *plan, const struct render_result *result)
            (!plan->options.check || check_outcome(plan, &result->check) == OUTCOME_AGREED);
 }
 
-static bool commit(struct render_state *state, const struct render_output *output,
-                   struct error *err)
+static bool commit(struct state *state, const struct render_output *output, struct error *err)
 {
     struct render_result *result = state->result;
+    const struct plan *plan = state->stages.plan;
     char verdict[STACK_VERDICT];
     bool compared = output->again && result->odd.undefined == 0;
-    if (!state->writing || !(output->keep || compared || render_agreed(state->plan, result)))
+    if (!state->stages.writer || !(output->keep || compared || render_agreed(plan, result)))
         return true;
     if (result->odd.undefined > 0) {
         errno = 0;
@@ -173,34 +179,41 @@ static bool commit(struct render_state *state, const struct render_output *outpu
                             "nothing was written",
                             (unsigned long long)result->odd.undefined);
     }
-    report_verdict(state->plan, &result->check, verdict, sizeof verdict);
+    report_verdict(plan, &result->check, verdict, sizeof verdict);
     bool done =
         stack_finish(&state->writer, verdict, err) &&
         (!output->again || stack_compare(&state->writer, output->again, &result->difference, err));
-    if (done && !output->discard && (output->keep || render_agreed(state->plan, result)))
+    if (done && !output->discard && (output->keep || render_agreed(plan, result)))
         done = output->envi ? stack_commit_envi(&state->writer, output->path, output->outputs, err)
                             : stack_commit(&state->writer, output->outputs, err);
     clock_in(&state->since, &result->seconds.write);
     return done;
 }
 
-static bool render_all(struct render_state *state, const struct render_output *output,
-                       struct error *err)
+/* Takes what the stages have found into the result. */
+static void take_results(struct state *state)
 {
-    bool done = prepare(state, output->notes, err);
-    if (done && output->check_map && state->plan->options.check)
-        done = state->check_scene.mapped =
-            check_map_open(output->check_map, state->plan, &state->map, err);
-    if (!done || (output->path && !open_stack(state, output->path, err)) || !stages_run(state, err))
-        return false;
-    if (state->gl)
-        state->result->gl = gl_work(state->gl);
-    if (state->plan->options.check) {
+    const struct stages *stages = &state->stages;
+    struct render_result *result = state->result;
+    result->odd = stages->odd;
+    result->light = stages->light;
+    result->seconds = stages->seconds;
+    if (stages->gl)
+        result->gl = gl_work(stages->gl);
+    if (stages->check_scene) {
         totals_finish(&state->totals);
-        state->result->check = state->totals.verdict;
+        result->check = state->totals.verdict;
     }
+}
+
+static bool render_all(struct state *state, const struct render_output *output, struct error *err)
+{
+    if (!prepare(state, output, err) || !stages_run(&state->stages, err))
+        return false;
+    state->since = clock_seconds();
+    take_results(state);
     /* both files are complete before the first of them appears */
-    const bool mapped = state->check_scene.mapped;
+    const bool mapped = state->stages.map != NULL;
     return (!mapped || check_map_finish(&state->map, err)) && commit(state, output, err) &&
            (!mapped || check_map_commit(&state->map, output->outputs, err));
 }
@@ -209,20 +222,21 @@ bool render(const struct plan *plan, const struct render_output *output,
             struct progress_line *progress, struct render_result *out, struct error *err)
 {
     const double start = clock_seconds();
-    struct render_state state = {.plan = plan, .progress = progress, .result = out, .since = start};
+    struct state state = {.since = start, .result = out};
+    state.stages = (struct stages){
+        .plan = plan, .passes = &state.passes, .lit = &state.lit, .progress = progress};
     *out = (struct render_result){.notes = output->notes};
     bool done = render_all(&state, output, err);
-    if (state.writing)
+    if (state.stages.writer)
         stack_discard(&state.writer); /* keeps a committed stack */
-    for (int i = 0; i < WRITTEN_PLACES * BANDS_PER_PASS; i++)
-        free(state.written[i / BANDS_PER_PASS].samples[i % BANDS_PER_PASS]);
     if (state.fit.plan)
         fit_free(&state.fit);
-    if (state.check_scene.mapped)
+    if (state.stages.map)
         check_map_discard(&state.map);
     totals_free(&state.totals);
-    gl_close(state.gl);
+    gl_close(state.stages.gl);
     lit_free(&state.lit);
+    passes_free(&state.passes);
     out->seconds.total = clock_seconds() - start;
     return done;
 }

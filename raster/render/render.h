@@ -7,28 +7,23 @@
 
 #include "data/base/base.h"
 #include "data/options/options.h"
-#include "data/pages/pages.h"
 #include "data/record/record.h"
 #include "data/stack/stack.h"
-#include "data/threads/threads.h"
-#include "raster/check/check.h"
 #include "raster/driver/driver.h"
 #include "raster/gl/gl.h"
 #include "raster/notes/notes.h"
 #include "raster/plan/plan.h"
 #include "raster/radiance/radiance.h"
-#include "raster/reference/reference.h"
+#include "raster/stages/stages.h"
+#include "raster/verdict/verdict.h"
 #include "spectral.h"
 
-/* ---- render.c: the loop over tiles and passes ---- */
+/* ---- render.c: everything before the first pixel, and after the last one ---- */
 
-struct render_seconds {
-    double read, plan, gl, raster, check, write, total;
-};
 struct render_result {
     double full_scale;
-    bool clips; /* a vertex is brighter than full_scale */
-    char gl_renderer[128], gl_version[128];
+    bool clips;                  /* a vertex is brighter than full_scale */
+    struct gl_names names;       /* empty: OpenGL did not draw */
     const struct driver *driver; /* whose bounds the check uses */
     struct gl_work gl;
     struct light_work light;
@@ -36,7 +31,7 @@ struct render_result {
     struct odd_samples odd;
     struct stack_difference difference; /* from the stack that is made again */
     const struct notes *notes;          /* those of struct render_output */
-    struct render_seconds seconds;
+    struct part_seconds seconds;
 };
 struct render_output {
     const char *path;      /* of the stack; NULL: no stack is written */
@@ -92,56 +87,6 @@ bool command_render(struct options *options, struct error *err);
 bool render_scene(struct options *options, struct error *err);
 
 /* ---- inside this room ---- */
-
-/* check_map.c. A map of the check, written chunk by chunk. A TIFF has float pages of the floor, the
- * floor of one band, the largest error / bound, and enum check_class. A PNG, twice as wide, has the
- * two floors in colours, side by side. */
-struct check_map {
-    struct pages pages;
-    struct picture_writer picture;
-    bool coloured;  /* a PNG */
-    int width;      /* of the scene's picture */
-    float *samples; /* of a chunk */
-};
-/* Prints the meaning of a PNG's colours, in a line without its end. */
-void check_map_print_colours(struct printed *to);
-bool check_map_open(const char *path, const struct plan *plan, struct check_map *out,
-                    struct error *err);
-bool check_map_write(struct check_map *map, const struct check *check, struct error *err);
-bool check_map_finish(struct check_map *map, struct error *err);
-bool check_map_commit(struct check_map *map, struct outputs *outputs, struct error *err);
-void check_map_discard(struct check_map *map); /* safe after commit */
-
-/* stages.c. Counts on their way to the stack: of some pages of a tile. */
-struct written {
-    struct rectangle at;
-    int first_page, n_pages;                /* the object map is the page after the last one */
-    unsigned char *samples[BANDS_PER_PASS]; /* each has room for one page of a tile; owned */
-};
-/* OpenGL may be so many passes ahead of the check; and the check of the file. */
-enum { AHEAD_PASSES = 2, WRITTEN_PLACES = 2 };
-struct render_state {
-    const struct plan *plan;
-    struct lit_scene lit;
-    struct gl *gl; /* NULL: not opened */
-    struct stack_writer writer;
-    bool writing;
-    struct written written[WRITTEN_PLACES];
-    struct fit fit;
-    struct check_scene check_scene;
-    struct check_totals totals;
-    struct check_map map;                 /* if check_scene.mapped */
-    struct check *checks;                 /* one for each chunk of the current tile; NULL: none */
-    struct queue numbers, drawn, counted; /* of OpenGL's numbers and pixels; of `written` */
-    long steps, all_steps;
-    double since; /* clock_seconds at the last clock_in */
-    double written_seconds;
-    struct progress_line *progress; /* NULL: none */
-    struct render_result *result;
-};
-/* Draws, judges and writes all tiles. */
-bool stages_run(struct render_state *state, struct error *err);
-void clock_in(double *since, double *part);
 
 /* Reads, plans and renders the scene of the options, and reports the result. made: the record of
  * the stack that is made again; NULL: the stack is new. */

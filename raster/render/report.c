@@ -104,7 +104,7 @@ static void print_check(const struct check_verdict *verdict, struct printed *to)
 
 void report_print(const struct plan *plan, const struct render_result *result, struct printed *to)
 {
-    const struct render_seconds *seconds = &result->seconds;
+    const struct part_seconds *seconds = &result->seconds;
     const int bits = plan->options.bits;
     print(to, "scene             %s, %d x %d pixels, %d %s\n", plan->scene->path,
           plan->scene->width, plan->scene->height, plan->n_bands,
@@ -116,7 +116,7 @@ void report_print(const struct plan *plan, const struct render_result *result, s
     print(to, "full scale        %.10g is count 65535%s\n", result->full_scale,
           bits == 8 ? ", stored as 255" : "");
     if (plan->options.use_gl)
-        print(to, "OpenGL            %s, %s\n", result->gl_renderer, result->gl_version);
+        print(to, "OpenGL            %s, %s\n", result->names.renderer, result->names.version);
     if (plan->options.check)
         print(to, "bounds            of %s\n", result->driver->name);
     if (plan->options.check)
@@ -163,8 +163,8 @@ static void json_picture(struct json *json, const struct plan *plan,
     json_count(json, "bits", (uint64_t)plan->options.bits);
     json_number(json, "full_scale", result->full_scale);
     json_string(json, "renderer", plan->options.store_raster ? "raster" : "gl");
-    json_string(json, "gl_renderer", use_gl ? result->gl_renderer : NULL);
-    json_string(json, "gl_version", use_gl ? result->gl_version : NULL);
+    json_string(json, "gl_renderer", use_gl ? result->names.renderer : NULL);
+    json_string(json, "gl_version", use_gl ? result->names.version : NULL);
     json_string(json, "driver_profile", plan->options.check ? result->driver->name : NULL);
 }
 
@@ -291,7 +291,7 @@ static void json_again(struct json *json, const struct stack_difference *differe
     json_close(json, '}');
 }
 
-static void json_seconds(struct json *json, const struct render_seconds *seconds)
+static void json_seconds(struct json *json, const struct part_seconds *seconds)
 {
     json_open(json, "seconds", '{');
     json_number(json, "read", seconds->read);

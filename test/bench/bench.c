@@ -141,7 +141,7 @@ int main(void)
         struct render_result result;
         if (!render(&plan, &output, NULL, &result, &err))
             fail(&err);
-        const struct render_seconds *s = &result.seconds;
+        const struct part_seconds *s = &result.seconds;
         total[i] = s->total;
         thesis[i] = thesis_loop(&plan);
         ratio[i] = total[i] / thesis[i];

@@ -31,9 +31,9 @@ ROOMS = """
     data/base data/threads data/index data/digest data/process data/output data/maths data/text data/names data/options data/spectra data/colour data/polygon data/mesh data/envi data/tiff
     data/texture data/pages data/material data/scene data/terms data/method data/sampling data/invocation
     data/record data/stack data/chart data/develop data/compare data/probe data/catalogue
-    raster/reference raster/plan raster/driver raster/bounds raster/setup
+    raster/reference raster/plan raster/passes raster/driver raster/bounds raster/setup
     raster/fragments raster/candidates raster/radiance raster/notes raster/fit raster/gl raster/verdict
-    raster/check raster/render raster/inspect raster/cost raster/view
+    raster/check raster/stages raster/render raster/inspect raster/cost raster/view
     """.split()
 CORE = "raster/reference"
 CORE_MAY_INCLUDE = {CORE, "data/maths"}

@@ -4,7 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "raster/render/render.h"
+#include "raster/stages/stages.h"
 
 enum { MAP_FLOOR, MAP_BAND_FLOOR, MAP_RATIO, MAP_CLASS, MAP_PAGES };
 static const char *const page_names[MAP_PAGES] = {[MAP_FLOOR] = "floor",
