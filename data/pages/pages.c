@@ -210,8 +210,8 @@ static bool place_pages(TIFF *tiff, struct client *client)
     return true;
 }
 
-/* Refuses a disk that is too full before hours of rendering are lost. Reserves nothing: on some
- * file systems that takes as long as writing. Some file systems do not report their size. */
+/* Refuses a disk that is too full before hours of rendering are lost. Some file systems do not
+ * report their size. */
 static bool check_free_space(const struct output *output, uint64_t needed, struct error *err)
 {
     struct statvfs disk;
@@ -243,7 +243,7 @@ static bool lay_out(struct pages *pages, page_tags *set_tags, const void *of, st
         return false;
     int resized;
     UNTIL_DONE(resized, ftruncate(pages->output.descriptor, fits ? (off_t)end : 0));
-    if (resized != 0)
+    if (resized != 0 || (fits && !output_reserve(&pages->output, end)))
         return error_system(err, "%s: cannot hold %" PRIu64 " bytes", pages->output.path, end);
     pages->big = pages->big || end > UINT32_MAX;
     return fits || lay_out(pages, set_tags, of, err);
@@ -269,6 +269,11 @@ bool pages_write(const struct pages *pages, int page, uint64_t at, const void *b
                  struct error *err)
 {
     return put(pages, bytes, length, pages_offset(pages, page) + at, err);
+}
+
+void pages_written(struct pages *pages, int page, uint64_t at, uint64_t length)
+{
+    output_written(&pages->output, pages_offset(pages, page) + at, length);
 }
 
 /* ---- the check at the end ---- */

@@ -81,6 +81,9 @@ bool stack_write(struct stack_writer *writer, const struct stack_rectangle *to, 
         if (!pages_write(&writer->pages, to->page, at + (uint64_t)row * pitch,
                          (const char *)samples + (size_t)row * run, run, err))
             return false;
+    if (to->height > 0)
+        pages_written(&writer->pages, to->page, at,
+                      (uint64_t)(to->height - 1) * pitch + (uint64_t)to->width * sample);
     return true;
 }
 
