@@ -100,14 +100,14 @@ static float band_floor(const struct block *block, size_t i)
 
 /* ---- pixels with a single candidate ---- */
 
-/* Some pixels of one surface, or of the background, in a row: from `first` on, n of them. */
-struct stretch {
+/* A stretch in one band. */
+struct band_stretch {
     size_t first, n;
     int band;
-    const float *channel; /* OpenGL's samples, 4 floats apart */
+    float *seen; /* OpenGL's samples */
 };
 
-static struct run run_of(const struct check *check, const struct stretch *stretch,
+static struct run run_of(const struct check *check, const struct band_stretch *stretch,
                          struct block *block)
 {
     const struct chunk *chunk = check->chunk;
@@ -122,18 +122,12 @@ static struct run run_of(const struct check *check, const struct stretch *stretc
                         .textured = block->textured};
 }
 
-static void load(const struct stretch *stretch, struct block *block)
-{
-    block->n = stretch->n;
-    for (size_t i = 0; i < stretch->n; i++)
-        block->seen[i] = stretch->channel[4 * i];
-}
-
-static void learn_stretch(struct check *check, const struct stretch *stretch)
+static void learn_stretch(struct check *check, const struct band_stretch *stretch)
 {
     struct block block;
     struct run run = run_of(check, stretch, &block);
-    load(stretch, &block);
+    block.n = stretch->n;
+    block.seen = stretch->seen;
     learn(check, &run, stretch->band, &block, check->estimates + stretch->first);
 }
 
@@ -147,36 +141,31 @@ static void raise_ratios(float *ratio, const struct block *block)
     }
 }
 
-static void judge_stretch(struct check *check, const struct stretch *stretch)
+/* Raises the floors of a block's pixels to those of its samples. */
+static void raise_floors(const struct block *block, float *restrict floor, float *restrict alone)
+{
+    for (size_t i = 0; i < block->n; i++) {
+        const float of_band = band_floor(block, i);
+        floor[i] = floor[i] < block->bound[i] ? block->bound[i] : floor[i];
+        alone[i] = alone[i] < of_band ? of_band : alone[i];
+    }
+}
+
+static void judge_stretch(struct check *check, const struct band_stretch *stretch)
 {
     struct block block;
     struct check_failure failure;
     struct run run = run_of(check, stretch, &block);
-    float *floor = check->floor + stretch->first, *alone = check->band_floor + stretch->first;
-    load(stretch, &block);
+    block.n = stretch->n;
+    block.seen = stretch->seen;
     bool within = compare(check, &run, stretch->band, check->estimates + stretch->first,
                           &check->verdict.samples, &block);
-    for (size_t i = 0; i < stretch->n; i++) {
-        float of_band = band_floor(&block, i);
-        floor[i] = floor[i] < block.bound[i] ? block.bound[i] : floor[i];
-        alone[i] = alone[i] < of_band ? of_band : alone[i];
-    }
+    raise_floors(&block, check->floor + stretch->first, check->band_floor + stretch->first);
     if (check->ratio)
         raise_ratios(check->ratio + stretch->first, &block);
     for (size_t i = 0; i < stretch->n && !within; i++)
         if (is_outside(&block, i, stretch->band, &failure))
             check_fail(check, stretch->first + i, &failure);
-}
-
-/* Returns how many pixels from `first` on, within the row and a block, show its surface without
- * ambiguity. */
-static size_t settled_pixels(const struct chunk *chunk, size_t first, size_t row_end)
-{
-    size_t last = row_end - first < BLOCK ? row_end : first + BLOCK, at = first;
-    while (at < last && !chunk->is_ambiguous[at] &&
-           chunk->picture.surface[at] == chunk->picture.surface[first])
-        at++;
-    return at - first;
 }
 
 /* ---- ambiguous pixels ---- */
@@ -205,13 +194,14 @@ static float *estimates_of(const struct check *check, const struct candidate *ca
 static void try_candidate(struct check *check, const struct candidate *candidate,
                           struct hypothesis *hypothesis, int band, float seen)
 {
+    float samples[LANES] = {seen};
     struct block single;
     struct run run = {.n = 1};
     const float *estimates = NULL;
     if (!hypothesis->alive)
         return;
     single.n = 1;
-    single.seen[0] = seen;
+    single.seen = samples;
     if (candidate) {
         run = candidate_run(check, candidate, &single);
         estimates = estimates_of(check, candidate);
@@ -242,7 +232,7 @@ static void learn_ambiguous(struct check *check, const struct ambiguous_pixel *p
     const struct chunk *chunk = check->chunk;
     struct block single;
     single.n = 1;
-    single.seen[0] = seen;
+    single.seen = &seen;
     for (int c = pixel->first; c < pixel->first + pixel->count; c++) {
         struct run run = candidate_run(check, &chunk->candidates[c], &single);
         if (check->hypotheses[c].alive)
@@ -358,6 +348,7 @@ static void settle_all(struct check *check, struct check_totals *totals)
 
 void check_free(struct check *check)
 {
+    free(check->stretches);
     free(check->failed);
     free(check->ratio);
     free(check->floor);
@@ -366,6 +357,31 @@ void check_free(struct check *check)
     free(check->estimates);
     free(check->candidate_estimates);
     *check = (struct check){.scene = NULL};
+}
+
+/* Returns how many pixels from `first` on, within the row and a block, show its surface without
+ * ambiguity. */
+static size_t settled_pixels(const struct chunk *chunk, size_t first, size_t row_end)
+{
+    size_t last = row_end - first < BLOCK ? row_end : first + BLOCK, at = first;
+    while (at < last && !chunk->is_ambiguous[at] &&
+           chunk->picture.surface[at] == chunk->picture.surface[first])
+        at++;
+    return at - first;
+}
+
+/* Lists the stretches of a chunk where `out` is not NULL. Returns how many there are. */
+static size_t list_stretches(const struct chunk *chunk, struct stretch *out)
+{
+    const size_t width = (size_t)chunk->picture.at.width, n_pixels = chunk_pixels(chunk);
+    size_t count = 0;
+    for (size_t first = 0, n; first < n_pixels; first += n + (n == 0)) {
+        n = settled_pixels(chunk, first, (first / width + 1) * width);
+        if (n > 0 && out)
+            out[count] = (struct stretch){first, n};
+        count += n > 0;
+    }
+    return count;
 }
 
 static bool allocate(const struct chunk *chunk, struct check *out)
@@ -378,10 +394,14 @@ static bool allocate(const struct chunk *chunk, struct check *out)
     out->estimates = calloc(n * n_rows + 1, sizeof *out->estimates);
     out->candidate_estimates =
         calloc(chunk->n_candidates * n_rows + 1, sizeof *out->candidate_estimates);
+    out->n_stretches = list_stretches(chunk, NULL);
+    out->stretches = malloc((out->n_stretches + 1) * sizeof *out->stretches);
+    if (out->stretches)
+        list_stretches(chunk, out->stretches);
     if (out->scene->mapped)
         out->ratio = calloc(n, sizeof *out->ratio);
     return out->failed && (out->ratio || !out->scene->mapped) && out->floor && out->band_floor &&
-           out->hypotheses && out->estimates && out->candidate_estimates;
+           out->stretches && out->hypotheses && out->estimates && out->candidate_estimates;
 }
 
 bool check_open(const struct check_scene *scene, const struct chunk *chunk, struct check *out,
@@ -408,7 +428,7 @@ bool check_open(const struct check_scene *scene, const struct chunk *chunk, stru
 
 /* Functions that treat the samples of a pass. */
 struct treatment {
-    void (*stretch)(struct check *check, const struct stretch *stretch);
+    void (*stretch)(struct check *check, const struct band_stretch *stretch);
     void (*ambiguous)(struct check *check, const struct ambiguous_pixel *pixel, int band,
                       float seen);
 };
@@ -422,13 +442,14 @@ static void treat_pass(struct check *check, const struct treatment *treatment, i
     const size_t width = (size_t)chunk->picture.at.width;
     const int left = check->scene->lit->plan->n_bands - first_band,
               n_channels = left < BANDS_PER_PASS ? left : BANDS_PER_PASS;
-    for (size_t y = 0; y < (size_t)chunk->picture.at.height; y++)
-        for (size_t x = 0, n; x < width; x += n + (n == 0)) {
-            n = settled_pixels(chunk, y * width + x, (y + 1) * width);
-            for (int c = 0; c < n_channels && n > 0; c++)
-                treatment->stretch(check, &(struct stretch){y * width + x, n, first_band + c,
-                                                            pixels + (y * stride + x) * 4 + c});
-        }
+    float seen[BANDS_PER_PASS][BLOCK];
+    for (const struct stretch *at = check->stretches; at < check->stretches + check->n_stretches;
+         at++) {
+        split_channels(pixels + (at->first / width * stride + at->first % width) * 4, at->n, seen);
+        for (int c = 0; c < n_channels; c++)
+            treatment->stretch(check,
+                               &(struct band_stretch){at->first, at->n, first_band + c, seen[c]});
+    }
     for (size_t i = 0; i < chunk->n_ambiguous; i++) {
         const struct ambiguous_pixel *pixel = &chunk->ambiguous[i];
         const size_t at = (size_t)pixel->pixel, x = at % width, y = at / width;

@@ -17,6 +17,8 @@
 struct check {
     const struct check_scene *scene;
     const struct chunk *chunk;
+    struct stretch *stretches; /* of pixels with a single candidate; in all, all of them */
+    size_t n_stretches;
     bool tight_edges; /* fragments lost or doubled where triangles meet are failures */
     struct check_verdict verdict;
     struct hypothesis *hypotheses; /* one a candidate, then each ambiguous pixel's background */
@@ -50,6 +52,10 @@ void check_free(struct check *check);
 
 /* ---- inside this room ---- */
 
+/* Pixels of one surface, or of the background, in a row: at most BLOCK. */
+struct stretch {
+    size_t first, n;
+};
 /* The hypothesis that OpenGL shows a candidate: it is alive until it fails to explain a sample. */
 struct hypothesis {
     bool alive;

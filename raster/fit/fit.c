@@ -222,20 +222,6 @@ void fit_add(const struct fit *fit, const struct run *run, int band, const doubl
             estimate[t * run->stride + i] += gains[t] * (float)difference[i];
 }
 
-/* Adds to the limits what is left of the errors of weights. Where that is a small share of them, it
- * is the same share of the bounds at most. */
-static void add_rest(const struct fit *fit, const struct run *run, int band, const float *bound,
-                     float *limit)
-{
-    const struct material_fit *material = material_of(fit, run);
-    const size_t n_terms = (size_t)run->shaded->n_terms;
-    const float share = material->share[band];
-    if (!(share <= small_share))
-        add_rows(run, run->errors, material->rest + (size_t)band * n_terms, n_terms, limit);
-    for (size_t i = 0; i < run->n && share <= small_share; i++)
-        limit[i] += share * bound[i];
-}
-
 bool fit_explain(const struct fit *fit, const struct run *run, int band, const float *estimate,
                  const float *bound, struct fit_block *out)
 {
@@ -247,14 +233,21 @@ bool fit_explain(const struct fit *fit, const struct run *run, int band, const f
     }
     if (!(material->scale[band] > 0))
         return false;
-    for (size_t i = 0; i < run->n; i++) {
-        out->explained[i] = 0;
+    /* where what is left of the errors of weights is a small share of them, it is at most the same
+     * share of the bounds */
+    const float scale = material->scale[band], left = material->share[band],
+                share = left <= small_share ? left : 0;
+    memset(out->explained, 0, run->n * sizeof *out->explained);
+    for (size_t i = 0; i < run->n; i++)
         out->limit[i] = material->flushed[band];
-    }
     add_rows(run, estimate, material->spectra + at, n_terms, out->explained);
     add_rows(run, run->own, material->own + at, n_terms, out->limit);
-    add_rest(fit, run, band, bound, out->limit);
-    for (size_t i = 0; i < run->n; i++)
-        out->floor[i] = out->limit[i] * material->scale[band];
+    if (!(left <= small_share))
+        add_rows(run, run->errors, material->rest + at, n_terms, out->limit);
+    for (size_t i = 0; i < run->n; i++) {
+        const float limit = out->limit[i] + (share > 0 ? share * bound[i] : 0);
+        out->limit[i] = limit;
+        out->floor[i] = limit * scale;
+    }
     return true;
 }

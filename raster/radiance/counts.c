@@ -82,8 +82,10 @@ static void expect_steps(const struct plan *plan, size_t n, double *expected, fl
 static void add_flushed(size_t n, float *bound)
 {
     const float flushed = (float)flushed_counts();
-    for (size_t i = 0; i < n; i++)
-        bound[i] = bound[i] <= FLT_MAX ? bound[i] + flushed : HUGE_VALF;
+    for (size_t i = 0; i < n; i++) {
+        const float more = bound[i] + flushed;
+        bound[i] = more < HUGE_VALF ? more : HUGE_VALF; /* NaN too */
+    }
 }
 
 /* Rows that are added together, so that sums are loaded and stored half as often. */
@@ -113,14 +115,17 @@ void expect_counts(const struct plan *plan, const struct run *run, int band, dou
         memset(bound, 0, run->n * sizeof *bound);
     for (size_t t = 0; t < (size_t)shaded->n_terms; t += PAIR) {
         const size_t left = (size_t)shaded->n_terms - t, n = left < PAIR ? left : PAIR;
+        const double *rows[PAIR];
+        double spectra[PAIR] = {0};
         float factors[PAIR];
-        for (size_t i = 0; i < n; i++) {
-            const double spectrum =
-                shaded->made.spectra[(t + i) * (size_t)plan->n_bands + (size_t)band] / full_scale *
-                FULL_COUNT;
-            add_term(run->rows + (t + i) * run->stride, spectrum, run->n, expected);
-            factors[i] = (float)spectrum;
+        for (size_t i = 0; i < PAIR; i++) {
+            rows[i] = run->rows + (t + (i < n ? i : 0)) * run->stride;
+            if (i < n)
+                spectra[i] = shaded->made.spectra[(t + i) * (size_t)plan->n_bands + (size_t)band] /
+                             full_scale * FULL_COUNT;
+            factors[i] = (float)spectra[i];
         }
+        add_terms(rows, spectra, run->n, expected); /* of a single one twice, once as nothing */
         if (run->errors)
             add_rows(run, run->errors + t * run->stride, factors, n, bound);
     }
@@ -173,18 +178,14 @@ static double page_scale(const struct stored_band *band)
     return holds_counts(band) ? 1 : band->full_scale / FULL_COUNT;
 }
 
-/* Returns whether all are counts from 0 to full scale; NaN is not. Sums are kept in lanes, which
- * the compiler can do together; `counts` is filled up to whole lanes with 0. */
-static bool are_counts(double *counts, size_t n)
+/* Returns whether all are in [0, FULL_COUNT]; NaN is not. */
+static bool are_counts(const double *counts, size_t n)
 {
     enum { LANES = 4 };
     const double middle = 0.5 * FULL_COUNT;
     double odd[LANES] = {0}, sum = 0;
-    for (; n % LANES != 0; n++)
-        counts[n] = 0;
-    for (size_t i = 0; i < n; i += LANES)
-        for (size_t k = 0; k < LANES; k++)
-            odd[k] += fabs(counts[i + k] - middle) <= middle ? 0 : 1;
+    for (size_t i = 0; i < n; i++)
+        odd[i % LANES] += fabs(counts[i] - middle) <= middle ? 0 : 1;
     for (size_t k = 0; k < LANES; k++)
         sum += odd[k];
     return sum < 1;
@@ -245,20 +246,54 @@ struct odd_samples store_reference(const struct stored_band *band, const struct 
     return odd;
 }
 
-struct odd_samples store_gl(const struct stored_band *band, const struct rectangle *rows,
-                            bool clips, const float *pixels, size_t stride)
+void split_channels(const float *pixels, size_t n, float out[BANDS_PER_PASS][BLOCK])
 {
-    double limit = clips && buffer_steps(band->plan) > 0 ? FULL_COUNT : clipping_limit(band->plan);
+    for (size_t i = 0; i < n; i++) {
+        out[0][i] = pixels[4 * i];
+        out[1][i] = pixels[4 * i + 1];
+        out[2][i] = pixels[4 * i + 2];
+    }
+}
+
+/* Returns whether all are from 0 to full scale; NaN is not. */
+static bool are_parts(const float *seen, size_t n)
+{
+    int odd = 0;
+    for (size_t i = 0; i < n; i++)
+        odd |= !(seen[i] >= 0) | !(seen[i] <= 1);
+    return odd == 0;
+}
+
+/* Stores n <= BLOCK samples of OpenGL, in parts of full scale: see store. */
+static void store_parts(const struct stored_band *band, const float *seen, size_t n, double limit,
+                        size_t at, struct odd_samples *odd)
+{
+    uint16_t *restrict words = (uint16_t *)band->out + at;
+    const bool plain = band->plan->options.bits == 16 && limit > FULL_COUNT && are_parts(seen, n);
+    double counts[BLOCK];
+    for (size_t i = 0; i < n && plain; i++)
+        words[i] = (uint16_t)(int)((double)seen[i] * FULL_COUNT + 0.5);
+    for (size_t i = 0; i < n && !plain; i++)
+        counts[i] = (double)seen[i] * FULL_COUNT;
+    if (!plain)
+        store(band, counts, n, limit, at, odd);
+}
+
+struct odd_samples store_gl(const struct stored_band *bands, int n_bands,
+                            const struct rectangle *rows, bool clips, const float *pixels,
+                            size_t stride)
+{
+    const struct plan *plan = bands->plan;
+    const double limit = clips && buffer_steps(plan) > 0 ? FULL_COUNT : clipping_limit(plan);
     size_t width = (size_t)rows->width, n;
     struct odd_samples odd = {0, 0};
-    double counts[BLOCK];
+    float seen[BANDS_PER_PASS][BLOCK];
     for (size_t y = 0; y < (size_t)rows->height; y++)
         for (size_t x = 0; x < width; x += n) {
-            const float *from = pixels + (y * stride + x) * 4;
             n = width - x < BLOCK ? width - x : BLOCK;
-            for (size_t i = 0; i < n; i++)
-                counts[i] = (double)from[4 * i] * FULL_COUNT;
-            store(band, counts, n, limit, y * width + x, &odd);
+            split_channels(pixels + (y * stride + x) * 4, n, seen);
+            for (int c = 0; c < n_bands; c++)
+                store_parts(&bands[c], seen[c], n, limit, y * width + x, &odd);
         }
     return odd;
 }

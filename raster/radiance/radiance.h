@@ -95,13 +95,17 @@ struct stored_band {
     double full_scale;
     void *out; /* room for the rows, without gaps */
 };
-/* Store the band of a picture by the reference, or of rows by OpenGL. Of OpenGL `pixels` is the
- * band's channel of the first pixel, 4 floats a pixel, rows `stride` pixels apart. `clips`: a
- * vertex is brighter than full scale, so that a colour buffer of steps may have cut samples off;
- * full ones then count as clipped. */
+/* Stores the band of a picture by the reference. */
 struct odd_samples store_reference(const struct stored_band *band, const struct lit_scene *lit,
                                    const struct picture *picture);
-struct odd_samples store_gl(const struct stored_band *band, const struct rectangle *rows,
-                            bool clips, const float *pixels, size_t stride);
+/* Stores the bands of a pass, one after the other, of rows by OpenGL: `pixels` is their first
+ * pixel, 4 floats each, rows `stride` pixels apart, in parts of full scale. `clips`: a vertex is
+ * brighter than full scale, so that a colour buffer of steps may have cut samples off; full ones
+ * then count as clipped. */
+struct odd_samples store_gl(const struct stored_band *bands, int n_bands,
+                            const struct rectangle *rows, bool clips, const float *pixels,
+                            size_t stride);
+/* Takes the channels of n <= BLOCK such pixels apart. */
+void split_channels(const float *pixels, size_t n, float out[BANDS_PER_PASS][BLOCK]);
 
 #endif

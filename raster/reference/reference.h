@@ -131,7 +131,7 @@ void shade(const struct view *view, const struct screen_triangle *triangle, cons
 int pixel_rows(const struct instance *instance);
 void put_rows(const struct instance *instance, const double *attributes, const double place[2],
               double *rows, size_t stride);
-void add_term(const double *weights, double spectrum, size_t n_pixels, double *radiance);
+void add_terms(const double *const rows[2], const double spectra[2], size_t n, double *radiance);
 void texel_place(const struct texels *texels, const double s_t[2], double place[2]);
 double texel_at(const struct texels *texels, const double place[2]);
 size_t texel_wrapped(double whole, int n); /* a column or row, in [0, n) */

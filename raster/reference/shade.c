@@ -63,9 +63,12 @@ void put_rows(const struct instance *instance, const double *attributes, const d
         rows[(n_terms + i) * stride] = place[i];
 }
 
-/* Adds weight x spectrum to the radiance of n pixels. */
-void add_term(const double *weights, double spectrum, size_t n, double *radiance)
+/* Adds weight x spectrum of two terms, whose weights are in two rows, to the radiance of n pixels.
+ */
+void add_terms(const double *const rows[2], const double spectra[2], size_t n, double *radiance)
 {
+    const double *one = rows[0], *other = rows[1];
+    double *restrict out = radiance;
     for (size_t i = 0; i < n; i++)
-        radiance[i] += weights[i] * spectrum;
+        out[i] = out[i] + one[i] * spectra[0] + other[i] * spectra[1];
 }

@@ -170,37 +170,41 @@ static void learn_chunk(void *context, int i)
     check_pilots(&of->state->checks[i], of->pass * BANDS_PER_PASS, pixels_of(of, i), of->stride);
 }
 
-/* Stores the samples of a chunk in one band. */
-static struct odd_samples count_band(const struct tile_pass *of, int chunk, int band)
+/* Stores the samples of a chunk in all bands of a pass. */
+static struct odd_samples count_bands(const struct tile_pass *of, int chunk)
 {
-    const struct plan *plan = of->state->plan;
+    const struct stages *stages = of->state->stages;
+    const struct plan *plan = stages->plan;
     const struct picture *picture = &of->tile->chunks[chunk].picture;
     const size_t first = (size_t)chunk * CHUNK_ROWS * (size_t)of->tile->at.width;
-    const int channel = band % BANDS_PER_PASS;
-    const struct stored_band stored = {plan, band, of->state->stages->full_scale,
-                                       of->out->samples[channel] +
-                                           first * (size_t)plan->options.bits / 8};
-    return plan->options.store_raster ? store_reference(&stored, of->state->stages->lit, picture)
-                                      : store_gl(&stored, &picture->at, of->state->stages->clips,
-                                                 pixels_of(of, chunk) + channel, of->stride);
+    const int n = bands_of_pass(plan, of->pass);
+    struct stored_band stored[BANDS_PER_PASS];
+    struct odd_samples odd = {0, 0};
+    for (int i = 0; i < n; i++)
+        stored[i] =
+            (struct stored_band){plan, of->pass * BANDS_PER_PASS + i, stages->full_scale,
+                                 of->out->samples[i] + first * (size_t)plan->options.bits / 8};
+    if (!plan->options.store_raster)
+        return store_gl(stored, n, &picture->at, stages->clips, pixels_of(of, chunk), of->stride);
+    for (int i = 0; i < n; i++) {
+        const struct odd_samples more = store_reference(&stored[i], stages->lit, picture);
+        odd.clipped += more.clipped;
+        odd.undefined += more.undefined;
+    }
+    return odd;
 }
 
 /* Judges and counts a chunk while its pixels are in the cache. */
 static void treat_chunk(void *context, int i)
 {
     struct tile_pass *of = context;
-    const struct plan *plan = of->state->plan;
-    const int first = of->pass * BANDS_PER_PASS, end = first + bands_of_pass(plan, of->pass);
     double since = clock_seconds(), judging = 0, counting = 0;
     struct odd_samples odd = {0, 0};
     if (of->state->checks)
-        check_pass(&of->state->checks[i], first, pixels_of(of, i), of->stride);
+        check_pass(&of->state->checks[i], of->pass * BANDS_PER_PASS, pixels_of(of, i), of->stride);
     clock_in(&since, &judging);
-    for (int band = first; band < end && of->out; band++) {
-        const struct odd_samples more = count_band(of, i, band);
-        odd.clipped += more.clipped;
-        odd.undefined += more.undefined;
-    }
+    if (of->out)
+        odd = count_bands(of, i);
     clock_in(&since, &counting);
     pthread_mutex_lock(&of->lock);
     of->judging += judging;

@@ -10,7 +10,6 @@
 /* Sums over a block are kept in lanes, which the compiler can do together. A block is filled up to
  * whole lanes with samples that are 0 and expected to be 0. More lanes do not fit in the
  * registers. */
-enum { LANES = 4 };
 
 static size_t fill_lanes(struct block *block)
 {
@@ -27,16 +26,22 @@ static double seen_counts(const struct block *block, size_t i)
     return (double)block->seen[i] * FULL_COUNT;
 }
 
-static void differ(struct check_samples *samples, struct block *block, size_t all)
+/* Fills in the differences of `all` samples, a multiple of LANES. */
+static void differ(struct check_samples *samples, const float *restrict seen,
+                   const double *restrict expected, float *restrict difference, size_t all)
 {
     double sums[LANES] = {0}, squares[LANES] = {0};
-    for (size_t i = 0; i < all; i += LANES)
-        for (size_t k = 0; k < LANES; k++) {
-            const double difference = seen_counts(block, i + k) - block->expected[i + k];
-            block->difference[i + k] = (float)difference;
-            sums[k] += difference;
-            squares[k] += difference * difference;
-        }
+    for (size_t i = 0; i < all; i += LANES) {
+        double apart[LANES];
+        for (size_t k = 0; k < LANES; k++)
+            apart[k] = (double)seen[i + k] * FULL_COUNT - expected[i + k];
+        for (size_t k = 0; k < LANES; k++)
+            difference[i + k] = (float)apart[k];
+        for (size_t k = 0; k < LANES; k++)
+            sums[k] += apart[k];
+        for (size_t k = 0; k < LANES; k++)
+            squares[k] += apart[k] * apart[k];
+    }
     for (size_t k = 0; k < LANES; k++) {
         samples->sum += sums[k];
         samples->sum_of_squares += squares[k];
@@ -53,13 +58,14 @@ struct within {
  * is not. */
 static bool are_within(const struct block *block, const struct within *limits, size_t all)
 {
+    const float *seen = block->seen, worst = limits->difference, ratio = limits->ratio,
+                fit_ratio = limits->fit_ratio;
     int odd = 0;
     for (size_t i = 0; i < all; i++) {
-        const float difference = block->difference[i], rest = difference - block->fit.explained[i];
-        odd |= !(block->seen[i] >= 0) | !(block->seen[i] <= 1) |
-               !(fabsf(difference) <= limits->difference) |
-               !(fabsf(difference) <= limits->ratio * block->bound[i]) |
-               !(fabsf(rest) <= limits->fit_ratio * block->fit.limit[i]);
+        const float difference = block->difference[i], rest = difference - block->fit.explained[i],
+                    most = ratio * block->bound[i], limit = most < worst ? most : worst;
+        odd |= !(seen[i] >= 0) | !(seen[i] <= 1) | !(fabsf(difference) <= limit) |
+               !(fabsf(rest) <= fit_ratio * block->fit.limit[i]);
     }
     return odd == 0;
 }
@@ -121,7 +127,7 @@ bool samples_compare(struct check_samples *samples, struct block *block)
                                  .ratio = (float)samples->worst_ratio, /* at most 1 */
                                  .fit_ratio = block->fitted ? (float)samples->worst_fit_ratio : 1};
     samples->n += block->n;
-    differ(samples, block, all);
+    differ(samples, block->seen, block->expected, block->difference, all);
     if (!are_within(block, &usual, all))
         return look_closer(samples, block);
     count_close(samples, block);

@@ -71,7 +71,7 @@ struct check_verdict {
 /* Samples together with the values and bounds that are expected. */
 struct block {
     size_t n;
-    float seen[BLOCK];      /* OpenGL's, in parts of full scale */
+    float *seen;            /* OpenGL's, in parts of full scale; has room for whole lanes */
     double expected[BLOCK]; /* in counts */
     float bound[BLOCK];
     struct textured_sample textured[BLOCK]; /* kept for the fit */
@@ -79,6 +79,8 @@ struct block {
     struct fit_block fit;    /* with no limit if the band is not fitted */
     float difference[BLOCK]; /* seen - expected, in counts */
 };
+/* Numbers that the compiler treats together: BLOCK is a multiple. */
+enum { LANES = 4 };
 /* Adds a block to a comparison, and fills in its differences. Returns false where any is outside of
  * its bound, or the rest that the fit leaves of it is outside of the limit. */
 bool samples_compare(struct check_samples *samples, struct block *block);

@@ -55,8 +55,11 @@ static bool draw(const struct view *view, const struct instance instances[2])
             surface_light(view, &surfaces[s], i, &work);
     done = done && picture_draw(view, surfaces, 2, &all, TERMS, &picture);
     for (int i = 0; i < WIDTH * HEIGHT && done; i++)
-        for (int t = 0; t < TERMS && picture.surface[i] >= 0; t++)
-            add_term(picture.rows + t * WIDTH * HEIGHT + i, spectrum[t], 1, &radiance[i]);
+        for (int t = 0; t < TERMS && picture.surface[i] >= 0; t++) {
+            const double *row = picture.rows + t * WIDTH * HEIGHT + i;
+            add_terms((const double *[]){row, row}, (const double[]){spectrum[t], 0}, 1,
+                      &radiance[i]);
+        }
     picture_free(&picture);
     surface_close(&surfaces[0]);
     surface_close(&surfaces[1]);

@@ -263,10 +263,12 @@ static void check_agreement(const char *name, const double *seen, const double *
                             double worst)
 {
     static struct block block;
+    float parts[BLOCK];
     struct check_samples samples = {
         .largest = fmax(worst, 0), .worst_ratio = worst, .worst_fit_ratio = worst};
     uint64_t exact = 0, within_1 = 0;
     block.n = n;
+    block.seen = parts;
     for (size_t i = 0; i < n; i++) {
         block.seen[i] = (float)(seen[i] / FULL_COUNT);
         block.fit.explained[i] = 0;
