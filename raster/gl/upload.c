@@ -104,6 +104,9 @@ static bool upload_triangles(const struct gl *gl, int instance, struct error *er
 bool gl_take_scene(struct gl *gl, const struct lit_scene *lit, struct error *err)
 {
     const int n_instances = gl->plan->n_instances;
+    /* the context that draws colours: numbers are drawn from memory */
+    if (!gl_draw_into(gl, gl->steps ? NULL : gl->buffers[0], false, err))
+        return false;
     gl->lit = lit;
     gl->indices = calloc((size_t)gl->plan->n_meshes + (size_t)n_instances + 1, sizeof *gl->indices);
     if (!gl->indices)

@@ -49,7 +49,7 @@ static bool add_band(struct region *region, const struct tile *tile, int band, s
         const size_t n = (size_t)picture->at.width * (size_t)picture->at.height;
         const struct stored_band stored = {&region->plan, band, region->full_scale,
                                            region->samples};
-        const struct odd_samples odd = store_reference(&stored, &region->lit, picture);
+        const struct odd_samples odd = store_reference(&stored, 1, &region->lit, picture);
         if (odd.undefined > 0)
             return error_usage(err, "%s: a radiance in the region is not finite",
                                region->probe->source);

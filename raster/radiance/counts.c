@@ -111,7 +111,7 @@ void expect_counts(const struct plan *plan, const struct run *run, int band, dou
 {
     const struct shaded_material *shaded = run->shaded;
     memset(expected, 0, run->n * sizeof *expected);
-    if (run->errors)
+    if (bound)
         memset(bound, 0, run->n * sizeof *bound);
     for (size_t t = 0; t < (size_t)shaded->n_terms; t += PAIR) {
         const size_t left = (size_t)shaded->n_terms - t, n = left < PAIR ? left : PAIR;
@@ -126,12 +126,12 @@ void expect_counts(const struct plan *plan, const struct run *run, int band, dou
             factors[i] = (float)spectra[i];
         }
         add_terms(rows, spectra, run->n, expected); /* of a single one twice, once as nothing */
-        if (run->errors)
+        if (bound)
             add_rows(run, run->errors + t * run->stride, factors, n, bound);
     }
     if (shaded->texture && shaded->texture->spectral)
         apply_texture(run, band, expected, bound);
-    if (!run->errors)
+    if (!bound)
         return;
     add_flushed(run->n, bound);
     if (buffer_steps(plan) > 0)
@@ -178,14 +178,18 @@ static double page_scale(const struct stored_band *band)
     return holds_counts(band) ? 1 : band->full_scale / FULL_COUNT;
 }
 
-/* Returns whether all are in [0, FULL_COUNT]; NaN is not. */
-static bool are_counts(const double *counts, size_t n)
+/* Returns whether all are in [0, FULL_COUNT]; NaN is not. Sums are kept in lanes, which the
+ * compiler can do together; `counts` is filled up to whole lanes with 0. */
+static bool are_counts(double *counts, size_t n)
 {
     enum { LANES = 4 };
     const double middle = 0.5 * FULL_COUNT;
     double odd[LANES] = {0}, sum = 0;
-    for (size_t i = 0; i < n; i++)
-        odd[i % LANES] += fabs(counts[i] - middle) <= middle ? 0 : 1;
+    for (; n % LANES != 0; n++)
+        counts[n] = 0;
+    for (size_t i = 0; i < n; i += LANES)
+        for (size_t k = 0; k < LANES; k++)
+            odd[k] += fabs(counts[i + k] - middle) <= middle ? 0 : 1;
     for (size_t k = 0; k < LANES; k++)
         sum += odd[k];
     return sum < 1;
@@ -225,23 +229,27 @@ static void store(const struct stored_band *band, double *counts, size_t n, doub
         floats[i] = (float)(counts[i] * scale);
 }
 
-struct odd_samples store_reference(const struct stored_band *band, const struct lit_scene *lit,
-                                   const struct picture *picture)
+struct odd_samples store_reference(const struct stored_band *bands, int n_bands,
+                                   const struct lit_scene *lit, const struct picture *picture)
 {
+    const double limit = clipping_limit(bands->plan);
     size_t n_pixels = (size_t)picture->at.width * (size_t)picture->at.height, n;
     struct odd_samples odd = {0, 0};
     double counts[BLOCK];
     for (size_t at = 0; at < n_pixels; at += n) {
+        const int32_t surface = picture->surface[at];
         n = run_length(picture->surface, at, n_pixels);
-        memset(counts, 0, n * sizeof *counts);
-        if (picture->surface[at] >= 0) {
-            struct run run = {.shaded = lit->bounds[picture->surface[at]].shaded,
-                              .rows = picture->rows + at,
-                              .stride = n_pixels,
-                              .n = n};
-            expect_counts(band->plan, &run, band->band, band->full_scale, counts, NULL);
+        for (const struct stored_band *band = bands; band < bands + n_bands; band++) {
+            memset(counts, 0, n * sizeof *counts);
+            if (surface >= 0) {
+                const struct run run = {.shaded = lit->bounds[surface].shaded,
+                                        .rows = picture->rows + at,
+                                        .stride = n_pixels,
+                                        .n = n};
+                expect_counts(band->plan, &run, band->band, band->full_scale, counts, NULL);
+            }
+            store(band, counts, n, limit, at, &odd);
         }
-        store(band, counts, n, clipping_limit(band->plan), at, &odd);
     }
     return odd;
 }

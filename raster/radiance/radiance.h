@@ -95,9 +95,9 @@ struct stored_band {
     double full_scale;
     void *out; /* room for the rows, without gaps */
 };
-/* Stores the band of a picture by the reference. */
-struct odd_samples store_reference(const struct stored_band *band, const struct lit_scene *lit,
-                                   const struct picture *picture);
+/* Stores bands of a picture by the reference. */
+struct odd_samples store_reference(const struct stored_band *bands, int n_bands,
+                                   const struct lit_scene *lit, const struct picture *picture);
 /* Stores the bands of a pass, one after the other, of rows by OpenGL: `pixels` is their first
  * pixel, 4 floats each, rows `stride` pixels apart, in parts of full scale. `clips`: a vertex is
  * brighter than full scale, so that a colour buffer of steps may have cut samples off; full ones

@@ -179,19 +179,13 @@ static struct odd_samples count_bands(const struct tile_pass *of, int chunk)
     const size_t first = (size_t)chunk * CHUNK_ROWS * (size_t)of->tile->at.width;
     const int n = bands_of_pass(plan, of->pass);
     struct stored_band stored[BANDS_PER_PASS];
-    struct odd_samples odd = {0, 0};
     for (int i = 0; i < n; i++)
         stored[i] =
             (struct stored_band){plan, of->pass * BANDS_PER_PASS + i, stages->full_scale,
                                  of->out->samples[i] + first * (size_t)plan->options.bits / 8};
-    if (!plan->options.store_raster)
-        return store_gl(stored, n, &picture->at, stages->clips, pixels_of(of, chunk), of->stride);
-    for (int i = 0; i < n; i++) {
-        const struct odd_samples more = store_reference(&stored[i], stages->lit, picture);
-        odd.clipped += more.clipped;
-        odd.undefined += more.undefined;
-    }
-    return odd;
+    return plan->options.store_raster
+               ? store_reference(stored, n, stages->lit, picture)
+               : store_gl(stored, n, &picture->at, stages->clips, pixels_of(of, chunk), of->stride);
 }
 
 /* Judges and counts a chunk while its pixels are in the cache. */

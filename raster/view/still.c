@@ -55,7 +55,7 @@ static void add_bands(void *context, int i)
     uint64_t undefined = 0;
     for (int band = adding->band; band < adding->end; band++) {
         const struct stored_band stored = {&still->plan, band, 1, radiance};
-        undefined += store_reference(&stored, &still->lit, picture).undefined;
+        undefined += store_reference(&stored, 1, &still->lit, picture).undefined;
         for (size_t k = 0; k < n; k++)
             for (int channel = 0; channel < 3; channel++)
                 rgb[k][channel] += still->weights[channel * n_bands + band] * (double)radiance[k];
