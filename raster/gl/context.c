@@ -182,6 +182,7 @@ bool gl_open(const struct plan *plan, int n_buffers, struct gl **out, struct err
         if (!gl_succeeded(err) || !gl_draw_into(gl, gl->shown, true, err))
             return false;
         gl_set_state(gl);
+        return gl_succeeded(err) && gl_draw_into(gl, NULL, false, err); /* for the next uploads */
     }
     return gl_succeeded(err);
 }
