@@ -175,14 +175,15 @@ bool gl_open(const struct plan *plan, int n_buffers, struct gl **out, struct err
     if (!gl)
         return error_memory(err);
     gl->plan = plan;
-    if (!open_context(gl, n_buffers, err) || !gl_upload(gl, err))
+    gl->group = -1;
+    if (!open_context(gl, n_buffers, err))
         return false;
     gl_set_state(gl);
     if (gl->numbers) {
         if (!gl_succeeded(err) || !gl_draw_into(gl, gl->shown, true, err))
             return false;
         gl_set_state(gl);
-        return gl_succeeded(err) && gl_draw_into(gl, NULL, false, err); /* for the next uploads */
+        return gl_succeeded(err) && gl_draw_into(gl, NULL, false, err); /* for uploads */
     }
     return gl_succeeded(err);
 }

@@ -65,10 +65,8 @@ static void draw_instances(struct gl *gl, struct numbered_vertex *batch)
 {
     gl_clear_stale(gl);
     glDisable(GL_LIGHTING);
-    glDisable(GL_TEXTURE_2D);
     glClear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
     glShadeModel(GL_FLAT);
-    glEnable(GL_DEPTH_TEST);
     glEnable(GL_STENCIL_TEST);
     glStencilFunc(GL_ALWAYS, 0, 0xff);
     glStencilOp(GL_INCR_WRAP, GL_INCR_WRAP, GL_INCR_WRAP);
@@ -82,6 +80,7 @@ static void draw_instances(struct gl *gl, struct numbered_vertex *batch)
     glDisableClientState(GL_COLOR_ARRAY);
     glEnableClientState(GL_NORMAL_ARRAY);
     glDisable(GL_STENCIL_TEST);
+    glEnable(GL_LIGHTING);
     glShadeModel(gl->plan->scene->shading == SHADING_FLAT ? GL_FLAT : GL_SMOOTH);
 }
 

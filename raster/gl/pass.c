@@ -98,15 +98,18 @@ static void place_light(GLenum name, const struct eye_light *light, const struct
         glLightfv(name, GL_SPOT_DIRECTION, direction);
 }
 
-/* Places the lights of a group, in eye coordinates. */
-static void place_lights(const struct gl *gl, int group)
+/* Places the lights of a group, in eye coordinates, unless they are placed already. */
+static void place_lights(struct gl *gl, int group)
 {
+    if (gl->group == group)
+        return;
+    gl->group = group;
     glLoadIdentity();
     for (int i = 0; i < LIGHTS_PER_PASS; i++) {
         int light = group * LIGHTS_PER_PASS + i;
-        if (light < gl->plan->n_lights)
+        if (light < gl->plan->n_lights && !gl->plan->is_idle[light])
             place_light(GL_LIGHT0 + (GLenum)i, &gl->plan->lights[light], gl->plan->sources[light]);
-        else
+        else if (gl->plan->n_light_groups > 1)
             glDisable(GL_LIGHT0 + (GLenum)i);
     }
 }
@@ -125,8 +128,11 @@ static void set_material(const struct gl *gl, const struct shaded_material *shad
     struct pass_colours colours;
     pass_colours(gl->plan, shaded, pass->group, pass->first_band, pass->full_scale, &colours);
     for (int i = 0; i < colours.n_lights; i++) {
+        if (gl->plan->is_idle[pass->group * LIGHTS_PER_PASS + i])
+            continue;
         glLightfv(GL_LIGHT0 + (GLenum)i, GL_DIFFUSE, colours.diffuse[i]);
-        glLightfv(GL_LIGHT0 + (GLenum)i, GL_SPECULAR, colours.specular[i]);
+        if (colours.shines)
+            glLightfv(GL_LIGHT0 + (GLenum)i, GL_SPECULAR, colours.specular[i]);
     }
     glMaterialfv(GL_FRONT_AND_BACK, GL_AMBIENT, colours.constant);
     glMaterialfv(GL_FRONT_AND_BACK, GL_SPECULAR, colours.shines ? white : black);
@@ -162,6 +168,8 @@ void gl_blacken(void)
     glMatrixMode(GL_PROJECTION);
     glPopMatrix();
     glMatrixMode(GL_MODELVIEW);
+    glEnable(GL_DEPTH_TEST);
+    glEnable(GL_LIGHTING);
 }
 
 static void draw_pass(struct gl *gl, const struct pass *pass)
@@ -170,8 +178,6 @@ static void draw_pass(struct gl *gl, const struct pass *pass)
     int shaded = -1;
     gl_clear_stale(gl);
     glClear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
-    glEnable(GL_DEPTH_TEST);
-    glEnable(GL_LIGHTING);
     place_lights(gl, pass->group);
     for (int i = 0; i < plan->n_instances; i++) {
         const struct placed_instance *placed = &plan->instances[i];
@@ -212,6 +218,8 @@ bool gl_draw(struct gl *gl, int buffer, int first_band, double full_scale, struc
     if (!gl_upload_bands(gl, first_band, err))
         return false;
     for (int group = 0; group < gl->plan->n_light_groups; group++) {
+        if (!group_is_drawn(gl->plan, group))
+            continue;
         float *pixels = group == 0 ? sum : gl->part;
         if (!gl_draw_into(gl, gl->steps ? NULL : pixels, false, err))
             return false;

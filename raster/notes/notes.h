@@ -52,8 +52,6 @@ const char *why_off(const struct plan *plan, const struct light *light);
 
 /* survey.c: what the vertices of a scene show. */
 
-/* The planes of the view. A set of them has bit 1 << plane. */
-enum view_plane { VIEW_LEFT, VIEW_RIGHT, VIEW_BELOW, VIEW_ABOVE, VIEW_NEAR, VIEW_FAR, VIEW_PLANES };
 struct surface_survey {
     double area;      /* of its triangles in the picture, in pixels, as if nothing else hid them */
     double dark_area; /* of triangles without light */

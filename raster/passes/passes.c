@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 /* Finds the passes that OpenGL need not draw: all radiance is a sum of weights x spectra x texture,
- * and weights are the same in all bands. */
+ * and weights are the same in all bands. Only the materials of instances in view count. */
 #include <stdlib.h>
 
 #include "raster/passes/passes.h"
@@ -37,7 +37,7 @@ static const double *row_of(const struct plan *plan, const struct shaded_materia
 static bool is_dark(const struct plan *plan, int pass)
 {
     for (int m = 0; m < plan->n_materials; m++)
-        for (int t = 0; t < plan->materials[m].n_terms; t++)
+        for (int t = 0; t < plan->materials[m].n_terms && plan->materials[m].shown; t++)
             if (!term_is_dark(plan, row_of(plan, &plan->materials[m], t), pass))
                 return false;
     return true;
@@ -48,9 +48,9 @@ static bool is_same(const struct plan *plan, int a, int b)
 {
     for (int m = 0; m < plan->n_materials; m++) {
         const struct shaded_material *shaded = &plan->materials[m];
-        if (shaded->texture && shaded->texture->spectral)
+        if (texture_is_drawn(plan, shaded->texture) && shaded->texture->spectral && shaded->shown)
             return false;
-        for (int t = 0; t < shaded->n_terms; t++)
+        for (int t = 0; t < shaded->n_terms && shaded->shown; t++)
             if (!term_is_same(plan, row_of(plan, shaded, t), a, b))
                 return false;
     }
