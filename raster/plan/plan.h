@@ -86,8 +86,7 @@ struct plan {
     struct illumination illumination; /* the lights of the scene, before idle ones are dropped */
     struct eye_light *lights;         /* those that shine; and each as the scene has it: */
     const struct light **sources;
-    bool *is_idle;       /* of each light: it adds exactly 0 to all that is in view */
-    bool *shows_texture; /* of each texture: an instance in view has it */
+    bool *is_idle, *shows_texture; /* lights that add exactly 0 to all in view; textures in view */
     int n_meshes, n_materials, n_textures, n_instances, n_lights, n_effects;
     int n_light_groups; /* passes that a group of bands takes: 1, or more beyond LIGHTS_PER_PASS */
     int max_rows;       /* numbers that a pixel keeps, at most: see pixel_rows */
@@ -97,6 +96,7 @@ struct plan {
     struct plan_effect effects[MAX_EFFECTS];
     struct plan_work { /* counted where it is done */
         long materials_loaded, textures_loaded, excitation_integrals, terms;
+        long unseen_instances, idle_lights, undrawn_textures;
     } work;
     long n_vertices, n_triangles; /* as drawn: a mesh counts once for every instance */
 };

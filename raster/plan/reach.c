@@ -164,26 +164,34 @@ static bool reaches_any(const struct plan *plan, const struct eye_light *light)
 
 /* ---- all of it ---- */
 
+static void see_instances(struct plan *plan)
+{
+    for (int i = 0; i < plan->n_instances; i++) {
+        struct placed_instance *placed = &plan->instances[i];
+        struct shaded_material *shaded = &plan->materials[placed->shaded];
+        placed->outside = plane_outside(plan, &placed->instance);
+        placed->in_view = placed->outside == VIEW_PLANES;
+        plan->work.unseen_instances += !placed->in_view;
+        shaded->shown = shaded->shown || placed->in_view;
+        if (shaded->shown && shaded->texture)
+            plan->shows_texture[shaded->texture - plan->textures] = true;
+    }
+}
+
 bool reach_find(struct plan *plan, struct error *err)
 {
     plan->is_idle = calloc((size_t)plan->n_lights + 1, sizeof *plan->is_idle);
     plan->shows_texture = calloc((size_t)plan->n_textures + 1, sizeof *plan->shows_texture);
     if (!plan->is_idle || !plan->shows_texture)
         return error_memory(err);
-    for (int i = 0; i < plan->n_instances; i++) {
-        struct placed_instance *placed = &plan->instances[i];
-        struct shaded_material *shaded = &plan->materials[placed->shaded];
-        placed->outside = plane_outside(plan, &placed->instance);
-        placed->in_view = placed->outside == VIEW_PLANES;
-        if (!placed->in_view)
-            continue;
-        shaded->shown = true;
-        if (shaded->texture)
-            plan->shows_texture[shaded->texture - plan->textures] = true;
-    }
-    for (int i = 0; i < plan->n_lights; i++)
+    see_instances(plan);
+    for (int i = 0; i < plan->n_textures; i++)
+        plan->work.undrawn_textures += !texture_is_drawn(plan, &plan->textures[i]);
+    for (int i = 0; i < plan->n_lights; i++) {
         plan->is_idle[i] = !plan->options.exchangeable && plan->view.shading != PHONG &&
                            !reaches_any(plan, &plan->lights[i]);
+        plan->work.idle_lights += plan->is_idle[i];
+    }
     return true;
 }
 
