@@ -105,7 +105,7 @@ void gl_clear_stale(struct gl *gl)
 {
     bool *is_stale = &gl->is_stale[gl->current != gl->context];
     if (*is_stale)
-        gl_blacken();
+        gl_blacken(gl);
     *is_stale = false;
 }
 

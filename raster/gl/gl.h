@@ -86,7 +86,12 @@ struct gl {
     uint32_t *depths; /* rows from the bottom: 24 bits of depth, 8 of stencil; NULL: no check */
     bool is_stale[2]; /* of `context` and `numbers`: the buffer holds colours of another tile */
     struct osmesa_context *current;
-    int group;          /* the group of lights that is placed; -1: none */
+    /* what `context` has been told, so that it is told nothing twice: */
+    int group;               /* the group of lights that is placed; -1: none */
+    struct pass_colours set; /* colours of lights and of a material */
+    float gloss;
+    bool two_sided, mirrored;
+    const struct texture *texture; /* NULL: textures are switched off */
     unsigned *objects;  /* names of the buffer objects: some for each mesh; 0: not in view */
     unsigned *indices;  /* of triangles: each mesh's, then those of instances that hide some */
     unsigned *textures; /* names of the texture objects, one for each texture; 0: not drawn */
@@ -106,11 +111,11 @@ bool gl_succeeded(struct error *err);
 /* ---- upload.c ---- */
 
 /* Loads and uploads all spectral textures for the bands of a pass. */
-bool gl_upload_bands(const struct gl *gl, int first_band, struct error *err);
+bool gl_upload_bands(struct gl *gl, int first_band, struct error *err);
 /* The next draw call takes its vertices from an instance's mesh. Returns how many. */
 int gl_bind_mesh(const struct gl *gl, int instance);
 /* The next draw calls show a texture of the plan; NULL: none. */
-void gl_bind_texture(const struct gl *gl, const struct texture *texture);
+void gl_bind_texture(struct gl *gl, const struct texture *texture);
 
 /* ---- pass.c ---- */
 
@@ -121,6 +126,6 @@ void gl_load_view(const struct gl *gl);
 /* Replaces the current matrix of OpenGL. */
 void gl_load_matrix(const struct matrix *m);
 /* Empties the colours of the buffer, and leaves textures switched off. */
-void gl_blacken(void);
+void gl_blacken(struct gl *gl);
 
 #endif

@@ -68,11 +68,8 @@ static void draw_instances(struct gl *gl, struct numbered_vertex *batch)
     glClear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
     glShadeModel(GL_FLAT);
     glEnable(GL_STENCIL_TEST);
-    glStencilFunc(GL_ALWAYS, 0, 0xff);
-    glStencilOp(GL_INCR_WRAP, GL_INCR_WRAP, GL_INCR_WRAP);
     glBindBuffer(GL_ARRAY_BUFFER, 0);
     glDisableClientState(GL_NORMAL_ARRAY);
-    glDisableClientState(GL_TEXTURE_COORD_ARRAY);
     glEnableClientState(GL_COLOR_ARRAY);
     for (int i = 0; i < gl->plan->n_instances; i++)
         if (surface_reaches(&gl->lit->bounds[i], &gl->tile))

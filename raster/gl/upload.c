@@ -144,20 +144,24 @@ static bool upload_textures(struct gl *gl, struct error *err)
     return true;
 }
 
-void gl_bind_texture(const struct gl *gl, const struct texture *texture)
+static void switch_textures(bool on)
 {
-    if (!texture_is_drawn(gl->plan, texture)) {
-        glDisable(GL_TEXTURE_2D);
-        glDisableClientState(GL_TEXTURE_COORD_ARRAY);
-        return;
-    }
-    glBindTexture(GL_TEXTURE_2D, gl->textures[texture - gl->plan->textures]);
-    glEnable(GL_TEXTURE_2D);
-    glEnableClientState(GL_TEXTURE_COORD_ARRAY);
+    (on ? glEnable : glDisable)(GL_TEXTURE_2D);
+    (on ? glEnableClientState : glDisableClientState)(GL_TEXTURE_COORD_ARRAY);
+}
+
+void gl_bind_texture(struct gl *gl, const struct texture *texture)
+{
+    const struct texture *drawn = texture_is_drawn(gl->plan, texture) ? texture : NULL;
+    if (!drawn != !gl->texture)
+        switch_textures(drawn != NULL);
+    if (drawn && drawn != gl->texture)
+        glBindTexture(GL_TEXTURE_2D, gl->textures[texture - gl->plan->textures]);
+    gl->texture = drawn;
 }
 
 /* Uploads three planes as texels of three channels. Those of bands that do not exist are black. */
-static bool upload_texture_bands(const struct gl *gl, int index, int first_band, struct error *err)
+static bool upload_texture_bands(struct gl *gl, int index, int first_band, struct error *err)
 {
     struct texture *texture = &gl->plan->textures[index];
     const int width = texture->image.width, height = texture->image.height,
@@ -173,14 +177,14 @@ static bool upload_texture_bands(const struct gl *gl, int index, int first_band,
     for (size_t i = 0; i < n && done; i++)
         for (size_t c = 0; c < BANDS_PER_PASS; c++)
             texels[BANDS_PER_PASS * i + c] = rooms[c][i];
-    glBindTexture(GL_TEXTURE_2D, gl->textures[index]);
+    gl_bind_texture(gl, texture);
     if (done)
         glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F_ARB, width, height, 0, GL_RGB, GL_FLOAT, texels);
     free(planes);
     return done;
 }
 
-bool gl_upload_bands(const struct gl *gl, int first_band, struct error *err)
+bool gl_upload_bands(struct gl *gl, int first_band, struct error *err)
 {
     for (int i = 0; i < gl->plan->n_textures; i++)
         if (gl->textures[i] && gl->plan->textures[i].spectral &&
