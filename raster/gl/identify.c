@@ -63,10 +63,12 @@ static void draw_numbers(const struct gl *gl, int placed, struct numbered_vertex
 
 static void draw_instances(struct gl *gl, struct numbered_vertex *batch)
 {
+    const bool is_smooth = gl->plan->scene->shading != SHADING_FLAT;
     gl_clear_stale(gl);
     glDisable(GL_LIGHTING);
     glClear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
-    glShadeModel(GL_FLAT);
+    if (is_smooth)
+        glShadeModel(GL_FLAT);
     glEnable(GL_STENCIL_TEST);
     glBindBuffer(GL_ARRAY_BUFFER, 0);
     glDisableClientState(GL_NORMAL_ARRAY);
@@ -78,7 +80,8 @@ static void draw_instances(struct gl *gl, struct numbered_vertex *batch)
     glEnableClientState(GL_NORMAL_ARRAY);
     glDisable(GL_STENCIL_TEST);
     glEnable(GL_LIGHTING);
-    glShadeModel(gl->plan->scene->shading == SHADING_FLAT ? GL_FLAT : GL_SMOOTH);
+    if (is_smooth)
+        glShadeModel(GL_SMOOTH);
 }
 
 bool gl_identify(struct gl *gl, struct error *err)

@@ -44,7 +44,8 @@ def plain():
     result = report(scene_of())
     check(result["work"] == {"gl_passes": PASSES, "draw_calls": PASSES, "vertices_lit": 4, "points_lit": 0,
                              "specular_vertices": 0, "power_functions": 0, "excitation_integrals": 0,
-                             "textures_loaded": 0, "materials_loaded": 1, "terms": 1},
+                             "textures_loaded": 0, "materials_loaded": 1, "terms": 1, "unseen_instances": 0,
+                             "idle_lights": 0, "undrawn_textures": 0, "dark_passes": 0, "repeated_passes": 0},
           "a matt square under a light has one term and no power function", result["work"])
     check(used(result["effects"]) == {"lights", "diffuse"} and result["effects"]["lights"] == 1,
           "its only effects are a light and diffuse reflection", result["effects"])
