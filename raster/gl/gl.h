@@ -86,7 +86,7 @@ struct gl {
     uint32_t *depths; /* rows from the bottom: 24 bits of depth, 8 of stencil; NULL: no check */
     bool is_stale[2]; /* of `context` and `numbers`: the buffer holds colours of another tile */
     struct osmesa_context *current;
-    /* what `context` has been told, so that it is told nothing twice: */
+    /* the state of `context`, which is set only where it changes: */
     int group;               /* the group of lights that is placed; -1: none */
     struct pass_colours set; /* colours of lights and of a material */
     float gloss;

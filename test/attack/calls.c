@@ -5,9 +5,9 @@
  *
  *   NAME DETAIL COUNT AGAIN
  *
- * DETAIL tells calls of one name apart: the name of the state, or of the buffer, as a number. AGAIN
- * of them said what OpenGL had been told before: they set a state to the value that it had in the
- * current context, or uploaded bytes that the context had got already. */
+ * DETAIL separates calls of one name: the name of the state, or of the buffer, as a number. AGAIN
+ * calls of COUNT were needless: they set a state to the value that it had in the current context,
+ * or uploaded bytes that the context had got already. */
 #define _GNU_SOURCE
 #include <dlfcn.h>
 #include <pthread.h>
