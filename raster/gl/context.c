@@ -176,6 +176,7 @@ bool gl_open(const struct plan *plan, int n_buffers, struct gl **out, struct err
         return error_memory(err);
     gl->plan = plan;
     gl->group = -1;
+    gl->gloss = -1;
     if (!open_context(gl, n_buffers, err))
         return false;
     gl_set_state(gl);

@@ -89,7 +89,7 @@ struct gl {
     /* the state of `context`, which is set only where it changes: */
     int group;               /* the group of lights that is placed; -1: none */
     struct pass_colours set; /* colours of lights and of a material */
-    float gloss;
+    float gloss;             /* of the last material that shines; -1: none did */
     bool two_sided, mirrored;
     const struct texture *texture; /* NULL: textures are switched off */
     unsigned *objects;  /* names of the buffer objects: some for each mesh; 0: not in view */

@@ -129,7 +129,7 @@ static void set_material(struct gl *gl, const struct shaded_material *shaded,
 {
     struct pass_colours colours, *set = &gl->set;
     pass_colours(gl->plan, shaded, pass->group, pass->first_band, pass->full_scale, &colours);
-    const float gloss = colours.shines ? (float)shaded->material->gloss : 0;
+    const float gloss = colours.shines ? (float)shaded->material->gloss : gl->gloss;
     for (int i = 0; i < colours.n_lights; i++) {
         const bool idle = gl->plan->is_idle[pass->group * LIGHTS_PER_PASS + i];
         if (!idle && is_new(colours.diffuse[i], set->diffuse[i]))
