@@ -98,7 +98,10 @@ bool gl_identify(struct gl *gl, struct error *err)
     glReadPixels(0, 0, gl->plan->tile_width, gl->plan->tile_height, GL_DEPTH_STENCIL,
                  GL_UNSIGNED_INT_24_8, gl->depths);
     free(batch);
-    return gl_succeeded(err);
+    if (!gl_succeeded(err))
+        return false;
+    /* OSMesa fills the buffer once more when another context becomes current */
+    return !gl->numbers || gl_draw_into(gl, NULL, false, err);
 }
 
 /* Returns the number that a channel holds; -1: it holds no whole number below 2^24. */
