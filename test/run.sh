@@ -124,7 +124,8 @@ run_tests() {
     choose "$@"
     build
     export SPECTRAL="$BUILD/spectral" STATIC="$BUILD/spectral-static" TEST_TMP="$BUILD/tmp" BUILD \
-        FAULTS="$BUILD/test/fault.so" FAIL_LIBRARY="$BUILD/test/fail.so" LIBRARY="$BUILD/test/library.a" REPLAY="$BUILD/test/replay"
+        FAULTS="$BUILD/test/fault.so" FAIL_LIBRARY="$BUILD/test/fail.so" LIBRARY="$BUILD/test/library.a" REPLAY="$BUILD/test/replay" \
+        CALLS_LIBRARY="$BUILD/test/calls.so"
     need perl $([ -z "$scripts" ] || echo $test_packages)
     mkdir -p "$TEST_TMP"
     ! chosen_need STATIC || static_program
@@ -134,6 +135,10 @@ run_tests() {
     if chosen_need 'from attacked'; then
         mkdir -p "$BUILD/test"
         build_preloaded test/attack/fail.c "$FAIL_LIBRARY"
+    fi
+    if chosen_need CALLS_LIBRARY; then
+        mkdir -p "$BUILD/test"
+        build_preloaded test/attack/calls.c "$CALLS_LIBRARY"
     fi
     prove --timer --failures --comments --jobs $at_once --exec '' $scripts \
         $(for file in $units; do test_name "$file"; echo "$BUILD/test/$name"; done)

@@ -2,6 +2,7 @@
 /* Reads the planes of textures. A spectral texture keeps only the planes of one pass in memory: its
  * stack may be larger than the memory. */
 #include <assert.h>
+#include <math.h>
 #include <stdlib.h>
 
 #include "data/names/names.h"
@@ -48,17 +49,22 @@ static bool planes_fit(const struct texture *texture, const char *path, struct p
                            texture->image.height);
 }
 
-/* Reads all pages, one after the other, into the first plane, to find the largest value. */
-static bool find_largest(struct texture *texture, struct error *err)
+/* Reads all pages, one after the other, into the first plane, to find the extreme values. */
+static bool find_extremes(struct texture *texture, struct error *err)
 {
     if (!plane_allocate(texture, 0, err))
         return false;
+    texture->smallest = HUGE_VAL;
     for (int page = 0; page < texture->image.n_pages; page++) {
         if (!plane_read(texture, page, texture->plane[0], err))
             return false;
-        for (size_t i = 0; i < plane_size(texture); i++)
-            if ((double)texture->plane[0][i] > texture->largest) /* gcc 12 for ARM fails on fmax */
-                texture->largest = (double)texture->plane[0][i];
+        for (size_t i = 0; i < plane_size(texture); i++) {
+            const double value = (double)texture->plane[0][i];
+            if (value > texture->largest) /* gcc 12 for ARM fails on fmax */
+                texture->largest = value;
+            if (value < texture->smallest)
+                texture->smallest = value;
+        }
     }
     return true;
 }
@@ -87,7 +93,7 @@ static bool open_pages(const char *path, struct place from, struct texture *out,
                  " wavelengths is a spectral-texture",
                  path, out->image.n_pages);
     else
-        return planes_fit(out, path, from, err) && find_largest(out, err);
+        return planes_fit(out, path, from, err) && find_extremes(out, err);
     return false;
 }
 

@@ -316,7 +316,7 @@ void light_bounds(const struct lit_scene *lit, int surface, int index, double e_
         for (int i = 0; i < view->n_lights && view->shading != PHONG; i++) {
             float *group = group_weights(of, bounds, i / LIGHTS_PER_PASS);
             out.group = group ? group + at : NULL;
-            if (reflects(of->instance, &view->lights[i]))
+            if (!lit->plan->is_idle[i] && reflects(of->instance, &view->lights[i]))
                 add_light(&view->lights[i], i, &vertex, &out);
         }
         bounds->vertices[index].gated[side] = out.gated >= 0;

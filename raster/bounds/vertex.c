@@ -105,6 +105,7 @@ static bool is_exact(const struct plan *plan, const struct matrix *product, cons
 /* A surface whose vertices are being lit and bounded. */
 struct bounding {
     const struct lit_scene *lit;
+    const struct view *view; /* the plan's, or one without lights */
     int surface_index;
     struct surface *surface;
     struct surface_bounds *bounds;
@@ -113,6 +114,7 @@ struct bounding {
     struct counter vertices_lit, specular_vertices, power_functions;
 };
 
+/* A vertex out of view needs no bounds: OpenGL does not get it. */
 static void make_vertex(const struct bounding *of, int index, struct light_work *work)
 {
     const struct instance *instance = of->surface->instance;
@@ -121,7 +123,9 @@ static void make_vertex(const struct bounding *of, int index, struct light_work 
     const double object[4] = {position.x, position.y, position.z, 1};
     double eye_magnitude[4], clip_magnitude[4];
     const struct plan *plan = of->lit->plan;
-    surface_light(&plan->view, of->surface, index, work);
+    surface_light(of->view, of->surface, index, work);
+    if (!of->bounds->placed->in_view)
+        return;
     magnitudes(&instance->model_view, object, eye_magnitude);
     magnitudes(&plan->view.projection, eye_magnitude, clip_magnitude);
     bound_place(plan, clip_magnitude, &of->surface->vertices[index], out);
@@ -231,12 +235,13 @@ static bool check_surface(const struct bounding *of, struct error *err)
 
 /* ---- surfaces ---- */
 
-/* Window bounds of the whole surface, or everything where a vertex is beside or behind the eye. */
+/* Window bounds of the whole surface, or everything where a vertex is beside or behind the eye, or
+ * nothing out of view. */
 static void find_extent(const struct surface *surface, struct surface_bounds *bounds)
 {
     bounds->left = bounds->top = HUGE_VAL;
     bounds->right = bounds->bottom = -HUGE_VAL;
-    for (int i = 0; i < surface->instance->n_vertices; i++) {
+    for (int i = 0; i < surface->instance->n_vertices && bounds->placed->in_view; i++) {
         const struct window_vertex *vertex = &surface->vertices[i];
         bool in_front = vertex->clip[3] > 0;
         double slack = 1 + (double)bounds->vertices[i].slack_px; /* a pixel more costs nothing */
@@ -276,14 +281,16 @@ static bool allocate(const struct plan *plan, const struct placed_instance *plac
     size_t n_weights = surface_attributes(surface, placed->instance.n_vertices, 0);
     bounds->vertices = calloc((size_t)placed->instance.n_vertices + 1, sizeof *bounds->vertices);
     bounds->errors = calloc(n_weights + 1, sizeof *bounds->errors);
-    const bool gated = plan->options.check && may_be_gated(plan, &placed->instance);
+    const bool checked = plan->options.check && placed->in_view,
+               gated = checked && may_be_gated(plan, &placed->instance),
+               grouped = checked && plan->n_light_groups > 1;
     if (gated)
         bounds->jumps = calloc(n_weights + 1, sizeof *bounds->jumps);
-    if (plan->n_light_groups > 1 && plan->options.check)
+    if (grouped)
         bounds->group_weights =
             calloc(n_weights * (size_t)plan->n_light_groups + 1, sizeof *bounds->group_weights);
     return opened && bounds->vertices && bounds->errors && (bounds->jumps || !gated) &&
-           (bounds->group_weights || plan->n_light_groups == 1 || !plan->options.check);
+           (bounds->group_weights || !grouped);
 }
 
 /* Vertices that a thread takes at a time. To light fewer takes less time than to start a thread. */
@@ -304,7 +311,12 @@ static bool make_surface(const struct lit_scene *lit, int index, struct light_wo
                          struct error *err)
 {
     const struct placed_instance *placed = &lit->plan->instances[index];
+    const bool is_lit = instance_is_lit(lit->plan, placed);
+    struct light_work ignored = {0};
+    struct view unlit = lit->plan->view;
+    unlit.n_lights = 0;
     struct bounding of = {.lit = lit,
+                          .view = is_lit ? &lit->plan->view : &unlit,
                           .surface_index = index,
                           .surface = &lit->surfaces[index],
                           .bounds = &lit->bounds[index],
@@ -316,13 +328,14 @@ static bool make_surface(const struct lit_scene *lit, int index, struct light_wo
     of.may_be_exact = may_be_exact(lit->plan, &placed->instance, &of.product);
     threads_blocks(lit->plan->options.threads, (size_t)placed->instance.n_vertices, BLOCK_VERTICES,
                    make_vertices, &of);
+    work = is_lit ? work : &ignored;
     work->vertices_lit += (long)of.vertices_lit.n;
     work->specular_vertices += (long)of.specular_vertices.n;
     work->power_functions += (long)of.power_functions.n;
     if (!check_surface(&of, err))
         return false;
     find_extent(of.surface, of.bounds);
-    return find_hidden(lit, index, err);
+    return !placed->in_view || find_hidden(lit, index, err);
 }
 
 bool lit_make(const struct plan *plan, const struct driver *driver, struct lit_scene *out,

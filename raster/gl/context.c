@@ -105,7 +105,7 @@ void gl_clear_stale(struct gl *gl)
 {
     bool *is_stale = &gl->is_stale[gl->current != gl->context];
     if (*is_stale)
-        gl_blacken();
+        gl_blacken(gl);
     *is_stale = false;
 }
 
@@ -175,13 +175,16 @@ bool gl_open(const struct plan *plan, int n_buffers, struct gl **out, struct err
     if (!gl)
         return error_memory(err);
     gl->plan = plan;
-    if (!open_context(gl, n_buffers, err) || !gl_upload(gl, err))
+    gl->group = -1;
+    gl->gloss = -1;
+    if (!open_context(gl, n_buffers, err))
         return false;
     gl_set_state(gl);
     if (gl->numbers) {
         if (!gl_succeeded(err) || !gl_draw_into(gl, gl->shown, true, err))
             return false;
         gl_set_state(gl);
+        return gl_succeeded(err) && gl_draw_into(gl, NULL, false, err); /* for uploads */
     }
     return gl_succeeded(err);
 }

@@ -21,7 +21,7 @@ struct gl;
 bool gl_is_built(void);
 /* Writes name, version and driver of the OSMesa in use. */
 void gl_library(char *out, size_t capacity);
-/* Opens OpenGL for a plan, which must outlive *out, and uploads its vertices and textures.
+/* Opens OpenGL for a plan, which must outlive *out.
  * n_buffers: of gl_draw, at most MOST_BUFFERS. Fails with EXIT_SYSTEM where there is no usable
  * OpenGL, or not the driver that the plan asks for. Afterwards gl_close frees *out, also after a
  * failure. One struct gl can be open at a time; the thread that opens it draws. */
@@ -35,8 +35,8 @@ struct gl_names gl_names(const struct gl *gl);
 
 /* ---- upload.c: meshes and textures ---- */
 
-/* Takes the lit scene of the plan, before the first gl_aim, and uploads the triangles that are
- * drawn. It must outlive gl. */
+/* Takes the lit scene of the plan, before the first gl_aim, and uploads the vertices, triangles and
+ * textures that are drawn; of spectral textures no texels. It must outlive gl. */
 bool gl_take_scene(struct gl *gl, const struct lit_scene *lit, struct error *err);
 
 /* ---- pass.c: lights, materials and passes ---- */
@@ -86,9 +86,15 @@ struct gl {
     uint32_t *depths; /* rows from the bottom: 24 bits of depth, 8 of stencil; NULL: no check */
     bool is_stale[2]; /* of `context` and `numbers`: the buffer holds colours of another tile */
     struct osmesa_context *current;
-    unsigned *objects;  /* names of the buffer objects: some for each mesh */
+    /* the state of `context`, which is set only where it changes: */
+    int group;               /* the group of lights that is placed; -1: none */
+    struct pass_colours set; /* colours of lights and of a material */
+    float gloss;             /* of the last material that shines; -1: none did */
+    bool two_sided, mirrored;
+    const struct texture *texture; /* NULL: textures are switched off */
+    unsigned *objects;  /* names of the buffer objects: some for each mesh; 0: not in view */
     unsigned *indices;  /* of triangles: each mesh's, then those of instances that hide some */
-    unsigned *textures; /* names of the texture objects: one for each texture */
+    unsigned *textures; /* names of the texture objects, one for each texture; 0: not drawn */
     struct rectangle tile;
     struct gl_work work;
 };
@@ -104,14 +110,12 @@ bool gl_succeeded(struct error *err);
 
 /* ---- upload.c ---- */
 
-/* Uploads all vertices, and all textures but the texels of spectral ones. */
-bool gl_upload(struct gl *gl, struct error *err);
 /* Loads and uploads all spectral textures for the bands of a pass. */
-bool gl_upload_bands(const struct gl *gl, int first_band, struct error *err);
+bool gl_upload_bands(struct gl *gl, int first_band, struct error *err);
 /* The next draw call takes its vertices from an instance's mesh. Returns how many. */
 int gl_bind_mesh(const struct gl *gl, int instance);
 /* The next draw calls show a texture of the plan; NULL: none. */
-void gl_bind_texture(const struct gl *gl, const struct texture *texture);
+void gl_bind_texture(struct gl *gl, const struct texture *texture);
 
 /* ---- pass.c ---- */
 
@@ -121,8 +125,7 @@ void gl_set_state(const struct gl *gl);
 void gl_load_view(const struct gl *gl);
 /* Replaces the current matrix of OpenGL. */
 void gl_load_matrix(const struct matrix *m);
-/* Empties the colours of the buffer, and leaves lighting, textures and the depth test switched off.
- */
-void gl_blacken(void);
+/* Empties the colours of the buffer, and leaves textures switched off. */
+void gl_blacken(struct gl *gl);
 
 #endif

@@ -63,18 +63,15 @@ static void draw_numbers(const struct gl *gl, int placed, struct numbered_vertex
 
 static void draw_instances(struct gl *gl, struct numbered_vertex *batch)
 {
+    const bool is_smooth = gl->plan->scene->shading != SHADING_FLAT;
     gl_clear_stale(gl);
     glDisable(GL_LIGHTING);
-    glDisable(GL_TEXTURE_2D);
     glClear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
-    glShadeModel(GL_FLAT);
-    glEnable(GL_DEPTH_TEST);
+    if (is_smooth)
+        glShadeModel(GL_FLAT);
     glEnable(GL_STENCIL_TEST);
-    glStencilFunc(GL_ALWAYS, 0, 0xff);
-    glStencilOp(GL_INCR_WRAP, GL_INCR_WRAP, GL_INCR_WRAP);
     glBindBuffer(GL_ARRAY_BUFFER, 0);
     glDisableClientState(GL_NORMAL_ARRAY);
-    glDisableClientState(GL_TEXTURE_COORD_ARRAY);
     glEnableClientState(GL_COLOR_ARRAY);
     for (int i = 0; i < gl->plan->n_instances; i++)
         if (surface_reaches(&gl->lit->bounds[i], &gl->tile))
@@ -82,7 +79,9 @@ static void draw_instances(struct gl *gl, struct numbered_vertex *batch)
     glDisableClientState(GL_COLOR_ARRAY);
     glEnableClientState(GL_NORMAL_ARRAY);
     glDisable(GL_STENCIL_TEST);
-    glShadeModel(gl->plan->scene->shading == SHADING_FLAT ? GL_FLAT : GL_SMOOTH);
+    glEnable(GL_LIGHTING);
+    if (is_smooth)
+        glShadeModel(GL_SMOOTH);
 }
 
 bool gl_identify(struct gl *gl, struct error *err)
@@ -99,7 +98,10 @@ bool gl_identify(struct gl *gl, struct error *err)
     glReadPixels(0, 0, gl->plan->tile_width, gl->plan->tile_height, GL_DEPTH_STENCIL,
                  GL_UNSIGNED_INT_24_8, gl->depths);
     free(batch);
-    return gl_succeeded(err);
+    if (!gl_succeeded(err))
+        return false;
+    /* OSMesa fills the buffer once more when another context becomes current */
+    return !gl->numbers || gl_draw_into(gl, NULL, false, err);
 }
 
 /* Returns the number that a channel holds; -1: it holds no whole number below 2^24. */

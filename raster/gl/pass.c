@@ -5,6 +5,8 @@
  *
  * A pass has eight lights. More lights take more passes, whose colours are added here; each pass
  * draws everything anew, so that all show the same surfaces. A pass changes colours only. */
+#include <string.h>
+
 #define GL_GLEXT_PROTOTYPES
 #include <GL/gl.h>
 #include <GL/glext.h>
@@ -26,20 +28,10 @@ void gl_load_matrix(const struct matrix *m)
     glLoadMatrixd(columns);
 }
 
-/* Makes a row of a projection map [low, high] of the picture's clip space to [-1, 1]. */
-static void aim_row(struct matrix *m, int row, double low, double high)
-{
-    for (int j = 0; j < 4; j++)
-        m->row[row][j] = (2 * m->row[row][j] - (low + high) * m->row[3][j]) / (high - low);
-}
-
 void gl_load_view(const struct gl *gl)
 {
     const struct rectangle *tile = &gl->tile;
-    double width = gl->plan->scene->width, height = gl->plan->scene->height;
-    struct matrix projection = gl->plan->view.projection;
-    aim_row(&projection, 0, 2 * tile->x / width - 1, 2 * (tile->x + tile->width) / width - 1);
-    aim_row(&projection, 1, 1 - 2 * (tile->y + tile->height) / height, 1 - 2 * tile->y / height);
+    const struct matrix projection = pass_projection(gl->plan, tile);
     glMatrixMode(GL_PROJECTION);
     gl_load_matrix(&projection);
     glMatrixMode(GL_MODELVIEW);
@@ -74,6 +66,8 @@ void gl_set_state(const struct gl *gl)
     glMaterialfv(GL_FRONT_AND_BACK, GL_DIFFUSE, white);
     glMaterialfv(GL_FRONT_AND_BACK, GL_EMISSION, black);
     glClearColor(0, 0, 0, 0);
+    if (gl->plan->options.check)
+        glStencilOp(GL_INCR_WRAP, GL_INCR_WRAP, GL_INCR_WRAP); /* for gl_identify */
     glMatrixMode(GL_MODELVIEW);
     glEnableClientState(GL_VERTEX_ARRAY);
     glEnableClientState(GL_NORMAL_ARRAY);
@@ -98,15 +92,18 @@ static void place_light(GLenum name, const struct eye_light *light, const struct
         glLightfv(name, GL_SPOT_DIRECTION, direction);
 }
 
-/* Places the lights of a group, in eye coordinates. */
-static void place_lights(const struct gl *gl, int group)
+/* Places the lights of a group, in eye coordinates, unless they are placed already. */
+static void place_lights(struct gl *gl, int group)
 {
+    if (gl->group == group)
+        return;
+    gl->group = group;
     glLoadIdentity();
     for (int i = 0; i < LIGHTS_PER_PASS; i++) {
         int light = group * LIGHTS_PER_PASS + i;
-        if (light < gl->plan->n_lights)
+        if (light < gl->plan->n_lights && !gl->plan->is_idle[light])
             place_light(GL_LIGHT0 + (GLenum)i, &gl->plan->lights[light], gl->plan->sources[light]);
-        else
+        else if (gl->plan->n_light_groups > 1)
             glDisable(GL_LIGHT0 + (GLenum)i);
     }
 }
@@ -119,38 +116,59 @@ struct pass {
     double full_scale;
 };
 
-static void set_material(const struct gl *gl, const struct shaded_material *shaded,
+/* Returns whether a colour is not the one that OpenGL has, which it becomes. */
+static bool is_new(const float colour[4], float set[4])
+{
+    const bool differs = memcmp(colour, set, 4 * sizeof *set) != 0;
+    memcpy(set, colour, 4 * sizeof *set);
+    return differs;
+}
+
+static void set_material(struct gl *gl, const struct shaded_material *shaded,
                          const struct pass *pass)
 {
-    struct pass_colours colours;
+    struct pass_colours colours, *set = &gl->set;
     pass_colours(gl->plan, shaded, pass->group, pass->first_band, pass->full_scale, &colours);
+    const float gloss = colours.shines ? (float)shaded->material->gloss : gl->gloss;
     for (int i = 0; i < colours.n_lights; i++) {
-        glLightfv(GL_LIGHT0 + (GLenum)i, GL_DIFFUSE, colours.diffuse[i]);
-        glLightfv(GL_LIGHT0 + (GLenum)i, GL_SPECULAR, colours.specular[i]);
+        const bool idle = gl->plan->is_idle[pass->group * LIGHTS_PER_PASS + i];
+        if (!idle && is_new(colours.diffuse[i], set->diffuse[i]))
+            glLightfv(GL_LIGHT0 + (GLenum)i, GL_DIFFUSE, colours.diffuse[i]);
+        if (!idle && colours.shines && is_new(colours.specular[i], set->specular[i]))
+            glLightfv(GL_LIGHT0 + (GLenum)i, GL_SPECULAR, colours.specular[i]);
     }
-    glMaterialfv(GL_FRONT_AND_BACK, GL_AMBIENT, colours.constant);
-    glMaterialfv(GL_FRONT_AND_BACK, GL_SPECULAR, colours.shines ? white : black);
-    glMaterialf(GL_FRONT_AND_BACK, GL_SHININESS,
-                colours.shines ? (GLfloat)shaded->material->gloss : 0.0F);
+    if (is_new(colours.constant, set->constant))
+        glMaterialfv(GL_FRONT_AND_BACK, GL_AMBIENT, colours.constant);
+    if (colours.shines != set->shines)
+        glMaterialfv(GL_FRONT_AND_BACK, GL_SPECULAR, colours.shines ? white : black);
+    if (gloss != gl->gloss)
+        glMaterialf(GL_FRONT_AND_BACK, GL_SHININESS, gloss);
+    set->shines = colours.shines;
+    gl->gloss = gloss;
     gl_bind_texture(gl, shaded->texture);
 }
 
-static void draw_instance(const struct gl *gl, int instance)
+static void draw_instance(struct gl *gl, int instance)
 {
     const struct placed_instance *placed = &gl->plan->instances[instance];
     const int n = gl_bind_mesh(gl, instance);
-    glLightModeli(GL_LIGHT_MODEL_TWO_SIDE, placed->object->two_sided);
-    glFrontFace(placed->instance.mirrored ? GL_CW : GL_CCW);
+    if (gl->two_sided != placed->object->two_sided)
+        glLightModeli(GL_LIGHT_MODEL_TWO_SIDE, placed->object->two_sided);
+    if (gl->mirrored != placed->instance.mirrored)
+        glFrontFace(placed->instance.mirrored ? GL_CW : GL_CCW);
+    gl->two_sided = placed->object->two_sided;
+    gl->mirrored = placed->instance.mirrored;
     gl_load_matrix(&placed->instance.model_view);
     glDrawElements(GL_TRIANGLES, n, GL_UNSIGNED_INT, NULL);
 }
 
 /* Clears the colour by drawing over it: Mesa fills 16-byte pixels one by one, at ten times the
  * price of a rectangle. */
-void gl_blacken(void)
+void gl_blacken(struct gl *gl)
 {
+    if (gl->current == gl->context) /* the other one never has a texture */
+        gl_bind_texture(gl, NULL);
     glDisable(GL_LIGHTING);
-    glDisable(GL_TEXTURE_2D);
     glDisable(GL_DEPTH_TEST); /* which also leaves the cleared depth alone */
     glMatrixMode(GL_PROJECTION);
     glPushMatrix();
@@ -162,6 +180,8 @@ void gl_blacken(void)
     glMatrixMode(GL_PROJECTION);
     glPopMatrix();
     glMatrixMode(GL_MODELVIEW);
+    glEnable(GL_DEPTH_TEST);
+    glEnable(GL_LIGHTING);
 }
 
 static void draw_pass(struct gl *gl, const struct pass *pass)
@@ -170,8 +190,6 @@ static void draw_pass(struct gl *gl, const struct pass *pass)
     int shaded = -1;
     gl_clear_stale(gl);
     glClear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
-    glEnable(GL_DEPTH_TEST);
-    glEnable(GL_LIGHTING);
     place_lights(gl, pass->group);
     for (int i = 0; i < plan->n_instances; i++) {
         const struct placed_instance *placed = &plan->instances[i];
@@ -187,39 +205,21 @@ static void draw_pass(struct gl *gl, const struct pass *pass)
     gl->work.passes++;
 }
 
-/* Converts steps to parts of full scale. */
-static void convert_steps(const struct gl *gl, float *pixels)
-{
-    size_t n = 4 * (size_t)gl->plan->tile_width * (size_t)gl->plan->tile_height;
-    const uint16_t *words = gl->steps;
-    const uint8_t *bytes = gl->steps;
-    float whole = (float)buffer_steps(gl->plan);
-    bool wide = gl->plan->options.buffer_bits == 16;
-    for (size_t i = 0; i < n; i++)
-        pixels[i] = (float)(wide ? words[i] : bytes[i]) / whole;
-}
-
-static void add_part(const struct gl *gl, float *sum)
-{
-    size_t n = 4 * (size_t)gl->plan->tile_width * (size_t)gl->plan->tile_height;
-    for (size_t i = 0; i < n; i++)
-        sum[i] += gl->part[i];
-}
-
 bool gl_draw(struct gl *gl, int buffer, int first_band, double full_scale, struct error *err)
 {
     float *sum = gl->buffers[buffer];
-    if (!gl_upload_bands(gl, first_band, err))
-        return false;
     for (int group = 0; group < gl->plan->n_light_groups; group++) {
         float *pixels = group == 0 ? sum : gl->part;
-        if (!gl_draw_into(gl, gl->steps ? NULL : pixels, false, err))
+        if (!group_is_drawn(gl->plan, group))
+            continue;
+        if (!gl_draw_into(gl, gl->steps ? NULL : pixels, false, err) ||
+            (group == 0 && !gl_upload_bands(gl, first_band, err)))
             return false;
         draw_pass(gl, &(struct pass){first_band, group, full_scale});
         if (gl->steps)
-            convert_steps(gl, pixels);
+            pass_convert(gl->plan, gl->steps, pixels);
         if (group > 0)
-            add_part(gl, sum);
+            pass_add(gl->plan, gl->part, sum);
     }
     return gl_succeeded(err);
 }

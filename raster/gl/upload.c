@@ -33,46 +33,37 @@ static void copy_coordinates(const struct vertex *from, GLfloat *to)
     to[1] = (GLfloat)from->t;
 }
 
-/* Fills the bound buffer with what `copy` takes from each vertex, n_floats of them. */
-static bool upload_vertices(const struct mesh *mesh, size_t n_floats,
+/* Fills a buffer that has no name yet with what `copy` takes from each vertex, n_floats of them. */
+static bool upload_vertices(GLuint *name, const struct mesh *mesh, size_t n_floats,
                             void (*copy)(const struct vertex *from, GLfloat *to), struct error *err)
 {
     const size_t n = (size_t)mesh->n_vertices, size = n_floats * sizeof(GLfloat);
-    GLfloat *floats = malloc(n * size);
+    GLfloat *floats = *name ? NULL : malloc(n * size);
     if (!floats)
-        return error_memory(err);
+        return *name || error_memory(err);
     for (size_t i = 0; i < n; i++)
         copy(&mesh->vertices[i], floats + n_floats * i);
+    glGenBuffers(1, name);
+    glBindBuffer(GL_ARRAY_BUFFER, *name);
     glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(n * size), floats, GL_STATIC_DRAW);
     free(floats);
     return true;
 }
 
-static bool upload_mesh(const struct gl *gl, int index, struct error *err)
+static bool shows_texture(const struct gl *gl, int instance)
 {
-    const struct mesh *mesh = &gl->plan->meshes[index].mesh;
-    const GLuint *buffers = gl->objects + BUFFERS * index;
-    if (mesh->n_triangles == 0)
-        return true;
-    glBindBuffer(GL_ARRAY_BUFFER, buffers[VERTICES]);
-    if (!upload_vertices(mesh, VERTEX_FLOATS, copy_vertex, err))
-        return false;
-    glBindBuffer(GL_ARRAY_BUFFER, buffers[COORDINATES]);
-    return !gl->plan->meshes[index].textured ||
-           upload_vertices(mesh, COORDINATE_FLOATS, copy_coordinates, err);
+    const int shaded = gl->plan->instances[instance].shaded;
+    return texture_is_drawn(gl->plan, gl->plan->materials[shaded].texture);
 }
 
-static bool upload_meshes(struct gl *gl, struct error *err)
+static bool upload_mesh(const struct gl *gl, int instance, struct error *err)
 {
-    int n_meshes = gl->plan->n_meshes;
-    gl->objects = calloc(BUFFERS * (size_t)n_meshes + 1, sizeof *gl->objects);
-    if (!gl->objects)
-        return error_memory(err);
-    glGenBuffers(BUFFERS * n_meshes, gl->objects);
-    for (int i = 0; i < n_meshes; i++)
-        if (!upload_mesh(gl, i, err))
-            return false;
-    return true;
+    const int index = gl->plan->instances[instance].mesh;
+    const struct mesh *mesh = &gl->plan->meshes[index].mesh;
+    GLuint *buffers = gl->objects + BUFFERS * index;
+    return upload_vertices(&buffers[VERTICES], mesh, VERTEX_FLOATS, copy_vertex, err) &&
+           (!shows_texture(gl, instance) ||
+            upload_vertices(&buffers[COORDINATES], mesh, COORDINATE_FLOATS, copy_coordinates, err));
 }
 
 /* Returns the name of the buffer of an instance's triangles: its mesh's, or its own if it hides
@@ -101,28 +92,6 @@ static bool upload_triangles(const struct gl *gl, int instance, struct error *er
     return true;
 }
 
-bool gl_take_scene(struct gl *gl, const struct lit_scene *lit, struct error *err)
-{
-    const int n_instances = gl->plan->n_instances;
-    /* the context that draws colours: numbers are drawn from memory */
-    if (!gl_draw_into(gl, gl->steps ? NULL : gl->buffers[0], false, err))
-        return false;
-    gl->lit = lit;
-    gl->indices = calloc((size_t)gl->plan->n_meshes + (size_t)n_instances + 1, sizeof *gl->indices);
-    if (!gl->indices)
-        return error_memory(err);
-    for (int i = 0; i < n_instances; i++) {
-        GLuint *buffer = index_buffer(gl, i);
-        if (*buffer)
-            continue;
-        glGenBuffers(1, buffer);
-        glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, *buffer);
-        if (!upload_triangles(gl, i, err))
-            return false;
-    }
-    return true;
-}
-
 int gl_bind_mesh(const struct gl *gl, int instance)
 {
     const GLsizei step = VERTEX_FLOATS * sizeof(GLfloat);
@@ -132,7 +101,7 @@ int gl_bind_mesh(const struct gl *gl, int instance)
     glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, *index_buffer(gl, instance));
     glVertexPointer(3, GL_FLOAT, step, NULL); /* offsets into the bound buffer */
     glNormalPointer(GL_FLOAT, step, (const void *)(3 * sizeof(GLfloat)));
-    if (gl->plan->materials[placed->shaded].texture) {
+    if (shows_texture(gl, instance)) {
         glBindBuffer(GL_ARRAY_BUFFER, buffers[COORDINATES]);
         glTexCoordPointer(2, GL_FLOAT, 0, NULL);
     }
@@ -143,14 +112,15 @@ int gl_bind_mesh(const struct gl *gl, int instance)
 
 /* Texels are of single precision: Mesa filters texels of 8 bits with weights of 8 bits. A spectral
  * texture has no texels yet. */
-static bool upload_texture(const struct texture *texture, GLuint name, struct error *err)
+static bool upload_texture(const struct texture *texture, GLuint *name, struct error *err)
 {
     GLint filter = texture->linear ? GL_LINEAR : GL_NEAREST, largest = 0;
     glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
     if (texture->image.width > largest || texture->image.height > largest)
         return error_system(err, "%.500s: this OpenGL has textures of at most %d texels a side",
                             texture->image.path, largest);
-    glBindTexture(GL_TEXTURE_2D, name);
+    glGenTextures(1, name);
+    glBindTexture(GL_TEXTURE_2D, *name);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
     glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
@@ -163,35 +133,35 @@ static bool upload_texture(const struct texture *texture, GLuint name, struct er
 
 static bool upload_textures(struct gl *gl, struct error *err)
 {
-    int n_textures = gl->plan->n_textures;
-    if (n_textures == 0)
-        return true;
-    gl->textures = calloc((size_t)n_textures, sizeof *gl->textures);
+    const size_t n = (size_t)gl->plan->n_textures;
+    gl->textures = calloc(n + 1, sizeof *gl->textures);
     if (!gl->textures)
         return error_memory(err);
-    glGenTextures(n_textures, gl->textures);
-    glPixelStorei(GL_UNPACK_ALIGNMENT, 4);
-    glTexEnvi(GL_TEXTURE_ENV, GL_TEXTURE_ENV_MODE, GL_MODULATE);
-    for (int i = 0; i < n_textures; i++)
-        if (!upload_texture(&gl->plan->textures[i], gl->textures[i], err))
+    for (size_t i = 0; i < n; i++)
+        if (texture_is_drawn(gl->plan, &gl->plan->textures[i]) &&
+            !upload_texture(&gl->plan->textures[i], &gl->textures[i], err))
             return false;
     return true;
 }
 
-void gl_bind_texture(const struct gl *gl, const struct texture *texture)
+static void switch_textures(bool on)
 {
-    if (!texture) {
-        glDisable(GL_TEXTURE_2D);
-        glDisableClientState(GL_TEXTURE_COORD_ARRAY);
-        return;
-    }
-    glBindTexture(GL_TEXTURE_2D, gl->textures[texture - gl->plan->textures]);
-    glEnable(GL_TEXTURE_2D);
-    glEnableClientState(GL_TEXTURE_COORD_ARRAY);
+    (on ? glEnable : glDisable)(GL_TEXTURE_2D);
+    (on ? glEnableClientState : glDisableClientState)(GL_TEXTURE_COORD_ARRAY);
+}
+
+void gl_bind_texture(struct gl *gl, const struct texture *texture)
+{
+    const struct texture *drawn = texture_is_drawn(gl->plan, texture) ? texture : NULL;
+    if (!drawn != !gl->texture)
+        switch_textures(drawn != NULL);
+    if (drawn && drawn != gl->texture)
+        glBindTexture(GL_TEXTURE_2D, gl->textures[texture - gl->plan->textures]);
+    gl->texture = drawn;
 }
 
 /* Uploads three planes as texels of three channels. Those of bands that do not exist are black. */
-static bool upload_texture_bands(const struct gl *gl, int index, int first_band, struct error *err)
+static bool upload_texture_bands(struct gl *gl, int index, int first_band, struct error *err)
 {
     struct texture *texture = &gl->plan->textures[index];
     const int width = texture->image.width, height = texture->image.height,
@@ -207,22 +177,49 @@ static bool upload_texture_bands(const struct gl *gl, int index, int first_band,
     for (size_t i = 0; i < n && done; i++)
         for (size_t c = 0; c < BANDS_PER_PASS; c++)
             texels[BANDS_PER_PASS * i + c] = rooms[c][i];
-    glBindTexture(GL_TEXTURE_2D, gl->textures[index]);
+    gl_bind_texture(gl, texture);
     if (done)
         glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F_ARB, width, height, 0, GL_RGB, GL_FLOAT, texels);
     free(planes);
     return done;
 }
 
-bool gl_upload_bands(const struct gl *gl, int first_band, struct error *err)
+bool gl_upload_bands(struct gl *gl, int first_band, struct error *err)
 {
     for (int i = 0; i < gl->plan->n_textures; i++)
-        if (gl->plan->textures[i].spectral && !upload_texture_bands(gl, i, first_band, err))
+        if (gl->textures[i] && gl->plan->textures[i].spectral &&
+            !upload_texture_bands(gl, i, first_band, err))
             return false;
     return true;
 }
 
-bool gl_upload(struct gl *gl, struct error *err)
+/* ---- the scene ---- */
+
+/* Nothing is uploaded twice, and nothing of an instance out of view. */
+static bool upload_instance(const struct gl *gl, int instance, struct error *err)
 {
-    return upload_meshes(gl, err) && upload_textures(gl, err);
+    GLuint *indices = index_buffer(gl, instance);
+    if (!gl->plan->instances[instance].in_view)
+        return true;
+    if (!upload_mesh(gl, instance, err))
+        return false;
+    if (*indices)
+        return true;
+    glGenBuffers(1, indices);
+    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, *indices);
+    return upload_triangles(gl, instance, err);
+}
+
+bool gl_take_scene(struct gl *gl, const struct lit_scene *lit, struct error *err)
+{
+    const size_t n_instances = (size_t)gl->plan->n_instances, n_meshes = (size_t)gl->plan->n_meshes;
+    gl->lit = lit;
+    gl->objects = calloc(BUFFERS * n_meshes + 1, sizeof *gl->objects);
+    gl->indices = calloc(n_meshes + n_instances + 1, sizeof *gl->indices);
+    if (!gl->objects || !gl->indices)
+        return error_memory(err);
+    for (int i = 0; i < gl->plan->n_instances; i++)
+        if (!upload_instance(gl, i, err))
+            return false;
+    return upload_textures(gl, err) && gl_succeeded(err);
 }

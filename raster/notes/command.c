@@ -29,8 +29,8 @@ bool command_plan(struct options *options, struct error *err)
                 plan_make(&scene, sampling_or_none(&sampling), &plan_options, &plan, err) &&
                 note_plan(&plan, &notes, err);
     if (done && options->json) {
-        plan_json(&plan, &notes, &json);
-        done = json_write(&json, options->json, &options->outputs, err);
+        done = plan_json(&plan, &notes, &json, err) &&
+               json_write(&json, options->json, &options->outputs, err);
     } else if (done) {
         struct printed printed = {.text = NULL};
         done = plan_print(&plan, &printed, err);

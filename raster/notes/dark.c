@@ -85,17 +85,6 @@ static bool faces_light(const struct lit_scene *lit, int surface)
     return false;
 }
 
-/* Returns a radiance that certainly becomes count 0: below half a count of the full scale, which is
- * not below the brightest vertex's largest term. Floats hold all but 0. */
-static double black_below(const struct scene_survey *survey)
-{
-    const struct plan *plan = survey->lit->plan;
-    const double terms = plan->max_rows > 1 ? plan->max_rows : 1;
-    const double scale =
-        plan->options.full_scale > 0 ? plan->options.full_scale : survey->brightest / terms;
-    return plan->options.bits == 32 ? 0 : 0.5 / FULL_COUNT * scale;
-}
-
 /* Returns true if nothing of the surface in view shows light, or hardly anything: where a solid is
  * lit from behind, triangles at its outline have a lit corner. A spot may light little on purpose.
  */
@@ -106,7 +95,7 @@ static bool is_dark(const struct scene_survey *survey, int surface)
     bool spots = false;
     for (int i = 0; i < view->n_lights; i++)
         spots = spots || view->lights[i].spot;
-    return seen->brightest_in_view <= black_below(survey) ||
+    return seen->brightest_in_view <= survey_black(survey) ||
            (!spots && seen->dark_area >= 0.95 * seen->area);
 }
 
@@ -127,10 +116,10 @@ static enum darkness darkness_of(const struct scene_survey *survey, int surface)
         return TEXTURE;
     if (phong)
         return NOT_BLACK;
-    return seen->brightest > black_below(survey) ? FAR_SIDE
-           : !faces_light(survey->lit, surface)  ? FACES_AWAY
-           : seen->brightest == 0                ? SPOTS_MISS
-                                                 : TOO_WEAK;
+    return seen->brightest > survey_black(survey) ? FAR_SIDE
+           : !faces_light(survey->lit, surface)   ? FACES_AWAY
+           : seen->brightest == 0                 ? SPOTS_MISS
+                                                  : TOO_WEAK;
 }
 
 /* One note for all objects that are black for one reason. */

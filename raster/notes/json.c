@@ -11,7 +11,7 @@ static void json_effect(struct json *json, const struct plan_effect *effect)
     json_close(json, '}');
 }
 
-static void json_work(struct json *json, const struct plan *plan)
+static void json_work(struct json *json, const struct plan *plan, int passes)
 {
     const struct rectangle picture = plan_picture(plan);
     const int tiles = plan_tiles(plan, &picture);
@@ -24,16 +24,48 @@ static void json_work(struct json *json, const struct plan *plan)
     json_count(json, "terms", (uint64_t)plan->work.terms);
     json_count(json, "excitation_integrals", (uint64_t)plan->work.excitation_integrals);
     json_count(json, "tiles", (uint64_t)tiles);
-    json_count(json, "passes", (uint64_t)(plan->n_passes * plan->n_light_groups) * (uint64_t)tiles);
+    json_count(json, "passes", (uint64_t)passes * (uint64_t)tiles);
     json_count(json, "tile_bytes", (uint64_t)plan->tile_bytes);
     json_count(json, "file_bytes", plan->file_bytes);
     json_close(json, '}');
 }
 
-void plan_json(const struct plan *plan, const struct notes *notes, struct json *json)
+static void json_left_out(struct json *json, const struct left_out_list *left_out)
+{
+    json_open(json, "left_out", '[');
+    for (int i = 0; i < left_out->n; i++) {
+        json_open(json, NULL, '{');
+        json_string(json, "what", left_out->list[i].what);
+        json_count(json, "count", (uint64_t)left_out->list[i].n);
+        json_count(json, "of", (uint64_t)left_out->list[i].of);
+        json_string(json, "reason", left_out->list[i].reason);
+        json_close(json, '}');
+    }
+    json_close(json, ']');
+}
+
+static void json_lights(struct json *json, const struct plan *plan)
+{
+    json_open(json, "lights", '[');
+    for (int i = 0; i < plan->scene->n_lights; i++) {
+        const struct light *light = &plan->scene->lights[i];
+        json_open(json, NULL, '{');
+        json_string(json, "spectrum", light->spectrum.name);
+        json_number(json, "intensity", light->intensity);
+        json_string(json, "off", why_off(plan, light));
+        json_close(json, '}');
+    }
+    json_close(json, ']');
+}
+
+bool plan_json(const struct plan *plan, const struct notes *notes, struct json *json,
+               struct error *err)
 {
     const struct scene *scene = plan->scene;
     const bool components = plan->sampling && !plan->sampling->spectral;
+    struct left_out_list left_out;
+    if (!left_out_make(plan, &left_out, err))
+        return false;
     json_begin(json);
     json_open(json, NULL, '{');
     json_string(json, "program", PROGRAM);
@@ -44,20 +76,14 @@ void plan_json(const struct plan *plan, const struct notes *notes, struct json *
     json_count(json, "bands", (uint64_t)plan->n_bands);
     json_numbers(json, "wavelengths_nm", components ? NULL : scene->wavelengths_nm,
                  scene->n_wavelengths);
-    json_work(json, plan);
+    json_work(json, plan, left_out.drawn_passes);
+    json_left_out(json, &left_out);
     json_open(json, "effects", '[');
     for (int i = 0; i < plan->n_effects; i++)
         json_effect(json, &plan->effects[i]);
     json_close(json, ']');
-    json_open(json, "lights", '[');
-    for (int i = 0; i < scene->n_lights; i++) {
-        json_open(json, NULL, '{');
-        json_string(json, "spectrum", scene->lights[i].spectrum.name);
-        json_number(json, "intensity", scene->lights[i].intensity);
-        json_string(json, "off", why_off(plan, &scene->lights[i]));
-        json_close(json, '}');
-    }
-    json_close(json, ']');
+    json_lights(json, plan);
     notes_json(notes, json);
     json_close(json, '}');
+    return true;
 }

@@ -19,7 +19,8 @@ static bool note_objects(const struct lit_scene *lit, struct notes *notes, struc
 {
     struct scene_survey survey;
     bool done = survey_make(lit, &survey, err) && note_view(&survey, notes, err) &&
-                note_dark(&survey, notes, err) && note_full_scale(&survey, notes, err);
+                note_dark(&survey, notes, err) && note_weak(&survey, notes, err) &&
+                note_full_scale(&survey, notes, err);
     survey_free(&survey);
     return done;
 }

@@ -32,10 +32,11 @@ void notes_free(struct notes *notes);
 
 /* ---- print.c: the plan in words ---- */
 
-/* Fails only where memory runs out. */
+/* Fail only where memory runs out. */
 bool plan_print(const struct plan *plan, struct printed *to, struct error *err);
 /* json.c: begins a text with one JSON object. */
-void plan_json(const struct plan *plan, const struct notes *notes, struct json *json);
+bool plan_json(const struct plan *plan, const struct notes *notes, struct json *json,
+               struct error *err);
 
 /* ---- command.c: spectral plan ---- */
 
@@ -50,10 +51,23 @@ bool note_add(struct notes *notes, const char *code, struct error *err, const ch
 /* print.c: returns why a light does not shine; NULL: it shines. */
 const char *why_off(const struct plan *plan, const struct light *light);
 
+/* left_out.c: work that the scene does not call for. */
+
+enum { LEFT_OUT_REASON = 128 };
+struct left_out {
+    const char *what; /* "instances", in the plural */
+    long n, of;       /* so many of all */
+    char reason[LEFT_OUT_REASON];
+};
+struct left_out_list {
+    struct left_out list[16];
+    int n, drawn_passes; /* drawn_passes: of a tile, by OpenGL */
+};
+/* Fails only where memory runs out. */
+bool left_out_make(const struct plan *plan, struct left_out_list *out, struct error *err);
+
 /* survey.c: what the vertices of a scene show. */
 
-/* The planes of the view. A set of them has bit 1 << plane. */
-enum view_plane { VIEW_LEFT, VIEW_RIGHT, VIEW_BELOW, VIEW_ABOVE, VIEW_NEAR, VIEW_FAR, VIEW_PLANES };
 struct surface_survey {
     double area;      /* of its triangles in the picture, in pixels, as if nothing else hid them */
     double dark_area; /* of triangles without light */
@@ -76,6 +90,8 @@ double survey_vertex(const struct lit_scene *lit, int surface, int vertex, int s
 /* Returns a radiance, exact to 1/8, such that at most this share of the area in view shows
  * triangles with a brighter vertex. The area is not 0. */
 double survey_exceeded(const struct scene_survey *survey, double share);
+/* Returns a radiance that certainly becomes count 0; 0: there is none. */
+double survey_black(const struct scene_survey *survey);
 /* Returns true if the surface begins another object than the surface before it. */
 bool begins_object(const struct plan *plan, int surface);
 
@@ -96,10 +112,11 @@ int table_outside(const struct plan *plan, const struct table_use *use);
 bool note_wavelengths(const struct plan *plan, struct notes *notes, struct error *err);
 bool note_tables(const struct plan *plan, struct notes *notes, struct error *err);
 
-/* view.c, dark.c, bright.c: add notes on objects that are not in view, on objects without light,
- * and on a full scale that leaves the picture dark. */
+/* view.c, dark.c, weak.c, bright.c: add notes on objects that are not in view, on objects without
+ * light, on lights that add next to nothing, and on a full scale that leaves the picture dark. */
 bool note_view(const struct scene_survey *survey, struct notes *notes, struct error *err);
 bool note_dark(const struct scene_survey *survey, struct notes *notes, struct error *err);
+bool note_weak(const struct scene_survey *survey, struct notes *notes, struct error *err);
 bool note_full_scale(const struct scene_survey *survey, struct notes *notes, struct error *err);
 
 #endif

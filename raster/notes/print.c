@@ -15,9 +15,10 @@ static int compare_sources(const void *a, const void *b)
 const char *why_off(const struct plan *plan, const struct light *light)
 {
     const struct spectral_pages *pages = &plan->illumination.pages;
-    if (bsearch(&light, plan->sources, (size_t)plan->n_lights, sizeof *plan->sources,
-                compare_sources))
-        return NULL;
+    const struct light **found = bsearch(&light, plan->sources, (size_t)plan->n_lights,
+                                         sizeof *plan->sources, compare_sources);
+    if (found)
+        return plan->is_idle[found - plan->sources] ? "it reaches no object in view" : NULL;
     return light->intensity == 0                  ? "intensity 0"
            : !pages_show(pages, &light->spectrum) ? "spectrum 0 at every wavelength shown"
                                                   : "no material reflects it";
@@ -71,11 +72,13 @@ static bool print_guesses(const struct plan *plan, struct printed *to, struct er
     return true;
 }
 
-static void print_work(const struct plan *plan, struct printed *to)
+static void print_work(const struct plan *plan, const struct left_out_list *left_out,
+                       struct printed *to)
 {
     const struct scene *scene = plan->scene;
     const struct rectangle picture = plan_picture(plan);
-    int passes = plan->n_passes * plan->n_light_groups, most = 0;
+    const int passes = left_out->drawn_passes;
+    int most = 0;
     for (int i = 0; i < plan->n_materials; i++)
         most = plan->materials[i].n_terms > most ? plan->materials[i].n_terms : most;
     print(to, "objects           %d (%d instances, %ld vertices, %ld triangles)\n",
@@ -87,6 +90,9 @@ static void print_work(const struct plan *plan, struct printed *to)
           plan->tile_width, plan->tile_height);
     print(to, "passes            %ld (%d a tile, %d bands and %d lights each)\n",
           (long)passes * plan_tiles(plan, &picture), passes, BANDS_PER_PASS, LIGHTS_PER_PASS);
+    for (int i = 0; i < left_out->n; i++)
+        print(to, "left out          %ld of %ld %s (%s)\n", left_out->list[i].n,
+              left_out->list[i].of, left_out->list[i].what, left_out->list[i].reason);
     print(to, "memory            %.1f MiB for a tile\n", (double)plan->tile_bytes / 1048576);
     print(to, "file              %llu bytes of pixels\n", (unsigned long long)plan->file_bytes);
 }
@@ -108,10 +114,13 @@ static void print_bands(const struct plan *plan, struct printed *to)
 bool plan_print(const struct plan *plan, struct printed *to, struct error *err)
 {
     const struct scene *scene = plan->scene;
+    struct left_out_list left_out;
+    if (!left_out_make(plan, &left_out, err))
+        return false;
     print(to, "scene             %s\n", scene->path);
     print(to, "picture           %d x %d pixels\n", scene->width, scene->height);
     print_bands(plan, to);
-    print_work(plan, to);
+    print_work(plan, &left_out, to);
     for (int i = 0; i < plan->n_effects; i++)
         print(to, "%-17s %s (%s)\n", plan->effects[i].name, plan->effects[i].used ? "yes" : "no",
               plan->effects[i].reason);

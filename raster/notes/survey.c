@@ -230,3 +230,14 @@ bool begins_object(const struct plan *plan, int surface)
 {
     return surface == 0 || plan->instances[surface].object != plan->instances[surface - 1].object;
 }
+
+/* Half a count of the full scale, which is not below the brightest vertex's largest term. Floats
+ * hold all but 0. */
+double survey_black(const struct scene_survey *survey)
+{
+    const struct plan *plan = survey->lit->plan;
+    const double terms = plan->max_rows > 1 ? plan->max_rows : 1;
+    const double scale =
+        plan->options.full_scale > 0 ? plan->options.full_scale : survey->brightest / terms;
+    return plan->options.bits == 32 ? 0 : 0.5 / FULL_COUNT * scale;
+}

@@ -28,9 +28,14 @@ void pass_colours(const struct plan *plan, const struct shaded_material *shaded,
 {
     const double *constant = group == 0 ? term_row(plan, shaded, CONSTANT, -1) : NULL;
     const int first = group * LIGHTS_PER_PASS, left = plan->n_lights - first;
+    const double factor = shaded->texture ? texture_factor(plan, shaded->texture) : 1;
+    if (factor >= 0)
+        full_scale /= factor; /* infinite, and colours 0, where all texels are 0 */
     *out = (struct pass_colours){.n_lights = left < LIGHTS_PER_PASS ? left : LIGHTS_PER_PASS};
     band_colour(plan, constant, first_band, full_scale, out->constant);
     for (int i = 0; i < out->n_lights; i++) {
+        if (plan->is_idle[first + i])
+            continue;
         const struct eye_light *light = &plan->lights[first + i];
         const double *specular = term_row(plan, shaded, SPECULAR, light->first);
         band_colour(plan, term_row(plan, shaded, DIFFUSE, light->first), first_band,

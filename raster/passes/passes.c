@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Finds the passes that OpenGL need not draw: all radiance is a sum of weights x spectra x texture,
- * and weights are the same in all bands. */
+ * and weights are the same in all bands. Only the materials of instances in view count, and lights
+ * that reach these. */
 #include <stdlib.h>
 
 #include "raster/passes/passes.h"
@@ -28,53 +29,77 @@ static bool term_is_same(const struct plan *plan, const double *row, int a, int 
     return true;
 }
 
-/* The products of a term: one in each band. */
-static const double *row_of(const struct plan *plan, const struct shaded_material *shaded, int term)
+/* The terms that may show: of materials in view, and of light that reaches them. */
+struct shown {
+    const struct plan *plan;
+    bool *reaches; /* of each light: it, or one that it is the first of, reaches something */
+};
+
+/* Returns the products of a term, one in each band; NULL: the term does not show. */
+static const double *row_of(const struct shown *of, const struct shaded_material *shaded, int term)
 {
-    return shaded->made.spectra + (size_t)term * (size_t)plan->n_bands;
+    const int light = shaded->terms[term].light;
+    if (!shaded->shown || (light >= 0 && !of->reaches[light]))
+        return NULL;
+    return shaded->made.spectra + (size_t)term * (size_t)of->plan->n_bands;
 }
 
-static bool is_dark(const struct plan *plan, int pass)
+static bool is_dark(const struct shown *of, int pass)
 {
-    for (int m = 0; m < plan->n_materials; m++)
-        for (int t = 0; t < plan->materials[m].n_terms; t++)
-            if (!term_is_dark(plan, row_of(plan, &plan->materials[m], t), pass))
+    for (int m = 0; m < of->plan->n_materials; m++)
+        for (int t = 0; t < of->plan->materials[m].n_terms; t++) {
+            const double *row = row_of(of, &of->plan->materials[m], t);
+            if (row && !term_is_dark(of->plan, row, pass))
                 return false;
+        }
     return true;
 }
 
 /* Returns whether two passes show the same. A spectral texture may differ between them. */
-static bool is_same(const struct plan *plan, int a, int b)
+static bool is_same(const struct shown *of, int a, int b)
 {
-    for (int m = 0; m < plan->n_materials; m++) {
-        const struct shaded_material *shaded = &plan->materials[m];
-        if (shaded->texture && shaded->texture->spectral)
+    for (int m = 0; m < of->plan->n_materials; m++) {
+        const struct shaded_material *shaded = &of->plan->materials[m];
+        if (shaded->shown && texture_is_drawn(of->plan, shaded->texture) &&
+            shaded->texture->spectral)
             return false;
-        for (int t = 0; t < shaded->n_terms; t++)
-            if (!term_is_same(plan, row_of(plan, shaded, t), a, b))
+        for (int t = 0; t < shaded->n_terms; t++) {
+            const double *row = row_of(of, shaded, t);
+            if (row && !term_is_same(of->plan, row, a, b))
                 return false;
+        }
     }
     return true;
+}
+
+static void find_frames(const struct shown *of, struct passes *out)
+{
+    for (int i = 0; i < of->plan->n_lights; i++)
+        if (!of->plan->is_idle[i])
+            of->reaches[of->plan->lights[i].first] = true;
+    for (int pass = 0; pass < of->plan->n_passes; pass++) {
+        out->frame[pass] = DARK;
+        if (is_dark(of, pass)) {
+            out->n_dark++;
+            continue;
+        }
+        if (out->n_frames == 0 || !is_same(of, out->first_pass[out->n_frames - 1], pass))
+            out->first_pass[out->n_frames++] = pass;
+        out->frame[pass] = out->n_frames - 1;
+    }
 }
 
 bool passes_make(const struct plan *plan, struct passes *out, struct error *err)
 {
     const size_t n = (size_t)plan->n_passes;
+    struct shown of = {plan, calloc((size_t)plan->n_lights + 1, sizeof *of.reaches)};
     *out = (struct passes){.frame = calloc(n, sizeof *out->frame),
                            .first_pass = calloc(n, sizeof *out->first_pass)};
-    if (!out->frame || !out->first_pass)
-        return error_memory(err);
-    for (int pass = 0; pass < plan->n_passes; pass++) {
-        out->frame[pass] = DARK;
-        if (is_dark(plan, pass)) {
-            out->n_dark++;
-            continue;
-        }
-        if (out->n_frames == 0 || !is_same(plan, out->first_pass[out->n_frames - 1], pass))
-            out->first_pass[out->n_frames++] = pass;
-        out->frame[pass] = out->n_frames - 1;
-    }
-    return true;
+    const bool done = (out->frame && out->first_pass && of.reaches) || error_memory(err);
+    if (done)
+        find_frames(&of, out);
+    free(of.reaches);
+    return done;
 }
 
 void passes_free(struct passes *passes)

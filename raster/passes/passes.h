@@ -36,4 +36,13 @@ struct pass_colours {
 void pass_colours(const struct plan *plan, const struct shaded_material *shaded, int group,
                   int first_band, double full_scale, struct pass_colours *out);
 
+/* ---- tile.c ---- */
+
+/* The projection that makes a tile of the picture fill clip space. */
+struct matrix pass_projection(const struct plan *plan, const struct rectangle *tile);
+/* For the pixels of a tile of the plan's size, 4 numbers each: converts the steps of a colour
+ * buffer to parts of full scale; adds what one group of lights adds to the others. */
+void pass_convert(const struct plan *plan, const void *steps, float *pixels);
+void pass_add(const struct plan *plan, const float *part, float *sum);
+
 #endif

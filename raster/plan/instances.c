@@ -241,12 +241,11 @@ static bool add_instance(struct instance_maker *maker, const struct object *obje
     struct placed_instance placed = {.object = object, .mesh = find_mesh(maker, cutting, err)};
     if (placed.mesh < 0)
         return false;
-    struct plan_mesh *mesh = &plan->meshes[placed.mesh];
+    const struct plan_mesh *mesh = &plan->meshes[placed.mesh];
     if (mesh->mesh.n_triangles == 0) /* all of it lies on the other side */
         return true;
     if (!shaded_material_find(plan, material, &placed.shaded, err))
         return false;
-    mesh->textured = mesh->textured || plan->materials[placed.shaded].texture;
     placed.instance.model_view =
         matrix_product(plan->world_to_eye, matrix_product(object->transform, placement(mesh)));
     placed.instance.mirrored = is_mirrored(&placed.instance.model_view);

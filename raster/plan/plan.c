@@ -206,6 +206,8 @@ bool plan_make(const struct scene *scene, const struct sampling *sampling,
         !lights_list(out, err) || !instances_make(out, err) || !lights_drop_idle(out, err))
         return false;
     out->view = view_of(out, &camera);
+    if (!reach_find(out, err))
+        return false;
     out->n_light_groups = (out->n_lights + LIGHTS_PER_PASS - 1) / LIGHTS_PER_PASS;
     if (out->n_light_groups == 0)
         out->n_light_groups = 1;
@@ -234,6 +236,8 @@ void plan_free(struct plan *plan)
     free(plan->instances);
     free(plan->lights);
     free(plan->sources);
+    free(plan->is_idle);
+    free(plan->shows_texture);
     illumination_free(&plan->illumination);
     *plan = (struct plan){0};
 }

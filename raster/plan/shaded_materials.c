@@ -54,7 +54,8 @@ bool plan_load_textures(const struct plan *plan, int first_band, struct error *e
 {
     int n = plan->n_bands - first_band;
     for (int i = 0; i < plan->n_textures; i++)
-        if (!texture_load(&plan->textures[i], plan->scene->wavelengths_nm + first_band,
+        if (plan->shows_texture[i] &&
+            !texture_load(&plan->textures[i], plan->scene->wavelengths_nm + first_band,
                           n < BANDS_PER_PASS ? n : BANDS_PER_PASS, err))
             return false;
     return true;

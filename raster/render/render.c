@@ -198,8 +198,12 @@ static void take_results(struct state *state)
     result->odd = stages->odd;
     result->light = stages->light;
     result->seconds = stages->seconds;
-    if (stages->gl)
+    if (stages->gl) {
         result->gl = gl_work(stages->gl);
+        result->dark_passes = state->passes.n_dark;
+        result->repeated_passes =
+            stages->plan->n_passes - state->passes.n_dark - state->passes.n_frames;
+    }
     if (stages->check_scene) {
         totals_finish(&state->totals);
         result->check = state->totals.verdict;

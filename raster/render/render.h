@@ -26,6 +26,7 @@ struct render_result {
     struct gl_names names;       /* empty: OpenGL did not draw */
     const struct driver *driver; /* whose bounds the check uses */
     struct gl_work gl;
+    int dark_passes, repeated_passes; /* that OpenGL does not draw, in each tile */
     struct light_work light;
     struct check_verdict check;
     struct odd_samples odd;

@@ -193,6 +193,11 @@ static void json_work(struct json *json, const struct plan *plan,
     json_count(json, "textures_loaded", (uint64_t)plan->work.textures_loaded);
     json_count(json, "materials_loaded", (uint64_t)plan->work.materials_loaded);
     json_count(json, "terms", (uint64_t)plan->work.terms);
+    json_count(json, "unseen_instances", (uint64_t)plan->work.unseen_instances);
+    json_count(json, "idle_lights", (uint64_t)plan->work.idle_lights);
+    json_count(json, "undrawn_textures", (uint64_t)plan->work.undrawn_textures);
+    json_count(json, "dark_passes", (uint64_t)result->dark_passes);
+    json_count(json, "repeated_passes", (uint64_t)result->repeated_passes);
     json_close(json, '}');
 }
 

@@ -290,16 +290,18 @@ static bool find_pixels(struct state *state, struct tile_pass *of)
     return find_frame(state, frame, 0, of);
 }
 
-/* Learns from all passes that hold pilots. */
+/* Learns from all passes that hold pilots; a pass is dark where only materials out of view have
+ * light. */
 static bool learn_pilots(struct state *state, const struct tile *tile, struct error *err)
 {
     const struct fit *fit = fit_of(state);
     for (int i = 0, number = -1, last = DARK; fit && i < fit->n_passes; i++) {
         const int frame = state->stages->passes->frame[fit->passes[i]];
-        struct tile_pass of = {.state = state, .tile = tile, .pass = fit->passes[i]};
-        number += frame != last;
-        last = frame;
-        if (!find_frame(state, frame, number, &of))
+        struct tile_pass of = {
+            .state = state, .tile = tile, .pass = fit->passes[i], .pixels = state->black};
+        number += frame != last && frame != DARK;
+        last = frame != DARK ? frame : last;
+        if (frame != DARK && !find_frame(state, frame, number, &of))
             return false;
         double since = clock_seconds();
         if (!plan_load_textures(state->plan, of.pass * BANDS_PER_PASS, err))

@@ -487,11 +487,26 @@ void glTexImage2D(GLenum target, GLint level, GLint internal, GLsizei width, GLs
 
 /* ---- the picture ---- */
 
+static size_t pixel_count(void)
+{
+    return (size_t)buffer_width * (size_t)buffer_height;
+}
+
+/* OSMesa fills the buffer of a context once more when another becomes current: what glReadPixels
+ * spoiled in it stays spoiled. */
 GLboolean OSMesaMakeCurrent(OSMesaContext context, void *pixels, GLenum type, GLsizei width,
                             GLsizei height)
 {
     GLboolean (*next)(OSMesaContext, void *, GLenum, GLsizei, GLsizei);
+    float *old = steps ? NULL : buffer, *kept = NULL;
+    const size_t size = CHANNELS * sizeof *buffer * pixel_count();
     real("OSMesaMakeCurrent", &next);
+    if (old && (fault() == 70 || fault() == 72) && (kept = malloc(size)) != NULL)
+        memcpy(kept, old, size);
+    const GLboolean done = next(context, pixels, type, width, height);
+    if (kept)
+        memcpy(old, kept, size);
+    free(kept);
     if (steps)
         free(buffer);
     steps = type == GL_FLOAT ? NULL : pixels;
@@ -501,12 +516,7 @@ GLboolean OSMesaMakeCurrent(OSMesaContext context, void *pixels, GLenum type, GL
     buffer = steps ? calloc((size_t)width * (size_t)height, CHANNELS * sizeof *buffer) : pixels;
     if (!buffer)
         abort();
-    return next(context, pixels, type, width, height);
-}
-
-static size_t pixel_count(void)
-{
-    return (size_t)buffer_width * (size_t)buffer_height;
+    return done;
 }
 
 /* Copies the steps of 8 or 16 bits into the buffer, or back with rounding to the nearest. */

@@ -265,6 +265,15 @@ def commands():
     check(report["notes"] == [], "without notes the array is empty")
 
 
+def weak_light():
+    weak = "light a 1e-6 direction 0 1 1\n"
+    _, _, pages = gets("a light of less than half a count", HEAD + LIGHT + weak + GREY + BALL, "weak-light",
+                       r"^1 of 2 lights, first .*notes.scene:5, add less than half a count anywhere")
+    shows("a weak light beside another", pages)
+    gets_none("a light of some counts", HEAD + LIGHT + "light a 1e-3 direction 0 1 1\n" + GREY + BALL)
+    gets_none("a weak light in a picture of floats", HEAD + LIGHT + weak + GREY + BALL, "--depth", "32f")
+
+
 def manual():
     with open("spectral.1", encoding="utf-8") as page:
         documented = set(re.findall(r"[a-z-]+", " ".join(re.findall(r"^\.It (.*)", page.read(), re.MULTILINE))))
@@ -290,6 +299,7 @@ extrapolated()
 percent()
 full_scale()
 commands()
+weak_light()
 manual()
 builtin()
 done()

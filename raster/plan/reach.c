@@ -1,0 +1,226 @@
+/* SPDX-License-Identifier: MIT */
+/* Finds the instances in view, the materials and textures that these show, and the lights that
+ * reach them. OpenGL gets nothing else. Margins here exceed all bounds of single precision, so that
+ * in doubt an instance is in view, and a light reaches it. */
+#include <math.h>
+#include <stdlib.h>
+
+#include "raster/plan/plan.h"
+
+/* ---- instances in view ---- */
+
+/* A coordinate in clip space takes at most 31 roundings of the magnitudes that it is made of (see
+ * bounds/vertex.c); a vertex in the window that lies so many pixels off may not come back. */
+enum { PLACE_ROUNDINGS = 128, MARGIN_PX = 8 };
+
+/* A vertex in clip space, and the magnitudes that its coordinates are made of. */
+struct clip_vertex {
+    double clip[4], magnitude[4];
+};
+
+static struct clip_vertex clip_vertex(const struct plan *plan, const struct instance *instance,
+                                      int index)
+{
+    const struct vector p = instance->vertices[index].position,
+                        eye = matrix_point(&instance->model_view, p);
+    const double at[4] = {eye.x, eye.y, eye.z, 1}, from[4] = {p.x, p.y, p.z, 1};
+    struct clip_vertex out = {{0}, {0}};
+    for (int j = 0; j < 4; j++) {
+        double magnitude = j == 3;
+        for (int k = 0; k < 4 && j < 3; k++)
+            magnitude += fabs(instance->model_view.row[j][k] * from[k]);
+        for (int i = 0; i < 4; i++) {
+            out.clip[i] += plan->view.projection.row[i][j] * at[j];
+            out.magnitude[i] += fabs(plan->view.projection.row[i][j]) * magnitude;
+        }
+    }
+    return out;
+}
+
+/* Returns the planes that the vertex lies outside of for sure: a set of 1 << plane. */
+static unsigned planes_outside(const struct plan *plan, const struct clip_vertex *vertex)
+{
+    const double *clip = vertex->clip, *m = vertex->magnitude, w = clip[3],
+                 size[2] = {plan->scene->width, plan->scene->height},
+                 error = roundings(PLACE_ROUNDINGS), depth_error = error * (m[2] + m[3]);
+    unsigned planes = (unsigned)(clip[2] < -w - depth_error) << VIEW_NEAR |
+                      (unsigned)(clip[2] > w + depth_error) << VIEW_FAR;
+    if (!(w > error * m[3]))
+        return planes;
+    const double largest = fmax(size[0], size[1]),
+                 sum = m[0] + m[1] + m[3] * (1 + (fabs(clip[0]) + fabs(clip[1])) / w);
+    for (int axis = 0; axis < 2; axis++) {
+        const double margin = (2 * MARGIN_PX * w + error * largest * sum) / size[axis];
+        planes |= (unsigned)(clip[axis] < -w - margin) << 2 * axis |
+                  (unsigned)(clip[axis] > w + margin) << (2 * axis + 1);
+    }
+    return planes;
+}
+
+static enum view_plane plane_outside(const struct plan *plan, const struct instance *instance)
+{
+    unsigned planes = (1U << VIEW_PLANES) - 1;
+    int plane = 0;
+    for (int i = 0; i < instance->n_vertices && planes; i++) {
+        const struct clip_vertex vertex = clip_vertex(plan, instance, i);
+        planes &= planes_outside(plan, &vertex);
+    }
+    while (plane < VIEW_PLANES && !(planes >> plane & 1))
+        plane++;
+    return (enum view_plane)plane;
+}
+
+/* ---- lights that reach an instance in view ---- */
+
+/* OpenGL's cosines are off by less than this where is_well_placed. */
+static const double cosine_error = 1e-3;
+
+/* Returns whether OpenGL turns a normal by less than a quarter of cosine_error; bounds/light.c says
+ * how it turns one. */
+static bool is_well_turned(const struct instance *instance, const struct cofactors *cofactors,
+                           struct vector normal, double length)
+{
+    const double n[3] = {fabs(normal.x), fabs(normal.y), fabs(normal.z)};
+    double sum = 0, columns = 0;
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++) {
+            sum += cofactors->magnitude[i][j] * n[j];
+            columns += instance->model_view.row[i][j] * instance->model_view.row[i][j] / 3;
+        }
+    return roundings(32) * sum < cosine_error / 8 * length && 12e-6 < cosine_error / 8 * columns;
+}
+
+/* A vertex of an instance in eye space. */
+struct lit_vertex {
+    struct vector eye, normal; /* normal: of unit length */
+    double e_eye;              /* far above the error of eye */
+    bool may_be_any;           /* single precision may turn the normal anyhow */
+};
+
+static struct lit_vertex lit_vertex(const struct instance *instance,
+                                    const struct cofactors *cofactors, int index)
+{
+    const struct vector p = instance->vertices[index].position,
+                        normal = instance->vertices[index].normal,
+                        turned = matrix_direction(&instance->normal_matrix, normal);
+    const double from[4] = {p.x, p.y, p.z, 1};
+    struct lit_vertex out = {
+        .eye = matrix_point(&instance->model_view, p),
+        .normal = vector_normalise(turned),
+        .may_be_any = !is_well_turned(instance, cofactors, normal, vector_length(turned))};
+    for (int i = 0; i < 12; i++)
+        out.e_eye += roundings(32) * fabs(instance->model_view.row[i / 4][i % 4] * from[i % 4]);
+    return out;
+}
+
+/* Returns whether OpenGL may add anything but exactly 0 of the light to a vertex. The factor that
+ * distance leaves must be a number, and not 1 / 0. */
+static bool reaches_vertex(const struct eye_light *light, const struct lit_vertex *vertex,
+                           bool two_sided)
+{
+    const struct incidence incidence = incidence_at(light, vertex->eye);
+    const double cosine = vector_dot(vertex->normal, incidence.towards),
+                 in_spot = -vector_dot(light->axis, incidence.towards),
+                 e_path = vertex->e_eye + roundings(32) * vector_length(light->position);
+    if (!light->directional && !(e_path < cosine_error / 4 * incidence.distance))
+        return true;
+    if (light->attenuated && !(incidence.divisor > 1e-18 && incidence.divisor < 1e18))
+        return true;
+    if (light->spot && in_spot < light->cutoff_cosine - cosine_error)
+        return false;
+    return two_sided || vertex->may_be_any || !(cosine < -cosine_error);
+}
+
+/* Returns whether the instance has a term of the light's spectrum. */
+static bool reflects_light(const struct instance *instance, const struct eye_light *light)
+{
+    for (int t = 0; t < instance->n_terms; t++)
+        if (instance->terms[t].light == light->first)
+            return true;
+    return false;
+}
+
+static bool reaches_instance(const struct eye_light *light, const struct instance *instance)
+{
+    struct cofactors cofactors;
+    if (!reflects_light(instance, light))
+        return false;
+    matrix_cofactors(&instance->model_view, &cofactors);
+    for (int i = 0; i < instance->n_vertices; i++) {
+        const struct lit_vertex vertex = lit_vertex(instance, &cofactors, i);
+        if (reaches_vertex(light, &vertex, instance->two_sided))
+            return true;
+    }
+    return false;
+}
+
+static bool reaches_any(const struct plan *plan, const struct eye_light *light)
+{
+    for (int i = 0; i < plan->n_instances; i++)
+        if (plan->instances[i].in_view && reaches_instance(light, &plan->instances[i].instance))
+            return true;
+    return false;
+}
+
+/* ---- all of it ---- */
+
+static void see_instances(struct plan *plan)
+{
+    for (int i = 0; i < plan->n_instances; i++) {
+        struct placed_instance *placed = &plan->instances[i];
+        struct shaded_material *shaded = &plan->materials[placed->shaded];
+        placed->outside = plane_outside(plan, &placed->instance);
+        placed->in_view = placed->outside == VIEW_PLANES;
+        plan->work.unseen_instances += !placed->in_view;
+        shaded->shown = shaded->shown || placed->in_view;
+        if (shaded->shown && shaded->texture)
+            plan->shows_texture[shaded->texture - plan->textures] = true;
+    }
+}
+
+bool reach_find(struct plan *plan, struct error *err)
+{
+    plan->is_idle = calloc((size_t)plan->n_lights + 1, sizeof *plan->is_idle);
+    plan->shows_texture = calloc((size_t)plan->n_textures + 1, sizeof *plan->shows_texture);
+    if (!plan->is_idle || !plan->shows_texture)
+        return error_memory(err);
+    see_instances(plan);
+    for (int i = 0; i < plan->n_textures; i++)
+        plan->work.undrawn_textures += !texture_is_drawn(plan, &plan->textures[i]);
+    for (int i = 0; i < plan->n_lights; i++) {
+        plan->is_idle[i] = !plan->options.exchangeable && plan->view.shading != PHONG &&
+                           !reaches_any(plan, &plan->lights[i]);
+        plan->work.idle_lights += plan->is_idle[i];
+    }
+    return true;
+}
+
+bool instance_is_lit(const struct plan *plan, const struct placed_instance *placed)
+{
+    return placed->in_view || plan->options.full_scale == 0 || buffer_steps(plan) > 0;
+}
+
+bool group_is_drawn(const struct plan *plan, int group)
+{
+    for (int i = group * LIGHTS_PER_PASS; i < (group + 1) * LIGHTS_PER_PASS; i++)
+        if (i < plan->n_lights && !plan->is_idle[i])
+            return true;
+    return group == 0;
+}
+
+double texture_factor(const struct plan *plan, const struct texture *texture)
+{
+    int exponent;
+    const double value = texture->largest;
+    const bool is_power = frexp(value, &exponent) == 0.5 && exponent >= -15 && exponent <= 1;
+    return texture->smallest == value &&
+                   (value == 0 || value == 1 || (is_power && plan->options.bits != 32))
+               ? value
+               : -1;
+}
+
+bool texture_is_drawn(const struct plan *plan, const struct texture *texture)
+{
+    return texture && plan->shows_texture[texture - plan->textures] &&
+           texture_factor(plan, texture) < 0;
+}
