@@ -7,7 +7,8 @@
 #   fuzz [SECONDS] [TARGET...]  changes inputs of readers at random, so long for each target (60 seconds)
 #   sanitize               unit tests and all commands under the sanitizers of clang, and under valgrind
 #   coverage               prints the lines that no test runs
-#   bench [effects]        measures the seconds of a large picture, or of each effect
+#   bench [quick] [--csv FILE]  measures all ratios that the program has goals for; quick: of small pictures
+#   bench effects          measures the seconds of each effect
 #   static                 makes build/spectral-static, which needs nothing but a Linux kernel
 #   dist                   makes a release archive around the static program
 #   install PREFIX         copies program, manual, samples, ... below PREFIX (below DESTDIR, where that is set)
@@ -164,7 +165,7 @@ clean() {
 case "${*:-build}" in
 build) build ;;
 run) build; first_minute ;;
-test | 'test '* | bench | 'bench effects') . test/run.sh ;;
+test | 'test '* | bench | 'bench '*) . test/run.sh ;;
 fuzz | 'fuzz '*) . test/fuzz/fuzz.sh; shift; fuzz "$@" ;;
 sanitize) . test/sanitize.sh; sanitize ;;
 coverage) . test/coverage.sh; coverage ;;

@@ -33,14 +33,13 @@ list_scripts() {
     find test/*/ -type f -perm -u+x | sort | grep -Ev "/($(echo $longest | tr ' ' '|'))[.]"
 }
 
-# choose [NAME...] sets $units and $scripts to the named tests; without names to all tests, and $bench as well.
+# choose [NAME...] sets $units and $scripts to the named tests; without names to all tests.
 choose() {
     units=$(find test -name 'test_*.c' | sort)
     scripts=$(list_scripts)
-    bench=test/bench/bench.c
     [ $# != 0 ] || return 0
     all="$units $scripts"
-    units='' scripts='' bench=''
+    units='' scripts=''
     for wanted; do
         test_name "$wanted"
         wanted=$name
@@ -61,24 +60,29 @@ programs() {
     for program in $(sed -n 's:.*[{]BUILD[}]/test/\(test_[a-z0-9_]*\).*:\1:p' $scripts /dev/null); do
         find test -name "$program.c"
     done
-    printf '%s\n' $units $bench
+    printf '%s\n' $units
 }
 
 # chosen_need PATTERN succeeds if a chosen script matches it.
 chosen_need() { grep -Eq "$1" $scripts /dev/null; }
 
-# Warnings are errors. Each test is linked with a library of all objects of the program but spectral.c's.
-build_tests() (
-    mkdir -p "$BUILD/test"
+# Makes a library of all objects of the program but that of spectral.c, which is $main.
+make_library() {
     set -- $objects
-    main=$1 # of spectral.c
+    main=$1
     shift
+    mkdir -p "$BUILD/test"
     stamp "$LIBRARY.made-with" "$*"
     if [ ! -f "$LIBRARY" ] || [ -n "$(find "$@" "$LIBRARY.made-with" -newer "$LIBRARY")" ]; then
         rm -f "$LIBRARY.new"
         ar rcs "$LIBRARY.new" "$@"
         mv "$LIBRARY.new" "$LIBRARY"
     fi
+}
+
+# Warnings are errors. Each test is linked with that library.
+build_tests() (
+    make_library
     compile test/units '-O1 -Werror -fPIE -Itest/unit' $(programs | sort -u)
     for object in $objects; do
         test_name "$object"
@@ -86,6 +90,7 @@ build_tests() (
     done
     ! chosen_need 'FAULTS|MUTANT' || build_faults
     ! chosen_need REPLAY || build_replay
+    ! chosen_need 'ratios[.]py' || build_bench
 )
 
 # build_preloaded SOURCE LIBRARY: a library for LD_PRELOAD
@@ -129,7 +134,7 @@ run_tests() {
     need perl $([ -z "$scripts" ] || echo $test_packages)
     mkdir -p "$TEST_TMP"
     ! chosen_need STATIC || static_program
-    if [ -n "$(programs)" ] || chosen_need 'LIBRARY|FAULTS|MUTANT|REPLAY'; then
+    if [ -n "$(programs)" ] || chosen_need 'LIBRARY|FAULTS|MUTANT|REPLAY|ratios[.]py'; then
         build_tests
     fi
     if chosen_need 'from attacked'; then
@@ -152,19 +157,32 @@ run_random_tests() {
     done
 }
 
-# run_bench [effects]
+# Builds the programs that test/bench/ratios.py measures beside the program.
+build_bench() {
+    compile obj-bench "$CFLAGS -Werror" test/bench/*.c
+    for object in $objects; do
+        test_name "$object"
+        link "test/$name" "$object" "$LIBRARY"
+    done
+}
+
+# run_bench [effects | [quick] [--csv FILE]]
 run_bench() {
     needs_gl
+    case "$*" in
+    effects | '' | quick | '--csv '?* | 'quick --csv '?*) ;;
+    *) refuse ;;
+    esac
     build
     if [ "${1:-}" = effects ]; then
         need python3-tifffile python3-numpy
         /usr/bin/python3 test/bench/bench_effects.py "$BUILD/spectral" "$BUILD/tmp/bench"
         return
     fi
-    others=${objects#*.o } # all but that of spectral.c
-    compile obj-bench "$CFLAGS -Itest/unit" test/bench/bench.c
-    link bench $objects $others
-    "$BUILD/bench"
+    LIBRARY=$BUILD/test/library.a
+    (make_library && build_bench)
+    need python3
+    /usr/bin/python3 test/bench/ratios.py --from "$called_from" "$BUILD" "$@"
 }
 
 case $1 in

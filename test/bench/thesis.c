@@ -1,11 +1,10 @@
 /* SPDX-License-Identifier: MIT */
-/* Measures the cost of a render by part and compares it with the loop of the 1998 thesis on the
- * same OpenGL: one wavelength a pass, only the red channel used, read back row by row, no check and
- * no file. Both draw the built-in colorchecker at 2000 x 2000 pixels and 93 wavelengths, in turn,
- * in one run. */
+/* Draws the built-in colorchecker as the loop of the 1998 thesis does: one wavelength a pass, only
+ * the red channel used, read back row by row, no check and no file. A process of its own, so that
+ * ratios.py can time it beside the program.
+ * usage: thesis SIZE WAVELENGTHS, both as the options of `spectral render` */
 #include <stdio.h>
 #include <stdlib.h>
-#include <time.h>
 
 #define GL_GLEXT_PROTOTYPES
 #include <GL/osmesa.h>
@@ -15,25 +14,7 @@
 #include "data/mesh/mesh.h"
 #include "data/scene/scene.h"
 #include "raster/plan/plan.h"
-#include "raster/render/render.h"
 #include "spectral.h"
-
-enum { RUNS = 5 };
-
-static double now(void)
-{
-    struct timespec time;
-    clock_gettime(CLOCK_MONOTONIC, &time);
-    return (double)time.tv_sec + 1e-9 * (double)time.tv_nsec;
-}
-
-static void fail(const struct error *err)
-{
-    fprintf(stderr, "%s\n", err->text);
-    exit((int)err->status);
-}
-
-/* ---- the thesis's loop ---- */
 
 static void load(const struct matrix *m)
 {
@@ -75,13 +56,12 @@ static void draw_band(const struct plan *plan, int band)
     }
 }
 
-static double thesis_loop(const struct plan *plan)
+static void draw_bands(const struct plan *plan)
 {
     int width = plan->scene->width, height = plan->scene->height;
     float *buffer = malloc((size_t)width * (size_t)height * 4 * sizeof *buffer);
     float *row = malloc((size_t)width * sizeof *row);
     static const GLfloat position[4] = {0, 0, 8, 1};
-    double start = now();
     OSMesaContext context = OSMesaCreateContextExt(OSMESA_RGBA, 24, 0, 0, NULL);
     if (!buffer || !row || !OSMesaMakeCurrent(context, buffer, GL_FLOAT, width, height))
         exit(3);
@@ -101,57 +81,29 @@ static double thesis_loop(const struct plan *plan)
         for (int y = 0; y < height; y++)
             glReadPixels(0, y, width, 1, GL_RED, GL_FLOAT, row);
     }
-    double seconds = now() - start;
     OSMesaDestroyContext(context);
     free(buffer);
     free(row);
-    return seconds;
 }
 
-/* ---- the comparison ---- */
-
-static int by_value(const void *a, const void *b)
-{
-    double x = *(const double *)a, y = *(const double *)b;
-    return (x > y) - (x < y);
-}
-
-static double median(double *values)
-{
-    qsort(values, RUNS, sizeof *values, by_value);
-    return values[RUNS / 2];
-}
-
-int main(void)
+int main(int argc, char **argv)
 {
     struct error err = {.status = EXIT_AGREED};
     struct scene scene;
     struct plan plan;
-    struct plan_options options = {.check = true, .use_gl = true};
-    const struct render_output output = {.path = "build/bench.tif"};
-    double total[RUNS], thesis[RUNS], ratio[RUNS];
-    if (!scene_read("colorchecker", &scene, &err) || !scene_set_size(&scene, "2000x2000", &err) ||
-        !scene_set_ambient(&scene, "d65*0", &err) || /* the thesis has none */
-        !plan_make(&scene, NULL, &options, &plan, &err))
-        fail(&err);
-    printf("%s, %d x %d pixels, %d wavelengths; seconds\n", scene.path, scene.width, scene.height,
-           plan.n_bands);
-    printf("  total     gl raster  check  write  thesis's loop  ratio\n");
-    for (int i = 0; i < RUNS; i++) {
-        struct render_result result;
-        if (!render(&plan, &output, NULL, &result, &err))
-            fail(&err);
-        const struct part_seconds *s = &result.seconds;
-        total[i] = s->total;
-        thesis[i] = thesis_loop(&plan);
-        ratio[i] = total[i] / thesis[i];
-        printf("%7.3f %6.3f %6.3f %6.3f %6.3f %14.3f  %5.3f\n", s->total, s->gl, s->raster,
-               s->check, s->write, thesis[i], ratio[i]);
-        if (result.check.unexplained != 0)
-            return 1;
+    const struct plan_options options = {.use_gl = true};
+    if (argc != 3) {
+        fprintf(stderr, "usage: thesis SIZE WAVELENGTHS\n");
+        return EXIT_INPUT;
     }
-    printf("%7.3f %43.3f  %5.3f  (medians)\n", median(total), median(thesis), median(ratio));
-    remove("build/bench.tif");
+    if (!scene_read("colorchecker", &scene, &err) || !scene_set_size(&scene, argv[1], &err) ||
+        !scene_set_wavelengths(&scene, argv[2], &err) ||
+        !scene_set_ambient(&scene, "d65*0", &err) || /* the thesis has none */
+        !plan_make(&scene, NULL, &options, &plan, &err)) {
+        fprintf(stderr, "%s\n", err.text);
+        return (int)err.status;
+    }
+    draw_bands(&plan);
     plan_free(&plan);
     scene_free(&scene);
     return 0;
