@@ -1,29 +1,27 @@
 /* SPDX-License-Identifier: MIT */
-/* Finds the points of a mesh, and whether it has a border. */
+/* Finds whether a mesh has a border. */
 #include <stdlib.h>
 
 #include "data/mesh/mesh.h"
 
-bool mesh_points(const struct mesh *mesh, int32_t **out, struct error *err)
+/* Finds the point of each vertex: the number of the first vertex in the same place. */
+static bool find_points(const struct mesh *mesh, int32_t *out, struct error *err)
 {
     struct index points = {.slots = NULL};
     bool done = true;
-    *out = malloc((size_t)mesh->n_vertices * sizeof **out + 1);
-    for (int i = 0; i < mesh->n_vertices && *out && done; i++) {
+    for (int i = 0; i < mesh->n_vertices && done; i++) {
         const struct vector p = mesh->vertices[i].position;
         const double key[3] = {p.x + 0, p.y + 0, p.z + 0}; /* -0 becomes 0 */
-        int point = index_find(&points, key, sizeof key);
+        const int point = index_find(&points, key, sizeof key);
         done = point >= 0 || index_add(&points, key, sizeof key, i, err);
-        (*out)[i] = point >= 0 ? point : i;
+        out[i] = point >= 0 ? point : i;
     }
     index_free(&points);
-    if (!*out)
-        return error_memory(err);
     return done;
 }
 
 /* Each edge adds a random number, or the other way round the negative one. */
-bool mesh_is_closed(const struct mesh *mesh, const int32_t *points)
+static bool edges_meet(const struct mesh *mesh, const int32_t *points)
 {
     uint64_t sum = 0;
     for (int i = 0; i < mesh->n_triangles; i++)
@@ -34,4 +32,13 @@ bool mesh_is_closed(const struct mesh *mesh, const int32_t *points)
             sum += hash_bits(from << 32 | to) - hash_bits(to << 32 | from);
         }
     return sum == 0 && mesh->n_triangles > 0;
+}
+
+bool mesh_find_closed(const struct mesh *mesh, bool *closed, struct error *err)
+{
+    int32_t *points = malloc((size_t)mesh->n_vertices * sizeof *points + 1);
+    const bool done = points ? find_points(mesh, points, err) : error_memory(err);
+    *closed = done && edges_meet(mesh, points);
+    free(points);
+    return done;
 }

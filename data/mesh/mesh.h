@@ -42,12 +42,10 @@ void mesh_box(const struct mesh *mesh, struct vector *low, struct vector *high);
 void mesh_planar(struct mesh *mesh);
 void mesh_free(struct mesh *mesh);
 
-/* closed.c. Finds the point of each vertex: the number of the first vertex in the same place. *out
- * is allocated, also after a failure. */
-bool mesh_points(const struct mesh *mesh, int32_t **out, struct error *err);
-/* True if each edge of each triangle is, the other way round, one of another triangle: the mesh has
- * no border. A mesh with a border is taken for a closed one with a chance of 2^-64. */
-bool mesh_is_closed(const struct mesh *mesh, const int32_t *points);
+/* closed.c. Finds whether each edge of each triangle is, the other way round, one of another
+ * triangle: the mesh has no border. A mesh with a border is taken for a closed one with a chance of
+ * 2^-64. */
+bool mesh_find_closed(const struct mesh *mesh, bool *closed, struct error *err);
 
 /* ---- split.c: parts of a mesh ---- */
 /* Cuts all triangles that cross x = 0 there, and makes two parts: 0 at negative x, 1 at positive x.

@@ -24,16 +24,24 @@ bool may_turn(const struct screen_triangle *triangle, const double e[3])
     return triangle->twice_area <= change;
 }
 
-/* Returns whether single precision cuts nothing of the surface off in depth. */
-static bool is_between_planes(const struct driver *driver, const struct surface *surface,
-                              const struct surface_bounds *bounds)
+/* Returns the error of a vertex's depth as it is stored. */
+static double depth_error(const struct driver *driver, const struct vertex_bounds *vertex)
 {
+    return (double)vertex->slack_depth + roundings(driver->depth_roundings);
+}
+
+/* Finds the largest error of a depth. Returns whether single precision cuts nothing of the surface
+ * off in depth. */
+static bool is_between_planes(const struct driver *driver, const struct surface *surface,
+                              const struct surface_bounds *bounds, double *error)
+{
+    *error = 0;
     for (int i = 0; i < surface->instance->n_vertices; i++) {
         const struct window_vertex *vertex = &surface->vertices[i];
-        const double slack =
-            (double)bounds->vertices[i].slack_depth + roundings(driver->depth_roundings);
+        const double slack = depth_error(driver, &bounds->vertices[i]);
         if (!(vertex->clip[3] > 0 && vertex->z > slack && vertex->z < 1 - slack))
             return false;
+        *error = fmax(*error, slack);
     }
     return true;
 }
@@ -52,37 +60,115 @@ static bool shows_back(const struct lit_scene *lit, int surface, int triangle)
     return screen->clockwise != of->instance->mirrored && !may_turn(screen, e);
 }
 
-/* Where a front and a back meet, both have the same depth, and OpenGL shows the one that is drawn
- * first. So a back is drawn, too, where it touches a triangle that is no back. */
-static bool hide_backs(const struct instance *instance, const int32_t *points,
-                       struct surface_bounds *bounds)
+/* ---- depths of fronts ---- */
+
+enum { CELLS = 32 };
+/* The part of the window that a surface takes, cut into cells. Each has the largest depth of the
+ * triangles that reach it and are not hidden. */
+struct cells {
+    double origin[2], size[2]; /* of the cell at 0, 0; in pixels */
+    double deepest[CELLS][CELLS];
+};
+/* The cells that a triangle reaches, and its smallest and largest depth. */
+struct reached {
+    int from[2], to[2]; /* both included */
+    double depth[2];
+};
+
+static void make_cells(const struct surface_bounds *bounds, const struct view *view,
+                       struct cells *out)
 {
-    bool *touched = calloc((size_t)instance->n_vertices + 1, sizeof *touched); /* of each point */
-    const bool done = touched != NULL;
-    for (int i = 0; i < instance->n_triangles && done; i++)
-        for (int j = 0; j < 3 && !bounds->hidden[i]; j++)
-            touched[points[instance->triangles[i][j]]] = true;
-    for (int i = 0; i < instance->n_triangles && done; i++) {
-        const int32_t *vertex = instance->triangles[i];
-        for (int j = 0; j < 3; j++)
-            bounds->hidden[i] = bounds->hidden[i] && !touched[points[vertex[j]]];
+    const double low[2] = {fmax(bounds->left, 0), fmax(bounds->top, 0)};
+    const double high[2] = {fmin(bounds->right, view->width), fmin(bounds->bottom, view->height)};
+    for (int axis = 0; axis < 2; axis++) {
+        out->origin[axis] = low[axis];
+        out->size[axis] = fmax((high[axis] - low[axis]) / CELLS, 1);
+    }
+    for (int i = 0; i < CELLS * CELLS; i++)
+        out->deepest[i / CELLS][i % CELLS] = 0;
+}
+
+/* Cells at the border hold all that lies beyond. */
+static int cell_at(const struct cells *cells, int axis, double place)
+{
+    return (int)fmin(fmax((place - cells->origin[axis]) / cells->size[axis], 0), CELLS - 1);
+}
+
+/* A triangle reaches a pixel more to each side than its corners do: OpenGL moves them. */
+static struct reached cells_of(const struct cells *cells, const struct surface *of, int triangle)
+{
+    const int32_t *vertex = of->instance->triangles[triangle];
+    struct reached out = {.depth = {HUGE_VAL, 0}};
+    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
+    for (int i = 0; i < 3; i++) {
+        const struct window_vertex *at = &of->vertices[vertex[i]];
+        const double place[2] = {at->x, at->y};
+        for (int axis = 0; axis < 2; axis++) {
+            low[axis] = fmin(low[axis], place[axis]);
+            high[axis] = fmax(high[axis], place[axis]);
+        }
+        out.depth[0] = fmin(out.depth[0], at->z);
+        out.depth[1] = fmax(out.depth[1], at->z);
+    }
+    for (int axis = 0; axis < 2; axis++) {
+        out.from[axis] = cell_at(cells, axis, low[axis] - 1);
+        out.to[axis] = cell_at(cells, axis, high[axis] + 1);
+    }
+    return out;
+}
+
+/* Returns the largest depth of a triangle in the cells that is not hidden. */
+static double deepest_in(const struct cells *cells, const struct reached *at)
+{
+    double deepest = 0;
+    for (int y = at->from[1]; y <= at->to[1]; y++)
+        for (int x = at->from[0]; x <= at->to[0]; x++)
+            deepest = fmax(deepest, cells->deepest[y][x]);
+    return deepest;
+}
+
+static void add_front(struct cells *cells, const struct reached *at)
+{
+    for (int y = at->from[1]; y <= at->to[1]; y++)
+        for (int x = at->from[0]; x <= at->to[0]; x++)
+            cells->deepest[y][x] = fmax(cells->deepest[y][x], at->depth[1]);
+}
+
+/* Where a front and a back have the same depth, OpenGL shows the one that is drawn first. So a back
+ * is drawn, too, unless all its stored depths are larger than those of all fronts near it. */
+static void hide_backs(const struct lit_scene *lit, int surface, double depth_error)
+{
+    const struct surface *of = &lit->surfaces[surface];
+    struct surface_bounds *bounds = &lit->bounds[surface];
+    struct cells cells;
+    make_cells(bounds, &lit->plan->view, &cells);
+    for (int i = 0; i < of->instance->n_triangles; i++)
+        if (!bounds->hidden[i]) {
+            const struct reached at = cells_of(&cells, of, i);
+            add_front(&cells, &at);
+        }
+    for (int i = 0; i < of->instance->n_triangles; i++) {
+        const struct reached at = cells_of(&cells, of, i);
+        bounds->hidden[i] =
+            bounds->hidden[i] && at.depth[0] > deepest_in(&cells, &at) + 2 * depth_error;
         bounds->n_hidden += bounds->hidden[i];
     }
-    free(touched);
-    return done;
 }
 
 bool find_hidden(const struct lit_scene *lit, int surface, struct error *err)
 {
     const struct placed_instance *placed = &lit->plan->instances[surface];
-    const int32_t *points = lit->plan->meshes[placed->mesh].points;
     struct surface_bounds *bounds = &lit->bounds[surface];
     const int n = placed->instance.n_triangles;
-    if (!points || placed->object->two_sided ||
-        !is_between_planes(lit->driver, &lit->surfaces[surface], bounds))
+    double error;
+    if (!lit->plan->meshes[placed->mesh].solid || placed->object->two_sided ||
+        !is_between_planes(lit->driver, &lit->surfaces[surface], bounds, &error))
         return true;
     bounds->hidden = calloc((size_t)n, sizeof *bounds->hidden);
-    for (int i = 0; i < n && bounds->hidden; i++)
+    if (!bounds->hidden)
+        return error_memory(err);
+    for (int i = 0; i < n; i++)
         bounds->hidden[i] = shows_back(lit, surface, i);
-    return (bounds->hidden && hide_backs(&placed->instance, points, bounds)) || error_memory(err);
+    hide_backs(lit, surface, error);
+    return true;
 }

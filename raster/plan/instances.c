@@ -119,19 +119,11 @@ static int find_whole(struct instance_maker *maker, const struct shape *describe
 
 /* ---- meshes as they are drawn ---- */
 
-/* Finds the points of a mesh that is a solid: closed, with all faces outward. Only built-in shapes
- * are known to be so; an OBJ file may have faces inside out, even where it is closed. */
+/* Finds whether a mesh is a solid: closed, with all faces outward. Only built-in shapes are known
+ * to be so; an OBJ file may have faces inside out, even where it is closed. */
 static bool find_solid(const struct shape *shape, struct plan_mesh *mesh, struct error *err)
 {
-    if (shape->kind == SHAPE_MESH)
-        return true;
-    if (!mesh_points(&mesh->mesh, &mesh->points, err))
-        return false;
-    if (!mesh_is_closed(&mesh->mesh, mesh->points)) {
-        free(mesh->points);
-        mesh->points = NULL;
-    }
-    return true;
+    return shape->kind == SHAPE_MESH || mesh_find_closed(&mesh->mesh, &mesh->solid, err);
 }
 
 /* Adds a mesh to the plan, which takes it over even if this fails; moved by the centre of the
@@ -150,7 +142,6 @@ static bool add_mesh(struct instance_maker *maker, struct cutting cutting, struc
         index_add(&maker->cuttings, &cutting, sizeof cutting, plan->n_meshes, err) &&
         array_add(&plan->meshes, &plan->n_meshes, &added, sizeof added, err))
         return true;
-    free(added.points);
     mesh_free(mesh);
     return false;
 }

@@ -220,7 +220,6 @@ void plan_free(struct plan *plan)
 {
     for (int i = 0; i < plan->n_meshes; i++) {
         mesh_free(&plan->meshes[i].mesh);
-        free(plan->meshes[i].points);
     }
     for (int i = 0; i < plan->n_materials; i++) {
         free(plan->materials[i].terms);

@@ -35,7 +35,7 @@ struct plan_mesh {
     } cutting;
     struct vector centre; /* of the whole mesh */
     double unit;          /* what its lengths are measured in: a power of two, about its size */
-    int32_t *points; /* of a solid, the point of each vertex: see mesh_points; NULL: of another */
+    bool solid;           /* closed, with all faces outward */
 };
 /* The planes of the view. A set of them has bit 1 << plane. */
 enum view_plane { VIEW_LEFT, VIEW_RIGHT, VIEW_BELOW, VIEW_ABOVE, VIEW_NEAR, VIEW_FAR, VIEW_PLANES };
