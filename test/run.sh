@@ -8,11 +8,14 @@ test_packages='gcc clang lld wasi-libc libclang-rt-dev-wasm32 wabt perl liblcms2
   chromium file valgrind binutils musl-tools gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user'
 at_once=2                                               # tests that run at the same time
 longest='portable cost verdict scenes random_scenes hard static' # these begin first, so that no processor waits at the end
-# Two mutants are the program with a fault in this file: bounds on colours that are a thousand times too wide, and
-# infinite bounds of the first object.
-mutated=raster/candidates/pixel.c
+# Mutants are the program with a fault in one file: bounds on colours that are a thousand times too wide; infinite bounds
+# of the first object; open meshes taken for solids, so that their backs are not drawn; no mesh taken for a solid.
+pixel=raster/candidates/pixel.c
 mutation='s/(float)(common + alone)/(float)(1000 * (common + alone))/; s/(float)alone/(float)(1000 * alone)/'
 endless='s/= (float)(common + alone)/= pixel->surface == pixel->fragments->lit->surfaces ? HUGE_VALF : (float)(common + alone)/'
+instances=raster/plan/instances.c
+hollow='s/return shape->kind == SHAPE_MESH .*;/mesh->solid = true; return shape \&\& err;/'
+whole='s/return shape->kind == SHAPE_MESH .*;/return shape \&\& mesh \&\& err;/'
 . raster/gl/static.sh
 
 needs_gl() {
@@ -104,16 +107,18 @@ build_replay() {
 
 build_faults() {
     build_preloaded test/oracle/fault.c "$FAULTS"
-    build_mutant mutant "$mutation"
-    build_mutant endless "$endless"
+    build_mutant mutant $pixel "$mutation"
+    build_mutant endless $pixel "$endless"
+    build_mutant hollow $instances "$hollow"
+    build_mutant whole $instances "$whole"
 }
 
-# build_mutant NAME MUTATION
+# build_mutant NAME FILE MUTATION
 build_mutant() {
-    sed "$2" "$mutated" >"$BUILD/test/$1.new"
-    ! cmp -s "$mutated" "$BUILD/test/$1.new" || refuse "test/run.sh: the mutation finds nothing in $mutated"
+    sed "$3" "$2" >"$BUILD/test/$1.new"
+    ! cmp -s "$2" "$BUILD/test/$1.new" || refuse "test/run.sh: the mutation finds nothing in $2"
     cmp -s "$BUILD/test/$1.new" "$BUILD/test/$1.c" || mv "$BUILD/test/$1.new" "$BUILD/test/$1.c"
-    compile "test/$1" "-O1 -Werror -fPIE -I$(dirname "$mutated")" "$BUILD/test/$1.c"
+    compile "test/$1" "-O1 -Werror -fPIE -I$(dirname "$2")" "$BUILD/test/$1.c"
     link "test/spectral-$1" "$main" $objects "$LIBRARY"
 }
 

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: MIT
 """Checks what the program ($SPECTRAL) says of its own check: that a picture in which little could be checked is never
 called agreed, that small faults in single samples are found where the floor says so, and that the map shows both.
-Prints TAP. Faults 73 to 80 are those of test/README.md; $FAULTS plants them, and $ENDLESS is the program with
-infinite bounds for the first object of a scene."""
+Prints TAP. Faults 73 to 84 are those of test/README.md; $FAULTS plants them. ENDLESS is the program with infinite
+bounds for the first object of a scene; HOLLOW takes open meshes for solids; WHOLE draws the backs of solids, too."""
 import json
 import math
 import os
@@ -19,7 +19,8 @@ sys.dont_write_bytecode = True
 from rendered import SPECTRAL, TMP, check, done
 
 FAULTS = os.environ.get("FAULTS", "build/test/fault.so")
-ENDLESS = os.path.join(os.path.dirname(FAULTS), "spectral-endless")
+ENDLESS, HOLLOW, WHOLE = (os.path.join(os.path.dirname(FAULTS), f"spectral-{name}")
+                          for name in ("endless", "hollow", "whole"))
 DRIVERS = "llvmpipe", "softpipe"
 CASES = "test/cases/verdict/"
 SMALL = "--size", "300x200", "--wavelengths", "400:700:20"
@@ -85,6 +86,23 @@ def check_hollow():
     endless = Render("patches", program=ENDLESS)
     check(endless.status == 1 and endless.verdict == "not verified",
           "fault 79: with infinite bounds for one object the picture is not verified", endless)
+
+
+# ---- backs that solids hide ----
+
+def check_backs():
+    scene = f"{CASES}open.scene"
+    for driver in DRIVERS:
+        plain, hollow = Render(scene, driver=driver), Render(scene, driver=driver, program=HOLLOW)
+        check(plain.status == 0 and hollow.status == 1 and hollow.verdict == "differs",
+              f"{driver}: fault 84: backs that OpenGL should have drawn are missed", plain, hollow)
+    stack = os.path.join(TMP, "backs.tif")
+    for scene in "colorchecker", "metals", "pasture", "room", "spheres", "textures", f"{CASES}coarse-depth.scene":
+        small = SMALL if os.sep not in scene else ()
+        runs = [(Render(scene, *small, "-o", stack, program=program), open(stack, "rb").read())
+                for program in (SPECTRAL, WHOLE)]
+        check(all(run.status == 0 for run, _ in runs) and runs[0][1] == runs[1][1],
+              f"{scene}: without the backs that solids hide, every sample is the same", *(run for run, _ in runs))
 
 
 # ---- words and limits ----
@@ -265,6 +283,7 @@ def main():
         out.write("wavelengths 400 700 100\nsize 8 8\ncamera ortho 4\nlight d65 1 direction 0 0 1\n"
                   "material m { diffuse 0.5 }\nobject plane 1 1 material m translate 100 0 0\n")
     check_hollow()
+    check_backs()
     check_words()
     check_samples()
     check_map()

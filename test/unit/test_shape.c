@@ -56,6 +56,29 @@ static struct mesh build(enum shape_kind kind, const double parameter[4])
     return mesh;
 }
 
+static bool is_closed(const struct mesh *mesh)
+{
+    struct error err = {.text = ""};
+    bool closed = false;
+
+    CHECK(mesh_find_closed(mesh, &closed, &err), "borders are looked for %s", err.text);
+    return closed;
+}
+
+/* One triangle is left out, then one turned over. */
+static void check_broken(const char *name, struct mesh *mesh)
+{
+    int32_t *last = mesh->triangles[mesh->n_triangles - 1];
+    const int32_t first = last[0];
+
+    mesh->n_triangles--;
+    CHECK(!is_closed(mesh), "%s: without a triangle it has a border", name);
+    mesh->n_triangles++;
+    last[0] = last[1];
+    last[1] = first;
+    CHECK(!is_closed(mesh), "%s: with a triangle turned over it has a border", name);
+}
+
 static void check_closed(const struct closed_shape *shape)
 {
     struct mesh mesh = build(shape->kind, shape->parameter);
@@ -73,6 +96,8 @@ static void check_closed(const struct closed_shape *shape)
           shape->name);
     CHECK(solid.worst_area > 1e-4, "%s: every triangle has an area", shape->name);
     CHECK(solid.texture_inside, "%s: texture coordinates lie in [0, 1]", shape->name);
+    CHECK(is_closed(&mesh), "%s: it has no border", shape->name);
+    check_broken(shape->name, &mesh);
     mesh_free(&mesh);
 }
 
