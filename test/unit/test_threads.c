@@ -1,0 +1,209 @@
+/* SPDX-License-Identifier: MIT */
+/* A loop does each part once, on any number of threads. Stages hand over all that they make, in its
+ * order, whether they work side by side or one at a time. Where one fails, all end. A stage that
+ * waits sleeps. */
+#include "data/threads/threads.h"
+#include "test.h"
+
+#include <stdlib.h>
+#include <time.h>
+
+/* ---- loops ---- */
+
+enum { MOST = 5000 };
+struct counts {
+    int of[MOST]; /* each is changed by one thread only, if the loop is right */
+    struct counter calls;
+};
+
+static void count_one(void *context, int i)
+{
+    struct counts *counts = context;
+    counts->of[i]++;
+    counter_add(&counts->calls, 1);
+}
+
+static void count_block(void *context, size_t first, size_t end)
+{
+    struct counts *counts = context;
+    for (size_t i = first; i < end; i++)
+        counts->of[i]++;
+    counter_add(&counts->calls, 1);
+}
+
+static bool all_once(const struct counts *counts, int n)
+{
+    for (int i = 0; i < MOST; i++)
+        if (counts->of[i] != (i < n))
+            return false;
+    return true;
+}
+
+static void test_loops(void)
+{
+    static const int threads[] = {1, 2, 3, 64}, lengths[] = {0, 1, 2, 63, MOST};
+    static struct counts counts;
+    for (size_t t = 0; t < 4; t++)
+        for (size_t l = 0; l < 5; l++) {
+            const int n = lengths[l], block = 64, n_blocks = (n + block - 1) / block;
+            counts = (struct counts){.calls = COUNTER};
+            threads_each(threads[t], n, count_one, &counts);
+            CHECK(all_once(&counts, n) && counts.calls.n == (uint64_t)n,
+                  "%d threads do each of %d parts once", threads[t], n);
+            counts = (struct counts){.calls = COUNTER};
+            threads_blocks(threads[t], (size_t)n, (size_t)block, count_block, &counts);
+            CHECK(all_once(&counts, n) && counts.calls.n == (uint64_t)n_blocks,
+                  "%d threads do %d parts in %d blocks", threads[t], n, n_blocks);
+        }
+}
+
+static void test_numbers(void)
+{
+    CHECK(threads_for(8, 0, 100) == 1 && threads_for(8, 199, 100) == 1, "little work: one thread");
+    CHECK(threads_for(8, 250, 100) == 2, "a thread for each so many parts");
+    CHECK(threads_for(8, 100000, 100) == 8, "never more threads than there are");
+    CHECK(threads_count(3) == 3 && threads_count(1 << 30) == MOST_THREADS && threads_count(0) >= 1,
+          "as many threads as wanted, up to the most; 0: as many as processors");
+}
+
+/* ---- stages ---- */
+
+enum { PLACES = 3, NO_FAILURE = -1, MADE, DOUBLED, TAKEN };
+/* Numbers that one stage makes, another doubles, and a third one takes. */
+struct numbers {
+    struct pipeline pipeline;
+    struct queue made, doubled;
+    long made_at[PLACES], doubled_at[PLACES];
+    int n, ahead;   /* how many; so many places are looked at before the first is freed */
+    int fails;      /* a stage, at half of the numbers; or NO_FAILURE */
+    long taken;     /* how many came, in order */
+    bool right;     /* all of them */
+    double seconds; /* that the first stage sleeps before each number */
+};
+
+static bool fail_at(const struct numbers *of, int which, int i, struct error *err)
+{
+    return !(of->fails == which && i == of->n / 2) ||
+           error_usage(err, "stage %d fails at %d", which, i);
+}
+
+static void sleep_for(double seconds)
+{
+    const struct timespec time = {(time_t)seconds, (long)(1e9 * (seconds - floor(seconds)))};
+    nanosleep(&time, NULL);
+}
+
+static bool make_numbers(void *context, struct error *err)
+{
+    struct numbers *of = context;
+    for (int i = 0; i < of->n; i++) {
+        const int place = queue_room(&of->made);
+        if (place < 0 || !fail_at(of, MADE, i, err))
+            return false;
+        if (of->seconds > 0)
+            sleep_for(of->seconds);
+        of->made_at[place] = i;
+        queue_fill(&of->made);
+    }
+    queue_end(&of->made);
+    return true;
+}
+
+/* Doubles the numbers as far ahead as it may look, then frees the first. */
+static bool double_numbers(void *context, struct error *err)
+{
+    struct numbers *of = context;
+    for (int i = 0; i < of->n; i++) {
+        const int ahead = of->ahead < of->n - 1 - i ? of->ahead : of->n - 1 - i;
+        const int last = queue_next(&of->made, ahead), first = queue_next(&of->made, 0);
+        if (last < 0 || first < 0 || !fail_at(of, DOUBLED, i, err))
+            return false;
+        of->right = of->right && of->made_at[last] == i + ahead && of->made_at[first] == i;
+        const int place = queue_room(&of->doubled);
+        if (place < 0)
+            return false;
+        of->doubled_at[place] = 2 * of->made_at[first];
+        queue_free(&of->made);
+        queue_fill(&of->doubled);
+    }
+    if (queue_next(&of->made, 0) >= 0) /* the end */
+        of->right = false;
+    queue_end(&of->doubled);
+    return true;
+}
+
+static bool take_numbers(void *context, struct error *err)
+{
+    struct numbers *of = context;
+    for (int place; (place = queue_next(&of->doubled, 0)) >= 0;) {
+        if (!fail_at(of, TAKEN, (int)of->taken, err))
+            return false;
+        of->right = of->right && of->doubled_at[place] == 2 * of->taken;
+        of->taken++;
+        queue_free(&of->doubled);
+    }
+    return !of->pipeline.stopped;
+}
+
+static stage *const stages[] = {make_numbers, double_numbers, take_numbers};
+
+static bool run(struct numbers *of, bool alone, struct error *err)
+{
+    of->made = (struct queue){.pipeline = &of->pipeline, .n_places = PLACES};
+    of->doubled = (struct queue){.pipeline = &of->pipeline, .n_places = PLACES - 1};
+    of->right = true;
+    *err = (struct error){.status = EXIT_AGREED};
+    return pipeline_run(&of->pipeline, alone, stages, 3, of, err);
+}
+
+static void test_stages(void)
+{
+    for (int alone = 0; alone < 2; alone++)
+        for (int ahead = 0; ahead < PLACES; ahead++)
+            for (int n = 0; n < 2000; n = 3 * n + 1) {
+                struct numbers of = {.n = n, .ahead = ahead, .fails = NO_FAILURE};
+                struct error err;
+                CHECK(run(&of, alone == 1, &err) && of.right && of.taken == n,
+                      "%d numbers pass three stages in order, %d ahead, %s", n, ahead,
+                      alone == 1 ? "one at a time" : "side by side");
+            }
+}
+
+static void test_failing(void)
+{
+    for (int alone = 0; alone < 2; alone++)
+        for (int fails = MADE; fails <= TAKEN; fails++) {
+            struct numbers of = {.n = 500, .fails = fails};
+            struct error err;
+            char text[64];
+            snprintf(text, sizeof text, "error: stage %d fails at 250", fails);
+            CHECK(!run(&of, alone == 1, &err) && strcmp(err.text, text) == 0 &&
+                      err.status == EXIT_INPUT,
+                  "where stage %d fails, all end, with its error: %s", fails, err.text);
+            CHECK(of.right && of.taken <= 250, "until then all was right: %ld numbers", of.taken);
+        }
+}
+
+/* Two stages wait for the first, which sleeps for 0.4 s in all. Spinning would take 0.4 s of a
+ * processor or more. */
+static void test_waiting(void)
+{
+    for (int alone = 0; alone < 2; alone++) {
+        struct numbers of = {.n = 4, .fails = NO_FAILURE, .seconds = 0.1};
+        struct error err;
+        const clock_t before = clock();
+        CHECK(run(&of, alone == 1, &err) && of.taken == 4, "stages wait");
+        const double seconds = (double)(clock() - before) / CLOCKS_PER_SEC;
+        CHECK(seconds < 0.1, "while they wait, they take no processor: %g s", seconds);
+    }
+}
+
+int main(void)
+{
+    test_loops();
+    test_numbers();
+    test_stages();
+    test_failing();
+    test_waiting();
+    return test_end();
+}
