@@ -78,6 +78,7 @@ enum { MAX_OPERANDS = 5, MAX_RECORDED = 64 };
  * given. */
 struct options {
     const struct option_table *table; /* by which it was read */
+    const char *program;              /* the name that the user started the program by */
     const char *operand;              /* the first one: SCENE, STACK or KIND; NULL: none */
     const char *operands[MAX_OPERANDS];
     int n_operands;
@@ -93,7 +94,7 @@ struct options {
     double full_scale;
     int threads, runs, memory_mib;
     struct outputs outputs; /* complete; they appear when the command has ended well */
-    bool xyz, lab, csv, svg, no_check, strict, trust, keep, envi, quiet, verbose, help;
+    bool xyz, lab, csv, svg, no_check, strict, trust, keep, envi, quiet, verbose, help, quick;
 };
 
 /* The options and operands that a command allows. */

@@ -64,6 +64,14 @@ static int die_of(int number)
     return EXIT_SYSTEM;
 }
 
+void signals_release(void)
+{
+    sigset_t held;
+    find_ending(&held);
+    sigaddset(&held, SIGCHLD);
+    sigprocmask(SIG_UNBLOCK, &held, NULL);
+}
+
 /* ---- the process that works ---- */
 
 /* It ends with this and its exit status, or this and the number of a signal that it found: no

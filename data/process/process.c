@@ -15,9 +15,6 @@ struct reply {
     struct error err;
 };
 
-/* Signals are held back, so the wait for a job looks for one this often. */
-enum { LOOK_MS = 50 };
-
 /* Reads all bytes. Fails if the pipe ends before the last one, or at an interruption. */
 static bool read_all(int from, void *bytes, size_t length)
 {
@@ -65,13 +62,12 @@ static bool await(pid_t child, int from, void *out, size_t size, struct error *e
 }
 
 bool process_run(bool (*job)(void *context, void *out, struct error *err), void *context, void *out,
-                 size_t size, double *seconds, struct error *err)
+                 size_t size, struct error *err)
 {
     int ends[2];
     fflush(NULL);
     if (pipe(ends) != 0)
         return error_system(err, "cannot make a pipe");
-    const double start = clock_seconds();
     const pid_t parent = getpid(), child = fork();
     if (child == 0) {
         struct reply reply = {.done = false};
@@ -84,8 +80,6 @@ bool process_run(bool (*job)(void *context, void *out, struct error *err), void 
     close(ends[1]);
     const bool done = child > 0 ? await(child, ends[0], out, size, err)
                                 : error_system(err, "cannot start a process");
-    if (seconds)
-        *seconds = clock_seconds() - start;
     close(ends[0]);
     return done;
 }

@@ -19,17 +19,35 @@ bool is_interrupted(void);
 
 /* ---- process.c: a job in a process of its own ---- */
 
-/* Runs a job in a copy of this process, and waits for it. Returns the job's `size` bytes at `out`,
- * and the seconds from fork to its end (NULL: not wanted). An interruption ends the job. This
- * process may start no thread and no OpenGL: a copy of a process
+/* Runs a job in a copy of this process, and waits for it. Returns the job's `size` bytes at `out`.
+ * An interruption ends the job. This process may start no thread and no OpenGL: a copy of a process
  * has none of its threads, and OpenGL would wait for them. */
 bool process_run(bool (*job)(void *context, void *out, struct error *err), void *context, void *out,
-                 size_t size, double *seconds, struct error *err);
+                 size_t size, struct error *err);
+
+/* ---- program.c: this program again, as a user's command line runs it ---- */
+
+/* Of a program, from exec to exit. The processor's are those of the user and of the system, in all
+ * its processes. */
+struct run_seconds {
+    double wall, processor;
+};
+/* Runs this program with the words, which end with NULL; the first is the name that this program
+ * was started by. Standard input and output are /dev/null. Returns false with the last line that
+ * the program printed on standard error, and with its exit status. An interruption ends it. */
+bool process_program(const char *const *words, struct run_seconds *out, struct error *err);
+/* Returns the file to run: the link if it leads to a program, or else the name that the user typed,
+ * which the system looks for as a shell does. */
+const char *program_file(const char *link, const char *typed);
 
 /* ---- Inside this room ---- */
 
 /* Lets this process end when its parent ends, where the system can do so. Returns false if the
  * parent has ended already. */
 bool process_follow(pid_t parent);
+/* Lets the signals pass that guard_run holds back: a program must start without that. */
+void signals_release(void);
+/* Signals are held back, so a wait for a process looks for one this often. */
+enum { LOOK_MS = 10 };
 
 #endif

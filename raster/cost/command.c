@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* spectral cost: measures what accuracy costs in time. Each configuration is a command line of
  * render. */
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -45,6 +46,37 @@ bool cost_render(const struct options *options, const struct cost_entry *entry, 
     return done;
 }
 
+enum { FIXED_WORDS = 12 };
+
+/* Adds "NAME=NUMBER" to a command line, in `text`; 0: the user gave none. */
+static void add_count(const char *line[], int *n, const char *name, int count, char text[32])
+{
+    if (count == 0)
+        return;
+    snprintf(text, 32, "%s=%d", name, count);
+    line[(*n)++] = text;
+}
+
+/* The scene comes last: its name may begin with a dash. */
+bool cost_run(const struct options *options, const struct cost_entry *entry, const char *more,
+              const char *output, struct run_seconds *out, struct error *err)
+{
+    const char *line[MAX_RECORDED + COST_WORDS + FIXED_WORDS] = {options->program, "render"};
+    char threads[32], memory[32];
+    int n = 2;
+    for (int i = 0; i < options->n_recorded; i++)
+        line[n++] = options->recorded[i];
+    for (int i = 0; i < entry->n_words; i++)
+        line[n++] = entry->words[i];
+    if (more)
+        line[n++] = more;
+    add_count(line, &n, "--threads", options->threads, threads);
+    add_count(line, &n, "--memory", options->memory_mib, memory);
+    const char *const last[] = {"--quiet", "--output", output, "--", options_scene(options), NULL};
+    memcpy(line + n, last, sizeof last);
+    return process_program(line, out, err);
+}
+
 bool cost_read(const struct options *options, const struct cost_entry *entry, struct scene *scene,
                struct sampling *sampling, struct error *err)
 {
@@ -84,11 +116,18 @@ static void print_word(const char *word, struct printed *to)
     print_text(to, plain ? "" : "'");
 }
 
-static void print_entry(const struct options *options, const char *what,
-                        const struct cost_entry *entry, struct printed *to)
+static void print_advice(const struct options *options, const char *what,
+                         const struct advice *advice, struct printed *to)
 {
-    print(to, "%s: %s, %.3g s, dE00 %.3g\n  spectral render", what, entry->name, entry->seconds,
-          entry->accuracy.quantile_95);
+    const struct cost_entry *entry = advice->entry;
+    print(to, "%s: %s, %.3g s, processor %.3g s, 95 %% %.3g\n", what, entry->name, entry->seconds,
+          entry->processor, entry->accuracy.quantile_95);
+    if (advice->n_rivals > 0)
+        print(to,
+              "  as good within noise: %d other%s, whose seconds overlap; this one takes the least "
+              "processor time\n",
+              advice->n_rivals, advice->n_rivals > 1 ? "s" : "");
+    print_text(to, "  spectral render");
     print_word(options_scene(options), to);
     for (int i = 0; i < options->n_recorded; i++)
         print_word(options->recorded[i], to);
@@ -98,18 +137,17 @@ static void print_entry(const struct options *options, const char *what,
 }
 
 /* Prints the best entry. If its pages are not radiances, also prints the best entry with radiances.
- * best NULL: fails with EXIT_DIFFERENT. */
-static bool recommend(const struct options *options, const char *what,
-                      const struct cost_entry *best, const struct cost_entry *spectral,
-                      struct printed *to, struct error *err)
+ * No best entry: fails with EXIT_DIFFERENT. */
+static bool recommend(const struct options *options, const char *what, struct advice best,
+                      struct advice spectral, struct printed *to, struct error *err)
 {
-    if (!best)
-        return error_different(err, "no configuration is %s", what);
-    print_entry(options, what, best, to);
-    if (!spectral)
+    if (!best.entry)
+        return error_different(err, "no configuration has %s", what);
+    print_advice(options, what, &best, to);
+    if (!spectral.entry)
         print_text(to, "with spectra: none\n");
-    else if (spectral != best)
-        print_entry(options, "with spectra", spectral, to);
+    else if (spectral.entry != best.entry)
+        print_advice(options, "with spectra", &spectral, to);
     return true;
 }
 
@@ -131,10 +169,10 @@ static bool report(struct options *options, const struct cost *cost, double tole
         if (!json_write(&json, options->json, &options->outputs, err))
             return false;
     }
-    snprintf(what, sizeof what, "within %.10g CIEDE2000", tolerance);
+    snprintf(what, sizeof what, "95 %% within %.10g CIEDE2000", tolerance);
     bool done = !options->tolerance || recommend(options, what, cost_within(cost, tolerance, false),
                                                  cost_within(cost, tolerance, true), &advice, err);
-    snprintf(what, sizeof what, "within %.10g s", budget);
+    snprintf(what, sizeof what, "seconds within %.10g", budget);
     done =
         done && (!options->budget || recommend(options, what, cost_affordable(cost, budget, false),
                                                cost_affordable(cost, budget, true), &advice, err));
@@ -185,6 +223,16 @@ static bool check_scene(const struct options *options, struct error *err)
                             "not standard input");
 }
 
+/* With --quick the number of runs follows from the time that is left. */
+static bool check_runs(const struct options *options, struct error *err)
+{
+    return !options->quick || options->runs == 0 ||
+           error_usage(err, "--quick chooses the number of runs; expected no --runs beside it");
+}
+
+/* --quick takes errors below this for equal, unless the tolerance is smaller. */
+static const double visible = 0.1;
+
 bool command_cost(struct options *options, struct error *err)
 {
     struct cost cost = {.scene = NULL};
@@ -192,8 +240,10 @@ bool command_cost(struct options *options, struct error *err)
     bool done =
         (!options->tolerance || tolerance_of("--tolerance", options->tolerance, &tolerance, err)) &&
         (!options->budget || option_number("--budget", options->budget, 0, 1e9, &budget, err)) &&
-        check_scene(options, err) && check_files(options, err) &&
-        cost_measure(options, &cost, err) && report(options, &cost, tolerance, budget, err);
+        check_runs(options, err) && check_scene(options, err) && check_files(options, err) &&
+        cost_measure(options, options->tolerance ? fmin(tolerance, visible) : visible, &cost,
+                     err) &&
+        report(options, &cost, tolerance, budget, err);
     cost_free(&cost);
     return done;
 }

@@ -113,7 +113,7 @@ static bool survey(void *context, void *result, struct error *err)
 bool survey_scene(const struct options *options, struct survey *out, struct error *err)
 {
     *out = (struct survey){.observer = options_detector(options)};
-    return process_run(survey, &options, out, sizeof *out, NULL, err);
+    return process_run(survey, &options, out, sizeof *out, err);
 }
 
 /* ---- a configuration in words ---- */
@@ -175,11 +175,12 @@ static const struct configuration every_nm = {
 
 /* Float pages hold the same radiances at any full scale. Without --full-scale, render refuses phong
  * shading where it finds no largest radiance. */
-bool configuration_standard(const char *observer, struct cost_entry *out, struct error *err)
+bool configuration_standard(const struct cost *cost, struct cost_entry *out, struct error *err)
 {
     struct configuration configuration = every_nm;
     configuration.bits = 32;
-    return configuration_entry(&configuration, observer, out, err) &&
+    configuration.tessellation = cost->scouting ? 1 : every_nm.tessellation;
+    return configuration_entry(&configuration, cost->survey.observer, out, err) &&
            say(out, NULL, "--full-scale=", "65535", err);
 }
 
@@ -215,7 +216,8 @@ static bool add(struct cost *cost, struct configuration configuration, const cha
 static struct configuration finest(const struct cost *cost)
 {
     struct configuration configuration = every_nm;
-    configuration.tessellation = cost->survey.tessellated ? every_nm.tessellation : 1;
+    configuration.tessellation =
+        cost->survey.tessellated && !cost->scouting ? every_nm.tessellation : 1;
     return configuration;
 }
 
@@ -301,9 +303,18 @@ static const char *leanest(const struct cost *cost, double tolerance, enum conte
     return best ? best->configuration.sampling : "";
 }
 
-static const char *good_sampling(const struct cost *cost)
+void configurations_choose(struct cost *cost)
 {
-    return leanest(cost, 0.1, RADIANCES);
+    static const struct {
+        double tolerance;
+        enum content content;
+    } wanted[N_CHOSEN] = {[GOOD] = {0.1, RADIANCES},
+                          [COLOURS] = {0.5, ANY_PAGES},
+                          [SPECTRA] = {0.5, WAVELENGTHS},
+                          [FINE_SPECTRA] = {0.1, WAVELENGTHS}};
+    for (int i = 0; i < N_CHOSEN; i++)
+        snprintf(cost->chosen[i], sizeof cost->chosen[i], "%s",
+                 leanest(cost, wanted[i].tolerance, wanted[i].content));
 }
 
 /* Roughly in the order of their time, the fastest first. */
@@ -323,7 +334,8 @@ static bool is_on_axis(const struct survey *survey, const struct configuration *
 
 static const struct configuration opengl = {.tessellation = 1, .renderer = BY_LLVMPIPE};
 
-/* Adds OpenGL's renderers, with smooth shading: OpenGL lights vertices only. */
+/* Adds OpenGL's renderers, with smooth shading: OpenGL lights vertices only. A checked picture is
+ * the same as an unchecked one, and takes longer: with --quick it is left out. */
 static bool add_renderers(struct cost *cost, const char *sampling, struct error *err)
 {
     struct configuration eight = opengl, sixteen = opengl, checked = opengl, softpipe = opengl;
@@ -333,13 +345,13 @@ static bool add_renderers(struct cost *cost, const char *sampling, struct error 
     softpipe.renderer = BY_SOFTPIPE;
     return !gl_is_built() ||
            (add(cost, opengl, sampling, err) && add(cost, sixteen, sampling, err) &&
-            add(cost, eight, sampling, err) && add(cost, checked, sampling, err) &&
+            add(cost, eight, sampling, err) && (cost->quick || add(cost, checked, sampling, err)) &&
             add(cost, softpipe, sampling, err));
 }
 
 bool configurations_pictures(struct cost *cost, struct error *err)
 {
-    const char *sampling = good_sampling(cost);
+    const char *sampling = cost->chosen[GOOD];
     struct configuration bytes = finest(cost), floats = finest(cost);
     bytes.bits = 8;
     floats.bits = 32;
@@ -355,7 +367,7 @@ bool configurations_pictures(struct cost *cost, struct error *err)
 /* Adds a sampling with each shading that is more accurate than all faster ones in the list. */
 static bool combine(struct cost *cost, const char *sampling, struct error *err)
 {
-    const char *good = good_sampling(cost);
+    const char *good = cost->chosen[GOOD];
     double best = HUGE_VAL;
     for (int i = 0; i < N_SHADINGS; i++) {
         const struct cost_entry *entry = find(cost, &shadings[i], good);
@@ -370,8 +382,10 @@ static bool combine(struct cost *cost, const char *sampling, struct error *err)
 
 bool configurations_combined(struct cost *cost, struct error *err)
 {
-    const char *colours = leanest(cost, 0.5, ANY_PAGES), *spectra = leanest(cost, 0.5, WAVELENGTHS);
-    return combine(cost, colours, err) && combine(cost, spectra, err);
+    for (int i = 0; i < N_CHOSEN; i++)
+        if (!add(cost, finest(cost), cost->chosen[i], err))
+            return false;
+    return combine(cost, cost->chosen[COLOURS], err) && combine(cost, cost->chosen[SPECTRA], err);
 }
 
 /* ---- notes ---- */

@@ -14,7 +14,8 @@ void cost_entry_free(struct cost_entry *entry)
 {
     for (int i = 0; i < entry->n_words; i++)
         free(entry->words[i]);
-    free(entry->run_seconds);
+    free(entry->walls);
+    free(entry->processors);
     *entry = (struct cost_entry){.n_words = 0};
 }
 
@@ -86,33 +87,102 @@ void cost_mark(struct cost *cost)
     }
 }
 
-/* Entries are sorted by seconds, so the first match is the fastest. */
-const struct cost_entry *cost_within(const struct cost *cost, double tolerance, bool spectral)
+/* Returns whether the range of one entry's times has a part in that of another. */
+static bool overlap(const struct cost_entry *a, const struct cost_entry *b)
 {
-    for (int i = 0; i < cost->n; i++)
-        if (cost->entries[i].accuracy.quantile_95 <= tolerance &&
-            (cost->entries[i].accuracy.spectral || !spectral))
-            return &cost->entries[i];
-    return NULL;
+    return a->fastest <= b->slowest && b->fastest <= a->slowest;
 }
 
-const struct cost_entry *cost_affordable(const struct cost *cost, double seconds, bool spectral)
+/* Limits of the entries that a recommendation may name. */
+struct limits {
+    double error, seconds;
+    bool spectral;
+};
+
+static bool is_within(const struct cost_entry *entry, const struct limits *limits)
 {
+    return entry->accuracy.quantile_95 <= limits->error && entry->seconds <= limits->seconds &&
+           (entry->accuracy.spectral || !limits->spectral);
+}
+
+/* Compares the best entry with its rivals: those within the same limits whose times overlap its
+ * own. Wall time cannot rank them, and processor time scatters less. */
+static struct advice advise(const struct cost *cost, const struct cost_entry *best,
+                            const struct limits *limits)
+{
+    struct advice advice = {best, 0};
+    for (int i = 0; best && i < cost->n; i++) {
+        const struct cost_entry *rival = &cost->entries[i];
+        if (rival == best || !is_within(rival, limits) || !overlap(rival, best))
+            continue;
+        advice.n_rivals++;
+        if (rival->processor < advice.entry->processor)
+            advice.entry = rival;
+    }
+    return advice;
+}
+
+/* Entries are sorted by seconds, so the first match is the fastest. */
+struct advice cost_within(const struct cost *cost, double tolerance, bool spectral)
+{
+    const struct limits limits = {tolerance, HUGE_VAL, spectral};
+    int i = 0;
+    while (i < cost->n && !is_within(&cost->entries[i], &limits))
+        i++;
+    return advise(cost, i < cost->n ? &cost->entries[i] : NULL, &limits);
+}
+
+/* Errors have no noise, so that the rivals of the most accurate entry are as accurate. */
+struct advice cost_affordable(const struct cost *cost, double seconds, bool spectral)
+{
+    struct limits limits = {HUGE_VAL, seconds, spectral};
     const struct cost_entry *best = NULL;
-    for (int i = 0; i < cost->n && cost->entries[i].seconds <= seconds; i++)
-        if ((cost->entries[i].accuracy.spectral || !spectral) &&
-            (!best || cost->entries[i].accuracy.quantile_95 < best->accuracy.quantile_95))
+    for (int i = 0; i < cost->n; i++)
+        if (is_within(&cost->entries[i], &limits) &&
+            (!best || cost->entries[i].accuracy.quantile_95 < limits.error)) {
             best = &cost->entries[i];
-    return best;
+            limits.error = best->accuracy.quantile_95;
+        }
+    return advise(cost, best, &limits);
+}
+
+/* ---- pruning ---- */
+
+static bool beats(const struct cost_entry *one, const struct cost_entry *two, double floor,
+                  double factor)
+{
+    return fmax(one->accuracy.quantile_95, floor) <= fmax(two->accuracy.quantile_95, floor) &&
+           one->seconds * factor < two->seconds &&
+           (one->accuracy.spectral || !two->accuracy.spectral);
+}
+
+/* An entry that is beaten may beat others: who beats it beats them, too. */
+void cost_prune(struct cost *cost, double floor, double factor)
+{
+    int n = 0;
+    for (int i = 0; i < cost->n; i++) {
+        struct cost_entry *entry = &cost->entries[i];
+        bool beaten = false;
+        for (int j = 0; j < cost->n && !beaten; j++)
+            beaten = j != i && beats(&cost->entries[j], entry, floor, factor);
+        entry->best = !beaten;
+    }
+    for (int i = 0; i < cost->n; i++)
+        if (cost->entries[i].best)
+            cost->entries[n++] = cost->entries[i];
+        else
+            cost_entry_free(&cost->entries[i]);
+    cost->n = n;
 }
 
 /* ---- tables ---- */
 
 static void print_entry(const struct cost_entry *entry, struct printed *to)
 {
-    print(to, "%s%s %-40s %8.3f  %7.3f..%-7.3f %8.3g %8.3g %8.3g ", entry->best ? "*" : " ",
-          entry->uncertain ? "~" : " ", entry->name, entry->seconds, entry->fastest, entry->slowest,
-          entry->accuracy.mean, entry->accuracy.quantile_95, entry->accuracy.largest);
+    print(to, "%s%s %-40s %8.3f %9.3f  %7.3f..%-7.3f %8.3g %8.3g %8.3g ", entry->best ? "*" : " ",
+          entry->uncertain ? "~" : " ", entry->name, entry->seconds, entry->processor,
+          entry->fastest, entry->slowest, entry->accuracy.mean, entry->accuracy.quantile_95,
+          entry->accuracy.largest);
     if (isnan(entry->accuracy.radiance))
         print(to, "%9s\n", "-");
     else
@@ -125,12 +195,12 @@ void cost_print(const struct cost *cost, struct printed *to)
           "scene             %s, %d x %d pixels\n"
           "observer          %s\n"
           "runs              %d of each configuration after a warm-up, one after the other,\n"
-          "                  each in a process of its own; seconds are the median, fastest\n"
-          "                  and slowest\n"
+          "                  each from exec to exit; seconds are the median, fastest and\n"
+          "                  slowest; processor: the median of user's and system's seconds\n"
           "standard          every nm, phong shading, tessellation 4, in double: %.3g s\n\n",
           cost->scene, cost->survey.width, cost->survey.height, cost->survey.observer, cost->runs,
           cost->standard_seconds);
-    print(to, "   %-40s %8s  %16s %8s %8s %8s %9s\n", "configuration", "seconds",
+    print(to, "   %-40s %8s %9s  %16s %8s %8s %8s %9s\n", "configuration", "seconds", "processor",
           "fastest..slowest", "dE00", "95 %", "largest", "radiance");
     for (int i = 0; i < cost->n; i++)
         print_entry(&cost->entries[i], to);
@@ -157,8 +227,9 @@ static void print_csv_entry(const struct cost_entry *entry, struct printed *to)
         print_text(to, i > 0 ? " " : "");
         csv_text(entry->words[i], to);
     }
-    print(to, "\",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,", entry->seconds, entry->fastest, entry->slowest,
-          entry->accuracy.mean, entry->accuracy.quantile_95, entry->accuracy.largest);
+    print(to, "\",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,", entry->seconds, entry->processor,
+          entry->fastest, entry->slowest, entry->accuracy.mean, entry->accuracy.quantile_95,
+          entry->accuracy.largest);
     if (!isnan(entry->accuracy.radiance))
         print(to, "%.9g", entry->accuracy.radiance);
     print(to, ",%d,%d\n", entry->best, entry->uncertain);
@@ -167,9 +238,9 @@ static void print_csv_entry(const struct cost_entry *entry, struct printed *to)
 char *cost_csv(const struct cost *cost)
 {
     struct printed printed = {.text = NULL};
-    print_text(&printed,
-               "name,options,seconds,fastest,slowest,dE00_mean,dE00_95,dE00_largest,radiance_error,"
-               "frontier,within_noise\n");
+    print_text(&printed, "name,options,seconds,processor,fastest,slowest,dE00_mean,dE00_95,dE00_"
+                         "largest,radiance_error,"
+                         "frontier,within_noise\n");
     for (int i = 0; i < cost->n; i++)
         print_csv_entry(&cost->entries[i], &printed);
     return printed_end(&printed);
@@ -184,6 +255,7 @@ static void json_entry(struct json *json, const struct cost_entry *entry)
         json_string(json, NULL, entry->words[i]);
     json_close(json, ']');
     json_number(json, "seconds", entry->seconds);
+    json_number(json, "processor_seconds", entry->processor);
     json_number(json, "fastest", entry->fastest);
     json_number(json, "slowest", entry->slowest);
     json_number(json, "dE00_mean", entry->accuracy.mean);
@@ -205,6 +277,7 @@ void cost_json(const struct cost *cost, struct json *json)
     json_count(json, "height", (uint64_t)cost->survey.height);
     json_string(json, "observer", cost->survey.observer);
     json_count(json, "runs", (uint64_t)cost->runs);
+    json_truth(json, "quick", cost->quick);
     json_number(json, "standard_seconds", cost->standard_seconds);
     json_open(json, "configurations", '[');
     for (int i = 0; i < cost->n; i++)

@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: MIT */
 /* Measures what each degree of accuracy costs in time, for one scene. It renders the scene in many
- * configurations, each as a user's command line would, in a process of its own, and measures the
+ * configurations, each by running this program as a user's command line does, and measures the
  * accuracy of their stacks. */
 #ifndef COST_H
 #define COST_H
 
 #include "data/options/options.h"
+#include "data/process/process.h"
 #include "data/sampling/sampling.h"
 #include "spectral.h"
 
@@ -58,14 +59,18 @@ struct cost_entry {
     char name[128];
     char *words[COST_WORDS]; /* options of render, e.g. "--sampling=gauss:8"; owned */
     int n_words;
-    struct accuracy accuracy; /* of 0 pages until it has been measured */
-    double *run_seconds;      /* of each run: the whole render, in a process of its own; owned */
-    double seconds, fastest, slowest; /* median and extremes of the runs */
+    struct accuracy accuracy;                    /* of 0 pages until it has been measured */
+    double *walls, *processors;                  /* seconds of each run of the program; owned */
+    double seconds, fastest, slowest, processor; /* median and extremes of walls; other median */
     bool best, uncertain; /* on the frontier of seconds and quantile_95; within noise of it */
 };
+/* Samplings by the error and the content that they have with the fewest pages. */
+enum { GOOD, COLOURS, SPECTRA, FINE_SPECTRA, N_CHOSEN };
 struct cost {
     struct survey survey;
-    char *scene; /* its name with the changes of the command line; owned */
+    char *scene;          /* its name with the changes of the command line; owned */
+    bool quick, scouting; /* --quick; its first part, which looks for samplings */
+    char chosen[N_CHOSEN][SAMPLING_NAME];
     int runs, n;
     struct cost_entry *entries; /* room for MAX_CONFIGURATIONS; by seconds in the end; owned */
     char **notes;               /* on the scene, and on configurations that failed; owned */
@@ -81,10 +86,18 @@ void cost_free(struct cost *cost);
 bool cost_note(struct cost *cost, struct error *err, const char *format, ...) PRINTF_LIKE(3, 4);
 /* Marks the entries on the frontier, and those within noise of it. */
 void cost_mark(struct cost *cost);
+/* A recommendation. Its rivals are as good, and their times lie within noise of each other. */
+struct advice {
+    const struct cost_entry *entry; /* of them all, the one with the least processor time */
+    int n_rivals;
+};
 /* Return the fastest entry of at most the tolerance in quantile_95, and the most accurate entry of
  * at most so many seconds; NULL: none. spectral: only entries whose pages are radiances count. */
-const struct cost_entry *cost_within(const struct cost *cost, double tolerance, bool spectral);
-const struct cost_entry *cost_affordable(const struct cost *cost, double seconds, bool spectral);
+struct advice cost_within(const struct cost *cost, double tolerance, bool spectral);
+struct advice cost_affordable(const struct cost *cost, double seconds, bool spectral);
+/* Removes each entry that another one beats: that is as accurate (errors up to `floor` are equal),
+ * has spectra if this one has them, and takes less than 1/factor of its seconds. */
+void cost_prune(struct cost *cost, double floor, double factor);
 void cost_print(const struct cost *cost, struct printed *to);
 /* Return the table as CSV, and the chart; allocated. NULL: no memory. */
 char *cost_csv(const struct cost *cost);
@@ -93,9 +106,12 @@ void cost_json(const struct cost *cost, struct json *json); /* begins a text wit
 
 /* ---- command.c: configurations as command lines ---- */
 
-/* Renders the scene of the options, with the words of the entry, to a stack. */
+/* Render the scene of the options, with the words of the entry, to a stack: in this process; and by
+ * running the program, with one more option (NULL: none). */
 bool cost_render(const struct options *options, const struct cost_entry *entry, const char *output,
                  struct error *err);
+bool cost_run(const struct options *options, const struct cost_entry *entry, const char *more,
+              const char *output, struct run_seconds *out, struct error *err);
 /* Reads and samples the scene as cost_render would; without a sampling, *sampling stays zeroed. The
  * caller always frees both. entry NULL: no words. */
 bool cost_read(const struct options *options, const struct cost_entry *entry, struct scene *scene,
@@ -103,8 +119,9 @@ bool cost_read(const struct options *options, const struct cost_entry *entry, st
 
 /* ---- measure.c ---- */
 
-/* Measures all configurations that make sense for the scene. The caller always frees *out. */
-bool cost_measure(const struct options *options, struct cost *out, struct error *err);
+/* Measures all configurations that make sense for the scene; with --quick, those that may be the
+ * best for errors from `floor` on. The caller always frees *out. */
+bool cost_measure(const struct options *options, double floor, struct cost *out, struct error *err);
 
 /* ---- standard.c: the picture at every nm, and the differences of stacks from it ---- */
 
@@ -131,9 +148,11 @@ bool survey_notes(struct cost *cost, struct error *err);
 bool configuration_entry(const struct configuration *configuration, const char *observer,
                          struct cost_entry *out, struct error *err);
 /* Fills in the entry of the standard: every nm, the finest shading, pages of floats. */
-bool configuration_standard(const char *observer, struct cost_entry *out, struct error *err);
-/* Adds every sampling, with the finest shading. */
+bool configuration_standard(const struct cost *cost, struct cost_entry *out, struct error *err);
+/* Adds every sampling, with the finest shading; while scouting, with the scene's tessellation. */
 bool configurations_samplings(struct cost *cost, struct error *err);
+/* Chooses samplings by the errors measured before. */
+void configurations_choose(struct cost *cost);
 /* Adds shadings, renderers and depths, with a good sampling. The choice depends on errors, not on
  * seconds: a scene always has the same configurations. */
 bool configurations_pictures(struct cost *cost, struct error *err);

@@ -1,6 +1,13 @@
 /* SPDX-License-Identifier: MIT */
-/* Runs each configuration of render several times, each time in a process of its own, and measures
- * the accuracy of its stack. */
+/* Runs each configuration of render several times, from exec to exit, and measures the accuracy of
+ * its stack.
+ *
+ * With --quick there are two parts. The first scouts: it measures errors in a smaller picture,
+ * where they are nearly those of the whole one. It chooses samplings without --tessellation,
+ * against a standard without it, because an error of sampling hardly depends on triangles. Then it
+ * prunes configurations by errors and seconds. The second part takes times of the others in the
+ * whole picture, prunes again after the first run, and goes on while time is left. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -9,10 +16,12 @@
 #include "data/process/process.h"
 #include "raster/cost/cost.h"
 
-enum { DEFAULT_RUNS = 5 };
+enum { DEFAULT_RUNS = 5, LEAST_QUICK_RUNS = 2, MOST_QUICK_RUNS = 5 };
 
 struct measurement {
     const struct options *options;
+    double floor;  /* of errors that matter, with --quick */
+    char size[48]; /* an option that makes the picture smaller; "": none */
     struct progress_line line;
     bool shown; /* the line of progress */
     struct folder folder;
@@ -90,12 +99,20 @@ static bool compare_job(void *context, void *out, struct error *err)
     return done;
 }
 
-/* Renders an entry to the stack. seconds NULL: not wanted. */
+/* Renders an entry to the stack. A program says why it failed in words
+ * only. So this process, in a copy, learns whether the system lacks what the entry needs. */
 static bool render_entry(const struct measurement *measurement, const struct cost_entry *entry,
-                         double *seconds, struct error *err)
+                         struct run_seconds *seconds, struct error *err)
 {
     struct task task = {measurement, entry};
-    return process_run(render_job, &task, NULL, 0, seconds, err);
+    struct error again = {.status = EXIT_AGREED};
+    if (cost_run(measurement->options, entry, measurement->size[0] ? measurement->size : NULL,
+                 measurement->stack, seconds, err))
+        return true;
+    if (err->status == EXIT_SYSTEM && !is_interrupted() &&
+        !process_run(render_job, &task, NULL, 0, &again) && again.unsupported)
+        *err = again;
+    return false;
 }
 
 /* ---- configurations ---- */
@@ -115,10 +132,11 @@ static bool make_standard(struct measurement *measurement, bool *lit, struct err
     struct cost_entry entry = {.n_words = 0};
     struct standard_request request = request_of(measurement);
     struct error own = {.status = EXIT_AGREED};
-    const bool done =
-        configuration_standard(request.observer, &entry, &own) &&
-        render_entry(measurement, &entry, &measurement->cost->standard_seconds, &own) &&
-        process_run(summarize_job, &request, lit, sizeof *lit, NULL, &own);
+    struct run_seconds seconds = {.wall = 0};
+    const bool done = configuration_standard(measurement->cost, &entry, &own) &&
+                      render_entry(measurement, &entry, &seconds, &own) &&
+                      process_run(summarize_job, &request, lit, sizeof *lit, &own);
+    measurement->cost->standard_seconds = seconds.wall;
     unlink(measurement->stack);
     cost_entry_free(&entry);
     errno = 0;
@@ -129,15 +147,16 @@ static bool make_standard(struct measurement *measurement, bool *lit, struct err
     return done;
 }
 
-/* Runs a configuration once, without taking its time, and measures its stack. A configuration that
- * is refused, or that this system does not support, becomes a note. */
+/* Runs a configuration once and measures its stack. Its seconds count until the first round. A
+ * configuration that is refused, or that this system does not support, becomes a note. */
 static bool warm_up(struct measurement *measurement, struct cost_entry *entry, struct error *err)
 {
     struct task task = {measurement, entry};
     struct accuracy accuracy = {.n_pages = 0};
     struct error own = {.status = EXIT_AGREED};
-    const bool done = render_entry(measurement, entry, NULL, &own) &&
-                      process_run(compare_job, &task, &accuracy, sizeof accuracy, NULL, &own);
+    struct run_seconds seconds = {.wall = 0};
+    const bool done = render_entry(measurement, entry, &seconds, &own) &&
+                      process_run(compare_job, &task, &accuracy, sizeof accuracy, &own);
     unlink(measurement->stack);
     step(measurement, done ? 2 : 2 + measurement->cost->runs);
     if (!done && own.status == EXIT_SYSTEM && !own.unsupported) {
@@ -146,9 +165,12 @@ static bool warm_up(struct measurement *measurement, struct cost_entry *entry, s
     }
     if (!done)
         return cost_note(measurement->cost, err, "without %s: %s", entry->name, reason(&own));
+    const size_t runs = (size_t)measurement->cost->runs;
     entry->accuracy = accuracy;
-    entry->run_seconds = calloc((size_t)measurement->cost->runs, sizeof *entry->run_seconds);
-    return entry->run_seconds || error_memory(err);
+    entry->seconds = seconds.wall;
+    entry->walls = calloc(runs, sizeof *entry->walls);
+    entry->processors = calloc(runs, sizeof *entry->processors);
+    return (entry->walls && entry->processors) || error_memory(err);
 }
 
 /* Adds configurations and warms them up. `add` may choose by the errors measured before. */
@@ -165,15 +187,52 @@ static bool warm_up_more(struct measurement *measurement,
     return true;
 }
 
+/* Removes the entries that failed. */
+static void remove_failed(struct cost *cost)
+{
+    int n = 0;
+    for (int i = 0; i < cost->n; i++)
+        if (cost->entries[i].accuracy.n_pages > 0)
+            cost->entries[n++] = cost->entries[i];
+        else
+            cost_entry_free(&cost->entries[i]);
+    cost->n = n;
+}
+
+/* ---- rounds ---- */
+
+static int by_size(const void *a, const void *b)
+{
+    const double one = *(const double *)a, two = *(const double *)b;
+    return (one > two) - (one < two);
+}
+
+/* Sorts n numbers, and returns their median. */
+static double median(double *numbers, int n)
+{
+    qsort(numbers, (size_t)n, sizeof *numbers, by_size);
+    return (numbers[(n - 1) / 2] + numbers[n / 2]) / 2;
+}
+
+static void take_seconds(struct cost_entry *entry, int runs)
+{
+    entry->seconds = median(entry->walls, runs);
+    entry->processor = median(entry->processors, runs);
+    entry->fastest = entry->walls[0];
+    entry->slowest = entry->walls[runs - 1];
+}
+
 /* Runs all configurations in turn, so that a slow moment of the machine meets all of them. */
 static bool run_round(struct measurement *measurement, int round, struct error *err)
 {
     for (int i = 0; i < measurement->cost->n; i++) {
-        const struct cost_entry *entry = &measurement->cost->entries[i];
-        if (entry->accuracy.n_pages == 0)
-            continue;
-        if (!render_entry(measurement, entry, &entry->run_seconds[round], err))
+        struct cost_entry *entry = &measurement->cost->entries[i];
+        struct run_seconds seconds;
+        if (!render_entry(measurement, entry, &seconds, err))
             return false;
+        entry->walls[round] = seconds.wall;
+        entry->processors[round] = seconds.processor;
+        take_seconds(entry, round + 1);
         unlink(measurement->stack);
         step(measurement, 1);
     }
@@ -188,62 +247,132 @@ static long steps_of(const struct measurement *measurement, int n_attempts)
     return (long)n_attempts * (2 + measurement->cost->runs);
 }
 
-static bool measure_configurations(struct measurement *measurement, struct error *err)
+static bool measure_all(struct measurement *measurement, struct error *err)
 {
+    struct cost *cost = measurement->cost;
     measurement->all_steps = steps_of(measurement, LIKELY_CONFIGURATIONS);
-    if (!warm_up_more(measurement, configurations_samplings, err) ||
-        !warm_up_more(measurement, configurations_pictures, err) ||
+    if (!warm_up_more(measurement, configurations_samplings, err))
+        return false;
+    configurations_choose(cost);
+    if (!warm_up_more(measurement, configurations_pictures, err) ||
         !warm_up_more(measurement, configurations_combined, err))
         return false;
-    measurement->all_steps = steps_of(measurement, measurement->cost->n);
-    for (int round = 0; round < measurement->cost->runs; round++)
+    measurement->all_steps = steps_of(measurement, cost->n);
+    remove_failed(cost);
+    for (int round = 0; round < cost->runs; round++)
         if (!run_round(measurement, round, err))
             return false;
     return true;
+}
+
+/* ---- a quick measurement ---- */
+
+/* A picture for errors has about so many pixels. */
+static const double scout_pixels = 60000;
+/* A configuration is not near the frontier if a better one takes less than 1/so much of its time.
+ * In the smaller picture, the start of OpenGL is a larger part of it. */
+static const double scout_factor = 1.25, run_factor = 1.1;
+/* No round begins that would end later. */
+static const double quick_seconds = 25;
+
+static void shrink(struct measurement *measurement)
+{
+    const struct survey *survey = &measurement->cost->survey;
+    const int by = (int)ceil(sqrt((double)survey->width * (double)survey->height / scout_pixels));
+    const int width = survey->width / by, height = survey->height / by;
+    if (by > 1)
+        snprintf(measurement->size, sizeof measurement->size, "--size=%dx%d", width > 0 ? width : 1,
+                 height > 0 ? height : 1);
+}
+
+static bool scout(struct measurement *measurement, struct error *err)
+{
+    struct cost *cost = measurement->cost;
+    bool lit;
+    if (!warm_up_more(measurement, configurations_samplings, err))
+        return false;
+    configurations_choose(cost);
+    while (cost->n > 0)
+        cost_entry_free(&cost->entries[--cost->n]);
+    cost->scouting = false;
+    return make_standard(measurement, &lit, err) &&
+           warm_up_more(measurement, configurations_pictures, err) &&
+           warm_up_more(measurement, configurations_combined, err);
+}
+
+static bool measure_near(struct measurement *measurement, struct error *err)
+{
+    struct cost *cost = measurement->cost;
+    const int tried = cost->n;
+    double round_seconds = 0;
+    int round = 0;
+    measurement->size[0] = '\0';
+    remove_failed(cost);
+    cost_prune(cost, measurement->floor, scout_factor);
+    for (; round < MOST_QUICK_RUNS; round++) {
+        const double start = clock_seconds();
+        if (round >= LEAST_QUICK_RUNS &&
+            start + round_seconds > measurement->line.start + quick_seconds)
+            break;
+        if (!run_round(measurement, round, err))
+            return false;
+        if (round == 0)
+            cost_prune(cost, measurement->floor, run_factor);
+        round_seconds = clock_seconds() - start;
+    }
+    cost->runs = round;
+    return cost_note(cost, err, "--quick: %d of %d configurations are near the frontier", cost->n,
+                     tried);
+}
+
+static bool measure_quickly(struct measurement *measurement, struct error *err)
+{
+    return scout(measurement, err) && measure_near(measurement, err);
+}
+
+/* ---- the estimate ---- */
+
+/* A run takes this part of the standard's seconds on average, and a comparison that. Both are
+ * averages of built-in scenes; see data/doc/accuracy.md. */
+static const double run_part = 0.25, compare_part = 0.25, start_seconds = 0.05;
+
+/* Prints the seconds that the measurement is likely to take, before the first configuration. */
+static bool announce(const struct measurement *measurement, struct error *err)
+{
+    const struct cost *cost = measurement->cost;
+    struct printed line = {.text = NULL};
+    const double runs = 1 + cost->runs;
+    const double seconds =
+        LIKELY_CONFIGURATIONS *
+        (runs * start_seconds + (runs * run_part + compare_part) * cost->standard_seconds);
+    if (measurement->options->quiet)
+        return true;
+    if (cost->quick)
+        print(&line, "about half a minute; more if 2 runs of the configurations near the frontier "
+                     "take longer\n");
+    else if (seconds < 90)
+        print(&line, "about %.0f s for some 50 configurations of %d runs\n", seconds, cost->runs);
+    else
+        print(&line, "about %.0f min for some 50 configurations of %d runs\n", seconds / 60,
+              cost->runs);
+    return printed_show(&line, STDERR_FILENO, err);
 }
 
 /* ---- conclusions ---- */
 
 static int by_seconds(const void *a, const void *b)
 {
-    const double one = *(const double *)a, two = *(const double *)b;
-    return (one > two) - (one < two);
-}
-
-static int entries_by_seconds(const void *a, const void *b)
-{
     const struct cost_entry *one = a, *two = b;
-    return by_seconds(&one->seconds, &two->seconds);
+    return by_size(&one->seconds, &two->seconds);
 }
 
-static void take_seconds(struct cost_entry *entry, int runs)
-{
-    const size_t n = (size_t)runs;
-    qsort(entry->run_seconds, n, sizeof *entry->run_seconds, by_seconds);
-    entry->seconds = (entry->run_seconds[(n - 1) / 2] + entry->run_seconds[n / 2]) / 2;
-    entry->fastest = entry->run_seconds[0];
-    entry->slowest = entry->run_seconds[n - 1];
-}
-
-/* Removes the entries that failed, and sorts the others. */
 static bool conclude(struct cost *cost, struct error *err)
 {
-    int n = 0;
-    for (int i = 0; i < cost->n; i++) {
-        struct cost_entry *entry = &cost->entries[i];
-        if (entry->accuracy.n_pages == 0) {
-            cost_entry_free(entry);
-            continue;
-        }
-        take_seconds(entry, cost->runs);
-        cost->entries[n++] = *entry;
-    }
-    cost->n = n;
-    qsort(cost->entries, (size_t)n, sizeof *cost->entries, entries_by_seconds);
+    qsort(cost->entries, (size_t)cost->n, sizeof *cost->entries, by_seconds);
     cost_mark(cost);
     errno = 0;
-    return n > 0 || error_system(err, "no configuration could be rendered: %s",
-                                 cost->n_notes > 0 ? cost->notes[cost->n_notes - 1] : "");
+    return cost->n > 0 || error_system(err, "no configuration could be rendered: %s",
+                                       cost->n_notes > 0 ? cost->notes[cost->n_notes - 1] : "");
 }
 
 /* Returns the scene's name with the changes of the command line, allocated; NULL: no memory. */
@@ -260,7 +389,9 @@ static bool describe(struct measurement *measurement, bool lit, struct error *er
 {
     struct cost *cost = measurement->cost;
     cost->scene = name_scene(measurement);
-    cost->runs = measurement->options->runs ? measurement->options->runs : DEFAULT_RUNS;
+    cost->runs = measurement->options->runs ? measurement->options->runs
+                 : cost->quick              ? MOST_QUICK_RUNS
+                                            : DEFAULT_RUNS;
     cost->entries = calloc(MAX_CONFIGURATIONS, sizeof *cost->entries);
     return ((cost->scene && cost->entries) || error_memory(err)) && survey_notes(cost, err) &&
            (lit ||
@@ -269,18 +400,23 @@ static bool describe(struct measurement *measurement, bool lit, struct error *er
 
 static bool measure(struct measurement *measurement, struct error *err)
 {
+    struct cost *cost = measurement->cost;
     bool lit = false;
-    return open_folder(measurement, err) &&
-           survey_scene(measurement->options, &measurement->cost->survey, err) &&
-           make_standard(measurement, &lit, err) && describe(measurement, lit, err) &&
-           measure_configurations(measurement, err) && conclude(measurement->cost, err);
+    if (!open_folder(measurement, err) || !survey_scene(measurement->options, &cost->survey, err))
+        return false;
+    if (cost->quick)
+        shrink(measurement);
+    return make_standard(measurement, &lit, err) && describe(measurement, lit, err) &&
+           announce(measurement, err) &&
+           (cost->quick ? measure_quickly : measure_all)(measurement, err) && conclude(cost, err);
 }
 
-bool cost_measure(const struct options *options, struct cost *out, struct error *err)
+bool cost_measure(const struct options *options, double floor, struct cost *out, struct error *err)
 {
-    struct measurement measurement = {.options = options, .folder = {.lock = -1}, .cost = out};
+    struct measurement measurement = {
+        .options = options, .floor = floor, .folder = {.lock = -1}, .cost = out};
     measurement.shown = progress_start(&measurement.line, options->quiet);
-    *out = (struct cost){.scene = NULL};
+    *out = (struct cost){.quick = options->quick, .scouting = options->quick};
     const bool done = measure(&measurement, err);
     close_folder(&measurement);
     return done;

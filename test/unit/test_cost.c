@@ -44,24 +44,24 @@ static void frontier(void)
         CHECK(entries[i].uncertain == uncertain[i], "entry %d is %swithin noise", i,
               uncertain[i] ? "" : "not ");
     }
-    CHECK(cost_within(&cost, 2, false) == &entries[2],
+    CHECK(cost_within(&cost, 2, false).entry == &entries[2],
           "within an error of 2 the fastest entry is named");
-    CHECK(cost_within(&cost, 100, false) == &entries[0],
+    CHECK(cost_within(&cost, 100, false).entry == &entries[0],
           "within an error of 100 the fastest of all entries is named");
-    CHECK(cost_within(&cost, 0, false) == &entries[5],
+    CHECK(cost_within(&cost, 0, false).entry == &entries[5],
           "within an error of 0 the entry without error is named");
-    CHECK(cost_affordable(&cost, 4, false) == &entries[2],
+    CHECK(cost_affordable(&cost, 4, false).entry == &entries[2],
           "in 4 s the most accurate entry is named, and the faster of two equals");
-    CHECK(cost_affordable(&cost, 1, false) == &entries[0], "a budget may be used up");
-    CHECK(!cost_affordable(&cost, 0.99, false), "in 0.99 s no entry is named");
-    CHECK(!cost_within(&cost, 100, true) && !cost_affordable(&cost, 100, true),
+    CHECK(cost_affordable(&cost, 1, false).entry == &entries[0], "a budget may be used up");
+    CHECK(!cost_affordable(&cost, 0.99, false).entry, "in 0.99 s no entry is named");
+    CHECK(!cost_within(&cost, 100, true).entry && !cost_affordable(&cost, 100, true).entry,
           "no entry of the three has spectra");
     entries[4].accuracy.spectral = true;
-    CHECK(cost_within(&cost, 2.5, true) == &entries[4] &&
-              cost_affordable(&cost, 100, true) == &entries[4],
+    CHECK(cost_within(&cost, 2.5, true).entry == &entries[4] &&
+              cost_affordable(&cost, 100, true).entry == &entries[4],
           "a request for spectra names the only entry that has them");
     entries[5].accuracy.quantile_95 = 0.5;
-    CHECK(!cost_within(&cost, 0.4, false), "within 0.4 no entry is named");
+    CHECK(!cost_within(&cost, 0.4, false).entry, "within 0.4 no entry is named");
 }
 
 static void equals(void)
@@ -79,6 +79,7 @@ static void words(void)
 {
     struct error err = {.status = EXIT_AGREED};
     struct cost_entry seen = {.n_words = 0};
+    const struct cost cost = {.survey = {.observer = "cie1931"}};
     const struct configuration configuration = {.sampling = "gauss:8,open",
                                                 .shading = SHADING_SMOOTH,
                                                 .tessellation = 2,
@@ -95,7 +96,7 @@ static void words(void)
     CHECK_TEXT(seen.name, "gauss:8,open smooth x2 llvmpipe checked buffer 16 depth 32f",
                "its name contains all its options");
     cost_entry_free(&seen);
-    CHECK(configuration_standard("cie1931", &seen, &err) && seen.n_words == 7,
+    CHECK(configuration_standard(&cost, &seen, &err) && seen.n_words == 7,
           "the default observer adds no word");
     CHECK_TEXT(seen.words[6], "--full-scale=65535",
                "the reference has a full scale, so that phong shading is never refused");
@@ -114,7 +115,7 @@ static void csv(void)
     CHECK_TEXT(
         strchr(text, '\n') + 1,
         "\"rgb smooth\",\"--sampling=rgb --detector=a \"\"film\"\".csv --shading=smooth "
-        "--renderer=raster --no-check\",2,1,3,0.05,0.1,0.2,,0,0\n",
+        "--renderer=raster --no-check\",2,0,1,3,0.05,0.1,0.2,,0,0\n",
         "a line of the table holds an observer with quotation marks in its name, and no radiances");
     free(text);
     cost_entry_free(&entries[0]);

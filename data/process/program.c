@@ -1,0 +1,176 @@
+/* SPDX-License-Identifier: MIT */
+/* Runs this program again, as a shell would: from exec to exit, in a process of its own. */
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "data/process/process.h"
+
+/* Linux has this name for the file of the running program, even if that file has been moved or
+ * replaced meanwhile. */
+static const char running[] = "/proc/self/exe";
+
+const char *program_file(const char *link, const char *typed)
+{
+    return access(link, X_OK) == 0 ? link : typed;
+}
+
+/* ---- the process that becomes the program ---- */
+
+/* Ends this process with the system's reason in a line, as the program itself would. */
+static void refuse(const char *file)
+{
+    struct error err = {.status = EXIT_AGREED};
+    error_system(&err, "cannot run the program %s", file);
+    const bool said =
+        write_all(STDERR_FILENO, err.text, strlen(err.text)) && write_all(STDERR_FILENO, "\n", 1);
+    _exit(said ? EXIT_SYSTEM : EXIT_SYSTEM + 1);
+}
+
+/* Nobody types at the program and nobody reads its table. Its messages go to the pipe. */
+static void become(const char *file, const char *const *words, int messages)
+{
+    char *const *line; /* as execvp wants it, which changes no word */
+    memcpy(&line, &words, sizeof line);
+    const int nothing = open("/dev/null", O_RDWR | O_CLOEXEC);
+    if (nothing >= 0 && dup2(nothing, STDIN_FILENO) >= 0 && dup2(nothing, STDOUT_FILENO) >= 0 &&
+        dup2(messages, STDERR_FILENO) >= 0) {
+        signals_release();
+        errno = 0;
+        execvp(file, line);
+    }
+    dup2(messages, STDERR_FILENO);
+    refuse(file);
+}
+
+/* ---- the process that waits ---- */
+
+/* The last line of what the program has printed so far. */
+struct last_line {
+    char text[sizeof((struct error *)NULL)->text];
+    size_t length;
+    bool ended; /* the next byte begins another line */
+};
+
+static void take(struct last_line *line, const char *bytes, size_t length)
+{
+    for (; length > 0; bytes++, length--) {
+        if (*bytes == '\n') {
+            line->ended = true;
+            continue;
+        }
+        if (line->ended)
+            line->length = 0;
+        line->ended = false;
+        if (line->length + 1 < sizeof line->text)
+            line->text[line->length++] = *bytes;
+    }
+    line->text[line->length] = '\0';
+}
+
+/* Reads messages until no process has the pipe open. Returns false at an interruption, after
+ * `looks` looks (negative: never), or where reading fails. */
+static bool read_messages(int from, int looks, struct last_line *out)
+{
+    for (;;) {
+        struct pollfd ready = {.fd = from, .events = POLLIN};
+        char bytes[512];
+        int n;
+        ssize_t got;
+        if (looks < 0 && is_interrupted())
+            return false;
+        UNTIL_DONE(n, poll(&ready, 1, LOOK_MS));
+        if (n < 0 || (n == 0 && looks >= 0 && looks-- == 0))
+            return false;
+        if (n == 0)
+            continue;
+        UNTIL_DONE(got, read(from, bytes, sizeof bytes));
+        if (got <= 0)
+            return got == 0;
+        take(out, bytes, (size_t)got);
+    }
+}
+
+/* Ends the program. It watches a process of its own, which ends by the first signal at its next
+ * step, or with the program where the system can do so. The whole takes less than GRACE_MS. */
+static void end(pid_t child, int from, struct last_line *messages)
+{
+    kill(child, SIGTERM);
+    if (!read_messages(from, 3, messages))
+        kill(child, SIGKILL);
+    read_messages(from, 3, messages);
+}
+
+/* Concludes from the status of a program that has ended by itself. */
+static bool conclude(int status, const struct last_line *messages, struct error *err)
+{
+    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    errno = 0;
+    if (code == EXIT_AGREED)
+        return true;
+    if (code < 0 || code > EXIT_SYSTEM || messages->length == 0)
+        return error_system(err, "a run ended without a result%s%s",
+                            WIFSIGNALED(status) ? ": " : "",
+                            WIFSIGNALED(status) ? strsignal(WTERMSIG(status)) : "");
+    *err = (struct error){.status = (enum exit_status)code};
+    memcpy(err->text, messages->text, sizeof err->text);
+    return false;
+}
+
+static double processor_seconds(void)
+{
+    struct rusage used;
+    if (getrusage(RUSAGE_CHILDREN, &used) != 0)
+        return 0;
+    return (double)used.ru_utime.tv_sec + (double)used.ru_stime.tv_sec +
+           1e-6 * ((double)used.ru_utime.tv_usec + (double)used.ru_stime.tv_usec);
+}
+
+static bool await(pid_t child, int from, struct run_seconds *out, struct error *err)
+{
+    struct last_line messages = {.length = 0};
+    const double start = out->wall, before = processor_seconds();
+    const bool whole = read_messages(from, -1, &messages), interrupted = is_interrupted();
+    int status = 0;
+    pid_t ended;
+    if (!whole)
+        end(child, from, &messages);
+    UNTIL_DONE(ended, waitpid(child, &status, 0));
+    *out = (struct run_seconds){clock_seconds() - start, processor_seconds() - before};
+    if (ended < 0) {
+        kill(child, SIGKILL);
+        return error_system(err, "cannot wait for a run");
+    }
+    errno = 0;
+    if (!whole)
+        return error_system(err, interrupted ? "interrupted; nothing was written"
+                                             : "cannot read the messages of a run");
+    return conclude(status, &messages, err);
+}
+
+bool process_program(const char *const *words, struct run_seconds *out, struct error *err)
+{
+    const char *file = program_file(running, words[0]);
+    int ends[2];
+    fflush(NULL);
+    if (pipe(ends) != 0)
+        return error_system(err, "cannot make a pipe");
+    *out = (struct run_seconds){.wall = clock_seconds()};
+    const pid_t parent = getpid(), child = fork();
+    if (child == 0) {
+        close(ends[0]);
+        if (!process_follow(parent))
+            _exit(EXIT_SYSTEM);
+        fcntl(ends[1], F_SETFD, FD_CLOEXEC);
+        become(file, words, ends[1]);
+    }
+    close(ends[1]);
+    const bool done =
+        child > 0 ? await(child, ends[0], out, err) : error_system(err, "cannot start a process");
+    close(ends[0]);
+    return done;
+}
