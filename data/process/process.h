@@ -27,8 +27,8 @@ bool process_run(bool (*job)(void *context, void *out, struct error *err), void 
 
 /* ---- program.c: this program again, as a user's command line runs it ---- */
 
-/* Of a program, from exec to exit. The processor's are those of the user and of the system, in all
- * its processes. */
+/* The seconds of a program from exec to exit: by the clock; and of the processor, for the user and
+ * for the system, in all processes of the program. */
 struct run_seconds {
     double wall, processor;
 };

@@ -10,7 +10,6 @@
 #include "data/material/material.h"
 #include "data/mesh/mesh.h"
 #include "data/method/method.h"
-#include "data/process/process.h"
 #include "data/spectra/spectra.h"
 #include "raster/cost/cost.h"
 #include "raster/gl/gl.h"

@@ -152,7 +152,7 @@ static bool beats(const struct cost_entry *one, const struct cost_entry *two, do
                   double factor)
 {
     return fmax(one->accuracy.quantile_95, floor) <= fmax(two->accuracy.quantile_95, floor) &&
-           one->seconds * factor < two->seconds &&
+           one->seconds * factor < two->seconds && one->processor * factor < two->processor &&
            (one->accuracy.spectral || !two->accuracy.spectral);
 }
 

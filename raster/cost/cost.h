@@ -44,16 +44,13 @@ struct configuration {
 };
 
 /* The difference of a stack from the standard: in CIEDE2000, over the pixels in which either
- * picture shows an object (0 if there are none); and in radiance at every nm, rms relative to rms
- */
+ * picture shows an object (0 if there are none); and in radiance at every nm, relative rms. */
 struct accuracy {
     int n_pages;
     bool spectral; /* pages are radiances at wavelengths */
     double mean, quantile_95, largest;
     double radiance; /* NaN: the pages determine no radiances */
 };
-
-/* A configuration, and its measurement. */
 struct cost_entry {
     struct configuration configuration;
     char name[128];
@@ -64,8 +61,7 @@ struct cost_entry {
     double seconds, fastest, slowest, processor; /* median and extremes of walls; other median */
     bool best, uncertain; /* on the frontier of seconds and quantile_95; within noise of it */
 };
-/* Samplings by the error and the content that they have with the fewest pages. */
-enum { GOOD, COLOURS, SPECTRA, FINE_SPECTRA, N_CHOSEN };
+enum { GOOD, COLOURS, SPECTRA, FINE_SPECTRA, N_CHOSEN }; /* samplings with few pages */
 struct cost {
     struct survey survey;
     char *scene;          /* its name with the changes of the command line; owned */
@@ -79,24 +75,22 @@ struct cost {
 };
 
 /* ---- cost.c: conclusions and tables ---- */
-
 void cost_entry_free(struct cost_entry *entry);
 void cost_free(struct cost *cost);
-/* Adds a note, in printf's format. */
 bool cost_note(struct cost *cost, struct error *err, const char *format, ...) PRINTF_LIKE(3, 4);
 /* Marks the entries on the frontier, and those within noise of it. */
 void cost_mark(struct cost *cost);
-/* A recommendation. Its rivals are as good, and their times lie within noise of each other. */
 struct advice {
-    const struct cost_entry *entry; /* of them all, the one with the least processor time */
-    int n_rivals;
+    const struct cost_entry *entry; /* of its rivals and itself, the one of least processor time */
+    int n_rivals;                   /* that are as good, and whose times overlap */
 };
 /* Return the fastest entry of at most the tolerance in quantile_95, and the most accurate entry of
  * at most so many seconds; NULL: none. spectral: only entries whose pages are radiances count. */
 struct advice cost_within(const struct cost *cost, double tolerance, bool spectral);
 struct advice cost_affordable(const struct cost *cost, double seconds, bool spectral);
 /* Removes each entry that another one beats: that is as accurate (errors up to `floor` are equal),
- * has spectra if this one has them, and takes less than 1/factor of its seconds. */
+ * has spectra if this one has them, and takes less than 1/factor of its time, wall and processor.
+ */
 void cost_prune(struct cost *cost, double floor, double factor);
 void cost_print(const struct cost *cost, struct printed *to);
 /* Return the table as CSV, and the chart; allocated. NULL: no memory. */
@@ -105,7 +99,6 @@ char *cost_svg(const struct cost *cost);
 void cost_json(const struct cost *cost, struct json *json); /* begins a text with one object */
 
 /* ---- command.c: configurations as command lines ---- */
-
 /* Render the scene of the options, with the words of the entry, to a stack: in this process; and by
  * running the program, with one more option (NULL: none). */
 bool cost_render(const struct options *options, const struct cost_entry *entry, const char *output,
@@ -118,7 +111,6 @@ bool cost_read(const struct options *options, const struct cost_entry *entry, st
                struct sampling *sampling, struct error *err);
 
 /* ---- measure.c ---- */
-
 /* Measures all configurations that make sense for the scene; with --quick, those that may be the
  * best for errors from `floor` on. The caller always frees *out. */
 bool cost_measure(const struct options *options, double floor, struct cost *out, struct error *err);
@@ -131,32 +123,28 @@ struct standard_request {
     const struct sampling *sampling; /* zeroed: none */
     int threads;
 };
-/* Writes the summary of the standard's stack. *lit: the observer sees some light. */
+/* Write the summary of the standard's stack (*lit: the observer sees some light); measure a stack
+ * of the standard's size. */
 bool standard_summarize(const struct standard_request *request, bool *lit, struct error *err);
-/* Measures a stack of the standard's size. */
 bool standard_compare(const struct standard_request *request, struct accuracy *out,
                       struct error *err);
 
 /* ---- configurations.c ---- */
 
-/* Surveys the scene in a process of its own. */
+/* Survey the scene in a process of its own, and add notes on what it suggests. */
 bool survey_scene(const struct options *options, struct survey *out, struct error *err);
-/* Adds notes on what the scene suggests. */
 bool survey_notes(struct cost *cost, struct error *err);
-
 /* Fills in a zeroed entry, which the caller always frees. */
 bool configuration_entry(const struct configuration *configuration, const char *observer,
                          struct cost_entry *out, struct error *err);
 /* Fills in the entry of the standard: every nm, the finest shading, pages of floats. */
 bool configuration_standard(const struct cost *cost, struct cost_entry *out, struct error *err);
-/* Adds every sampling, with the finest shading; while scouting, with the scene's tessellation. */
+/* Add every sampling, with the finest shading (while scouting, with the scene's tessellation);
+ * choose samplings; add shadings, renderers and depths with a good one; add the best samplings with
+ * the best shadings. Choices depend on errors, not on seconds: they are the same in every run. */
 bool configurations_samplings(struct cost *cost, struct error *err);
-/* Chooses samplings by the errors measured before. */
 void configurations_choose(struct cost *cost);
-/* Adds shadings, renderers and depths, with a good sampling. The choice depends on errors, not on
- * seconds: a scene always has the same configurations. */
 bool configurations_pictures(struct cost *cost, struct error *err);
-/* Adds the best samplings with the best shadings, chosen likewise. */
 bool configurations_combined(struct cost *cost, struct error *err);
 
 #endif

@@ -13,7 +13,6 @@
 #include <unistd.h>
 
 #include "data/base/base.h"
-#include "data/process/process.h"
 #include "raster/cost/cost.h"
 
 enum { DEFAULT_RUNS = 5, LEAST_QUICK_RUNS = 2, MOST_QUICK_RUNS = 5 };
@@ -168,6 +167,7 @@ static bool warm_up(struct measurement *measurement, struct cost_entry *entry, s
     const size_t runs = (size_t)measurement->cost->runs;
     entry->accuracy = accuracy;
     entry->seconds = seconds.wall;
+    entry->processor = seconds.processor;
     entry->walls = calloc(runs, sizeof *entry->walls);
     entry->processors = calloc(runs, sizeof *entry->processors);
     return (entry->walls && entry->processors) || error_memory(err);
