@@ -231,7 +231,7 @@ static bool check_runs(const struct options *options, struct error *err)
 }
 
 /* --quick takes errors below this for equal, unless the tolerance is smaller. */
-static const double visible = 0.1;
+static const double visible = 0.5;
 
 bool command_cost(struct options *options, struct error *err)
 {

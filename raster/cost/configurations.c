@@ -348,17 +348,45 @@ static bool add_renderers(struct cost *cost, const char *sampling, struct error 
             add(cost, softpipe, sampling, err));
 }
 
+/* Adds the shadings of the finest tessellation, or the others. */
+static bool add_shadings(struct cost *cost, bool are_finest, struct error *err)
+{
+    for (int i = 0; i < N_SHADINGS; i++)
+        if (is_on_axis(&cost->survey, &shadings[i]) &&
+            (shadings[i].tessellation == every_nm.tessellation) == are_finest &&
+            !add(cost, shadings[i], cost->chosen[GOOD], err))
+            return false;
+    return true;
+}
+
 bool configurations_pictures(struct cost *cost, struct error *err)
 {
-    const char *sampling = cost->chosen[GOOD];
+    return add_shadings(cost, false, err) && add_renderers(cost, cost->chosen[GOOD], err);
+}
+
+/* Returns whether errors are so small already that --quick need not look for smaller ones: a finer
+ * tessellation takes longer. */
+static bool is_fine_enough(const struct cost *cost)
+{
+    for (int i = 0; cost->quick && cost->survey.tessellated && i < cost->n; i++)
+        if (cost->entries[i].accuracy.n_pages > 0 &&
+            cost->entries[i].accuracy.quantile_95 <= cost->floor)
+            return true;
+    return false;
+}
+
+bool configurations_finest(struct cost *cost, struct error *err)
+{
     struct configuration bytes = finest(cost), floats = finest(cost);
     bytes.bits = 8;
     floats.bits = 32;
-    for (int i = 0; i < N_SHADINGS; i++)
-        if (is_on_axis(&cost->survey, &shadings[i]) && !add(cost, shadings[i], sampling, err))
+    if (is_fine_enough(cost))
+        return true;
+    for (int i = 0; i < N_CHOSEN; i++)
+        if (!add(cost, finest(cost), cost->chosen[i], err))
             return false;
-    return add_renderers(cost, sampling, err) && add(cost, bytes, sampling, err) &&
-           add(cost, floats, sampling, err);
+    return add_shadings(cost, true, err) && add(cost, bytes, cost->chosen[GOOD], err) &&
+           add(cost, floats, cost->chosen[GOOD], err);
 }
 
 /* ---- combinations ---- */
@@ -381,9 +409,6 @@ static bool combine(struct cost *cost, const char *sampling, struct error *err)
 
 bool configurations_combined(struct cost *cost, struct error *err)
 {
-    for (int i = 0; i < N_CHOSEN; i++)
-        if (!add(cost, finest(cost), cost->chosen[i], err))
-            return false;
     return combine(cost, cost->chosen[COLOURS], err) && combine(cost, cost->chosen[SPECTRA], err);
 }
 

@@ -157,14 +157,14 @@ static bool beats(const struct cost_entry *one, const struct cost_entry *two, do
 }
 
 /* An entry that is beaten may beat others: who beats it beats them, too. */
-void cost_prune(struct cost *cost, double floor, double factor)
+void cost_prune(struct cost *cost, double factor)
 {
     int n = 0;
     for (int i = 0; i < cost->n; i++) {
         struct cost_entry *entry = &cost->entries[i];
         bool beaten = false;
         for (int j = 0; j < cost->n && !beaten; j++)
-            beaten = j != i && beats(&cost->entries[j], entry, floor, factor);
+            beaten = j != i && beats(&cost->entries[j], entry, cost->floor, factor);
         entry->best = !beaten;
     }
     for (int i = 0; i < cost->n; i++)

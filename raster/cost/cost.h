@@ -66,6 +66,7 @@ struct cost {
     struct survey survey;
     char *scene;          /* its name with the changes of the command line; owned */
     bool quick, scouting; /* --quick; its first part, which looks for samplings */
+    double floor;         /* with --quick: smaller errors count as this one */
     char chosen[N_CHOSEN][SAMPLING_NAME];
     int runs, n;
     struct cost_entry *entries; /* room for MAX_CONFIGURATIONS; by seconds in the end; owned */
@@ -88,10 +89,10 @@ struct advice {
  * at most so many seconds; NULL: none. spectral: only entries whose pages are radiances count. */
 struct advice cost_within(const struct cost *cost, double tolerance, bool spectral);
 struct advice cost_affordable(const struct cost *cost, double seconds, bool spectral);
-/* Removes each entry that another one beats: that is as accurate (errors up to `floor` are equal),
- * has spectra if this one has them, and takes less than 1/factor of its time, wall and processor.
+/* Removes each entry that another one beats: that is as accurate (down to the floor), has spectra
+ * if this one has them, and takes less than 1/factor of its time, by the clock and of processors.
  */
-void cost_prune(struct cost *cost, double floor, double factor);
+void cost_prune(struct cost *cost, double factor);
 void cost_print(const struct cost *cost, struct printed *to);
 /* Return the table as CSV, and the chart; allocated. NULL: no memory. */
 char *cost_csv(const struct cost *cost);
@@ -111,12 +112,11 @@ bool cost_read(const struct options *options, const struct cost_entry *entry, st
                struct sampling *sampling, struct error *err);
 
 /* ---- measure.c ---- */
-/* Measures all configurations that make sense for the scene; with --quick, those that may be the
- * best for errors from `floor` on. The caller always frees *out. */
+/* Measures all configurations that make sense for the scene; with --quick, those that may be best
+ * for errors from `floor` on. The caller always frees *out. */
 bool cost_measure(const struct options *options, double floor, struct cost *out, struct error *err);
 
 /* ---- standard.c: the picture at every nm, and the differences of stacks from it ---- */
-
 struct standard_request {
     const char *stack, *summary; /* files: a stack; what is kept of the standard */
     const char *observer;
@@ -130,7 +130,6 @@ bool standard_compare(const struct standard_request *request, struct accuracy *o
                       struct error *err);
 
 /* ---- configurations.c ---- */
-
 /* Survey the scene in a process of its own, and add notes on what it suggests. */
 bool survey_scene(const struct options *options, struct survey *out, struct error *err);
 bool survey_notes(struct cost *cost, struct error *err);
@@ -139,12 +138,13 @@ bool configuration_entry(const struct configuration *configuration, const char *
                          struct cost_entry *out, struct error *err);
 /* Fills in the entry of the standard: every nm, the finest shading, pages of floats. */
 bool configuration_standard(const struct cost *cost, struct cost_entry *out, struct error *err);
-/* Add every sampling, with the finest shading (while scouting, with the scene's tessellation);
- * choose samplings; add shadings, renderers and depths with a good one; add the best samplings with
- * the best shadings. Choices depend on errors, not on seconds: they are the same in every run. */
+/* Add every sampling, with the finest shading; choose samplings; add coarser shadings and renderers
+ * with a good one; add the finest ones and depths; add the best samplings with the best shadings.
+ * Choices depend on errors, not on seconds: they are the same in every run. */
 bool configurations_samplings(struct cost *cost, struct error *err);
 void configurations_choose(struct cost *cost);
 bool configurations_pictures(struct cost *cost, struct error *err);
+bool configurations_finest(struct cost *cost, struct error *err);
 bool configurations_combined(struct cost *cost, struct error *err);
 
 #endif

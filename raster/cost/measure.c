@@ -199,6 +199,43 @@ static void remove_failed(struct cost *cost)
     cost->n = n;
 }
 
+/* ---- the estimate ---- */
+
+/* Most scenes have about so many configurations. */
+static int likely_configurations(const struct survey *survey)
+{
+    return survey->tessellated ? 52 : 36;
+}
+
+/* A run takes some time to start, and this part of the standard's seconds on average; a comparison
+ * takes another part. data/doc/accuracy.md compares estimates with measurements. */
+static const double start_seconds = 0.03, run_part = 0.2, compare_part = 0.8;
+
+static double estimate(const struct cost *cost)
+{
+    const double standard = cost->standard_seconds, runs = 1 + cost->runs;
+    return likely_configurations(&cost->survey) *
+           (runs * (start_seconds + run_part * standard) + compare_part * standard);
+}
+
+/* Says how long the measurement is likely to take, before the first configuration. */
+static bool announce(const struct measurement *measurement, struct error *err)
+{
+    const struct cost *cost = measurement->cost;
+    const double seconds = estimate(cost);
+    const bool is_long = seconds >= 90;
+    struct printed line = {.text = NULL};
+    if (measurement->options->quiet)
+        return true;
+    if (cost->quick)
+        print_text(&line, "about half a minute, or 2 runs of each configuration that matters\n");
+    else
+        print(&line, "about %.0f %s, for %d runs of about %d configurations\n",
+              is_long ? seconds / 60 : seconds, is_long ? "min" : "s", cost->runs,
+              likely_configurations(&cost->survey));
+    return printed_show(&line, STDERR_FILENO, err);
+}
+
 /* ---- rounds ---- */
 
 static int by_size(const void *a, const void *b)
@@ -239,9 +276,6 @@ static bool run_round(struct measurement *measurement, int round, struct error *
     return true;
 }
 
-/* Progress assumes so many configurations until all are known. */
-enum { LIKELY_CONFIGURATIONS = 60 };
-
 static long steps_of(const struct measurement *measurement, int n_attempts)
 {
     return (long)n_attempts * (2 + measurement->cost->runs);
@@ -250,11 +284,12 @@ static long steps_of(const struct measurement *measurement, int n_attempts)
 static bool measure_all(struct measurement *measurement, struct error *err)
 {
     struct cost *cost = measurement->cost;
-    measurement->all_steps = steps_of(measurement, LIKELY_CONFIGURATIONS);
+    measurement->all_steps = steps_of(measurement, likely_configurations(&cost->survey));
     if (!warm_up_more(measurement, configurations_samplings, err))
         return false;
     configurations_choose(cost);
     if (!warm_up_more(measurement, configurations_pictures, err) ||
+        !warm_up_more(measurement, configurations_finest, err) ||
         !warm_up_more(measurement, configurations_combined, err))
         return false;
     measurement->all_steps = steps_of(measurement, cost->n);
@@ -272,8 +307,8 @@ static const double scout_pixels = 60000;
 /* A configuration is not near the frontier if a better one takes less than 1/so much of its time.
  * In the smaller picture, the start of OpenGL is a larger part of it. */
 static const double scout_factor = 1.25, run_factor = 1.1;
-/* No round begins that would end later. */
-static const double quick_seconds = 25;
+/* After the second round, none begins that would end later. */
+static const double quick_seconds = 22;
 
 static void shrink(struct measurement *measurement)
 {
@@ -297,6 +332,7 @@ static bool scout(struct measurement *measurement, struct error *err)
     cost->scouting = false;
     return make_standard(measurement, &lit, err) &&
            warm_up_more(measurement, configurations_pictures, err) &&
+           warm_up_more(measurement, configurations_finest, err) &&
            warm_up_more(measurement, configurations_combined, err);
 }
 
@@ -306,9 +342,11 @@ static bool measure_near(struct measurement *measurement, struct error *err)
     const int tried = cost->n;
     double round_seconds = 0;
     int round = 0;
+    char smaller[sizeof measurement->size];
+    memcpy(smaller, measurement->size, sizeof smaller);
     measurement->size[0] = '\0';
     remove_failed(cost);
-    cost_prune(cost, measurement->floor, scout_factor);
+    cost_prune(cost, scout_factor);
     for (; round < MOST_QUICK_RUNS; round++) {
         const double start = clock_seconds();
         if (round >= LEAST_QUICK_RUNS &&
@@ -317,45 +355,18 @@ static bool measure_near(struct measurement *measurement, struct error *err)
         if (!run_round(measurement, round, err))
             return false;
         if (round == 0)
-            cost_prune(cost, measurement->floor, run_factor);
+            cost_prune(cost, run_factor);
         round_seconds = clock_seconds() - start;
     }
     cost->runs = round;
-    return cost_note(cost, err, "--quick: %d of %d configurations are near the frontier", cost->n,
-                     tried);
+    return cost_note(cost, err, "--quick: %d of %d configurations are near the frontier%s%s",
+                     cost->n, tried, smaller[0] ? "; the standard and all errors are of " : "",
+                     smaller[0] ? smaller : "");
 }
 
 static bool measure_quickly(struct measurement *measurement, struct error *err)
 {
     return scout(measurement, err) && measure_near(measurement, err);
-}
-
-/* ---- the estimate ---- */
-
-/* A run takes this part of the standard's seconds on average, and a comparison that. Both are
- * averages of built-in scenes; see data/doc/accuracy.md. */
-static const double run_part = 0.25, compare_part = 0.25, start_seconds = 0.05;
-
-/* Prints the seconds that the measurement is likely to take, before the first configuration. */
-static bool announce(const struct measurement *measurement, struct error *err)
-{
-    const struct cost *cost = measurement->cost;
-    struct printed line = {.text = NULL};
-    const double runs = 1 + cost->runs;
-    const double seconds =
-        LIKELY_CONFIGURATIONS *
-        (runs * start_seconds + (runs * run_part + compare_part) * cost->standard_seconds);
-    if (measurement->options->quiet)
-        return true;
-    if (cost->quick)
-        print(&line, "about half a minute; more if 2 runs of the configurations near the frontier "
-                     "take longer\n");
-    else if (seconds < 90)
-        print(&line, "about %.0f s for some 50 configurations of %d runs\n", seconds, cost->runs);
-    else
-        print(&line, "about %.0f min for some 50 configurations of %d runs\n", seconds / 60,
-              cost->runs);
-    return printed_show(&line, STDERR_FILENO, err);
 }
 
 /* ---- conclusions ---- */
@@ -413,10 +424,9 @@ static bool measure(struct measurement *measurement, struct error *err)
 
 bool cost_measure(const struct options *options, double floor, struct cost *out, struct error *err)
 {
-    struct measurement measurement = {
-        .options = options, .floor = floor, .folder = {.lock = -1}, .cost = out};
+    struct measurement measurement = {.options = options, .folder = {.lock = -1}, .cost = out};
     measurement.shown = progress_start(&measurement.line, options->quiet);
-    *out = (struct cost){.quick = options->quick, .scouting = options->quick};
+    *out = (struct cost){.quick = options->quick, .scouting = options->quick, .floor = floor};
     const bool done = measure(&measurement, err);
     close_folder(&measurement);
     return done;

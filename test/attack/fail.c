@@ -350,6 +350,19 @@ pid_t fork(void)
     return -1;
 }
 
+/* The program that this process becomes belongs to the same generation. */
+int execvp(const char *file, char *const words[])
+{
+    int (*next)(const char *, char *const[]);
+    char generation[24];
+    counts = false;
+    void *symbol = dlsym(RTLD_NEXT, "execvp");
+    memcpy(&next, &symbol, sizeof next);
+    snprintf(generation, sizeof generation, "%llu", (unsigned long long)self->depth);
+    setenv("FAIL_GENERATION", generation, 1);
+    return next(file, words);
+}
+
 /* ---- system calls ---- */
 
 #ifndef __x86_64__
@@ -445,6 +458,36 @@ static struct sock_filter jump_if(uint32_t value, int to, int otherwise)
                                         (uint8_t)otherwise);
 }
 
+static struct sock_filter jump_from(uint32_t value, int to, int otherwise)
+{
+    return (struct sock_filter)BPF_JUMP(BPF_JMP | BPF_JGE | BPF_K, value, (uint8_t)to,
+                                        (uint8_t)otherwise);
+}
+
+/* The libraries that make system calls. */
+static const char *const callers[] = {"libc.", "ld-linux"};
+enum { CALLERS = sizeof callers / sizeof *callers, CALLER_STEPS = 5 };
+
+/* Jumps behind the next steps and one more if the call comes from a library, to the next step if it
+ * does not. A program that this process becomes has its libraries elsewhere: there the filter,
+ * which stays in force, lets all calls pass. The next program adds a filter of its own. */
+static void filter_caller(int caller, struct sock_filter *out)
+{
+    uintptr_t begin = 0, end = 0;
+    for (int i = 0; i < n_objects; i++)
+        if (strncmp(objects[i].name, callers[caller], strlen(callers[caller])) == 0) {
+            begin = objects[i].begin;
+            end = objects[i].end;
+        }
+    if (end >> 32 != begin >> 32) /* a jump compares the lower half of an address */
+        end = begin | UINT32_MAX;
+    out[0] = load(offsetof(struct seccomp_data, instruction_pointer) + 4);
+    out[1] = jump_if((uint32_t)(begin >> 32), 0, 3);
+    out[2] = load(offsetof(struct seccomp_data, instruction_pointer));
+    out[3] = jump_from((uint32_t)begin, 0, 1);
+    out[4] = jump_from((uint32_t)end, 0, (CALLERS - 1 - caller) * CALLER_STEPS + 1);
+}
+
 /* Traps the system calls of `calls`, unless the attack needs only some of them. */
 static bool is_trapped(const struct call *call)
 {
@@ -459,12 +502,15 @@ static bool is_trapped(const struct call *call)
 static void filter_calls(void)
 {
     const uint64_t own = (uintptr_t)fail_called;
-    struct sock_filter filter[2 * N_CALLS + 8];
+    struct sock_filter filter[2 * N_CALLS + CALLERS * CALLER_STEPS + 9];
     int n = 0;
     filter[n++] = load(offsetof(struct seccomp_data, instruction_pointer));
     filter[n++] = jump_if((uint32_t)own, 0, 3);
     filter[n++] = load(offsetof(struct seccomp_data, instruction_pointer) + 4);
     filter[n++] = jump_if((uint32_t)(own >> 32), 0, 1);
+    filter[n++] = (struct sock_filter)BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
+    for (int i = 0; i < CALLERS; i++, n += CALLER_STEPS)
+        filter_caller(i, filter + n);
     filter[n++] = (struct sock_filter)BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW);
     filter[n++] = load(offsetof(struct seccomp_data, nr));
     for (int i = 0; i < N_CALLS; i++) {
@@ -555,7 +601,8 @@ static int begin_main(int n, char **words, char **environment)
         attack.kind = -1;
     dl_iterate_phdr(note_object, NULL);
     attack.nameless = getenv("FAIL_NAMELESS") != NULL;
-    begin_process(0);
+    const char *generation = getenv("FAIL_GENERATION");
+    begin_process(generation ? strtoull(generation, NULL, 10) : 0);
     pthread_atfork(NULL, NULL, begin_child);
     watch_crashes();
     if (attack.on_calls || attack.nameless || attack.kind < 0)

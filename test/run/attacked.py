@@ -293,8 +293,8 @@ def normal(a_form, name, data):
         rows = json.loads(data)["configurations"]
         return sorted((row["name"], row["dE00_mean"], row["dE00_largest"], str(row["radiance_error"])) for row in rows)
     if name.endswith(".csv"):
-        rows = [line.rsplit(b",", 9) for line in data.splitlines()]
-        return sorted((row[0], *row[4:8]) for row in rows)
+        rows = [line.rsplit(b",", 10) for line in data.splitlines()]
+        return sorted((row[0], *row[5:9]) for row in rows)
     return data.startswith(b"<?xml") and data.endswith(b"</svg>\n") or data
 
 

@@ -70,7 +70,8 @@ def cost(scene, *options):
     entries = json.load(open(report, encoding="utf-8"))["configurations"]
     check([(row["name"], row["frontier"]) for row in rows] ==
           [(entry["name"], str(int(entry["frontier"]))) for entry in entries] and
-          all(math.isclose(float(row["seconds"]), entry["seconds"], rel_tol=1e-8) for row, entry in zip(rows, entries)),
+          all(math.isclose(float(row[column]), entry[field], rel_tol=1e-8) for row, entry in zip(rows, entries)
+              for column, field in (("seconds", "seconds"), ("processor", "processor_seconds"))),
           f"the JSON has the table of {scene}")
     return {row["name"]: row for row in rows}
 
@@ -82,12 +83,18 @@ def error(table, name, column="dE00_mean"):
 # ---- the table ----
 
 NUMBERS = ("seconds", "fastest", "slowest", "dE00_mean", "dE00_95", "dE00_largest")
+TICK = 0.02  # a processor's seconds may be counted in such steps
 
 
 def is_in_order(row):
     numbers = [float(row[name]) for name in NUMBERS]
     return (all(np.isfinite(numbers)) and 0 < numbers[1] <= numbers[0] <= numbers[2]
             and 0 <= numbers[3] <= numbers[5] and 0 <= numbers[4] <= numbers[5])
+
+
+def is_plausible(row):
+    """Processors work, all together, at most as long as there are of them."""
+    return 0 < float(row["processor"]) <= os.cpu_count() * float(row["slowest"]) + TICK
 
 
 def dominated(rows, index, own, others):
@@ -125,6 +132,8 @@ def tables(scene):
         check(any(name.split(" ", 1)[1] == end for name in first), f"{end} is measured", *first)
     check(all(map(is_in_order, first.values())),
           "fastest, median and slowest are in this order, and so are errors", *first.values())
+    check(all(map(is_plausible, first.values())), "seconds of processors are more than 0, and fit into those of the clock",
+          *[row for row in first.values() if not is_plausible(row)])
     check([float(row["seconds"]) for row in first.values()]
           == sorted(float(row["seconds"]) for row in first.values()), "entries are in order of seconds")
     seen = {name: (row["frontier"], row["within_noise"]) for name, row in first.items()}
@@ -252,6 +261,11 @@ def radiance_errors(scene, table):
               said, relative)
 
 
+def advice(text):
+    """The lines that recommend, without those on noise, which depend on the run."""
+    return [line for line in text.splitlines() if not line.startswith("  as good within noise: ")]
+
+
 def holds(scene, given, observer, named, command):
     """Returns the line that names a configuration, and the command that renders it."""
     name = " ".join([os.path.basename(scene), *given, observer, *named.split(":")[:1]])
@@ -267,8 +281,8 @@ def holds(scene, given, observer, named, command):
 def recommends(scene, *given, observer="cie1931"):
     """If the first recommendation has no spectra, cost names a second one that has them."""
     result = run("cost", scene, "--tolerance", "0.5dE00", "--quiet", "--observer", observer, *FEW, *given)
-    lines = result.stdout.splitlines()
-    check(result.returncode == 0 and lines and lines[0].startswith("within 0.5 CIEDE2000: "),
+    lines = advice(result.stdout)
+    check(result.returncode == 0 and lines and lines[0].startswith("95 % within 0.5 CIEDE2000: "),
           f"{scene}: cost names a configuration within 0.5", result.stdout, result.stderr)
     spectral = [holds(scene, given, observer, *lines[i:i + 2]) for i in range(0, len(lines) - 1, 2)]
     check(spectral == [True] or (spectral == [False, True] and lines[2].startswith("with spectra: ")),
@@ -276,27 +290,87 @@ def recommends(scene, *given, observer="cie1931"):
 
 
 def refusals(scene):
-    lines = run("cost", scene, "--budget", "1e6", "--quiet", *FEW).stdout.splitlines()
-    check(len(lines) == 4 and "basis:" in lines[0] and lines[2].startswith("with spectra: riemann:1 phong x4"),
+    lines = advice(run("cost", scene, "--budget", "1e6", "--quiet", *FEW).stdout)
+    check(len(lines) == 4 and lines[0].startswith("seconds within 1000000: ") and "basis:" in lines[0] and lines[2].startswith("with spectra: riemann:1 phong x4"),
           "a basis is the most accurate configuration, and every nm the most accurate one with wavelengths", *lines)
     result = run("cost", scene, "--budget", "1e-9", "--quiet", *FEW)
     check(result.returncode == 1 and len(result.stderr.splitlines()) == 1, "no configuration takes at most 1e-9 s",
           result.stderr)
     for options, status in ((["--runs", "4"], 2), (["--observer", "dcs200-camera"], 2), (["--tolerance", "x"], 2),
-                            (["--tolerance", "0.5"], 2), (["--tolerance", "1%"], 2),
+                            (["--quick", "--runs", "5"], 2), (["--quick=1"], 2), (["--tolerance", "0.5"], 2), (["--tolerance", "1%"], 2),
                             (["--csv", "/missing/a.csv"], 2), (["--svg", TMP], 2)):
         result = run("cost", scene, *options)
         check(result.returncode == status and len(result.stderr.splitlines()) == 1,
               f"{' '.join(options)} is refused", result.returncode, result.stderr)
 
 
+# ---- programs, as seen from outside ----
+
+def descendants(pid):
+    """Command lines of the processes below one, and the files of their programs."""
+    found = set()
+    try:
+        with open(f"/proc/{pid}/task/{pid}/children", encoding="utf-8") as file:
+            children = file.read().split()
+    except OSError:
+        return found
+    for child in children:
+        found |= descendants(child)
+        try:
+            with open(f"/proc/{child}/cmdline", encoding="utf-8") as file:
+                found.add((os.readlink(f"/proc/{child}/exe"), tuple(file.read().split("\0")[:-1])))
+        except OSError:
+            pass
+    return found
+
+
+def programs():
+    """Renders run as programs of their own. --quick runs them in a smaller picture first. The user's name of the program
+    may be one that the shell finds by PATH."""
+    report = os.path.join(TMP, "quick.json")
+    folder, name = os.path.split(os.path.realpath(SPECTRAL))
+    process = subprocess.Popen([name, "cost", "patches", "--quick", "--size=390x260", "--memory=900", "--light", "1=a",
+                                "--json", report], env={**os.environ, "PATH": folder + ":" + os.environ["PATH"]},
+                               stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                               universal_newlines=True)
+    seen = set()
+    while process.poll() is None:
+        seen |= descendants(process.pid)
+        time.sleep(0.002)
+    said = process.communicate()[1]
+    check(process.returncode == 0 and re.fullmatch("about half a minute[^\n]*\n", said),
+          "cost says how long it will take, and nothing else", process.returncode, said)
+    check({file for file, _ in seen} == {os.path.realpath(SPECTRAL)}, "no other program runs", *{file for file, _ in seen})
+    lines = [words for _, words in seen if words[1:2] == ("render",)]
+    check(lines and all(words[0] == name and words[2:4] == ("--size=390x260", "--light=1=a") and "--memory=900" in words
+                        and words[-2:] == ("--", "patches") for words in lines),
+          "renders are command lines of the program, with all that the user gave", *lines[:3])
+    entries = json.load(open(report, encoding="utf-8"))["configurations"]
+    whole = [words[4:words.index("--memory=900")] for words in lines if "--size=195x130" not in words]
+    check(len(whole) < len(lines) and {tuple(entry["options"]) for entry in entries} & set(whole),
+          "--quick scouts in a smaller picture, and runs what its table holds in the whole one", whole)
+
+
+def quickly(scene, full):
+    """A picture that is small already is not made smaller: its errors are those of the full table."""
+    report = os.path.join(TMP, "quick.json")
+    result = run("cost", scene, "--quick", "--quiet", "--json", report, "--threads", "1", "--tolerance", "0.5dE00")
+    entries = json.load(open(report, encoding="utf-8"))["configurations"]
+    check(result.returncode == 0 and advice(result.stdout)[0].startswith("95 % within 0.5 CIEDE2000: "),
+          "--quick names a configuration", result.stdout, result.stderr)
+    check(0 < len(entries) < len(full) and {entry["name"] for entry in entries} <= set(full),
+          "--quick measures a part of the full table", {entry["name"] for entry in entries} - set(full))
+    check(all(math.isclose(entry["dE00_95"], error(full, entry["name"], "dE00_95"), rel_tol=1e-8)
+              for entry in entries if entry["name"] in full), "errors are the same with --quick")
+
+
 # ---- nothing stays behind ----
 
-def interrupt(number, whole_group, wait):
+def interrupt(number, whole_group, wait, *options):
     folder = os.path.join(TMP, "temporary")
     shutil.rmtree(folder, ignore_errors=True)
     os.mkdir(folder)
-    process = subprocess.Popen([SPECTRAL, "cost", "colorchecker", "--size", "300x200"], start_new_session=True,
+    process = subprocess.Popen([SPECTRAL, "cost", "colorchecker", "--size", "300x200", "-q", *options], start_new_session=True,
                                env={**os.environ, "TMPDIR": folder}, stdout=subprocess.PIPE,
                                stderr=subprocess.PIPE,  # shells ignore SIGINT in background jobs
                                preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
@@ -310,7 +384,7 @@ def interrupt(number, whole_group, wait):
         left = True
     except ProcessLookupError:
         left = False
-    name = f"{signal.Signals(number).name} to {'the group' if whole_group else 'it alone'} after {wait} s"
+    name = " ".join(options) + f" {signal.Signals(number).name} to {'the group' if whole_group else 'it alone'} after {wait} s"
     check(process.returncode == -number and not output, f"{name}: cost ends by the signal and prints nothing",
           process.returncode, output)
     check(not os.listdir(folder) and not left, f"{name}: no file and no process is left", os.listdir(folder))
@@ -321,6 +395,7 @@ def interruptions(scene):
         interrupt(signal.SIGINT, True, wait)
         interrupt(signal.SIGTERM, True, wait)
         interrupt(signal.SIGTERM, False, wait)
+    interrupt(signal.SIGINT, True, 0.2, "--quick")
     result = run("cost", scene, env={**os.environ, "TMPDIR": os.path.join(TMP, "missing")})
     check(result.returncode == 3 and len(result.stderr.splitlines()) == 1 and not result.stdout,
           "a missing TMPDIR gives one line and exit 3", result.returncode, result.stderr)
@@ -334,6 +409,8 @@ emission_lines(small)
 three_numbers()
 recommends(small)
 refusals(small)
+quickly(small, measured)
+programs()
 interruptions(small)
 if os.environ.get("FULL"):
     recommends(small, "--light=1=fluorescent", observer="cie1964")

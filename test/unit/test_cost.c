@@ -64,6 +64,57 @@ static void frontier(void)
     CHECK(!cost_within(&cost, 0.4, false).entry, "within 0.4 no entry is named");
 }
 
+/* Times of the clock that overlap do not rank configurations; those of the processor do. */
+static void rivals(void)
+{
+    struct cost_entry entries[] = {
+        entry(0.9, 1, 1.5, 0.4),   /* the fastest */
+        entry(1.4, 1.6, 2, 0.3),   /* overlaps it, and takes least of the processor */
+        entry(1.3, 1.7, 2, 0.2),   /* overlaps it */
+        entry(1.45, 1.8, 2, 0.9),  /* overlaps it, but its error is too large */
+        entry(1.6, 1.9, 2.5, 0.1), /* overlaps the second, but not the fastest */
+    };
+    static const double processor[] = {3, 1, 2, 0.1, 0.2};
+    struct cost cost = {.entries = entries, .n = 5};
+    for (int i = 0; i < cost.n; i++)
+        entries[i].processor = processor[i];
+    struct advice advice = cost_within(&cost, 0.5, false);
+    CHECK(advice.entry == &entries[1] && advice.n_rivals == 2,
+          "of three whose times overlap, the one with the least processor time is named");
+    advice = cost_within(&cost, 0.1, false);
+    CHECK(advice.entry == &entries[4] && advice.n_rivals == 0, "an entry alone has no rivals");
+    advice = cost_affordable(&cost, 1.75, false);
+    CHECK(advice.entry == &entries[2] && advice.n_rivals == 0,
+          "the most accurate entry has no rivals that are less accurate");
+    entries[1].accuracy.quantile_95 = 0.2;
+    advice = cost_affordable(&cost, 1.75, false);
+    CHECK(advice.entry == &entries[1] && advice.n_rivals == 1,
+          "of two that are as accurate, the one with the least processor time is named");
+}
+
+static void pruning(void)
+{
+    struct cost_entry entries[] = {
+        entry(1, 1, 1, 0.3),  /* stays: nothing is faster */
+        entry(2, 2, 2, 0.4),  /* goes: the first is faster and better */
+        entry(2, 2, 2, 0.2),  /* stays where errors from 0 on count: it is better */
+        entry(1, 1.05, 2, 3), /* stays: it is near the first */
+        entry(3, 3, 3, 0.25), /* stays: it has spectra */
+        entry(2, 2, 2, 0.5),  /* stays: its processor time is less */
+    };
+    struct cost cost = {.entries = entries, .n = 6};
+    for (int i = 0; i < cost.n; i++)
+        entries[i].processor = entries[i].seconds;
+    entries[4].accuracy.spectral = true;
+    entries[5].processor = 0.5;
+    cost_prune(&cost, 1.1);
+    CHECK(cost.n == 5 && entries[1].accuracy.quantile_95 < 0.25,
+          "an entry goes if another one is as accurate, and faster by both clocks");
+    cost.floor = 0.3;
+    cost_prune(&cost, 1.1);
+    CHECK(cost.n == 4 && entries[1].accuracy.quantile_95 > 1, "errors up to the floor are equal");
+}
+
 static void equals(void)
 {
     struct cost_entry entries[] = {entry(1, 1, 1, 3), entry(1, 1, 1, 3)};
@@ -124,6 +175,8 @@ static void csv(void)
 int main(void)
 {
     frontier();
+    rivals();
+    pruning();
     equals();
     words();
     csv();

@@ -93,6 +93,69 @@ static void interruption(void)
     signal(SIGTERM, SIG_DFL);
 }
 
+/* ---- programs ---- */
+
+/* This test itself, as the program that process_program runs. */
+static int play(const char *part)
+{
+    if (strcmp(part, "works") == 0) {
+        const double start = clock_seconds();
+        while (clock_seconds() < start + 0.05)
+            continue;
+        return printf("nobody reads this\n") > 0 && getchar() == EOF ? EXIT_AGREED : EXIT_DIFFERENT;
+    }
+    if (strcmp(part, "lingers") == 0)
+        rest(5000);
+    if (strcmp(part, "dies") == 0)
+        raise(SIGKILL);
+    fprintf(stderr, "a library says something\nerror: seven is no colour\n");
+    return EXIT_INPUT;
+}
+
+static bool run_program(const char *part, struct run_seconds *seconds, struct error *err)
+{
+    const char *const words[] = {"test_process", part, NULL};
+    *err = (struct error){.status = EXIT_AGREED};
+    return process_program(words, seconds, err);
+}
+
+static void programs(void)
+{
+    struct run_seconds seconds = {0, 0};
+    struct error err;
+    CHECK(run_program("works", &seconds, &err),
+          "a program has no input, and its output goes nowhere");
+    CHECK(seconds.wall >= 0.05 && seconds.processor > 0 && seconds.processor < 100,
+          "a program has %.3f seconds of the clock, at least 0.05, and %.3f of the processor",
+          seconds.wall, seconds.processor);
+    CHECK(!run_program("refuses", &seconds, &err) && err.status == EXIT_INPUT,
+          "a program returns its exit status");
+    CHECK_TEXT(err.text, "error: seven is no colour", "its last line is the message");
+    CHECK(!run_program("dies", &seconds, &err) && err.status == EXIT_SYSTEM,
+          "a killed program is a failure of the system");
+    CHECK(strstr(err.text, "Killed") != NULL, "the message names the signal of the program");
+    CHECK_TEXT(program_file("/missing", "spectral"), "spectral",
+               "without a link to the running program, its name is looked for");
+    CHECK_TEXT(program_file("/bin/sh", "spectral"), "/bin/sh", "a link to a program is used");
+}
+
+static void interrupted_program(void)
+{
+    struct run_seconds seconds = {0, 0};
+    struct error err;
+    sigset_t set, before;
+    sigemptyset(&set);
+    sigaddset(&set, SIGTERM);
+    sigprocmask(SIG_BLOCK, &set, &before);
+    raise(SIGTERM);
+    CHECK(!run_program("lingers", &seconds, &err) && err.status == EXIT_SYSTEM && seconds.wall < 5,
+          "a waiting signal ends a program");
+    CHECK(strstr(err.text, "interrupted") != NULL, "the message says that it was interrupted");
+    signal(SIGTERM, SIG_IGN); /* drops the waiting signal */
+    sigprocmask(SIG_SETMASK, &before, NULL);
+    signal(SIGTERM, SIG_DFL);
+}
+
 /* ---- works ---- */
 
 static int succeeds(void *of)
@@ -240,10 +303,14 @@ static void orphan(void)
     close(ends[0]);
 }
 
-int main(void)
+int main(int argc, char **argv)
 {
+    if (argc > 1)
+        return play(argv[1]);
     jobs();
     interruption();
+    programs();
+    interrupted_program();
     ends();
     signals();
     orphan();
