@@ -122,7 +122,8 @@ bool file_format(const char *path, const char **out, struct error *err);
 
 /* ---- progress.c: time, progress and memory of this process ---- */
 
-double clock_seconds(void); /* of a clock that only goes forward */
+double clock_seconds(void);     /* of a clock that only goes forward */
+double processor_seconds(void); /* that this process has had so far, on all processors */
 
 /* A line of progress with the time left, on standard error. */
 struct progress_line {

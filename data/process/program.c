@@ -120,8 +120,9 @@ static bool conclude(int status, const struct last_line *messages, struct error 
     memcpy(err->text, messages->text, sizeof err->text);
     return false;
 }
+/* Returns the processor time of all processes that this one has waited for, and of theirs. */
 
-static double processor_seconds(void)
+static double children_seconds(void)
 {
     struct rusage used;
     if (getrusage(RUSAGE_CHILDREN, &used) != 0)
@@ -133,14 +134,14 @@ static double processor_seconds(void)
 static bool await(pid_t child, int from, struct run_seconds *out, struct error *err)
 {
     struct last_line messages = {.length = 0};
-    const double start = out->wall, before = processor_seconds();
+    const double start = out->wall, before = children_seconds();
     const bool whole = read_messages(from, -1, &messages), interrupted = is_interrupted();
     int status = 0;
     pid_t ended;
     if (!whole)
         end(child, from, &messages);
     UNTIL_DONE(ended, waitpid(child, &status, 0));
-    *out = (struct run_seconds){clock_seconds() - start, processor_seconds() - before};
+    *out = (struct run_seconds){clock_seconds() - start, children_seconds() - before};
     if (ended < 0) {
         kill(child, SIGKILL);
         return error_system(err, "cannot wait for a run");

@@ -91,25 +91,24 @@ static void make_cells(const struct surface_bounds *bounds, const struct view *v
 /* Cells at the border hold all that lies beyond. */
 static int cell_at(const struct cells *cells, int axis, double place)
 {
-    return (int)fmin(fmax((place - cells->origin[axis]) / cells->size[axis], 0), CELLS - 1);
+    const double cell = (place - cells->origin[axis]) / cells->size[axis];
+    return cell < 0 ? 0 : cell < CELLS - 1 ? (int)cell : CELLS - 1;
 }
 
 /* A triangle reaches a pixel more to each side than its corners do: OpenGL moves them. */
 static struct reached cells_of(const struct cells *cells, const struct surface *of, int triangle)
 {
     const int32_t *vertex = of->instance->triangles[triangle];
-    struct reached out = {.depth = {HUGE_VAL, 0}};
-    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
+    double low[3], high[3]; /* of x, y and depth */
     for (int i = 0; i < 3; i++) {
         const struct window_vertex *at = &of->vertices[vertex[i]];
-        const double place[2] = {at->x, at->y};
-        for (int axis = 0; axis < 2; axis++) {
-            low[axis] = fmin(low[axis], place[axis]);
-            high[axis] = fmax(high[axis], place[axis]);
+        const double place[3] = {at->x, at->y, at->z};
+        for (int axis = 0; axis < 3; axis++) {
+            low[axis] = i == 0 || place[axis] < low[axis] ? place[axis] : low[axis];
+            high[axis] = i == 0 || place[axis] > high[axis] ? place[axis] : high[axis];
         }
-        out.depth[0] = fmin(out.depth[0], at->z);
-        out.depth[1] = fmax(out.depth[1], at->z);
     }
+    struct reached out = {.depth = {low[2], high[2]}};
     for (int axis = 0; axis < 2; axis++) {
         out.from[axis] = cell_at(cells, axis, low[axis] - 1);
         out.to[axis] = cell_at(cells, axis, high[axis] + 1);

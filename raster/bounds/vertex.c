@@ -335,7 +335,7 @@ static bool make_surface(const struct lit_scene *lit, int index, struct light_wo
     if (!check_surface(&of, err))
         return false;
     find_extent(of.surface, of.bounds);
-    return !placed->in_view || find_hidden(lit, index, err);
+    return !(placed->in_view && lit->plan->options.use_gl) || find_hidden(lit, index, err);
 }
 
 bool lit_make(const struct plan *plan, const struct driver *driver, struct lit_scene *out,

@@ -8,15 +8,18 @@
 #include "raster/plan/plan.h"
 
 /* Bytes that a pixel of a tile takes apart from its rows: Mesa's own colour and depth (20), our
- * copies of them (20), and of the passes that hold pilots (48), samples of three bands (12),
- * surface, triangle, depth and its bound (16), fragments and steepness (8), floors and the mean
- * bound (20), flags (2), and room for ambiguous pixels (14). A row has a weight (8), its errors
- * (8) and an estimate (4); a sum of passes is a colour, and Mesa keeps a copy (32). Checked steps
- * of 16 bits have a colour and depth of Mesa's own (12) and our copy (8) beside what floats have.
- */
-enum { PIXEL_BYTES = 160, ROW_BYTES = 20, SUM_BYTES = 32, STEPS_BYTES = 20 };
-/* The memory of a tile, so that a render stays well below 300 MiB with Mesa's own memory. */
+ * copies of a frame, of its triangles and depths (36), of the next frame (16) and of those that
+ * hold pilots (48), samples of three bands, twice (12), surface, triangle, depth and its bound
+ * (20), fragments and steepness (8), floors and the mean bound (12), flags (2), and room for
+ * ambiguous pixels (18). A row has a weight (8), its errors (8) and an estimate (4); a sum of
+ * passes is a colour, and Mesa keeps a copy (32). Checked steps of 16 bits have a colour and depth
+ * of Mesa's own (12) and our copy (8) beside what floats have. */
+enum { PIXEL_BYTES = 192, ROW_BYTES = 20, SUM_BYTES = 32, STEPS_BYTES = 20 };
+/* The memory of a tile, without what stages need to work side by side, so that a render stays well
+ * below 300 MiB with Mesa's own memory. Tiles should keep their sizes: the last bits of what OpenGL
+ * draws depend on where a tile begins. */
 static const size_t tile_budget = (size_t)165 << 20;
+enum { SIDE_BY_SIDE_BYTES = 32 };
 /* Tiles no larger than Mesa's largest viewport (16384), with room for older drivers. */
 enum { LARGEST_TILE = 8192 };
 
@@ -91,7 +94,7 @@ static void size_tiles(struct plan *plan)
     size_t pixel = PIXEL_BYTES + ROW_BYTES * (size_t)plan->max_rows +
                    (plan->n_light_groups > 1 ? SUM_BYTES : 0) +
                    (plan->options.check && buffer_steps(plan) > 0 ? STEPS_BYTES : 0);
-    size_t pixels = tile_budget / pixel, most = pixels / CHUNK_ROWS, columns = LARGEST_TILE;
+    size_t pixels = tile_budget / (pixel - SIDE_BY_SIDE_BYTES), most = pixels / CHUNK_ROWS, columns = LARGEST_TILE;
     int width = plan->scene->width, height = plan->scene->height;
     while (columns > most && columns > 1)
         columns /= 2;
@@ -218,9 +221,8 @@ bool plan_make(const struct scene *scene, const struct sampling *sampling,
 
 void plan_free(struct plan *plan)
 {
-    for (int i = 0; i < plan->n_meshes; i++) {
+    for (int i = 0; i < plan->n_meshes; i++)
         mesh_free(&plan->meshes[i].mesh);
-    }
     for (int i = 0; i < plan->n_materials; i++) {
         free(plan->materials[i].terms);
         material_terms_free(&plan->materials[i].made);

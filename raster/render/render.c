@@ -242,5 +242,6 @@ bool render(const struct plan *plan, const struct render_output *output,
     lit_free(&state.lit);
     passes_free(&state.passes);
     out->seconds.total = clock_seconds() - start;
+    out->seconds.processor = processor_seconds();
     return done;
 }

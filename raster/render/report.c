@@ -131,10 +131,11 @@ void report_print(const struct plan *plan, const struct render_result *result, s
     if (result->notes)
         notes_print(result->notes, to);
     print(to,
-          "seconds           %.3f (read %.3f, plan %.3f, gl %.3f, raster %.3f, check %.3f, "
+          "seconds           %.3f, of processors %.3f (read %.3f, plan %.3f, gl %.3f, raster %.3f, "
+          "check %.3f, "
           "write %.3f)\n",
-          seconds->total, seconds->read, seconds->plan, seconds->gl, seconds->raster,
-          seconds->check, seconds->write);
+          seconds->total, seconds->processor, seconds->read, seconds->plan, seconds->gl,
+          seconds->raster, seconds->check, seconds->write);
 }
 
 /* ---- as JSON ---- */
@@ -306,6 +307,7 @@ static void json_seconds(struct json *json, const struct part_seconds *seconds)
     json_number(json, "check", seconds->check);
     json_number(json, "write", seconds->write);
     json_number(json, "total", seconds->total);
+    json_number(json, "processor", seconds->processor);
     json_close(json, '}');
 }
 

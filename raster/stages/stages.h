@@ -37,9 +37,10 @@ void check_map_discard(struct check_map *map); /* safe after commit */
 
 /* ---- stages.c ---- */
 
-/* Seconds of each part. Parts work side by side, so that their sum may exceed the total. */
+/* Seconds of each part. Parts work side by side, so that their sum may exceed the total. The
+ * processor's are those of all threads. */
 struct part_seconds {
-    double read, plan, gl, raster, check, write, total;
+    double read, plan, gl, raster, check, write, total, processor;
 };
 /* Adds the seconds since *since to a part, and makes now the new *since. */
 void clock_in(double *since, double *part);
