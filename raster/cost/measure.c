@@ -22,7 +22,7 @@ struct measurement {
     double floor;  /* of errors that matter, with --quick */
     char size[48]; /* an option that makes the picture smaller; "": none */
     struct progress_line line;
-    bool shown; /* the line of progress */
+    bool shown; /* the line of progress; --quick counts seconds, not steps */
     struct folder folder;
     char stack[sizeof(struct folder) + 16], summary[sizeof(struct folder) + 16]; /* files in it */
     long steps, all_steps;
@@ -425,7 +425,7 @@ static bool measure(struct measurement *measurement, struct error *err)
 bool cost_measure(const struct options *options, double floor, struct cost *out, struct error *err)
 {
     struct measurement measurement = {.options = options, .folder = {.lock = -1}, .cost = out};
-    measurement.shown = progress_start(&measurement.line, options->quiet);
+    measurement.shown = progress_start(&measurement.line, options->quiet || options->quick);
     *out = (struct cost){.quick = options->quick, .scouting = options->quick, .floor = floor};
     const bool done = measure(&measurement, err);
     close_folder(&measurement);
