@@ -120,8 +120,8 @@ static bool conclude(int status, const struct last_line *messages, struct error 
     memcpy(err->text, messages->text, sizeof err->text);
     return false;
 }
-/* Returns the processor time of all processes that this one has waited for, and of theirs. */
 
+/* Returns the processor time of all processes that this one has waited for, and of theirs. */
 static double children_seconds(void)
 {
     struct rusage used;
