@@ -31,19 +31,28 @@ static void refuse(const char *file)
     _exit(said ? EXIT_SYSTEM : EXIT_SYSTEM + 1);
 }
 
+/* Makes `to` another name of the open file `from`. */
+static bool redirect(int from, int to)
+{
+    int got;
+    UNTIL_DONE(got, dup2(from, to));
+    return got >= 0;
+}
+
 /* Nobody types at the program and nobody reads its table. Its messages go to the pipe. */
 static void become(const char *file, const char *const *words, int messages)
 {
     char *const *line; /* as execvp wants it, which changes no word */
+    int nothing;
     memcpy(&line, &words, sizeof line);
-    const int nothing = open("/dev/null", O_RDWR | O_CLOEXEC);
-    if (nothing >= 0 && dup2(nothing, STDIN_FILENO) >= 0 && dup2(nothing, STDOUT_FILENO) >= 0 &&
-        dup2(messages, STDERR_FILENO) >= 0) {
+    UNTIL_DONE(nothing, open("/dev/null", O_RDWR | O_CLOEXEC));
+    if (nothing >= 0 && redirect(nothing, STDIN_FILENO) && redirect(nothing, STDOUT_FILENO) &&
+        redirect(messages, STDERR_FILENO)) {
         signals_release();
         errno = 0;
         execvp(file, line);
     }
-    dup2(messages, STDERR_FILENO);
+    redirect(messages, STDERR_FILENO);
     refuse(file);
 }
 
