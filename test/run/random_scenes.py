@@ -33,13 +33,15 @@ WAVELENGTHS = "wavelengths 400 700 10"
 PATIENCE_S = 300  # seconds after which a scene counts as hung
 SHRINK_S, MOST_SHRUNK = 240, 3  # seconds of a scene; scenes a run
 
-# Reasons to refuse a scene: its numbers leave the range of single precision.
+# Reasons to refuse a scene: its numbers leave the range of single precision, or a light grazes a surface so
+# exactly that rounding alone decides whether the surface shines.
 REFUSALS = [
     "the texture must repeat less often",
     "is not finite in the window; coordinates and scales are too large",
     "single precision does not know depths there better than",
     "reflects no finite radiance; a light that weakens with distance may be too near",
     "the object's transform is singular or not finite",
+    "which is rounding noise: the light at",
 ]
 
 # ---- chance ----
