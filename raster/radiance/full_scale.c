@@ -195,8 +195,8 @@ static bool check_noise(const struct lit_scene *lit, const struct largest *large
     const struct place place = plan->sources[light]->place;
     return error_at(
         err, lit->bounds[largest->surface].placed->object->place,
-        "the brightest point of the picture reflects %.3g, which is rounding noise: the "
-        "light at %s:%d grazes this object exactly; turn one of them, or set "
+        "rounding alone decides whether the brightest point of the picture reflects %.3g or "
+        "nothing: the light at %s:%d grazes this object exactly; turn one of them, or set "
         "--full-scale",
         largest->radiance, place.path, place.line);
 }

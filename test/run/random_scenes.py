@@ -41,7 +41,7 @@ REFUSALS = [
     "single precision does not know depths there better than",
     "reflects no finite radiance; a light that weakens with distance may be too near",
     "the object's transform is singular or not finite",
-    "which is rounding noise: the light at",
+    "rounding alone decides whether the brightest point of the picture reflects",
 ]
 
 # ---- chance ----

@@ -78,9 +78,11 @@ def check_hollow():
             expected = "differs" if name == "nearly-grazing" else "not verified"
             check(black.status == 1 and black.verdict == expected,
                   f"{driver}: with fault 77, a black band, {name} is {expected}", black)
-    noise = Render(f"{CASES}noise.scene")
-    check(noise.status == 2 and "noise.scene:5 grazes this object" in noise.says and "noise.scene:7:" in noise.says,
-          "a full scale that is rounding noise is refused, with the light and the object", noise)
+    for name, what in (("noise", "diffuse reflection"), ("noise-highlight", "a highlight")):
+        noise = Render(f"{CASES}{name}.scene")
+        check(noise.status == 2 and f"{name}.scene:5 grazes this object" in noise.says and
+              f"{name}.scene:7:" in noise.says,
+              f"a full scale of {what} that is rounding noise is refused, with the light and the object", noise)
     chosen = Render(f"{CASES}noise.scene", "--full-scale", "1")
     check(chosen.status == 0 and chosen.verdict == "agreed", "with a full scale of its own the scene is black", chosen)
     endless = Render("patches", program=ENDLESS)
