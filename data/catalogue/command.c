@@ -7,16 +7,15 @@
 #include <unistd.h>
 
 #include "data/catalogue/catalogue.h"
-#include "data/mesh/mesh.h"
 #include "data/names/names.h"
+#include "data/shape/shape.h"
 #include "data/spectra/spectra.h"
 
 static void list_shapes(struct printed *to)
 {
     for (enum shape_kind kind = SHAPE_SPHERE; kind < SHAPE_MESH; kind++) {
-        print(to, "  %s", shape_name(kind));
-        for (int i = 0; shape_size_name(kind, i); i++)
-            print(to, " %s", shape_size_name(kind, i));
+        print_text(to, "  ");
+        shape_print_signature(kind, to);
         print_text(to, "\n");
     }
     print_text(to, "  mesh FILE.obj [unitize] [crease ANGLE]\n");

@@ -26,6 +26,12 @@ bool mesh_reserve(struct mesh *mesh, size_t n_vertices, size_t n_triangles, stru
     if (!more)
         return error_memory(err);
     mesh->vertices = more;
+    if (mesh->parametric) {
+        more = resize(mesh->parameters, mesh->n_vertices, n_vertices, sizeof *mesh->parameters);
+        if (!more)
+            return error_memory(err);
+        mesh->parameters = more;
+    }
     more = resize(mesh->triangles, mesh->n_triangles, n_triangles, sizeof *mesh->triangles);
     if (!more)
         return error_memory(err);
@@ -48,6 +54,7 @@ bool mesh_begin(struct mesh *mesh, size_t n_vertices, size_t n_triangles, struct
 void mesh_free(struct mesh *mesh)
 {
     free(mesh->vertices);
+    free(mesh->parameters);
     free(mesh->triangles);
     free(mesh->part);
     for (int i = 0; mesh->part_names && i < mesh->n_parts; i++)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "mesh": triangles, Wavefront OBJ files, built-in shapes. */
+/* The room "mesh": triangles, Wavefront OBJ files. */
 #ifndef MESH_H
 #define MESH_H
 
@@ -10,8 +10,16 @@
 #include "spectral.h"
 
 /* ---- mesh.c: triangles ---- */
+
+/* Where a vertex lies on the surface that its mesh approximates: on a patch, in cells. */
+enum { PARAMETER_CELL = 1 << 16 };
+struct parameters {
+    int32_t patch, u, v; /* u and v: times PARAMETER_CELL */
+};
 struct mesh {
     struct vertex *vertices;
+    struct parameters *parameters; /* of each vertex, if the mesh is parametric */
+    bool parametric;
     int32_t (*triangles)[3]; /* counter-clockwise seen from outside */
     int n_vertices, n_triangles;
     int32_t *part;      /* of each triangle; NULL: all are part 0 */
@@ -55,44 +63,6 @@ bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err);
 /* Makes a mesh of the triangles of one part (-1: of all), with the vertices that they use, in their
  * order. It may be empty: n_triangles 0. */
 bool mesh_part(struct mesh *from, int part, struct mesh *out, struct error *err);
-
-/* ---- shape.c: built-in shapes as triangles ---- */
-
-/* The table in shape.c has their words and sizes. A plane and a disk face +z. */
-enum shape_kind {
-    SHAPE_SPHERE,
-    SHAPE_TORUS,
-    SHAPE_BOX,
-    SHAPE_PLANE,
-    SHAPE_CYLINDER,
-    SHAPE_CONE,
-    SHAPE_DISK,
-    SHAPE_TEAPOT,
-    SHAPE_MESH /* an OBJ file */
-};
-struct shape {
-    enum shape_kind kind;
-    double parameter[4]; /* the sizes; 0 behind the last one */
-    char *path;          /* SHAPE_MESH; owned */
-    bool unitize;
-    double crease_deg; /* 90 by default */
-    bool planar;       /* texture coordinates by mesh_planar */
-    double repeat[2];  /* how often a texture fits along s and t; 1 1 by default */
-    struct place place;
-};
-const char *shape_name(enum shape_kind kind); /* the scene language's word */
-/* The name of a size in the scene language; NULL behind the last one. */
-const char *shape_size_name(enum shape_kind kind, int size);
-/* Returns whether the shape has slices, stacks, ..., so that shape_tessellated may change it. */
-bool shape_has_counts(enum shape_kind kind);
-/* Reads a shape's word and sizes, or `mesh` and a file; the other members get their defaults. */
-bool shape_read(struct text *text, struct shape *out, struct error *err);
-/* Returns the shape with `factor` times as many slices, stacks, ...: rounded, and kept within the
- * range that shape_read accepts. The result shares what *shape owns and is not to be freed. */
-struct shape shape_tessellated(const struct shape *shape, double factor);
-/* Builds the mesh of a shape: watertight where the solid is, normals outward. Reads a mesh file. */
-bool shape_build(const struct shape *shape, struct mesh *out, struct error *err);
-void shape_free(struct shape *shape);
 
 /* ---- Inside this room ---- */
 

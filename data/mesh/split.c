@@ -37,6 +37,17 @@ static struct vertex cut_edge(const struct vertex *a, const struct vertex *b)
                            between(a->t, b->t, where)};
 }
 
+/* Sets the parameters of a vertex on the edge from a to b, near enough for an estimate of shading.
+ */
+static void cut_parameters(struct mesh *mesh, int32_t a, int32_t b, int32_t at)
+{
+    const struct parameters p = mesh->parameters[a], q = mesh->parameters[b];
+    const double x = mesh->vertices[a].position.x, y = mesh->vertices[b].position.x,
+                 share = x / (x - y);
+    mesh->parameters[at] = (struct parameters){p.patch, p.u + (int32_t)(share * (q.u - p.u)),
+                                               p.v + (int32_t)(share * (q.v - p.v))};
+}
+
 /* Returns one number for an edge, whichever of its vertices comes first. */
 static int64_t edge_of(int32_t a, int32_t b)
 {
@@ -64,8 +75,10 @@ static int cut_edges(struct mesh *mesh, const struct mesh *from, int64_t *edges)
     for (int i = 0; i < n; i++) {
         if (i > 0 && edges[i] == edges[n_cut - 1])
             continue;
-        mesh->vertices[mesh->n_vertices++] =
-            cut_edge(&mesh->vertices[edges[i] / INT32_MAX], &mesh->vertices[edges[i] % INT32_MAX]);
+        const int32_t a = (int32_t)(edges[i] / INT32_MAX), b = (int32_t)(edges[i] % INT32_MAX);
+        if (mesh->parametric)
+            cut_parameters(mesh, a, b, mesh->n_vertices);
+        mesh->vertices[mesh->n_vertices++] = cut_edge(&mesh->vertices[a], &mesh->vertices[b]);
         edges[n_cut++] = edges[i];
     }
     return n_cut;
@@ -119,7 +132,7 @@ bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err)
 {
     const size_t n = (size_t)from->n_triangles;
     int64_t *edges;
-    *out = (struct mesh){.n_vertices = 0};
+    *out = (struct mesh){.parametric = from->parametric};
     if (!mesh_reserve(out, (size_t)from->n_vertices + 2 * n, 3 * n, err))
         return false;
     out->part = calloc(3 * n + 1, sizeof *out->part);
@@ -131,6 +144,9 @@ bool mesh_cut(const struct mesh *from, struct mesh *out, struct error *err)
     out->n_parts = 2;
     out->n_vertices = from->n_vertices;
     memcpy(out->vertices, from->vertices, (size_t)from->n_vertices * sizeof *out->vertices);
+    if (from->parametric)
+        memcpy(out->parameters, from->parameters,
+               (size_t)from->n_vertices * sizeof *out->parameters);
     const int n_edges = cut_edges(out, from, edges);
     for (int i = 0; i < from->n_triangles; i++)
         cut_triangle(from->triangles[i], edges, n_edges, out);
@@ -243,6 +259,8 @@ static void take(const struct mesh *from, const struct triangle_list *part, cons
     out->n_vertices = n_used;
     for (int i = 0; i < n_used; i++) {
         out->vertices[i] = from->vertices[used[i]];
+        if (from->parametric)
+            out->parameters[i] = from->parameters[used[i]];
         number[used[i]] = -1;
     }
 }
@@ -260,7 +278,7 @@ static struct triangle_list list_part(const struct mesh *mesh, int part)
 
 bool mesh_part(struct mesh *from, int part, struct mesh *out, struct error *err)
 {
-    *out = (struct mesh){.n_vertices = 0};
+    *out = (struct mesh){.parametric = from->parametric};
     if (!from->division && !divide(from, err))
         return false;
     const struct triangle_list list = list_part(from, part);

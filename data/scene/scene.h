@@ -5,7 +5,7 @@
 
 #include "data/material/material.h"
 #include "data/maths/maths.h"
-#include "data/mesh/mesh.h"
+#include "data/shape/shape.h"
 #include "spectral.h"
 
 struct light {

@@ -31,17 +31,18 @@ static void survey_material(const struct material *material, struct survey *out,
  * lights, whose light is the same at every point of a shape. */
 static void survey_picture(const struct scene *scene, struct survey *out)
 {
-    bool varied = false;
+    bool varied = false, built_in = false, curved = false;
     for (int i = 0; i < scene->n_materials; i++)
         survey_material(&scene->materials[i], out, &varied);
     for (int i = 0; i < scene->n_lights; i++)
         varied = varied || !scene->lights[i].directional;
     for (int i = 0; i < scene->n_objects; i++) {
         const enum shape_kind kind = scene->objects[i].shape.kind;
-        const bool counts = shape_has_counts(kind);
-        varied = varied || kind == SHAPE_MESH || (counts && kind != SHAPE_DISK);
-        out->tessellated = out->tessellated || counts;
+        varied = varied || kind == SHAPE_MESH || !shape_is_flat(kind);
+        built_in = built_in || kind != SHAPE_MESH;
+        curved = curved || !(shape_is_flat(kind) || kind == SHAPE_MESH) || kind == SHAPE_DISK;
     }
+    out->tessellated = curved || (built_in && varied);
     out->shaded = varied && scene->n_lights > 0;
 }
 

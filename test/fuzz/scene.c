@@ -16,7 +16,7 @@ static bool is_small(const struct scene *scene)
     for (int i = 0; i < scene->n_objects; i++) {
         const struct shape *shape = &scene->objects[i].shape;
         double product = 1;
-        for (int j = 0; shape_has_counts(shape->kind) && j < 4; j++)
+        for (int j = 0; shape->kind != SHAPE_MESH && j < 4; j++)
             product *= fmax(shape->parameter[j], 1);
         corners += product;
     }

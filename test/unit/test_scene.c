@@ -205,6 +205,25 @@ static void check_transforms(void)
     scene_free(&s);
 }
 
+/* Sizes that are left out have defaults; lengths follow the first one. */
+static void check_default_sizes(void)
+{
+    static const double expected[][4] = {{1, 48, 24, 0},        {2, 48, 24, 0}, {2, 2, 2, 1},
+                                         {2, 3, 2, 1},          {3, 3, 1, 0},   {0.5, 1, 48, 1},
+                                         {0.1, 0.1 * 3, 24, 48}};
+    struct scene s = read_string("material m { diffuse 0.5 }\n"
+                                 "object sphere material m\nobject sphere 2 material m\n"
+                                 "object box 2 material m\nobject box 2 3 material m\n"
+                                 "object plane 3 material m\nobject cone 0.5 material m\n"
+                                 "object torus 0.1 material m\n");
+    for (int i = 0; i < s.n_objects; i++)
+        CHECK(memcmp(s.objects[i].shape.parameter, expected[i], sizeof expected[i]) == 0,
+              "%s %g, shorter than it may be, has defaults", shape_name(s.objects[i].shape.kind),
+              s.objects[i].shape.parameter[0]);
+    CHECK(s.n_objects == 7, "sizes may be left out");
+    scene_free(&s);
+}
+
 static void check_shapes(void)
 {
     static const enum shape_kind kinds[] = {SHAPE_SPHERE,   SHAPE_TORUS, SHAPE_BOX,  SHAPE_PLANE,
@@ -580,11 +599,11 @@ static void check_tessellation(void)
         {SHAPE_SPHERE, {1.5, 40, 20, 0}, 1e308, {1.5, 4096, 4096, 0}},
         {SHAPE_TORUS, {1, 2, 10, 30}, 1.26, {1, 2, 13, 38}},
         {SHAPE_TORUS, {1, 2, 10, 30}, 0.1, {1, 2, 3, 3}},
-        {SHAPE_BOX, {1, 2, 3, 0}, 7, {1, 2, 3, 0}},
-        {SHAPE_PLANE, {1, 2, 0, 0}, 7, {1, 2, 0, 0}},
+        {SHAPE_BOX, {1, 2, 3, 2}, 7, {1, 2, 3, 14}},
+        {SHAPE_PLANE, {1, 2, 3, 0}, 0.1, {1, 2, 1, 0}},
         {SHAPE_CYLINDER, {1, 2, 10, 3}, 0.1, {1, 2, 3, 1}},
         {SHAPE_CONE, {1, 2, 10, 3}, 3, {1, 2, 30, 9}},
-        {SHAPE_DISK, {1, 12, 0, 0}, 1.04, {1, 12, 0, 0}},
+        {SHAPE_DISK, {1, 12, 1, 0}, 1.04, {1, 12, 1, 0}},
         {SHAPE_TEAPOT, {1, 10, 0, 0}, 7, {1, 64, 0, 0}},
         {SHAPE_MESH, {0, 0, 0, 0}, 7, {0, 0, 0, 0}},
     };
@@ -666,6 +685,7 @@ int main(void)
         check_grid(&grids[i]);
     check_transforms();
     check_shapes();
+    check_default_sizes();
     check_materials();
     check_object_words();
     check_map();

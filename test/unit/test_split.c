@@ -3,7 +3,7 @@
 #include <float.h>
 
 #include "data/maths/maths.h"
-#include "data/mesh/mesh.h"
+#include "data/shape/shape.h"
 #include "spectral.h"
 #include "solid.h"
 #include "test.h"
@@ -198,7 +198,7 @@ static void check_solids(void)
     const struct shape shapes[] = {
         {.kind = SHAPE_SPHERE, .parameter = {1, 37, 23}},
         {.kind = SHAPE_TORUS, .parameter = {1.05, 1.65, 30, 31}},
-        {.kind = SHAPE_BOX, .parameter = {1, 2, 3}},
+        {.kind = SHAPE_BOX, .parameter = {1, 2, 3, 2}},
         {.kind = SHAPE_CONE, .parameter = {1, 2, 17, 5}},
     };
     const double shifts[] = {0, 0.37, -0.1};
@@ -394,7 +394,7 @@ static void check_between(void)
 
 static void check_parts(void)
 {
-    const struct shape box = {.kind = SHAPE_BOX, .parameter = {2, 4, 6}};
+    const struct shape box = {.kind = SHAPE_BOX, .parameter = {2, 4, 6, 1}};
     struct mesh mesh = build(&box), halves, again, none;
 
     CHECK(mesh.n_parts == 1 && !mesh.part, "a built-in shape is one part");
