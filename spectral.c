@@ -18,6 +18,7 @@
 #include "raster/cost/cost.h"
 #include "raster/gl/gl.h"
 #include "raster/inspect/inspect.h"
+#include "raster/refine/refine.h"
 #include "raster/plan/plan.h"
 #include "raster/render/render.h"
 #include "raster/view/view.h"
@@ -95,6 +96,12 @@ static const struct option known_options[] = {
      FOR_SHADED | RECORDED, CHANGE(scene_set_shading)},
     {"--tessellation FACTOR", "multiplies the slices, stacks, ... of built-in shapes",
      FOR_SHADED | RECORDED, CHANGE(scene_set_tessellation)},
+    {"--accuracy ERROR",
+     "divides triangles until 95 % of object pixels have at most this error: CIEDE2000, as 0.5, or "
+     "counts, as 8counts",
+     FOR_SHADED | RECORDED, TEXT(accuracy), .accepts = refine_accepts},
+    {"--max-triangles N", "--accuracy makes at most N (default: 4000000)", FOR_SHADED | RECORDED,
+     COUNT(max_triangles), .lowest = 1, .highest = 1 << 30},
     {.heading = "render and plan:"},
     {"--sampling METHOD",
      "box:N, riemann:STEP, gauss:N[,open|xyz|lms|acc], adaptive:TOLERANCE, basis:K, rgb or xyz",

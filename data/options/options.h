@@ -90,9 +90,9 @@ struct options {
     const char *output, *json, *again, *map, *check_map, *csv_file, *svg_file;
     const char *renderer, *buffer, *depth, *bits; /* one of their choices */
     const char *sampling, *detector, *white, *adaptation, *display, *exposure;
-    const char *tolerance, *budget, *unchecked;
+    const char *tolerance, *budget, *unchecked, *accuracy;
     double full_scale;
-    int threads, runs, memory_mib;
+    int threads, runs, memory_mib, max_triangles;
     struct outputs outputs; /* complete; they appear when the command has ended well */
     bool xyz, lab, csv, svg, no_check, strict, trust, keep, envi, quiet, verbose, help, quick;
 };

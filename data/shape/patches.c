@@ -51,7 +51,7 @@ static struct vertex face_vertex(const double size[3], int face, const double ce
     double normal[3] = {0, 0, 0}, at[3];
     normal[axis] = side;
     at[axis] = side * size[axis] / 2;
-    at[right] = side * ((2 * cell[0] - cells) / cells) * size[right] / 2;
+    at[right] = side * ((2 * cell[0] - cells) / cells) * size[right] / 2 + 0.0; /* -0 becomes 0 */
     at[up] = (2 * cell[1] - cells) / cells * size[up] / 2;
     return (struct vertex){
         {at[0], at[1], at[2]}, {normal[0], normal[1], normal[2]}, cell[0] / cells, cell[1] / cells};
@@ -114,6 +114,65 @@ static struct vertex turned_vertex(const struct shape *shape, double u, double v
 }
 
 /* ---- any patch ---- */
+
+bool patch_is_flat(const struct shape *shape, int patch)
+{
+    const bool capped = shape->kind == SHAPE_CYLINDER || shape->kind == SHAPE_CONE;
+    return shape_is_flat(shape->kind) || (capped && patch > 0);
+}
+
+bool patch_has_pole(const struct patches *patches, int patch, double v)
+{
+    const struct shape *shape = patches->shape;
+    switch (shape->kind) {
+    case SHAPE_SPHERE:
+        return v == 0 || v == shape->parameter[2];
+    case SHAPE_CONE:
+        return patch == 0 && v == shape->parameter[3];
+    case SHAPE_TEAPOT:
+        return patches->teapot[patch].pole && v == 0;
+    default:
+        return false;
+    }
+}
+
+bool patch_has_rim(const struct shape *shape, int patch, double v, double *around)
+{
+    const bool is_disk = shape->kind == SHAPE_DISK;
+    if (!is_disk && (patch == 0 || shape->kind == SHAPE_BOX))
+        return false;
+    if (!is_disk && shape->kind != SHAPE_CYLINDER && shape->kind != SHAPE_CONE)
+        return false;
+    *around = shape->parameter[is_disk ? 1 : 2];
+    return v == (is_disk ? shape->parameter[2] : 1);
+}
+
+/* Returns x in [0, cells], moved by whole turns. */
+static double around(double x, double cells)
+{
+    return x < 0 || x > cells ? x - cells * floor(x / cells) : x;
+}
+
+static double between(double x, double cells)
+{
+    return fmax(0, fmin(x, cells));
+}
+
+void patch_enter(const struct shape *shape, double *u, double *v)
+{
+    const double *p = shape->parameter;
+    if (shape->kind == SHAPE_TEAPOT) {
+        *u = between(*u, p[1]);
+        *v = between(*v, p[1]);
+    } else if (shape->kind == SHAPE_TORUS) {
+        *u = around(*u, p[3]);
+        *v = around(*v, p[2]);
+    } else {
+        const bool is_sphere = shape->kind == SHAPE_SPHERE;
+        *u = around(*u, p[is_sphere ? 1 : 2]);
+        *v = between(*v, p[is_sphere ? 2 : 3]);
+    }
+}
 
 struct vertex patch_vertex(const struct patches *patches, int patch, double u, double v)
 {

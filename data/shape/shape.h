@@ -59,6 +59,11 @@ struct patches {
  * it. Fails only where the system does. */
 bool patches_open(const struct shape *shape, struct patches *out, struct error *err);
 void patches_close(struct patches *patches);
+/* Returns whether a patch is flat, so that its triangles are exact but at a round rim. */
+bool patch_is_flat(const struct shape *shape, int patch);
+/* Brings parameters that have left a curved patch back into it: around where it is closed,
+ * otherwise to its border. */
+void patch_enter(const struct shape *shape, double *u, double *v);
 /* Returns the place on a patch, rounded to 2^-18 of a cell, with its outward normal. */
 struct vertex patch_vertex(const struct patches *patches, int patch, double u, double v);
 
@@ -67,7 +72,29 @@ struct vertex patch_vertex(const struct patches *patches, int patch, double u, d
 /* Builds the mesh of a shape: watertight where the solid is, normals outward. Reads a mesh file. */
 bool shape_build(const struct shape *shape, struct mesh *out, struct error *err);
 
+/* ---- subdivide.c: finer triangles of a mesh ---- */
+
+/* Marks of the edges of a triangle that are to be halved: bit k for the edge from corner k to the
+ * next one. */
+enum { ALL_EDGES = 7 };
+/* Halves the marked edges of each triangle and divides it into 2, 3 or 4. New vertices lie on the
+ * surface of a built-in shape (`patches`, opened for the shape of the mesh); otherwise (NULL)
+ * half-way, with the sum of normals, so that interpolated normals stay as they are. The half of an
+ * edge depends on its two ends alone: no crack opens where both triangles of an edge mark it. Keeps
+ * parts. *source: of each new triangle the one that it is a part of; allocated. */
+bool mesh_subdivide(const struct mesh *from, const struct patches *patches,
+                    const unsigned char *marks, struct mesh *out, int32_t **source,
+                    struct error *err);
+/* Returns the place half-way between two vertices of a mesh, as mesh_subdivide makes it. */
+struct vertex mesh_midpoint(const struct mesh *mesh, const struct patches *patches, int32_t a,
+                            int32_t b, struct parameters *parameters);
+
 /* ---- Inside this room ---- */
+
+/* Returns whether row v of a patch, in cells, is one point. */
+bool patch_has_pole(const struct patches *patches, int patch, double v);
+/* Returns whether row v of a flat patch is its round rim; *around: the cells of a full turn. */
+bool patch_has_rim(const struct shape *shape, int patch, double v, double *around);
 
 /* teapot.c: the 32 bicubic Bézier patches of the Utah teapot. */
 enum { TEAPOT_PATCHES = 32 };

@@ -10,6 +10,7 @@
 #include "data/invocation/invocation.h"
 #include "data/scene/scene.h"
 #include "raster/inspect/inspect.h"
+#include "raster/refine/refine.h"
 
 /* ---- operands ---- */
 
@@ -47,10 +48,13 @@ static bool probe_picture(const struct options *options, const struct probe_opti
     const struct plan_options plan_options = {.store_raster = true, .threads = options->threads};
     struct scene scene = {.path = NULL};
     struct plan plan = {.scene = NULL};
+    struct refine_result refined = {.levels = 0};
     bool done =
         scene_read_options(options, &scene, err) && scene_spared(options->output, &scene, err) &&
         scene_spared(options->json, &scene, err) &&
-        plan_make(&scene, NULL, &plan_options, &plan, err) && probe_scene(&plan, region, out, err);
+        plan_make(&scene, NULL, &plan_options, &plan, err) &&
+        refine_options(options, &plan, &refined, err) && probe_scene(&plan, region, out, err);
+    refine_result_free(&refined);
     plan_free(&plan);
     scene_free(&scene);
     return done;

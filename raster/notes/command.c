@@ -11,7 +11,8 @@ static bool note_plan(const struct plan *plan, struct notes *out, struct error *
 {
     struct lit_scene lit;
     struct light_work work;
-    bool done = lit_make(plan, driver_of(NULL), &lit, &work, err) && notes_make(&lit, out, err);
+    bool done = lit_make(plan, driver_of(NULL), &lit, &work, err) &&
+                notes_make(&lit, MANY_PIXELS, out, err);
     lit_free(&lit);
     return done;
 }
@@ -22,22 +23,25 @@ bool command_plan(struct options *options, struct error *err)
     struct scene scene = {.path = NULL};
     struct sampling sampling = {.detector = NULL};
     struct plan plan = {.scene = NULL};
-    struct notes notes = {.list = NULL};
+    struct refine_result refined = {.levels = 0};
+    struct notes notes = {.refined = options->accuracy ? &refined : NULL};
     struct json json;
     bool done = scene_read_sampled(options, &scene, &sampling, err) &&
                 scene_spared(options->json, &scene, err) &&
                 plan_make(&scene, sampling_or_none(&sampling), &plan_options, &plan, err) &&
-                note_plan(&plan, &notes, err);
+                refine_options(options, &plan, &refined, err) && note_plan(&plan, &notes, err);
     if (done && options->json) {
         done = plan_json(&plan, &notes, &json, err) &&
                json_write(&json, options->json, &options->outputs, err);
     } else if (done) {
         struct printed printed = {.text = NULL};
         done = plan_print(&plan, &printed, err);
+        shading_print(&plan, &notes, &printed);
         notes_print(&notes, &printed);
         done = printed_show(&printed, STDOUT_FILENO, err) && done;
     }
     notes_free(&notes);
+    refine_result_free(&refined);
     plan_free(&plan);
     sampling_free(&sampling);
     scene_free(&scene);

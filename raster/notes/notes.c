@@ -25,21 +25,25 @@ static bool note_objects(const struct lit_scene *lit, struct notes *notes, struc
     return done;
 }
 
-bool notes_make(const struct lit_scene *lit, struct notes *out, struct error *err)
+bool notes_make(const struct lit_scene *lit, int judged_pixels, struct notes *out,
+                struct error *err)
 {
     const struct plan *plan = lit->plan;
-    *out = (struct notes){.list = NULL};
     if (!note_wavelengths(plan, out, err))
         return false;
     if (plan->n_instances == 0)
         return note_add(out, "no-object", err,
                         "the scene shows no object: the picture is black; add lines such as "
                         "material white { diffuse 0.9 } and object sphere 1 30 30 material white");
-    return note_objects(lit, out, err) && note_tables(plan, out, err);
+    return note_objects(lit, out, err) && note_tables(plan, out, err) &&
+           (out->refined ||
+            accuracy_estimate(plan, lit->surfaces, judged_pixels, &out->shading, err)) &&
+           note_shading(plan, out, err);
 }
 
 void notes_print(const struct notes *notes, struct printed *to)
 {
+    refined_print(notes, to);
     for (int i = 0; i < notes->n; i++)
         print(to, "note              %s\n", notes->list[i].text);
 }
@@ -59,5 +63,6 @@ void notes_json(const struct notes *notes, struct json *json)
 void notes_free(struct notes *notes)
 {
     free(notes->list);
+    accuracy_estimate_free(&notes->shading);
     *notes = (struct notes){.list = NULL};
 }

@@ -7,6 +7,7 @@
 #include "data/options/options.h"
 #include "data/spectra/spectra.h"
 #include "data/text/text.h"
+#include "raster/refine/refine.h"
 #include "raster/bounds/bounds.h"
 #include "raster/plan/plan.h"
 #include "spectral.h"
@@ -21,9 +22,16 @@ struct note {
 struct notes {
     struct note *list; /* owned */
     int n;
+    struct accuracy_estimate shading;    /* its error, unless the plan was refined */
+    const struct refine_result *refined; /* how the plan was refined; NULL: it was not */
 };
-/* Makes the notes on a lit scene in time linear in vertices x terms; looks at no pixel. */
-bool notes_make(const struct lit_scene *lit, struct notes *out, struct error *err);
+/* Pixels at which shading is judged: enough for a note, and for a table of objects. */
+enum { SOME_PIXELS = 2048, MANY_PIXELS = 16384 };
+/* Makes the notes on a lit scene, in time linear in vertices x terms and in triangles. *out comes
+ * in zeroed, but for `refined`, which must outlive it. Judges the shading of about so many pixels,
+ * unless the plan was refined. */
+bool notes_make(const struct lit_scene *lit, int judged_pixels, struct notes *out,
+                struct error *err);
 /* Prints a line for each note. */
 void notes_print(const struct notes *notes, struct printed *to);
 /* Writes the array "notes" of objects with the members "code" and "text". */
@@ -111,6 +119,15 @@ int table_outside(const struct plan *plan, const struct table_use *use);
  * count in percent. */
 bool note_wavelengths(const struct plan *plan, struct notes *notes, struct error *err);
 bool note_tables(const struct plan *plan, struct notes *notes, struct error *err);
+
+/* shading.c. Adds a note on the object whose shading is worst, if it is seen to be wrong. */
+bool note_shading(const struct plan *plan, struct notes *notes, struct error *err);
+/* Print the refinement in a line, and the shading's error of the picture and of the worst objects.
+ */
+void refined_print(const struct notes *notes, struct printed *to);
+void shading_print(const struct plan *plan, const struct notes *notes, struct printed *to);
+/* Writes both for all objects, as the object "shading". */
+void shading_json(const struct plan *plan, const struct notes *notes, struct json *json);
 
 /* view.c, dark.c, weak.c, bright.c: add notes on objects that are not in view, on objects without
  * light, on lights that add next to nothing, and on a full scale that leaves the picture dark. */

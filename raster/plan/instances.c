@@ -11,8 +11,9 @@
 
 /* A mesh as its shape describes it, before it is parted and moved. */
 struct whole {
-    struct shape shape; /* tessellated; its names are the scene's */
-    struct mesh mesh;
+    struct shape shape;   /* tessellated; its names are the scene's */
+    struct mesh built;    /* of the shape; empty: */
+    struct mesh *refined; /* a mesh of the caller's in place of it */
     struct vector centre;
     double unit;        /* as in plan_mesh */
     struct index parts; /* the parts of the mesh by name, once a material map has asked */
@@ -22,7 +23,13 @@ struct instance_maker {
     struct whole *wholes;
     int n_wholes;
     struct index shapes, cuttings; /* wholes by their shape, and meshes of the plan by cutting */
+    struct mesh *const *refined;   /* of each object; NULL: none */
 };
+
+static struct mesh *mesh_of(struct whole *whole)
+{
+    return whole->refined ? whole->refined : &whole->built;
+}
 
 /* ---- whole meshes ---- */
 
@@ -71,46 +78,60 @@ static double mesh_unit(const struct mesh *mesh, struct vector centre)
     return largest > 0 ? ldexp(1, exponent) : 1;
 }
 
-static bool build_whole(struct whole *whole, struct error *err)
+bool plan_whole(const struct shape *shape, struct mesh *out, struct error *err)
 {
-    const struct shape *shape = &whole->shape;
-    struct mesh *mesh = &whole->mesh;
-    if (!shape_build(shape, mesh, err))
+    if (!shape_build(shape, out, err))
         return false;
     if (shape->planar)
-        mesh_planar(mesh);
-    for (int i = 0; i < mesh->n_vertices; i++) {
-        mesh->vertices[i].s *= shape->repeat[0];
-        mesh->vertices[i].t *= shape->repeat[1];
+        mesh_planar(out);
+    for (int i = 0; i < out->n_vertices; i++) {
+        out->vertices[i].s *= shape->repeat[0];
+        out->vertices[i].t *= shape->repeat[1];
     }
-    whole->centre = centre_of(mesh);
-    whole->unit = mesh_unit(mesh, whole->centre);
     return true;
 }
 
-static bool add_whole(struct instance_maker *maker, const struct shape *shape, struct error *err)
+/* refined: the mesh to take; NULL: the shape's own is built. */
+static bool add_whole(struct instance_maker *maker, const struct shape *shape, struct mesh *refined,
+                      struct error *err)
 {
-    struct whole whole = {.shape = *shape};
-    if (build_whole(&whole, err) &&
-        array_add(&maker->wholes, &maker->n_wholes, &whole, sizeof whole, err))
-        return true;
-    mesh_free(&whole.mesh);
+    struct whole whole = {.shape = *shape, .refined = refined};
+    if (refined || plan_whole(shape, &whole.built, err)) {
+        whole.centre = centre_of(mesh_of(&whole));
+        whole.unit = mesh_unit(mesh_of(&whole), whole.centre);
+        if (array_add(&maker->wholes, &maker->n_wholes, &whole, sizeof whole, err))
+            return true;
+    }
+    mesh_free(&whole.built);
     return false;
 }
 
-/* The index of a shape's mesh, which is built when it is first asked for; -1 after an error. */
-static int find_whole(struct instance_maker *maker, const struct shape *described,
-                      struct error *err)
+/* Returns the key of a mesh: the address of a refined one, or else the shape; allocated. */
+static char *whole_key(const struct shape *shape, struct mesh *refined, size_t *length)
 {
-    const struct shape shape = shape_tessellated(described, maker->plan->scene->tessellation);
+    if (!refined)
+        return shape_key(shape, length);
+    char *out = malloc(sizeof refined);
+    *length = sizeof refined;
+    if (out)
+        memcpy(out, &refined, sizeof refined);
+    return out;
+}
+
+/* The index of an object's mesh, which is built when it is first asked for; -1 after an error. */
+static int find_whole(struct instance_maker *maker, const struct object *object, struct error *err)
+{
+    const struct scene *scene = maker->plan->scene;
+    const struct shape shape = shape_tessellated(&object->shape, scene->tessellation);
+    struct mesh *refined = maker->refined ? maker->refined[object - scene->objects] : NULL;
     size_t length;
-    char *key = shape_key(&shape, &length);
+    char *key = whole_key(&shape, refined, &length);
     if (!key) {
         error_memory(err);
         return -1;
     }
     int found = index_find(&maker->shapes, key, length);
-    if (found < 0 && add_whole(maker, &shape, err) &&
+    if (found < 0 && add_whole(maker, &shape, refined, err) &&
         index_add(&maker->shapes, key, length, maker->n_wholes - 1, err))
         found = maker->n_wholes - 1;
     free(key);
@@ -165,7 +186,7 @@ static bool add_sides(struct instance_maker *maker, struct cutting cutting, cons
 static bool cut_out(struct instance_maker *maker, struct cutting cutting, struct error *err)
 {
     struct mesh part;
-    bool done = mesh_part(&maker->wholes[cutting.whole].mesh, cutting.part, &part, err);
+    bool done = mesh_part(mesh_of(&maker->wholes[cutting.whole]), cutting.part, &part, err);
     if (done && cutting.side < 0)
         return add_mesh(maker, cutting, &part, err);
     done = done && add_sides(maker, cutting, &part, err);
@@ -278,9 +299,10 @@ static int count_parts(const struct mesh *mesh)
 
 static bool index_parts(struct whole *whole, struct error *err)
 {
-    const int n = count_parts(&whole->mesh);
+    const struct mesh *mesh = mesh_of(whole);
+    const int n = count_parts(mesh);
     for (int part = (int)whole->parts.n_keys; part < n; part++) {
-        const char *name = part_name(&whole->mesh, part);
+        const char *name = part_name(mesh, part);
         if (!index_add(&whole->parts, name, strlen(name), part, err))
             return false;
     }
@@ -289,10 +311,10 @@ static bool index_parts(struct whole *whole, struct error *err)
 
 /* Finds the line of the map for each part; use[part] NULL: there is none. A line for a usemtl that
  * the mesh does not have is a mistake. */
-static bool find_uses(const struct object *object, const struct whole *whole,
+static bool find_uses(const struct object *object, struct whole *whole,
                       const struct material_assignment **use, struct error *err)
 {
-    const int n_parts = count_parts(&whole->mesh);
+    const int n_parts = count_parts(mesh_of(whole));
     const struct material_assignment *others = NULL;
     for (int i = 0; i < object->n_assignments; i++) {
         const struct material_assignment *line = &object->assignments[i];
@@ -315,7 +337,7 @@ static bool add_part(struct instance_maker *maker, const struct object *object,
                      struct cutting cutting, const struct material_assignment *use,
                      struct error *err)
 {
-    const char *name = part_name(&maker->wholes[cutting.whole].mesh, cutting.part);
+    const char *name = part_name(mesh_of(&maker->wholes[cutting.whole]), cutting.part);
     if (!use)
         return error_at(err, object->place,
                         "%s%.100s of %.300s has no line in %.300s; a line for * stands for all "
@@ -329,7 +351,7 @@ static bool add_parts(struct instance_maker *maker, const struct object *object,
                       struct error *err)
 {
     struct whole *of = &maker->wholes[whole];
-    const int n_parts = count_parts(&of->mesh);
+    const int n_parts = count_parts(mesh_of(of));
     const struct material_assignment **use = calloc((size_t)n_parts, sizeof *use);
     bool done = use || error_memory(err);
     done = done && index_parts(of, err) && find_uses(object, of, use, err);
@@ -341,7 +363,7 @@ static bool add_parts(struct instance_maker *maker, const struct object *object,
 
 static bool add_object(struct instance_maker *maker, const struct object *object, struct error *err)
 {
-    int whole = find_whole(maker, &object->shape, err);
+    int whole = find_whole(maker, object, err);
     if (whole < 0)
         return false;
     if (object->material_map)
@@ -405,14 +427,14 @@ static void fill_instance(const struct plan *plan, struct placed_instance *place
         out->texels = plan_texels(shaded->texture, 0);
 }
 
-bool instances_make(struct plan *plan, struct error *err)
+bool instances_make(struct plan *plan, struct mesh *const *refined, struct error *err)
 {
-    struct instance_maker maker = {.plan = plan};
+    struct instance_maker maker = {.plan = plan, .refined = refined};
     bool done = true;
     for (int i = 0; i < plan->scene->n_objects && done; i++)
         done = add_object(&maker, &plan->scene->objects[i], err);
     for (int i = 0; i < maker.n_wholes; i++) {
-        mesh_free(&maker.wholes[i].mesh);
+        mesh_free(&maker.wholes[i].built);
         index_free(&maker.wholes[i].parts);
     }
     free(maker.wholes);

@@ -94,7 +94,8 @@ static void size_tiles(struct plan *plan)
     size_t pixel = PIXEL_BYTES + ROW_BYTES * (size_t)plan->max_rows +
                    (plan->n_light_groups > 1 ? SUM_BYTES : 0) +
                    (plan->options.check && buffer_steps(plan) > 0 ? STEPS_BYTES : 0);
-    size_t pixels = tile_budget / (pixel - SIDE_BY_SIDE_BYTES), most = pixels / CHUNK_ROWS, columns = LARGEST_TILE;
+    size_t pixels = tile_budget / (pixel - SIDE_BY_SIDE_BYTES), most = pixels / CHUNK_ROWS,
+           columns = LARGEST_TILE;
     int width = plan->scene->width, height = plan->scene->height;
     while (columns > most && columns > 1)
         columns /= 2;
@@ -206,39 +207,58 @@ bool plan_make(const struct scene *scene, const struct sampling *sampling,
                        matrix_look_at(camera.eye, camera.look, camera.up));
     if (!plan_allocate(out, err) ||
         !illumination_make(scene, &pages, options->exchangeable, &out->illumination, err) ||
-        !lights_list(out, err) || !instances_make(out, err) || !lights_drop_idle(out, err))
+        !lights_list(out, err) || !instances_make(out, NULL, err) || !lights_drop_idle(out, err))
         return false;
     out->view = view_of(out, &camera);
-    if (!reach_find(out, err))
-        return false;
     out->n_light_groups = (out->n_lights + LIGHTS_PER_PASS - 1) / LIGHTS_PER_PASS;
     if (out->n_light_groups == 0)
         out->n_light_groups = 1;
     size_tiles(out);
     plan_effects(out);
-    return true;
+    return reach_find(out, err);
+}
+
+/* Forgets meshes, instances, and what reaches the picture. */
+static void forget_instances(struct plan *plan)
+{
+    for (int i = 0; i < plan->n_meshes; i++)
+        mesh_free(&plan->meshes[i].mesh);
+    free(plan->meshes);
+    free(plan->instances);
+    free(plan->is_idle);
+    free(plan->shows_texture);
+    plan->meshes = NULL;
+    plan->instances = NULL;
+    plan->is_idle = plan->shows_texture = NULL;
+    plan->n_meshes = plan->n_instances = 0;
+}
+
+bool plan_refine(struct plan *plan, struct mesh *const *meshes, struct error *err)
+{
+    forget_instances(plan);
+    plan->n_vertices = plan->n_triangles = 0;
+    plan->work.unseen_instances = plan->work.idle_lights = plan->work.undrawn_textures = 0;
+    if (!instances_make(plan, meshes, err))
+        return false;
+    size_tiles(plan);
+    return reach_find(plan, err);
 }
 
 void plan_free(struct plan *plan)
 {
-    for (int i = 0; i < plan->n_meshes; i++)
-        mesh_free(&plan->meshes[i].mesh);
+    forget_instances(plan);
     for (int i = 0; i < plan->n_materials; i++) {
         free(plan->materials[i].terms);
         material_terms_free(&plan->materials[i].made);
     }
     for (int i = 0; i < plan->n_textures; i++)
         texture_free(&plan->textures[i]);
-    free(plan->meshes);
     free(plan->materials);
     free(plan->textures);
     index_free(&plan->by_material);
     index_free(&plan->by_texture);
-    free(plan->instances);
     free(plan->lights);
     free(plan->sources);
-    free(plan->is_idle);
-    free(plan->shows_texture);
     illumination_free(&plan->illumination);
     *plan = (struct plan){0};
 }

@@ -3,9 +3,6 @@
 #ifndef PLAN_H
 #define PLAN_H
 
-#include "data/material/material.h"
-#include "data/maths/maths.h"
-#include "data/mesh/mesh.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
 #include "data/terms/terms.h"
@@ -48,12 +45,12 @@ struct placed_instance {
     enum view_plane outside; /* all of it lies outside of this plane */
     struct instance instance;
 };
+enum { MAX_EFFECTS = 18, BAND_NAME = 32 };
 struct plan_effect {
     const char *name;
     bool used;
     char reason[160];
 };
-enum { MAX_EFFECTS = 18, BAND_NAME = 32 };
 struct plan_options {
     double full_scale;  /* 0: the largest vertex radiance */
     bool check, use_gl; /* whether the reference and OpenGL are needed */
@@ -65,8 +62,8 @@ struct plan_options {
     int bits;              /* of a page's sample: 8 or 16 of counts, 32 of floats; 0: 16 */
     bool exchangeable; /* lights may be exchanged afterwards: all lights and terms are kept apart */
     int threads;       /* 0: one a processor; the plan holds the number */
-    char *const *recorded; /* options for the stack's record, each one word; not owned */
-    int n_recorded;        /* at most MAX_RECORDED */
+    char *const *recorded; /* options for the stack's record: n_recorded words; not owned */
+    int n_recorded;
 };
 struct plan {
     const struct scene *scene;
@@ -104,13 +101,16 @@ struct plan {
  * at its place, what cannot be drawn. Scene and sampling (NULL: none) must outlive the plan. */
 bool plan_make(const struct scene *scene, const struct sampling *sampling,
                const struct plan_options *options, struct plan *out, struct error *err);
+/* instances.c. Builds the mesh that a shape, tessellated, describes. */
+bool plan_whole(const struct shape *shape, struct mesh *out, struct error *err);
+/* Makes the instances again, of these meshes of objects (NULL: their shapes'), the caller's. */
+bool plan_refine(struct plan *plan, struct mesh *const *meshes, struct error *err);
 /* A region is drawn in so many tiles of the plan's size or smaller, row by row. */
 struct rectangle plan_picture(const struct plan *plan); /* the whole picture */
 int plan_tiles(const struct plan *plan, const struct rectangle *region);
 struct rectangle plan_tile(const struct plan *plan, const struct rectangle *region, int index);
 bool has_components(const struct plan *plan); /* bands are not single wavelengths */
-/* The name of a band: "450 nm", or the label of a component. */
-void band_name(const struct plan *plan, int band, char out[BAND_NAME]);
+void band_name(const struct plan *plan, int band, char out[BAND_NAME]); /* "450 nm", or a label */
 double shaded_brightest(const struct shaded_material *shaded); /* largest peak; 1: it is black */
 /* The name of a surface: that of its material; or "background" for -1. object_text writes it, and
  * the place in the scene where the object stands. */
@@ -145,6 +145,6 @@ bool lights_drop_idle(struct plan *plan, struct error *err);
 /* Makes the shaded material of a material when it is first asked for; *out is its index. */
 bool shaded_material_find(struct plan *plan, const struct material *material, int *out,
                           struct error *err);
-bool instances_make(struct plan *plan, struct error *err); /* instances.c: meshes in their places */
+bool instances_make(struct plan *plan, struct mesh *const *refined, struct error *err);
 
 #endif

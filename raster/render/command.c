@@ -238,18 +238,12 @@ static bool render_planned(const struct options *options, const struct plan *pla
 {
     struct progress_line line;
     struct render_result result;
-    struct notes notes = {.list = NULL};
-    struct render_output noted = *output;
     const bool shown = progress_start(&line, options->quiet);
-    if (!options->quiet || options->json)
-        noted.notes = &notes;
-    bool done = render(plan, &noted, shown ? &line : NULL, &result, err);
+    bool done = render(plan, output, shown ? &line : NULL, &result, err);
     result.seconds.read += before->read;
     result.seconds.plan = before->plan;
     result.seconds.total += before->read + before->plan;
-    done = done && report(options, plan, &result, output, made, err);
-    notes_free(&notes);
-    return done;
+    return done && report(options, plan, &result, output, made, err);
 }
 
 bool render_with_options(const struct options *options, const struct render_output *output,
@@ -259,6 +253,9 @@ bool render_with_options(const struct options *options, const struct render_outp
     struct sampling sampling = {.detector = NULL};
     struct plan plan = {.scene = NULL};
     struct plan_options plan_options;
+    struct refine_result refined = {.levels = 0};
+    struct notes notes = {.refined = options->accuracy ? &refined : NULL};
+    struct render_output noted = *output;
     struct part_seconds seconds = {.read = 0};
     double start = clock_seconds();
     bool done =
@@ -270,11 +267,16 @@ bool render_with_options(const struct options *options, const struct render_outp
         scene_spared(output->path, &scene, err) && scene_spared(options->json, &scene, err) &&
         scene_spared(options->check_map, &scene, err) && check_header(options, output, &scene, err);
     seconds.read = clock_seconds() - start;
-    done = done && plan_make(&scene, sampling_or_none(&sampling), &plan_options, &plan, err);
+    done = done && plan_make(&scene, sampling_or_none(&sampling), &plan_options, &plan, err) &&
+           refine_options(options, &plan, &refined, err);
     seconds.plan = clock_seconds() - start - seconds.read;
+    if (!options->quiet || options->json)
+        noted.notes = &notes;
     done = done && output_can_open(options->json, err) &&
            output_can_open(options->check_map, err) &&
-           render_planned(options, &plan, &seconds, output, made, err);
+           render_planned(options, &plan, &seconds, &noted, made, err);
+    notes_free(&notes);
+    refine_result_free(&refined);
     plan_free(&plan);
     sampling_free(&sampling);
     scene_free(&scene);

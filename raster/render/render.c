@@ -150,7 +150,7 @@ static bool prepare(struct state *state, const struct render_output *output, str
     if (!lit_make(plan, result->driver, &state->lit, &stages->light, err) ||
         (stages->gl && !gl_take_scene(stages->gl, &state->lit, err)) ||
         !find_full_scale(&state->lit, &stages->full_scale, &stages->clips, err) ||
-        (output->notes && !notes_make(&state->lit, output->notes, err)))
+        (output->notes && !notes_make(&state->lit, SOME_PIXELS, output->notes, err)))
         return false;
     result->full_scale = stages->full_scale;
     clock_in(&state->since, &stages->seconds.raster);

@@ -42,7 +42,7 @@ struct render_output {
     bool discard;          /* compare the stack with `again`, and store none */
     bool envi;             /* write the stack's ENVI header beside it */
     struct outputs *outputs; /* get all files; NULL: they appear at once */
-    struct notes *notes;     /* zeroed; becomes the notes on the scene; NULL: none are wanted */
+    struct notes *notes;     /* as notes_make takes them; NULL: none are wanted */
 };
 /* Renders into a stack. Returns true even if the picture fails its check or differs from `again`:
  * ask render_agreed. progress: shown after each pass; NULL: none. After a failure, an interruption

@@ -78,6 +78,7 @@ bool command_view(struct options *options, struct error *err)
     static const char *const endings[] = {[HTML] = ".html", [HTM] = ".htm", [PNG] = ".png", NULL};
     struct scene scene = {.path = NULL};
     struct plan plan = {.scene = NULL};
+    struct refine_result refined = {.levels = 0};
     int ending;
     if (!options_name_output(options, options_scene(options), ".html", err) ||
         !output_ending(options->output, endings, &ending, err))
@@ -85,17 +86,19 @@ bool command_view(struct options *options, struct error *err)
     const bool still = ending == PNG;
     const struct plan_options plan_options = {
         .store_raster = true, .exchangeable = !still, .threads = options->threads};
-    struct view_report report = {.out_of_gamut = 0};
+    struct view_report report = {.notes.refined = options->accuracy ? &refined : NULL};
     bool done = scene_read_options(options, &scene, err) &&
                 scene_spared(options->output, &scene, err) &&
                 scene_spared(options->json, &scene, err) && output_can_open(options->json, err) &&
                 plan_make(&scene, NULL, &plan_options, &plan, err) &&
+                refine_options(options, &plan, &refined, err) &&
                 (still ? write_still : write_page)(options, &plan, &report, err) &&
                 (!options->json || write_json(options, &report, still, err));
     if (done && !options->quiet)
         notes_print(&report.notes, &report.table);
     done = printed_show(&report.table, options_table(options, options->output), err) && done;
     notes_free(&report.notes);
+    refine_result_free(&refined);
     plan_free(&plan);
     scene_free(&scene);
     return done;

@@ -139,8 +139,8 @@ bool planes_rasterize(const struct plan *plan, struct planes *out, struct notes 
         return error_usage(err, "a page shows at most %d pixels, not %d x %d; use --size WxH",
                            LARGEST_PAGE, plan->scene->width, plan->scene->height);
     bool done = planes_allocate(plan, out, err) &&
-                lit_make(plan, driver_of(NULL), &lit, &work, err) && notes_make(&lit, notes, err) &&
-                put_picture(&lit, out, err);
+                lit_make(plan, driver_of(NULL), &lit, &work, err) &&
+                notes_make(&lit, SOME_PIXELS, notes, err) && put_picture(&lit, out, err);
     lit_free(&lit);
     return done;
 }

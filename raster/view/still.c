@@ -177,7 +177,7 @@ bool still_write(const struct plan *plan, const char *path, uint64_t *out_of_gam
     struct still still = {.plan = *plan};
     const struct rectangle picture = plan_picture(plan);
     still.plan.options.bits = 32;
-    const bool done = prepare(&still, err) && notes_make(&still.lit, notes, err) &&
+    const bool done = prepare(&still, err) && notes_make(&still.lit, SOME_PIXELS, notes, err) &&
                       open_picture(&still, path, err) &&
                       tiles_each(&still.lit, &picture, put_tile, &still, err) &&
                       picture_commit(&still.picture, outputs, err);

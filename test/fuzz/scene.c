@@ -35,7 +35,8 @@ static bool plan_scene(const struct scene *scene, struct error *err)
     struct printed printed = {.text = NULL};
     struct json json;
     bool done = plan_make(scene, NULL, &options, &plan, err) &&
-                lit_make(&plan, driver_of(NULL), &lit, &work, err) && notes_make(&lit, &notes, err);
+                lit_make(&plan, driver_of(NULL), &lit, &work, err) &&
+                notes_make(&lit, 256, &notes, err);
     if (done) {
         done = plan_print(&plan, &printed, err);
         notes_print(&notes, &printed);

@@ -20,6 +20,7 @@ GREY = "material m { diffuse 0.5 }\n"
 BALL = "object sphere 2 20 20 material m\n"
 WALL = "object plane 8 8 material m\n"
 expected_codes = set()
+SHADED = {"colorchecker", "metals", "pasture", "room", "textures"}  # built-in scenes
 ON_TOP = "light d65 1 position 0 0 4 spot 0 0 -1 "
 
 
@@ -34,7 +35,7 @@ def printed(result):
 
 
 def notes_of(scene, *options):
-    """The notes of a render, as (code, text); its report; its pages."""
+    """The notes of a render but that on shading, as (code, text); its report; its pages."""
     stack = os.path.join(TMP, "notes.tif")
     result = run("render", scene, "--renderer", "raster", "--json", "-", "--quiet", "-o", stack, *options)
     if result.returncode != 0:
@@ -42,7 +43,7 @@ def notes_of(scene, *options):
     report = json.loads(result.stdout)
     with tifffile.TiffFile(stack) as tiff:
         pages = np.array([page.asarray() for page in tiff.pages])
-    return [(note["code"], note["text"]) for note in report["notes"]], report, pages
+    return [(note["code"], note["text"]) for note in report["notes"] if note["code"] != "shading"], report, pages
 
 
 def gets(name, scene, code, pattern, *options):
@@ -261,7 +262,7 @@ def commands():
     quiet = [run("render", dark, *raster, "--quiet"),
              run("view", dark, "-o", os.path.join(TMP, "notes.html"), "--quiet")]
     check(all(result.stdout == result.stderr == "" for result in quiet), "--quiet prints no note", quiet)
-    report = json.loads(run("render", HEAD + LIGHT + GREY + BALL, "--json", "-", "--quiet", *raster).stdout)
+    report = json.loads(run("render", HEAD + LIGHT + GREY + WALL, "--json", "-", "--quiet", *raster).stdout)
     check(report["notes"] == [], "without notes the array is empty")
 
 
@@ -274,6 +275,31 @@ def weak_light():
     gets_none("a weak light in a picture of floats", HEAD + LIGHT + weak + GREY + BALL, "--depth", "32f")
 
 
+def shading():
+    """A wall under a near light: its shading is taken at four corners. The note names it, and what it says to type
+    mends it."""
+    near = HEAD + "light d65 1 position 0 0 0.5 attenuation 0 0 1\n" + GREY + WALL
+    notes = printed(run("plan", near))
+    found = re.search(r"^the shading of m \(.*notes.scene:6\) is off by up to ([0-9.]+) CIEDE2000 .* add (.*)$",
+                      notes[0] if len(notes) == 1 else "")
+    if not check(found and float(found.group(1)) > 10, "a wall under a near light gets a note", notes):
+        return
+    expected_codes.add("shading")
+    mended = run("render", near, "-o", "/dev/null", *found.group(2).split())
+    check(mended.returncode == 0 and not printed(mended) and "triangles became" in mended.stdout,
+          "what the note says to type mends the scene", mended.stdout, mended.stderr)
+    few = run("render", near, "-o", "/dev/null", "--accuracy", "0.01", "--max-triangles", "50")
+    found = re.search(r"^note +the error is still ([0-9.]+) CIEDE2000, since --max-triangles 50 allows no more$",
+                      few.stdout, re.MULTILINE)
+    check(few.returncode == 0 and found and float(found.group(1)) > 0.01, "too few triangles get a note", few.stdout)
+    expected_codes.add("accuracy")
+    for name, scene, options in (("an ambient wall", HEAD + "ambient d65 1\n" + GREY + WALL, ()),
+                                 ("a wall under a far light", HEAD + LIGHT + GREY + WALL, ()),
+                                 ("flat shading", near, ("--shading", "flat"))):
+        notes = printed(run("plan", scene, *options))
+        check(notes == [], f"{name} gets no note on shading", notes)
+
+
 def manual():
     with open("spectral.1", encoding="utf-8") as page:
         documented = set(re.findall(r"[a-z-]+", " ".join(re.findall(r"^\.It (.*)", page.read(), re.MULTILINE))))
@@ -281,13 +307,16 @@ def manual():
 
 
 def builtin():
-    """Every note on a built-in scene must be meant. The reflectances of the thesis's chart begin at 380 nm."""
+    """Every note on a built-in scene must be meant. The reflectances of the thesis's chart begin at 380 nm. Curved
+    objects of few triangles get the note on shading."""
     expected = {"colorchecker": ["diffuse 01-dark-skin and 23 more: the table covers 380 to 780 nm; 16 of the 93 "
                                  "wavelengths of the picture lie outside, where the end value holds"]}
     for name in sorted(os.listdir("data/builtin/scenes")):
         scene = name.replace(".scene", "")
         notes = printed(run("plan", scene))
-        check(notes == expected.get(scene, []), f"{scene} has the expected notes", notes)
+        shading = [note for note in notes if re.match("the shading of .* is off by", note)]
+        check([note for note in notes if note not in shading] == expected.get(scene, []) and
+              (len(shading) == 1) == (scene in SHADED), f"{scene} has the expected notes", notes)
 
 
 no_light()
@@ -300,6 +329,7 @@ percent()
 full_scale()
 commands()
 weak_light()
+shading()
 manual()
 builtin()
 done()

@@ -1,0 +1,131 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "accuracy": by how much a picture differs from one that lights every point of the true
+ * surfaces, before it is drawn. */
+#ifndef ACCURACY_H
+#define ACCURACY_H
+
+#include "data/shape/shape.h"
+#include "raster/plan/plan.h"
+#include "raster/reference/reference.h"
+#include "spectral.h"
+
+/* ---- measure.c: differences as a detector sees them ---- */
+
+/* The unit of differences: CIEDE2000, for an observer who has adapted to the lights; or counts of
+ * the band where they are largest. */
+enum measure_unit { MEASURE_CIEDE2000, MEASURE_COUNTS };
+struct measure {
+    const struct plan *plan;
+    enum measure_unit unit;
+    double full_scale; /* of counts; 0 until measure_scale has found it */
+    double white[3];   /* XYZ of the lights; of a radiance of 1 where the observer sees none */
+    int *first;        /* of each shaded material: where its terms are in xyz; owned */
+    double (*xyz)[3];  /* of a term of weight 1; owned */
+};
+/* Makes the measure of a plan: for its sampling's observer, or for `observer`, a detector's name,
+ * where the scene is not sampled. *known: false if the detector is no observer, which CIEDE2000
+ * needs; *out is then undefined. The caller always frees *out. */
+bool measure_make(const struct plan *plan, enum measure_unit unit, const char *observer,
+                  struct measure *out, bool *known, struct error *err);
+/* Finds the full scale of counts: the plan's, or the largest radiance of a lit vertex. */
+void measure_scale(struct measure *measure, const struct surface *surfaces);
+void measure_free(struct measure *measure);
+/* A point of a shaded material: the weights of its terms, and its texture. */
+struct shaded_point {
+    const double *weights;
+    double texel;
+};
+double measure_difference(const struct measure *measure, int shaded, const struct shaded_point *a,
+                          const struct shaded_point *b);
+
+/* ---- exact.c: the true surface ---- */
+
+/* A surface whose shading is judged, and the surface that its mesh approximates. */
+struct judged_surface {
+    const struct view *view;
+    const struct surface *surface;       /* lit */
+    const struct parameters *parameters; /* of its vertices; NULL: its facets are exact */
+    const struct patches *patches;       /* of its shape, if there are parameters */
+    struct vector centre;                /* of plan_mesh, as the next */
+    double unit;
+};
+/* Finds the attributes of the point of the true surface that the window shows at a place of a
+ * triangle, with its barycentric coordinates there. On a mesh file the facets are true, with
+ * interpolated normals (Phong 1975). Returns false where the true surface is not seen there. */
+bool exact_attributes(const struct judged_surface *of, const struct screen_triangle *triangle,
+                      const double at[2], const double share[3], double *attributes);
+
+/* ---- lattice.c: some pixels ---- */
+
+/* A lattice of pixels, about `wanted` of the picture: each has the same share of it, and no row or
+ * column has many of them. */
+struct lattice {
+    int width, height; /* of the picture */
+    int step, shear;   /* pixel (i, j): x = step i + shear j, y = step j, from the first one */
+    int rows, columns;
+};
+struct lattice_pixel {
+    double depth;
+    int32_t surface;                 /* -1: background */
+    struct screen_triangle triangle; /* that is seen */
+};
+/* The pixels of a lattice, and the triangles that the reference shows there. */
+struct seen_pixels {
+    struct lattice lattice;
+    struct lattice_pixel *pixels; /* [row][column]; owned */
+};
+/* Looks at about `wanted` pixels of the picture. Of the surfaces only the window matters. */
+bool seen_find(const struct plan *plan, const struct surface *surfaces, int wanted,
+               struct seen_pixels *out, struct error *err);
+void seen_free(struct seen_pixels *seen);
+/* A triangle where it covers a pixel of the lattice. */
+struct lattice_fragment {
+    const struct screen_triangle *triangle;
+    int index; /* of the pixel */
+    double at[2], depth;
+};
+typedef void lattice_visit(void *context, const struct lattice_fragment *fragment);
+/* Visits all pixels of the lattice that the triangle covers. */
+void lattice_scan(const struct lattice *lattice, const struct screen_triangle *triangle,
+                  lattice_visit *visit, void *context);
+/* Returns whether a triangle in front of the eye lies between the places of the lattice. */
+bool lattice_misses(const struct lattice *lattice, const struct surface *surface,
+                    const int32_t vertex[3]);
+/* Returns the pixel of the lattice beside a place in the window, or near its border. */
+int lattice_beside(const struct lattice *lattice, double x, double y);
+/* Writes the centre of a pixel of the lattice; returns false if that lies outside the picture. */
+bool lattice_place(const struct lattice *lattice, int index, double at[2]);
+
+/* ---- estimate.c: the error of a picture ---- */
+
+/* Returns the value of the texture at a point of an instance; of a spectral one, whose planes are
+ * not loaded yet, the middle of all its values; 1: there is none. */
+double texel_estimate(const struct plan *plan, int shaded, const struct instance *instance,
+                      const double *attributes);
+
+/* Errors of shading and shape; not of wavelengths. */
+struct accuracy_object {
+    int object;         /* index in the scene */
+    double quantile_95; /* 95 % of its pixels have at most this error */
+    int points;         /* of it that were judged */
+};
+struct accuracy_estimate {
+    enum measure_unit unit;
+    double quantile_95;              /* of all objects' pixels */
+    struct accuracy_object *objects; /* those in view, worst first; owned */
+    int n_objects;
+    int n_points; /* at which the picture was judged */
+    bool known;   /* otherwise the estimate is empty: the detector is no observer, or flat or phong
+                     shading is wanted as it is */
+};
+/* Judges the pixels of a seen. surfaces: those of the plan, in the window, and lit at the corners
+ * of all triangles that are seen. */
+bool accuracy_judge(const struct measure *measure, const struct surface *surfaces,
+                    const struct seen_pixels *seen, struct accuracy_estimate *out,
+                    struct error *err);
+/* Judges about `wanted` pixels of the picture in CIEDE2000. surfaces: those of the plan, lit. */
+bool accuracy_estimate(const struct plan *plan, const struct surface *surfaces, int wanted,
+                       struct accuracy_estimate *out, struct error *err);
+void accuracy_estimate_free(struct accuracy_estimate *estimate);
+
+#endif

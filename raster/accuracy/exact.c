@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: MIT */
+/* Points of the surfaces that meshes approximate. */
+#include <math.h>
+
+#include "raster/accuracy/accuracy.h"
+
+/* ---- points of a built-in shape ---- */
+
+/* A point of the true surface, in the mesh and in the window. */
+struct exact_point {
+    struct vertex vertex;
+    double x, y;
+};
+
+/* Places the point of parameters u and v in the window; false if it is not in front of the eye. */
+static bool place_point(const struct judged_surface *of, int patch, const double u_v[2],
+                        struct exact_point *out)
+{
+    const struct instance *instance = of->surface->instance;
+    double u = u_v[0], v = u_v[1];
+    patch_enter(of->patches->shape, &u, &v);
+    out->vertex = patch_vertex(of->patches, patch, u, v);
+    struct vector *position = &out->vertex.position;
+    *position = vector_scale(vector_subtract(*position, of->centre), 1 / of->unit);
+    const struct vector eye = matrix_point(&instance->model_view, *position);
+    struct window_vertex window;
+    for (int r = 0; r < 4; r++) {
+        const double *row = of->view->projection.row[r];
+        window.clip[r] = row[0] * eye.x + row[1] * eye.y + row[2] * eye.z + row[3];
+    }
+    if (!(window.clip[3] > 0))
+        return false;
+    window_place(of->view, &window);
+    out->x = window.x;
+    out->y = window.y;
+    return true;
+}
+
+/* Parts of a cell, by which parameters are moved to find how the window changes. */
+static const double nudge = 1.0 / 64;
+enum { MOST_STEPS = 6 };
+static const double near_enough_px = 1.0 / 64;
+
+/* One step of Newton's method towards the place `at` of the window. Returns false where the surface
+ * is seen edge-on, or leaves the view. */
+static bool step(const struct judged_surface *of, int patch, const double at[2], double u_v[2],
+                 const struct exact_point *from)
+{
+    struct exact_point moved[2];
+    for (int k = 0; k < 2; k++) {
+        double other[2] = {u_v[0], u_v[1]};
+        other[k] += nudge;
+        if (!place_point(of, patch, other, &moved[k]))
+            return false;
+    }
+    const double xu = (moved[0].x - from->x) / nudge, yu = (moved[0].y - from->y) / nudge,
+                 xv = (moved[1].x - from->x) / nudge, yv = (moved[1].y - from->y) / nudge,
+                 dx = at[0] - from->x, dy = at[1] - from->y, determinant = xu * yv - xv * yu;
+    const double du = (dx * yv - dy * xv) / determinant, dv = (xu * dy - yu * dx) / determinant;
+    if (!(fabs(du) < 2 && fabs(dv) < 2))
+        return false;
+    u_v[0] += du;
+    u_v[1] += dv;
+    return true;
+}
+
+/* Returns whether the point's outside is turned to the eye, or its back where the triangle shows
+ * that. */
+static bool is_seen(const struct judged_surface *of, const struct screen_triangle *triangle,
+                    const struct vertex *point)
+{
+    const struct instance *instance = of->surface->instance;
+    const struct vector eye = matrix_point(&instance->model_view, point->position),
+                        normal = matrix_direction(&instance->normal_matrix, point->normal),
+                        far_away = {0, 0, 1};
+    const bool perspective = of->view->projection.row[3][2] != 0;
+    const bool front = vector_dot(normal, perspective ? vector_scale(eye, -1) : far_away) > 0;
+    return front == (triangle->clockwise == instance->mirrored);
+}
+
+/* Finds the point of a curved patch that the window shows at a place. u_v: parameters near it. */
+static bool find_point(const struct judged_surface *of, const struct screen_triangle *triangle,
+                       int patch, const double at[2], double u_v[2], struct vertex *out)
+{
+    struct exact_point point;
+    for (int i = 0; i < MOST_STEPS && place_point(of, patch, u_v, &point); i++) {
+        if (vector_length((struct vector){at[0] - point.x, at[1] - point.y, 0}) < near_enough_px) {
+            *out = point.vertex;
+            return is_seen(of, triangle, out);
+        }
+        if (!step(of, patch, at, u_v, &point))
+            return false;
+    }
+    return false;
+}
+
+/* ---- any point ---- */
+
+static bool is_curved(const struct judged_surface *of, const struct screen_triangle *triangle)
+{
+    return of->parameters &&
+           !patch_is_flat(of->patches->shape, of->parameters[triangle->vertex[0]].patch);
+}
+
+static void light_facet(const struct judged_surface *of, const struct screen_triangle *triangle,
+                        const double share[3], double *attributes)
+{
+    struct view phong = *of->view;
+    struct light_work ignored = {0};
+    phong.shading = PHONG;
+    shade(&phong, triangle, share, attributes, &ignored);
+}
+
+/* Sets the texture coordinates of a point of a curved patch. Planar ones are those of the facet. */
+static void place_texture(const struct judged_surface *of, const struct screen_triangle *triangle,
+                          const double share[3], struct vertex *point)
+{
+    const struct shape *shape = of->patches->shape;
+    point->s *= shape->repeat[0];
+    point->t *= shape->repeat[1];
+    if (!shape->planar)
+        return;
+    point->s = point->t = 0;
+    for (int j = 0; j < 3; j++) {
+        const struct vertex *corner = &of->surface->instance->vertices[triangle->vertex[j]];
+        point->s += share[j] * corner->s;
+        point->t += share[j] * corner->t;
+    }
+}
+
+bool exact_attributes(const struct judged_surface *of, const struct screen_triangle *triangle,
+                      const double at[2], const double share[3], double *attributes)
+{
+    double u_v[2] = {0, 0};
+    struct light_work ignored = {0};
+    struct vertex point;
+    if (!is_curved(of, triangle)) {
+        light_facet(of, triangle, share, attributes);
+        return true;
+    }
+    for (int j = 0; j < 3; j++) {
+        const struct parameters *corner = &of->parameters[triangle->vertex[j]];
+        u_v[0] += share[j] * corner->u / PARAMETER_CELL;
+        u_v[1] += share[j] * corner->v / PARAMETER_CELL;
+    }
+    const int patch = of->parameters[triangle->vertex[0]].patch;
+    if (!find_point(of, triangle, patch, at, u_v, &point))
+        return false;
+    place_texture(of, triangle, share, &point);
+    light_point(of->view, of->surface->instance, &point, triangle->side, attributes, &ignored);
+    return true;
+}

@@ -1,0 +1,173 @@
+/* SPDX-License-Identifier: MIT */
+/* Differences of shading as an observer sees them: a term has tristimulus values, and a point those
+ * of its terms times their weights. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/colour/colour.h"
+#include "data/spectra/spectra.h"
+#include "raster/accuracy/accuracy.h"
+
+/* Finds the observer's weights of the pages, allocated: [channel * n + page]. NULL with *known
+ * false if the detector of the sampling is no observer, or after an error. */
+static double *page_weights(const struct plan *plan, const char *observer, bool *known,
+                            struct error *err)
+{
+    const struct sampling *sampling = plan->sampling;
+    const size_t n = (size_t)plan->n_bands;
+    struct detector detector = {.name = NULL};
+    double *out = calloc(3 * n, sizeof *out);
+    bool done = out || error_memory(err);
+    done = done && detector_read(sampling ? sampling->detector : observer, &detector, err);
+    *known = done && detector.observer;
+    if (*known && sampling)
+        memcpy(out, sampling->weights, 3 * n * sizeof *out);
+    else if (*known)
+        detector_weights(&detector, plan->scene->wavelengths_nm, plan->n_bands, out);
+    detector_free(&detector);
+    if (*known)
+        return out;
+    free(out);
+    return NULL;
+}
+
+static bool find_white(const struct plan *plan, const double *weights, double white[3],
+                       struct error *err)
+{
+    double *radiance = calloc((size_t)plan->n_bands, sizeof *radiance);
+    if (!radiance)
+        return error_memory(err);
+    const bool lit = scene_white(plan->scene, &plan->illumination.pages, radiance) > 0;
+    detector_response(weights, lit ? radiance : NULL, plan->n_bands, white);
+    if (!(white[0] > 0 || white[1] > 0 || white[2] > 0))
+        detector_response(weights, NULL, plan->n_bands, white);
+    free(radiance);
+    return true;
+}
+
+static bool find_terms(const struct plan *plan, const double *weights, struct measure *out,
+                       struct error *err)
+{
+    const size_t n_bands = (size_t)plan->n_bands;
+    int n = 0;
+    out->first = calloc((size_t)plan->n_materials + 1, sizeof *out->first);
+    for (int m = 0; out->first && m < plan->n_materials; m++) {
+        out->first[m] = n;
+        n += plan->materials[m].n_terms;
+    }
+    out->xyz = calloc((size_t)n + 1, sizeof *out->xyz);
+    if (!out->first || !out->xyz)
+        return error_memory(err);
+    for (int m = 0; m < plan->n_materials; m++)
+        for (int t = 0; t < plan->materials[m].n_terms; t++)
+            detector_response(weights, plan->materials[m].made.spectra + (size_t)t * n_bands,
+                              plan->n_bands, out->xyz[out->first[m] + t]);
+    return true;
+}
+
+bool measure_make(const struct plan *plan, enum measure_unit unit, const char *observer,
+                  struct measure *out, bool *known, struct error *err)
+{
+    *out = (struct measure){.plan = plan, .unit = unit};
+    *known = true;
+    if (unit == MEASURE_COUNTS)
+        return true;
+    double *weights = page_weights(plan, observer, known, err);
+    const bool done = weights && find_white(plan, weights, out->white, err) &&
+                      find_terms(plan, weights, out, err);
+    free(weights);
+    return done || (!*known && err->status == EXIT_AGREED);
+}
+
+/* ---- counts ---- */
+
+static double radiance_of(const struct shaded_material *shaded, const double *weights, int n_bands,
+                          int band)
+{
+    double radiance = 0;
+    for (int t = 0; t < shaded->n_terms; t++)
+        radiance += weights[t] * shaded->made.spectra[(size_t)t * (size_t)n_bands + (size_t)band];
+    return radiance;
+}
+
+/* Raises *largest to the largest radiance of a vertex in any band. An upper bound of it is cheap.
+ */
+static void raise_to(const struct plan *plan, const struct shaded_material *shaded,
+                     const double *weights, double *largest)
+{
+    const double texel = shaded->texture ? shaded->texture->largest : 1;
+    double bound = 0;
+    for (int t = 0; t < shaded->n_terms; t++)
+        bound += texel * weights[t] * shaded->made.terms[t].peak;
+    for (int band = 0; band < plan->n_bands && bound > *largest; band++)
+        *largest = fmax(*largest, texel * radiance_of(shaded, weights, plan->n_bands, band));
+}
+
+void measure_scale(struct measure *measure, const struct surface *surfaces)
+{
+    const struct plan *plan = measure->plan;
+    measure->full_scale = plan->options.full_scale;
+    for (int s = 0; s < plan->n_instances && !(plan->options.full_scale > 0); s++)
+        for (int i = 0; surfaces[s].instance && i < surfaces[s].instance->n_vertices; i++)
+            for (int side = 0; side < surfaces[s].n_sides; side++)
+                raise_to(plan, &plan->materials[plan->instances[s].shaded],
+                         surfaces[s].weights + surface_attributes(&surfaces[s], i, side),
+                         &measure->full_scale);
+}
+
+static double counts_between(const struct measure *measure, int shaded,
+                             const struct shaded_point *a, const struct shaded_point *b)
+{
+    const struct plan *plan = measure->plan;
+    const struct shaded_material *material = &plan->materials[shaded];
+    double most = 0;
+    for (int band = 0; band < plan->n_bands; band++)
+        most = fmax(most, fabs(a->texel * radiance_of(material, a->weights, plan->n_bands, band) -
+                               b->texel * radiance_of(material, b->weights, plan->n_bands, band)));
+    return measure->full_scale > 0 ? most / measure->full_scale * UINT16_MAX : 0;
+}
+
+/* ---- either unit ---- */
+
+void measure_free(struct measure *measure)
+{
+    free(measure->first);
+    free(measure->xyz);
+    *measure = (struct measure){.first = NULL};
+}
+
+static void xyz_of(const struct measure *measure, int shaded, const struct shaded_point *point,
+                   double xyz[3])
+{
+    const double(*term)[3] = (const double(*)[3])measure->xyz + measure->first[shaded];
+    xyz[0] = xyz[1] = xyz[2] = 0;
+    for (int t = 0; t < measure->plan->materials[shaded].n_terms; t++)
+        for (int c = 0; c < 3; c++)
+            xyz[c] += point->texel * point->weights[t] * term[t][c];
+}
+
+/* Returns whether two colours differ by roundings only; CIEDE2000 would be below 1e-7. */
+static bool are_same(const double a[3], const double b[3])
+{
+    bool same = true;
+    for (int c = 0; c < 3; c++)
+        same = same && fabs(a[c] - b[c]) <= 1e-10 * fabs(a[c]);
+    return same;
+}
+
+double measure_difference(const struct measure *measure, int shaded, const struct shaded_point *a,
+                          const struct shaded_point *b)
+{
+    double xyz[2][3], lab[2][3];
+    if (measure->unit == MEASURE_COUNTS)
+        return counts_between(measure, shaded, a, b);
+    xyz_of(measure, shaded, a, xyz[0]);
+    xyz_of(measure, shaded, b, xyz[1]);
+    if (are_same(xyz[0], xyz[1]))
+        return 0;
+    cielab(xyz[0], measure->white, lab[0]);
+    cielab(xyz[1], measure->white, lab[1]);
+    return ciede2000_difference(lab[0], lab[1]);
+}

@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: MIT */
+/* Finds the edges of a triangle that are too long: those in whose middle the shading is wrong, or the
+ * outline of a curved shape too far from the true one. Where the shading is wrong inside of the
+ * triangle only, all of its edges are. */
+#include <math.h>
+#include <string.h>
+
+#include "raster/refine/refine.h"
+
+/* An error is looked for in the middle of an edge, and of longer ones a quarter from the ends, too:
+ * one that changes its sign may be 0 in the middle. */
+static const double long_px = 8;
+
+/* A triangle while it is judged. */
+struct judged_triangle {
+    const struct judge *judge;
+    const struct judged_mesh *of;
+    const struct judged_surface *surface; /* that of the mesh */
+    int triangle;
+    struct screen_triangle parts[SCREEN_TRIANGLES];
+    int n_parts;
+    double length_px[3]; /* of its edges in the window */
+    double inside;       /* the largest error at a pixel of the lattice, or in the middle */
+};
+
+/* ---- one point ---- */
+
+static double texel_of(const struct judged_triangle *of, const double *attributes)
+{
+    return texel_estimate(of->judge->plan, of->of->shaded, of->surface->surface->instance,
+                          attributes);
+}
+
+/* Returns the error at a place of the window, with its barycentric coordinates; 0 where the true
+ * surface is not seen. */
+static double difference_at(const struct judged_triangle *of, const struct screen_triangle *part,
+                            const double at[2], const double share[3])
+{
+    double *drawn = of->of->attributes, *exact = drawn + of->judge->plan->max_rows + 2;
+    struct light_work ignored = {0};
+    shade(&of->judge->plan->view, part, share, drawn, &ignored);
+    if (!exact_attributes(of->surface, part, at, share, exact))
+        return 0;
+    const struct shaded_point a = {drawn, texel_of(of, drawn)}, b = {exact, texel_of(of, exact)};
+    return measure_difference(of->judge->measure, of->of->shaded, &a, &b);
+}
+
+/* Returns whether a fragment lies behind another surface: by more than what refined surfaces move,
+ * a hundredth of its distance from the far plane. */
+static bool is_behind(const struct lattice_pixel *pixel, double depth)
+{
+    return pixel->depth < depth - 0.01 * (1 - depth) - 1e-6;
+}
+
+/* Returns whether a point lies behind what the pixels of the lattice around it show. */
+static bool is_hidden(const struct judge *judge, double x, double y, double depth)
+{
+    const double step = judge->lattice->step / 2.0;
+    bool hidden = true;
+    for (int i = 0; i < 4 && hidden; i++)
+        hidden = is_behind(&judge->pixels[lattice_beside(judge->lattice, x + (i % 2 ? step : -step),
+                                                         y + (i / 2 ? step : -step))],
+                           depth);
+    return hidden;
+}
+
+/* ---- places of a triangle ---- */
+
+/* A point of the triangle in the window. */
+struct window_point {
+    double at[2], depth;
+    bool in_view;
+};
+
+static struct window_point window_point(const struct judged_triangle *of, const double weights[3])
+{
+    const int32_t *vertex = of->surface->surface->instance->triangles[of->triangle];
+    const struct view *view = of->surface->view;
+    struct window_vertex window = {{0, 0, 0, 0}, 0, 0, 0, 0};
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 4; i++)
+            window.clip[i] += weights[k] * of->surface->surface->vertices[vertex[k]].clip[i];
+    if (!(window.clip[3] > 0) || fabs(window.clip[2]) > window.clip[3])
+        return (struct window_point){.in_view = false};
+    window_place(view, &window);
+    return (struct window_point){{window.x, window.y},
+                                 window.z,
+                                 window.x > -1 && window.y > -1 && window.x < view->width + 1 &&
+                                     window.y < view->height + 1};
+}
+
+/* Returns the error at a point of the mesh's triangle, by its corners' weights; 0 where it is not
+ * seen. */
+static double point_difference(const struct judged_triangle *of, const double weights[3])
+{
+    const struct window_point point = window_point(of, weights);
+    const struct screen_triangle *part = &of->parts[0];
+    const int32_t *vertex = of->surface->surface->instance->triangles[of->triangle];
+    double share[3];
+    if (!point.in_view || of->n_parts == 0 ||
+        is_hidden(of->judge, point.at[0], point.at[1], point.depth))
+        return 0;
+    for (int j = 0; j < 3; j++) /* the screen triangle may have its corners in another order */
+        for (int k = 0; k < 3; k++)
+            if (part->vertex[j] == vertex[k])
+                share[j] = weights[k];
+    return difference_at(of, part, point.at, share);
+}
+
+/* ---- outlines ---- */
+
+/* Returns whether the outside of a corner is turned to the eye. */
+static bool is_front(const struct judged_triangle *of, int32_t corner)
+{
+    const struct instance *instance = of->surface->surface->instance;
+    const struct vertex *vertex = &instance->vertices[corner];
+    const struct vector eye = matrix_point(&instance->model_view, vertex->position),
+                        normal = matrix_direction(&instance->normal_matrix, vertex->normal),
+                        far_away = {0, 0, 1};
+    const bool perspective = of->surface->view->projection.row[3][2] != 0;
+    return vector_dot(normal, perspective ? vector_scale(eye, -1) : far_away) > 0;
+}
+
+/* Returns how far, in pixels, the true surface lies beside the middle of an edge in the window. For
+ * an edge along the outline that is the distance from its line. */
+static double off_edge(const struct judged_triangle *of, int edge, bool along)
+{
+    const struct surface *surface = of->surface->surface;
+    const int32_t *vertex = surface->instance->triangles[of->triangle], a = vertex[edge],
+                  b = vertex[(edge + 1) % 3];
+    struct parameters parameters;
+    const struct vertex middle =
+        mesh_midpoint(of->of->mesh, of->surface->patches, a, b, &parameters);
+    const struct vector eye = matrix_point(&surface->instance->model_view, middle.position);
+    struct window_vertex window = {{0, 0, 0, 0}, 0, 0, 0, 0};
+    for (int r = 0; r < 4; r++) {
+        const double *row = of->surface->view->projection.row[r];
+        window.clip[r] = row[0] * eye.x + row[1] * eye.y + row[2] * eye.z + row[3];
+    }
+    const struct window_vertex *p = &surface->vertices[a], *q = &surface->vertices[b];
+    if (!(window.clip[3] > 0 && p->clip[3] > 0 && q->clip[3] > 0))
+        return 0;
+    window_place(of->surface->view, &window);
+    if (is_hidden(of->judge, window.x, window.y, window.z))
+        return 0;
+    const double x = window.x - (p->x + q->x) / 2, y = window.y - (p->y + q->y) / 2,
+                 dx = q->x - p->x, dy = q->y - p->y,
+                 length = vector_length((struct vector){dx, dy, 0});
+    return !along       ? vector_length((struct vector){x, y, 0})
+           : length > 0 ? fabs(x * dy - y * dx) / length
+                        : 0;
+}
+
+/* Adds the edges that make the outline coarse. */
+static void judge_outline(const struct judged_triangle *of, float out[3])
+{
+    const int32_t *vertex = of->surface->surface->instance->triangles[of->triangle];
+    bool front[3], flat;
+    if (!of->surface->parameters)
+        return;
+    flat = patch_is_flat(of->surface->patches->shape, of->surface->parameters[vertex[0]].patch);
+    for (int k = 0; k < 3; k++)
+        front[k] = is_front(of, vertex[k]);
+    if (!flat && front[0] == front[1] && front[1] == front[2])
+        return;
+    for (int k = 0; k < 3; k++) {
+        const double off = off_edge(of, k, flat || front[k] == front[(k + 1) % 3]);
+        if (off > of->judge->outline_px && of->length_px[k] >= of->judge->shortest_px)
+            out[k] = fmaxf(out[k], (float)(off / of->judge->outline_px));
+    }
+}
+
+/* ---- shading ---- */
+
+static void judge_fragment(void *context, const struct lattice_fragment *fragment)
+{
+    struct judged_triangle *of = context;
+    double share[3];
+    if (is_behind(&of->judge->pixels[fragment->index], fragment->depth))
+        return;
+    shares_at(fragment->triangle, fragment->at[0], fragment->at[1], share);
+    of->inside = fmax(of->inside, difference_at(of, fragment->triangle, fragment->at, share));
+}
+
+static double edge_difference(const struct judged_triangle *of, int edge)
+{
+    const int first = of->length_px[edge] < long_px ? 2 : 1;
+    double largest = 0;
+    for (int quarter = first; quarter <= 4 - first; quarter++) {
+        double weights[3] = {0, 0, 0};
+        weights[edge] = quarter / 4.0;
+        weights[(edge + 1) % 3] = 1 - quarter / 4.0;
+        largest = fmax(largest, point_difference(of, weights));
+    }
+    return largest;
+}
+
+/* Finds the lengths of the edges in the window; that of an edge that is not all in front of the eye
+ * is infinite. */
+static void measure_edges(struct judged_triangle *of)
+{
+    const struct surface *surface = of->surface->surface;
+    const int32_t *vertex = surface->instance->triangles[of->triangle];
+    for (int k = 0; k < 3; k++) {
+        const struct window_vertex *a = &surface->vertices[vertex[k]],
+                                   *b = &surface->vertices[vertex[(k + 1) % 3]];
+        of->length_px[k] = a->clip[3] > 0 && b->clip[3] > 0
+                               ? vector_length((struct vector){a->x - b->x, a->y - b->y, 0})
+                               : HUGE_VAL;
+    }
+}
+
+/* Returns whether a triangle is narrower than an edge may be. */
+static bool is_narrow(const struct judged_triangle *of)
+{
+    const struct window_vertex *corner = of->surface->surface->vertices;
+    const int32_t *vertex = of->surface->surface->instance->triangles[of->triangle];
+    const struct window_vertex *a = &corner[vertex[0]], *b = &corner[vertex[1]],
+                               *c = &corner[vertex[2]];
+    const double longest = most_of(of->length_px),
+                 area = (b->x - a->x) * (c->y - a->y) - (b->y - a->y) * (c->x - a->x);
+    return longest < HUGE_VAL && fabs(area) < of->judge->shortest_px * longest;
+}
+
+static void judge_shading(struct judged_triangle *of, float out[3])
+{
+    static const double middle[3] = {1 / 3.0, 1 / 3.0, 1 / 3.0};
+    const double good = of->judge->error;
+    if (!(good < HUGE_VAL) || is_narrow(of))
+        return;
+    for (int k = 0; k < 3; k++) {
+        const double error = of->length_px[k] < of->judge->shortest_px ? 0 : edge_difference(of, k);
+        out[k] = error > good ? (float)(error / good) : 0;
+    }
+    if (out[0] > 0 || out[1] > 0 || out[2] > 0)
+        return;
+    of->inside = point_difference(of, middle);
+    if (!lattice_misses(of->judge->lattice, of->surface->surface,
+                        of->surface->surface->instance->triangles[of->triangle]))
+        for (int i = 0; i < of->n_parts; i++)
+            lattice_scan(of->judge->lattice, &of->parts[i], judge_fragment, of);
+    for (int k = 0; k < 3 && of->inside > good; k++)
+        if (of->length_px[k] >= of->judge->shortest_px)
+            out[k] = (float)(of->inside / good);
+}
+
+void judge_triangle(const struct judge *judge, const struct judged_mesh *mesh, int triangle,
+                    float out[3])
+{
+    /* near, then far */
+    static const struct clip_plane depth_planes[2] = {{{0, 0, 1, 1}, 0}, {{0, 0, -1, 1}, 0}};
+    const struct surface *surface = mesh->surface->surface;
+    const struct view *view = mesh->surface->view;
+    const struct rectangle picture = {0, 0, view->width, view->height};
+    struct judged_triangle of = {
+        .judge = judge, .of = mesh, .surface = mesh->surface, .triangle = triangle};
+    int beside = ~0;
+    out[0] = out[1] = out[2] = 0;
+    for (int i = 0; i < 3 && beside; i++)
+        beside &=
+            outcode(&surface->vertices[surface->instance->triangles[triangle][i]], &picture, 1);
+    if (beside)
+        return;
+    of.n_parts = screen_triangles(view, surface, triangle, depth_planes, 2, of.parts);
+    measure_edges(&of);
+    judge_shading(&of, out);
+    judge_outline(&of, out);
+}

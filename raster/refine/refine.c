@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: MIT */
+/* Refines a plan until its picture is as accurate as is wanted. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/base/base.h"
+#include "data/text/text.h"
+#include "raster/refine/refine.h"
+
+/* ---- the words of the option ---- */
+
+static bool refine_read(const char *option, const char *value, struct refine_request *out,
+                        struct error *err)
+{
+    static const char counts[] = "counts";
+    const size_t length = strlen(value), tail = strlen(counts);
+    const bool in_counts = length > tail && strcmp(value + length - tail, counts) == 0;
+    char number[64];
+    out->unit = in_counts ? MEASURE_COUNTS : MEASURE_CIEDE2000;
+    if (length >= sizeof number)
+        return error_usage(err, "%s takes a number, as 0.5 or 8counts", option);
+    snprintf(number, sizeof number, "%.*s", (int)(in_counts ? length - tail : length), value);
+    return option_number(option, number, 1e-3, 1e5, &out->error, err);
+}
+
+bool refine_accepts(const char *option, const char *value, struct error *err)
+{
+    struct refine_request request;
+    return refine_read(option, value, &request, err);
+}
+
+/* ---- what the picture shows ---- */
+
+static void close_surfaces(struct surface *surfaces, int n)
+{
+    for (int i = 0; surfaces && i < n; i++)
+        surface_close(&surfaces[i]);
+    free(surfaces);
+}
+
+/* Returns the surfaces of all instances in view, placed in the window; NULL after an error. */
+static struct surface *place_surfaces(const struct plan *plan, struct error *err)
+{
+    struct surface *out = calloc((size_t)plan->n_instances + 1, sizeof *out);
+    struct view unlit = plan->view;
+    bool done = out != NULL;
+    unlit.n_lights = 0;
+    for (int i = 0; done && i < plan->n_instances; i++) {
+        if (!plan->instances[i].in_view)
+            continue;
+        done = surface_open(&plan->instances[i].instance, &out[i]);
+        if (done)
+            light_vertices(plan, &unlit, &out[i], NULL);
+    }
+    if (done)
+        return out;
+    close_surfaces(out, plan->n_instances);
+    error_memory(err);
+    return NULL;
+}
+
+/* Lights the corners of the triangles that are seen; for a measure that needs the brightest vertex,
+ * all vertices. */
+static void light_seen(const struct refinement *of, const struct seen_pixels *seen,
+                       struct surface *surfaces)
+{
+    const struct plan *plan = of->plan;
+    struct light_work ignored = {0};
+    if (of->measure.unit == MEASURE_COUNTS && !(plan->options.full_scale > 0)) {
+        for (int i = 0; i < plan->n_instances; i++)
+            if (surfaces[i].instance)
+                light_vertices(plan, &plan->view, &surfaces[i], NULL);
+        return;
+    }
+    for (int i = 0; i < seen->lattice.rows * seen->lattice.columns; i++)
+        for (int k = 0; k < 3 && seen->pixels[i].surface >= 0; k++)
+            surface_light(&plan->view, &surfaces[seen->pixels[i].surface],
+                          seen->pixels[i].triangle.vertex[k], &ignored);
+}
+
+/* Pixels to be judged: enough to see whether there is work, and enough to rely on. */
+enum { SOME_PIXELS = 2048, MANY_PIXELS = 16384 };
+
+/* Looks at so many pixels of the picture, and judges what it shows. */
+static bool look(struct refinement *of, int wanted, struct seen_pixels *seen,
+                 struct accuracy_estimate *out, struct error *err)
+{
+    struct surface *surfaces = place_surfaces(of->plan, err);
+    accuracy_estimate_free(out);
+    seen_free(seen);
+    bool done = surfaces && seen_find(of->plan, surfaces, wanted, seen, err);
+    if (done) {
+        /* pixels point to surfaces, which end here; what is left of them is not looked at */
+        light_seen(of, seen, surfaces);
+        measure_scale(&of->measure, surfaces);
+        done = accuracy_judge(&of->measure, surfaces, seen, out, err);
+    }
+    close_surfaces(surfaces, of->plan->n_instances);
+    return done;
+}
+
+/* ---- all of it ---- */
+
+/* Gives the plan the refined meshes, and judges its picture again. */
+static bool take_meshes(struct refinement *of, struct error *err)
+{
+    const int n = of->plan->scene->n_objects;
+    struct mesh **meshes = calloc((size_t)n + 1, sizeof *meshes);
+    struct seen_pixels seen = {.pixels = NULL};
+    if (!meshes)
+        return error_memory(err);
+    for (int i = 0; i < n; i++)
+        if (of->of_object[i] >= 0)
+            meshes[i] = &of->list[of->of_object[i]].mesh;
+    const bool done =
+        plan_refine(of->plan, meshes, err) && look(of, MANY_PIXELS, &seen, &of->result->after, err);
+    seen_free(&seen);
+    free(meshes);
+    return done;
+}
+
+/* Refines until no point that is looked at has more than this error. */
+static bool refine_to(struct refinement *of, double error, struct error *err)
+{
+    enum { MOST_LEVELS = 32 };
+    const int levels = of->result->levels;
+    bool done = true;
+    of->judge.error = error;
+    of->changed = true;
+    for (int i = 0; i < of->n; i++)
+        memset(of->list[i].settled, 0, (size_t)of->list[i].mesh.n_triangles);
+    for (int level = 0; done && of->changed && !of->result->stopped && level < MOST_LEVELS; level++)
+        done = refine_level(of, err);
+    return done && (of->result->levels == levels || of->result->stopped || take_meshes(of, err));
+}
+
+static bool list_result(struct refinement *of, struct error *err)
+{
+    struct refine_result *out = of->result;
+    for (int i = 0; i < of->n; i++) {
+        const struct refined_object object = {of->list[i].object, of->list[i].before,
+                                              of->list[i].mesh.n_triangles};
+        if (object.after > object.before &&
+            !array_add(&out->objects, &out->n_objects, &object, sizeof object, err))
+            return false;
+    }
+    out->triangles_after = of->plan->n_triangles;
+    return true;
+}
+
+/* An outline may be off by a quarter of the wanted CIEDE2000, in pixels, within these limits. No
+ * edge becomes shorter than the finer one. */
+static const double finest_px = 0.05, coarsest_px = 0.25;
+
+static void prepare_judge(struct refinement *of, const struct seen_pixels *seen)
+{
+    const struct refine_request *wanted = &of->result->wanted;
+    of->judge =
+        (struct judge){.plan = of->plan,
+                       .measure = &of->measure,
+                       .lattice = &seen->lattice,
+                       .pixels = seen->pixels,
+                       .shortest_px = 1,
+                       .outline_px = wanted->unit == MEASURE_COUNTS
+                                         ? coarsest_px
+                                         : fmax(finest_px, fmin(wanted->error / 4, coarsest_px))};
+}
+
+/* Begins again with meshes that are not refined, since the last try made too many triangles. */
+static bool begin_again(struct refinement *of, struct error *err)
+{
+    objects_free(of);
+    of->result->stopped = false;
+    of->result->levels = 0;
+    return objects_list(of, false, err);
+}
+
+/* Divides triangles until the picture is good enough. Points may have more than the wanted error,
+ * as long as 95 % of them do not: so the first try asks for less than is wanted. If that makes too
+ * many triangles, the next one asks for less still: all triangles share the error that is left. */
+static bool refine_shading(struct refinement *of, struct error *err)
+{
+    enum { MOST_TRIES = 16 };
+    const double wanted = of->result->wanted.error;
+    double error = 1.5 * wanted;
+    bool too_many = false;
+    for (int try = 0; try < MOST_TRIES; try++) {
+        if (!refine_to(of, error, err))
+            return false;
+        const double reached = of->result->after.quantile_95;
+        if (of->result->stopped) {
+            if (!begin_again(of, err))
+                return false;
+            too_many = true;
+            error *= 2;
+        } else if (too_many || reached <= wanted || of->judge.shortest_px < finest_px) {
+            break;
+        } else {
+            of->judge.shortest_px /= 2;
+            error *= fmin(0.8, 0.9 * wanted / reached);
+        }
+    }
+    of->result->stopped = too_many;
+    return true;
+}
+
+/* A picture that is good enough gets better outlines only. */
+static bool run(struct refinement *of, struct seen_pixels *seen, struct error *err)
+{
+    struct refine_result *result = of->result;
+    const double wanted = result->wanted.error;
+    bool done = look(of, SOME_PIXELS, seen, &result->before, err);
+    if (done && result->before.quantile_95 > wanted / 2)
+        done = look(of, MANY_PIXELS, seen, &result->before, err);
+    const bool good = done && result->before.quantile_95 <= wanted;
+    if (!done || !objects_list(of, good, err))
+        return false;
+    prepare_judge(of, seen);
+    return (good ? refine_to(of, HUGE_VAL, err) : refine_shading(of, err)) && list_result(of, err);
+}
+
+static bool refuse_camera(const struct plan *plan, const char *observer, struct error *err)
+{
+    return error_usage(
+        err,
+        "--accuracy in CIEDE2000 needs an observer, and %s is none; expected counts, "
+        "as --accuracy 8counts",
+        plan->sampling ? plan->sampling->detector : observer);
+}
+
+static bool refine(struct plan *plan, const struct refine_request *request,
+                   struct refine_result *out, struct error *err)
+{
+    struct refinement of = {.plan = plan, .result = out};
+    struct seen_pixels seen = {.pixels = NULL};
+    bool known;
+    *out = (struct refine_result){.wanted = *request,
+                                  .triangles_before = plan->n_triangles,
+                                  .triangles_after = plan->n_triangles};
+    bool done = measure_make(plan, request->unit, request->observer, &of.measure, &known, err) &&
+                (known || refuse_camera(plan, request->observer, err));
+    done = done && (plan->view.shading == FLAT || run(&of, &seen, err));
+    objects_free(&of);
+    edges_free(&of.marked);
+    measure_free(&of.measure);
+    seen_free(&seen);
+    return done;
+}
+
+bool refine_options(const struct options *options, struct plan *plan, struct refine_result *out,
+                    struct error *err)
+{
+    enum { USUAL_TRIANGLES = 4000000 };
+    struct refine_request request = {
+        .most_triangles = options->max_triangles > 0 ? options->max_triangles : USUAL_TRIANGLES,
+        .observer = options_detector(options)};
+    return !options->accuracy || (refine_read("--accuracy", options->accuracy, &request, err) &&
+                                  refine(plan, &request, out, err));
+}
+
+void refine_result_free(struct refine_result *result)
+{
+    accuracy_estimate_free(&result->before);
+    accuracy_estimate_free(&result->after);
+    free(result->objects);
+    *result = (struct refine_result){.objects = NULL};
+}

@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "refine": divides the triangles of a plan where its picture would differ too much from
+ * one that lights every point of the true surfaces, and no others. */
+#ifndef REFINE_H
+#define REFINE_H
+
+#include "data/options/options.h"
+#include "raster/accuracy/accuracy.h"
+#include "raster/plan/plan.h"
+#include "spectral.h"
+
+/* ---- refine.c: from a plan to a finer one ---- */
+
+struct refine_request {
+    enum measure_unit unit;
+    double error;         /* that 95 % of object pixels may have at most */
+    long most_triangles;  /* of all meshes that are refined */
+    const char *observer; /* for CIEDE2000 of a scene that is not sampled */
+};
+/* Refuses a value that --accuracy cannot use; `option` is blamed. */
+bool refine_accepts(const char *option, const char *value, struct error *err);
+struct refined_object {
+    int object;         /* index in the scene */
+    long before, after; /* triangles */
+};
+struct refine_result {
+    struct refine_request wanted;
+    struct accuracy_estimate before, after; /* after: empty if nothing was refined */
+    struct refined_object *objects;         /* that were refined; owned */
+    int n_objects, levels;
+    long triangles_before, triangles_after; /* of the plan */
+    bool stopped; /* at most_triangles: the error is the least that so many can have, or nearly */
+};
+/* Refines the plan if the options ask for it; otherwise *out stays zeroed. Divides triangles until
+ * 95 % of object pixels have at most the wanted error, or until edges are a twentieth of a pixel
+ * long. A triangle that is good enough is divided only where its neighbour is, so that no crack
+ * opens; nor does one between objects that meet. Flat shading stays as it is. The caller always
+ * frees *out; after an error the plan can only be freed. */
+bool refine_options(const struct options *options, struct plan *plan, struct refine_result *out,
+                    struct error *err);
+void refine_result_free(struct refine_result *result);
+
+/* ---- inside this room ---- */
+
+/* ---- edges.c: a set of edges ---- */
+
+/* An edge is known by the places of its ends in eye space, rounded: two triangles agree on it even
+ * where they belong to two objects. */
+struct edge_set {
+    struct edge_slot {
+        uint64_t edge; /* 0: the slot is free */
+        float error;
+    } * slots;         /* owned */
+    size_t n_slots, n; /* n_slots: 0 or a power of two */
+};
+uint64_t edge_end(struct vector eye);
+uint64_t edge_between(uint64_t a, uint64_t b);
+/* Adds an edge, or raises its error. Fails only where memory runs out. */
+bool edges_add(struct edge_set *set, uint64_t edge, float error, struct error *err);
+bool edges_have(const struct edge_set *set, uint64_t edge);
+float edges_error(const struct edge_set *set, uint64_t edge); /* of one that it has */
+/* Removes all edges but the `most` with the largest errors, or a few more. */
+bool edges_keep_worst(struct edge_set *set, size_t most, struct error *err);
+void edges_free(struct edge_set *set);
+
+/* ---- judge.c: which edges of a triangle are too long ---- */
+
+/* The standards by which triangles are judged. */
+struct judge {
+    const struct plan *plan;
+    const struct measure *measure;
+    const struct lattice *lattice;
+    const struct lattice_pixel *pixels; /* that the picture shows: what lies behind them is hidden */
+    double error;       /* the largest that is good enough; HUGE_VAL: shading is not judged */
+    double shortest_px; /* edges of this length in the window are not divided */
+    double outline_px;  /* how far an outline may be from the true one */
+};
+/* A surface that is judged: its material, its mesh, and room for the attributes of two points. */
+struct judged_mesh {
+    const struct judged_surface *surface;
+    int shaded;
+    const struct mesh *mesh;
+    double *attributes;
+};
+/* Writes for each edge of a triangle its error over what is good enough; 0: it may stay. */
+void judge_triangle(const struct judge *judge, const struct judged_mesh *of, int triangle,
+                    float out[3]);
+
+/* ---- objects.c: the meshes that are refined ---- */
+
+/* The mesh of an object, and of others in the same place. */
+struct refined {
+    int object;         /* the first of them, index in the scene */
+    struct shape shape; /* tessellated; shares what the scene's owns */
+    struct patches patches;
+    struct mesh mesh;
+    unsigned char *settled; /* of each triangle: it has been judged, and is good enough; owned */
+    float (*errors)[3];     /* of the edges of each triangle, as judge_triangle writes; owned */
+    uint64_t *ends;         /* edge_end of each vertex; owned */
+    struct matrix model_view, normal_matrix;
+    long before; /* triangles */
+};
+struct refinement {
+    struct plan *plan;
+    struct refine_result *result;
+    struct measure measure;
+    struct judge judge;
+    struct refined *list; /* owned */
+    int n;
+    int *of_object; /* of each object of the scene its index in the list; -1: it stays; owned */
+    struct edge_set marked;
+    bool changed; /* the last level has divided a triangle */
+};
+/* Lists the objects in view; only those with round outlines if `round`. The caller always frees it.
+ */
+bool objects_list(struct refinement *of, bool round, struct error *err);
+void objects_free(struct refinement *of);
+int object_of(const struct plan *plan, int instance); /* index in the scene */
+
+/* ---- level.c ---- */
+
+/* Lights the vertices of a surface that are wanted; NULL: all. */
+void light_vertices(const struct plan *plan, const struct view *view, struct surface *surface,
+                    const unsigned char *wanted);
+/* Judges the triangles that are not settled, and divides those that are not good enough. */
+bool refine_level(struct refinement *of, struct error *err);
+
+#endif

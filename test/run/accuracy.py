@@ -1,0 +1,232 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""Checks --accuracy: the error that a refined picture has against light at every point of the true surfaces (the
+reference with phong shading and 8 times as many triangles, at every nm), and the error that the program promises and
+prints. Checks that nothing is refined in vain, that no crack opens, and that both renderers agree. FULL: with more
+errors, and for all built-in scenes. Prints TAP."""
+import json
+import os
+import re
+import subprocess
+import sys
+
+import numpy as np
+import tifffile
+
+sys.dont_write_bytecode = True
+from colours import ciede2000
+from rendered import SPECTRAL, TMP, check, done, write
+from tap import bail_out
+
+BUNNY = "/usr/share/glmark2/models/bunny.obj"
+SIZE = ("--size", "300x200")
+HEAD = "wavelengths 400 700 20\nsize 300 200\nambient d65 0.05\n"
+FLOOR = "material floor { diffuse 0.5 }\n"
+VIEW = "camera perspective 40 near 1 far 100 eye 0 6 8 look 0 0 0\n"
+SCENES = {
+    "near light": HEAD + VIEW + FLOOR + """light d65 1 position 0 0.5 0 attenuation 0 0 1
+object plane 20 20 material floor rotate -90 1 0 0
+""",
+    "edge of a spot": HEAD + VIEW + FLOOR + """light d65 1 position 1 5 0 spot -0.2 -1 0 15 10
+object plane 10 10 material floor rotate -90 1 0 0
+""",
+    "gloss": HEAD + """camera perspective 40 near 1 far 100 eye 0 0 4 look 0 0 0
+viewer local
+light d65 1 direction 1 1 1
+material shiny { diffuse colorchecker/15-red specular 0.6 gloss 128 }
+object sphere 1 12 8 material shiny
+""",
+    "bunny": HEAD + f"""camera perspective 30 near 0.1 far 100 eye 0 0.5 5 look 0 0 0
+light d65 0.8 position 2 2 2
+light a 0.6 position -2 1 1.5
+material fur {{ diffuse colorchecker/02-light-skin specular 0.3 gloss 40 }}
+material floor {{ diffuse 0.4 }}
+object mesh {BUNNY} unitize material fur
+object plane 8 8 material floor rotate -90 1 0 0 translate 0 -1 0
+""",
+}
+
+
+def run(command, *words):
+    return subprocess.run([SPECTRAL, command, *words], check=False, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          universal_newlines=True)
+
+
+def path_of(scene, name="accuracy.scene"):
+    return write(name, scene) if "\n" in scene else scene
+
+
+def render(scene, *options, stack="stack.tif", agrees=True):
+    """The report of a render; its stack is left in the file."""
+    result = run("render", path_of(scene), "-o", os.path.join(TMP, stack), "--json", "-", "--quiet", *options)
+    if result.returncode != 0 and agrees:
+        bail_out(scene, options, result.stderr)
+    return json.loads(result.stdout)
+
+
+def colours(stack):
+    """L*, a* and b* of each pixel, and the map of its objects."""
+    picture, stack = os.path.join(TMP, "lab.tif"), os.path.join(TMP, stack)
+    result = run("develop", stack, "--lab", "-o", picture)
+    if result.returncode != 0:
+        bail_out("cannot develop", stack, result.stderr)
+    with tifffile.TiffFile(stack) as tiff:
+        objects = tiff.pages[len(tiff.pages) - 1].asarray()
+    return np.moveaxis(tifffile.imread(picture).astype(float), -1, 0), objects
+
+
+def standard(scene):
+    render(scene, "--renderer", "raster", "--no-check", "--shading", "phong", "--tessellation", "8", "--depth", "32f",
+           "--memory", "6000", stack="standard.tif", *SIZE)
+    return colours("standard.tif")
+
+
+def error_95(one, two):
+    """The error that 95 % of the pixels have in which either picture shows an object."""
+    shown = (one[1] > 0) | (two[1] > 0)
+    difference = np.sort(ciede2000(one[0][:, shown], two[0][:, shown]))
+    return difference[len(difference) - len(difference) // 20 - 1]
+
+
+def keeps_its_promise(name, scene, errors):
+    """Each error holds, and the estimate is within a factor of 2 of what is measured; below 0.02, the 16 bits of a
+    sample and the texels of the estimate are in the way."""
+    truth = standard(scene)
+    for error in errors:
+        report = render(scene, "--accuracy", error, "--memory", "4000", *SIZE)
+        measured, said = error_95(truth, colours("stack.tif")), report["shading"]["error_95"]
+        check(measured <= float(error), f"{name}: --accuracy {error} holds", measured, said)
+        check(measured / 2 - 0.02 <= said <= 2 * measured + 0.02, f"{name}: --accuracy {error} says what it is",
+              measured, said)
+        refined = report["shading"]["refined"]
+        print(f"# {name}, --accuracy {error}: {measured:.3g} ({said:.3g} said), {refined['triangles_before']} triangles "
+              f"became {refined['triangles_after']}")
+
+
+def says_the_error_before():
+    """Without --accuracy, plan says what the shading costs."""
+    for name, scene in SCENES.items():
+        report = json.loads(run("plan", path_of(scene), "--json", "-").stdout)
+        truth = standard(scene)
+        render(scene, "--renderer", "raster", *SIZE)
+        measured, said = error_95(truth, colours("stack.tif")), report["shading"]["error_95"]
+        check(measured / 2 <= said <= 2 * measured and report["shading"]["objects"][0]["error_95"] >= said,
+              f"{name}: plan says the error of the shading", measured, said)
+
+
+def bytes_of(stack):
+    with open(os.path.join(TMP, stack), "rb") as file:
+        return file.read()
+
+
+def economy():
+    """A scene that is good enough has not one triangle more, and the same samples."""
+    for scene, error in (("patches", "0.01"), ("metamers", "2"), ("room", "2")):
+        plain = render(scene, "--no-check", *SIZE, stack="plain.tif")
+        report = render(scene, "--no-check", "--accuracy", error, *SIZE)
+        refined = report["shading"]["refined"]
+        with tifffile.TiffFile(os.path.join(TMP, "plain.tif")) as one, \
+                tifffile.TiffFile(os.path.join(TMP, "stack.tif")) as two:
+            same = all(np.array_equal(a.asarray(), b.asarray()) for a, b in zip(one.pages, two.pages))
+        check(refined["triangles_before"] == refined["triangles_after"] and refined["levels"] == 0 and same and
+              report["work"]["vertices_lit"] == plain["work"]["vertices_lit"],
+              f"{scene} needs no refinement for {error}, and gets none", refined)
+
+
+def same_everywhere():
+    scene = SCENES["gloss"]
+    render(scene, "--accuracy", "0.2", "--threads", "1", stack="one.tif")
+    for threads in ("2", "5"):
+        render(scene, "--accuracy", "0.2", "--threads", threads)
+        check(bytes_of("one.tif") == bytes_of("stack.tif"), f"{threads} threads give the same bytes as one")
+    again = run("render", "--again", os.path.join(TMP, "one.tif"), "-o", os.path.join(TMP, "again.tif"))
+    check(again.returncode == 0 and bytes_of("one.tif") == bytes_of("again.tif"), "--again makes it again", again.stderr)
+
+
+def in_counts():
+    """Against float radiances, in counts of the full scale."""
+    scene = SCENES["near light"]
+    for error in (200, 20):
+        report = render(scene, "--accuracy", f"{error}counts")
+        render(scene, "--renderer", "raster", "--no-check", "--shading", "phong", "--depth", "32f", stack="standard.tif")
+        with tifffile.TiffFile(os.path.join(TMP, "stack.tif")) as tiff, \
+                tifffile.TiffFile(os.path.join(TMP, "standard.tif")) as standard_tiff:
+            n, shown = len(report["wavelengths_nm"]), tiff.pages[len(tiff.pages) - 1].asarray() > 0
+            counts = np.array([page.asarray()[shown] for page in tiff.pages[:n]], float)
+            exact = np.array([page.asarray()[shown] for page in standard_tiff.pages[:n]], float)
+        difference = np.sort(np.abs(counts - exact / report["full_scale"] * 65535).max(0))
+        measured, said = difference[len(difference) * 95 // 100], report["shading"]["error_95"]
+        check(report["shading"]["unit"] == "counts" and measured <= error + 1 and measured / 2 - 1 <= said <= 2 * measured + 1,
+              f"{error} counts hold, as it says", measured, said)
+
+
+def few_triangles():
+    for most in (100, 1000):
+        report = render(SCENES["near light"], "--accuracy", "0.02", "--max-triangles", str(most))
+        refined = report["shading"]["refined"]
+        check(refined["stopped"] and most / 2 < refined["triangles_after"] <= most, f"at most {most} triangles", refined)
+    flat = render(SCENES["near light"], "--accuracy", "0.5", "--shading", "flat")
+    check(flat["shading"]["refined"]["levels"] == 0, "flat shading stays as it is")
+
+
+def no_cracks():
+    """Two planes meet at an edge, askew, under a light near to one of them: background never shines through, with
+    either driver. The same with the halves of a material with a partner, and with the parts of a mesh."""
+    turn = "rotate 17 1 2 3 translate 0.1 0.2 0"
+    planes = HEAD + "camera ortho 10\nlight d65 1 position -1.2 0.4 0.9 attenuation 0 0 1\n" + FLOOR + \
+        f"object plane 10 10 material floor translate -5 0 0 {turn}\nobject plane 10 10 material floor translate 5 0 0 {turn}\n"
+    halves = HEAD + "camera ortho 3\nlight d65 1 position -0.4 0.5 1.3 attenuation 0 0 1\n" \
+        "material halves metamers/illuminant-5-blue-flower\nobject sphere 1 20 10 material halves\n"
+    parts = HEAD + "camera perspective 40 near 1 far 50 eye 3 3 6 look 0 1.5 0\nlight d65 1 position 0.5 2 2 attenuation 0 0 1\n" \
+        "material oak { diffuse 0.4 }\nmaterial halves { diffuse 0.6 }\nmaterial brass { diffuse 0.5 gloss 50 }\n" \
+        "object mesh chair crease 40 materials chair\n"
+    for driver in ("llvmpipe", "softpipe"):
+        for name, scene in (("two planes that meet", planes), ("halves", halves), ("parts", parts)):
+            report = render(scene, "--accuracy", "0.2", "--renderer", driver)
+            check(report["check"]["unexplained_pixels"] == 0 and
+                  report["shading"]["refined"]["triangles_after"] > report["shading"]["refined"]["triangles_before"],
+                  f"{name}: {driver} agrees with the reference")
+            _, objects = colours("stack.tif")
+            holes = (objects[60:140, 100:200] == 0).sum()
+            check(name != "two planes that meet" or holes == 0, f"{name}: no hole with {driver}", holes)
+
+
+def other_commands():
+    scene = path_of(SCENES["near light"])
+    render(SCENES["near light"], "--accuracy", "0.5", "--renderer", "raster", "--depth", "32f")
+    of_stack = json.loads(run("probe", os.path.join(TMP, "stack.tif"), "150", "120", "--json", "-").stdout)
+    of_scene = json.loads(run("probe", scene, "150", "120", "--accuracy", "0.5", "--json", "-").stdout)
+    check(np.allclose(of_stack["mean"], of_scene["mean"], rtol=1e-6) and max(of_stack["mean"]) > 0,
+          "probe sees the pixel that render stores", of_stack["mean"], of_scene["mean"])
+    page = run("view", scene, "--accuracy", "0.5", "-o", os.path.join(TMP, "page.html"))
+    check(page.returncode == 0 and "2 triangles became" in page.stdout, "view refines, too", page.stdout, page.stderr)
+    plan = run("plan", scene, "--accuracy", "0.5")
+    check(re.search(r"^refined +2 triangles became \d+ on floor ", plan.stdout, re.MULTILINE),
+          "plan lists the refined objects", plan.stdout)
+
+
+def refusals():
+    scene = path_of(SCENES["near light"])
+    for words, pattern in ((("--accuracy", "0"), "0 is below 0.001"), (("--accuracy", "none"), "must be a number"),
+                           (("--accuracy", "8count"), "must be a number"), (("--accuracy", "counts"), "must be a number"),
+                           (("--accuracy", "1", "--sampling", "gauss:8", "--detector", "DETECTOR"),
+                            "needs an observer, and .* is none; expected counts")):
+        detector = path_of("# a camera\n" + "".join(f"{nm},{nm % 7},{nm % 3},1\n" for nm in range(400, 701, 10)), "camera.csv")
+        result = run("render", scene, "-o", "/dev/null", *[word.replace("DETECTOR", detector) for word in words])
+        check(result.returncode == 2 and re.search(pattern, result.stderr), f"{' '.join(words)} is refused", result.stderr)
+
+
+FULL = "FULL" in os.environ
+for scene_name, text in SCENES.items():
+    keeps_its_promise(scene_name, text, ("2", "0.5", "0.1") if FULL else ("0.5",))
+for scene_name in sorted(name[:-6] for name in os.listdir("data/builtin/scenes")) if FULL else ("spheres",):
+    keeps_its_promise(scene_name, scene_name, ("2", "0.5", "0.1") if FULL else ("0.1",))
+says_the_error_before()
+economy()
+same_everywhere()
+in_counts()
+few_triangles()
+no_cracks()
+other_commands()
+refusals()
+done()
