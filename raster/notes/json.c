@@ -83,7 +83,7 @@ bool plan_json(const struct plan *plan, const struct notes *notes, struct json *
         json_effect(json, &plan->effects[i]);
     json_close(json, ']');
     json_lights(json, plan);
-    shading_json(plan, notes, json);
+    accuracy_json(plan, notes, json);
     notes_json(notes, json);
     json_close(json, '}');
     return true;

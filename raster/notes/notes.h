@@ -126,8 +126,8 @@ bool note_shading(const struct plan *plan, struct notes *notes, struct error *er
  */
 void refined_print(const struct notes *notes, struct printed *to);
 void shading_print(const struct plan *plan, const struct notes *notes, struct printed *to);
-/* Writes both for all objects, as the object "shading". */
-void shading_json(const struct plan *plan, const struct notes *notes, struct json *json);
+/* Writes both for all objects, as the object "accuracy". */
+void accuracy_json(const struct plan *plan, const struct notes *notes, struct json *json);
 
 /* view.c, dark.c, weak.c, bright.c: add notes on objects that are not in view, on objects without
  * light, on lights that add next to nothing, and on a full scale that leaves the picture dark. */

@@ -170,10 +170,10 @@ static void json_refined(const struct plan *plan, const struct refine_result *re
     json_close(json, '}');
 }
 
-void shading_json(const struct plan *plan, const struct notes *notes, struct json *json)
+void accuracy_json(const struct plan *plan, const struct notes *notes, struct json *json)
 {
     const struct accuracy_estimate *shading = estimate_of(notes);
-    json_open(json, "shading", '{');
+    json_open(json, "accuracy", '{');
     json_string(json, "unit", unit_of(shading));
     json_number(json, "error_95", shading->known ? shading->quantile_95 : (double)NAN);
     json_count(json, "points", (uint64_t)shading->n_points);

@@ -324,8 +324,10 @@ void report_json(const struct plan *plan, const struct render_result *result, co
         json_check(json, plan, &result->check);
     else
         json_string(json, "check", NULL);
-    if (result->notes)
+    if (result->notes) {
+        accuracy_json(plan, result->notes, json);
         notes_json(result->notes, json);
+    }
     json_again(json, &result->difference);
     json_count(json, "clipped_samples", result->odd.clipped);
     json_seconds(json, &result->seconds);

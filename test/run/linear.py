@@ -136,7 +136,7 @@ READERS = {
     "rows of a table": (800, lambda n: {
         "t.csv": joined(n, lambda i: f"{300 + 400 * i / n:.6f},0.5\n"),
         **scene("material m { diffuse t.csv }\nobject plane 1 1 material m\n")}),
-    "comments": (3000, lambda n: scene(GREY + "# nothing\n" * n)),
+    "comments": (3000, lambda n: scene(GREY + "object plane 1 1 material m\n" + "# nothing\n" * n)),
     "pages that OME-XML describes": (1500, ome),
     "lines of a record": (1000, record),
 }
