@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "data/catalogue/catalogue.h"
+#include "data/choice/choice.h"
 #include "data/compare/compare.h"
 #include "data/develop/develop.h"
 #include "data/options/options.h"
@@ -18,7 +19,6 @@
 #include "raster/cost/cost.h"
 #include "raster/gl/gl.h"
 #include "raster/inspect/inspect.h"
-#include "raster/refine/refine.h"
 #include "raster/plan/plan.h"
 #include "raster/render/render.h"
 #include "raster/view/view.h"
@@ -99,7 +99,7 @@ static const struct option known_options[] = {
     {"--accuracy ERROR",
      "divides triangles until 95 % of object pixels have at most this error: CIEDE2000, as 0.5, or "
      "counts, as 8counts",
-     FOR_SHADED | RECORDED, TEXT(accuracy), .accepts = refine_accepts},
+     FOR_SHADED | RECORDED, TEXT(accuracy), .accepts = accuracy_accepts},
     {"--max-triangles N", "--accuracy makes at most N (default: 4000000)", FOR_SHADED | RECORDED,
      COUNT(max_triangles), .lowest = 1, .highest = 1 << 30},
     {.heading = "render and plan:"},

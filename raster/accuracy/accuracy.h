@@ -21,12 +21,16 @@ struct measure {
     double white[3];   /* XYZ of the lights; of a radiance of 1 where the observer sees none */
     int *first;        /* of each shaded material: where its terms are in xyz; owned */
     double (*xyz)[3];  /* of a term of weight 1; owned */
+    double (*fine)[3]; /* the same at every nm; NULL: wavelengths do not count; owned */
 };
 /* Makes the measure of a plan: for its sampling's observer, or for `observer`, a detector's name,
  * where the scene is not sampled. *known: false if the detector is no observer, which CIEDE2000
  * needs; *out is then undefined. The caller always frees *out. */
 bool measure_make(const struct plan *plan, enum measure_unit unit, const char *observer,
                   struct measure *out, bool *known, struct error *err);
+/* Lets measure_whole count the wavelengths, too: the exact light then has a page at every nm. Does
+ * nothing for counts, which are those of single bands. */
+bool measure_wavelengths(struct measure *measure, const char *observer, struct error *err);
 /* Finds the full scale of counts: the plan's, or the largest radiance of a lit vertex. */
 void measure_scale(struct measure *measure, const struct surface *surfaces);
 void measure_free(struct measure *measure);
@@ -37,6 +41,9 @@ struct shaded_point {
 };
 double measure_difference(const struct measure *measure, int shaded, const struct shaded_point *a,
                           const struct shaded_point *b);
+/* Returns the difference of a point that is drawn from the exact one, with wavelengths. */
+double measure_whole(const struct measure *measure, int shaded, const struct shaded_point *drawn,
+                     const struct shaded_point *exact);
 
 /* ---- exact.c: the true surface ---- */
 
@@ -103,7 +110,7 @@ bool lattice_place(const struct lattice *lattice, int index, double at[2]);
 double texel_estimate(const struct plan *plan, int shaded, const struct instance *instance,
                       const double *attributes);
 
-/* Errors of shading and shape; not of wavelengths. */
+/* Errors of shading and shape; of wavelengths if the measure knows them. */
 struct accuracy_object {
     int object;         /* index in the scene */
     double quantile_95; /* 95 % of its pixels have at most this error */
@@ -112,6 +119,7 @@ struct accuracy_object {
 struct accuracy_estimate {
     enum measure_unit unit;
     double quantile_95;              /* of all objects' pixels */
+    double shading_95;               /* the same of shading and shape alone */
     struct accuracy_object *objects; /* those in view, worst first; owned */
     int n_objects;
     int n_points; /* at which the picture was judged */

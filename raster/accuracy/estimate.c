@@ -9,7 +9,7 @@
 
 struct judged_point {
     int object;
-    float error;
+    float error, shading; /* with wavelengths, and without */
 };
 struct estimating {
     const struct plan *plan;
@@ -91,6 +91,7 @@ static bool judge_pixel(struct estimating *of, const struct lattice_pixel *pixel
                               b = {exact, texel_of(of, pixel->surface, exact)};
     of->points[of->n_points++] =
         (struct judged_point){(int)(placed->object - of->plan->scene->objects),
+                              (float)measure_whole(of->measure, placed->shaded, &a, &b),
                               (float)measure_difference(of->measure, placed->shaded, &a, &b)};
     return true;
 }
@@ -115,6 +116,13 @@ static int by_error(const void *a, const void *b)
     return (one > two) - (one < two);
 }
 
+static int by_shading(const void *a, const void *b)
+{
+    const float one = ((const struct judged_point *)a)->shading,
+                two = ((const struct judged_point *)b)->shading;
+    return (one > two) - (one < two);
+}
+
 static int by_object(const void *a, const void *b)
 {
     const struct judged_point *one = a, *two = b;
@@ -130,15 +138,23 @@ static int worst_first(const void *a, const void *b)
                : (one->object > two->object) - (one->object < two->object);
 }
 
+/* Returns the last of the 95 % of n points, at least 1, that have the least errors. */
+static int last_of(int n)
+{
+    return n - n / 20 - 1;
+}
+
 /* Returns the error that 95 % of n points, sorted, have at most. */
 static double quantile(const struct judged_point *points, int n)
 {
-    return n > 0 ? (double)points[n - n / 20 - 1].error : 0;
+    return n > 0 ? (double)points[last_of(n)].error : 0;
 }
 
 static bool conclude(struct estimating *of, struct accuracy_estimate *out, struct error *err)
 {
     const size_t size = sizeof *of->points;
+    qsort(of->points, (size_t)of->n_points, size, by_shading);
+    out->shading_95 = of->n_points > 0 ? (double)of->points[last_of(of->n_points)].shading : 0;
     qsort(of->points, (size_t)of->n_points, size, by_error);
     out->quantile_95 = quantile(of->points, of->n_points);
     out->n_points = of->n_points;

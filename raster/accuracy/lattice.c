@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
-/* Finds the triangles that the picture shows at a lattice of its pixels. A triangle is scanned in coordinates in which
- * the lattice is made of whole pixels: one that lies between its pixels costs next to nothing. */
+/* Finds the triangles that the picture shows at a lattice of its pixels. A triangle is scanned in
+ * coordinates in which the lattice is made of whole pixels: one that lies between its pixels costs
+ * next to nothing. */
 #include <math.h>
 #include <stdlib.h>
 

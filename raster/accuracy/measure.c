@@ -7,6 +7,7 @@
 
 #include "data/base/base.h"
 #include "data/colour/colour.h"
+#include "data/sampling/sampling.h"
 #include "data/spectra/spectra.h"
 #include "raster/accuracy/accuracy.h"
 
@@ -33,16 +34,17 @@ static double *page_weights(const struct plan *plan, const char *observer, bool 
     return NULL;
 }
 
-static bool find_white(const struct plan *plan, const double *weights, double white[3],
-                       struct error *err)
+/* Finds the white of n pages by their weights. */
+static bool find_white(const struct plan *plan, const struct spectral_pages *pages,
+                       const double *weights, double white[3], struct error *err)
 {
-    double *radiance = calloc((size_t)plan->n_bands, sizeof *radiance);
+    double *radiance = calloc((size_t)pages->n, sizeof *radiance);
     if (!radiance)
         return error_memory(err);
-    const bool lit = scene_white(plan->scene, &plan->illumination.pages, radiance) > 0;
-    detector_response(weights, lit ? radiance : NULL, plan->n_bands, white);
+    const bool lit = scene_white(plan->scene, pages, radiance) > 0;
+    detector_response(weights, lit ? radiance : NULL, pages->n, white);
     if (!(white[0] > 0 || white[1] > 0 || white[2] > 0))
-        detector_response(weights, NULL, plan->n_bands, white);
+        detector_response(weights, NULL, pages->n, white);
     free(radiance);
     return true;
 }
@@ -75,10 +77,72 @@ bool measure_make(const struct plan *plan, enum measure_unit unit, const char *o
     if (unit == MEASURE_COUNTS)
         return true;
     double *weights = page_weights(plan, observer, known, err);
-    const bool done = weights && find_white(plan, weights, out->white, err) &&
+    const bool done = weights &&
+                      find_white(plan, &plan->illumination.pages, weights, out->white, err) &&
                       find_terms(plan, weights, out, err);
     free(weights);
     return done || (!*known && err->status == EXIT_AGREED);
+}
+
+/* ---- every nm ---- */
+
+/* Finds the tristimulus values of a material's terms at every nm: of those that its pages have. */
+static bool find_fine(const struct measure *measure, const struct illumination *illumination,
+                      int material, const double *weights, struct error *err)
+{
+    const struct shaded_material *shaded = &measure->plan->materials[material];
+    const int n = illumination->pages.n;
+    struct material_terms made;
+    if (!material_terms_make(illumination, shaded->material, &made, err))
+        return false;
+    for (int t = 0; t < shaded->n_terms; t++)
+        for (int i = 0; i < made.n; i++)
+            if (made.terms[i].kind == shaded->made.terms[t].kind &&
+                made.terms[i].light == shaded->made.terms[t].light)
+                detector_response(weights, made.spectra + (size_t)i * (size_t)n, n,
+                                  measure->fine[measure->first[material] + t]);
+    material_terms_free(&made);
+    return true;
+}
+
+static bool fill_fine(struct measure *measure, const struct fine_detector *fine, struct error *err)
+{
+    const struct plan *plan = measure->plan;
+    const struct spectral_pages pages = {.n = fine->n, .wavelength_nm = fine->nm};
+    struct illumination illumination;
+    bool done =
+        illumination_make(plan->scene, &pages, plan->options.exchangeable, &illumination, err);
+    int n = 1;
+    for (int m = 0; m < plan->n_materials; m++)
+        n += plan->materials[m].n_terms;
+    measure->fine = calloc((size_t)n, sizeof *measure->fine);
+    done = done && (measure->fine || error_memory(err)) &&
+           find_white(plan, &pages, fine->weights, measure->white, err);
+    for (int m = 0; done && m < plan->n_materials; m++)
+        done = find_fine(measure, &illumination, m, fine->weights, err);
+    illumination_free(&illumination);
+    return done;
+}
+
+bool measure_wavelengths(struct measure *measure, const char *observer, struct error *err)
+{
+    const struct plan *plan = measure->plan;
+    const struct scene *scene = plan->scene;
+    struct detector detector = {.name = NULL};
+    struct fine_detector fine = {.nm = NULL};
+    if (measure->unit == MEASURE_COUNTS)
+        return true;
+    if (plan->sampling)
+        return fill_fine(measure, &plan->sampling->fine, err);
+    const double first = scene->wavelengths_nm[0],
+                 last = scene->wavelengths_nm[scene->n_wavelengths - 1];
+    const bool done =
+        detector_read(observer, &detector, err) &&
+        fine_detector_make(&detector, first, (int)floor(last - first + 1e-9) + 1, &fine, err) &&
+        fill_fine(measure, &fine, err);
+    fine_detector_free(&fine);
+    detector_free(&detector);
+    return done;
 }
 
 /* ---- counts ---- */
@@ -135,13 +199,15 @@ void measure_free(struct measure *measure)
 {
     free(measure->first);
     free(measure->xyz);
+    free(measure->fine);
     *measure = (struct measure){.first = NULL};
 }
 
-static void xyz_of(const struct measure *measure, int shaded, const struct shaded_point *point,
-                   double xyz[3])
+/* terms: tristimulus values of the terms of all materials. */
+static void xyz_of(const struct measure *measure, double (*terms)[3], int shaded,
+                   const struct shaded_point *point, double xyz[3])
 {
-    const double(*term)[3] = (const double(*)[3])measure->xyz + measure->first[shaded];
+    double(*const term)[3] = terms + measure->first[shaded];
     xyz[0] = xyz[1] = xyz[2] = 0;
     for (int t = 0; t < measure->plan->materials[shaded].n_terms; t++)
         for (int c = 0; c < 3; c++)
@@ -157,17 +223,34 @@ static bool are_same(const double a[3], const double b[3])
     return same;
 }
 
+static double colours_between(const struct measure *measure, const double a[3], const double b[3])
+{
+    double lab[2][3];
+    if (are_same(a, b))
+        return 0;
+    cielab(a, measure->white, lab[0]);
+    cielab(b, measure->white, lab[1]);
+    return ciede2000_difference(lab[0], lab[1]);
+}
+
 double measure_difference(const struct measure *measure, int shaded, const struct shaded_point *a,
                           const struct shaded_point *b)
 {
-    double xyz[2][3], lab[2][3];
+    double xyz[2][3];
     if (measure->unit == MEASURE_COUNTS)
         return counts_between(measure, shaded, a, b);
-    xyz_of(measure, shaded, a, xyz[0]);
-    xyz_of(measure, shaded, b, xyz[1]);
-    if (are_same(xyz[0], xyz[1]))
-        return 0;
-    cielab(xyz[0], measure->white, lab[0]);
-    cielab(xyz[1], measure->white, lab[1]);
-    return ciede2000_difference(lab[0], lab[1]);
+    xyz_of(measure, measure->xyz, shaded, a, xyz[0]);
+    xyz_of(measure, measure->xyz, shaded, b, xyz[1]);
+    return colours_between(measure, xyz[0], xyz[1]);
+}
+
+double measure_whole(const struct measure *measure, int shaded, const struct shaded_point *drawn,
+                     const struct shaded_point *exact)
+{
+    double xyz[2][3];
+    if (!measure->fine)
+        return measure_difference(measure, shaded, drawn, exact);
+    xyz_of(measure, measure->xyz, shaded, drawn, xyz[0]);
+    xyz_of(measure, measure->fine, shaded, exact, xyz[1]);
+    return colours_between(measure, xyz[0], xyz[1]);
 }

@@ -39,6 +39,11 @@ static bool note_refined(const struct refine_result *refined, struct notes *note
     const struct accuracy_estimate *reached = estimate_of(notes);
     if (reached->quantile_95 <= refined->wanted.error)
         return true;
+    if (reached->shading_95 <= refined->wanted.error / 4)
+        return note_add(notes, "accuracy", err,
+                        "the error is still %.3g CIEDE2000, since the wavelengths are too few; "
+                        "without --sampling and --wavelengths, --accuracy chooses them",
+                        reached->quantile_95);
     if (refined->stopped)
         return note_add(notes, "accuracy", err,
                         "the error is still %.3g %s, since --max-triangles %ld allows no more",

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT */
-/* Finds the edges of a triangle that are too long: those in whose middle the shading is wrong, or the
- * outline of a curved shape too far from the true one. Where the shading is wrong inside of the
+/* Finds the edges of a triangle that are too long: those in whose middle the shading is wrong, or
+ * the outline of a curved shape too far from the true one. Where the shading is wrong inside of the
  * triangle only, all of its edges are. */
 #include <math.h>
 #include <string.h>

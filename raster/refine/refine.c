@@ -5,30 +5,8 @@
 #include <string.h>
 
 #include "data/base/base.h"
-#include "data/text/text.h"
+#include "data/choice/choice.h"
 #include "raster/refine/refine.h"
-
-/* ---- the words of the option ---- */
-
-static bool refine_read(const char *option, const char *value, struct refine_request *out,
-                        struct error *err)
-{
-    static const char counts[] = "counts";
-    const size_t length = strlen(value), tail = strlen(counts);
-    const bool in_counts = length > tail && strcmp(value + length - tail, counts) == 0;
-    char number[64];
-    out->unit = in_counts ? MEASURE_COUNTS : MEASURE_CIEDE2000;
-    if (length >= sizeof number)
-        return error_usage(err, "%s takes a number, as 0.5 or 8counts", option);
-    snprintf(number, sizeof number, "%.*s", (int)(in_counts ? length - tail : length), value);
-    return option_number(option, number, 1e-3, 1e5, &out->error, err);
-}
-
-bool refine_accepts(const char *option, const char *value, struct error *err)
-{
-    struct refine_request request;
-    return refine_read(option, value, &request, err);
-}
 
 /* ---- what the picture shows ---- */
 
@@ -176,29 +154,42 @@ static bool begin_again(struct refinement *of, struct error *err)
     return objects_list(of, false, err);
 }
 
+/* Some thousand pixels know the error of 95 % of all within a few percent: so much less is asked
+ * for.
+ */
+static const double safe_part = 0.93;
+
+/* Returns whether the rest of the error comes from wavelengths, not from triangles. */
+static bool is_shaded_well(const struct refinement *of, const struct accuracy_estimate *estimate)
+{
+    return estimate->shading_95 <= of->result->wanted.error / 4;
+}
+
 /* Divides triangles until the picture is good enough. Points may have more than the wanted error,
  * as long as 95 % of them do not: so the first try asks for less than is wanted. If that makes too
  * many triangles, the next one asks for less still: all triangles share the error that is left. */
 static bool refine_shading(struct refinement *of, struct error *err)
 {
     enum { MOST_TRIES = 16 };
-    const double wanted = of->result->wanted.error;
+    const double wanted = safe_part * of->result->wanted.error;
     double error = 1.5 * wanted;
-    bool too_many = false;
-    for (int try = 0; try < MOST_TRIES; try++) {
+    bool too_many = of->result->wanted.most_triangles <= of->plan->n_triangles;
+    for (int try = too_many ? MOST_TRIES : 0; try < MOST_TRIES; try++) {
         if (!refine_to(of, error, err))
             return false;
-        const double reached = of->result->after.quantile_95;
+        const struct accuracy_estimate *after = &of->result->after;
+        const double reached = after->quantile_95;
         if (of->result->stopped) {
             if (!begin_again(of, err))
                 return false;
             too_many = true;
             error *= 2;
-        } else if (too_many || reached <= wanted || of->judge.shortest_px < finest_px) {
+        } else if (too_many || reached <= wanted || is_shaded_well(of, after) ||
+                   of->judge.shortest_px < finest_px) {
             break;
         } else {
             of->judge.shortest_px /= 2;
-            error *= fmin(0.8, 0.9 * wanted / reached);
+            error *= fmin(0.8, 0.95 * wanted / reached);
         }
     }
     of->result->stopped = too_many;
@@ -209,11 +200,12 @@ static bool refine_shading(struct refinement *of, struct error *err)
 static bool run(struct refinement *of, struct seen_pixels *seen, struct error *err)
 {
     struct refine_result *result = of->result;
-    const double wanted = result->wanted.error;
+    const double wanted = safe_part * result->wanted.error;
     bool done = look(of, SOME_PIXELS, seen, &result->before, err);
     if (done && result->before.quantile_95 > wanted / 2)
         done = look(of, MANY_PIXELS, seen, &result->before, err);
-    const bool good = done && result->before.quantile_95 <= wanted;
+    const bool good =
+        done && (result->before.quantile_95 <= wanted || is_shaded_well(of, &result->before));
     if (!done || !objects_list(of, good, err))
         return false;
     prepare_judge(of, seen);
@@ -240,7 +232,8 @@ static bool refine(struct plan *plan, const struct refine_request *request,
                                   .triangles_after = plan->n_triangles};
     bool done = measure_make(plan, request->unit, request->observer, &of.measure, &known, err) &&
                 (known || refuse_camera(plan, request->observer, err));
-    done = done && (plan->view.shading == FLAT || run(&of, &seen, err));
+    done = done && measure_wavelengths(&of.measure, request->observer, err) &&
+           (plan->view.shading == FLAT || run(&of, &seen, err));
     objects_free(&of);
     edges_free(&of.marked);
     measure_free(&of.measure);
@@ -255,8 +248,14 @@ bool refine_options(const struct options *options, struct plan *plan, struct ref
     struct refine_request request = {
         .most_triangles = options->max_triangles > 0 ? options->max_triangles : USUAL_TRIANGLES,
         .observer = options_detector(options)};
-    return !options->accuracy || (refine_read("--accuracy", options->accuracy, &request, err) &&
-                                  refine(plan, &request, out, err));
+    struct wanted_accuracy wanted;
+    if (!options->accuracy)
+        return true;
+    if (!accuracy_read("--accuracy", options->accuracy, &wanted, err))
+        return false;
+    request.unit = wanted.counts ? MEASURE_COUNTS : MEASURE_CIEDE2000;
+    request.error = wanted.error;
+    return refine(plan, &request, out, err);
 }
 
 void refine_result_free(struct refine_result *result)

@@ -17,8 +17,6 @@ struct refine_request {
     long most_triangles;  /* of all meshes that are refined */
     const char *observer; /* for CIEDE2000 of a scene that is not sampled */
 };
-/* Refuses a value that --accuracy cannot use; `option` is blamed. */
-bool refine_accepts(const char *option, const char *value, struct error *err);
 struct refined_object {
     int object;         /* index in the scene */
     long before, after; /* triangles */
@@ -70,7 +68,8 @@ struct judge {
     const struct plan *plan;
     const struct measure *measure;
     const struct lattice *lattice;
-    const struct lattice_pixel *pixels; /* that the picture shows: what lies behind them is hidden */
+    const struct lattice_pixel
+        *pixels;        /* that the picture shows: what lies behind them is hidden */
     double error;       /* the largest that is good enough; HUGE_VAL: shading is not judged */
     double shortest_px; /* edges of this length in the window are not divided */
     double outline_px;  /* how far an outline may be from the true one */

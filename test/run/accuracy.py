@@ -14,7 +14,7 @@ import numpy as np
 import tifffile
 
 sys.dont_write_bytecode = True
-from colours import ciede2000
+from colours import cielab, ciede2000
 from rendered import SPECTRAL, TMP, check, done, write
 from tap import bail_out
 
@@ -65,33 +65,34 @@ def render(scene, *options, stack="stack.tif", agrees=True):
 
 
 def colours(stack):
-    """L*, a* and b* of each pixel, and the map of its objects."""
-    picture, stack = os.path.join(TMP, "lab.tif"), os.path.join(TMP, stack)
-    result = run("develop", stack, "--lab", "-o", picture)
-    if result.returncode != 0:
+    """X, Y and Z of each pixel, the map of its objects, and the white."""
+    picture, stack = os.path.join(TMP, "xyz.tif"), os.path.join(TMP, stack)
+    result = run("develop", stack, "--xyz", "-o", picture)
+    white = re.search(r"^white +XYZ ([0-9. ]+),", result.stdout, re.MULTILINE)
+    if result.returncode != 0 or not white:
         bail_out("cannot develop", stack, result.stderr)
     with tifffile.TiffFile(stack) as tiff:
         objects = tiff.pages[len(tiff.pages) - 1].asarray()
-    return tifffile.imread(picture).astype(float), objects
+    return tifffile.imread(picture).astype(float), objects, np.array(white.group(1).split(), float)[:, None]
 
 
-def standard(scene):
+def standard(scene, *options):
     render(scene, "--renderer", "raster", "--no-check", "--shading", "phong", "--tessellation", "8", "--depth", "32f",
-           "--memory", "6000", stack="standard.tif", *SIZE)
+           "--memory", "6000", stack="standard.tif", *SIZE, *options)
     return colours("standard.tif")
 
 
 def error_95(one, two):
-    """The error that 95 % of the pixels have in which either picture shows an object."""
+    """The error that 95 % of the pixels have in which either picture shows an object. The white is that of the first."""
     shown = (one[1] > 0) | (two[1] > 0)
-    difference = np.sort(ciede2000(one[0][:, shown], two[0][:, shown]))
+    difference = np.sort(ciede2000(cielab(one[0][:, shown], one[2]), cielab(two[0][:, shown], one[2])))
     return difference[len(difference) - len(difference) // 20 - 1]
 
 
 def keeps_its_promise(name, scene, errors):
     """Each error holds, and the estimate is within a factor of 2 of the measured one; below 0.02, the 16 bits of a
     sample and the texels of the estimate are in the way."""
-    truth = standard(scene)
+    truth = standard(scene, "--sampling", "riemann:1")
     for error in errors:
         report = render(scene, "--accuracy", error, "--memory", "4000", *SIZE)
         measured, said = error_95(truth, colours("stack.tif")), report["accuracy"]["error_95"]
@@ -121,9 +122,10 @@ def bytes_of(stack):
 
 def economy():
     """A scene that is good enough has not one triangle more, and the same samples."""
-    for scene, error in (("patches", "0.01"), ("metamers", "2"), ("room", "2")):
-        plain = render(scene, "--no-check", *SIZE, stack="plain.tif")
-        report = render(scene, "--no-check", "--accuracy", error, *SIZE)
+    for scene, error in (("patches", "1counts"), ("metamers", "2"), ("room", "2")):
+        nm = ("--wavelengths", "380:730:5")
+        plain = render(scene, "--no-check", *nm, *SIZE, stack="plain.tif")
+        report = render(scene, "--no-check", "--accuracy", error, *nm, *SIZE)
         refined = report["accuracy"]["refined"]
         with tifffile.TiffFile(os.path.join(TMP, "plain.tif")) as one, \
                 tifffile.TiffFile(os.path.join(TMP, "stack.tif")) as two:
@@ -141,6 +143,29 @@ def same_everywhere():
         check(bytes_of("one.tif") == bytes_of("stack.tif"), f"{threads} threads give the same bytes as one")
     again = run("render", "--again", os.path.join(TMP, "one.tif"), "-o", os.path.join(TMP, "again.tif"))
     check(again.returncode == 0 and bytes_of("one.tif") == bytes_of("again.tif"), "--again makes it again", again.stderr)
+
+
+def wavelengths():
+    """Daylight needs few wavelengths, the lines of a tube more; those of the user stand, and a note says if they are
+    too few; counts need none but the scene's."""
+    bands = {}
+    for light in ("d65", "f11"):
+        report = render("patches", "--light", f"1={light}", "--accuracy", "0.5", *SIZE)
+        bands[light] = len(report["wavelengths_nm"])
+        truth = standard("patches", "--light", f"1={light}", "--sampling", "riemann:1")
+        measured = error_95(truth, colours("stack.tif"))
+        check(measured <= 0.5, f"patches under {light}: --accuracy 0.5 holds with {bands[light]} bands", measured)
+    check(20 <= bands["d65"] < bands["f11"] < 200, "lines need more bands than daylight", bands)
+    for words in (("--wavelengths", "400:700:50"), ("--sampling", "riemann:50")):
+        result = run("render", "patches", "-o", "/dev/null", "--accuracy", "0.5", *words, *SIZE)
+        check(result.returncode == 0 and ", 7 wavelengths" in result.stdout and "the wavelengths are too few" in result.stdout
+              if words[0] == "--wavelengths" else "the wavelengths are too few" in result.stdout,
+              f"{' '.join(words)} stands, and a note says what it costs", result.stdout, result.stderr)
+    counts = render("patches", "--accuracy", "8counts", *SIZE)
+    plain = render("patches", *SIZE)
+    check(counts["wavelengths_nm"] == plain["wavelengths_nm"], "counts leave the wavelengths as they are")
+    render("patches", "--accuracy", "0.5", "--detector", "cie1964", *SIZE)
+    check(re.search("^sampled for +cie1964$", run("info", os.path.join(TMP, "stack.tif")).stdout, re.MULTILINE), "--detector is the observer of --accuracy")
 
 
 def in_counts():
@@ -186,16 +211,17 @@ def no_cracks():
             check(report["check"]["unexplained_pixels"] == 0 and
                   report["accuracy"]["refined"]["triangles_after"] > report["accuracy"]["refined"]["triangles_before"],
                   f"{name}: {driver} agrees with the reference")
-            _, objects = colours("stack.tif")
+            _, objects, _ = colours("stack.tif")
             holes = (objects[60:140, 100:200] == 0).sum()
             check(name != "two planes that meet" or holes == 0, f"{name}: no hole with {driver}", holes)
 
 
 def other_commands():
     scene = path_of(SCENES["near light"])
-    render(SCENES["near light"], "--accuracy", "0.5", "--renderer", "raster", "--depth", "32f")
+    nm = ("--wavelengths", "400:700:20")
+    render(SCENES["near light"], "--accuracy", "0.5", "--renderer", "raster", "--depth", "32f", *nm)
     of_stack = json.loads(run("probe", os.path.join(TMP, "stack.tif"), "150", "120", "--json", "-").stdout)
-    of_scene = json.loads(run("probe", scene, "150", "120", "--accuracy", "0.5", "--json", "-").stdout)
+    of_scene = json.loads(run("probe", scene, "150", "120", "--accuracy", "0.5", *nm, "--json", "-").stdout)
     check(np.allclose(of_stack["XYZ"], of_scene["XYZ"], rtol=1e-6) and of_stack["XYZ"][1] > 0,
           "probe sees the pixel that render stores", of_stack["XYZ"], of_scene["XYZ"])
     page = run("view", scene, "--accuracy", "0.5", "-o", os.path.join(TMP, "page.html"))
@@ -224,6 +250,7 @@ for scene_name in sorted(name[:-6] for name in os.listdir("data/builtin/scenes")
 says_the_error_before()
 economy()
 same_everywhere()
+wavelengths()
 in_counts()
 few_triangles()
 no_cracks()
