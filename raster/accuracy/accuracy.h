@@ -17,6 +17,7 @@ enum measure_unit { MEASURE_CIEDE2000, MEASURE_COUNTS };
 struct measure {
     const struct plan *plan;
     enum measure_unit unit;
+    double good;       /* a difference that is certainly not larger comes out as a bound of it */
     double full_scale; /* of counts; 0 until measure_scale has found it */
     double white[3];   /* XYZ of the lights; of a radiance of 1 where the observer sees none */
     int *first;        /* of each shaded material: where its terms are in xyz; owned */

@@ -223,6 +223,10 @@ static bool are_same(const double a[3], const double b[3])
     return same;
 }
 
+/* CIEDE2000 over the Euclidean distance in CIELAB is below this: it divides by weights of at least 1,
+ * stretches a* by at most 1.5, and turns chroma against hue by at most a factor of 2 in the squares. */
+static const double most_stretched = 2.13;
+
 static double colours_between(const struct measure *measure, const double a[3], const double b[3])
 {
     double lab[2][3];
@@ -230,7 +234,8 @@ static double colours_between(const struct measure *measure, const double a[3], 
         return 0;
     cielab(a, measure->white, lab[0]);
     cielab(b, measure->white, lab[1]);
-    return ciede2000_difference(lab[0], lab[1]);
+    const double bound = most_stretched * cie76_difference(lab[0], lab[1]);
+    return bound <= measure->good ? bound : ciede2000_difference(lab[0], lab[1]);
 }
 
 double measure_difference(const struct measure *measure, int shaded, const struct shaded_point *a,

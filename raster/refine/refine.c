@@ -91,6 +91,7 @@ static bool take_meshes(struct refinement *of, struct error *err)
     for (int i = 0; i < n; i++)
         if (of->of_object[i] >= 0)
             meshes[i] = &of->list[of->of_object[i]].mesh;
+    of->measure.good = 0;
     const bool done =
         plan_refine(of->plan, meshes, err) && look(of, MANY_PIXELS, &seen, &of->result->after, err);
     seen_free(&seen);
@@ -104,7 +105,7 @@ static bool refine_to(struct refinement *of, double error, struct error *err)
     enum { MOST_LEVELS = 32 };
     const int levels = of->result->levels;
     bool done = true;
-    of->judge.error = error;
+    of->judge.error = of->measure.good = error;
     of->changed = true;
     for (int i = 0; i < of->n; i++)
         memset(of->list[i].settled, 0, (size_t)of->list[i].mesh.n_triangles);
