@@ -204,17 +204,17 @@ static bool try_all(const struct chooser *chooser, const struct sampling_method 
 static bool choose(const struct chooser *chooser, double wanted, struct chosen *out,
                    struct error *err)
 {
-    enum { FIRST_GAUSS = 3, N_GAUSS = LARGEST_QUADRATURE - FIRST_GAUSS + 1 };
-    static const double steps_nm[] = {20, 10, 5, 4, 3, 2, 1},
-                        tolerances[] = {0.3, 0.1, 0.03, 0.01, 3e-3, 1e-3, 3e-4};
+    static const int counts[] = {3, 4, 5, 6, 8, 10, 12, 14, 16, 18, 20, 24, 28, 32, 40, 48, 64};
+    static const double steps_nm[] = {20, 10, 5, 4, 3, 2, 1}, tolerances[] = {0.03, 3e-3, 3e-4};
     enum {
+        N_COUNTS = sizeof counts / sizeof *counts,
         N_STEPS = sizeof steps_nm / sizeof *steps_nm,
         N_TOLERANCES = sizeof tolerances / sizeof *tolerances
     };
-    struct sampling_method methods[N_GAUSS] = {{.kind = SAMPLING_GAUSS}};
-    for (int i = 0; i < N_GAUSS; i++)
-        methods[i] = (struct sampling_method){.kind = SAMPLING_GAUSS, .count = FIRST_GAUSS + i};
-    if (!try_all(chooser, methods, N_GAUSS, wanted, out, err))
+    struct sampling_method methods[N_COUNTS];
+    for (int i = 0; i < N_COUNTS; i++)
+        methods[i] = (struct sampling_method){.kind = SAMPLING_GAUSS, .count = counts[i]};
+    if (!try_all(chooser, methods, N_COUNTS, wanted, out, err))
         return false;
     for (int i = 0; i < N_TOLERANCES; i++)
         methods[i] =

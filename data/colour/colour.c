@@ -65,7 +65,7 @@ static double compressed(double value, double white)
 {
     const double most = 1e100;
     const double ratio = white != 0 ? fmax(-most, fmin(value / white, most)) : 0;
-    return ratio > 216.0 / 24389 ? power(ratio, 1.0 / 3) : ratio * 841 / 108 + 4.0 / 29;
+    return ratio > 216.0 / 24389 ? cube_root(ratio) : ratio * 841 / 108 + 4.0 / 29;
 }
 
 void cielab(const double xyz[3], const double white[3], double out[3])

@@ -39,6 +39,8 @@ double exponential(double x);
 double one_minus_decay(double x);
 /* log2 x for a finite x > 0 within 0.501 units; exact for powers of two. */
 double binary_logarithm(double x);
+/* The cube root of a finite x > 0 within 8 units; several times as fast as power. */
+double cube_root(double x);
 /* base^exponent for a finite base >= 0 and an exponent from 0 to 1e300, within 0.501 units for
  * exponents up to 128 and 0.51 units up to 10,000, subnormal results too. So the result is exact
  * where a double can be exact. x^0 = 1, even of 0. Above all doubles the result is HUGE_VAL. With

@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "data/base/base.h"
+#include "data/threads/threads.h"
 #include "raster/accuracy/accuracy.h"
 
 struct judged_point {
@@ -15,40 +16,39 @@ struct estimating {
     const struct plan *plan;
     const struct surface *surfaces;
     const struct measure *measure;
-    struct shape *shapes;    /* of each mesh of the plan, tessellated; owned */
-    struct patches *patches; /* of each mesh of the plan, once it is asked for; owned */
-    double *attributes;      /* of a point, twice; owned */
-    struct judged_point *points;
+    const struct seen_pixels *seen;
+    struct shape *shapes;        /* of each mesh of the plan, tessellated; owned */
+    struct patches *patches;     /* of each mesh of the plan that is seen; owned */
+    struct judged_point *points; /* of each pixel of the lattice, and then those that are judged;
+                                    owned */
     int n_points;
+    bool failed; /* a thread found no memory */
 };
 
 /* ---- surfaces ---- */
 
-/* Returns the patches of an instance's shape; NULL after an error. */
-static const struct patches *patches_of(struct estimating *of, const struct placed_instance *placed,
-                                        struct error *err)
+/* Opens the patches of an instance's shape, unless they are open. */
+static bool open_patches(struct estimating *of, int surface, struct error *err)
 {
-    struct patches *patches = &of->patches[placed->mesh];
+    const struct placed_instance *placed = &of->plan->instances[surface];
     struct shape *shape = &of->shapes[placed->mesh];
-    if (patches->shape)
-        return patches;
+    struct patches *patches = &of->patches[placed->mesh];
+    if (patches->shape || !of->plan->meshes[placed->mesh].mesh.parametric)
+        return true;
     *shape = shape_tessellated(&placed->object->shape, of->plan->scene->tessellation);
-    return patches_open(shape, patches, err) ? patches : NULL;
+    return patches_open(shape, patches, err);
 }
 
-static bool judge_surface(struct estimating *of, int surface, struct judged_surface *out,
-                          struct error *err)
+static struct judged_surface judged_surface(const struct estimating *of, int surface)
 {
     const struct placed_instance *placed = &of->plan->instances[surface];
     const struct plan_mesh *mesh = &of->plan->meshes[placed->mesh];
-    *out = (struct judged_surface){.view = &of->plan->view,
+    return (struct judged_surface){.view = &of->plan->view,
                                    .surface = &of->surfaces[surface],
                                    .parameters = mesh->mesh.parameters,
+                                   .patches = &of->patches[placed->mesh],
                                    .centre = mesh->centre,
                                    .unit = mesh->unit};
-    if (out->parameters)
-        out->patches = patches_of(of, placed, err);
-    return out->patches || !out->parameters;
 }
 
 /* ---- points ---- */
@@ -73,38 +73,53 @@ static double texel_of(const struct estimating *of, int surface, const double *a
 }
 
 /* Judges a pixel of the lattice. A pixel where the true surface is not seen stays out. */
-static bool judge_pixel(struct estimating *of, const struct lattice_pixel *pixel,
-                        const double at[2], struct error *err)
+static void judge_pixel(const struct estimating *of, int index, double *attributes,
+                        struct judged_point *out)
 {
-    const struct placed_instance *placed = &of->plan->instances[pixel->surface];
+    const struct lattice_pixel *pixel = &of->seen->pixels[index];
     const struct screen_triangle *triangle = &pixel->triangle;
-    double *drawn = of->attributes, *exact = drawn + of->plan->max_rows + 2, share[3];
+    double *drawn = attributes, *exact = drawn + of->plan->max_rows + 2, share[3], at[2];
     struct light_work ignored = {0};
-    struct judged_surface surface;
-    if (!judge_surface(of, pixel->surface, &surface, err))
-        return false;
+    out->object = -1;
+    if (pixel->surface < 0 || !lattice_place(&of->seen->lattice, index, at))
+        return;
+    const struct judged_surface surface = judged_surface(of, pixel->surface);
+    const struct placed_instance *placed = &of->plan->instances[pixel->surface];
     shares_at(triangle, at[0], at[1], share);
     shade(&of->plan->view, triangle, share, drawn, &ignored);
     if (!exact_attributes(&surface, triangle, at, share, exact))
-        return true;
+        return;
     const struct shaded_point a = {drawn, texel_of(of, pixel->surface, drawn)},
                               b = {exact, texel_of(of, pixel->surface, exact)};
-    of->points[of->n_points++] =
-        (struct judged_point){(int)(placed->object - of->plan->scene->objects),
-                              (float)measure_whole(of->measure, placed->shaded, &a, &b),
-                              (float)measure_difference(of->measure, placed->shaded, &a, &b)};
-    return true;
+    *out = (struct judged_point){(int)(placed->object - of->plan->scene->objects),
+                                 (float)measure_whole(of->measure, placed->shaded, &a, &b),
+                                 (float)measure_difference(of->measure, placed->shaded, &a, &b)};
 }
 
-static bool judge_pixels(struct estimating *of, const struct seen_pixels *seen, struct error *err)
+static void judge_block(void *context, size_t first, size_t end)
 {
-    const struct lattice *lattice = &seen->lattice;
-    double at[2];
-    for (int i = 0; i < lattice->rows * lattice->columns; i++)
-        if (seen->pixels[i].surface >= 0 && lattice_place(lattice, i, at) &&
-            !judge_pixel(of, &seen->pixels[i], at, err))
+    struct estimating *of = context;
+    double *attributes = calloc(2 * ((size_t)of->plan->max_rows + 2), sizeof *attributes);
+    if (!attributes)
+        of->failed = true;
+    for (size_t i = first; i < end && attributes; i++)
+        judge_pixel(of, (int)i, attributes, &of->points[i]);
+    free(attributes);
+}
+
+static bool judge_pixels(struct estimating *of, struct error *err)
+{
+    enum { BLOCK_PIXELS = 128 };
+    const struct lattice *lattice = &of->seen->lattice;
+    const int n = lattice->rows * lattice->columns;
+    for (int i = 0; i < n; i++)
+        if (of->seen->pixels[i].surface >= 0 && !open_patches(of, of->seen->pixels[i].surface, err))
             return false;
-    return true;
+    threads_blocks(of->plan->options.threads, (size_t)n, BLOCK_PIXELS, judge_block, of);
+    for (int i = 0; i < n && !of->failed; i++)
+        if (of->points[i].object >= 0)
+            of->points[of->n_points++] = of->points[i];
+    return !of->failed || error_memory(err);
 }
 
 /* ---- conclusions ---- */
@@ -180,9 +195,8 @@ static bool allocate(struct estimating *of, const struct lattice *lattice, struc
                  n_meshes = (size_t)of->plan->n_meshes;
     of->shapes = calloc(n_meshes + 1, sizeof *of->shapes);
     of->patches = calloc(n_meshes + 1, sizeof *of->patches);
-    of->attributes = calloc(2 * ((size_t)of->plan->max_rows + 2), sizeof *of->attributes);
     of->points = calloc(n + 1, sizeof *of->points);
-    return (of->shapes && of->patches && of->attributes && of->points) || error_memory(err);
+    return (of->shapes && of->patches && of->points) || error_memory(err);
 }
 
 static void free_all(struct estimating *of)
@@ -191,7 +205,6 @@ static void free_all(struct estimating *of)
         patches_close(&of->patches[i]);
     free(of->shapes);
     free(of->patches);
-    free(of->attributes);
     free(of->points);
 }
 
@@ -199,10 +212,11 @@ bool accuracy_judge(const struct measure *measure, const struct surface *surface
                     const struct seen_pixels *seen, struct accuracy_estimate *out,
                     struct error *err)
 {
-    struct estimating of = {.plan = measure->plan, .surfaces = surfaces, .measure = measure};
+    struct estimating of = {
+        .plan = measure->plan, .surfaces = surfaces, .measure = measure, .seen = seen};
     *out = (struct accuracy_estimate){.known = true, .unit = measure->unit};
-    const bool done = allocate(&of, &seen->lattice, err) && judge_pixels(&of, seen, err) &&
-                      conclude(&of, out, err);
+    const bool done =
+        allocate(&of, &seen->lattice, err) && judge_pixels(&of, err) && conclude(&of, out, err);
     free_all(&of);
     if (!done)
         accuracy_estimate_free(out);

@@ -223,8 +223,9 @@ static bool are_same(const double a[3], const double b[3])
     return same;
 }
 
-/* CIEDE2000 over the Euclidean distance in CIELAB is below this: it divides by weights of at least 1,
- * stretches a* by at most 1.5, and turns chroma against hue by at most a factor of 2 in the squares. */
+/* CIEDE2000 over the Euclidean distance in CIELAB is below this: it divides by weights of at least
+ * 1, stretches a* by at most 1.5, and turns chroma against hue by at most a factor of 2 in the
+ * squares. */
 static const double most_stretched = 2.13;
 
 static double colours_between(const struct measure *measure, const double a[3], const double b[3])

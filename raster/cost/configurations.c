@@ -137,12 +137,19 @@ static bool say(struct cost_entry *entry, const char *prefix, const char *option
     return true;
 }
 
+/* An accuracy stands in place of a sampling: it chooses one, and refines shapes. */
+static const char accuracy_prefix[] = "accuracy:";
+
 static bool say_sampling(const struct configuration *configuration, const char *observer,
                          struct cost_entry *out, struct error *err)
 {
-    if (!configuration->sampling[0])
+    const char *name = configuration->sampling;
+    const size_t length = strlen(accuracy_prefix);
+    if (!name[0])
         return say(out, "", NULL, "own wavelengths", err);
-    return say(out, "", "--sampling=", configuration->sampling, err) &&
+    return (strncmp(name, accuracy_prefix, length) == 0
+                ? say(out, "", NULL, name, err) && say(out, NULL, "--accuracy=", name + length, err)
+                : say(out, "", "--sampling=", name, err)) &&
            (strcmp(observer, "cie1931") == 0 || say(out, NULL, "--detector=", observer, err));
 }
 
@@ -360,9 +367,24 @@ static bool add_shadings(struct cost *cost, bool are_finest, struct error *err)
     return true;
 }
 
+/* Adds pictures as accurate as the user asks for, by both renderers. */
+static bool add_accuracies(struct cost *cost, struct error *err)
+{
+    static const char *const errors[] = {"2", "1", "0.5", "0.2", "0.1"};
+    const struct configuration smooth = {.tessellation = 1, .renderer = BY_RASTER};
+    char name[SAMPLING_NAME];
+    for (size_t i = 0; i < sizeof errors / sizeof *errors; i++) {
+        snprintf(name, sizeof name, "%s%s", accuracy_prefix, errors[i]);
+        if (!add(cost, smooth, name, err) || (gl_is_built() && !add(cost, opengl, name, err)))
+            return false;
+    }
+    return true;
+}
+
 bool configurations_pictures(struct cost *cost, struct error *err)
 {
-    return add_shadings(cost, false, err) && add_renderers(cost, cost->chosen[GOOD], err);
+    return add_shadings(cost, false, err) && add_accuracies(cost, err) &&
+           add_renderers(cost, cost->chosen[GOOD], err);
 }
 
 /* Returns whether errors are so small already that --quick need not look for smaller ones: a finer

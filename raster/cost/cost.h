@@ -36,7 +36,7 @@ struct survey {
 
 enum cost_renderer { BY_RASTER, BY_LLVMPIPE, BY_CHECKED_LLVMPIPE, BY_SOFTPIPE };
 struct configuration {
-    char sampling[SAMPLING_NAME]; /* "": at the scene's own wavelengths */
+    char sampling[SAMPLING_NAME]; /* or "accuracy:ERROR"; "": at the scene's own wavelengths */
     enum shading_kind shading;
     int tessellation;
     enum cost_renderer renderer;

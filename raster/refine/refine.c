@@ -58,7 +58,7 @@ static void light_seen(const struct refinement *of, const struct seen_pixels *se
 }
 
 /* Pixels to be judged: enough to see whether there is work, and enough to rely on. */
-enum { SOME_PIXELS = 2048, MANY_PIXELS = 16384 };
+enum { SOME_PIXELS = 2048, MANY_PIXELS = 8192 };
 
 /* Looks at so many pixels of the picture, and judges what it shows. */
 static bool look(struct refinement *of, int wanted, struct seen_pixels *seen,

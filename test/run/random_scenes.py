@@ -883,7 +883,7 @@ def main():
     if not options.driver:
         check_shrinker((64, 64))
         refine("0.5")
-        run("llvmpipe", range(8000, 8030), options)
+        run("llvmpipe", range(8000, 8060), options)
     done()
 
 

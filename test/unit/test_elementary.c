@@ -174,6 +174,17 @@ static void check_logarithm(void)
     CHECK_NEAR(worst, 0, 0.501, "log2, near 1 and far from it (%.4f units)", worst);
 }
 
+static void check_cube_root(void)
+{
+    uint64_t state = 4;
+    double worst = 0;
+    for (int i = 0; i < 500000; i++) {
+        const double any = ldexp(1 + next_random(&state), i % 2000 - 1000);
+        worst = worse(worst, cube_root(any), cbrtl((long double)any));
+    }
+    CHECK_NEAR(worst, 0, 8, "cube roots (%.4f units)", worst);
+}
+
 static void check_exponential(void)
 {
     uint64_t state = 4;
@@ -330,6 +341,7 @@ int main(void)
     check_ends();
     check_exact();
     check_power();
+    check_cube_root();
     check_grid();
     check_monotone();
     check_logarithm();
