@@ -27,50 +27,47 @@ bool accuracy_accepts(const char *option, const char *value, struct error *err)
     return accuracy_read(option, value, &wanted, err);
 }
 
-/* ---- the colours of a scene ---- */
+/* ---- colours ---- */
 
-/* Tristimulus values of the terms of all materials, on some pages. */
+/* Tristimulus values on some pages: of each material that is shown, of each of its terms. */
 struct term_values {
-    struct illumination illumination;
-    struct material_terms *materials; /* owned */
-    double (**xyz)[3];                /* of each material, of each term; owned */
+    double (**xyz)[3]; /* owned */
     int n;
 };
 struct chooser {
     const struct scene *scene;
     const char *observer;
-    const struct material **materials; /* owned */
-    int n;
+    double error; /* that is wanted */
+    const struct stimuli *stimuli;
     struct fine_spectra spectra;
-    struct term_values exact; /* at every nm */
     double white[3];
+    double (*exact)[3]; /* of each stimulus, L*, a* and b*; owned */
 };
 
 static void values_free(struct term_values *values)
 {
-    for (int m = 0; m < values->n; m++) {
-        material_terms_free(&values->materials[m]);
+    for (int m = 0; m < values->n; m++)
         free(values->xyz[m]);
-    }
-    free(values->materials);
     free(values->xyz);
-    illumination_free(&values->illumination);
     *values = (struct term_values){.n = 0};
 }
 
-static bool add_material(struct term_values *out, const struct material *material,
-                         const double *weights, struct error *err)
+/* Finds the values of a material's terms: of those that are not 0 on all pages. */
+static bool add_material(const struct illumination *illumination,
+                         const struct material_terms *shown, const double *weights,
+                         double (*out)[3], struct error *err)
 {
-    struct material_terms *terms = &out->materials[out->n];
-    const int n_pages = out->illumination.pages.n;
-    if (!material_terms_make(&out->illumination, material, terms, err))
+    const int n_pages = illumination->pages.n;
+    struct material_terms made;
+    if (!material_terms_make(illumination, shown->material, &made, err))
         return false;
-    out->xyz[out->n] = calloc((size_t)terms->n + 1, sizeof *out->xyz[out->n]);
-    if (!out->xyz[out->n++])
-        return error_memory(err);
-    for (int t = 0; t < terms->n; t++)
-        detector_response(weights, terms->spectra + (size_t)t * (size_t)n_pages, n_pages,
-                          out->xyz[out->n - 1][t]);
+    for (int t = 0; t < shown->n; t++)
+        for (int i = 0; i < made.n; i++)
+            if (made.terms[i].kind == shown->terms[t].kind &&
+                made.terms[i].light == shown->terms[t].light)
+                detector_response(weights, made.spectra + (size_t)i * (size_t)n_pages, n_pages,
+                                  out[t]);
+    material_terms_free(&made);
     return true;
 }
 
@@ -78,77 +75,48 @@ static bool add_material(struct term_values *out, const struct material *materia
 static bool values_make(const struct chooser *chooser, const struct spectral_pages *pages,
                         const double *weights, struct term_values *out, struct error *err)
 {
-    *out = (struct term_values){.n = 0};
-    if (!illumination_make(chooser->scene, pages, false, &out->illumination, err))
-        return false;
-    out->materials = calloc((size_t)chooser->n + 1, sizeof *out->materials);
-    out->xyz = calloc((size_t)chooser->n + 1, sizeof *out->xyz);
-    bool done = (out->materials && out->xyz) || error_memory(err);
-    for (int m = 0; done && m < chooser->n; m++)
-        done = add_material(out, chooser->materials[m], weights, err);
+    const struct stimuli *stimuli = chooser->stimuli;
+    struct illumination illumination;
+    bool done = illumination_make(chooser->scene, pages, false, &illumination, err);
+    *out = (struct term_values){.xyz = calloc((size_t)stimuli->n_materials + 1, sizeof *out->xyz)};
+    done = done && (out->xyz || error_memory(err));
+    for (; done && out->n < stimuli->n_materials; out->n++) {
+        const struct material_terms *shown = stimuli->materials[out->n];
+        double(**xyz)[3] = &out->xyz[out->n];
+        if (!shown)
+            continue;
+        *xyz = calloc((size_t)shown->n + 1, sizeof **xyz);
+        done = *xyz ? add_material(&illumination, shown, weights, *xyz, err) : error_memory(err);
+    }
+    illumination_free(&illumination);
     return done;
 }
 
-/* A colour is the sum of some terms: the constant one; those of one light, or of all (-1); with its
- * highlight or without. */
-struct colour_of {
-    int light;
-    bool constant, diffuse, specular;
-};
-
-static bool has_part(const struct spectral_term *term, const struct colour_of *colour)
-{
-    const bool lit = colour->light < 0 || term->light == colour->light;
-    return term->kind == TERM_CONSTANT  ? colour->constant
-           : term->kind == TERM_DIFFUSE ? colour->diffuse && lit
-                                        : colour->specular && lit;
-}
-
 static void find_colour(const struct chooser *chooser, const struct term_values *values,
-                        int material, const struct colour_of *colour, double lab[3])
+                        const struct stimulus *stimulus, double lab[3])
 {
     double xyz[3] = {0, 0, 0};
-    for (int t = 0; t < values->materials[material].n; t++)
-        for (int c = 0; c < 3 && has_part(&values->materials[material].terms[t], colour); c++)
-            xyz[c] += values->xyz[material][t][c];
+    for (int t = 0; t < chooser->stimuli->materials[stimulus->material]->n; t++)
+        for (int c = 0; c < 3; c++)
+            xyz[c] +=
+                stimulus->texel * stimulus->weights[t] * values->xyz[stimulus->material][t][c];
     cielab(xyz, chooser->white, lab);
 }
 
-static double difference(const struct chooser *chooser, const struct term_values *values,
-                         int material, const struct colour_of *colour)
+/* Finds whether 95 % of the stimuli have at most the wanted error. */
+static bool find_good(const struct chooser *chooser, const struct sampling *sampling, bool *good,
+                      struct error *err)
 {
-    double exact[3], seen[3];
-    find_colour(chooser, &chooser->exact, material, colour, exact);
-    find_colour(chooser, values, material, colour, seen);
-    return ciede2000_difference(exact, seen);
-}
-
-/* Returns the largest difference of a material's colours. */
-static double worst_of(const struct chooser *chooser, const struct term_values *values,
-                       int material)
-{
-    const struct illumination *illumination = &values->illumination;
-    const struct colour_of ambient = {-1, true, false, false};
-    double worst = difference(chooser, values, material, &ambient);
-    for (int i = -1; i < illumination->n_first; i++) {
-        const int light = i < 0 ? -1 : illumination->first[i];
-        const struct colour_of diffuse = {light, true, true, false},
-                               shiny = {light, true, true, true};
-        worst = fmax(worst, difference(chooser, values, material, &diffuse));
-        worst = fmax(worst, difference(chooser, values, material, &shiny));
-    }
-    return worst;
-}
-
-/* Finds the largest difference that a sampling makes. */
-static bool find_error(const struct chooser *chooser, const struct sampling *sampling, double *out,
-                       struct error *err)
-{
+    const struct stimuli *stimuli = chooser->stimuli;
     struct term_values values;
     const bool done = values_make(chooser, &sampling->pages, sampling->weights, &values, err);
-    *out = 0;
-    for (int m = 0; done && m < chooser->n; m++)
-        *out = fmax(*out, worst_of(chooser, &values, m));
+    int bad = 0;
+    for (int i = 0; done && i < stimuli->n && bad <= stimuli->n / 20; i++) {
+        double lab[3];
+        find_colour(chooser, &values, &stimuli->list[i], lab);
+        bad += ciede2000_difference(chooser->exact[i], lab) > chooser->error;
+    }
+    *good = bad <= stimuli->n / 20;
     values_free(&values);
     return done;
 }
@@ -158,28 +126,27 @@ static bool find_error(const struct chooser *chooser, const struct sampling *sam
 /* A sampling that is good enough, of the fewest pages so far. */
 struct chosen {
     struct sampling_method method;
-    double error;
     int pages; /* 0: none yet */
 };
 
 /* Tries a method. *pages: how many it takes; 0: it refuses the scene. */
 static bool try_method(const struct chooser *chooser, const struct sampling_method *method,
-                       double wanted, struct chosen *best, int *pages, struct error *err)
+                       struct chosen *best, int *pages, struct error *err)
 {
     struct error refusal = {.status = EXIT_AGREED};
     struct sampling sampling = {.detector = NULL};
-    double error;
+    bool done = true, good = false;
     *pages = 0;
-    if (!sampling_make(method, chooser->observer, &chooser->spectra, &sampling, &refusal)) {
-        sampling_free(&sampling);
-        if (refusal.status == EXIT_SYSTEM)
-            *err = refusal;
-        return refusal.status != EXIT_SYSTEM;
+    if (sampling_make(method, chooser->observer, &chooser->spectra, &sampling, &refusal)) {
+        *pages = sampling.pages.n;
+        if (best->pages == 0 || *pages < best->pages)
+            done = find_good(chooser, &sampling, &good, err);
+    } else if (refusal.status == EXIT_SYSTEM) {
+        *err = refusal;
+        done = false;
     }
-    *pages = sampling.pages.n;
-    bool done = best->pages > 0 && *pages >= best->pages;
-    if (!done && (done = find_error(chooser, &sampling, &error, err)) && error <= wanted)
-        *best = (struct chosen){*method, error, *pages};
+    if (done && good)
+        *best = (struct chosen){*method, *pages};
     sampling_free(&sampling);
     return done;
 }
@@ -187,12 +154,12 @@ static bool try_method(const struct chooser *chooser, const struct sampling_meth
 /* Tries the methods of one kind, from few pages to many, until one is good enough or has as many
  * pages as the best one. */
 static bool try_all(const struct chooser *chooser, const struct sampling_method *methods, int n,
-                    double wanted, struct chosen *best, struct error *err)
+                    struct chosen *best, struct error *err)
 {
     const int before = best->pages;
     for (int i = 0; i < n && best->pages == before; i++) {
         int pages;
-        if (!try_method(chooser, &methods[i], wanted, best, &pages, err))
+        if (!try_method(chooser, &methods[i], best, &pages, err))
             return false;
         if (before > 0 && pages >= before)
             break;
@@ -201,11 +168,11 @@ static bool try_all(const struct chooser *chooser, const struct sampling_method 
 }
 
 /* A page at every nm is the standard, and always good enough. */
-static bool choose(const struct chooser *chooser, double wanted, struct chosen *out,
-                   struct error *err)
+static bool choose(const struct chooser *chooser, struct chosen *out, struct error *err)
 {
     static const int counts[] = {3, 4, 5, 6, 8, 10, 12, 14, 16, 18, 20, 24, 28, 32, 40, 48, 64};
-    static const double steps_nm[] = {20, 10, 5, 4, 3, 2, 1}, tolerances[] = {0.03, 3e-3, 3e-4};
+    static const double steps_nm[] = {20, 15, 12, 10, 8, 6, 5, 4, 3, 2, 1},
+                        tolerances[] = {0.03, 3e-3, 3e-4};
     enum {
         N_COUNTS = sizeof counts / sizeof *counts,
         N_STEPS = sizeof steps_nm / sizeof *steps_nm,
@@ -214,16 +181,16 @@ static bool choose(const struct chooser *chooser, double wanted, struct chosen *
     struct sampling_method methods[N_COUNTS];
     for (int i = 0; i < N_COUNTS; i++)
         methods[i] = (struct sampling_method){.kind = SAMPLING_GAUSS, .count = counts[i]};
-    if (!try_all(chooser, methods, N_COUNTS, wanted, out, err))
+    if (!try_all(chooser, methods, N_COUNTS, out, err))
         return false;
     for (int i = 0; i < N_TOLERANCES; i++)
         methods[i] =
             (struct sampling_method){.kind = SAMPLING_ADAPTIVE, .tolerance = tolerances[i]};
-    if (!try_all(chooser, methods, N_TOLERANCES, wanted, out, err))
+    if (!try_all(chooser, methods, N_TOLERANCES, out, err))
         return false;
     for (int i = 0; i < N_STEPS; i++)
         methods[i] = (struct sampling_method){.kind = SAMPLING_RIEMANN, .step_nm = steps_nm[i]};
-    return try_all(chooser, methods, N_STEPS, wanted, out, err);
+    return try_all(chooser, methods, N_STEPS, out, err);
 }
 
 /* ---- the standard ---- */
@@ -240,36 +207,38 @@ static bool find_white(struct chooser *chooser, const struct spectral_pages *pag
     return true;
 }
 
-/* Makes the colours at every nm. */
-static bool open_standard(struct chooser *chooser, const struct detector *detector,
-                          struct error *err)
+/* Finds the colours at every nm. */
+static bool find_exact(struct chooser *chooser, const struct fine_detector *fine, struct error *err)
 {
-    struct fine_detector fine;
-    bool done =
-        fine_detector_make(detector, chooser->spectra.first_nm, chooser->spectra.n_nm, &fine, err);
-    const struct spectral_pages pages = {.n = fine.n, .wavelength_nm = fine.nm};
-    done = done && find_white(chooser, &pages, fine.weights, err) &&
-           values_make(chooser, &pages, fine.weights, &chooser->exact, err);
-    /* what is left of the standard needs no pages */
-    fine_detector_free(&fine);
+    const struct stimuli *stimuli = chooser->stimuli;
+    const struct spectral_pages pages = {.n = fine->n, .wavelength_nm = fine->nm};
+    struct term_values values = {.n = 0};
+    chooser->exact = calloc((size_t)stimuli->n + 1, sizeof *chooser->exact);
+    const bool done = (chooser->exact || error_memory(err)) &&
+                      find_white(chooser, &pages, fine->weights, err) &&
+                      values_make(chooser, &pages, fine->weights, &values, err);
+    for (int i = 0; done && i < stimuli->n; i++)
+        find_colour(chooser, &values, &stimuli->list[i], chooser->exact[i]);
+    values_free(&values);
     return done;
 }
 
 bool sampling_choose(const struct scene *scene, const char *observer, double error,
-                     struct sampling_method *out, double *predicted, struct error *err)
+                     const struct stimuli *stimuli, struct sampling_method *out, struct error *err)
 {
-    struct chooser chooser = {.scene = scene, .observer = observer};
+    struct chooser chooser = {
+        .scene = scene, .observer = observer, .error = error, .stimuli = stimuli};
     struct detector detector = {.name = NULL};
+    struct fine_detector fine = {.nm = NULL};
     struct chosen best = {.pages = 0};
     const bool done =
         observer_read(observer, &detector, err) && scene_spectra(scene, &chooser.spectra, err) &&
-        materials_shown(scene, &chooser.materials, &chooser.n, err) &&
-        open_standard(&chooser, &detector, err) && choose(&chooser, error, &best, err);
+        fine_detector_make(&detector, chooser.spectra.first_nm, chooser.spectra.n_nm, &fine, err) &&
+        find_exact(&chooser, &fine, err) && choose(&chooser, &best, err);
     *out = best.method;
-    *predicted = best.error;
-    values_free(&chooser.exact);
+    free(chooser.exact);
+    fine_detector_free(&fine);
     fine_spectra_free(&chooser.spectra);
-    free(chooser.materials);
     detector_free(&detector);
     return done;
 }

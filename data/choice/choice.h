@@ -18,12 +18,23 @@ bool accuracy_read(const char *option, const char *text, struct wanted_accuracy 
 /* Refuses a value that accuracy_read refuses. */
 bool accuracy_accepts(const char *option, const char *value, struct error *err);
 
+/* A colour that a picture shows: the weights of a material's terms, and its texture. */
+struct stimulus {
+    int material; /* index */
+    const double *weights;
+    double texel;
+};
+struct stimuli {
+    const struct material_terms *const
+        *materials; /* to which the weights belong; NULL: not shown */
+    int n_materials, n;
+    const struct stimulus *list;
+};
 /* Finds the sampling of the fewest pages, of those whose pages are radiances at wavelengths, by
- * which no colour of the scene is off by more than an error in CIEDE2000. The colours are those of
- * each material under its ambient light, with each light and with all of them, and in highlights,
- * as the observer sees them; the standard is a page at every nm. *predicted: the largest error that
- * is left. Refuses a detector that is no observer, and what scene_spectra refuses. */
+ * which 95 % of the stimuli are off by at most an error in CIEDE2000, as the observer sees them.
+ * The standard is a page at every nm. Refuses a detector that is no observer, and what
+ * scene_spectra refuses. */
 bool sampling_choose(const struct scene *scene, const char *observer, double error,
-                     struct sampling_method *out, double *predicted, struct error *err);
+                     const struct stimuli *stimuli, struct sampling_method *out, struct error *err);
 
 #endif

@@ -3,7 +3,6 @@
 #include <string.h>
 
 #include "data/base/base.h"
-#include "data/choice/choice.h"
 #include "data/invocation/invocation.h"
 #include "data/method/method.h"
 #include "data/tiff/tiff.h"
@@ -56,42 +55,23 @@ bool scene_refuse(const char *stack, struct error *err)
                        stack, is_text ? "a text file" : "a scene", stack);
 }
 
-/* Returns whether the command line gives the wavelengths. */
-static bool gives_wavelengths(const struct options *options)
+bool gives_wavelengths(const struct options *options)
 {
     for (int i = 0; i < options->n_changes; i++)
         if (options->changes[i].apply == scene_set_wavelengths)
             return true;
-    return false;
-}
-
-/* Reads SCENE, and samples it as --accuracy needs it: half of the error may come from
- * wavelengths. Counts are those of single bands, whose wavelengths stay. */
-static bool read_chosen(const struct options *options, struct scene *out, struct sampling *sampling,
-                        struct error *err)
-{
-    struct wanted_accuracy wanted;
-    struct sampling_method method;
-    double predicted;
-    if (!accuracy_read("--accuracy", options->accuracy, &wanted, err) ||
-        !scene_read_options(options, out, err))
-        return false;
-    return wanted.counts || gives_wavelengths(options) ||
-           (sampling_choose(out, options_detector(options), wanted.error / 2, &method, &predicted,
-                            err) &&
-            scene_sample(out, &method, options_detector(options), sampling, err));
+    return options->sampling != NULL;
 }
 
 bool scene_read_sampled(const struct options *options, struct scene *out, struct sampling *sampling,
                         struct error *err)
 {
     struct sampling_method method;
-    if (!options->sampling && options->accuracy)
-        return read_chosen(options, out, sampling, err);
     if (!options->sampling)
-        return options->detector ? error_usage(err, "--detector needs --sampling, which samples "
-                                                    "for it; develop takes any detector")
-                                 : scene_read_options(options, out, err);
+        return options->detector && !options->accuracy
+                   ? error_usage(err, "--detector needs --sampling, which samples "
+                                      "for it; develop takes any detector")
+                   : scene_read_options(options, out, err);
     return sampling_read("--sampling", options->sampling, &method, err) &&
            scene_read_options(options, out, err) &&
            scene_sample(out, &method, options_detector(options), sampling, err);

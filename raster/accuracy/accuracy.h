@@ -4,10 +4,10 @@
 #ifndef ACCURACY_H
 #define ACCURACY_H
 
+#include "data/choice/choice.h"
 #include "data/shape/shape.h"
 #include "raster/plan/plan.h"
 #include "raster/reference/reference.h"
-#include "spectral.h"
 
 /* ---- measure.c: differences as a detector sees them ---- */
 
@@ -99,7 +99,7 @@ void lattice_scan(const struct lattice *lattice, const struct screen_triangle *t
 /* Returns whether a triangle in front of the eye lies between the places of the lattice. */
 bool lattice_misses(const struct lattice *lattice, const struct surface *surface,
                     const int32_t vertex[3]);
-/* Returns the pixel of the lattice beside a place in the window, or near its border. */
+/* Returns the pixel beside a place in the window, or near its border. */
 int lattice_beside(const struct lattice *lattice, double x, double y);
 /* Writes the centre of a pixel of the lattice; returns false if that lies outside the picture. */
 bool lattice_place(const struct lattice *lattice, int index, double at[2]);
@@ -111,13 +111,12 @@ bool lattice_place(const struct lattice *lattice, int index, double at[2]);
 double texel_estimate(const struct plan *plan, int shaded, const struct instance *instance,
                       const double *attributes);
 
-/* Errors of shading and shape; of wavelengths if the measure knows them. */
 struct accuracy_object {
     int object;         /* index in the scene */
     double quantile_95; /* 95 % of its pixels have at most this error */
     int points;         /* of it that were judged */
 };
-struct accuracy_estimate {
+struct accuracy_estimate { /* wavelengths count if the measure knows them */
     enum measure_unit unit;
     double quantile_95;              /* of all objects' pixels */
     double shading_95;               /* the same of shading and shape alone */
@@ -132,7 +131,18 @@ struct accuracy_estimate {
 bool accuracy_judge(const struct measure *measure, const struct surface *surfaces,
                     const struct seen_pixels *seen, struct accuracy_estimate *out,
                     struct error *err);
-/* Judges about `wanted` pixels of the picture in CIEDE2000. surfaces: those of the plan, lit. */
+/* Finds the colours that the true surfaces show at the pixels of a sight. surfaces: those of the
+ * plan, in the window. The caller always frees *out. */
+struct shown_colours {
+    const struct material_terms **materials; /* of each shaded material; owned, as the next */
+    struct stimulus *list;
+    double *weights;
+    int n;
+};
+bool accuracy_colours(const struct plan *plan, const struct surface *surfaces,
+                      const struct seen_pixels *seen, struct shown_colours *out, struct error *err);
+void shown_colours_free(struct shown_colours *colours);
+/* Judges about `wanted` pixels in CIEDE2000. surfaces: those of the plan, lit. */
 bool accuracy_estimate(const struct plan *plan, const struct surface *surfaces, int wanted,
                        struct accuracy_estimate *out, struct error *err);
 void accuracy_estimate_free(struct accuracy_estimate *estimate);

@@ -72,23 +72,31 @@ static double texel_of(const struct estimating *of, int surface, const double *a
     return texel_estimate(of->plan, placed->shaded, &placed->instance, attributes);
 }
 
-/* Judges a pixel of the lattice. A pixel where the true surface is not seen stays out. */
+/* Finds the light of the true surface at a pixel of the lattice, with the place there. Returns
+ * false for background, and where the true surface is not seen. */
+static bool find_exact(const struct estimating *of, int index, double at[2], double share[3],
+                       double *exact)
+{
+    const struct lattice_pixel *pixel = &of->seen->pixels[index];
+    if (pixel->surface < 0 || !lattice_place(&of->seen->lattice, index, at))
+        return false;
+    const struct judged_surface surface = judged_surface(of, pixel->surface);
+    shares_at(&pixel->triangle, at[0], at[1], share);
+    return exact_attributes(&surface, &pixel->triangle, at, share, exact);
+}
+
+/* Judges a pixel of the lattice. */
 static void judge_pixel(const struct estimating *of, int index, double *attributes,
                         struct judged_point *out)
 {
     const struct lattice_pixel *pixel = &of->seen->pixels[index];
-    const struct screen_triangle *triangle = &pixel->triangle;
     double *drawn = attributes, *exact = drawn + of->plan->max_rows + 2, share[3], at[2];
     struct light_work ignored = {0};
     out->object = -1;
-    if (pixel->surface < 0 || !lattice_place(&of->seen->lattice, index, at))
+    if (!find_exact(of, index, at, share, exact))
         return;
-    const struct judged_surface surface = judged_surface(of, pixel->surface);
     const struct placed_instance *placed = &of->plan->instances[pixel->surface];
-    shares_at(triangle, at[0], at[1], share);
-    shade(&of->plan->view, triangle, share, drawn, &ignored);
-    if (!exact_attributes(&surface, triangle, at, share, exact))
-        return;
+    shade(&of->plan->view, &pixel->triangle, share, drawn, &ignored);
     const struct shaded_point a = {drawn, texel_of(of, pixel->surface, drawn)},
                               b = {exact, texel_of(of, pixel->surface, exact)};
     *out = (struct judged_point){(int)(placed->object - of->plan->scene->objects),
@@ -107,14 +115,21 @@ static void judge_block(void *context, size_t first, size_t end)
     free(attributes);
 }
 
+/* Opens the patches of all surfaces that are seen. */
+static bool open_seen(struct estimating *of, struct error *err)
+{
+    for (int i = 0; i < of->seen->lattice.rows * of->seen->lattice.columns; i++)
+        if (of->seen->pixels[i].surface >= 0 && !open_patches(of, of->seen->pixels[i].surface, err))
+            return false;
+    return true;
+}
+
 static bool judge_pixels(struct estimating *of, struct error *err)
 {
     enum { BLOCK_PIXELS = 128 };
-    const struct lattice *lattice = &of->seen->lattice;
-    const int n = lattice->rows * lattice->columns;
-    for (int i = 0; i < n; i++)
-        if (of->seen->pixels[i].surface >= 0 && !open_patches(of, of->seen->pixels[i].surface, err))
-            return false;
+    const int n = of->seen->lattice.rows * of->seen->lattice.columns;
+    if (!open_seen(of, err))
+        return false;
     threads_blocks(of->plan->options.threads, (size_t)n, BLOCK_PIXELS, judge_block, of);
     for (int i = 0; i < n && !of->failed; i++)
         if (of->points[i].object >= 0)
@@ -222,6 +237,55 @@ bool accuracy_judge(const struct measure *measure, const struct surface *surface
         accuracy_estimate_free(out);
     return done;
 }
+
+/* ---- colours ---- */
+
+static bool allocate_colours(const struct plan *plan, const struct lattice *lattice,
+                             struct shown_colours *out, struct error *err)
+{
+    const size_t n = (size_t)lattice->rows * (size_t)lattice->columns;
+    out->materials = calloc((size_t)plan->n_materials + 1, sizeof *out->materials);
+    out->list = calloc(n + 1, sizeof *out->list);
+    out->weights = calloc((n + 1) * ((size_t)plan->max_rows + 2), sizeof *out->weights);
+    return (out->materials && out->list && out->weights) || error_memory(err);
+}
+
+static void list_colours(struct estimating *of, struct shown_colours *out)
+{
+    for (int i = 0; i < of->seen->lattice.rows * of->seen->lattice.columns; i++) {
+        double *exact = out->weights + (size_t)out->n * ((size_t)of->plan->max_rows + 2), at[2],
+               share[3];
+        if (!find_exact(of, i, at, share, exact))
+            continue;
+        const int surface = of->seen->pixels[i].surface;
+        const int shaded = of->plan->instances[surface].shaded;
+        out->materials[shaded] = &of->plan->materials[shaded].made;
+        out->list[out->n++] = (struct stimulus){shaded, exact, texel_of(of, surface, exact)};
+    }
+}
+
+bool accuracy_colours(const struct plan *plan, const struct surface *surfaces,
+                      const struct seen_pixels *seen, struct shown_colours *out, struct error *err)
+{
+    struct estimating of = {.plan = plan, .surfaces = surfaces, .seen = seen};
+    *out = (struct shown_colours){.n = 0};
+    const bool done = allocate(&of, &seen->lattice, err) && open_seen(&of, err) &&
+                      allocate_colours(plan, &seen->lattice, out, err);
+    if (done)
+        list_colours(&of, out);
+    free_all(&of);
+    return done;
+}
+
+void shown_colours_free(struct shown_colours *colours)
+{
+    free(colours->materials);
+    free(colours->list);
+    free(colours->weights);
+    *colours = (struct shown_colours){.n = 0};
+}
+
+/* ---- the estimate of a note ---- */
 
 bool accuracy_estimate(const struct plan *plan, const struct surface *surfaces, int wanted,
                        struct accuracy_estimate *out, struct error *err)

@@ -9,35 +9,10 @@
 #include "data/threads/threads.h"
 #include "raster/refine/refine.h"
 
-/* ---- light ---- */
-
-/* Vertices and triangles that a thread takes at a time. */
-enum { BLOCK_VERTICES = 256, BLOCK_TRIANGLES = 64 };
-
-struct lighting {
-    const struct view *view;
-    struct surface *surface;
-    const unsigned char *wanted; /* of each vertex; NULL: all */
-};
-
-static void light_block(void *context, size_t first, size_t end)
-{
-    const struct lighting *of = context;
-    struct light_work ignored = {0};
-    for (size_t i = first; i < end; i++)
-        if (!of->wanted || of->wanted[i])
-            surface_light(of->view, of->surface, (int)i, &ignored);
-}
-
-void light_vertices(const struct plan *plan, const struct view *view, struct surface *surface,
-                    const unsigned char *wanted)
-{
-    struct lighting of = {view, surface, wanted};
-    threads_blocks(plan->options.threads, (size_t)surface->instance->n_vertices, BLOCK_VERTICES,
-                   light_block, &of);
-}
-
 /* ---- judging ---- */
+
+/* Triangles that a thread takes at a time. */
+enum { BLOCK_TRIANGLES = 64 };
 
 /* One instance of a refined mesh: its material, on the part and the side that it shows. */
 struct judging {

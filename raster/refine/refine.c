@@ -10,34 +10,6 @@
 
 /* ---- what the picture shows ---- */
 
-static void close_surfaces(struct surface *surfaces, int n)
-{
-    for (int i = 0; surfaces && i < n; i++)
-        surface_close(&surfaces[i]);
-    free(surfaces);
-}
-
-/* Returns the surfaces of all instances in view, placed in the window; NULL after an error. */
-static struct surface *place_surfaces(const struct plan *plan, struct error *err)
-{
-    struct surface *out = calloc((size_t)plan->n_instances + 1, sizeof *out);
-    struct view unlit = plan->view;
-    bool done = out != NULL;
-    unlit.n_lights = 0;
-    for (int i = 0; done && i < plan->n_instances; i++) {
-        if (!plan->instances[i].in_view)
-            continue;
-        done = surface_open(&plan->instances[i].instance, &out[i]);
-        if (done)
-            light_vertices(plan, &unlit, &out[i], NULL);
-    }
-    if (done)
-        return out;
-    close_surfaces(out, plan->n_instances);
-    error_memory(err);
-    return NULL;
-}
-
 /* Lights the corners of the triangles that are seen; for a measure that needs the brightest vertex,
  * all vertices. */
 static void light_seen(const struct refinement *of, const struct seen_pixels *seen,
@@ -64,7 +36,7 @@ enum { SOME_PIXELS = 2048, MANY_PIXELS = 8192 };
 static bool look(struct refinement *of, int wanted, struct seen_pixels *seen,
                  struct accuracy_estimate *out, struct error *err)
 {
-    struct surface *surfaces = place_surfaces(of->plan, err);
+    struct surface *surfaces = surfaces_place(of->plan, err);
     accuracy_estimate_free(out);
     seen_free(seen);
     bool done = surfaces && seen_find(of->plan, surfaces, wanted, seen, err);
@@ -74,7 +46,7 @@ static bool look(struct refinement *of, int wanted, struct seen_pixels *seen,
         measure_scale(&of->measure, surfaces);
         done = accuracy_judge(&of->measure, surfaces, seen, out, err);
     }
-    close_surfaces(surfaces, of->plan->n_instances);
+    surfaces_close(surfaces, of->plan->n_instances);
     return done;
 }
 
@@ -166,6 +138,16 @@ static bool is_shaded_well(const struct refinement *of, const struct accuracy_es
     return estimate->shading_95 <= of->result->wanted.error / 4;
 }
 
+/* Returns the factor of the error that is asked for next. What wavelengths leave of the wanted
+ * error belongs to shading, as if the two were at a right angle. */
+static double tightening(const struct accuracy_estimate *reached, double wanted)
+{
+    const double whole = reached->quantile_95 * reached->quantile_95,
+                 shading = reached->shading_95 * reached->shading_95,
+                 left = wanted * wanted - fmax(0, whole - shading);
+    return fmax(0.4, fmin(0.95 * sqrt(fmax(0, left) / shading), 0.85));
+}
+
 /* Divides triangles until the picture is good enough. Points may have more than the wanted error,
  * as long as 95 % of them do not: so the first try asks for less than is wanted. If that makes too
  * many triangles, the next one asks for less still: all triangles share the error that is left. */
@@ -189,8 +171,12 @@ static bool refine_shading(struct refinement *of, struct error *err)
                    of->judge.shortest_px < finest_px) {
             break;
         } else {
-            of->judge.shortest_px /= 2;
-            error *= fmin(0.8, 0.95 * wanted / reached);
+            /* 95 % of the points usually have two thirds of the error that was asked for; if it is
+               more, it is in triangles smaller than a pixel */
+            if (after->shading_95 > 0.8 * error)
+                of->judge.shortest_px /= 2;
+            else
+                error *= tightening(after, wanted);
         }
     }
     of->result->stopped = too_many;

@@ -38,6 +38,20 @@ bool refine_options(const struct options *options, struct plan *plan, struct ref
                     struct error *err);
 void refine_result_free(struct refine_result *result);
 
+/* ---- asked.c: the plan that the command line asks for ---- */
+
+struct asked_plan {
+    struct plan plan;
+    struct refine_result refined; /* zeroed without --accuracy */
+};
+/* Plans a scene that scene_read_sampled has read. If --accuracy may choose the wavelengths, it
+ * samples the scene: for the colours that the picture shows. Then refines the plan. The caller
+ * always frees *out, before the scene and its sampling. */
+bool plan_asked(const struct options *options, const struct plan_options *plan_options,
+                struct scene *scene, struct sampling *sampling, struct asked_plan *out,
+                struct error *err);
+void asked_plan_free(struct asked_plan *asked);
+
 /* ---- inside this room ---- */
 
 /* ---- edges.c: a set of edges ---- */
@@ -116,11 +130,17 @@ bool objects_list(struct refinement *of, bool round, struct error *err);
 void objects_free(struct refinement *of);
 int object_of(const struct plan *plan, int instance); /* index in the scene */
 
-/* ---- level.c ---- */
+/* ---- surfaces.c ---- */
 
 /* Lights the vertices of a surface that are wanted; NULL: all. */
 void light_vertices(const struct plan *plan, const struct view *view, struct surface *surface,
                     const unsigned char *wanted);
+/* Returns the surfaces of all instances in view, placed in the window; NULL after an error. */
+struct surface *surfaces_place(const struct plan *plan, struct error *err);
+void surfaces_close(struct surface *surfaces, int n);
+
+/* ---- level.c ---- */
+
 /* Judges the triangles that are not settled, and divides those that are not good enough. */
 bool refine_level(struct refinement *of, struct error *err);
 

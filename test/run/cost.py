@@ -379,11 +379,13 @@ def interrupt(number, whole_group, wait, *options):
     time.sleep(wait)
     (os.killpg if whole_group else os.kill)(process.pid, number)
     output = process.communicate(timeout=30)[0]
-    try:
-        os.killpg(process.pid, 0)
-        left = True
-    except ProcessLookupError:
-        left = False
+    left, until = True, time.monotonic() + 10  # the system may take its time to bury the dead
+    while left and time.monotonic() < until:
+        try:
+            os.killpg(process.pid, 0)
+            time.sleep(0.01)
+        except ProcessLookupError:
+            left = False
     name = " ".join(options) + f" {signal.Signals(number).name} to {'the group' if whole_group else 'it alone'} after {wait} s"
     check(process.returncode == -number and not output, f"{name}: cost ends by the signal and prints nothing",
           process.returncode, output)
