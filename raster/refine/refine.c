@@ -152,7 +152,7 @@ static double tightening(const struct accuracy_estimate *reached, double wanted)
  * many triangles, the next one asks for less still: all triangles share the error that is left. */
 static bool refine_shading(struct refinement *of, struct error *err)
 {
-    enum { MOST_TRIES = 16 };
+    enum { MOST_TRIES = 24 };
     const double wanted = safe_part * of->result->wanted.error;
     double error = 1.5 * wanted;
     bool too_many = of->result->wanted.most_triangles <= of->plan->n_triangles;
@@ -165,7 +165,7 @@ static bool refine_shading(struct refinement *of, struct error *err)
             if (!begin_again(of, err))
                 return false;
             too_many = true;
-            error *= 2;
+            error *= 1.4;
         } else if (too_many || reached <= wanted || is_shaded_well(of, after) ||
                    of->judge.shortest_px < finest_px) {
             break;
