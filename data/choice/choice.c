@@ -52,10 +52,8 @@ static void values_free(struct term_values *values)
     *values = (struct term_values){.n = 0};
 }
 
-/* Finds the values of a material's terms: of those that are not 0 on all pages. */
-static bool add_material(const struct illumination *illumination,
-                         const struct material_terms *shown, const double *weights,
-                         double (*out)[3], struct error *err)
+bool terms_seen(const struct illumination *illumination, const struct material_terms *shown,
+                const double *weights, double (*out)[3], struct error *err)
 {
     const int n_pages = illumination->pages.n;
     struct material_terms made;
@@ -86,7 +84,7 @@ static bool values_make(const struct chooser *chooser, const struct spectral_pag
         if (!shown)
             continue;
         *xyz = calloc((size_t)shown->n + 1, sizeof **xyz);
-        done = *xyz ? add_material(&illumination, shown, weights, *xyz, err) : error_memory(err);
+        done = *xyz ? terms_seen(&illumination, shown, weights, *xyz, err) : error_memory(err);
     }
     illumination_free(&illumination);
     return done;
@@ -167,7 +165,7 @@ static bool try_all(const struct chooser *chooser, const struct sampling_method 
     return true;
 }
 
-/* A page at every nm is the standard, and always good enough. */
+/* A page at every nm is the standard: if nothing else is good enough, it is. */
 static bool choose(const struct chooser *chooser, struct chosen *out, struct error *err)
 {
     static const int counts[] = {3, 4, 5, 6, 8, 10, 12, 14, 16, 18, 20, 24, 28, 32, 40, 48, 64};
@@ -190,19 +188,25 @@ static bool choose(const struct chooser *chooser, struct chosen *out, struct err
         return false;
     for (int i = 0; i < N_STEPS; i++)
         methods[i] = (struct sampling_method){.kind = SAMPLING_RIEMANN, .step_nm = steps_nm[i]};
-    return try_all(chooser, methods, N_STEPS, out, err);
+    if (!try_all(chooser, methods, N_STEPS, out, err))
+        return false;
+    if (out->pages == 0) /* every nm is refused: whoever samples the scene says why */
+        out->method = methods[N_STEPS - 1];
+    return true;
 }
 
 /* ---- the standard ---- */
 
-static bool find_white(struct chooser *chooser, const struct spectral_pages *pages,
-                       const double *weights, struct error *err)
+bool white_seen(const struct scene *scene, const struct spectral_pages *pages,
+                const double *weights, double white[3], struct error *err)
 {
     double *radiance = calloc((size_t)pages->n, sizeof *radiance);
     if (!radiance)
         return error_memory(err);
-    const bool lit = scene_white(chooser->scene, pages, radiance) > 0;
-    detector_response(weights, lit ? radiance : NULL, pages->n, chooser->white);
+    const bool lit = scene_white(scene, pages, radiance) > 0;
+    detector_response(weights, lit ? radiance : NULL, pages->n, white);
+    if (!(white[0] > 0 || white[1] > 0 || white[2] > 0))
+        detector_response(weights, NULL, pages->n, white);
     free(radiance);
     return true;
 }
@@ -215,7 +219,7 @@ static bool find_exact(struct chooser *chooser, const struct fine_detector *fine
     struct term_values values = {.n = 0};
     chooser->exact = calloc((size_t)stimuli->n + 1, sizeof *chooser->exact);
     const bool done = (chooser->exact || error_memory(err)) &&
-                      find_white(chooser, &pages, fine->weights, err) &&
+                      white_seen(chooser->scene, &pages, fine->weights, chooser->white, err) &&
                       values_make(chooser, &pages, fine->weights, &values, err);
     for (int i = 0; done && i < stimuli->n; i++)
         find_colour(chooser, &values, &stimuli->list[i], chooser->exact[i]);

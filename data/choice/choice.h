@@ -18,6 +18,14 @@ bool accuracy_read(const char *option, const char *text, struct wanted_accuracy 
 /* Refuses a value that accuracy_read refuses. */
 bool accuracy_accepts(const char *option, const char *value, struct error *err);
 
+/* Find tristimulus values by an observer's weights of pages: of a material's terms on the pages of
+ * an illumination (0 where all pages are), which is of the same scene as the terms; and of the
+ * white of the lights, or of a radiance of 1 where the observer sees none. */
+bool terms_seen(const struct illumination *illumination, const struct material_terms *terms,
+                const double *weights, double (*out)[3], struct error *err);
+bool white_seen(const struct scene *scene, const struct spectral_pages *pages,
+                const double *weights, double white[3], struct error *err);
+
 /* A colour that a picture shows: the weights of a material's terms, and its texture. */
 struct stimulus {
     int material; /* index */

@@ -34,21 +34,6 @@ static double *page_weights(const struct plan *plan, const char *observer, bool 
     return NULL;
 }
 
-/* Finds the white of n pages by their weights. */
-static bool find_white(const struct plan *plan, const struct spectral_pages *pages,
-                       const double *weights, double white[3], struct error *err)
-{
-    double *radiance = calloc((size_t)pages->n, sizeof *radiance);
-    if (!radiance)
-        return error_memory(err);
-    const bool lit = scene_white(plan->scene, pages, radiance) > 0;
-    detector_response(weights, lit ? radiance : NULL, pages->n, white);
-    if (!(white[0] > 0 || white[1] > 0 || white[2] > 0))
-        detector_response(weights, NULL, pages->n, white);
-    free(radiance);
-    return true;
-}
-
 static bool find_terms(const struct plan *plan, const double *weights, struct measure *out,
                        struct error *err)
 {
@@ -77,34 +62,16 @@ bool measure_make(const struct plan *plan, enum measure_unit unit, const char *o
     if (unit == MEASURE_COUNTS)
         return true;
     double *weights = page_weights(plan, observer, known, err);
-    const bool done = weights &&
-                      find_white(plan, &plan->illumination.pages, weights, out->white, err) &&
-                      find_terms(plan, weights, out, err);
+    const bool done =
+        weights && white_seen(plan->scene, &plan->illumination.pages, weights, out->white, err) &&
+        find_terms(plan, weights, out, err);
     free(weights);
     return done || (!*known && err->status == EXIT_AGREED);
 }
 
 /* ---- every nm ---- */
 
-/* Finds the tristimulus values of a material's terms at every nm: of those that its pages have. */
-static bool find_fine(const struct measure *measure, const struct illumination *illumination,
-                      int material, const double *weights, struct error *err)
-{
-    const struct shaded_material *shaded = &measure->plan->materials[material];
-    const int n = illumination->pages.n;
-    struct material_terms made;
-    if (!material_terms_make(illumination, shaded->material, &made, err))
-        return false;
-    for (int t = 0; t < shaded->n_terms; t++)
-        for (int i = 0; i < made.n; i++)
-            if (made.terms[i].kind == shaded->made.terms[t].kind &&
-                made.terms[i].light == shaded->made.terms[t].light)
-                detector_response(weights, made.spectra + (size_t)i * (size_t)n, n,
-                                  measure->fine[measure->first[material] + t]);
-    material_terms_free(&made);
-    return true;
-}
-
+/* Finds the tristimulus values of all terms at every nm. */
 static bool fill_fine(struct measure *measure, const struct fine_detector *fine, struct error *err)
 {
     const struct plan *plan = measure->plan;
@@ -117,9 +84,10 @@ static bool fill_fine(struct measure *measure, const struct fine_detector *fine,
         n += plan->materials[m].n_terms;
     measure->fine = calloc((size_t)n, sizeof *measure->fine);
     done = done && (measure->fine || error_memory(err)) &&
-           find_white(plan, &pages, fine->weights, measure->white, err);
+           white_seen(plan->scene, &pages, fine->weights, measure->white, err);
     for (int m = 0; done && m < plan->n_materials; m++)
-        done = find_fine(measure, &illumination, m, fine->weights, err);
+        done = terms_seen(&illumination, &plan->materials[m].made, fine->weights,
+                          measure->fine + measure->first[m], err);
     illumination_free(&illumination);
     return done;
 }
