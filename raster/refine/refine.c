@@ -32,7 +32,8 @@ static void light_seen(const struct refinement *of, const struct seen_pixels *se
 /* Pixels to be judged: enough to see whether there is work, and enough to rely on. */
 enum { SOME_PIXELS = 2048, MANY_PIXELS = 8192 };
 
-/* Looks at so many pixels of the picture, and judges what it shows. */
+/* Looks at so many pixels of the picture, and judges them. The triangles of the pixels point to
+ * surfaces that end here: only their depths are of use afterwards. */
 static bool look(struct refinement *of, int wanted, struct seen_pixels *seen,
                  struct accuracy_estimate *out, struct error *err)
 {
@@ -41,7 +42,6 @@ static bool look(struct refinement *of, int wanted, struct seen_pixels *seen,
     seen_free(seen);
     bool done = surfaces && seen_find(of->plan, surfaces, wanted, seen, err);
     if (done) {
-        /* pixels point to surfaces, which end here; what is left of them is not looked at */
         light_seen(of, seen, surfaces);
         measure_scale(&of->measure, surfaces);
         done = accuracy_judge(&of->measure, surfaces, seen, out, err);
@@ -71,11 +71,11 @@ static bool take_meshes(struct refinement *of, struct error *err)
     return done;
 }
 
-/* Refines until no point that is looked at has more than this error. */
+/* Refines the meshes until no point that is looked at has more than this error, or until there are
+ * too many triangles. */
 static bool refine_to(struct refinement *of, double error, struct error *err)
 {
     enum { MOST_LEVELS = 32 };
-    const int levels = of->result->levels;
     bool done = true;
     of->judge.error = of->measure.good = error;
     of->changed = true;
@@ -83,7 +83,7 @@ static bool refine_to(struct refinement *of, double error, struct error *err)
         memset(of->list[i].settled, 0, (size_t)of->list[i].mesh.n_triangles);
     for (int level = 0; done && of->changed && !of->result->stopped && level < MOST_LEVELS; level++)
         done = refine_level(of, err);
-    return done && (of->result->levels == levels || of->result->stopped || take_meshes(of, err));
+    return done;
 }
 
 static bool list_result(struct refinement *of, struct error *err)
@@ -152,37 +152,46 @@ static double tightening(const struct accuracy_estimate *reached, double wanted)
  * many triangles, the next one asks for less still: all triangles share the error that is left. */
 static bool refine_shading(struct refinement *of, struct error *err)
 {
-    enum { MOST_TRIES = 24 };
+    enum { MOST_TRIES = 64 };
     const double wanted = safe_part * of->result->wanted.error;
+    const struct accuracy_estimate *after = &of->result->after;
     double error = 1.5 * wanted;
-    bool too_many = of->result->wanted.most_triangles <= of->plan->n_triangles;
-    for (int try = too_many ? MOST_TRIES : 0; try < MOST_TRIES; try++) {
+    const bool full = of->result->wanted.most_triangles <= of->plan->n_triangles;
+    bool good = false, too_many = full;
+    for (int try = 0; !good && !full && try < MOST_TRIES; try++) {
         if (!refine_to(of, error, err))
             return false;
-        const struct accuracy_estimate *after = &of->result->after;
-        const double reached = after->quantile_95;
         if (of->result->stopped) {
             if (!begin_again(of, err))
                 return false;
             too_many = true;
             error *= 1.4;
-        } else if (too_many || reached <= wanted || is_shaded_well(of, after) ||
-                   of->judge.shortest_px < finest_px) {
-            break;
-        } else {
-            /* 95 % of the points usually have two thirds of the error that was asked for; if it is
-               more, it is in triangles smaller than a pixel */
-            if (after->shading_95 > 0.8 * error)
-                of->judge.shortest_px /= 2;
-            else
-                error *= tightening(after, wanted);
+            of->judge.outline_px *= 1.4;
+            continue;
         }
+        if (!take_meshes(of, err))
+            return false;
+        good = too_many || after->quantile_95 <= wanted || is_shaded_well(of, after) ||
+               of->judge.shortest_px < finest_px;
+        /* 95 % of the points usually have two thirds of the error that was asked for; if it is
+           more, it is in triangles smaller than a pixel */
+        if (after->shading_95 > 0.8 * error)
+            of->judge.shortest_px /= 2;
+        else
+            error *= tightening(after, wanted);
     }
     of->result->stopped = too_many;
-    return true;
+    /* where no try was small enough, meshes are not refined, and an earlier try may have been taken
+     */
+    return good || full || take_meshes(of, err);
 }
 
-/* A picture that is good enough gets better outlines only. */
+/* Makes the outlines of a picture finer whose shading is good enough. */
+static bool refine_outlines(struct refinement *of, struct error *err)
+{
+    return refine_to(of, HUGE_VAL, err) && (of->result->levels == 0 || take_meshes(of, err));
+}
+
 static bool run(struct refinement *of, struct seen_pixels *seen, struct error *err)
 {
     struct refine_result *result = of->result;
@@ -195,7 +204,7 @@ static bool run(struct refinement *of, struct seen_pixels *seen, struct error *e
     if (!done || !objects_list(of, good, err))
         return false;
     prepare_judge(of, seen);
-    return (good ? refine_to(of, HUGE_VAL, err) : refine_shading(of, err)) && list_result(of, err);
+    return (good ? refine_outlines(of, err) : refine_shading(of, err)) && list_result(of, err);
 }
 
 static bool refuse_camera(const struct plan *plan, const char *observer, struct error *err)

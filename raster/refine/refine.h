@@ -71,7 +71,9 @@ uint64_t edge_between(uint64_t a, uint64_t b);
 bool edges_add(struct edge_set *set, uint64_t edge, float error, struct error *err);
 bool edges_have(const struct edge_set *set, uint64_t edge);
 float edges_error(const struct edge_set *set, uint64_t edge); /* of one that it has */
-/* Removes all edges but the `most` with the largest errors, or a few more. */
+/* Removes all edges but those with the largest errors, `most` or fewer: equal ones stay or go
+ * together.
+ */
 bool edges_keep_worst(struct edge_set *set, size_t most, struct error *err);
 void edges_free(struct edge_set *set);
 
