@@ -115,10 +115,15 @@ static struct vertex turned_vertex(const struct shape *shape, double u, double v
 
 /* ---- any patch ---- */
 
+/* The ends of a cylinder, and the base of a cone. */
+static bool is_cap(const struct shape *shape, int patch)
+{
+    return patch > 0 && (shape->kind == SHAPE_CYLINDER || shape->kind == SHAPE_CONE);
+}
+
 bool patch_is_flat(const struct shape *shape, int patch)
 {
-    const bool capped = shape->kind == SHAPE_CYLINDER || shape->kind == SHAPE_CONE;
-    return shape_is_flat(shape->kind) || (capped && patch > 0);
+    return shape_is_flat(shape->kind) || is_cap(shape, patch);
 }
 
 bool patch_has_pole(const struct patches *patches, int patch, double v)
@@ -139,12 +144,8 @@ bool patch_has_pole(const struct patches *patches, int patch, double v)
 bool patch_has_rim(const struct shape *shape, int patch, double v, double *around)
 {
     const bool is_disk = shape->kind == SHAPE_DISK;
-    if (!is_disk && (patch == 0 || shape->kind == SHAPE_BOX))
-        return false;
-    if (!is_disk && shape->kind != SHAPE_CYLINDER && shape->kind != SHAPE_CONE)
-        return false;
     *around = shape->parameter[is_disk ? 1 : 2];
-    return v == (is_disk ? shape->parameter[2] : 1);
+    return (is_disk && v == shape->parameter[2]) || (is_cap(shape, patch) && v == 1);
 }
 
 /* Returns x in [0, cells], moved by whole turns. */

@@ -89,6 +89,9 @@ bool mesh_subdivide(const struct mesh *from, const struct patches *patches,
 struct vertex mesh_midpoint(const struct mesh *mesh, const struct patches *patches, int32_t a,
                             int32_t b, struct parameters *parameters);
 
+/* Lets a texture fit as often as the shape says: multiplies s and t. */
+void shape_repeat_texture(const struct shape *shape, struct mesh *mesh);
+
 /* ---- Inside this room ---- */
 
 /* Returns whether row v of a patch, in cells, is one point. */

@@ -11,13 +11,12 @@
 
 /* ---- measure.c: differences as a detector sees them ---- */
 
-/* The unit of differences: CIEDE2000, for an observer who has adapted to the lights; or counts of
- * the band where they are largest. */
+/* CIEDE2000, for an observer who has adapted to the lights; or counts, of the band with most. */
 enum measure_unit { MEASURE_CIEDE2000, MEASURE_COUNTS };
 struct measure {
     const struct plan *plan;
     enum measure_unit unit;
-    double good;       /* a difference that is certainly not larger comes out as a bound of it */
+    double good;       /* of a difference that is certainly not larger a bound comes out */
     double full_scale; /* of counts; 0 until measure_scale has found it */
     double white[3];   /* XYZ of the lights; of a radiance of 1 where the observer sees none */
     int *first;        /* of each shaded material: where its terms are in xyz; owned */
@@ -50,37 +49,44 @@ double measure_whole(const struct measure *measure, int shaded, const struct sha
 
 /* A surface whose shading is judged, and the surface that its mesh approximates. */
 struct judged_surface {
-    const struct view *view;
+    const struct plan *plan;
+    int shaded;                          /* index of its material */
     const struct surface *surface;       /* lit */
     const struct parameters *parameters; /* of its vertices; NULL: its facets are exact */
     const struct patches *patches;       /* of its shape, if there are parameters */
     struct vector centre;                /* of plan_mesh, as the next */
     double unit;
 };
-/* Finds the attributes of the point of the true surface that the window shows at a place of a
- * triangle, with its barycentric coordinates there. On a mesh file the facets are true, with
- * interpolated normals (Phong 1975). Returns false where the true surface is not seen there. */
-bool exact_attributes(const struct judged_surface *of, const struct screen_triangle *triangle,
-                      const double at[2], const double share[3], double *attributes);
+/* Compares a place of a triangle, with its barycentric coordinates there: the drawn light, and the
+ * light of the point of the true surface that the window shows. On a mesh file the facets are true,
+ * with interpolated normals (Phong 1975). `attributes`: room for those of two points, twice the
+ * plan's max_rows + 2. Returns false where the true surface is not seen. */
+struct compared_point {
+    struct shaded_point drawn, exact;
+};
+bool compare_point(const struct judged_surface *of, const struct screen_triangle *triangle,
+                   const double at[2], const double share[3], double *attributes,
+                   struct compared_point *out);
+/* Places a point of the mesh in the window; false if it is not in front of the eye. */
+bool window_of(const struct judged_surface *of, struct vector position, struct window_vertex *out);
+/* Returns whether the outside of a point of the mesh is turned to the eye. */
+bool is_front(const struct judged_surface *of, const struct vertex *point);
 
 /* ---- lattice.c: some pixels ---- */
 
-/* A lattice of pixels, about `wanted` of the picture: each has the same share of it, and no row or
- * column has many of them. */
+/* A lattice of pixels: each has the same share of the picture, and no row or column has many. */
 struct lattice {
-    int width, height; /* of the picture */
-    int step, shear;   /* pixel (i, j): x = step i + shear j, y = step j, from the first one */
-    int rows, columns;
+    int width, height;              /* of the picture */
+    int step, shear, rows, columns; /* pixel (i, j): x = step i + shear j, y = step j */
 };
 struct lattice_pixel {
     double depth;
     int32_t surface;                 /* -1: background */
     struct screen_triangle triangle; /* that is seen */
 };
-/* The pixels of a lattice, and the triangles that the reference shows there. */
 struct seen_pixels {
     struct lattice lattice;
-    struct lattice_pixel *pixels; /* [row][column]; owned */
+    struct lattice_pixel *pixels; /* [row][column] that the reference shows; owned */
 };
 /* Looks at about `wanted` pixels of the picture. Of the surfaces only the window matters. */
 bool seen_find(const struct plan *plan, const struct surface *surfaces, int wanted,
@@ -92,8 +98,11 @@ struct lattice_fragment {
     int index; /* of the pixel */
     double at[2], depth;
 };
+/* Finds the parts of a triangle between the near and the far plane; returns how many. */
+int seen_parts(const struct view *view, const struct surface *surface, int triangle,
+               struct screen_triangle out[SCREEN_TRIANGLES]);
 typedef void lattice_visit(void *context, const struct lattice_fragment *fragment);
-/* Visits all pixels of the lattice that the triangle covers. */
+/* Visits the pixels that the triangle covers. */
 void lattice_scan(const struct lattice *lattice, const struct screen_triangle *triangle,
                   lattice_visit *visit, void *context);
 /* Returns whether a triangle in front of the eye lies between the places of the lattice. */
@@ -106,13 +115,8 @@ bool lattice_place(const struct lattice *lattice, int index, double at[2]);
 
 /* ---- estimate.c: the error of a picture ---- */
 
-/* Returns the value of the texture at a point of an instance; of a spectral one, whose planes are
- * not loaded yet, the middle of all its values; 1: there is none. */
-double texel_estimate(const struct plan *plan, int shaded, const struct instance *instance,
-                      const double *attributes);
-
 struct accuracy_object {
-    int object;         /* index in the scene */
+    int surface;        /* the first of its instances that is seen */
     double quantile_95; /* 95 % of its pixels have at most this error */
     int points;         /* of it that were judged */
 };
@@ -121,18 +125,14 @@ struct accuracy_estimate { /* wavelengths count if the measure knows them */
     double quantile_95;              /* of all objects' pixels */
     double shading_95;               /* the same of shading and shape alone */
     struct accuracy_object *objects; /* those in view, worst first; owned */
-    int n_objects;
-    int n_points; /* at which the picture was judged */
-    bool known;   /* otherwise the estimate is empty: the detector is no observer, or flat or phong
-                     shading is wanted as it is */
+    int n_objects, n_points;         /* n_points: at which the picture was judged */
+    bool known; /* or empty: the detector is no observer, or shading is flat or phong */
 };
-/* Judges the pixels of a seen. surfaces: those of the plan, in the window, and lit at the corners
- * of all triangles that are seen. */
+/* Judges pixels that are seen, of surfaces that are lit at the corners that are needed. */
 bool accuracy_judge(const struct measure *measure, const struct surface *surfaces,
                     const struct seen_pixels *seen, struct accuracy_estimate *out,
                     struct error *err);
-/* Finds the colours that the true surfaces show at the pixels of a sight. surfaces: those of the
- * plan, in the window. The caller always frees *out. */
+/* Finds the colours of the true surfaces at pixels that are seen. The caller always frees *out. */
 struct shown_colours {
     const struct material_terms **materials; /* of each shaded material; owned, as the next */
     struct stimulus *list;

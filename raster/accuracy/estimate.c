@@ -9,7 +9,8 @@
 #include "raster/accuracy/accuracy.h"
 
 struct judged_point {
-    int object;
+    int surface; /* -1: none */
+    const struct object *object;
     float error, shading; /* with wavelengths, and without */
 };
 struct estimating {
@@ -22,7 +23,7 @@ struct estimating {
     struct judged_point *points; /* of each pixel of the lattice, and then those that are judged;
                                     owned */
     int n_points;
-    bool failed; /* a thread found no memory */
+    struct counter failed; /* threads that found no memory */
 };
 
 /* ---- surfaces ---- */
@@ -43,7 +44,8 @@ static struct judged_surface judged_surface(const struct estimating *of, int sur
 {
     const struct placed_instance *placed = &of->plan->instances[surface];
     const struct plan_mesh *mesh = &of->plan->meshes[placed->mesh];
-    return (struct judged_surface){.view = &of->plan->view,
+    return (struct judged_surface){.plan = of->plan,
+                                   .shaded = placed->shaded,
                                    .surface = &of->surfaces[surface],
                                    .parameters = mesh->mesh.parameters,
                                    .patches = &of->patches[placed->mesh],
@@ -53,55 +55,32 @@ static struct judged_surface judged_surface(const struct estimating *of, int sur
 
 /* ---- points ---- */
 
-double texel_estimate(const struct plan *plan, int shaded, const struct instance *instance,
-                      const double *attributes)
-{
-    const struct texture *texture = plan->materials[shaded].texture;
-    double place[2];
-    if (!instance->textured)
-        return 1;
-    if (instance->varied)
-        return 0.5 * (texture->smallest + texture->largest);
-    texel_place(&instance->texels, attributes + instance->n_terms, place);
-    return texel_at(&instance->texels, place);
-}
-
-static double texel_of(const struct estimating *of, int surface, const double *attributes)
-{
-    const struct placed_instance *placed = &of->plan->instances[surface];
-    return texel_estimate(of->plan, placed->shaded, &placed->instance, attributes);
-}
-
-/* Finds the light of the true surface at a pixel of the lattice, with the place there. Returns
- * false for background, and where the true surface is not seen. */
-static bool find_exact(const struct estimating *of, int index, double at[2], double share[3],
-                       double *exact)
+/* Compares a pixel of the lattice; false for background, and where the true surface is not seen. */
+static bool compare_pixel(const struct estimating *of, int index, double *attributes,
+                          struct compared_point *out)
 {
     const struct lattice_pixel *pixel = &of->seen->pixels[index];
+    double at[2], share[3];
     if (pixel->surface < 0 || !lattice_place(&of->seen->lattice, index, at))
         return false;
     const struct judged_surface surface = judged_surface(of, pixel->surface);
     shares_at(&pixel->triangle, at[0], at[1], share);
-    return exact_attributes(&surface, &pixel->triangle, at, share, exact);
+    return compare_point(&surface, &pixel->triangle, at, share, attributes, out);
 }
 
-/* Judges a pixel of the lattice. */
 static void judge_pixel(const struct estimating *of, int index, double *attributes,
                         struct judged_point *out)
 {
-    const struct lattice_pixel *pixel = &of->seen->pixels[index];
-    double *drawn = attributes, *exact = drawn + of->plan->max_rows + 2, share[3], at[2];
-    struct light_work ignored = {0};
-    out->object = -1;
-    if (!find_exact(of, index, at, share, exact))
+    struct compared_point point;
+    const int surface = of->seen->pixels[index].surface;
+    out->surface = -1;
+    if (!compare_pixel(of, index, attributes, &point))
         return;
-    const struct placed_instance *placed = &of->plan->instances[pixel->surface];
-    shade(&of->plan->view, &pixel->triangle, share, drawn, &ignored);
-    const struct shaded_point a = {drawn, texel_of(of, pixel->surface, drawn)},
-                              b = {exact, texel_of(of, pixel->surface, exact)};
-    *out = (struct judged_point){(int)(placed->object - of->plan->scene->objects),
-                                 (float)measure_whole(of->measure, placed->shaded, &a, &b),
-                                 (float)measure_difference(of->measure, placed->shaded, &a, &b)};
+    const int shaded = of->plan->instances[surface].shaded;
+    *out = (struct judged_point){
+        surface, of->plan->instances[surface].object,
+        (float)measure_whole(of->measure, shaded, &point.drawn, &point.exact),
+        (float)measure_difference(of->measure, shaded, &point.drawn, &point.exact)};
 }
 
 static void judge_block(void *context, size_t first, size_t end)
@@ -109,7 +88,7 @@ static void judge_block(void *context, size_t first, size_t end)
     struct estimating *of = context;
     double *attributes = calloc(2 * ((size_t)of->plan->max_rows + 2), sizeof *attributes);
     if (!attributes)
-        of->failed = true;
+        counter_add(&of->failed, 1);
     for (size_t i = first; i < end && attributes; i++)
         judge_pixel(of, (int)i, attributes, &of->points[i]);
     free(attributes);
@@ -131,10 +110,10 @@ static bool judge_pixels(struct estimating *of, struct error *err)
     if (!open_seen(of, err))
         return false;
     threads_blocks(of->plan->options.threads, (size_t)n, BLOCK_PIXELS, judge_block, of);
-    for (int i = 0; i < n && !of->failed; i++)
-        if (of->points[i].object >= 0)
+    for (int i = 0; i < n && of->failed.n == 0; i++)
+        if (of->points[i].surface >= 0)
             of->points[of->n_points++] = of->points[i];
-    return !of->failed || error_memory(err);
+    return of->failed.n == 0 || error_memory(err);
 }
 
 /* ---- conclusions ---- */
@@ -165,7 +144,7 @@ static int worst_first(const void *a, const void *b)
     const struct accuracy_object *one = a, *two = b;
     return one->quantile_95 != two->quantile_95
                ? (one->quantile_95 < two->quantile_95) - (one->quantile_95 > two->quantile_95)
-               : (one->object > two->object) - (one->object < two->object);
+               : (one->surface > two->surface) - (one->surface < two->surface);
 }
 
 /* Returns the last of the 95 % of n points, at least 1, that have the least errors. */
@@ -180,6 +159,16 @@ static double quantile(const struct judged_point *points, int n)
     return n > 0 ? (double)points[last_of(n)].error : 0;
 }
 
+/* Returns the first of the surfaces that n points show, so that the order of equal errors does not
+ * matter. */
+static int first_surface(const struct judged_point *points, int n)
+{
+    int first = points[0].surface;
+    for (int i = 1; i < n; i++)
+        first = points[i].surface < first ? points[i].surface : first;
+    return first;
+}
+
 static bool conclude(struct estimating *of, struct accuracy_estimate *out, struct error *err)
 {
     const size_t size = sizeof *of->points;
@@ -192,8 +181,8 @@ static bool conclude(struct estimating *of, struct accuracy_estimate *out, struc
     for (int i = 0, n; i < of->n_points; i += n) {
         for (n = 1; i + n < of->n_points && of->points[i + n].object == of->points[i].object; n++)
             ;
-        const struct accuracy_object object = {of->points[i].object, quantile(&of->points[i], n),
-                                               n};
+        const struct accuracy_object object = {first_surface(&of->points[i], n),
+                                               quantile(&of->points[i], n), n};
         if (!array_add(&out->objects, &out->n_objects, &object, sizeof object, err))
             return false;
     }
@@ -227,8 +216,11 @@ bool accuracy_judge(const struct measure *measure, const struct surface *surface
                     const struct seen_pixels *seen, struct accuracy_estimate *out,
                     struct error *err)
 {
-    struct estimating of = {
-        .plan = measure->plan, .surfaces = surfaces, .measure = measure, .seen = seen};
+    struct estimating of = {.plan = measure->plan,
+                            .surfaces = surfaces,
+                            .measure = measure,
+                            .seen = seen,
+                            .failed = COUNTER};
     *out = (struct accuracy_estimate){.known = true, .unit = measure->unit};
     const bool done =
         allocate(&of, &seen->lattice, err) && judge_pixels(&of, err) && conclude(&of, out, err);
@@ -246,21 +238,21 @@ static bool allocate_colours(const struct plan *plan, const struct lattice *latt
     const size_t n = (size_t)lattice->rows * (size_t)lattice->columns;
     out->materials = calloc((size_t)plan->n_materials + 1, sizeof *out->materials);
     out->list = calloc(n + 1, sizeof *out->list);
-    out->weights = calloc((n + 1) * ((size_t)plan->max_rows + 2), sizeof *out->weights);
+    out->weights = calloc((n + 1) * 2 * ((size_t)plan->max_rows + 2), sizeof *out->weights);
     return (out->materials && out->list && out->weights) || error_memory(err);
 }
 
+/* Keeps the exact one of the two points that are compared: its weights come second. */
 static void list_colours(struct estimating *of, struct shown_colours *out)
 {
+    const size_t n_numbers = 2 * ((size_t)of->plan->max_rows + 2);
     for (int i = 0; i < of->seen->lattice.rows * of->seen->lattice.columns; i++) {
-        double *exact = out->weights + (size_t)out->n * ((size_t)of->plan->max_rows + 2), at[2],
-               share[3];
-        if (!find_exact(of, i, at, share, exact))
+        struct compared_point point;
+        if (!compare_pixel(of, i, out->weights + (size_t)out->n * n_numbers, &point))
             continue;
-        const int surface = of->seen->pixels[i].surface;
-        const int shaded = of->plan->instances[surface].shaded;
+        const int shaded = of->plan->instances[of->seen->pixels[i].surface].shaded;
         out->materials[shaded] = &of->plan->materials[shaded].made;
-        out->list[out->n++] = (struct stimulus){shaded, exact, texel_of(of, surface, exact)};
+        out->list[out->n++] = (struct stimulus){shaded, point.exact.weights, point.exact.texel};
     }
 }
 

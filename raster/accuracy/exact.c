@@ -4,6 +4,31 @@
 
 #include "raster/accuracy/accuracy.h"
 
+/* ---- points in the window ---- */
+
+bool window_of(const struct judged_surface *of, struct vector position, struct window_vertex *out)
+{
+    const struct vector eye = matrix_point(&of->surface->instance->model_view, position);
+    for (int r = 0; r < 4; r++) {
+        const double *row = of->plan->view.projection.row[r];
+        out->clip[r] = row[0] * eye.x + row[1] * eye.y + row[2] * eye.z + row[3];
+    }
+    if (!(out->clip[3] > 0))
+        return false;
+    window_place(&of->plan->view, out);
+    return true;
+}
+
+bool is_front(const struct judged_surface *of, const struct vertex *point)
+{
+    const struct instance *instance = of->surface->instance;
+    const struct vector eye = matrix_point(&instance->model_view, point->position),
+                        normal = matrix_direction(&instance->normal_matrix, point->normal),
+                        far_away = {0, 0, 1};
+    const bool perspective = of->plan->view.projection.row[3][2] != 0;
+    return vector_dot(normal, perspective ? vector_scale(eye, -1) : far_away) > 0;
+}
+
 /* ---- points of a built-in shape ---- */
 
 /* A point of the true surface, in the mesh and in the window. */
@@ -16,21 +41,14 @@ struct exact_point {
 static bool place_point(const struct judged_surface *of, int patch, const double u_v[2],
                         struct exact_point *out)
 {
-    const struct instance *instance = of->surface->instance;
     double u = u_v[0], v = u_v[1];
+    struct window_vertex window;
     patch_enter(of->patches->shape, &u, &v);
     out->vertex = patch_vertex(of->patches, patch, u, v);
     struct vector *position = &out->vertex.position;
     *position = vector_scale(vector_subtract(*position, of->centre), 1 / of->unit);
-    const struct vector eye = matrix_point(&instance->model_view, *position);
-    struct window_vertex window;
-    for (int r = 0; r < 4; r++) {
-        const double *row = of->view->projection.row[r];
-        window.clip[r] = row[0] * eye.x + row[1] * eye.y + row[2] * eye.z + row[3];
-    }
-    if (!(window.clip[3] > 0))
+    if (!window_of(of, *position, &window))
         return false;
-    window_place(of->view, &window);
     out->x = window.x;
     out->y = window.y;
     return true;
@@ -64,20 +82,6 @@ static bool step(const struct judged_surface *of, int patch, const double at[2],
     return true;
 }
 
-/* Returns whether the point's outside is turned to the eye, or its back where the triangle shows
- * that. */
-static bool is_seen(const struct judged_surface *of, const struct screen_triangle *triangle,
-                    const struct vertex *point)
-{
-    const struct instance *instance = of->surface->instance;
-    const struct vector eye = matrix_point(&instance->model_view, point->position),
-                        normal = matrix_direction(&instance->normal_matrix, point->normal),
-                        far_away = {0, 0, 1};
-    const bool perspective = of->view->projection.row[3][2] != 0;
-    const bool front = vector_dot(normal, perspective ? vector_scale(eye, -1) : far_away) > 0;
-    return front == (triangle->clockwise == instance->mirrored);
-}
-
 /* Finds the point of a curved patch that the window shows at a place. u_v: parameters near it. */
 static bool find_point(const struct judged_surface *of, const struct screen_triangle *triangle,
                        int patch, const double at[2], double u_v[2], struct vertex *out)
@@ -86,7 +90,7 @@ static bool find_point(const struct judged_surface *of, const struct screen_tria
     for (int i = 0; i < MOST_STEPS && place_point(of, patch, u_v, &point); i++) {
         if (vector_length((struct vector){at[0] - point.x, at[1] - point.y, 0}) < near_enough_px) {
             *out = point.vertex;
-            return is_seen(of, triangle, out);
+            return is_front(of, out) == (triangle->clockwise == of->surface->instance->mirrored);
         }
         if (!step(of, patch, at, u_v, &point))
             return false;
@@ -105,7 +109,7 @@ static bool is_curved(const struct judged_surface *of, const struct screen_trian
 static void light_facet(const struct judged_surface *of, const struct screen_triangle *triangle,
                         const double share[3], double *attributes)
 {
-    struct view phong = *of->view;
+    struct view phong = of->plan->view;
     struct light_work ignored = {0};
     phong.shading = PHONG;
     shade(&phong, triangle, share, attributes, &ignored);
@@ -128,8 +132,10 @@ static void place_texture(const struct judged_surface *of, const struct screen_t
     }
 }
 
-bool exact_attributes(const struct judged_surface *of, const struct screen_triangle *triangle,
-                      const double at[2], const double share[3], double *attributes)
+/* Finds the attributes of the point of the true surface. */
+static bool exact_attributes(const struct judged_surface *of,
+                             const struct screen_triangle *triangle, const double at[2],
+                             const double share[3], double *attributes)
 {
     double u_v[2] = {0, 0};
     struct light_work ignored = {0};
@@ -147,6 +153,37 @@ bool exact_attributes(const struct judged_surface *of, const struct screen_trian
     if (!find_point(of, triangle, patch, at, u_v, &point))
         return false;
     place_texture(of, triangle, share, &point);
-    light_point(of->view, of->surface->instance, &point, triangle->side, attributes, &ignored);
+    light_point(&of->plan->view, of->surface->instance, &point, triangle->side, attributes,
+                &ignored);
+    return true;
+}
+
+/* ---- both points ---- */
+
+/* Returns the value of the texture at a point; of a spectral one, whose planes are not loaded yet,
+ * the middle of all its values; 1: there is none. */
+static double texel_of(const struct judged_surface *of, const double *attributes)
+{
+    const struct instance *instance = of->surface->instance;
+    const struct texture *texture = of->plan->materials[of->shaded].texture;
+    double place[2];
+    if (!instance->textured)
+        return 1;
+    if (instance->varied)
+        return 0.5 * (texture->smallest + texture->largest);
+    texel_place(&instance->texels, attributes + instance->n_terms, place);
+    return texel_at(&instance->texels, place);
+}
+
+bool compare_point(const struct judged_surface *of, const struct screen_triangle *triangle,
+                   const double at[2], const double share[3], double *attributes,
+                   struct compared_point *out)
+{
+    double *drawn = attributes, *exact = drawn + of->plan->max_rows + 2;
+    struct light_work ignored = {0};
+    if (!exact_attributes(of, triangle, at, share, exact))
+        return false;
+    shade(&of->plan->view, triangle, share, drawn, &ignored);
+    *out = (struct compared_point){{drawn, texel_of(of, drawn)}, {exact, texel_of(of, exact)}};
     return true;
 }

@@ -111,6 +111,14 @@ bool lattice_misses(const struct lattice *lattice, const struct surface *surface
     return misses(y[0], y[1], y[2]) || misses(x[0], x[1], x[2]);
 }
 
+int seen_parts(const struct view *view, const struct surface *surface, int triangle,
+               struct screen_triangle out[SCREEN_TRIANGLES])
+{
+    /* near, then far */
+    static const struct clip_plane depth_planes[2] = {{{0, 0, 1, 1}, 0}, {{0, 0, -1, 1}, 0}};
+    return screen_triangles(view, surface, triangle, depth_planes, 2, out);
+}
+
 struct lattice_drawing {
     const struct lattice *lattice;
     const struct plan *plan;
@@ -129,14 +137,12 @@ static void cover(void *context, const struct lattice_fragment *fragment)
 
 static void draw_surface(struct lattice_drawing *drawing, const struct surface *surface)
 {
-    /* near, then far */
-    static const struct clip_plane depth_planes[2] = {{{0, 0, 1, 1}, 0}, {{0, 0, -1, 1}, 0}};
     struct screen_triangle parts[SCREEN_TRIANGLES];
     const struct instance *instance = surface->instance;
     for (int i = 0; i < instance->n_triangles; i++) {
         if (lattice_misses(drawing->lattice, surface, instance->triangles[i]))
             continue;
-        const int n = screen_triangles(&drawing->plan->view, surface, i, depth_planes, 2, parts);
+        const int n = seen_parts(&drawing->plan->view, surface, i, parts);
         for (int part = 0; part < n; part++)
             lattice_scan(drawing->lattice, &parts[part], cover, drawing);
     }

@@ -9,15 +9,6 @@ static const double just_seen = 1;
 /* An object of fewer judged pixels has no quantile to rely on. */
 enum { FEWEST_POINTS = 20 };
 
-/* Returns an instance of the object, for its name. */
-static int instance_of(const struct plan *plan, int object)
-{
-    for (int i = 0; i < plan->n_instances; i++)
-        if (plan->instances[i].object == &plan->scene->objects[object])
-            return i;
-    return -1;
-}
-
 /* Returns the error of the picture as it is drawn. */
 static const struct accuracy_estimate *estimate_of(const struct notes *notes)
 {
@@ -71,7 +62,7 @@ bool note_shading(const struct plan *plan, struct notes *notes, struct error *er
     }
     if (!worst)
         return true;
-    object_text(plan, instance_of(plan, worst->object), name, sizeof name);
+    object_text(plan, worst->surface, name, sizeof name);
     return note_add(notes, "shading", err,
                     "the shading of %s%s is off by up to %.2g CIEDE2000 at 95 %% of its pixels: "
                     "light is computed at the corners of triangles only; add --accuracy 1",
@@ -118,13 +109,13 @@ void shading_print(const struct plan *plan, const struct notes *notes, struct pr
     print(to, "shading error     %.3g %s at 95 %% of object pixels, judged at %d\n",
           shading->quantile_95, unit_of(shading), shading->n_points);
     for (int i = 0; i < shading->n_objects && i < MOST_LINES; i++) {
-        object_text(plan, instance_of(plan, shading->objects[i].object), name, sizeof name);
+        object_text(plan, shading->objects[i].surface, name, sizeof name);
         print(to, "                  %.3g on %s\n", shading->objects[i].quantile_95, name);
     }
     print_others(shading->n_objects, "less", to);
     for (int i = 0; refined && i < refined->n_objects && i < MOST_LINES; i++) {
         const struct refined_object *object = &refined->objects[i];
-        object_text(plan, instance_of(plan, object->object), name, sizeof name);
+        object_text(plan, object->surface, name, sizeof name);
         print(to, "%s%ld triangles became %ld on %s\n",
               i == 0 ? "refined           " : "                  ", object->before, object->after,
               name);
@@ -141,7 +132,7 @@ static void json_objects(const struct plan *plan, const struct accuracy_estimate
     json_open(json, "objects", '[');
     for (int i = 0; i < shading->n_objects; i++) {
         const struct accuracy_object *object = &shading->objects[i];
-        object_text(plan, instance_of(plan, object->object), name, sizeof name);
+        object_text(plan, object->surface, name, sizeof name);
         json_open(json, NULL, '{');
         json_string(json, "object", name);
         json_number(json, "error_95", object->quantile_95);
@@ -164,7 +155,7 @@ static void json_refined(const struct plan *plan, const struct refine_result *re
     json_truth(json, "stopped", refined->stopped);
     json_open(json, "objects", '[');
     for (int i = 0; i < refined->n_objects; i++) {
-        object_text(plan, instance_of(plan, refined->objects[i].object), name, sizeof name);
+        object_text(plan, refined->objects[i].surface, name, sizeof name);
         json_open(json, NULL, '{');
         json_string(json, "object", name);
         json_count(json, "triangles_before", (uint64_t)refined->objects[i].before);

@@ -84,10 +84,7 @@ bool plan_whole(const struct shape *shape, struct mesh *out, struct error *err)
         return false;
     if (shape->planar)
         mesh_planar(out);
-    for (int i = 0; i < out->n_vertices; i++) {
-        out->vertices[i].s *= shape->repeat[0];
-        out->vertices[i].t *= shape->repeat[1];
-    }
+    shape_repeat_texture(shape, out);
     return true;
 }
 

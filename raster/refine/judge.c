@@ -25,24 +25,16 @@ struct judged_triangle {
 
 /* ---- one point ---- */
 
-static double texel_of(const struct judged_triangle *of, const double *attributes)
-{
-    return texel_estimate(of->judge->plan, of->of->shaded, of->surface->surface->instance,
-                          attributes);
-}
-
 /* Returns the error at a place of the window, with its barycentric coordinates; 0 where the true
  * surface is not seen. */
 static double difference_at(const struct judged_triangle *of, const struct screen_triangle *part,
                             const double at[2], const double share[3])
 {
-    double *drawn = of->of->attributes, *exact = drawn + of->judge->plan->max_rows + 2;
-    struct light_work ignored = {0};
-    shade(&of->judge->plan->view, part, share, drawn, &ignored);
-    if (!exact_attributes(of->surface, part, at, share, exact))
-        return 0;
-    const struct shaded_point a = {drawn, texel_of(of, drawn)}, b = {exact, texel_of(of, exact)};
-    return measure_difference(of->judge->measure, of->of->shaded, &a, &b);
+    struct compared_point point;
+    return compare_point(of->surface, part, at, share, of->of->attributes, &point)
+               ? measure_difference(of->judge->measure, of->surface->shaded, &point.drawn,
+                                    &point.exact)
+               : 0;
 }
 
 /* Returns whether a fragment lies behind another surface: by more than what refined surfaces move,
@@ -75,7 +67,7 @@ struct window_point {
 static struct window_point window_point(const struct judged_triangle *of, const double weights[3])
 {
     const int32_t *vertex = of->surface->surface->instance->triangles[of->triangle];
-    const struct view *view = of->surface->view;
+    const struct view *view = &of->judge->plan->view;
     struct window_vertex window = {{0, 0, 0, 0}, 0, 0, 0, 0};
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < 4; i++)
@@ -109,18 +101,6 @@ static double point_difference(const struct judged_triangle *of, const double we
 
 /* ---- outlines ---- */
 
-/* Returns whether the outside of a corner is turned to the eye. */
-static bool is_front(const struct judged_triangle *of, int32_t corner)
-{
-    const struct instance *instance = of->surface->surface->instance;
-    const struct vertex *vertex = &instance->vertices[corner];
-    const struct vector eye = matrix_point(&instance->model_view, vertex->position),
-                        normal = matrix_direction(&instance->normal_matrix, vertex->normal),
-                        far_away = {0, 0, 1};
-    const bool perspective = of->surface->view->projection.row[3][2] != 0;
-    return vector_dot(normal, perspective ? vector_scale(eye, -1) : far_away) > 0;
-}
-
 /* Returns how far, in pixels, the true surface lies beside the middle of an edge in the window. For
  * an edge along the outline that is the distance from its line. */
 static double off_edge(const struct judged_triangle *of, int edge, bool along)
@@ -131,17 +111,10 @@ static double off_edge(const struct judged_triangle *of, int edge, bool along)
     struct parameters parameters;
     const struct vertex middle =
         mesh_midpoint(of->of->mesh, of->surface->patches, a, b, &parameters);
-    const struct vector eye = matrix_point(&surface->instance->model_view, middle.position);
-    struct window_vertex window = {{0, 0, 0, 0}, 0, 0, 0, 0};
-    for (int r = 0; r < 4; r++) {
-        const double *row = of->surface->view->projection.row[r];
-        window.clip[r] = row[0] * eye.x + row[1] * eye.y + row[2] * eye.z + row[3];
-    }
     const struct window_vertex *p = &surface->vertices[a], *q = &surface->vertices[b];
-    if (!(window.clip[3] > 0 && p->clip[3] > 0 && q->clip[3] > 0))
-        return 0;
-    window_place(of->surface->view, &window);
-    if (is_hidden(of->judge, window.x, window.y, window.z))
+    struct window_vertex window;
+    if (!(p->clip[3] > 0 && q->clip[3] > 0) || !window_of(of->surface, middle.position, &window) ||
+        is_hidden(of->judge, window.x, window.y, window.z))
         return 0;
     const double x = window.x - (p->x + q->x) / 2, y = window.y - (p->y + q->y) / 2,
                  dx = q->x - p->x, dy = q->y - p->y,
@@ -160,7 +133,7 @@ static void judge_outline(const struct judged_triangle *of, float out[3])
         return;
     flat = patch_is_flat(of->surface->patches->shape, of->surface->parameters[vertex[0]].patch);
     for (int k = 0; k < 3; k++)
-        front[k] = is_front(of, vertex[k]);
+        front[k] = is_front(of->surface, &of->surface->surface->instance->vertices[vertex[k]]);
     if (!flat && front[0] == front[1] && front[1] == front[2])
         return;
     for (int k = 0; k < 3; k++) {
@@ -247,10 +220,8 @@ static void judge_shading(struct judged_triangle *of, float out[3])
 void judge_triangle(const struct judge *judge, const struct judged_mesh *mesh, int triangle,
                     float out[3])
 {
-    /* near, then far */
-    static const struct clip_plane depth_planes[2] = {{{0, 0, 1, 1}, 0}, {{0, 0, -1, 1}, 0}};
     const struct surface *surface = mesh->surface->surface;
-    const struct view *view = mesh->surface->view;
+    const struct view *view = &judge->plan->view;
     const struct rectangle picture = {0, 0, view->width, view->height};
     struct judged_triangle of = {
         .judge = judge, .of = mesh, .surface = mesh->surface, .triangle = triangle};
@@ -261,7 +232,7 @@ void judge_triangle(const struct judge *judge, const struct judged_mesh *mesh, i
             outcode(&surface->vertices[surface->instance->triangles[triangle][i]], &picture, 1);
     if (beside)
         return;
-    of.n_parts = screen_triangles(view, surface, triangle, depth_planes, 2, of.parts);
+    of.n_parts = seen_parts(view, surface, triangle, of.parts);
     measure_edges(&of);
     judge_shading(&of, out);
     judge_outline(&of, out);

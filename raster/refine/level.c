@@ -24,7 +24,7 @@ struct judging {
     struct surface surface;
     struct judged_surface judged;
     unsigned char *wanted; /* of each vertex: a triangle that is to be judged has it; owned */
-    bool failed;           /* a thread found no memory */
+    struct counter failed; /* threads that found no memory */
 };
 
 /* Returns whether the instance shows some of the triangle, which has not been judged. */
@@ -49,11 +49,10 @@ static void judge_triangles(void *context, size_t first, size_t end)
     struct judging *judging = context;
     const struct refinement *of = judging->of;
     struct refined *refined = judging->refined;
-    struct judged_mesh mesh = {
-        .surface = &judging->judged, .shaded = judging->placed->shaded, .mesh = &refined->mesh};
+    struct judged_mesh mesh = {.surface = &judging->judged, .mesh = &refined->mesh};
     mesh.attributes = calloc(2 * ((size_t)of->plan->max_rows + 2), sizeof *mesh.attributes);
     if (!mesh.attributes)
-        judging->failed = true;
+        counter_add(&judging->failed, 1);
     for (size_t i = first; i < end && mesh.attributes; i++) {
         float errors[3];
         if (!is_wanted(judging, (int)i))
@@ -82,7 +81,8 @@ static bool open_judging(struct judging *judging, struct error *err)
     if (!judging->wanted || !surface_open(&judging->instance, &judging->surface))
         return error_memory(err);
     judging->judged =
-        (struct judged_surface){.view = &of->plan->view,
+        (struct judged_surface){.plan = of->plan,
+                                .shaded = judging->placed->shaded,
                                 .surface = &judging->surface,
                                 .parameters = mesh->parameters,
                                 .patches = mesh->parametric ? &refined->patches : NULL,
@@ -95,7 +95,8 @@ static bool judge_instance(const struct refinement *of, int index, struct error 
     const struct placed_instance *placed = &of->plan->instances[index];
     struct judging judging = {.of = of,
                               .refined = &of->list[of->of_object[object_of(of->plan, index)]],
-                              .placed = placed};
+                              .placed = placed,
+                              .failed = COUNTER};
     const struct mesh *mesh = &judging.refined->mesh;
     bool any = false, done = open_judging(&judging, err);
     for (int i = 0; done && i < mesh->n_triangles; i++)
@@ -108,7 +109,7 @@ static bool judge_instance(const struct refinement *of, int index, struct error 
     }
     free(judging.wanted);
     surface_close(&judging.surface);
-    return done && (!judging.failed || error_memory(err));
+    return done && (judging.failed.n == 0 || error_memory(err));
 }
 
 /* ---- the edges to halve ---- */
@@ -241,11 +242,9 @@ static bool divide_mesh(struct refined *refined, const unsigned char *marks, str
     free(refined->settled);
     refined->mesh = finer;
     refined->settled = settled;
-    if (refined->shape.planar)
+    if (refined->shape.planar) {
         mesh_planar(&refined->mesh);
-    for (int i = 0; refined->shape.planar && i < refined->mesh.n_vertices; i++) {
-        refined->mesh.vertices[i].s *= refined->shape.repeat[0];
-        refined->mesh.vertices[i].t *= refined->shape.repeat[1];
+        shape_repeat_texture(&refined->shape, &refined->mesh);
     }
     return true;
 }

@@ -86,18 +86,24 @@ static bool refine_to(struct refinement *of, double error, struct error *err)
     return done;
 }
 
+/* Lists the refined objects, in the order of their first instances. */
 static bool list_result(struct refinement *of, struct error *err)
 {
     struct refine_result *out = of->result;
-    for (int i = 0; i < of->n; i++) {
-        const struct refined_object object = {of->list[i].object, of->list[i].before,
+    bool *listed = calloc((size_t)of->n + 1, sizeof *listed), done = listed || error_memory(err);
+    for (int surface = 0; done && surface < of->plan->n_instances; surface++) {
+        const int i = of->of_object[object_of(of->plan, surface)];
+        if (i < 0 || listed[i])
+            continue;
+        const struct refined_object object = {surface, of->list[i].before,
                                               of->list[i].mesh.n_triangles};
-        if (object.after > object.before &&
-            !array_add(&out->objects, &out->n_objects, &object, sizeof object, err))
-            return false;
+        listed[i] = true;
+        if (object.after > object.before)
+            done = array_add(&out->objects, &out->n_objects, &object, sizeof object, err);
     }
+    free(listed);
     out->triangles_after = of->plan->n_triangles;
-    return true;
+    return done;
 }
 
 /* An outline may be off by a quarter of the wanted CIEDE2000, in pixels, within these limits. No

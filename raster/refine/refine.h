@@ -18,7 +18,7 @@ struct refine_request {
     const char *observer; /* for CIEDE2000 of a scene that is not sampled */
 };
 struct refined_object {
-    int object;         /* index in the scene */
+    int surface;        /* the first of its instances */
     long before, after; /* triangles */
 };
 struct refine_result {
@@ -90,10 +90,9 @@ struct judge {
     double shortest_px; /* edges of this length in the window are not divided */
     double outline_px;  /* how far an outline may be from the true one */
 };
-/* A surface that is judged: its material, its mesh, and room for the attributes of two points. */
+/* A surface that is judged, its mesh, and room for the attributes of two points. */
 struct judged_mesh {
     const struct judged_surface *surface;
-    int shaded;
     const struct mesh *mesh;
     double *attributes;
 };

@@ -14,8 +14,7 @@ import numpy as np
 import tifffile
 
 sys.dont_write_bytecode = True
-from colours import cielab, ciede2000
-from rendered import SPECTRAL, TMP, check, done, write
+from rendered import SPECTRAL, TMP, check, colour_error_95, done, objects_of, tristimulus, write
 from tap import bail_out
 
 BUNNY = "/usr/share/glmark2/models/bunny.obj"
@@ -64,29 +63,15 @@ def render(scene, *options, stack="stack.tif", agrees=True):
     return json.loads(result.stdout)
 
 
-def colours(stack):
-    """X, Y and Z of each pixel, the map of its objects, and the white."""
-    picture, stack = os.path.join(TMP, "xyz.tif"), os.path.join(TMP, stack)
-    result = run("develop", stack, "--xyz", "-o", picture)
-    white = re.search(r"^white +XYZ ([0-9. ]+),", result.stdout, re.MULTILINE)
-    if result.returncode != 0 or not white:
-        bail_out("cannot develop", stack, result.stderr)
-    with tifffile.TiffFile(stack) as tiff:
-        objects = tiff.pages[len(tiff.pages) - 1].asarray()
-    return tifffile.imread(picture).astype(float), objects, np.array(white.group(1).split(), float)[:, None]
+def seen_in(stack):
+    path = os.path.join(TMP, stack)
+    return tristimulus(path), objects_of(path)
 
 
 def standard(scene, *options):
     render(scene, "--renderer", "raster", "--no-check", "--shading", "phong", "--tessellation", "8", "--depth", "32f",
            "--memory", "6000", stack="standard.tif", *SIZE, *options)
-    return colours("standard.tif")
-
-
-def error_95(one, two):
-    """The error that 95 % of the pixels have in which either picture shows an object. The white is that of the first."""
-    shown = (one[1] > 0) | (two[1] > 0)
-    difference = np.sort(ciede2000(cielab(one[0][:, shown], one[2]), cielab(two[0][:, shown], one[2])))
-    return difference[len(difference) - len(difference) // 20 - 1]
+    return seen_in("standard.tif")
 
 
 def keeps_its_promise(name, scene, errors):
@@ -95,7 +80,7 @@ def keeps_its_promise(name, scene, errors):
     truth = standard(scene, "--sampling", "riemann:1")
     for error in errors:
         report = render(scene, "--accuracy", error, "--memory", "4000", *SIZE)
-        measured, said = error_95(truth, colours("stack.tif")), report["accuracy"]["error_95"]
+        measured, said = colour_error_95(truth, seen_in("stack.tif")), report["accuracy"]["error_95"]
         check(measured <= float(error), f"{name}: --accuracy {error} holds", measured, said)
         check(measured / 2 - 0.02 <= said <= 2 * measured + 0.02, f"{name}: --accuracy {error} says what it is",
               measured, said)
@@ -110,7 +95,7 @@ def says_the_error_before():
         report = json.loads(run("plan", path_of(scene), "--json", "-").stdout)
         truth = standard(scene)
         render(scene, "--renderer", "raster", *SIZE)
-        measured, said = error_95(truth, colours("stack.tif")), report["accuracy"]["error_95"]
+        measured, said = colour_error_95(truth, seen_in("stack.tif")), report["accuracy"]["error_95"]
         check(measured / 2 <= said <= 2 * measured and report["accuracy"]["objects"][0]["error_95"] >= said,
               f"{name}: plan says the error of the shading", measured, said)
 
@@ -153,19 +138,20 @@ def wavelengths():
         report = render("patches", "--light", f"1={light}", "--accuracy", "0.5", *SIZE)
         bands[light] = len(report["wavelengths_nm"])
         truth = standard("patches", "--light", f"1={light}", "--sampling", "riemann:1")
-        measured = error_95(truth, colours("stack.tif"))
+        measured = colour_error_95(truth, seen_in("stack.tif"))
         check(measured <= 0.5, f"patches under {light}: --accuracy 0.5 holds with {bands[light]} bands", measured)
     check(20 <= bands["d65"] < bands["f11"] < 200, "lines need more bands than daylight", bands)
-    for words in (("--wavelengths", "400:700:50"), ("--sampling", "riemann:50")):
+    for words, bands in ((("--wavelengths", "400:700:50"), 7), (("--sampling", "riemann:50"), 8)):
         result = run("render", "patches", "-o", "/dev/null", "--accuracy", "0.5", *words, *SIZE)
-        check(result.returncode == 0 and ", 7 wavelengths" in result.stdout and "the wavelengths are too few" in result.stdout
-              if words[0] == "--wavelengths" else "the wavelengths are too few" in result.stdout,
+        check(result.returncode == 0 and f", {bands} wavelengths" in result.stdout and
+              "the wavelengths are too few" in result.stdout,
               f"{' '.join(words)} stands, and a note says what it costs", result.stdout, result.stderr)
     counts = render("patches", "--accuracy", "8counts", *SIZE)
     plain = render("patches", *SIZE)
     check(counts["wavelengths_nm"] == plain["wavelengths_nm"], "counts leave the wavelengths as they are")
     render("patches", "--accuracy", "0.5", "--detector", "cie1964", *SIZE)
-    check(re.search("^sampled for +cie1964$", run("info", os.path.join(TMP, "stack.tif")).stdout, re.MULTILINE), "--detector is the observer of --accuracy")
+    about = run("info", os.path.join(TMP, "stack.tif")).stdout
+    check(re.search("^sampled for +cie1964$", about, re.MULTILINE), "--detector is the observer of --accuracy", about)
 
 
 def in_counts():
@@ -176,7 +162,7 @@ def in_counts():
         render(scene, "--renderer", "raster", "--no-check", "--shading", "phong", "--depth", "32f", stack="standard.tif")
         with tifffile.TiffFile(os.path.join(TMP, "stack.tif")) as tiff, \
                 tifffile.TiffFile(os.path.join(TMP, "standard.tif")) as standard_tiff:
-            n, shown = len(report["wavelengths_nm"]), tiff.pages[len(tiff.pages) - 1].asarray() > 0
+            n, shown = len(report["wavelengths_nm"]), objects_of(os.path.join(TMP, "stack.tif")) > 0
             counts = np.array([page.asarray()[shown] for page in tiff.pages[:n]], float)
             exact = np.array([page.asarray()[shown] for page in standard_tiff.pages[:n]], float)
         difference = np.sort(np.abs(counts - exact / report["full_scale"] * 65535).max(0))
@@ -211,8 +197,7 @@ def no_cracks():
             check(report["check"]["unexplained_pixels"] == 0 and
                   report["accuracy"]["refined"]["triangles_after"] > report["accuracy"]["refined"]["triangles_before"],
                   f"{name}: {driver} agrees with the reference")
-            _, objects, _ = colours("stack.tif")
-            holes = (objects[60:140, 100:200] == 0).sum()
+            holes = (objects_of(os.path.join(TMP, "stack.tif"))[60:140, 100:200] == 0).sum()
             check(name != "two planes that meet" or holes == 0, f"{name}: no hole with {driver}", holes)
 
 

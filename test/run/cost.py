@@ -21,8 +21,7 @@ import numpy as np
 import tifffile
 
 sys.dont_write_bytecode = True
-from colours import cielab, ciede2000
-from rendered import SPECTRAL, TMP, check, done, write
+from rendered import SPECTRAL, TMP, check, colour_error_95, done, objects_of, tristimulus, write
 from tap import bail_out
 
 CHECKER = os.path.abspath("data/builtin/materials/colorchecker")
@@ -204,27 +203,9 @@ def three_numbers():
 
 # ---- recommendations ----
 
-def tristimulus(stack, observer):
-    """XYZ of each pixel [channel, y, x], the white, and a mask of the pixels that show an object."""
-    picture = os.path.join(TMP, "xyz.tif")
-    result = run("develop", stack, "--xyz", "--observer", observer, "-o", picture)
-    white = next(line for line in result.stdout.splitlines() if line.startswith("white"))
-    with tifffile.TiffFile(picture) as tiff:
-        return np.array([page.asarray() for page in tiff.pages], float), np.array(
-            [float(word) for word in white.split("XYZ")[1].split(",")[0].split()])
-
-
 def render(stack, scene, options):
     result = run("render", scene, "--quiet", "-o", stack, *options)
     check(result.returncode == 0, f"render {os.path.basename(scene)} {' '.join(options)}", result.stderr)
-
-
-def shows_object(stack):
-    """Mask of the pixels that show an object, even a black one, from the map after the last page."""
-    with tifffile.TiffFile(stack) as tiff:
-        offset, size = re.search(r"object_map: (\d+) (\d)\n", tiff.pages[0].description).groups()
-        shape = tiff.pages[0].shape
-    return np.fromfile(stack, f"<u{size}", np.prod(shape), offset=int(offset)).reshape(shape) > 0
 
 
 def quantile(scene, options, given, observer):
@@ -232,10 +213,7 @@ def quantile(scene, options, given, observer):
     render(mine, scene, options)
     render(reference, scene, [*given, "--sampling=riemann:1", "--detector", observer, "--shading=phong",
                               "--tessellation=4", "--renderer=raster", "--depth=32f"])
-    (one, white), (two, _) = tristimulus(reference, observer), tristimulus(mine, observer)
-    shown = shows_object(reference) | (two != 0).any(0)
-    difference = np.sort(ciede2000(cielab(one[:, shown], white[:, None]), cielab(two[:, shown], white[:, None])))
-    return difference[len(difference) - len(difference) // 20 - 1]
+    return colour_error_95(*[(tristimulus(stack, "--observer", observer), objects_of(stack)) for stack in (reference, mine)])
 
 
 def radiances(stack):

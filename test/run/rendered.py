@@ -4,12 +4,14 @@ with tifffile, and reads spectra from the tables. Expected values come from the 
 the program."""
 import json
 import os
+import re
 import subprocess
 import sys
 
 import numpy as np
 import tifffile
 
+from colours import ciede2000, cielab
 from tap import bail_out, check, done  # noqa: F401  the scripts import them from here
 
 SPECTRAL = os.environ.get("SPECTRAL", "build/spectral")
@@ -39,6 +41,34 @@ def write(name, text):
     with open(path, "w") as out:
         out.write(text)
     return path
+
+
+def objects_of(stack):
+    """The number of the object that each pixel shows, from the map after the last page; 0 is background."""
+    with tifffile.TiffFile(stack) as tiff:
+        offset, size = re.search(r"object_map: (\d+) (\d)\n", tiff.pages[0].description).groups()
+        shape = tiff.pages[0].shape
+    return np.fromfile(stack, f"<u{size}", np.prod(shape), offset=int(offset)).reshape(shape)
+
+
+def tristimulus(stack, *options):
+    """XYZ of each pixel [channel, y, x], as develop makes them, and the white [channel, 1]."""
+    picture = os.path.join(TMP, "xyz.tif")
+    result = subprocess.run([SPECTRAL, "develop", stack, "--xyz", "-o", picture, *options], check=False,
+                            stdout=subprocess.PIPE, universal_newlines=True)
+    white = re.search(r"^white +XYZ ([0-9. ]+),", result.stdout, re.MULTILINE)
+    if result.returncode != 0 or not white:
+        bail_out("cannot develop", stack)
+    return tifffile.imread(picture).astype(float), np.array(white.group(1).split(), float)[:, None]
+
+
+def colour_error_95(truth, seen):
+    """The CIEDE2000 that 95 % of the pixels have at most, of those where one of the two shows an object. Each: what
+    tristimulus returns, and what objects_of does. The white is that of the truth."""
+    ((one, white), objects), ((two, _), other_objects) = truth, seen
+    shown = (objects > 0) | (other_objects > 0)
+    difference = np.sort(ciede2000(cielab(one[:, shown], white), cielab(two[:, shown], white)))
+    return difference[len(difference) - len(difference) // 20 - 1]
 
 
 class Picture:

@@ -124,16 +124,21 @@ static struct shape random_shape(void)
     return shape;
 }
 
+static void open_mesh(const struct shape *shape, struct patches *patches, struct mesh *mesh)
+{
+    struct error err = {.text = ""};
+    stop_unless(patches_open(shape, patches, &err) && shape_build(shape, mesh, &err), &err);
+}
+
 /* A border edge that is halved has two halves, and no other edge becomes a border. */
 static void check_random_shapes(int n)
 {
     int cracked = 0, wrong = 0;
     for (int i = 0; i < n; i++) {
         const struct shape shape = random_shape();
-        struct error err = {.text = ""};
         struct patches patches;
         struct mesh mesh;
-        stop_unless(patches_open(&shape, &patches, &err) && shape_build(&shape, &mesh, &err), &err);
+        open_mesh(&shape, &patches, &mesh);
         int border = solid_measure(&mesh).open_edges;
         for (int level = 0; level < 4; level++)
             border += divide(&mesh, &patches, 2 + (unsigned)(random_bits() % 4));
@@ -163,13 +168,10 @@ static void check_limits(void)
         {"cone", {.kind = SHAPE_CONE, .parameter = {1, 3, 3, 1}, .repeat = {1, 1}}, 1},
     };
     for (size_t i = 0; i < sizeof all / sizeof all[0]; i++) {
-        struct error err = {.text = ""};
         struct patches patches;
         struct mesh mesh;
         double error[2];
-        stop_unless(patches_open(&all[i].shape, &patches, &err) &&
-                        shape_build(&all[i].shape, &mesh, &err),
-                    &err);
+        open_mesh(&all[i].shape, &patches, &mesh);
         for (int level = 0; level < 6; level++) {
             divide(&mesh, &patches, 1);
             error[level % 2] = 1 - solid_measure(&mesh).volume / (all[i].volume * pi);
@@ -187,11 +189,10 @@ static void check_limits(void)
 static void check_rim(void)
 {
     const struct shape shape = {.kind = SHAPE_DISK, .parameter = {1, 3, 2, 0}, .repeat = {1, 1}};
-    struct error err = {.text = ""};
     struct patches patches;
     struct mesh mesh;
     double area = 0;
-    stop_unless(patches_open(&shape, &patches, &err) && shape_build(&shape, &mesh, &err), &err);
+    open_mesh(&shape, &patches, &mesh);
     for (int level = 0; level < 5; level++)
         divide(&mesh, &patches, 1);
     for (int i = 0; i < mesh.n_triangles; i++) {
@@ -242,12 +243,11 @@ static void check_facets(void)
 static void check_poles(void)
 {
     const struct shape shape = {.kind = SHAPE_CONE, .parameter = {3, 4, 6, 1}, .repeat = {1, 1}};
-    struct error err = {.text = ""};
     struct patches patches;
     struct mesh mesh;
     double worst = 0;
     int tips = 0;
-    stop_unless(patches_open(&shape, &patches, &err) && shape_build(&shape, &mesh, &err), &err);
+    open_mesh(&shape, &patches, &mesh);
     divide(&mesh, &patches, 1);
     for (int i = 0; i < mesh.n_triangles; i++)
         for (int k = 0; k < 3; k++) {
