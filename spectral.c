@@ -94,6 +94,8 @@ static const struct option known_options[] = {
     {.heading = "all of these but cost:"},
     {"--shading smooth|flat|phong", "replaces the scene's; phong needs --renderer raster",
      FOR_SHADED | RECORDED, CHANGE(scene_set_shading)},
+    {"--samples K", "stores the mean of K x K positions of each pixel: 1 (default), 2, 4, 8 or 16",
+     FOR_SHADED | RECORDED, CHANGE(scene_set_samples)},
     {"--tessellation FACTOR", "multiplies the slices, stacks, ... of built-in shapes",
      FOR_SHADED | RECORDED, CHANGE(scene_set_tessellation)},
     {"--accuracy ERROR",

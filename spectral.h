@@ -45,6 +45,8 @@ struct place {
 
 /* The longest side of a picture, in pixels: of one that is rendered, and of one that is read. */
 enum { LONGEST_SIDE = 262144 };
+/* Positions a side of each pixel, at most: see scene_set_samples. */
+enum { MOST_POSITIONS = 16 };
 
 enum exit_status {
     EXIT_AGREED = 0,    /* done, and the pictures agree */

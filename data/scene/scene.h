@@ -63,7 +63,8 @@ struct scene {
     struct camera camera;
     bool local_viewer;
     enum shading_kind shading;
-    double tessellation; /* factor of all slices, stacks, ... of built-in shapes */
+    int positions;       /* a pixel is the mean of positions x positions: a power of two */
+    double tessellation; /* factor of all slices, stacks, ... of built-in shapes, above 0 */
     struct place wavelengths_place;
     struct ambient *ambients;
     struct light *lights;
@@ -71,8 +72,7 @@ struct scene {
     struct object *objects;
     int n_ambients, n_lights, n_materials, n_objects;
 };
-
-/* Reads a SCENE: a built-in name, a scene file, a thesis list file, or "-", standard input. */
+/* SCENE: a built-in name, a scene file, a thesis list file, or "-", standard input. */
 bool scene_read(const char *name, struct scene *out, struct error *err);
 bool scene_is_input(const char *path);   /* of a scene: it was read from standard input */
 bool scene_is_missing(const char *name); /* neither built in nor a file */
@@ -85,7 +85,7 @@ bool scene_set_size(struct scene *scene, const char *text, struct error *err);
 bool scene_set_light(struct scene *scene, const char *text, struct error *err);
 bool scene_set_ambient(struct scene *scene, const char *text, struct error *err);
 bool scene_set_shading(struct scene *scene, const char *text, struct error *err);
-/* A factor above 0 for shape_tessellated. */
+bool scene_set_samples(struct scene *scene, const char *text, struct error *err);
 bool scene_set_tessellation(struct scene *scene, const char *text, struct error *err);
 
 /* ---- Inside this room ---- */

@@ -212,6 +212,7 @@ void view_set_defaults(struct scene *scene)
     scene->camera = camera_defaults[0];
     scene->width = 1200;
     scene->height = 800;
+    scene->positions = 1;
     scene->tessellation = 1;
 }
 
@@ -291,6 +292,22 @@ bool scene_set_shading(struct scene *scene, const char *value, struct error *err
     struct text text;
     struct scene_reader reader = {.scene = scene, .text = &text};
     return option_open(scene, "--shading", value, &text, err) && shading_read(&reader, err);
+}
+
+bool scene_set_samples(struct scene *scene, const char *value, struct error *err)
+{
+    struct text text;
+    long positions;
+    if (!option_open(scene, "--samples", value, &text, err) ||
+        !text_integer(&text, "number of positions", 1, MOST_POSITIONS, &positions, err))
+        return false;
+    if ((positions & (positions - 1)) != 0)
+        return error_usage(err,
+                           "--samples takes 1, 2, 4, 8 or 16 positions a side of each pixel, "
+                           "not %ld",
+                           positions);
+    scene->positions = (int)positions;
+    return text_end(&text, "samples", err);
 }
 
 bool scene_set_tessellation(struct scene *scene, const char *value, struct error *err)

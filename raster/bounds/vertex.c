@@ -66,7 +66,8 @@ static void bound_place(const struct plan *plan, const double magnitude[4],
         return;
     const struct bounded bounded[4] = {
         {clip[0], e_x + shift * e_w}, {clip[1], e_y + shift * e_w}, {clip[2], e_z}, {clip[3], e_w}};
-    const struct slack slack = window_slack(bounded, 0.5 * scene->width, 0.5 * scene->height);
+    const struct slack slack =
+        window_slack(bounded, 0.5 * plan->view.width, 0.5 * plan->view.height);
     out->slack_px = (float)slack.px;
     out->slack_depth = (float)slack.depth;
     out->slack_w = perspective ? (float)slack.w : 0;
@@ -96,8 +97,8 @@ static bool is_exact(const struct plan *plan, const struct matrix *product, cons
                      const struct window_vertex *vertex)
 {
     return exact_row(product->row[0], object) && exact_row(product->row[1], object) &&
-           vertex->clip[3] == 1 && is_on_grid(vertex->clip[0], vertex->x, plan->scene->width) &&
-           is_on_grid(vertex->clip[1], vertex->y, plan->scene->height);
+           vertex->clip[3] == 1 && is_on_grid(vertex->clip[0], vertex->x, plan->view.width) &&
+           is_on_grid(vertex->clip[1], vertex->y, plan->view.height);
 }
 
 /* ---- one vertex ---- */

@@ -46,7 +46,8 @@ static bool add_band(struct region *region, const struct tile *tile, int band, s
 {
     for (int i = 0; i < tile->n_chunks; i++) {
         const struct picture *picture = &tile->chunks[i].picture;
-        const size_t n = (size_t)picture->at.width * (size_t)picture->at.height;
+        const struct rectangle pixels = plan_pixels(&region->plan, &picture->at);
+        const size_t n = (size_t)pixels.width * (size_t)pixels.height;
         const struct stored_band stored = {&region->plan, band, region->full_scale,
                                            region->samples};
         const struct odd_samples odd = store_reference(&stored, 1, &region->lit, picture);
@@ -72,7 +73,9 @@ static bool inspect_tile(void *context, const struct tile *tile, struct error *e
 static bool inspect_pixels(struct region *region, struct error *err)
 {
     const struct probe *probe = region->probe;
-    const struct rectangle whole = {probe->x, probe->y, probe->width, probe->height};
+    const int side = region->plan.scene->positions;
+    const struct rectangle whole = {side * probe->x, side * probe->y, side * probe->width,
+                                    side * probe->height};
     if (!tiles_each(&region->lit, &whole, inspect_tile, region, err))
         return false;
     for (int band = 0; band < probe->n; band++)

@@ -73,6 +73,8 @@ bool plan_json(const struct plan *plan, const struct notes *notes, struct json *
     json_string(json, "scene_sha256", scene->sha256);
     json_count(json, "width", (uint64_t)scene->width);
     json_count(json, "height", (uint64_t)scene->height);
+    json_count(json, "positions_per_pixel",
+               (uint64_t)scene->positions * (uint64_t)scene->positions);
     json_count(json, "bands", (uint64_t)plan->n_bands);
     json_numbers(json, "wavelengths_nm", components ? NULL : scene->wavelengths_nm,
                  scene->n_wavelengths);

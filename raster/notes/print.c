@@ -118,7 +118,10 @@ bool plan_print(const struct plan *plan, struct printed *to, struct error *err)
     if (!left_out_make(plan, &left_out, err))
         return false;
     print(to, "scene             %s\n", scene->path);
-    print(to, "picture           %d x %d pixels\n", scene->width, scene->height);
+    print(to, "picture           %d x %d pixels", scene->width, scene->height);
+    if (scene->positions > 1)
+        print(to, " of %d x %d positions", scene->positions, scene->positions);
+    print_text(to, "\n");
     print_bands(plan, to);
     print_work(plan, &left_out, to);
     for (int i = 0; i < plan->n_effects; i++)

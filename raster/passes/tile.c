@@ -11,7 +11,7 @@ static void aim_row(struct matrix *m, int row, double low, double high)
 
 struct matrix pass_projection(const struct plan *plan, const struct rectangle *tile)
 {
-    const double width = plan->scene->width, height = plan->scene->height;
+    const double width = plan->view.width, height = plan->view.height;
     struct matrix out = plan->view.projection;
     aim_row(&out, 0, 2 * tile->x / width - 1, 2 * (tile->x + tile->width) / width - 1);
     aim_row(&out, 1, 1 - 2 * (tile->y + tile->height) / height, 1 - 2 * tile->y / height);

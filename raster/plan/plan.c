@@ -69,8 +69,8 @@ static struct view view_of(const struct plan *plan, const struct camera *camera)
     static const enum shading_model shadings[] = {
         [SHADING_SMOOTH] = GOURAUD, [SHADING_FLAT] = FLAT, [SHADING_PHONG] = PHONG};
     const struct scene *scene = plan->scene;
-    return (struct view){.width = scene->width,
-                         .height = scene->height,
+    return (struct view){.width = scene->positions * scene->width,
+                         .height = scene->positions * scene->height,
                          .projection = projection_of(camera, scene->width, scene->height),
                          .local_viewer = scene->local_viewer,
                          .shading = shadings[scene->shading],
@@ -96,7 +96,7 @@ static void size_tiles(struct plan *plan)
                    (plan->options.check && buffer_steps(plan) > 0 ? STEPS_BYTES : 0);
     size_t pixels = tile_budget / (pixel - SIDE_BY_SIDE_BYTES), most = pixels / CHUNK_ROWS,
            columns = LARGEST_TILE;
-    int width = plan->scene->width, height = plan->scene->height;
+    int width = plan->view.width, height = plan->view.height;
     while (columns > most && columns > 1)
         columns /= 2;
     plan->tile_width = width < (int)columns ? width : (int)columns;
@@ -111,7 +111,7 @@ static void size_tiles(struct plan *plan)
     plan->tile_bytes = (uint64_t)pixel * (uint64_t)plan->tile_width * (uint64_t)plan->tile_height;
     plan->map_bytes = map_bytes(plan);
     plan->file_bytes =
-        (uint64_t)width * (uint64_t)height *
+        (uint64_t)plan->scene->width * (uint64_t)plan->scene->height *
         ((uint64_t)plan->n_bands * (uint64_t)plan->options.bits / 8 + (uint64_t)plan->map_bytes);
 }
 
@@ -153,7 +153,14 @@ void object_text(const struct plan *plan, int surface, char *out, size_t capacit
 
 struct rectangle plan_picture(const struct plan *plan)
 {
-    return (struct rectangle){0, 0, plan->scene->width, plan->scene->height};
+    return (struct rectangle){0, 0, plan->view.width, plan->view.height};
+}
+
+struct rectangle plan_pixels(const struct plan *plan, const struct rectangle *positions)
+{
+    const int side = plan->scene->positions;
+    return (struct rectangle){positions->x / side, positions->y / side, positions->width / side,
+                              positions->height / side};
 }
 
 static int tile_columns(const struct plan *plan, const struct rectangle *region)
@@ -175,6 +182,17 @@ struct rectangle plan_tile(const struct plan *plan, const struct rectangle *regi
     return (struct rectangle){region->x + x, region->y + y,
                               width < plan->tile_width ? width : plan->tile_width,
                               height < plan->tile_height ? height : plan->tile_height};
+}
+
+/* Refuses more positions a side than a picture may have pixels. */
+static bool check_size(const struct scene *scene, struct error *err)
+{
+    const int longer = scene->width > scene->height ? scene->width : scene->height;
+    return (int64_t)longer * scene->positions <= LONGEST_SIDE ||
+           error_usage(err,
+                       "--samples %d draws %lld positions a side, but %d are possible; expected a "
+                       "smaller --size or fewer samples",
+                       scene->positions, (long long)longer * scene->positions, LONGEST_SIDE);
 }
 
 /* Arrays that pointers lead into have their final size from the start: every material, and its
@@ -205,7 +223,7 @@ bool plan_make(const struct scene *scene, const struct sampling *sampling,
     out->world_to_eye =
         matrix_product(matrix_scaling((struct vector){1 / out->unit, 1 / out->unit, 1 / out->unit}),
                        matrix_look_at(camera.eye, camera.look, camera.up));
-    if (!plan_allocate(out, err) ||
+    if (!check_size(scene, err) || !plan_allocate(out, err) ||
         !illumination_make(scene, &pages, options->exchangeable, &out->illumination, err) ||
         !lights_list(out, err) || !instances_make(out, NULL, err) || !lights_drop_idle(out, err))
         return false;

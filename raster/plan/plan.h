@@ -10,7 +10,7 @@
 #include "raster/reference/reference.h"
 #include "spectral.h"
 
-/* CHUNK_ROWS: of a tile, that a thread draws and judges at a time. */
+/* CHUNK_ROWS: of a tile, that a thread draws and judges at a time; a pixel lies in one chunk. */
 enum { CHUNK_ROWS = 16, LIGHTS_PER_PASS = 8, BANDS_PER_PASS = TEXTURE_PLANES };
 
 /* A material under the lights of the scene. Lights of one spectrum share their terms, and terms
@@ -61,9 +61,8 @@ struct plan_options {
     double unchecked;      /* the largest share of object pixels that may stay unchecked */
     int bits;              /* of a page's sample: 8 or 16 of counts, 32 of floats; 0: 16 */
     bool exchangeable; /* lights may be exchanged afterwards: all lights and terms are kept apart */
-    int threads;       /* 0: one a processor; the plan holds the number */
-    char *const *recorded; /* options for the stack's record: n_recorded words; not owned */
-    int n_recorded;
+    int threads, n_recorded; /* threads: 0: one a processor; the plan holds the number */
+    char *const *recorded;   /* n_recorded words for the stack's record; not owned */
 };
 struct plan {
     const struct scene *scene;
@@ -105,8 +104,9 @@ bool plan_make(const struct scene *scene, const struct sampling *sampling,
 bool plan_whole(const struct shape *shape, struct mesh *out, struct error *err);
 /* Makes the instances again, of these meshes of objects (NULL: their shapes'), the caller's. */
 bool plan_refine(struct plan *plan, struct mesh *const *meshes, struct error *err);
-/* A region is drawn in so many tiles of the plan's size or smaller, row by row. */
-struct rectangle plan_picture(const struct plan *plan); /* the whole picture */
+/* A region, in positions, is drawn in so many tiles of the plan's size or smaller, row by row. */
+struct rectangle plan_picture(const struct plan *plan); /* all positions */
+struct rectangle plan_pixels(const struct plan *plan, const struct rectangle *positions);
 int plan_tiles(const struct plan *plan, const struct rectangle *region);
 struct rectangle plan_tile(const struct plan *plan, const struct rectangle *region, int index);
 bool has_components(const struct plan *plan); /* bands are not single wavelengths */

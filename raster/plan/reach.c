@@ -41,7 +41,7 @@ static struct clip_vertex clip_vertex(const struct plan *plan, const struct inst
 static unsigned planes_outside(const struct plan *plan, const struct clip_vertex *vertex)
 {
     const double *clip = vertex->clip, *m = vertex->magnitude, w = clip[3],
-                 size[2] = {plan->scene->width, plan->scene->height},
+                 size[2] = {plan->view.width, plan->view.height},
                  error = roundings(PLACE_ROUNDINGS), depth_error = error * (m[2] + m[3]);
     unsigned planes = (unsigned)(clip[2] < -w - depth_error) << VIEW_NEAR |
                       (unsigned)(clip[2] > w + depth_error) << VIEW_FAR;

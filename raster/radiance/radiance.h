@@ -82,18 +82,21 @@ static inline int counts_round(double counts)
     return (int)(counts_clamp(counts) + 0.5);
 }
 
+/* ---- store.c ---- */
+
 /* Numbers of samples that a file cannot hold as they are. */
 struct odd_samples {
     uint64_t clipped;   /* above full_scale, stored as 65535 (or 255) */
     uint64_t undefined; /* NaN, infinite, or too large for a float page; stored as 0 */
 };
 /* Memory for one band of some rows: uint8_t or uint16_t counts, or float radiances, as the plan
- * says. */
+ * says. Where the scene has several positions a pixel, the rows are whole pixels, and memory is for
+ * their means. */
 struct stored_band {
     const struct plan *plan;
     int band;
     double full_scale;
-    void *out; /* room for the rows, without gaps */
+    void *out; /* without gaps */
 };
 /* Stores bands of a picture by the reference. */
 struct odd_samples store_reference(const struct stored_band *bands, int n_bands,

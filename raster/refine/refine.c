@@ -110,18 +110,24 @@ static bool list_result(struct refinement *of, struct error *err)
  * edge becomes shorter than the finer one. */
 static const double finest_px = 0.05, coarsest_px = 0.25;
 
+/* The view has so many positions in the width of a pixel. */
+static double pixel_width(const struct refinement *of)
+{
+    return of->plan->scene->positions;
+}
+
 static void prepare_judge(struct refinement *of, const struct seen_pixels *seen)
 {
     const struct refine_request *wanted = &of->result->wanted;
-    of->judge =
-        (struct judge){.plan = of->plan,
-                       .measure = &of->measure,
-                       .lattice = &seen->lattice,
-                       .pixels = seen->pixels,
-                       .shortest_px = 1,
-                       .outline_px = wanted->unit == MEASURE_COUNTS
-                                         ? coarsest_px
-                                         : fmax(finest_px, fmin(wanted->error / 4, coarsest_px))};
+    const double outline_px = wanted->unit == MEASURE_COUNTS
+                                  ? coarsest_px
+                                  : fmax(finest_px, fmin(wanted->error / 4, coarsest_px));
+    of->judge = (struct judge){.plan = of->plan,
+                               .measure = &of->measure,
+                               .lattice = &seen->lattice,
+                               .pixels = seen->pixels,
+                               .shortest_px = pixel_width(of),
+                               .outline_px = outline_px * pixel_width(of)};
 }
 
 /* Begins again with meshes that are not refined, since the last try made too many triangles. */
@@ -178,7 +184,7 @@ static bool refine_shading(struct refinement *of, struct error *err)
         if (!take_meshes(of, err))
             return false;
         good = too_many || after->quantile_95 <= wanted || is_shaded_well(of, after) ||
-               of->judge.shortest_px < finest_px;
+               of->judge.shortest_px < finest_px * pixel_width(of);
         /* 95 % of the points usually have two thirds of the error that was asked for; if it is
            more, it is in triangles smaller than a pixel */
         if (after->shading_95 > 0.8 * error)

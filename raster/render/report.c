@@ -109,6 +109,11 @@ void report_print(const struct plan *plan, const struct render_result *result, s
     print(to, "scene             %s, %d x %d pixels, %d %s\n", plan->scene->path,
           plan->scene->width, plan->scene->height, plan->n_bands,
           has_components(plan) ? "components" : "wavelengths");
+    if (plan->scene->positions > 1)
+        print(to,
+              "positions         %d x %d a pixel, whose mean is stored; the check counts each as a "
+              "pixel\n",
+              plan->scene->positions, plan->scene->positions);
     if (plan->sampling) {
         print(to, "sampling          ");
         sampling_print(plan->sampling, to);
@@ -153,6 +158,8 @@ static void json_picture(struct json *json, const struct plan *plan,
     json_string(json, "scene_sha256", scene->sha256);
     json_count(json, "width", (uint64_t)scene->width);
     json_count(json, "height", (uint64_t)scene->height);
+    json_count(json, "positions_per_pixel",
+               (uint64_t)scene->positions * (uint64_t)scene->positions);
     json_numbers(json, "wavelengths_nm", has_components(plan) ? NULL : scene->wavelengths_nm,
                  scene->n_wavelengths);
     if (plan->sampling)
@@ -209,14 +216,15 @@ static void json_failure(struct json *json, const struct plan *plan,
                                         "depth",    "fragments", "unbounded"};
     const bool has_band = first->kind == FAILURE_RADIANCE || first->kind == FAILURE_BANDS;
     const bool has_nm = has_band && !has_components(plan);
+    const int side = plan->scene->positions;
     char page[BAND_NAME];
     if (!first->found) {
         json_string(json, "first_unexplained", NULL);
         return;
     }
     json_open(json, "first_unexplained", '{');
-    json_count(json, "x", (uint64_t)first->x);
-    json_count(json, "y", (uint64_t)first->y);
+    json_count(json, "x", (uint64_t)(first->x / side));
+    json_count(json, "y", (uint64_t)(first->y / side));
     json_string(json, "what", kinds[first->kind]);
     json_number(json, "wavelength_nm",
                 has_nm ? plan->scene->wavelengths_nm[first->band] : no_figure);

@@ -162,13 +162,17 @@ static bool report_pixel(const struct plan *plan, const struct check_verdict *ve
                          const char *then, struct error *err)
 {
     const struct check_failure *first = &verdict->first;
-    char where[256], what[256];
+    const int side = plan->scene->positions;
+    char where[256], what[256], position[64] = "";
     object_text(plan, first->surface, where, sizeof where);
+    if (side > 1)
+        snprintf(position, sizeof position, " (its position %d,%d)", first->x % side,
+                 first->y % side);
     failure_text(plan, first, what, sizeof what);
     return error_different(
-        err, "the pictures differ at %llu of %llu pixels, first at %d,%d on %s: %s; %s",
-        (unsigned long long)verdict->unexplained, (unsigned long long)verdict->pixels, first->x,
-        first->y, where, what, then);
+        err, "the pictures differ at %llu of %llu pixels, first at %d,%d%s on %s: %s; %s",
+        (unsigned long long)verdict->unexplained, (unsigned long long)verdict->pixels,
+        first->x / side, first->y / side, position, where, what, then);
 }
 
 bool report_disagreement(const struct plan *plan, const struct check_verdict *verdict,

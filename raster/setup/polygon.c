@@ -119,7 +119,7 @@ void clip_planes(const struct lit_scene *lit, const struct screen_triangle *scre
                  const struct rectangle *tile, struct clip_plane planes[CLIP_PLANES])
 {
     const struct plan *plan = lit->plan;
-    double width = plan->scene->width, height = plan->scene->height;
+    double width = plan->view.width, height = plan->view.height;
     double near_w = plan->scene->camera.perspective ? plan->near : 1;
     double error = largest_e_clip(lit, screen, CLIP_Z);
     double left = 2 * tile->x / width - 1, right = 2 * (tile->x + tile->width) / width - 1;
@@ -193,7 +193,7 @@ static struct slack corner_slack(const struct lit_scene *lit, const double clip[
     struct bounded bounded[4];
     for (int i = 0; i < 4; i++)
         bounded[i] = (struct bounded){clip[i], e[i] + (i < CLIP_Z && plan->tiled ? e[CLIP_W] : 0)};
-    return window_slack(bounded, 0.5 * plan->scene->width, 0.5 * plan->scene->height);
+    return window_slack(bounded, 0.5 * plan->view.width, 0.5 * plan->view.height);
 }
 
 struct slack polygon_slack(const struct lit_scene *lit, const struct screen_triangle *screen,
@@ -208,7 +208,7 @@ struct slack polygon_slack(const struct lit_scene *lit, const struct screen_tria
 static double slide_px(const struct lit_scene *lit, const double clip[4],
                        const struct cut_corner *cut)
 {
-    const double half[2] = {0.5 * lit->plan->scene->width, 0.5 * lit->plan->scene->height};
+    const double half[2] = {0.5 * lit->plan->view.width, 0.5 * lit->plan->view.height};
     double sums[2] = {0, 0}, of_w = 0;
     for (int v = 0; v < cut->n_slides && v < SLIDES; v++) {
         const double *slide = cut->slides[v];

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The map of a check: what could pass at each pixel, how near OpenGL came to it, and the verdict.
  * A TIFF has these as numbers. A PNG shows both floors in colours, side by side. */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -84,26 +85,44 @@ bool check_map_open(const char *path, const struct plan *plan, struct check_map 
 
 /* ---- pixels ---- */
 
-static float sample_of(const struct check *check, int page, size_t pixel)
+static float position_sample(const struct check *check, int page, size_t position)
 {
     switch (page) {
     case MAP_FLOOR:
-        return check->floor[pixel];
+        return check->floor[position];
     case MAP_BAND_FLOOR:
-        return check->band_floor[pixel];
+        return check->band_floor[position];
     case MAP_RATIO:
-        return check->ratio[pixel];
+        return check->ratio[position];
     default:
-        return (float)check_class(check, pixel);
+        return (float)check_class(check, position);
     }
+}
+
+static struct rectangle pixels_of(const struct check *check)
+{
+    return plan_pixels(check->scene->lit->plan, &check->chunk->picture.at);
+}
+
+/* Returns the largest sample of a pixel's positions. */
+static float sample_of(const struct check *check, int page, size_t pixel)
+{
+    const size_t side = (size_t)check->scene->lit->plan->scene->positions,
+                 stride = (size_t)check->chunk->picture.at.width, width = stride / side,
+                 first = pixel / width * side * stride + pixel % width * side;
+    float largest = position_sample(check, page, first);
+    for (size_t i = 1; i < side * side; i++)
+        largest =
+            fmaxf(largest, position_sample(check, page, first + i / side * stride + i % side));
+    return largest;
 }
 
 static bool write_planes(struct check_map *map, const struct check *check, struct error *err)
 {
-    const struct rectangle *at = &check->chunk->picture.at;
-    const size_t n = (size_t)at->width * (size_t)at->height;
+    const struct rectangle at = pixels_of(check);
+    const size_t n = (size_t)at.width * (size_t)at.height;
     for (int page = 0; page < MAP_PAGES; page++) {
-        const struct plane_rectangle to = {page, at->x, at->y, at->width, at->height};
+        const struct plane_rectangle to = {page, at.x, at.y, at.width, at.height};
         for (size_t i = 0; i < n; i++)
             map->samples[i] = sample_of(check, page, i);
         if (!planes_write(&map->pages, &to, map->samples, err))
@@ -117,18 +136,18 @@ static void colour_pixel(const struct check *check, int page, size_t pixel, uint
 {
     const double floor = (double)sample_of(check, page, pixel);
     scale_colour(floor < 0 ? 0 : floor > least_floor ? floor : least_floor, least_floor, out);
-    if (check_class(check, pixel) == CLASS_DIFFERS)
+    if (sample_of(check, MAP_CLASS, pixel) >= (float)CLASS_DIFFERS)
         memcpy(out, colour_differs, sizeof colour_differs);
 }
 
 static bool write_colours(struct check_map *map, const struct check *check, struct error *err)
 {
-    const struct rectangle *at = &check->chunk->picture.at;
-    const size_t n = (size_t)at->width * (size_t)at->height;
+    const struct rectangle at = pixels_of(check);
+    const size_t n = (size_t)at.width * (size_t)at.height;
     uint8_t *colours = (uint8_t *)map->samples; /* 3 of its 4 bytes a pixel */
     for (int page = MAP_FLOOR; page <= MAP_BAND_FLOOR; page++) {
-        const struct picture_rectangle to = {at->x + (page == MAP_FLOOR ? 0 : map->width), at->y,
-                                             at->width, at->height};
+        const struct picture_rectangle to = {at.x + (page == MAP_FLOOR ? 0 : map->width), at.y,
+                                             at.width, at.height};
         for (size_t i = 0; i < n; i++)
             colour_pixel(check, page, i, colours + 3 * i);
         if (!picture_put(&map->picture, &to, colours, err))

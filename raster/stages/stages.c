@@ -10,7 +10,7 @@
 
 /* Counts on their way to the stack: of some pages of a tile. */
 struct written {
-    struct rectangle at;
+    struct rectangle at;                    /* in pixels of the stack */
     int first_page, n_pages;                /* the object map is the page after the last one */
     unsigned char *samples[BANDS_PER_PASS]; /* each has room for one page of a tile; owned */
 };
@@ -176,7 +176,9 @@ static struct odd_samples count_bands(const struct tile_pass *of, int chunk)
     const struct stages *stages = of->state->stages;
     const struct plan *plan = stages->plan;
     const struct picture *picture = &of->tile->chunks[chunk].picture;
-    const size_t first = (size_t)chunk * CHUNK_ROWS * (size_t)of->tile->at.width;
+    const struct rectangle above = {0, 0, of->tile->at.width, chunk * CHUNK_ROWS},
+                           stored_above = plan_pixels(plan, &above);
+    const size_t first = (size_t)stored_above.width * (size_t)stored_above.height;
     const int n = bands_of_pass(plan, of->pass);
     struct stored_band stored[BANDS_PER_PASS];
     for (int i = 0; i < n; i++)
@@ -325,7 +327,7 @@ static bool find_room(struct state *state, const struct tile *tile, struct writt
     if (place < 0)
         return false;
     *out = &state->written[place];
-    (*out)->at = tile->at;
+    (*out)->at = plan_pixels(state->plan, &tile->at);
     return true;
 }
 
@@ -366,7 +368,7 @@ static bool treat_pass(struct state *state, const struct tile *tile, int pass, s
 
 /* ---- the object map ---- */
 
-/* Returns the number, from 1, of the object at a pixel of the tile. The renderer of the stored
+/* Returns the number, from 1, of the object at a position of the tile. The renderer of the stored
  * pixels decides: the reference's picture, or OpenGL's last identification. An unknown surface
  * number counts as background. */
 static int object_at(const struct state *state, const struct tile *tile, int x, int y)
@@ -379,6 +381,24 @@ static int object_at(const struct state *state, const struct tile *tile, int x, 
     return surface < state->plan->n_instances ? surface + 1 : 0;
 }
 
+/* Returns the object that most positions of a pixel show; of equally many the one that comes first.
+ */
+static int object_of(const struct state *state, const struct tile *tile, int x, int y)
+{
+    const int side = state->plan->scene->positions, n = side * side;
+    int objects[MOST_POSITIONS * MOST_POSITIONS], best = 0, most = 0;
+    for (int i = 0; i < n; i++)
+        objects[i] = object_at(state, tile, x * side + i % side, y * side + i / side);
+    for (int i = 0; i < n && most <= n / 2; i++) {
+        int count = 0;
+        for (int k = 0; k < n; k++)
+            count += objects[k] == objects[i];
+        best = count > most ? objects[i] : best;
+        most = count > most ? count : most;
+    }
+    return best;
+}
+
 /* Makes the object map of a tile. */
 static bool map_objects(struct state *state, const struct tile *tile)
 {
@@ -388,9 +408,9 @@ static bool map_objects(struct state *state, const struct tile *tile)
     if (!find_room(state, tile, &room))
         return false;
     unsigned char *out = room->samples[0];
-    for (int y = 0; y < tile->at.height; y++)
-        for (int x = 0; x < tile->at.width; x++) {
-            const int object = object_at(state, tile, x, y);
+    for (int y = 0; y < room->at.height; y++)
+        for (int x = 0; x < room->at.width; x++) {
+            const int object = object_of(state, tile, x, y);
             *out++ = (unsigned char)(object % 256);
             if (state->plan->map_bytes > 1)
                 *out++ = (unsigned char)(object / 256);

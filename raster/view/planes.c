@@ -27,21 +27,21 @@ void planes_free(struct planes *planes)
 
 static bool planes_allocate(const struct plan *plan, struct planes *out, struct error *err)
 {
-    *out = (struct planes){.n_pixels = (size_t)plan->scene->width * (size_t)plan->scene->height,
+    *out = (struct planes){.n_positions = (size_t)plan->view.width * (size_t)plan->view.height,
                            .n_weights = 1 + 2 * plan->n_lights};
     for (int i = 0; i < plan->n_textures; i++)
         if (plan->textures[i].spectral && plan->textures[i].image.n_pages > out->n_pages)
             out->n_pages = plan->textures[i].image.n_pages;
     /* of each value: a float, 2 bytes, and up to 2 when they are packed; 14 of each pixel */
     const double n_values = (double)out->n_weights + out->n_pages;
-    if (!memory_suffices((double)out->n_pixels * (8 * n_values + 14), (struct place){NULL, 0, 0},
-                         err, "a page of %dx%d pixels", plan->scene->width, plan->scene->height))
+    if (!memory_suffices((double)out->n_positions * (8 * n_values + 14), (struct place){NULL, 0, 0},
+                         err, "a page of %dx%d pixels", plan->view.width, plan->view.height))
         return false;
-    out->surface = calloc(out->n_pixels, sizeof *out->surface);
+    out->surface = calloc(out->n_positions, sizeof *out->surface);
     out->values =
-        calloc(out->n_pixels * (size_t)(out->n_weights + out->n_pages), sizeof *out->values);
+        calloc(out->n_positions * (size_t)(out->n_weights + out->n_pages), sizeof *out->values);
     for (int i = 0; i < 2 && out->n_pages > 0; i++)
-        out->place[i] = calloc(out->n_pixels, sizeof *out->place[i]);
+        out->place[i] = calloc(out->n_positions, sizeof *out->place[i]);
     return (out->surface && out->values &&
             (out->n_pages == 0 || (out->place[0] && out->place[1]))) ||
            error_memory(err);
@@ -63,7 +63,7 @@ static void put_pixel(const struct lit_scene *lit, const struct picture *picture
     const double *weight = picture->rows + from;
     planes->surface[to] = (uint16_t)(picture->surface[from] + 1);
     for (int t = 0; t < shaded->n_terms; t++, weight += stride)
-        planes->values[(size_t)plane_of(&shaded->terms[t]) * planes->n_pixels + to] =
+        planes->values[(size_t)plane_of(&shaded->terms[t]) * planes->n_positions + to] =
             (float)*weight;
     for (int i = 0; i < 2 && shaded->texture && shaded->texture->spectral; i++, weight += stride)
         planes->place[i][to] = *weight;
@@ -81,7 +81,7 @@ static void put_chunk(void *context, int i)
     const struct lit_scene *lit = put->tile->lit;
     const struct picture *picture = &put->tile->chunks[i].picture;
     const struct rectangle *at = &picture->at;
-    const size_t width = (size_t)lit->plan->scene->width;
+    const size_t width = (size_t)lit->plan->view.width;
     for (int y = 0; y < at->height; y++)
         for (int x = 0; x < at->width; x++)
             put_pixel(lit, picture, (size_t)y * (size_t)at->width + (size_t)x, put->planes,
@@ -101,11 +101,11 @@ static bool put_texture(const struct plan *plan, struct texture *texture, struct
                         struct error *err)
 {
     for (int page = 0; page < texture->image.n_pages; page++) {
-        float *plane = planes->values + (size_t)(planes->n_weights + page) * planes->n_pixels;
+        float *plane = planes->values + (size_t)(planes->n_weights + page) * planes->n_positions;
         if (!texture_load(texture, texture->image.wavelengths_nm + page, 1, err))
             return false;
         const struct texels texels = plan_texels(texture, 0);
-        for (size_t i = 0; i < planes->n_pixels; i++) {
+        for (size_t i = 0; i < planes->n_positions; i++) {
             int surface = planes->surface[i] - 1;
             const double place[2] = {planes->place[0][i], planes->place[1][i]};
             if (surface >= 0 && plan->materials[plan->instances[surface].shaded].texture == texture)
@@ -135,9 +135,10 @@ bool planes_rasterize(const struct plan *plan, struct planes *out, struct notes 
     if (plan->n_instances > LARGEST_SAMPLE)
         return error_usage(err, "a page shows at most %d objects and parts; this scene has %d",
                            LARGEST_SAMPLE, plan->n_instances);
-    if ((int64_t)plan->scene->width * plan->scene->height > LARGEST_PAGE)
-        return error_usage(err, "a page shows at most %d pixels, not %d x %d; use --size WxH",
-                           LARGEST_PAGE, plan->scene->width, plan->scene->height);
+    if ((int64_t)plan->view.width * plan->view.height > LARGEST_PAGE)
+        return error_usage(err, "a page shows at most %d %s, not %d x %d; use --size WxH",
+                           LARGEST_PAGE, plan->scene->positions > 1 ? "positions" : "pixels",
+                           plan->view.width, plan->view.height);
     bool done = planes_allocate(plan, out, err) &&
                 lit_make(plan, driver_of(NULL), &lit, &work, err) &&
                 notes_make(&lit, SOME_PIXELS, notes, err) && put_picture(&lit, out, err);
@@ -149,9 +150,9 @@ bool planes_rasterize(const struct plan *plan, struct planes *out, struct notes 
 
 double plane_scale(const struct planes *planes, int plane)
 {
-    const float *values = planes->values + (size_t)plane * planes->n_pixels;
+    const float *values = planes->values + (size_t)plane * planes->n_positions;
     double largest = 0;
-    for (size_t i = 0; i < planes->n_pixels; i++)
+    for (size_t i = 0; i < planes->n_positions; i++)
         if ((double)values[i] > largest)
             largest = (double)values[i];
     return largest / LARGEST_SAMPLE;
@@ -171,7 +172,7 @@ static void put_differences(const uint16_t *samples, size_t n, unsigned char *ou
 /* Returns the plane of surfaces, then all other planes, allocated; NULL: no memory. */
 static unsigned char *planes_bytes(const struct planes *planes, const double *scale, size_t *length)
 {
-    size_t n = planes->n_pixels, n_values = (size_t)(planes->n_weights + planes->n_pages);
+    size_t n = planes->n_positions, n_values = (size_t)(planes->n_weights + planes->n_pages);
     unsigned char *bytes = malloc(2 * n * (1 + n_values));
     uint16_t *samples = malloc(n * sizeof *samples);
     for (size_t plane = 0; bytes && samples && plane < n_values; plane++) {

@@ -48,8 +48,11 @@ static void add_bands(void *context, int i)
     const struct still *still = adding->still;
     const struct picture *picture = &adding->tile->chunks[i].picture;
     const int n_bands = still->plan.n_bands;
-    const size_t first = (size_t)i * CHUNK_ROWS * (size_t)picture->at.width;
-    const size_t n = (size_t)picture->at.width * (size_t)picture->at.height;
+    const struct rectangle above = {0, 0, picture->at.width, i * CHUNK_ROWS},
+                           before = plan_pixels(&still->plan, &above),
+                           pixels = plan_pixels(&still->plan, &picture->at);
+    const size_t first = (size_t)before.width * (size_t)before.height,
+                 n = (size_t)pixels.width * (size_t)pixels.height;
     float *radiance = still->radiance + first;
     double(*rgb)[3] = still->rgb + first;
     uint64_t undefined = 0;
@@ -102,9 +105,9 @@ static void store_pixels(void *context, size_t first, size_t end)
 static bool put_tile(void *context, const struct tile *tile, struct error *err)
 {
     struct still *still = context;
-    const struct rectangle *at = &tile->at;
-    const struct picture_rectangle to = {at->x, at->y, at->width, at->height};
-    const size_t n = (size_t)at->width * (size_t)at->height;
+    const struct rectangle at = plan_pixels(&still->plan, &tile->at);
+    const struct picture_rectangle to = {at.x, at.y, at.width, at.height};
+    const size_t n = (size_t)at.width * (size_t)at.height;
     struct storing storing = {still, COUNTER};
     memset(still->rgb, 0, n * sizeof *still->rgb);
     if (!sum_tile(still, tile, err))

@@ -44,15 +44,15 @@ bool command_view(struct options *options, struct error *err);
  * canvases. */
 enum { LARGEST_SAMPLE = 65535, LARGEST_PAGE = 1 << 24 };
 
-/* Planes of one value a pixel: the weight of the constant term, then the diffuse and the specular
- * weight of each light, then the values of spectral textures at their own wavelengths. Materials
- * share the planes: a pixel shows one material. */
+/* Planes of one value a position, and a pixel may have several: the weight of the constant
+ * term, then the diffuse and the specular weight of each light, then the values of spectral
+ * textures at their own wavelengths. Materials share the planes: a position shows one material. */
 struct planes {
-    size_t n_pixels;
+    size_t n_positions;
     int n_weights, n_pages; /* planes of weights, and of textures */
     uint16_t *surface;      /* from 1; 0: background */
-    float *values;          /* [plane][pixel] */
-    double *place[2]; /* of each pixel in its spectral texture, in texels; NULL: none is there */
+    float *values;          /* [plane][position] */
+    double *place[2]; /* of each position in its spectral texture, in texels; NULL: there is none */
 };
 
 /* Draws the planes by the reference. Refuses more than LARGEST_PAGE pixels and scenes of more than

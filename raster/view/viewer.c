@@ -356,6 +356,7 @@ static bool put_json(struct page *page, const struct planes *planes, const doubl
     json_string(json, "scene", scene->path);
     json_count(json, "width", (uint64_t)scene->width);
     json_count(json, "height", (uint64_t)scene->height);
+    json_count(json, "positions", (uint64_t)scene->positions); /* a side of each pixel */
     json_numbers(json, "wavelengths", scene->wavelengths_nm, scene->n_wavelengths);
     if (!add_builtins(page, err) || !put_lights(page, err) || !put_illuminants(page, err) ||
         !put_surfaces(page, err) || !put_detectors(page, err))
@@ -455,7 +456,7 @@ bool viewer_write(const struct plan *plan, const char *path, struct viewer_resul
                   struct notes *notes, struct outputs *outputs, struct error *err)
 {
     struct page page = {.plan = plan, .outputs = outputs, .result = out};
-    struct planes planes = {.n_pixels = 0};
+    struct planes planes = {.n_positions = 0};
     *out = (struct viewer_result){.n_objects = plan->n_instances, .n_lights = plan->n_lights};
     page.row = calloc(3 * (size_t)plan->n_bands, sizeof *page.row);
     bool done = (page.row || error_memory(err)) && planes_rasterize(plan, &planes, notes, err) &&

@@ -885,6 +885,8 @@ def main():
         check_shrinker((64, 64))
         refine("0.5")
         run("llvmpipe", range(8000, 8060), options)
+        MORE.extend(["--samples", "2", "--size", "100x100"])
+        run("llvmpipe", range(8060, 8090), options)
     done()
 
 

@@ -19,7 +19,7 @@ from osgeo import gdal
 
 sys.dont_write_bytecode = True
 from browser import Browser
-from rendered import SPECTRAL, TMP, check, done, table, write
+from rendered import SPECTRAL, TMP, check, done, objects_of, table, write
 from tap import bail_out
 
 gdal.UseExceptions()
@@ -423,9 +423,30 @@ def metamers():
     check(alike < 2 and apart > 5, "halves that match under D65 differ under A", alike, apart)
 
 
-def command_line(scene, name, lights):
+def means():
+    """With several positions a pixel, the page has their means, as the PNG and the stack have."""
+    words = "--samples", "4"
+    browser.open(view("textures", "means", "--size", SIZE, *words))
+    settle()
+    expected, _ = developed(rendered("textures", *words))
+    check(distance(pixels(), expected) <= 1, "a page of 4 x 4 positions shows develop's picture", distance(pixels(), expected))
+    seen, _ = still("textures", "--size", SIZE, *words)
+    check(distance(seen, expected) <= 1, "and so does the PNG of view", distance(seen, expected))
+    click_pixel(10, 10)
+    stack, radiance = stack_of("textures", *words)
+    objects, names = objects_of(stack), run("info", stack)
+    for x, y in ((10, 10), (21, 13), (49, 40), (100, 71)):
+        click_pixel(x, y)
+        error = np.abs(values()["radiance"] - radiance[:, y, x]).max()
+        check(error <= 1e-4 * radiance.max(), f"the spectrum of pixel {x}, {y} is the mean of its positions", error)
+        number = browser.evaluate("document.getElementById('objects').value")
+        check(int(number) == objects[y, x], "its object is that of most positions", number, objects[y, x], names)
+    command_line("textures", "means", {1: "a*0.75"}, *words)
+
+
+def command_line(scene, name, lights, *options):
     """The page shows the commands that make its picture; they work from any folder."""
-    browser.open(view(scene, name))
+    browser.open(view(scene, name, *(("--size", SIZE, *options) if options else ())))
     set_lights(lights)
     set_eye(["--detector=cie1964", "--adaptation=fairchild:40", "--exposure=1.25", "--display=monitor"])
     seen = pixels()
@@ -711,6 +732,7 @@ def main():
     command_line("colorchecker", "colorchecker", {"ambient": "uv*0.3", 1: "a*0.75"})
     command_line(os.path.abspath(scene_of_strange_names()), "lights of files",
                  {"ambient": "lamp.csv*0.1", 1: "daylight:5003*0.3", 2: "lamp.csv*0.6"})
+    means()
     keyboard()
     names()
     schemes()
