@@ -88,6 +88,14 @@ static bool survey_spectra(const struct options *options, struct survey *out, st
     return done;
 }
 
+/* Leaves room for a standard of more positions. */
+static bool check_positions(const struct scene *scene, struct error *err)
+{
+    return 2 * scene->positions <= MOST_POSITIONS || scene->positions == 1 ||
+           error_usage(err, "cost takes --samples up to %d: its standard has twice as many",
+                       MOST_POSITIONS / 2);
+}
+
 static bool survey(void *context, void *result, struct error *err)
 {
     const struct options *options = *(const struct options **)context;
@@ -96,11 +104,12 @@ static bool survey(void *context, void *result, struct error *err)
     struct sampling sampling = {.detector = NULL};
     struct detector observer = {.name = NULL};
     bool done = observer_read(out->observer, &observer, err) &&
-                cost_read(options, NULL, &scene, &sampling, err);
+                cost_read(options, NULL, &scene, &sampling, err) && check_positions(&scene, err);
     if (done) {
         snprintf(out->scene, sizeof out->scene, "%s", scene.path);
         out->width = scene.width;
         out->height = scene.height;
+        out->positions = scene.positions;
         survey_picture(&scene, out);
         done = survey_spectra(options, out, err);
     }
@@ -162,12 +171,14 @@ bool configuration_entry(const struct configuration *configuration, const char *
                                            [BY_SOFTPIPE] = "softpipe"};
     const char *const buffer = configuration->buffer_bits == 8 ? "8" : "16";
     const char *const depth = configuration->bits == 8 ? "8" : "32f";
-    char factor[16];
+    char factor[16], positions[16];
     snprintf(factor, sizeof factor, "%d", configuration->tessellation);
+    snprintf(positions, sizeof positions, "%d", configuration->positions);
     out->configuration = *configuration;
     return say_sampling(configuration, observer, out, err) &&
            say(out, " ", "--shading=", shading_words[configuration->shading], err) &&
            (configuration->tessellation == 1 || say(out, " x", "--tessellation=", factor, err)) &&
+           (configuration->positions == 0 || say(out, " samples ", "--samples=", positions, err)) &&
            say(out, configuration->renderer == BY_RASTER ? NULL : " ",
                "--renderer=", renderer[configuration->renderer], err) &&
            (configuration->renderer == BY_CHECKED_LLVMPIPE
@@ -180,13 +191,16 @@ bool configuration_entry(const struct configuration *configuration, const char *
 static const struct configuration every_nm = {
     .sampling = "riemann:1", .shading = SHADING_PHONG, .tessellation = 4, .renderer = BY_RASTER};
 
-/* Float pages hold the same radiances at any full scale. Without --full-scale, render refuses phong
- * shading where it finds no largest radiance. */
+/* Means are judged by those of twice as many positions a side. Float pages hold the same radiances
+ * at any full scale. Without --full-scale, render refuses phong shading where it finds no largest
+ * radiance. */
 bool configuration_standard(const struct cost *cost, struct cost_entry *out, struct error *err)
 {
     struct configuration configuration = every_nm;
     configuration.bits = 32;
     configuration.tessellation = cost->scouting ? 1 : every_nm.tessellation;
+    if (cost->survey.positions > 1)
+        configuration.positions = 2 * cost->survey.positions;
     return configuration_entry(&configuration, cost->survey.observer, out, err) &&
            say(out, NULL, "--full-scale=", "65535", err);
 }
@@ -202,6 +216,7 @@ find(const struct cost *cost, const struct configuration *configuration, const c
         if (strcmp(other->sampling, sampling) == 0 && other->shading == configuration->shading &&
             other->tessellation == configuration->tessellation &&
             other->renderer == configuration->renderer &&
+            other->positions == configuration->positions &&
             other->buffer_bits == configuration->buffer_bits && other->bits == configuration->bits)
             return &cost->entries[i];
     }
@@ -339,7 +354,8 @@ static bool is_on_axis(const struct survey *survey, const struct configuration *
            (survey->shaded || shading->shading == SHADING_SMOOTH);
 }
 
-static const struct configuration opengl = {.tessellation = 1, .renderer = BY_LLVMPIPE};
+static const struct configuration smooth = {.tessellation = 1, .renderer = BY_RASTER},
+                                  opengl = {.tessellation = 1, .renderer = BY_LLVMPIPE};
 
 /* Adds OpenGL's renderers, with smooth shading: OpenGL lights vertices only. A checked picture is
  * the same as an unchecked one, and takes longer: with --quick it is left out. */
@@ -371,7 +387,6 @@ static bool add_shadings(struct cost *cost, bool are_finest, struct error *err)
 static bool add_accuracies(struct cost *cost, struct error *err)
 {
     static const char *const errors[] = {"2", "1", "0.5", "0.2", "0.1"};
-    const struct configuration smooth = {.tessellation = 1, .renderer = BY_RASTER};
     char name[SAMPLING_NAME];
     for (size_t i = 0; i < sizeof errors / sizeof *errors; i++) {
         snprintf(name, sizeof name, "%s%s", accuracy_prefix, errors[i]);
@@ -381,8 +396,21 @@ static bool add_accuracies(struct cost *cost, struct error *err)
     return true;
 }
 
+/* Adds fewer positions than the command line asks for, with the sampling that is good enough. */
+static bool add_positions(struct cost *cost, struct configuration configuration, struct error *err)
+{
+    for (int side = 1; side < cost->survey.positions; side *= 2) {
+        configuration.positions = side;
+        if (!add(cost, configuration, cost->chosen[GOOD], err))
+            return false;
+    }
+    return true;
+}
+
 bool configurations_pictures(struct cost *cost, struct error *err)
 {
+    if (!add_positions(cost, smooth, err) || (gl_is_built() && !add_positions(cost, opengl, err)))
+        return false;
     return add_shadings(cost, false, err) && add_accuracies(cost, err) &&
            add_renderers(cost, cost->chosen[GOOD], err);
 }
@@ -408,8 +436,8 @@ bool configurations_finest(struct cost *cost, struct error *err)
     for (int i = 0; i < N_CHOSEN; i++)
         if (!add(cost, finest(cost), cost->chosen[i], err))
             return false;
-    return add_shadings(cost, true, err) && add(cost, bytes, cost->chosen[GOOD], err) &&
-           add(cost, floats, cost->chosen[GOOD], err);
+    return add_positions(cost, finest(cost), err) && add_shadings(cost, true, err) &&
+           add(cost, bytes, cost->chosen[GOOD], err) && add(cost, floats, cost->chosen[GOOD], err);
 }
 
 /* ---- combinations ---- */
@@ -455,6 +483,15 @@ static bool note_lights(struct cost *cost, struct error *err)
         list);
 }
 
+static bool note_positions(struct cost *cost, struct error *err)
+{
+    const int side = cost->survey.positions;
+    return side == 1 || cost_note(cost, err,
+                                  "a pixel is the mean of %d x %d positions where no samples are "
+                                  "named; the standard has %d x %d",
+                                  side, side, 2 * side, 2 * side);
+}
+
 bool survey_notes(struct cost *cost, struct error *err)
 {
     const struct survey *survey = &cost->survey;
@@ -471,7 +508,7 @@ bool survey_notes(struct cost *cost, struct error *err)
          "no shape has slices or stacks, so that --tessellation changes nothing"},
         {!gl_is_built(),
          "this program was built without OpenGL: raster renders all configurations"}};
-    bool done = note_lights(cost, err);
+    bool done = note_lights(cost, err) && note_positions(cost, err);
     for (size_t i = 0; i < sizeof notes / sizeof notes[0]; i++)
         done = done && (!notes[i].holds || cost_note(cost, err, "%s", notes[i].note));
     return done;

@@ -20,14 +20,14 @@ bool cost_accepts_tolerance(const char *option, const char *value, struct error 
 
 /* ---- inside this room ---- */
 
-enum { MAX_SURVEY_PEAKS = 16, COST_WORDS = 8, MAX_CONFIGURATIONS = 80 };
+enum { MAX_SURVEY_PEAKS = 16, COST_WORDS = 10, MAX_CONFIGURATIONS = 80 };
 /* The properties of a scene that decide which configurations make sense, and the observer. */
 struct survey {
     char scene[256];
     const char *observer;
-    int width, height;
-    bool shaded;      /* smooth, flat and phong shading differ */
-    bool tessellated; /* has built-in shapes of slices, stacks, ... */
+    int width, height, positions; /* positions: a side of each pixel */
+    bool shaded;                  /* smooth, flat and phong shading differ */
+    bool tessellated;             /* has built-in shapes of slices, stacks, ... */
     bool fluorescent, spectral_texture;
     int n_peaks; /* emission peaks that adaptive sampling finds; -1: it refused */
     double peak_nm[MAX_SURVEY_PEAKS];
@@ -40,7 +40,7 @@ struct configuration {
     enum shading_kind shading;
     int tessellation;
     enum cost_renderer renderer;
-    int buffer_bits, bits; /* 0: the default */
+    int buffer_bits, bits, positions; /* 0: the default; or as the command line says */
 };
 
 /* The difference of a stack from the standard: in CIEDE2000, over the pixels in which either

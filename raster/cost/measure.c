@@ -213,7 +213,8 @@ static const double start_seconds = 0.03, run_part = 0.2, compare_part = 0.8;
 
 static double estimate(const struct cost *cost)
 {
-    const double standard = cost->standard_seconds, runs = 1 + cost->runs;
+    const double parts = cost->survey.positions > 1 ? 2 : 1, /* the standard has more positions */
+        standard = cost->standard_seconds / parts, runs = 1 + cost->runs;
     return likely_configurations(&cost->survey) *
            (runs * (start_seconds + run_part * standard) + compare_part * standard);
 }

@@ -271,6 +271,27 @@ def recommends(scene, *given, observer="cie1931"):
     return affordable
 
 
+def means(scene):
+    """With --samples, fewer positions are configurations, too; their errors are those of a separate comparison with
+    twice as many as were asked for."""
+    size = "--size=24x16"
+    report = os.path.join(TMP, "means.json")
+    result = run("cost", scene, "--quick", "--samples", "2", size, "--tolerance", "0.01dE00", "--json", report)
+    entries = json.load(open(report, encoding="utf-8"))["configurations"]
+    fewer = [entry for entry in entries if "--samples=1" in entry["options"]]
+    all_of_them = [entry for entry in entries if "--samples=1" not in entry["options"]]
+    check(result.returncode == 1 and "the standard has 4 x 4" in result.stdout and fewer and all_of_them and
+          min(entry["dE00_95"] for entry in all_of_them) < 0.6 * min(entry["dE00_95"] for entry in fewer),
+          "more positions a pixel come nearer to the standard", result.stdout, result.stderr)
+    for entry in (fewer[0], all_of_them[-1]):
+        seen = quantile(scene, [size, "--samples=2", *entry["options"]], [size, "--samples=4"], "cie1931")
+        check(abs(seen - entry["dE00_95"]) <= 0.01 * seen + 1e-4, f"{entry['name']}: its error is that of its stack",
+              seen, entry["dE00_95"])
+    refused = run("cost", scene, "--samples", "16")
+    check(refused.returncode == 2 and "up to 8: its standard has twice as many" in refused.stderr,
+          "no standard has more than 16 positions", refused.stderr)
+
+
 def refusals(scene):
     for options, status in ((["--runs", "4"], 2), (["--observer", "dcs200-camera"], 2), (["--tolerance", "x"], 2),
                             (["--quick", "--runs", "5"], 2), (["--quick=1"], 2), (["--tolerance", "0.5"], 2), (["--tolerance", "1%"], 2),
@@ -390,6 +411,7 @@ three_numbers()
 best = recommends(small)
 check(len(best) == 4 and "basis:" in best[0] and best[2].startswith("with spectra: riemann:1 phong x4"),
       "a basis is the most accurate configuration, and every nm the most accurate one with wavelengths", *best)
+means(small)
 refusals(small)
 quickly(small, measured)
 programs()
