@@ -56,7 +56,8 @@ static bool place_point(const struct judged_surface *of, int patch, const double
 
 /* Parts of a cell, by which parameters are moved to find how the window changes. */
 static const double nudge = 1.0 / 64;
-enum { MOST_STEPS = 6 };
+/* The first steps stay in the plane of the triangle. */
+enum { MOST_STEPS = 8, PLANE_STEPS = 3 };
 static const double near_enough_px = 1.0 / 64;
 
 /* One step of Newton's method towards the place `at` of the window. Returns false where the surface
@@ -82,17 +83,48 @@ static bool step(const struct judged_surface *of, int patch, const double at[2],
     return true;
 }
 
-/* Finds the point of a curved patch that the window shows at a place. u_v: parameters near it. */
-static bool find_point(const struct judged_surface *of, const struct screen_triangle *triangle,
-                       int patch, const double at[2], double u_v[2], struct vertex *out)
+/* Finds the parameters that a triangle has at a place with these barycentric coordinates. */
+static void parameters_at(const struct judged_surface *of, const struct screen_triangle *triangle,
+                          const double share[3], double u_v[2])
 {
+    u_v[0] = u_v[1] = 0;
+    for (int j = 0; j < 3; j++) {
+        const struct parameters *corner = &of->parameters[triangle->vertex[j]];
+        u_v[0] += share[j] * corner->u / PARAMETER_CELL;
+        u_v[1] += share[j] * corner->v / PARAMETER_CELL;
+    }
+}
+
+/* Moves a place in the triangle's plane by as much as its point lies beside the wanted place: near
+ * the surface this converges, and needs no derivatives. */
+static void follow_plane(const struct judged_surface *of, const struct screen_triangle *triangle,
+                         double dx, double dy, double place[2], double u_v[2])
+{
+    double share[3];
+    place[0] += dx;
+    place[1] += dy;
+    shares_at(triangle, place[0], place[1], share);
+    parameters_at(of, triangle, share, u_v);
+}
+
+/* Finds the point of a curved patch that the window shows at a place of the triangle, with its
+ * barycentric coordinates there. */
+static bool find_point(const struct judged_surface *of, const struct screen_triangle *triangle,
+                       const double at[2], const double share[3], struct vertex *out)
+{
+    const int patch = of->parameters[triangle->vertex[0]].patch;
     struct exact_point point;
+    double u_v[2], place[2] = {at[0], at[1]};
+    parameters_at(of, triangle, share, u_v);
     for (int i = 0; i < MOST_STEPS && place_point(of, patch, u_v, &point); i++) {
-        if (vector_length((struct vector){at[0] - point.x, at[1] - point.y, 0}) < near_enough_px) {
+        const double dx = at[0] - point.x, dy = at[1] - point.y;
+        if (vector_length((struct vector){dx, dy, 0}) < near_enough_px) {
             *out = point.vertex;
             return is_front(of, out) == (triangle->clockwise == of->surface->instance->mirrored);
         }
-        if (!step(of, patch, at, u_v, &point))
+        if (i < PLANE_STEPS)
+            follow_plane(of, triangle, dx, dy, place, u_v);
+        else if (!step(of, patch, at, u_v, &point))
             return false;
     }
     return false;
@@ -137,20 +169,13 @@ static bool exact_attributes(const struct judged_surface *of,
                              const struct screen_triangle *triangle, const double at[2],
                              const double share[3], double *attributes)
 {
-    double u_v[2] = {0, 0};
     struct light_work ignored = {0};
     struct vertex point;
     if (!is_curved(of, triangle)) {
         light_facet(of, triangle, share, attributes);
         return true;
     }
-    for (int j = 0; j < 3; j++) {
-        const struct parameters *corner = &of->parameters[triangle->vertex[j]];
-        u_v[0] += share[j] * corner->u / PARAMETER_CELL;
-        u_v[1] += share[j] * corner->v / PARAMETER_CELL;
-    }
-    const int patch = of->parameters[triangle->vertex[0]].patch;
-    if (!find_point(of, triangle, patch, at, u_v, &point))
+    if (!find_point(of, triangle, at, share, &point))
         return false;
     place_texture(of, triangle, share, &point);
     light_point(&of->plan->view, of->surface->instance, &point, triangle->side, attributes,

@@ -14,7 +14,7 @@ static const double long_px = 8;
 /* A triangle while it is judged. */
 struct judged_triangle {
     const struct judge *judge;
-    const struct judged_mesh *of;
+    struct judged_mesh *of;
     const struct judged_surface *surface; /* that of the mesh */
     int triangle;
     struct screen_triangle parts[SCREEN_TRIANGLES];
@@ -168,72 +168,112 @@ static double edge_difference(const struct judged_triangle *of, int edge)
     return largest;
 }
 
+/* Returns the place for an edge among the known ones, which may hold another. */
+static struct known_edge *known_at(const struct judged_triangle *of, int edge, int32_t ends[2])
+{
+    const int32_t *vertex = of->surface->surface->instance->triangles[of->triangle];
+    const int32_t a = vertex[edge], b = vertex[(edge + 1) % 3];
+    ends[0] = a < b ? a : b;
+    ends[1] = a < b ? b : a;
+    return &of->of->known[(7 * (uint32_t)ends[0] + (uint32_t)ends[1]) % KNOWN_EDGES];
+}
+
+/* Returns the largest error on an edge. Its two triangles have the same. */
+static double edge_error(const struct judged_triangle *of, int edge)
+{
+    int32_t ends[2];
+    struct known_edge *known = known_at(of, edge, ends);
+    if (known->ends[0] != ends[0] || known->ends[1] != ends[1])
+        *known = (struct known_edge){{ends[0], ends[1]}, edge_difference(of, edge)};
+    return known->error;
+}
+
 /* Finds the lengths of the edges in the window; that of an edge that is not all in front of the eye
  * is infinite. */
-static void measure_edges(struct judged_triangle *of)
+static void measure_edges(const struct surface *surface, int triangle, double length_px[3])
 {
-    const struct surface *surface = of->surface->surface;
-    const int32_t *vertex = surface->instance->triangles[of->triangle];
+    const int32_t *vertex = surface->instance->triangles[triangle];
     for (int k = 0; k < 3; k++) {
         const struct window_vertex *a = &surface->vertices[vertex[k]],
                                    *b = &surface->vertices[vertex[(k + 1) % 3]];
-        of->length_px[k] = a->clip[3] > 0 && b->clip[3] > 0
-                               ? vector_length((struct vector){a->x - b->x, a->y - b->y, 0})
-                               : HUGE_VAL;
+        length_px[k] = a->clip[3] > 0 && b->clip[3] > 0
+                           ? vector_length((struct vector){a->x - b->x, a->y - b->y, 0})
+                           : HUGE_VAL;
     }
+}
+
+/* Returns twice the area of a triangle in the window, which is negative where its corners go round
+ * against the clock, as those of a front do: y points down. */
+static double turn(const struct surface *surface, int triangle)
+{
+    const struct window_vertex *corner = surface->vertices;
+    const int32_t *vertex = surface->instance->triangles[triangle];
+    const struct window_vertex *a = &corner[vertex[0]], *b = &corner[vertex[1]],
+                               *c = &corner[vertex[2]];
+    return (b->x - a->x) * (c->y - a->y) - (b->y - a->y) * (c->x - a->x);
 }
 
 /* Returns whether a triangle is narrower than an edge may be. */
 static bool is_narrow(const struct judged_triangle *of)
 {
-    const struct window_vertex *corner = of->surface->surface->vertices;
-    const int32_t *vertex = of->surface->surface->instance->triangles[of->triangle];
-    const struct window_vertex *a = &corner[vertex[0]], *b = &corner[vertex[1]],
-                               *c = &corner[vertex[2]];
-    const double longest = most_of(of->length_px),
-                 area = (b->x - a->x) * (c->y - a->y) - (b->y - a->y) * (c->x - a->x);
-    return longest < HUGE_VAL && fabs(area) < of->judge->shortest_px * longest;
+    const double longest = most_of(of->length_px);
+    return longest < HUGE_VAL &&
+           fabs(turn(of->surface->surface, of->triangle)) < of->judge->shortest_px * longest;
 }
 
-static void judge_shading(struct judged_triangle *of, float out[3])
+static void judge_shading(struct judged_triangle *of, struct judgement *out)
 {
     static const double middle[3] = {1 / 3.0, 1 / 3.0, 1 / 3.0};
     const double good = of->judge->error;
     if (!(good < HUGE_VAL) || is_narrow(of))
         return;
     for (int k = 0; k < 3; k++) {
-        const double error = of->length_px[k] < of->judge->shortest_px ? 0 : edge_difference(of, k);
-        out[k] = error > good ? (float)(error / good) : 0;
+        const double error = of->length_px[k] < of->judge->shortest_px ? 0 : edge_error(of, k);
+        out->edges[k] = error > good ? (float)(error / good) : 0;
+        out->shading = fmaxf(out->shading, (float)error);
     }
-    if (out[0] > 0 || out[1] > 0 || out[2] > 0)
+    if ((double)out->shading > good)
         return;
     of->inside = point_difference(of, middle);
     if (!lattice_misses(of->judge->lattice, of->surface->surface,
                         of->surface->surface->instance->triangles[of->triangle]))
         for (int i = 0; i < of->n_parts; i++)
             lattice_scan(of->judge->lattice, &of->parts[i], judge_fragment, of);
+    out->shading = fmaxf(out->shading, (float)of->inside);
     for (int k = 0; k < 3 && of->inside > good; k++)
         if (of->length_px[k] >= of->judge->shortest_px)
-            out[k] = (float)(of->inside / good);
+            out->edges[k] = (float)(of->inside / good);
 }
 
-void judge_triangle(const struct judge *judge, const struct judged_mesh *mesh, int triangle,
-                    float out[3])
+void judge_triangle(const struct judge *judge, struct judged_mesh *mesh, int triangle,
+                    struct judgement *out)
 {
     const struct surface *surface = mesh->surface->surface;
-    const struct view *view = &judge->plan->view;
-    const struct rectangle picture = {0, 0, view->width, view->height};
     struct judged_triangle of = {
         .judge = judge, .of = mesh, .surface = mesh->surface, .triangle = triangle};
-    int beside = ~0;
-    out[0] = out[1] = out[2] = 0;
-    for (int i = 0; i < 3 && beside; i++)
-        beside &=
-            outcode(&surface->vertices[surface->instance->triangles[triangle][i]], &picture, 1);
-    if (beside)
-        return;
-    of.n_parts = seen_parts(view, surface, triangle, of.parts);
-    measure_edges(&of);
+    *out = (struct judgement){.shading = 0};
+    of.n_parts = seen_parts(&judge->plan->view, surface, triangle, of.parts);
+    measure_edges(surface, triangle, of.length_px);
     judge_shading(&of, out);
-    judge_outline(&of, out);
+    judge_outline(&of, out->edges);
+}
+
+bool judge_concerns(const struct judge *judge, const struct surface *surface, int triangle,
+                    bool solid)
+{
+    const struct view *view = &judge->plan->view;
+    const struct rectangle picture = {0, 0, view->width, view->height};
+    const int32_t *vertex = surface->instance->triangles[triangle];
+    const struct window_vertex *corner = surface->vertices;
+    double length_px[3];
+    int beside = ~0;
+    for (int i = 0; i < 3 && beside; i++)
+        beside &= outcode(&corner[vertex[i]], &picture, 1);
+    if (beside)
+        return false;
+    measure_edges(surface, triangle, length_px);
+    if (!solid || !(most_of(length_px) < HUGE_VAL))
+        return most_of(length_px) >= judge->shortest_px;
+    return most_of(length_px) >= judge->shortest_px &&
+           (turn(surface, triangle) < 0) != surface->instance->mirrored;
 }

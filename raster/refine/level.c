@@ -11,8 +11,8 @@
 
 /* ---- judging ---- */
 
-/* Triangles that a thread takes at a time. */
-enum { BLOCK_TRIANGLES = 64 };
+/* That a thread takes at a time. */
+enum { BLOCK_TRIANGLES = 64, BLOCK_VERTICES = 256 };
 
 /* One instance of a refined mesh: its material, on the part and the side that it shows. */
 struct judging {
@@ -24,6 +24,8 @@ struct judging {
     struct surface surface;
     struct judged_surface judged;
     unsigned char *wanted; /* of each vertex: a triangle that is to be judged has it; owned */
+    unsigned char *judges; /* of each triangle: it is to be judged; owned */
+    bool solid;            /* nobody sees the backs of its triangles */
     struct counter failed; /* threads that found no memory */
 };
 
@@ -54,12 +56,13 @@ static void judge_triangles(void *context, size_t first, size_t end)
     if (!mesh.attributes)
         counter_add(&judging->failed, 1);
     for (size_t i = first; i < end && mesh.attributes; i++) {
-        float errors[3];
-        if (!is_wanted(judging, (int)i))
+        struct judgement *all = &refined->judged[i], one;
+        if (!judging->judges[i])
             continue;
-        judge_triangle(&of->judge, &mesh, (int)i, errors);
+        judge_triangle(&of->judge, &mesh, (int)i, &one);
         for (int k = 0; k < 3; k++)
-            refined->errors[i][k] = fmaxf(refined->errors[i][k], errors[k]);
+            all->edges[k] = fmaxf(all->edges[k], one.edges[k]);
+        all->shading = fmaxf(all->shading, one.shading);
     }
     free(mesh.attributes);
 }
@@ -77,8 +80,12 @@ static bool open_judging(struct judging *judging, struct error *err)
     judging->instance.n_triangles = mesh->n_triangles;
     judging->instance.model_view = refined->model_view;
     judging->instance.normal_matrix = refined->normal_matrix;
+    judging->solid = of->plan->meshes[judging->placed->mesh].solid && refined->in_front &&
+                     !judging->placed->object->two_sided;
     judging->wanted = calloc((size_t)mesh->n_vertices + 1, sizeof *judging->wanted);
-    if (!judging->wanted || !surface_open(&judging->instance, &judging->surface))
+    judging->judges = calloc((size_t)mesh->n_triangles + 1, sizeof *judging->judges);
+    if (!judging->wanted || !judging->judges ||
+        !surface_open(&judging->instance, &judging->surface))
         return error_memory(err);
     judging->judged =
         (struct judged_surface){.plan = of->plan,
@@ -90,6 +97,44 @@ static bool open_judging(struct judging *judging, struct error *err)
     return true;
 }
 
+/* Lists the vertices of all triangles that are to be judged. Returns whether there are any. */
+static bool want_corners(struct judging *judging)
+{
+    const struct mesh *mesh = &judging->refined->mesh;
+    bool any = false;
+    memset(judging->wanted, 0, (size_t)mesh->n_vertices);
+    for (int i = 0; i < mesh->n_triangles; i++)
+        for (int k = 0; k < 3 && judging->judges[i]; k++)
+            judging->wanted[mesh->triangles[i][k]] = any = true;
+    return any;
+}
+
+static void place_block(void *context, size_t first, size_t end)
+{
+    struct judging *judging = context;
+    for (size_t i = first; i < end; i++)
+        if (judging->wanted[i])
+            window_of(&judging->judged, judging->refined->mesh.vertices[i].position,
+                      &judging->surface.vertices[i]);
+}
+
+/* Finds the triangles that are to be judged, before their vertices are lit. */
+static bool choose_triangles(struct judging *judging)
+{
+    const struct mesh *mesh = &judging->refined->mesh;
+    const struct judge *judge = &judging->of->judge;
+    for (int i = 0; i < mesh->n_triangles; i++)
+        judging->judges[i] = is_wanted(judging, i);
+    if (!want_corners(judging))
+        return false;
+    threads_blocks(judging->of->plan->options.threads, (size_t)mesh->n_vertices, BLOCK_VERTICES,
+                   place_block, judging);
+    for (int i = 0; i < mesh->n_triangles; i++)
+        judging->judges[i] =
+            judging->judges[i] && judge_concerns(judge, &judging->surface, i, judging->solid);
+    return want_corners(judging);
+}
+
 static bool judge_instance(const struct refinement *of, int index, struct error *err)
 {
     const struct placed_instance *placed = &of->plan->instances[index];
@@ -98,16 +143,14 @@ static bool judge_instance(const struct refinement *of, int index, struct error 
                               .placed = placed,
                               .failed = COUNTER};
     const struct mesh *mesh = &judging.refined->mesh;
-    bool any = false, done = open_judging(&judging, err);
-    for (int i = 0; done && i < mesh->n_triangles; i++)
-        for (int k = 0; k < 3 && is_wanted(&judging, i); k++)
-            judging.wanted[mesh->triangles[i][k]] = any = true;
-    if (done && any) {
+    const bool done = open_judging(&judging, err);
+    if (done && choose_triangles(&judging)) {
         light_vertices(of->plan, &of->plan->view, &judging.surface, judging.wanted);
         threads_blocks(of->plan->options.threads, (size_t)mesh->n_triangles, BLOCK_TRIANGLES,
                        judge_triangles, &judging);
     }
     free(judging.wanted);
+    free(judging.judges);
     surface_close(&judging.surface);
     return done && (judging.failed.n == 0 || error_memory(err));
 }
@@ -136,10 +179,20 @@ static bool mark_edges(struct refinement *of, const struct refined *refined, str
 {
     for (int i = 0; i < refined->mesh.n_triangles; i++)
         for (int k = 0; k < 3 && !refined->settled[i]; k++)
-            if (refined->errors[i][k] > 0 &&
-                !edges_add(&of->marked, edge_at(refined, i, k), refined->errors[i][k], err))
+            if (refined->judged[i].edges[k] > 0 &&
+                !edges_add(&of->marked, edge_at(refined, i, k), refined->judged[i].edges[k], err))
                 return false;
     return true;
+}
+
+/* Returns the marks of a triangle's edges, as mesh_subdivide takes them. */
+static unsigned char marks_of(const struct refinement *of, const struct refined *refined,
+                              int triangle)
+{
+    unsigned marks = 0;
+    for (int k = 0; k < 3; k++)
+        marks |= (unsigned)edges_have(&of->marked, edge_at(refined, triangle, k)) << k;
+    return (unsigned char)marks;
 }
 
 /* A triangle that is divided also halves its longest edge, if that is so many times as long as a
@@ -155,6 +208,8 @@ static bool mark_longest(struct refinement *of, const struct refined *refined, b
         double length[3], shortest = HUGE_VAL;
         float error = 0;
         int longest = 0;
+        if (marks_of(of, refined, i) == 0)
+            continue;
         for (int k = 0; k < 3; k++) {
             const uint64_t edge = edge_at(refined, i, k);
             const struct vector along = vector_subtract(
@@ -197,11 +252,10 @@ static bool mark_all(struct refinement *of, struct error *err)
 static bool judge_level(const struct refinement *of, struct error *err)
 {
     for (int i = 0; i < of->n; i++) {
-        struct refined *refined = &of->list[i];
-        free(refined->errors);
-        refined->errors = calloc((size_t)refined->mesh.n_triangles + 1, sizeof *refined->errors);
-        if (!refined->errors)
-            return error_memory(err);
+        const struct refined *refined = &of->list[i];
+        for (int k = 0; k < refined->mesh.n_triangles; k++)
+            if (!refined->settled[k])
+                refined->judged[k] = (struct judgement){.shading = 0};
     }
     for (int i = 0; i < of->plan->n_instances; i++) {
         const struct placed_instance *placed = &of->plan->instances[i];
@@ -212,14 +266,27 @@ static bool judge_level(const struct refinement *of, struct error *err)
     return true;
 }
 
-/* Returns the marks of a triangle's edges, as mesh_subdivide takes them. */
-static unsigned char marks_of(const struct refinement *of, const struct refined *refined,
-                              int triangle)
+/* Settles the n triangles of a finer mesh that are those of the mesh, with their judgements. */
+static bool keep_judgements(struct refined *refined, const unsigned char *marks,
+                            const int32_t *source, int n, struct error *err)
 {
-    unsigned marks = 0;
-    for (int k = 0; k < 3; k++)
-        marks |= (unsigned)edges_have(&of->marked, edge_at(refined, triangle, k)) << k;
-    return (unsigned char)marks;
+    unsigned char *settled = calloc((size_t)n + 1, sizeof *settled);
+    struct judgement *judged = calloc((size_t)n + 1, sizeof *judged);
+    if (!settled || !judged) {
+        free(settled);
+        free(judged);
+        return error_memory(err);
+    }
+    for (int i = 0; i < n; i++) {
+        settled[i] = marks[source[i]] == 0;
+        if (settled[i])
+            judged[i] = refined->judged[source[i]];
+    }
+    free(refined->settled);
+    free(refined->judged);
+    refined->settled = settled;
+    refined->judged = judged;
+    return true;
 }
 
 /* Makes a mesh finer, whose triangles have these marks. */
@@ -229,19 +296,15 @@ static bool divide_mesh(struct refined *refined, const unsigned char *marks, str
     int32_t *source;
     const struct patches *patches = refined->mesh.parametric ? &refined->patches : NULL;
     bool done = mesh_subdivide(&refined->mesh, patches, marks, &finer, &source, err);
-    unsigned char *settled = done ? calloc((size_t)finer.n_triangles + 1, 1) : NULL;
-    for (int i = 0; settled && i < finer.n_triangles; i++)
-        settled[i] = marks[source[i]] == 0;
-    free(source);
-    if (!settled) {
+    if (!done || !keep_judgements(refined, marks, source, finer.n_triangles, err)) {
         if (done)
             mesh_free(&finer);
-        return error_memory(err);
+        free(source);
+        return false;
     }
+    free(source);
     mesh_free(&refined->mesh);
-    free(refined->settled);
     refined->mesh = finer;
-    refined->settled = settled;
     if (refined->shape.planar) {
         mesh_planar(&refined->mesh);
         shape_repeat_texture(&refined->shape, &refined->mesh);

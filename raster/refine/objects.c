@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The meshes that are refined: one for each object, or one for several objects in the same place.
  */
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,6 +11,25 @@
 int object_of(const struct plan *plan, int instance)
 {
     return (int)(plan->instances[instance].object - plan->scene->objects);
+}
+
+static bool is_in_front(const struct plan *plan, const struct refined *refined)
+{
+    const double *z = plan->view.projection.row[2], *w = plan->view.projection.row[3];
+    bool in_front = true;
+    for (int i = 0; i < refined->mesh.n_vertices && in_front; i++) {
+        const struct vector eye =
+            matrix_point(&refined->model_view, refined->mesh.vertices[i].position);
+        const double clip_w = w[0] * eye.x + w[1] * eye.y + w[2] * eye.z + w[3];
+        in_front = clip_w > 0 && z[0] * eye.x + z[1] * eye.y + z[2] * eye.z + z[3] > -clip_w;
+    }
+    return in_front;
+}
+
+void judgements_forget(const struct refined *refined)
+{
+    for (int i = 0; i < refined->mesh.n_triangles; i++)
+        refined->judged[i] = (struct judgement){.shading = HUGE_VALF};
 }
 
 static bool add_refined(struct refinement *of, int object, struct error *err)
@@ -24,9 +44,13 @@ static bool add_refined(struct refinement *of, int object, struct error *err)
         return false;
     new->before = new->mesh.n_triangles;
     new->model_view = matrix_product(plan->world_to_eye, described->transform);
+    new->in_front = is_in_front(plan, new);
     new->settled = calloc((size_t) new->mesh.n_triangles + 1, sizeof *new->settled);
-    return (matrix_normal(&new->model_view, &new->normal_matrix) && new->settled) ||
-           error_memory(err);
+    new->judged = calloc((size_t) new->mesh.n_triangles + 1, sizeof *new->judged);
+    if (!matrix_normal(&new->model_view, &new->normal_matrix) || !new->settled || !new->judged)
+        return error_memory(err);
+    judgements_forget(new);
+    return true;
 }
 
 /* Returns the object of an instance that is in the same place, and hides this one; -1: none. */
@@ -77,7 +101,7 @@ static void free_refined(struct refined *refined)
     patches_close(&refined->patches);
     mesh_free(&refined->mesh);
     free(refined->settled);
-    free(refined->errors);
+    free(refined->judged);
     free(refined->ends);
 }
 

@@ -71,6 +71,11 @@ static bool take_meshes(struct refinement *of, struct error *err)
     return done;
 }
 
+static bool is_good(const struct judgement *judged, double error)
+{
+    return judged->shading < HUGE_VALF && (double)judged->shading <= error;
+}
+
 /* Refines the meshes until no point that is looked at has more than this error, or until there are
  * too many triangles. */
 static bool refine_to(struct refinement *of, double error, struct error *err)
@@ -80,7 +85,8 @@ static bool refine_to(struct refinement *of, double error, struct error *err)
     of->judge.error = of->measure.good = error;
     of->changed = true;
     for (int i = 0; i < of->n; i++)
-        memset(of->list[i].settled, 0, (size_t)of->list[i].mesh.n_triangles);
+        for (int k = 0; k < of->list[i].mesh.n_triangles; k++)
+            of->list[i].settled[k] = is_good(&of->list[i].judged[k], error);
     for (int level = 0; done && of->changed && !of->result->stopped && level < MOST_LEVELS; level++)
         done = refine_level(of, err);
     return done;
@@ -149,14 +155,27 @@ static bool is_shaded_well(const struct refinement *of, const struct accuracy_es
     return estimate->shading_95 <= of->result->wanted.error / 4;
 }
 
-/* Returns the factor of the error that is asked for next. What wavelengths leave of the wanted
- * error belongs to shading, as if the two were at a right angle. */
-static double tightening(const struct accuracy_estimate *reached, double wanted)
+/* Returns what wavelengths leave of the wanted error to shading, as if the two were at a right
+ * angle. */
+static double shading_part(const struct accuracy_estimate *reached, double wanted)
 {
     const double whole = reached->quantile_95 * reached->quantile_95,
-                 shading = reached->shading_95 * reached->shading_95,
-                 left = wanted * wanted - fmax(0, whole - shading);
-    return fmax(0.4, fmin(0.95 * sqrt(fmax(0, left) / shading), 0.85));
+                 shading = reached->shading_95 * reached->shading_95;
+    return sqrt(fmax(0, wanted * wanted - fmax(0, whole - shading)));
+}
+
+/* Returns the factor of the error that is asked for next. */
+static double tightening(const struct accuracy_estimate *reached, double wanted)
+{
+    return fmax(0.4, fmin(0.95 * shading_part(reached, wanted) / reached->shading_95, 0.85));
+}
+
+/* Allows edges half as long as before: those may be too long that were not looked at. */
+static void shorten_edges(struct refinement *of)
+{
+    of->judge.shortest_px /= 2;
+    for (int i = 0; i < of->n; i++)
+        judgements_forget(&of->list[i]);
 }
 
 /* Divides triangles until the picture is good enough. Points may have more than the wanted error,
@@ -167,7 +186,7 @@ static bool refine_shading(struct refinement *of, struct error *err)
     enum { MOST_TRIES = 64 };
     const double wanted = safe_part * of->result->wanted.error;
     const struct accuracy_estimate *after = &of->result->after;
-    double error = 1.5 * wanted;
+    double error = 1.4 * fmax(shading_part(&of->result->before, wanted), wanted / 4);
     const bool full = of->result->wanted.most_triangles <= of->plan->n_triangles;
     bool good = false, too_many = full;
     for (int try = 0; !good && !full && try < MOST_TRIES; try++) {
@@ -188,7 +207,7 @@ static bool refine_shading(struct refinement *of, struct error *err)
         /* 95 % of the points usually have two thirds of the error that was asked for; if it is
            more, it is in triangles smaller than a pixel */
         if (after->shading_95 > 0.8 * error)
-            of->judge.shortest_px /= 2;
+            shorten_edges(of);
         else
             error *= tightening(after, wanted);
     }

@@ -10,7 +10,6 @@
 #include "spectral.h"
 
 /* ---- refine.c: from a plan to a finer one ---- */
-
 struct refine_request {
     enum measure_unit unit;
     double error;         /* that 95 % of object pixels may have at most */
@@ -39,7 +38,6 @@ bool refine_options(const struct options *options, struct plan *plan, struct ref
 void refine_result_free(struct refine_result *result);
 
 /* ---- asked.c: the plan that the command line asks for ---- */
-
 struct asked_plan {
     struct plan plan;
     struct refine_result refined; /* zeroed without --accuracy */
@@ -53,9 +51,7 @@ bool plan_asked(const struct options *options, const struct plan_options *plan_o
 void asked_plan_free(struct asked_plan *asked);
 
 /* ---- inside this room ---- */
-
 /* ---- edges.c: a set of edges ---- */
-
 /* An edge is known by the places of its ends in eye space, rounded: two triangles agree on it even
  * where they belong to two objects. */
 struct edge_set {
@@ -67,52 +63,60 @@ struct edge_set {
 };
 uint64_t edge_end(struct vector eye);
 uint64_t edge_between(uint64_t a, uint64_t b);
-/* Adds an edge, or raises its error. Fails only where memory runs out. */
+/* Adds an edge, or raises its error. */
 bool edges_add(struct edge_set *set, uint64_t edge, float error, struct error *err);
 bool edges_have(const struct edge_set *set, uint64_t edge);
 float edges_error(const struct edge_set *set, uint64_t edge); /* of one that it has */
-/* Removes all edges but those with the largest errors, `most` or fewer: equal ones stay or go
- * together.
- */
+/* Keeps the edges of the largest errors, `most` or fewer: equal ones stay or go together. */
 bool edges_keep_worst(struct edge_set *set, size_t most, struct error *err);
 void edges_free(struct edge_set *set);
 
 /* ---- judge.c: which edges of a triangle are too long ---- */
-
 /* The standards by which triangles are judged. */
 struct judge {
     const struct plan *plan;
     const struct measure *measure;
     const struct lattice *lattice;
-    const struct lattice_pixel
-        *pixels;        /* that the picture shows: what lies behind them is hidden */
+    const struct lattice_pixel *pixels; /* what lies behind them is hidden */
     double error;       /* the largest that is good enough; HUGE_VAL: shading is not judged */
     double shortest_px; /* edges of this length in the window are not divided */
     double outline_px;  /* how far an outline may be from the true one */
 };
-/* A surface that is judged, its mesh, and room for the attributes of two points. */
+/* A surface that is judged, its mesh, room for attributes of two points, and edges judged last. */
+enum { KNOWN_EDGES = 64 };
 struct judged_mesh {
     const struct judged_surface *surface;
     const struct mesh *mesh;
     double *attributes;
+    struct known_edge { /* ends: ascending; equal: none */
+        int32_t ends[2];
+        double error;
+    } known[KNOWN_EDGES];
 };
-/* Writes for each edge of a triangle its error over what is good enough; 0: it may stay. */
-void judge_triangle(const struct judge *judge, const struct judged_mesh *of, int triangle,
-                    float out[3]);
+/* The errors of a triangle's edges over what is good enough, 0: they may stay; and the largest
+ * error of its shading, as far as it was looked for. */
+struct judgement {
+    float edges[3], shading;
+};
+void judge_triangle(const struct judge *judge, struct judged_mesh *of, int triangle,
+                    struct judgement *out);
+/* Returns whether a placed triangle may have to be divided: it reaches the picture, has a long
+ * edge, and is not the back of a solid. */
+bool judge_concerns(const struct judge *judge, const struct surface *surface, int triangle,
+                    bool solid);
 
 /* ---- objects.c: the meshes that are refined ---- */
-
-/* The mesh of an object, and of others in the same place. */
-struct refined {
+struct refined {        /* the mesh of an object, and of others in the same place */
     int object;         /* the first of them, index in the scene */
     struct shape shape; /* tessellated; shares what the scene's owns */
     struct patches patches;
     struct mesh mesh;
-    unsigned char *settled; /* of each triangle: it has been judged, and is good enough; owned */
-    float (*errors)[3];     /* of the edges of each triangle, as judge_triangle writes; owned */
-    uint64_t *ends;         /* edge_end of each vertex; owned */
+    unsigned char *settled;   /* of each triangle: it is good enough; owned */
+    struct judgement *judged; /* of each triangle; of infinite error: it is not judged; owned */
+    uint64_t *ends;           /* edge_end of each vertex; owned */
     struct matrix model_view, normal_matrix;
-    long before; /* triangles */
+    long before;   /* triangles */
+    bool in_front; /* all of it lies beyond the near plane */
 };
 struct refinement {
     struct plan *plan;
@@ -125,14 +129,13 @@ struct refinement {
     struct edge_set marked;
     bool changed; /* the last level has divided a triangle */
 };
-/* Lists the objects in view; only those with round outlines if `round`. The caller always frees it.
- */
+/* Lists the objects in view, or those with round outlines. The caller always frees the list. */
 bool objects_list(struct refinement *of, bool round, struct error *err);
 void objects_free(struct refinement *of);
-int object_of(const struct plan *plan, int instance); /* index in the scene */
+void judgements_forget(const struct refined *refined); /* its triangles have to be judged again */
+int object_of(const struct plan *plan, int instance);  /* index in the scene */
 
 /* ---- surfaces.c ---- */
-
 /* Lights the vertices of a surface that are wanted; NULL: all. */
 void light_vertices(const struct plan *plan, const struct view *view, struct surface *surface,
                     const unsigned char *wanted);
@@ -141,8 +144,7 @@ struct surface *surfaces_place(const struct plan *plan, struct error *err);
 void surfaces_close(struct surface *surfaces, int n);
 
 /* ---- level.c ---- */
-
-/* Judges the triangles that are not settled, and divides those that are not good enough. */
+/* Divides the triangles that are not settled, and not good enough. */
 bool refine_level(struct refinement *of, struct error *err);
 
 #endif

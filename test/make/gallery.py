@@ -21,6 +21,7 @@ A, UV = ("--light", "1=a"), ("--light", "1=uv")
 ALL_A, ALL_UV = ([word for i in range(1, 9) for word in ("--light", f"{i}={light}")] + ["--ambient", light + "*0.24"]
                  for light in ("a", "uv"))
 AUTO, ADAPTED = ("--exposure", "auto"), ("--adaptation", "cat16")
+SMOOTH = ("--samples", "4")
 # name: scene, size, options of render, options of develop
 PICTURES = {
     "colorchecker": ("colorchecker", "1200x800", (), AUTO),
@@ -67,11 +68,12 @@ def readme_files():
 def make(folder, name, scene, size, rendered, developed):
     picture = os.path.abspath(os.path.join(folder, name + ".png"))
     files = readme_files()
+    means = () if scene in files else SMOOTH  # README shows the commands of its own scene
     with tempfile.TemporaryDirectory() as work:  # the picture records the name of its stack, as it is given
         for file, text in files.items():
             with open(os.path.join(work, file), "w", encoding="utf-8") as out:
                 out.write(text)
-        for words in (("render", scene, "--size", size, "-o", name + ".tif", *rendered),
+        for words in (("render", scene, "--size", size, *means, "-o", name + ".tif", *rendered),
                       ("develop", name + ".tif", "-o", picture, *developed)):
             subprocess.run([SPECTRAL, *words, "--quiet"], check=True, cwd=work)
 

@@ -201,6 +201,16 @@ def no_cracks():
             check(name != "two planes that meet" or holes == 0, f"{name}: no hole with {driver}", holes)
 
 
+def outlines():
+    """Where only the outline is wrong, it alone is refined: a disk of six corners under ambient light."""
+    scene = HEAD + "camera ortho 3\nambient 1 1\nmaterial white { diffuse 1 }\nobject disk 1 6 material white\n"
+    report = render(scene, "--accuracy", "1")
+    seen = (objects_of(os.path.join(TMP, "stack.tif")) > 0).sum()
+    refined, area = report["accuracy"]["refined"], np.pi * (200 / 3) ** 2
+    check(refined["triangles_before"] == 6 and 12 < refined["triangles_after"] < 200, "an outline is refined alone", refined)
+    check(abs(seen - area) < 2 * np.pi * 200 / 3 * 0.25, "it is as round as a quarter of a pixel allows", seen, area)
+
+
 def other_commands():
     scene = path_of(SCENES["near light"])
     nm = ("--wavelengths", "400:700:20")
@@ -239,6 +249,7 @@ wavelengths()
 in_counts()
 few_triangles()
 no_cracks()
+outlines()
 other_commands()
 refusals()
 done()
