@@ -206,9 +206,9 @@ def outlines():
     scene = HEAD + "camera ortho 3\nambient 1 1\nmaterial white { diffuse 1 }\nobject disk 1 6 material white\n"
     report = render(scene, "--accuracy", "1")
     seen = (objects_of(os.path.join(TMP, "stack.tif")) > 0).sum()
-    refined, area = report["accuracy"]["refined"], np.pi * (200 / 3) ** 2
+    refined, area = report["accuracy"]["refined"], np.pi * 100 ** 2
     check(refined["triangles_before"] == 6 and 12 < refined["triangles_after"] < 200, "an outline is refined alone", refined)
-    check(abs(seen - area) < 2 * np.pi * 200 / 3 * 0.25, "it is as round as a quarter of a pixel allows", seen, area)
+    check(abs(seen - area) < 2 * np.pi * 100 * 0.25, "it is as round as a quarter of a pixel allows", seen, area)
 
 
 def other_commands():
