@@ -17,6 +17,31 @@ static bool note_plan(const struct plan *plan, struct notes *out, struct error *
     return done;
 }
 
+/* Adds the seconds of making the plan, which a render takes, too. */
+static void add_seconds(double seconds, struct forecast *forecast)
+{
+    for (int i = 0; i < FORECAST_KINDS; i++)
+        forecast->seconds[i] += seconds;
+}
+
+/* Prints two digits of seconds, or whole ones. */
+static void print_seconds(double seconds, struct printed *to)
+{
+    print(to, "%.*f", seconds < 1 ? 2 : seconds < 10 ? 1 : 0, seconds);
+}
+
+static void print_forecast(const struct forecast *forecast, struct printed *to)
+{
+    print_text(to, "seconds           about ");
+    print_seconds(forecast->seconds[FORECAST_CHECKED], to);
+    print_text(to, " with OpenGL and its check, ");
+    print_seconds(forecast->seconds[FORECAST_REFERENCE], to);
+    print_text(to, " by the reference alone");
+    if (!forecast->learnt[FORECAST_CHECKED])
+        print_text(to, "; known better when this machine has rendered something");
+    print_text(to, "\n");
+}
+
 bool command_plan(struct options *options, struct error *err)
 {
     const struct plan_options plan_options = {.threads = options->threads};
@@ -24,18 +49,25 @@ bool command_plan(struct options *options, struct error *err)
     struct sampling sampling = {.detector = NULL};
     struct asked_plan asked = {.plan = {.scene = NULL}};
     struct notes notes = {.refined = options->accuracy ? &asked.refined : NULL};
+    struct forecast forecast;
     struct json json;
+    const double start = clock_seconds();
     bool done = scene_read_sampled(options, &scene, &sampling, err) &&
                 scene_spared(options->json, &scene, err) &&
                 plan_asked(options, &plan_options, &scene, &sampling, &asked, err) &&
-                note_plan(&asked.plan, &notes, err);
+                forecast_make(&asked.plan, &forecast, err);
+    const double seconds = clock_seconds() - start;
+    done = done && note_plan(&asked.plan, &notes, err);
     if (done && options->json) {
-        done = plan_json(&asked.plan, &notes, &json, err) &&
+        add_seconds(seconds, &forecast);
+        done = plan_json(&asked.plan, &notes, &forecast, &json, err) &&
                json_write(&json, options->json, &options->outputs, err);
     } else if (done) {
         struct printed printed = {.text = NULL};
         done = plan_print(&asked.plan, &printed, err);
         shading_print(&asked.plan, &notes, &printed);
+        add_seconds(seconds, &forecast);
+        print_forecast(&forecast, &printed);
         notes_print(&notes, &printed);
         done = printed_show(&printed, STDOUT_FILENO, err) && done;
     }

@@ -58,8 +58,19 @@ static void json_lights(struct json *json, const struct plan *plan)
     json_close(json, ']');
 }
 
-bool plan_json(const struct plan *plan, const struct notes *notes, struct json *json,
-               struct error *err)
+static void json_forecast(struct json *json, const struct forecast *forecast)
+{
+    static const char *const names[FORECAST_KINDS] = {
+        [FORECAST_CHECKED] = "checked", [FORECAST_REFERENCE] = "reference"};
+    json_open(json, "seconds", '{');
+    for (int i = 0; i < FORECAST_KINDS; i++)
+        json_number(json, names[i], forecast->seconds[i]);
+    json_truth(json, "learnt", forecast->learnt[FORECAST_CHECKED]);
+    json_close(json, '}');
+}
+
+bool plan_json(const struct plan *plan, const struct notes *notes, const struct forecast *forecast,
+               struct json *json, struct error *err)
 {
     const struct scene *scene = plan->scene;
     const bool components = plan->sampling && !plan->sampling->spectral;
@@ -85,6 +96,7 @@ bool plan_json(const struct plan *plan, const struct notes *notes, struct json *
         json_effect(json, &plan->effects[i]);
     json_close(json, ']');
     json_lights(json, plan);
+    json_forecast(json, forecast);
     accuracy_json(plan, notes, json);
     notes_json(notes, json);
     json_close(json, '}');

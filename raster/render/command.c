@@ -240,6 +240,8 @@ static bool render_planned(const struct options *options, const struct plan *pla
     struct render_result result;
     const bool shown = progress_start(&line, options->quiet);
     bool done = render(plan, output, shown ? &line : NULL, &result, err);
+    if (done)
+        forecast_learn(plan, result.seconds.total);
     result.seconds.read += before->read;
     result.seconds.plan = before->plan;
     result.seconds.total += before->read + before->plan;

@@ -10,6 +10,7 @@
 #include "data/record/record.h"
 #include "data/stack/stack.h"
 #include "raster/driver/driver.h"
+#include "raster/forecast/forecast.h"
 #include "raster/gl/gl.h"
 #include "raster/notes/notes.h"
 #include "raster/plan/plan.h"

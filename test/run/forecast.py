@@ -1,0 +1,106 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""Checks the seconds that plan expects: they are those of the last render of this machine, by a model that a small file
+in the user's cache adjusts. A file that is missing, broken or in the way changes nothing else. Prints TAP."""
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+
+sys.dont_write_bytecode = True
+from rendered import SPECTRAL, TMP, check, done
+from tap import bail_out
+
+CACHE = os.path.abspath(os.path.join(TMP, "cache"))
+PACE = os.path.join(CACHE, "spectral", "pace")
+BARE = {name: value for name, value in os.environ.items() if name not in ("HOME", "XDG_CACHE_HOME")}
+OURS = {**BARE, "XDG_CACHE_HOME": CACHE}
+LARGE = ("colorchecker", "--size", "900x600")
+ALONE = ("--renderer", "raster", "--no-check", "--samples", "2")
+
+
+def run(*words, env=OURS):
+    return subprocess.run([SPECTRAL, *words], check=False, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          universal_newlines=True, env=env)
+
+
+def render(*words, env=OURS):
+    """The seconds of a render, without those of reading and planning."""
+    result = run("render", *words, "-o", "/dev/null", "--quiet", "--json", "-", env=env)
+    if result.returncode != 0:
+        bail_out(words, result.stderr)
+    seconds = json.loads(result.stdout)["seconds"]
+    return seconds["total"] - seconds["read"] - seconds["plan"]
+
+
+def plan(*words, env=OURS):
+    """The seconds that plan expects, and those that it takes itself, at most."""
+    since = time.monotonic()
+    result = run("plan", *words, "--json", "-", env=env)
+    if result.returncode != 0:
+        bail_out(words, result.stderr)
+    return json.loads(result.stdout)["seconds"], time.monotonic() - since
+
+
+def content():
+    if not os.path.exists(PACE):
+        return None
+    with open(PACE, encoding="ascii") as file:
+        return file.read()
+
+
+def learns():
+    shutil.rmtree(CACHE, ignore_errors=True)
+    before, _ = plan(*LARGE)
+    words = run("plan", *LARGE).stdout
+    check(not before["learnt"] and re.search("^seconds +about [0-9.]+ with OpenGL and its check, [0-9.]+ by the reference alone; "
+                                             "known better", words, re.MULTILINE), "plan expects seconds before any render", words)
+    checked = render(*LARGE)
+    expected, own = plan(*LARGE)
+    check(expected["learnt"] and 0.999 * checked <= expected["checked"] <= 1.001 * checked + own,
+          "it expects the seconds of the same render, and its own", expected, checked, own)
+    alone = render(*LARGE, *ALONE)
+    expected, own = plan(*LARGE, "--samples", "2")
+    check(0.999 * alone <= expected["reference"] <= 1.001 * alone + own, "and so for the reference alone", expected, alone)
+    larger, _ = plan("colorchecker", "--size", "1800x1200", "--samples", "2")
+    check(larger["reference"] > 1.5 * expected["reference"], "a larger picture takes longer", larger, expected)
+    check(re.fullmatch(r"checked [0-9.]+\nreference [0-9.]+\n", content()), "the file has a line for each", content())
+
+
+def leaves():
+    before = content()
+    for words in (("patches", "--size", "30x20"), (*LARGE, "--threads", "1"), (*LARGE, "--no-check"), (*LARGE, "--buffer", "8"),
+                  ("patches", "--renderer", "softpipe"), (*LARGE, *ALONE, "--shading", "phong")):
+        render(*words)
+        check(content() == before, f"{' '.join(words)} teaches nothing", content())
+
+
+def survives():
+    for name, text in (("no text", b"\xff\x00\n"), ("a wrong number", b"checked 1e9\n"), ("nothing", b""), ("no number", b"checked\n")):
+        with open(PACE, "wb") as file:
+            file.write(text)
+        check(not plan(*LARGE)[0]["learnt"], f"a file of {name} is as good as none")
+    render(*LARGE)
+    check(re.fullmatch(r"checked [0-9.]+\n", content()), "the next render writes it again", content())
+    os.remove(PACE)
+    os.mkdir(PACE)
+    render(*LARGE)
+    check(not plan(*LARGE)[0]["learnt"] and os.listdir(os.path.dirname(PACE)) == ["pace"], "a folder in its place stays")
+    for env in (BARE, {**BARE, "XDG_CACHE_HOME": "cache"}, {**BARE, "HOME": "/dev/null"}, {**BARE, "XDG_CACHE_HOME": "/proc/none"}):
+        result = run("render", *LARGE, *ALONE, "-o", "/dev/null", "--quiet", env=env)  # Mesa has a cache, too
+        check(result.returncode == 0 and not result.stderr and not os.path.exists("cache"), "a render needs no cache", result.stderr)
+        check(not plan(*LARGE, env=env)[0]["learnt"], "nor does plan")
+    home = os.path.abspath(os.path.join(TMP, "home"))
+    shutil.rmtree(home, ignore_errors=True)
+    os.mkdir(home)
+    render(*LARGE, env={**BARE, "HOME": home})
+    check(os.path.exists(os.path.join(home, ".cache", "spectral", "pace")), "without XDG_CACHE_HOME it is below HOME")
+
+
+learns()
+leaves()
+survives()
+done()
