@@ -34,14 +34,15 @@ static bool plan_scene(const struct scene *scene, struct error *err)
     struct light_work work;
     struct printed printed = {.text = NULL};
     struct json json;
+    struct forecast forecast;
     bool done = plan_make(scene, NULL, &options, &plan, err) &&
                 lit_make(&plan, driver_of(NULL), &lit, &work, err) &&
-                notes_make(&lit, 256, &notes, err);
+                notes_make(&lit, 256, &notes, err) && forecast_make(&plan, &forecast, err);
     if (done) {
         done = plan_print(&plan, &printed, err);
         notes_print(&notes, &printed);
-        done = plan_json(&plan, &notes, &json, err) && json_write(&json, "/dev/null", NULL, err) &&
-               done;
+        done = plan_json(&plan, &notes, &forecast, &json, err) &&
+               json_write(&json, "/dev/null", NULL, err) && done;
     }
     free(printed_end(&printed));
     lit_free(&lit);
