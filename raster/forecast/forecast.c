@@ -53,6 +53,10 @@ bool forecast_make(const struct plan *plan, struct forecast *out, struct error *
     return true;
 }
 
+/* In shorter renders the beginning weighs too much: Mesa may compile its shaders anew. */
+static const double least_seconds[FORECAST_KINDS] = {
+    [FORECAST_CHECKED] = 0.5, [FORECAST_REFERENCE] = 0.1};
+
 /* Finds the kind of a render; false if none is like it. */
 static bool kind_of(const struct plan *plan, enum forecast_kind *out)
 {
@@ -64,14 +68,16 @@ static bool kind_of(const struct plan *plan, enum forecast_kind *out)
 
 void forecast_learn(const struct plan *plan, double seconds)
 {
-    static const double least_seconds = 0.1;
     double pace[FORECAST_KINDS];
     enum forecast_kind kind;
     struct error ignored = {.status = EXIT_AGREED};
     long passes;
-    if (seconds < least_seconds || !kind_of(plan, &kind) || !count_passes(plan, &passes, &ignored))
+    if (!kind_of(plan, &kind) || !count_passes(plan, &passes, &ignored))
+        return;
+    const double expected = model_seconds(plan, passes, &models[kind]);
+    if (expected < least_seconds[kind])
         return;
     pace_read(pace);
-    pace[kind] = seconds / model_seconds(plan, passes, &models[kind]);
+    pace[kind] = seconds / expected;
     pace_write(pace);
 }

@@ -11,11 +11,11 @@
 /* The default render, with OpenGL and its check; and one by the reference alone. */
 enum forecast_kind { FORECAST_CHECKED, FORECAST_REFERENCE, FORECAST_KINDS };
 struct forecast {
+    double planned; /* seconds that the plan took; the caller's */
     double seconds[FORECAST_KINDS];
     bool learnt[FORECAST_KINDS]; /* from a render of this machine; otherwise from another one */
 };
-/* Forecasts the seconds of a plan's render with smooth shading, without those of making the plan.
- */
+/* Forecasts the seconds of a plan's render with smooth shading, without those of the plan. */
 bool forecast_make(const struct plan *plan, struct forecast *out, struct error *err);
 /* Learns from a render that took so many seconds, without those of its plan. Nothing is learnt from
  * short ones, nor with options that change the seconds, nor where no folder for it can be found. */

@@ -17,13 +17,6 @@ static bool note_plan(const struct plan *plan, struct notes *out, struct error *
     return done;
 }
 
-/* Adds the seconds of making the plan, which a render takes, too. */
-static void add_seconds(double seconds, struct forecast *forecast)
-{
-    for (int i = 0; i < FORECAST_KINDS; i++)
-        forecast->seconds[i] += seconds;
-}
-
 /* Prints two digits of seconds, or whole ones. */
 static void print_seconds(double seconds, struct printed *to)
 {
@@ -33,9 +26,9 @@ static void print_seconds(double seconds, struct printed *to)
 static void print_forecast(const struct forecast *forecast, struct printed *to)
 {
     print_text(to, "seconds           about ");
-    print_seconds(forecast->seconds[FORECAST_CHECKED], to);
+    print_seconds(forecast->planned + forecast->seconds[FORECAST_CHECKED], to);
     print_text(to, " with OpenGL and its check, ");
-    print_seconds(forecast->seconds[FORECAST_REFERENCE], to);
+    print_seconds(forecast->planned + forecast->seconds[FORECAST_REFERENCE], to);
     print_text(to, " by the reference alone");
     if (!forecast->learnt[FORECAST_CHECKED])
         print_text(to, "; known better when this machine has rendered something");
@@ -56,17 +49,15 @@ bool command_plan(struct options *options, struct error *err)
                 scene_spared(options->json, &scene, err) &&
                 plan_asked(options, &plan_options, &scene, &sampling, &asked, err) &&
                 forecast_make(&asked.plan, &forecast, err);
-    const double seconds = clock_seconds() - start;
+    forecast.planned = clock_seconds() - start;
     done = done && note_plan(&asked.plan, &notes, err);
     if (done && options->json) {
-        add_seconds(seconds, &forecast);
         done = plan_json(&asked.plan, &notes, &forecast, &json, err) &&
                json_write(&json, options->json, &options->outputs, err);
     } else if (done) {
         struct printed printed = {.text = NULL};
         done = plan_print(&asked.plan, &printed, err);
         shading_print(&asked.plan, &notes, &printed);
-        add_seconds(seconds, &forecast);
         print_forecast(&forecast, &printed);
         notes_print(&notes, &printed);
         done = printed_show(&printed, STDOUT_FILENO, err) && done;

@@ -63,6 +63,7 @@ static void json_forecast(struct json *json, const struct forecast *forecast)
     static const char *const names[FORECAST_KINDS] = {
         [FORECAST_CHECKED] = "checked", [FORECAST_REFERENCE] = "reference"};
     json_open(json, "seconds", '{');
+    json_number(json, "plan", forecast->planned);
     for (int i = 0; i < FORECAST_KINDS; i++)
         json_number(json, names[i], forecast->seconds[i]);
     json_truth(json, "learnt", forecast->learnt[FORECAST_CHECKED]);
