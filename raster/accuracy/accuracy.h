@@ -122,10 +122,10 @@ struct accuracy_object {
 };
 struct accuracy_estimate { /* wavelengths count if the measure knows them */
     enum measure_unit unit;
-    double quantile_95;              /* of all objects' pixels */
-    double shading_95;               /* the same of shading and shape alone */
-    struct accuracy_object *objects; /* those in view, worst first; owned */
-    int n_objects, n_points;         /* n_points: at which the picture was judged */
+    double quantile_95;                /* of all objects' pixels */
+    double shading_95, wavelengths_95; /* the same of shading and shape alone; of wavelengths */
+    struct accuracy_object *objects;   /* those in view, worst first; owned */
+    int n_objects, n_points;           /* n_points: at which the picture was judged */
     bool known; /* or empty: the detector is no observer, or shading is flat or phong */
 };
 /* Judges pixels that are seen, of surfaces that are lit at the corners that are needed. */

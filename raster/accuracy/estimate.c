@@ -11,7 +11,7 @@
 struct judged_point {
     int surface; /* -1: none */
     const struct object *object;
-    float error, shading; /* with wavelengths, and without */
+    float error, shading, wavelengths; /* all of it; and its parts */
 };
 struct estimating {
     const struct plan *plan;
@@ -80,7 +80,8 @@ static void judge_pixel(const struct estimating *of, int index, double *attribut
     *out = (struct judged_point){
         surface, of->plan->instances[surface].object,
         (float)measure_whole(of->measure, shaded, &point.drawn, &point.exact),
-        (float)measure_difference(of->measure, shaded, &point.drawn, &point.exact)};
+        (float)measure_difference(of->measure, shaded, &point.drawn, &point.exact),
+        (float)measure_whole(of->measure, shaded, &point.exact, &point.exact)};
 }
 
 static void judge_block(void *context, size_t first, size_t end)
@@ -132,6 +133,13 @@ static int by_shading(const void *a, const void *b)
     return (one > two) - (one < two);
 }
 
+static int by_wavelengths(const void *a, const void *b)
+{
+    const float one = ((const struct judged_point *)a)->wavelengths,
+                two = ((const struct judged_point *)b)->wavelengths;
+    return (one > two) - (one < two);
+}
+
 static int by_object(const void *a, const void *b)
 {
     const struct judged_point *one = a, *two = b;
@@ -174,6 +182,9 @@ static bool conclude(struct estimating *of, struct accuracy_estimate *out, struc
     const size_t size = sizeof *of->points;
     qsort(of->points, (size_t)of->n_points, size, by_shading);
     out->shading_95 = of->n_points > 0 ? (double)of->points[last_of(of->n_points)].shading : 0;
+    qsort(of->points, (size_t)of->n_points, size, by_wavelengths);
+    out->wavelengths_95 =
+        of->n_points > 0 ? (double)of->points[last_of(of->n_points)].wavelengths : 0;
     qsort(of->points, (size_t)of->n_points, size, by_error);
     out->quantile_95 = quantile(of->points, of->n_points);
     out->n_points = of->n_points;

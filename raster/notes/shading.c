@@ -172,6 +172,8 @@ void accuracy_json(const struct plan *plan, const struct notes *notes, struct js
     json_open(json, "accuracy", '{');
     json_string(json, "unit", unit_of(shading));
     json_number(json, "error_95", shading->known ? shading->quantile_95 : (double)NAN);
+    json_number(json, "shading_95", shading->known ? shading->shading_95 : (double)NAN);
+    json_number(json, "wavelengths_95", shading->known ? shading->wavelengths_95 : (double)NAN);
     json_count(json, "points", (uint64_t)shading->n_points);
     json_objects(plan, shading, json);
     if (notes->refined)

@@ -159,9 +159,8 @@ static bool is_shaded_well(const struct refinement *of, const struct accuracy_es
  * angle. */
 static double shading_part(const struct accuracy_estimate *reached, double wanted)
 {
-    const double whole = reached->quantile_95 * reached->quantile_95,
-                 shading = reached->shading_95 * reached->shading_95;
-    return sqrt(fmax(0, wanted * wanted - fmax(0, whole - shading)));
+    const double wavelengths = reached->wavelengths_95;
+    return sqrt(fmax(0, wanted * wanted - wavelengths * wavelengths));
 }
 
 /* Returns the factor of the error that is asked for next. */
