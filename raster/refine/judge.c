@@ -258,22 +258,29 @@ void judge_triangle(const struct judge *judge, struct judged_mesh *mesh, int tri
     judge_outline(&of, out->edges);
 }
 
-bool judge_concerns(const struct judge *judge, const struct surface *surface, int triangle,
+/* Returns whether a triangle is seen from behind, and none of its corners has a normal towards the
+ * eye: where one has, an edge may be part of the outline. */
+static bool is_back(const struct judged_surface *of, int triangle)
+{
+    const struct instance *instance = of->surface->instance;
+    bool front = (turn(of->surface, triangle) < 0) != instance->mirrored;
+    for (int i = 0; i < 3 && !front; i++)
+        front = is_front(of, &instance->vertices[instance->triangles[triangle][i]]);
+    return !front;
+}
+
+bool judge_concerns(const struct judge *judge, const struct judged_surface *of, int triangle,
                     bool solid)
 {
     const struct view *view = &judge->plan->view;
     const struct rectangle picture = {0, 0, view->width, view->height};
-    const int32_t *vertex = surface->instance->triangles[triangle];
-    const struct window_vertex *corner = surface->vertices;
+    const int32_t *vertex = of->surface->instance->triangles[triangle];
     double length_px[3];
     int beside = ~0;
     for (int i = 0; i < 3 && beside; i++)
-        beside &= outcode(&corner[vertex[i]], &picture, 1);
+        beside &= outcode(&of->surface->vertices[vertex[i]], &picture, 1);
     if (beside)
         return false;
-    measure_edges(surface, triangle, length_px);
-    if (!solid || !(most_of(length_px) < HUGE_VAL))
-        return most_of(length_px) >= judge->shortest_px;
-    return most_of(length_px) >= judge->shortest_px &&
-           (turn(surface, triangle) < 0) != surface->instance->mirrored;
+    measure_edges(of->surface, triangle, length_px);
+    return most_of(length_px) >= judge->shortest_px && !(solid && is_back(of, triangle));
 }

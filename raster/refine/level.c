@@ -131,7 +131,7 @@ static bool choose_triangles(struct judging *judging)
                    place_block, judging);
     for (int i = 0; i < mesh->n_triangles; i++)
         judging->judges[i] =
-            judging->judges[i] && judge_concerns(judge, &judging->surface, i, judging->solid);
+            judging->judges[i] && judge_concerns(judge, &judging->judged, i, judging->solid);
     return want_corners(judging);
 }
 

@@ -102,7 +102,7 @@ void judge_triangle(const struct judge *judge, struct judged_mesh *of, int trian
                     struct judgement *out);
 /* Returns whether a placed triangle may have to be divided: it reaches the picture, has a long
  * edge, and is not the back of a solid. */
-bool judge_concerns(const struct judge *judge, const struct surface *surface, int triangle,
+bool judge_concerns(const struct judge *judge, const struct judged_surface *of, int triangle,
                     bool solid);
 
 /* ---- objects.c: the meshes that are refined ---- */

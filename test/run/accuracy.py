@@ -211,6 +211,14 @@ def outlines():
     check(abs(seen - area) < 2 * np.pi * 100 * 0.25, "it is as round as a quarter of a pixel allows", seen, area)
 
 
+def coarse_sphere():
+    """Most edges of the outline of a coarse sphere belong to facets that are seen from behind."""
+    scene = HEAD + "camera ortho 3\nambient 1 1\nmaterial white { diffuse 1 }\nobject sphere 1 12 8 material white\n"
+    render(scene, "--accuracy", "1")
+    seen, area = (objects_of(os.path.join(TMP, "stack.tif")) > 0).sum(), np.pi * 100 ** 2
+    check(abs(seen - area) < 2 * np.pi * 100 * 0.25, "the outline of a coarse sphere becomes round", seen, area)
+
+
 def other_commands():
     scene = path_of(SCENES["near light"])
     nm = ("--wavelengths", "400:700:20")
@@ -250,6 +258,7 @@ in_counts()
 few_triangles()
 no_cracks()
 outlines()
+coarse_sphere()
 other_commands()
 refusals()
 done()
