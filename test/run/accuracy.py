@@ -213,10 +213,12 @@ def outlines():
 
 def coarse_sphere():
     """Most edges of the outline of a coarse sphere belong to facets that are seen from behind."""
-    scene = HEAD + "camera ortho 3\nambient 1 1\nmaterial white { diffuse 1 }\nobject sphere 1 12 8 material white\n"
+    scene = HEAD + "camera perspective 40 near 1 far 100 eye 0 0 4 look 0 0 0\nlight d65 1 direction 1 1 1\n" \
+        "material white { diffuse 0.8 }\nobject sphere 1 12 8 material white rotate 20 1 2 0\n"
     render(scene, "--accuracy", "1")
-    seen, area = (objects_of(os.path.join(TMP, "stack.tif")) > 0).sum(), np.pi * 100 ** 2
-    check(abs(seen - area) < 2 * np.pi * 100 * 0.25, "the outline of a coarse sphere becomes round", seen, area)
+    radius = 100 / np.tan(np.radians(20)) * np.tan(np.arcsin(1 / 4))
+    seen, area = (objects_of(os.path.join(TMP, "stack.tif")) > 0).sum(), np.pi * radius ** 2
+    check(abs(seen - area) < 2 * np.pi * radius * 0.25, "the outline of a coarse sphere becomes round", seen, area)
 
 
 def other_commands():
