@@ -58,8 +58,8 @@ prepare() {
 find_sources() {
     sources="spectral.c $(find data raster -name '*.c' | sort)"
     case $GL in
-    osmesa) sources=$(printf '%s\n' $sources | grep -v '/no_gl[.]c$') ;;
-    none) sources=$(grep -L '^#include <GL/' $sources || :) ;;
+    osmesa) sources=$(printf '%s\n' $sources | grep -v '/no_[a-z]*[.]c$') ;;
+    none) sources=$(printf '%s\n' $sources | grep -v -e '^raster/context/' -e '^raster/library/' -e '^raster/traits/' -e '^raster/gl/[^n]' -e '^raster/drivers/[^n]' -e '^raster/verify/[^n]') ;;
     *) refuse "build.sh: GL is osmesa or none, not '$GL'" ;;
     esac
 }

@@ -17,10 +17,13 @@
 #include "data/stack/stack.h"
 #include "data/text/text.h"
 #include "raster/cost/cost.h"
+#include "raster/driver/driver.h"
+#include "raster/drivers/drivers.h"
 #include "raster/gl/gl.h"
 #include "raster/inspect/inspect.h"
 #include "raster/plan/plan.h"
 #include "raster/render/render.h"
+#include "raster/verify/verify.h"
 #include "raster/view/view.h"
 #include "spectral.h"
 
@@ -59,10 +62,14 @@ static const struct command commands[] = {
      "write the header by which ENVI, SPy and GDAL map a stack\n(default: STACK's name + .hdr, "
      "beside it)",
      "envi spheres.tif", command_envi, FOR_ENVI, 1},
-    {"list", "[KIND]",
-     "print the names of all that is built in: scenes, materials, illuminants, detectors, shapes, "
-     "models, lists, textures, samplings",
-     "list materials", command_list, 0, 1},
+    {"drivers", "[--measure] [--json FILE]", "list what OpenGL can draw here, by which options",
+     "drivers", command_drivers, FOR_DRIVERS, 0},
+    {"verify", "[SCENE...]",
+     "judge OpenGL's drivers by the built-in scenes and by hard cases (hard: these alone)",
+     "verify --gl egl --junit verify.xml --baseline verify.txt", command_verify, FOR_VERIFY,
+     MAX_OPERANDS},
+    {"list", "[KIND]", "print the names of all that is built in, or of one kind", "list materials",
+     command_list, 0, 1},
     {"show", "NAME [-o FILE]", "print a built-in file, to start a file of your own with",
      "show room -o my.scene", command_show, FOR_SHOW, 1},
 };
@@ -83,7 +90,7 @@ static const char *const picture_bits[] = {"8", "16", NULL};
 
 /* In the order of --help. test/run/manual.sh makes the list of the manual page from it. */
 static const struct option known_options[] = {
-    {.heading = "render, plan, view, cost, and probe of a scene:"},
+    {.heading = "render, plan, view, cost, verify, and probe of a scene:"},
     {"--wavelengths START:END:STEP", "wavelengths in nm, or a list of them: 450,500.5,620",
      FOR_SCENES | RECORDED, CHANGE(scene_set_wavelengths)},
     {"--size WxH", "width and height in pixels", FOR_SCENES | RECORDED, CHANGE(scene_set_size)},
@@ -99,8 +106,7 @@ static const struct option known_options[] = {
     {"--tessellation FACTOR", "multiplies the slices, stacks, ... of built-in shapes",
      FOR_SHADED | RECORDED, CHANGE(scene_set_tessellation)},
     {"--accuracy ERROR",
-     "divides triangles until 95 % of object pixels have at most this error: CIEDE2000, as 0.5, or "
-     "counts, as 8counts",
+     "at most this error for 95 % of object pixels: CIEDE2000, as 0.5, or counts, as 8counts",
      FOR_SHADED | RECORDED, TEXT(accuracy), .accepts = accuracy_accepts},
     {"--max-triangles N", "--accuracy makes at most N (default: 4000000)", FOR_SHADED | RECORDED,
      COUNT(max_triangles), .lowest = 1, .highest = 1 << 30},
@@ -121,18 +127,18 @@ static const struct option known_options[] = {
     {"--trust", "--again reads whatever files the stack names, not only those below this folder",
      FOR_RENDER, FLAG(trust)},
     {"--renderer gl|llvmpipe|softpipe|raster",
-     "stores the pixels of gl (default), of its driver llvmpipe or softpipe, or of raster, the "
-     "reference",
-     FOR_RENDER | RECORDED, TEXT(renderer), .choices = renderers},
-    {"--buffer 8|16|float", "bits of OpenGL's colours (default: float)", FOR_RENDER | RECORDED,
-     TEXT(buffer), .choices = buffers},
+     "stores pixels of gl (default), of its driver llvmpipe or softpipe, or of the reference",
+     FOR_RENDER | FOR_VERIFY | RECORDED, TEXT(renderer), .choices = renderers},
+    {"--gl LIBRARY", "osmesa, egl, egl:N for EGL's device N, or auto (default), whichever is here",
+     FOR_RENDER | FOR_COST | FOR_VERIFY | RECORDED, TEXT(gl), .accepts = driver_accepts_library},
+    {"--buffer 8|16|float", "bits of OpenGL's colours (default: float)",
+     FOR_RENDER | FOR_VERIFY | RECORDED, TEXT(buffer), .choices = buffers},
     {"--no-check", "does not cross-check", FOR_RENDER | RECORDED, FLAG(no_check)},
-    {"--strict",
-     "like --unchecked 0; also requires that no fragment is lost or doubled where triangles meet",
-     FOR_RENDER | RECORDED, FLAG(strict)},
+    {"--strict", "like --unchecked 0; also no fragment may be lost or doubled where triangles meet",
+     FOR_RENDER | FOR_VERIFY | RECORDED, FLAG(strict)},
     {"--unchecked SHARE",
      "the part of object pixels that may stay unchecked, from 0 to 1 (default: 0.01)",
-     FOR_RENDER | RECORDED, TEXT(unchecked)},
+     FOR_RENDER | FOR_VERIFY | RECORDED, TEXT(unchecked)},
     {"--check-map FILE",
      "writes what the check can see at each pixel, and its verdict there, as float pages (.tif) or "
      "as a picture (.png)",
@@ -148,11 +154,11 @@ static const struct option known_options[] = {
     {"--memory MIB", "MiB of memory that a command may take beyond a tile's 300 (default: 1024)",
      FOR_ALL, COUNT(memory_mib), .lowest = 1, .highest = 1 << 24},
     {"--json FILE", "writes the results as JSON; - is standard output",
-     FOR_SCENES | FOR_STACKS | FOR_INFO, TEXT(json)},
+     FOR_SCENES | FOR_STACKS | FOR_INFO | FOR_DRIVERS, TEXT(json)},
     {"-v, --verbose", "prints the plan, too: each effect, and why it is simulated", FOR_RENDER,
      FLAG(verbose)},
     {"-q, --quiet", "prints no table and no progress",
-     FOR_RENDER | FOR_DEVELOP | FOR_COMPARE | FOR_VIEW | FOR_COST, FLAG(quiet)},
+     FOR_RENDER | FOR_DEVELOP | FOR_COMPARE | FOR_VIEW | FOR_COST | FOR_VERIFY, FLAG(quiet)},
     {.heading = "develop, probe and compare:"},
     {"--detector, --observer NAME", "sees with it (default: cie1931); a camera only in develop",
      FOR_STACKS, TEXT(detector)},
@@ -212,6 +218,17 @@ static const struct option known_options[] = {
      TEXT(tolerance), .accepts = cost_accepts_tolerance},
     {"--budget SECONDS", "names the most accurate configuration within the time", FOR_COST,
      TEXT(budget)},
+    {.heading = "verify:"},
+    {"--junit FILE", "writes the results as JUnit's XML; - is standard output", FOR_VERIFY,
+     TEXT(junit)},
+    {"--baseline FILE", "fails where a result is not as in this file, and nowhere else", FOR_VERIFY,
+     TEXT(baseline)},
+    {"--reduce FOLDER", "makes the first scene that fails small, and writes it there as a case",
+     FOR_VERIFY, TEXT(reduce)},
+    {"--update-baseline", "writes that file", FOR_VERIFY, FLAG(update_baseline)},
+    {.heading = "drivers:"},
+    {"--measure", "measures what each one does where OpenGL leaves it free", FOR_DRIVERS,
+     FLAG(measure)},
     {.heading = "envi:"},
     {"-o, --output FILE.hdr",
      "writes there; - is standard output (default: STACK's name + .hdr, beside it)", FOR_ENVI,
@@ -227,55 +244,12 @@ static const struct option_table option_table = {known_options,
 
 /* ---- help ---- */
 
-enum { HELP_WIDTH = 80, HELP_COLUMN = 34 }; /* of a line; where an explanation begins */
-
-/* Prints the words of a text from the cursor's column on. A new line begins at that column. */
-static void print_words(struct printed *to, const char *text, int column)
-{
-    const char *gap = "";
-    for (int at = column, length; *(text += strspn(text, " \n")); text += length) {
-        length = (int)strcspn(text, " \n");
-        if (at + (int)strlen(gap) + length > HELP_WIDTH) {
-            print(to, "\n%*s", column, "");
-            at = column;
-            gap = "";
-        }
-        print(to, "%s%.*s", gap, length, text);
-        at += (int)strlen(gap) + length;
-        gap = " ";
-    }
-    print_text(to, "\n");
-}
-
-/* Prints a command or an option as the user types it, and its explanation beside it, or below if
- * there is no room. */
-static void print_explained(struct printed *to, const char *typed, const char *explanation)
-{
-    const int used = 2 + (int)strlen(typed);
-    print(to, "  %s", typed);
-    if (used + 2 > HELP_COLUMN)
-        print_text(to, "\n");
-    print(to, "%*s", used + 2 > HELP_COLUMN ? HELP_COLUMN : HELP_COLUMN - used, "");
-    print_words(to, explanation, HELP_COLUMN);
-}
-
 static void print_commands(struct printed *to)
 {
     for (int i = 0; i < N_COMMANDS; i++) {
         char typed[64];
         snprintf(typed, sizeof typed, "%-7s %s", commands[i].name, commands[i].operands);
-        print_explained(to, typed, commands[i].summary);
-    }
-}
-
-static void print_options(struct printed *to)
-{
-    for (int i = 0; i < option_table.n; i++) {
-        const struct option *option = &known_options[i];
-        if (option->heading)
-            print(to, "%s\n", option->heading);
-        else
-            print_explained(to, option->usage, option->help);
+        help_explain(to, typed, commands[i].summary);
     }
 }
 
@@ -295,7 +269,7 @@ static bool print_usage(struct error *err)
                "\n");
     print_commands(to);
     print(to, "\n%s\n", scene_operand);
-    print_options(to);
+    help_options(&option_table, to);
     print_text(to, "\n"
                    "exit status: 0 agreed, 1 pictures or stacks differ, 2 bad usage or input,\n"
                    "3 the system failed\n");
@@ -306,13 +280,11 @@ static bool print_command_usage(const struct command *command, struct error *err
 {
     struct printed printed = {.text = NULL}, *to = &printed;
     print(to, "usage: spectral %s %s [OPTIONS]\n\n", command->name, command->operands);
-    print_words(to, command->summary, 0);
+    help_words(to, command->summary, 0);
     if (strstr(command->operands, "SCENE"))
         print(to, "\n%s", scene_operand);
     print_text(to, "\n");
-    for (int i = 0; i < option_table.n; i++)
-        if (option_takes(&known_options[i], command->options))
-            print_explained(to, known_options[i].usage, known_options[i].help);
+    help_command_options(&option_table, command->options, to);
     print(to, "\nexample:\n  spectral %s\n", command->example);
     return printed_show(to, STDOUT_FILENO, err);
 }

@@ -26,8 +26,8 @@ find_libraries() {
     libraries='-ltiff -lz -lm'
     case $GL-$CC in
     osmesa-*)
-        need libosmesa6-dev libtiff-dev zlib1g-dev
-        libraries="-lOSMesa $libraries"
+        need libgl-dev libegl-dev libosmesa6 libtiff-dev zlib1g-dev
+        libraries="$libraries -ldl" # OpenGL's libraries are opened at run time
         ;;
     none-gcc | none-clang) need libtiff-dev zlib1g-dev ;;
     esac

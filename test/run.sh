@@ -2,7 +2,7 @@
 # shellcheck shell=sh disable=SC1091,SC2013,SC2016,SC2030,SC2031,SC2046,SC2086,SC2154
 # Builds and runs the tests and the benches; build.sh reads this for `test` and `bench`. A test is a file
 # test_NAME.c or an executable script, anywhere below this folder, and prints TAP.
-test_packages='gcc clang lld wasi-libc libclang-rt-dev-wasm32 wabt perl liblcms2-utils python3-pil python3-tifffile python3-numpy python3-scipy python3-gdal
+test_packages='gcc clang lld wasi-libc libclang-rt-dev-wasm32 wabt perl liblcms2-utils python3-pil python3-tifffile python3-junitparser python3-numpy python3-scipy python3-gdal
   imagej default-jdk-headless glmark2-data psychtoolbox-3-common colord-data mandoc bsdextrautils busybox-static pngcheck zsh fish
   octave gdal-bin python3-h5py python3-hdf4 python3-xarray python3-netcdf4 python3-spectral openexr imagemagick libgdk-pixbuf2.0-bin
   chromium file valgrind binutils musl-tools gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user'
@@ -86,6 +86,7 @@ make_library() {
 # Warnings are errors. Each test is linked with that library.
 build_tests() (
     make_library
+    with_osmesa
     compile test/units '-O1 -Werror -fPIE -Itest/unit' $(programs | sort -u)
     for object in $objects; do
         test_name "$object"
@@ -96,8 +97,14 @@ build_tests() (
     ! chosen_need 'ratios[.]py' || build_bench
 )
 
-# build_preloaded SOURCE LIBRARY: a library for LD_PRELOAD
-build_preloaded() { $CC $warnings -Werror $CPPFLAGS -O1 $language -shared -fPIC $LDFLAGS "$1" -o "$2" -ldl; }
+# Some programs of tests and benches call OSMesa themselves.
+with_osmesa() {
+    need libosmesa6-dev
+    libraries="-lOSMesa $libraries"
+}
+
+# build_preloaded SOURCE LIBRARY [OPTION]: a library for LD_PRELOAD
+build_preloaded() { $CC $warnings -Werror $CPPFLAGS -O1 $language -shared -fPIC $LDFLAGS "$1" -o "$2" ${3:-} -ldl; }
 
 # The fuzz targets (test/fuzz), which read files given to them.
 build_replay() {
@@ -106,7 +113,7 @@ build_replay() {
 }
 
 build_faults() {
-    build_preloaded test/oracle/fault.c "$FAULTS"
+    build_preloaded test/oracle/fault.c "$FAULTS" -lOSMesa
     build_mutant mutant $pixel "$mutation"
     build_mutant endless $pixel "$endless"
     build_mutant hollow $instances "$hollow"
@@ -135,8 +142,9 @@ run_tests() {
     build
     export SPECTRAL="$BUILD/spectral" STATIC="$BUILD/spectral-static" TEST_TMP="$BUILD/tmp" BUILD \
         FAULTS="$BUILD/test/fault.so" FAIL_LIBRARY="$BUILD/test/fail.so" LIBRARY="$BUILD/test/library.a" REPLAY="$BUILD/test/replay" \
-        CALLS_LIBRARY="$BUILD/test/calls.so"
+        CALLS_LIBRARY="$BUILD/test/calls.so" LIAR_LIBRARY="$BUILD/test/liar.so" SPOIL_LIBRARY="$BUILD/test/spoil.so"
     need perl $([ -z "$scripts" ] || echo $test_packages)
+    case "$full $scripts" in full*containers*) need debootstrap ;; esac
     mkdir -p "$TEST_TMP"
     ! chosen_need STATIC || static_program
     if [ -n "$(programs)" ] || chosen_need 'LIBRARY|FAULTS|MUTANT|REPLAY|ratios[.]py'; then
@@ -148,7 +156,17 @@ run_tests() {
     fi
     if chosen_need CALLS_LIBRARY; then
         mkdir -p "$BUILD/test"
-        build_preloaded test/attack/calls.c "$CALLS_LIBRARY"
+        need libosmesa6-dev
+        build_preloaded test/attack/calls.c "$CALLS_LIBRARY" -lOSMesa
+    fi
+    if chosen_need SPOIL_LIBRARY; then
+        mkdir -p "$BUILD/test"
+        build_preloaded test/attack/spoil.c "$SPOIL_LIBRARY"
+    fi
+    if chosen_need LIAR_LIBRARY; then
+        mkdir -p "$BUILD/test"
+        need libosmesa6-dev
+        build_preloaded test/attack/liar.c "$LIAR_LIBRARY" -lOSMesa
     fi
     prove --timer --failures --comments --jobs $at_once --exec '' $scripts \
         $(for file in $units; do test_name "$file"; echo "$BUILD/test/$name"; done)
@@ -186,7 +204,7 @@ run_bench() {
         return
     fi
     LIBRARY=$BUILD/test/library.a
-    (make_library && build_bench)
+    (make_library && with_osmesa && build_bench)
     need python3
     /usr/bin/python3 test/bench/ratios.py --from "$called_from" "$BUILD" "$@"
 }

@@ -148,3 +148,10 @@ bool array_add(void *array, int *count, const void *item, size_t size, struct er
     ++*count;
     return true;
 }
+
+const char *error_words(const struct error *err)
+{
+    static const char prefix[] = "error: ";
+    const size_t length = sizeof prefix - 1;
+    return err->text + (strncmp(err->text, prefix, length) == 0 ? length : 0);
+}

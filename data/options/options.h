@@ -32,9 +32,11 @@ enum {
     FOR_ALL = 512,
     RECORDED = 1024,
     FOR_ENVI = 2048,
+    FOR_DRIVERS = 4096,
+    FOR_VERIFY = 8192,
     /* cost chooses the shading by itself */
     FOR_SHADED = FOR_RENDER | FOR_PLAN | FOR_PROBE | FOR_VIEW,
-    FOR_SCENES = FOR_SHADED | FOR_COST,
+    FOR_SCENES = FOR_SHADED | FOR_COST | FOR_VERIFY,
     FOR_STACKS = FOR_PROBE | FOR_DEVELOP | FOR_COMPARE
 };
 
@@ -72,7 +74,7 @@ struct option_change {
     const char *value;
 };
 
-enum { MAX_OPERANDS = 5, MAX_RECORDED = 64 };
+enum { MAX_OPERANDS = 64, MAX_RECORDED = 64 };
 
 /* A command line as it was read. Texts point into it. NULL, 0 or false means that an option was not
  * given. */
@@ -87,14 +89,14 @@ struct options {
     char *recorded[MAX_RECORDED]; /* "NAME=VALUE" of each RECORDED option; owned */
     int n_recorded;
     char *named_output; /* of options_name_output; owned */
-    const char *output, *json, *again, *map, *check_map, *csv_file, *svg_file;
-    const char *renderer, *buffer, *depth, *bits; /* one of their choices */
+    const char *output, *json, *again, *map, *check_map, *csv_file, *svg_file, *junit, *baseline, *reduce;
+    const char *renderer, *buffer, *depth, *bits, *gl; /* one of their choices */
     const char *sampling, *detector, *white, *adaptation, *display, *exposure;
     const char *tolerance, *budget, *unchecked, *accuracy;
     double full_scale;
     int threads, runs, memory_mib, max_triangles;
     struct outputs outputs; /* complete; they appear when the command has ended well */
-    bool xyz, lab, csv, svg, no_check, strict, trust, keep, envi, quiet, verbose, help, quick;
+    bool xyz, lab, csv, svg, no_check, strict, trust, keep, envi, quiet, verbose, help, quick, measure, update_baseline;
 };
 
 /* The options and operands that a command allows. */
@@ -132,5 +134,16 @@ int options_table(const struct options *options, const char *output);
 /* Reads the one number of an option or operand, from lowest to highest. Messages name `option`. */
 bool option_number(const char *option, const char *value, double lowest, double highest,
                    double *out, struct error *err);
+
+/* ---- help.c: the explanations of --help ---- */
+
+/* Prints the words of a text from the cursor's column on. A new line begins at that column. */
+void help_words(struct printed *to, const char *text, int column);
+/* Prints a command or an option as the user types it, and its explanation beside it, or below if
+ * there is no room. */
+void help_explain(struct printed *to, const char *typed, const char *explanation);
+/* Explains all options of a table, and those that commands with one of these bits take. */
+void help_options(const struct option_table *table, struct printed *to);
+void help_command_options(const struct option_table *table, int commands, struct printed *to);
 
 #endif

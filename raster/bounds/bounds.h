@@ -83,6 +83,9 @@ double distance_from_rigid(const struct matrix *m);
 void light_bounds(const struct lit_scene *lit, int surface, int index, double e_eye,
                   struct light_work *work);
 
+/* The relative error of Mesa's base^exponent. */
+double pow_error(double base, double exponent);
+
 /* ---- facing.c: on which side a triangle is seen ---- */
 
 /* The error with which OpenGL follows an edge, in pixels, in a tile of this size. It may move the
@@ -100,7 +103,8 @@ struct texel_point { /* in texels, with bounds */
     double place[2];
     float e_place[2];
 };
-struct texel_point texel_point(const struct texels *texels, const double s_t[2],
+struct texel_point texel_point(const struct texels *texels, const struct driver *driver,
+                               const double s_t[2],
                                const float e_s_t[2]); /* from texture coordinates */
 /* The places that OpenGL may take for this one: the nearest texels, if several lie within the
  * bounds, each at its centre without error; otherwise the place itself. Returns how many. */

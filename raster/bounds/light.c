@@ -64,6 +64,7 @@ struct vertex_view {
     struct vector eye;
     double e_eye, e_rigid; /* e_eye: of the vertex's eye coordinates */
     bool bounded;          /* whether bounds are wanted */
+    double errors;         /* struct driver: of lighting */
     struct light_work *work;
 };
 
@@ -111,21 +112,21 @@ static struct direction half_way(const struct vertex_view *vertex, struct direct
 
 /* The cosine between two directions: lengths are right to 4 roundings each, the dot product adds 4,
  * and a turn changes the cosine by the sine at most, to first order. */
-static struct bounded cosine_between(struct direction a, struct direction b)
+static struct bounded cosine_between(struct direction a, struct direction b, double errors)
 {
     double value = vector_dot(a.unit, b.unit);
     double sine = sqrt(fmax(0, 1 - value * value));
     double turn = fmin(a.e_turn + b.e_turn, 2);
-    return (struct bounded){value, roundings(12) + sine * turn + 0.5 * turn * turn};
+    return (struct bounded){value, errors * (roundings(12) + sine * turn + 0.5 * turn * turn)};
 }
 
 /* ---- weights ---- */
 
 /* Returns the largest computed cosine between two vectors: their lengths are right to 4 roundings
  * each, and the product takes 4. */
-static double largest_cosine(void)
+static double largest_cosine(double errors)
 {
-    return 1 + roundings(12);
+    return 1 + errors * roundings(12);
 }
 
 /* Counts the power functions that are computed. */
@@ -137,7 +138,7 @@ static double counted_power(double base, double exponent, const struct vertex_vi
 
 /* Relative error of Mesa's pow: exp2(g log2 x), log2 to 2.2e-7 plus a rounding of its value, the
  * product rounded, exp2 to 2.7e-7 (polynomials of lp_bld_arit.c, measured over their range). */
-static double pow_error(double base, double exponent)
+double pow_error(double base, double exponent)
 {
     double octaves = base > 0 ? fabs(binary_logarithm(base)) : 0;
     return 0.6931471805599453 * exponent * (2.2e-7 + roundings(2) * octaves) + 3e-7;
@@ -174,29 +175,33 @@ static struct gated gated_power(struct bounded gate, struct bounded c, double ex
     if (exponent == 0)
         return out;
     double base = fmax(0, c.value);
-    double high = fmin(fmax(0, c.value + c.error), largest_cosine()),
+    double high = fmin(fmax(0, c.value + c.error), largest_cosine(vertex->errors)),
            low = fmax(0, c.value - c.error);
-    double at_high = counted_power(high, exponent, vertex) * (1 + pow_error(high, exponent));
-    double at_low = counted_power(low, exponent, vertex) * (1 - pow_error(low, exponent));
+    double at_high =
+        counted_power(high, exponent, vertex) * (1 + vertex->errors * pow_error(high, exponent));
+    double at_low =
+        counted_power(low, exponent, vertex) * (1 - vertex->errors * pow_error(low, exponent));
     double value = counted_power(base, exponent, vertex);
     out.open = (struct bounded){value, fmax(at_high - value, value - at_low) + least};
     return out;
 }
 
-static struct bounded diffuse_weight(struct bounded n_l)
+static struct bounded diffuse_weight(struct bounded n_l, double errors)
 {
-    double value = fmax(0, n_l.value), high = fmin(n_l.value + n_l.error, largest_cosine());
+    double value = fmax(0, n_l.value), high = fmin(n_l.value + n_l.error, largest_cosine(errors));
     return (struct bounded){value, high > 0 ? fmin(n_l.error, fmax(value, high - value)) : 0};
 }
 
 /* 1 / (k0 + k1 d + k2 d^2). NaN where OpenGL's divisor may be anything: a light at the vertex. */
-static struct bounded attenuation(const struct eye_light *light, const struct path *path)
+static struct bounded attenuation(const struct eye_light *light, const struct path *path,
+                                  double errors)
 {
     const double *k = light->attenuation, divisor = path->divisor;
     const struct bounded d = path->length, square = bounded_product(d, d);
     /* OpenGL may flush factors below the least normal number to 0 */
     double flushed = (double)FLT_MIN * (1 + d.value + square.value);
-    double error = k[1] * d.error + k[2] * square.error + roundings(8) * divisor + flushed;
+    double error =
+        errors * (k[1] * d.error + k[2] * square.error + roundings(8) * divisor) + flushed;
     if (!(error < 0.25 * divisor))
         return (struct bounded){(double)NAN, 0};
     return (struct bounded){1 / divisor,
@@ -212,10 +217,10 @@ static struct gated falloff(const struct eye_light *light, const struct path *pa
     if (path->length.value <= path->length.error)
         return ungated((struct bounded){(double)NAN, 0});
     if (light->attenuated)
-        out.open = attenuation(light, path);
+        out.open = attenuation(light, path, vertex->errors);
     if (light->spot) {
         struct direction axis = {vector_scale(light->axis, -1), roundings(6)};
-        struct bounded c = cosine_between(path->towards, axis), gate = c;
+        struct bounded c = cosine_between(path->towards, axis, vertex->errors), gate = c;
         gate.value -= light->cutoff_cosine;
         gate.error += roundings(3); /* the cutoff in degrees, in radians, its cosine */
         out = gated_product(out, gated_power(gate, c, light->spot_exponent, vertex));
@@ -262,17 +267,17 @@ static void add_light(const struct eye_light *light, int index, const struct ver
 {
     const struct instance *instance = vertex->instance;
     struct path path = path_to_light(vertex, light);
-    struct bounded n_l = cosine_between(vertex->normal, path.towards);
+    struct bounded n_l = cosine_between(vertex->normal, path.towards, vertex->errors);
     bool weakened = light->attenuated || light->spot;
     struct gated left = weakened ? falloff(light, &path, vertex) : ungated((struct bounded){1, 0});
     for (int t = 0; t < instance->n_terms; t++) {
         if (instance->terms[t].light != light->first)
             continue;
-        struct gated weight = ungated(diffuse_weight(n_l));
+        struct gated weight = ungated(diffuse_weight(n_l, vertex->errors));
         if (instance->terms[t].reflection == SPECULAR)
-            weight =
-                gated_power(n_l, cosine_between(vertex->normal, half_way(vertex, path.towards)),
-                            instance->gloss, vertex);
+            weight = gated_power(
+                n_l, cosine_between(vertex->normal, half_way(vertex, path.towards), vertex->errors),
+                instance->gloss, vertex);
         add_weight(weakened ? gated_product(weight, left) : weight, light, index, t, out);
     }
 }
@@ -307,6 +312,7 @@ void light_bounds(const struct lit_scene *lit, int surface, int index, double e_
                                  .e_eye = e_eye,
                                  .e_rigid = bounds->e_rigid,
                                  .bounded = lit->plan->options.check,
+                                 .errors = lit->driver->lighting,
                                  .work = work};
     for (int side = 0; side < of->n_sides; side++) {
         const size_t at = surface_attributes(of, index, side);

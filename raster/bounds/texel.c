@@ -15,18 +15,19 @@ enum { WIDEST_BOUND = 3, MOST_TEXELS = 2 * WIDEST_BOUND + 4 };
 
 /* Extrapolated far outside a thin triangle, a place may be anywhere. A place whose texel the
  * reference does not know has no bound. */
-struct texel_point texel_point(const struct texels *texels, const double s_t[2],
-                               const float e_s_t[2])
+struct texel_point texel_point(const struct texels *texels, const struct driver *driver,
+                               const double s_t[2], const float e_s_t[2])
 {
-    const double size[2] = {texels->width, texels->height};
+    const double size[2] = {texels->width, texels->height},
+                 filter = texels->linear ? driver->filter_texels : 0;
     struct texel_point at;
     texel_place(texels, s_t, at.place);
     for (int i = 0; i < 2; i++)
-        at.e_place[i] =
-            fabs(s_t[0] * size[0]) < 0x1p40 && fabs(s_t[1] * size[1]) < 0x1p40
-                ? (float)fmin((double)FLT_MAX,
-                              size[i] * ((double)e_s_t[i] + roundings(4) * (1 + fabs(s_t[i]))))
-                : FLT_MAX;
+        at.e_place[i] = fabs(s_t[0] * size[0]) < 0x1p40 && fabs(s_t[1] * size[1]) < 0x1p40
+                            ? (float)fmin((double)FLT_MAX,
+                                          filter + size[i] * ((double)e_s_t[i] +
+                                                              roundings(4) * (1 + fabs(s_t[i]))))
+                            : FLT_MAX;
     return at;
 }
 

@@ -147,7 +147,8 @@ static bool check_texture(const struct surface *surface, const struct surface_bo
 {
     size_t at = surface_attributes(surface, index, 0) + (size_t)surface->instance->n_terms;
     const double *s_t = surface->weights + at;
-    struct texel_point place = texel_point(&surface->instance->texels, s_t, bounds->errors + at);
+    struct texel_point place =
+        texel_point(&surface->instance->texels, driver_of(NULL), s_t, bounds->errors + at);
     return ((double)place.e_place[0] < 0.5 && (double)place.e_place[1] < 0.5) ||
            error_at(err, bounds->placed->object->place,
                     "the texture coordinates %.6g %.6g of vertex %d are too large for single "

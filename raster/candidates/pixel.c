@@ -293,7 +293,8 @@ void pixel_bound(struct bounded_pixel *pixel, const struct bounded_triangle *tri
     float e_place[2];
     for (int i = 0; i < 2; i++)
         e_place[i] = pixel->common[instance->n_terms + i] + pixel->own[instance->n_terms + i];
-    pixel->place = texel_point(&instance->texels, pixel->attributes + instance->n_terms, e_place);
+    pixel->place = texel_point(&instance->texels, pixel->fragments->lit->driver,
+                               pixel->attributes + instance->n_terms, e_place);
 }
 
 /* ---- textures ---- */

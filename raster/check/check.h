@@ -7,7 +7,7 @@
 
 #include "raster/candidates/candidates.h"
 #include "raster/fit/fit.h"
-#include "raster/gl/gl.h"
+#include "raster/renderer/renderer.h"
 #include "raster/verdict/verdict.h"
 #include "spectral.h"
 
@@ -33,9 +33,10 @@ struct check {
 /* Opens the check of a chunk. Scene and chunk must outlive it. On failure *out is zeroed. */
 bool check_open(const struct check_scene *scene, const struct chunk *chunk, struct check *out,
                 struct error *err);
-/* Judges triangles, depths and fragments of the last gl_identify, which drew this tile; to be
+/* Judges triangles, depths and fragments that the renderer has identified in this tile; to be
  * called before the first pass. */
-void check_identity(struct check *check, const struct gl *gl, const struct rectangle *tile);
+void check_identity(struct check *check, const struct renderer *renderer,
+                    const struct rectangle *tile);
 /* Learns from a pass with pilots; to be called for all of these before the first check_pass.
  * `pixels` is the chunk's first pixel, 4 floats each, rows `stride` pixels apart, in units of
  * full_scale. */

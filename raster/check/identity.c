@@ -86,14 +86,15 @@ static void count_fragments(struct check *check, size_t pixel, const struct show
     check_fail(check, pixel, &failure);
 }
 
-void check_identity(struct check *check, const struct gl *gl, const struct rectangle *tile)
+void check_identity(struct check *check, const struct renderer *renderer,
+                    const struct rectangle *tile)
 {
     const struct chunk *chunk = check->chunk;
     size_t ambiguous = 0;
     for (size_t i = 0; i < chunk_pixels(chunk); i++) {
         int x = chunk->picture.at.x - tile->x + (int)i % chunk->picture.at.width,
             y = chunk->picture.at.y - tile->y + (int)i / chunk->picture.at.width;
-        struct shown shown = gl_shown(gl, x, y);
+        struct shown shown = renderer->kind->shown(renderer, x, y);
         if (chunk->is_ambiguous[i])
             identify_ambiguous(check, ambiguous++, &shown);
         else

@@ -116,14 +116,6 @@ static bool render_entry(const struct measurement *measurement, const struct cos
 
 /* ---- configurations ---- */
 
-/* Returns a message without "error: ". */
-static const char *reason(const struct error *err)
-{
-    static const char prefix[] = "error: ";
-    const size_t length = sizeof prefix - 1;
-    return err->text + (strncmp(err->text, prefix, length) == 0 ? length : 0);
-}
-
 /* Renders the standard, and summarizes its stack. A failure that names a temporary file is for want
  * of room. */
 static bool make_standard(struct measurement *measurement, bool *lit, struct error *err)
@@ -140,9 +132,25 @@ static bool make_standard(struct measurement *measurement, bool *lit, struct err
     cost_entry_free(&entry);
     errno = 0;
     if (strstr(own.text, measurement->folder.path))
-        error_system(err, "%s; set TMPDIR to a folder with more room", reason(&own));
+        error_system(err, "%s; set TMPDIR to a folder with more room", error_words(&own));
     else if (!done)
         *err = own;
+    return done;
+}
+
+/* Notes why there is no such configuration. Those that fail one after the other for the same reason
+ * share a note. */
+static bool note_failure(struct cost *cost, const char *name, const char *why, struct error *err)
+{
+    static const char prefix[] = "without ";
+    const char *last = cost->n_notes > 0 ? cost->notes[cost->n_notes - 1] : "";
+    const size_t length = strlen(last), end = strlen(": ") + strlen(why);
+    if (strncmp(last, prefix, strlen(prefix)) != 0 || length <= end ||
+        strcmp(last + length - strlen(why), why) != 0)
+        return cost_note(cost, err, "%s%s: %s", prefix, name, why);
+    char *shared = cost->notes[--cost->n_notes];
+    const bool done = cost_note(cost, err, "%.*s, %s: %s", (int)(length - end), shared, name, why);
+    free(shared);
     return done;
 }
 
@@ -163,7 +171,7 @@ static bool warm_up(struct measurement *measurement, struct cost_entry *entry, s
         return false;
     }
     if (!done)
-        return cost_note(measurement->cost, err, "without %s: %s", entry->name, reason(&own));
+        return note_failure(measurement->cost, entry->name, error_words(&own), err);
     const size_t runs = (size_t)measurement->cost->runs;
     entry->accuracy = accuracy;
     entry->seconds = seconds.wall;

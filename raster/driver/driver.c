@@ -12,9 +12,9 @@
  * other. A plane's value at a pixel rounds at the framebuffer's origin and in two sums; softpipe
  * adds steps to the pixel's right and lower neighbours. */
 static const struct driver drivers[] = {
-    {"llvmpipe", 1.0 / 512, 0, 1, 3, true, FILL_LEFT_BOTTOM},
-    {"softpipe", 0, 8, 1.5, 5, false, FILL_ANY},
-    {"unknown", 1.0 / 512, 8, 1.5, 5, false, FILL_ANY},
+    {"llvmpipe", false, 1.0 / 512, 0, 1, 3, 0, 0, 1, true, true, FILL_LEFT_BOTTOM},
+    {"softpipe", false, 0, 8, 1.5, 5, 0, 0, 1, true, false, FILL_ANY},
+    {"unknown", false, 1.0 / 512, 8, 1.5, 5, 0, 0, 1, false, false, FILL_ANY},
 };
 
 const struct driver *driver_of(const char *gl_renderer)
@@ -24,4 +24,14 @@ const struct driver *driver_of(const char *gl_renderer)
         if (strncmp(gl_renderer, drivers[i].name, strlen(drivers[i].name)) == 0)
             return &drivers[i];
     return &drivers[last];
+}
+
+void driver_print(const struct driver *driver, char out[DRIVER_WORDS])
+{
+    snprintf(
+        out, DRIVER_WORDS,
+        "edges to %.3g pixel, values to %.3g, depth to %g step, filters to %.3g, light to %g x "
+        "Mesa's, %s where triangles meet",
+        driver->grid_px, driver->corner_px, driver->depth_roundings, driver->filter_texels,
+        driver->lighting, driver->watertight ? "no holes" : "holes");
 }

@@ -5,13 +5,9 @@
  * the same triangles as in colour (section 2.22 of the OpenGL 2.1 specification, invariance). */
 #include <stdlib.h>
 
-#define GL_GLEXT_PROTOTYPES
-#include <GL/osmesa.h>
-/* after GL/gl.h, which osmesa.h includes */
-#include <GL/glext.h>
-
 #include "data/mesh/mesh.h"
 #include "data/scene/scene.h"
+#include "raster/context/context.h"
 #include "raster/gl/gl.h"
 
 /* Triangles given to OpenGL at once: few enough to stay in the second-level cache. */
@@ -34,11 +30,11 @@ static void number_triangle(const struct mesh *mesh, int triangle, int placed,
     }
 }
 
-static void draw_batch(const struct numbered_vertex *batch, int n_triangles)
+static void draw_batch(const struct gl *gl, const struct numbered_vertex *batch, int n_triangles)
 {
-    glVertexPointer(3, GL_FLOAT, sizeof *batch, batch->position);
-    glColorPointer(3, GL_FLOAT, sizeof *batch, batch->number);
-    glDrawArrays(GL_TRIANGLES, 0, 3 * n_triangles);
+    gl->call->VertexPointer(3, GL_FLOAT, sizeof *batch, batch->position);
+    gl->call->ColorPointer(3, GL_FLOAT, sizeof *batch, batch->number);
+    gl->call->DrawArrays(GL_TRIANGLES, 0, 3 * n_triangles);
 }
 
 static void draw_numbers(const struct gl *gl, int placed, struct numbered_vertex *batch)
@@ -47,45 +43,46 @@ static void draw_numbers(const struct gl *gl, int placed, struct numbered_vertex
     const struct mesh *mesh = &gl->plan->meshes[instance->mesh].mesh;
     const bool *hidden = gl->lit->bounds[placed].hidden;
     int n = 0;
-    gl_load_matrix(&instance->instance.model_view);
+    gl_load_matrix(gl, &instance->instance.model_view);
     for (int i = 0; i < mesh->n_triangles; i++) {
         if (hidden && hidden[i])
             continue;
         number_triangle(mesh, i, placed, batch + 3 * (size_t)n++);
         if (n == BATCH) {
-            draw_batch(batch, n);
+            draw_batch(gl, batch, n);
             n = 0;
         }
     }
     if (n > 0)
-        draw_batch(batch, n);
+        draw_batch(gl, batch, n);
 }
 
 static void draw_instances(struct gl *gl, struct numbered_vertex *batch)
 {
     const bool is_smooth = gl->plan->scene->shading != SHADING_FLAT;
     gl_clear_stale(gl);
-    glDisable(GL_LIGHTING);
-    glClear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+    gl->call->Disable(GL_LIGHTING);
+    gl->call->Clear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
     if (is_smooth)
-        glShadeModel(GL_FLAT);
-    glEnable(GL_STENCIL_TEST);
-    glBindBuffer(GL_ARRAY_BUFFER, 0);
-    glDisableClientState(GL_NORMAL_ARRAY);
-    glEnableClientState(GL_COLOR_ARRAY);
+        gl->call->ShadeModel(GL_FLAT);
+    gl->call->Enable(GL_STENCIL_TEST);
+    gl->call->BindBuffer(GL_ARRAY_BUFFER, 0);
+    gl->call->DisableClientState(GL_NORMAL_ARRAY);
+    gl->call->EnableClientState(GL_COLOR_ARRAY);
     for (int i = 0; i < gl->plan->n_instances; i++)
         if (surface_reaches(&gl->lit->bounds[i], &gl->tile))
             draw_numbers(gl, i, batch);
-    glDisableClientState(GL_COLOR_ARRAY);
-    glEnableClientState(GL_NORMAL_ARRAY);
-    glDisable(GL_STENCIL_TEST);
-    glEnable(GL_LIGHTING);
+    gl->call->DisableClientState(GL_COLOR_ARRAY);
+    gl->call->EnableClientState(GL_NORMAL_ARRAY);
+    gl->call->Disable(GL_STENCIL_TEST);
+    gl->call->Enable(GL_LIGHTING);
     if (is_smooth)
-        glShadeModel(GL_SMOOTH);
+        gl->call->ShadeModel(GL_SMOOTH);
 }
 
-bool gl_identify(struct gl *gl, struct error *err)
+bool gl_identify(struct renderer *renderer, struct error *err)
 {
+    struct gl *gl = (struct gl *)renderer;
     struct numbered_vertex *batch = malloc(3 * BATCH * sizeof *batch);
     if (!batch)
         return error_memory(err);
@@ -94,11 +91,11 @@ bool gl_identify(struct gl *gl, struct error *err)
         return false;
     }
     draw_instances(gl, batch);
-    glFinish(); /* only now does OSMesa fill the buffer */
-    glReadPixels(0, 0, gl->plan->tile_width, gl->plan->tile_height, GL_DEPTH_STENCIL,
-                 GL_UNSIGNED_INT_24_8, gl->depths);
+    canvas_fill(gl->current);
+    gl->call->ReadPixels(0, 0, gl->plan->tile_width, gl->plan->tile_height, GL_DEPTH_STENCIL,
+                         GL_UNSIGNED_INT_24_8, gl->depths);
     free(batch);
-    if (!gl_succeeded(err))
+    if (!gl_succeeded(gl, err))
         return false;
     /* OSMesa fills the buffer once more when another context becomes current */
     return !gl->numbers || gl_draw_into(gl, NULL, false, err);
@@ -112,11 +109,13 @@ static int32_t whole(float value)
                : -1;
 }
 
-struct shown gl_shown(const struct gl *gl, int x, int y)
+struct shown gl_shown(const struct renderer *renderer, int x, int y)
 {
-    size_t width = (size_t)gl->plan->tile_width, below = (size_t)(gl->plan->tile_height - 1 - y);
+    const struct gl *gl = (const struct gl *)renderer;
+    size_t width = (size_t)gl->plan->tile_width,
+           row = (size_t)(gl->flipped ? y : gl->plan->tile_height - 1 - y);
     const float *number = gl->shown + 4 * ((size_t)y * width + (size_t)x);
-    uint32_t depth = gl->depths[below * width + (size_t)x];
+    uint32_t depth = gl->depths[row * width + (size_t)x];
     struct shown shown = {-1, -1, depth >> 8, (uint8_t)(depth & 0xff)};
     int32_t low = whole(number[0]), high = whole(number[1]), placed = whole(number[2]);
     if (low < 0 || low > 0xffff || high < 0 || high > INT16_MAX || placed < 0) {

@@ -7,11 +7,8 @@
  * draws everything anew, so that all show the same surfaces. A pass changes colours only. */
 #include <string.h>
 
-#define GL_GLEXT_PROTOTYPES
-#include <GL/gl.h>
-#include <GL/glext.h>
-
 #include "data/scene/scene.h"
+#include "raster/context/context.h"
 #include "raster/gl/gl.h"
 
 static const GLfloat white[4] = {1, 1, 1, 1}, black[4] = {0, 0, 0, 1};
@@ -19,28 +16,32 @@ static const GLfloat white[4] = {1, 1, 1, 1}, black[4] = {0, 0, 0, 1};
 /* ---- the view ---- */
 
 /* OpenGL keeps matrices by column. */
-void gl_load_matrix(const struct matrix *m)
+void gl_load_matrix(const struct gl *gl, const struct matrix *m)
 {
     GLdouble columns[16];
     for (int i = 0; i < 4; i++)
         for (int j = 0; j < 4; j++)
             columns[4 * j + i] = m->row[i][j];
-    glLoadMatrixd(columns);
+    gl->call->LoadMatrixd(columns);
 }
 
 void gl_load_view(const struct gl *gl)
 {
     const struct rectangle *tile = &gl->tile;
-    const struct matrix projection = pass_projection(gl->plan, tile);
-    glMatrixMode(GL_PROJECTION);
-    gl_load_matrix(&projection);
-    glMatrixMode(GL_MODELVIEW);
+    struct matrix projection = pass_projection(gl->plan, tile);
+    for (int i = 0; i < 4 && gl->mirrors; i++)
+        projection.row[1][i] = -projection.row[1][i];
+    gl->call->MatrixMode(GL_PROJECTION);
+    gl_load_matrix(gl, &projection);
+    gl->call->MatrixMode(GL_MODELVIEW);
     /* a smaller tile lies in the first rows of the buffer */
-    glViewport(0, gl->plan->tile_height - tile->height, tile->width, tile->height);
+    gl->call->Viewport(0, gl->flipped ? 0 : gl->plan->tile_height - tile->height, tile->width,
+                       tile->height);
 }
 
-void gl_aim(struct gl *gl, const struct rectangle *tile)
+void gl_aim(struct renderer *renderer, const struct rectangle *tile)
 {
+    struct gl *gl = (struct gl *)renderer;
     gl->tile = *tile;
     gl->is_stale[0] = gl->is_stale[1] = true;
     gl_load_view(gl);
@@ -52,28 +53,31 @@ void gl_aim(struct gl *gl, const struct rectangle *tile)
  * by default, even for float buffers). */
 void gl_set_state(const struct gl *gl)
 {
-    glClampColorARB(GL_CLAMP_VERTEX_COLOR_ARB, GL_FALSE);
-    glClampColorARB(GL_CLAMP_FRAGMENT_COLOR_ARB, GL_FALSE);
-    glClampColorARB(GL_CLAMP_READ_COLOR_ARB, GL_FALSE);
-    glDisable(GL_DITHER);
-    glEnable(GL_DEPTH_TEST);
-    glDepthFunc(GL_LESS);
-    glShadeModel(gl->plan->scene->shading == SHADING_FLAT ? GL_FLAT : GL_SMOOTH);
-    glEnable(GL_NORMALIZE);
-    glEnable(GL_LIGHTING);
-    glLightModelfv(GL_LIGHT_MODEL_AMBIENT, white);
-    glLightModeli(GL_LIGHT_MODEL_LOCAL_VIEWER, gl->plan->scene->local_viewer);
-    glMaterialfv(GL_FRONT_AND_BACK, GL_DIFFUSE, white);
-    glMaterialfv(GL_FRONT_AND_BACK, GL_EMISSION, black);
-    glClearColor(0, 0, 0, 0);
+    gl->call->ClampColorARB(GL_CLAMP_VERTEX_COLOR_ARB, GL_FALSE);
+    gl->call->ClampColorARB(GL_CLAMP_FRAGMENT_COLOR_ARB, GL_FALSE);
+    gl->call->ClampColorARB(GL_CLAMP_READ_COLOR_ARB, GL_FALSE);
+    gl->call->Disable(GL_DITHER);
+    gl->call->Enable(GL_DEPTH_TEST);
+    gl->call->DepthFunc(GL_LESS);
+    gl->call->ShadeModel(gl->plan->scene->shading == SHADING_FLAT ? GL_FLAT : GL_SMOOTH);
+    gl->call->Enable(GL_NORMALIZE);
+    gl->call->Enable(GL_LIGHTING);
+    gl->call->LightModelfv(GL_LIGHT_MODEL_AMBIENT, white);
+    gl->call->LightModeli(GL_LIGHT_MODEL_LOCAL_VIEWER, gl->plan->scene->local_viewer);
+    gl->call->Materialfv(GL_FRONT_AND_BACK, GL_DIFFUSE, white);
+    gl->call->Materialfv(GL_FRONT_AND_BACK, GL_EMISSION, black);
+    gl->call->ClearColor(0, 0, 0, 0);
     if (gl->plan->options.check)
-        glStencilOp(GL_INCR_WRAP, GL_INCR_WRAP, GL_INCR_WRAP); /* for gl_identify */
-    glMatrixMode(GL_MODELVIEW);
-    glEnableClientState(GL_VERTEX_ARRAY);
-    glEnableClientState(GL_NORMAL_ARRAY);
+        gl->call->StencilOp(GL_INCR_WRAP, GL_INCR_WRAP, GL_INCR_WRAP); /* for gl_identify */
+    if (gl->mirrors)
+        gl->call->FrontFace(GL_CW);
+    gl->call->MatrixMode(GL_MODELVIEW);
+    gl->call->EnableClientState(GL_VERTEX_ARRAY);
+    gl->call->EnableClientState(GL_NORMAL_ARRAY);
 }
 
-static void place_light(GLenum name, const struct eye_light *light, const struct light *source)
+static void place_light(const struct gl *gl, GLenum name, const struct eye_light *light,
+                        const struct light *source)
 {
     struct vector at = light->position, axis = light->axis;
     GLfloat position[4] = {(GLfloat)at.x, (GLfloat)at.y, (GLfloat)at.z,
@@ -81,15 +85,15 @@ static void place_light(GLenum name, const struct eye_light *light, const struct
     GLfloat direction[3] = {(GLfloat)axis.x, (GLfloat)axis.y, (GLfloat)axis.z};
     static const GLenum attenuations[] = {GL_CONSTANT_ATTENUATION, GL_LINEAR_ATTENUATION,
                                           GL_QUADRATIC_ATTENUATION};
-    glEnable(name);
-    glLightfv(name, GL_AMBIENT, black);
-    glLightfv(name, GL_POSITION, position);
+    gl->call->Enable(name);
+    gl->call->Lightfv(name, GL_AMBIENT, black);
+    gl->call->Lightfv(name, GL_POSITION, position);
     for (int i = 0; i < 3; i++)
-        glLightf(name, attenuations[i], (GLfloat)light->attenuation[i]);
-    glLightf(name, GL_SPOT_CUTOFF, light->spot ? (GLfloat)source->spot_cutoff_deg : 180.0F);
-    glLightf(name, GL_SPOT_EXPONENT, light->spot ? (GLfloat)source->spot_exponent : 0.0F);
+        gl->call->Lightf(name, attenuations[i], (GLfloat)light->attenuation[i]);
+    gl->call->Lightf(name, GL_SPOT_CUTOFF, light->spot ? (GLfloat)source->spot_cutoff_deg : 180.0F);
+    gl->call->Lightf(name, GL_SPOT_EXPONENT, light->spot ? (GLfloat)source->spot_exponent : 0.0F);
     if (light->spot)
-        glLightfv(name, GL_SPOT_DIRECTION, direction);
+        gl->call->Lightfv(name, GL_SPOT_DIRECTION, direction);
 }
 
 /* Places the lights of a group, in eye coordinates, unless they are placed already. */
@@ -98,13 +102,14 @@ static void place_lights(struct gl *gl, int group)
     if (gl->group == group)
         return;
     gl->group = group;
-    glLoadIdentity();
+    gl->call->LoadIdentity();
     for (int i = 0; i < LIGHTS_PER_PASS; i++) {
         int light = group * LIGHTS_PER_PASS + i;
         if (light < gl->plan->n_lights && !gl->plan->is_idle[light])
-            place_light(GL_LIGHT0 + (GLenum)i, &gl->plan->lights[light], gl->plan->sources[light]);
+            place_light(gl, GL_LIGHT0 + (GLenum)i, &gl->plan->lights[light],
+                        gl->plan->sources[light]);
         else if (gl->plan->n_light_groups > 1)
-            glDisable(GL_LIGHT0 + (GLenum)i);
+            gl->call->Disable(GL_LIGHT0 + (GLenum)i);
     }
 }
 
@@ -133,16 +138,16 @@ static void set_material(struct gl *gl, const struct shaded_material *shaded,
     for (int i = 0; i < colours.n_lights; i++) {
         const bool idle = gl->plan->is_idle[pass->group * LIGHTS_PER_PASS + i];
         if (!idle && is_new(colours.diffuse[i], set->diffuse[i]))
-            glLightfv(GL_LIGHT0 + (GLenum)i, GL_DIFFUSE, colours.diffuse[i]);
+            gl->call->Lightfv(GL_LIGHT0 + (GLenum)i, GL_DIFFUSE, colours.diffuse[i]);
         if (!idle && colours.shines && is_new(colours.specular[i], set->specular[i]))
-            glLightfv(GL_LIGHT0 + (GLenum)i, GL_SPECULAR, colours.specular[i]);
+            gl->call->Lightfv(GL_LIGHT0 + (GLenum)i, GL_SPECULAR, colours.specular[i]);
     }
     if (is_new(colours.constant, set->constant))
-        glMaterialfv(GL_FRONT_AND_BACK, GL_AMBIENT, colours.constant);
+        gl->call->Materialfv(GL_FRONT_AND_BACK, GL_AMBIENT, colours.constant);
     if (colours.shines != set->shines)
-        glMaterialfv(GL_FRONT_AND_BACK, GL_SPECULAR, colours.shines ? white : black);
+        gl->call->Materialfv(GL_FRONT_AND_BACK, GL_SPECULAR, colours.shines ? white : black);
     if (gloss != gl->gloss)
-        glMaterialf(GL_FRONT_AND_BACK, GL_SHININESS, gloss);
+        gl->call->Materialf(GL_FRONT_AND_BACK, GL_SHININESS, gloss);
     set->shines = colours.shines;
     gl->gloss = gloss;
     gl_bind_texture(gl, shaded->texture);
@@ -153,35 +158,35 @@ static void draw_instance(struct gl *gl, int instance)
     const struct placed_instance *placed = &gl->plan->instances[instance];
     const int n = gl_bind_mesh(gl, instance);
     if (gl->two_sided != placed->object->two_sided)
-        glLightModeli(GL_LIGHT_MODEL_TWO_SIDE, placed->object->two_sided);
+        gl->call->LightModeli(GL_LIGHT_MODEL_TWO_SIDE, placed->object->two_sided);
     if (gl->mirrored != placed->instance.mirrored)
-        glFrontFace(placed->instance.mirrored ? GL_CW : GL_CCW);
+        gl->call->FrontFace(placed->instance.mirrored != gl->mirrors ? GL_CW : GL_CCW);
     gl->two_sided = placed->object->two_sided;
     gl->mirrored = placed->instance.mirrored;
-    gl_load_matrix(&placed->instance.model_view);
-    glDrawElements(GL_TRIANGLES, n, GL_UNSIGNED_INT, NULL);
+    gl_load_matrix(gl, &placed->instance.model_view);
+    gl->call->DrawElements(GL_TRIANGLES, n, GL_UNSIGNED_INT, NULL);
 }
 
 /* Clears the colour by drawing over it: Mesa fills 16-byte pixels one by one, at ten times the
  * price of a rectangle. */
 void gl_blacken(struct gl *gl)
 {
-    if (gl->current == gl->context) /* the other one never has a texture */
+    if (gl->current == gl->colours) /* the other one never has a texture */
         gl_bind_texture(gl, NULL);
-    glDisable(GL_LIGHTING);
-    glDisable(GL_DEPTH_TEST); /* which also leaves the cleared depth alone */
-    glMatrixMode(GL_PROJECTION);
-    glPushMatrix();
-    glLoadIdentity();
-    glMatrixMode(GL_MODELVIEW);
-    glLoadIdentity();
-    glColor4f(0, 0, 0, 0);
-    glRectf(-1, -1, 1, 1);
-    glMatrixMode(GL_PROJECTION);
-    glPopMatrix();
-    glMatrixMode(GL_MODELVIEW);
-    glEnable(GL_DEPTH_TEST);
-    glEnable(GL_LIGHTING);
+    gl->call->Disable(GL_LIGHTING);
+    gl->call->Disable(GL_DEPTH_TEST); /* which also leaves the cleared depth alone */
+    gl->call->MatrixMode(GL_PROJECTION);
+    gl->call->PushMatrix();
+    gl->call->LoadIdentity();
+    gl->call->MatrixMode(GL_MODELVIEW);
+    gl->call->LoadIdentity();
+    gl->call->Color4f(0, 0, 0, 0);
+    gl->call->Rectf(-1, -1, 1, 1);
+    gl->call->MatrixMode(GL_PROJECTION);
+    gl->call->PopMatrix();
+    gl->call->MatrixMode(GL_MODELVIEW);
+    gl->call->Enable(GL_DEPTH_TEST);
+    gl->call->Enable(GL_LIGHTING);
 }
 
 static void draw_pass(struct gl *gl, const struct pass *pass)
@@ -189,7 +194,7 @@ static void draw_pass(struct gl *gl, const struct pass *pass)
     const struct plan *plan = gl->plan;
     int shaded = -1;
     gl_clear_stale(gl);
-    glClear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
+    gl->call->Clear(GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
     place_lights(gl, pass->group);
     for (int i = 0; i < plan->n_instances; i++) {
         const struct placed_instance *placed = &plan->instances[i];
@@ -199,14 +204,16 @@ static void draw_pass(struct gl *gl, const struct pass *pass)
             set_material(gl, &plan->materials[placed->shaded], pass);
         shaded = placed->shaded;
         draw_instance(gl, i);
-        gl->work.draw_calls++;
+        gl->renderer.work.draw_calls++;
     }
-    glFinish(); /* only now does OSMesa fill the buffer */
-    gl->work.passes++;
+    canvas_fill(gl->current);
+    gl->renderer.work.passes++;
 }
 
-bool gl_draw(struct gl *gl, int buffer, int first_band, double full_scale, struct error *err)
+bool gl_draw(struct renderer *renderer, int buffer, int first_band, double full_scale,
+             struct error *err)
 {
+    struct gl *gl = (struct gl *)renderer;
     float *sum = gl->buffers[buffer];
     for (int group = 0; group < gl->plan->n_light_groups; group++) {
         float *pixels = group == 0 ? sum : gl->part;
@@ -221,15 +228,5 @@ bool gl_draw(struct gl *gl, int buffer, int first_band, double full_scale, struc
         if (group > 0)
             pass_add(gl->plan, gl->part, sum);
     }
-    return gl_succeeded(err);
-}
-
-const float *gl_pixels(const struct gl *gl, int buffer)
-{
-    return gl->buffers[buffer];
-}
-
-struct gl_work gl_work(const struct gl *gl)
-{
-    return gl->work;
+    return gl_succeeded(gl, err);
 }

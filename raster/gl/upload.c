@@ -4,11 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-#define GL_GLEXT_PROTOTYPES
-#include <GL/gl.h>
-#include <GL/glext.h>
-
 #include "data/mesh/mesh.h"
+#include "raster/context/context.h"
 #include "raster/gl/gl.h"
 
 enum { VERTICES, COORDINATES, BUFFERS };
@@ -34,8 +31,9 @@ static void copy_coordinates(const struct vertex *from, GLfloat *to)
 }
 
 /* Fills a buffer that has no name yet with what `copy` takes from each vertex, n_floats of them. */
-static bool upload_vertices(GLuint *name, const struct mesh *mesh, size_t n_floats,
-                            void (*copy)(const struct vertex *from, GLfloat *to), struct error *err)
+static bool upload_vertices(const struct gl *gl, GLuint *name, const struct mesh *mesh,
+                            size_t n_floats, void (*copy)(const struct vertex *from, GLfloat *to),
+                            struct error *err)
 {
     const size_t n = (size_t)mesh->n_vertices, size = n_floats * sizeof(GLfloat);
     GLfloat *floats = *name ? NULL : malloc(n * size);
@@ -43,9 +41,9 @@ static bool upload_vertices(GLuint *name, const struct mesh *mesh, size_t n_floa
         return *name || error_memory(err);
     for (size_t i = 0; i < n; i++)
         copy(&mesh->vertices[i], floats + n_floats * i);
-    glGenBuffers(1, name);
-    glBindBuffer(GL_ARRAY_BUFFER, *name);
-    glBufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(n * size), floats, GL_STATIC_DRAW);
+    gl->call->GenBuffers(1, name);
+    gl->call->BindBuffer(GL_ARRAY_BUFFER, *name);
+    gl->call->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(n * size), floats, GL_STATIC_DRAW);
     free(floats);
     return true;
 }
@@ -61,9 +59,10 @@ static bool upload_mesh(const struct gl *gl, int instance, struct error *err)
     const int index = gl->plan->instances[instance].mesh;
     const struct mesh *mesh = &gl->plan->meshes[index].mesh;
     GLuint *buffers = gl->objects + BUFFERS * index;
-    return upload_vertices(&buffers[VERTICES], mesh, VERTEX_FLOATS, copy_vertex, err) &&
+    return upload_vertices(gl, &buffers[VERTICES], mesh, VERTEX_FLOATS, copy_vertex, err) &&
            (!shows_texture(gl, instance) ||
-            upload_vertices(&buffers[COORDINATES], mesh, COORDINATE_FLOATS, copy_coordinates, err));
+            upload_vertices(gl, &buffers[COORDINATES], mesh, COORDINATE_FLOATS, copy_coordinates,
+                            err));
 }
 
 /* Returns the name of the buffer of an instance's triangles: its mesh's, or its own if it hides
@@ -87,7 +86,7 @@ static bool upload_triangles(const struct gl *gl, int instance, struct error *er
     for (int i = 0; i < mesh->n_triangles; i++)
         if (!hidden || !hidden[i])
             memcpy(indices + size * n++, mesh->triangles[i], size);
-    glBufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(n * size), indices, GL_STATIC_DRAW);
+    gl->call->BufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(n * size), indices, GL_STATIC_DRAW);
     free(indices);
     return true;
 }
@@ -97,13 +96,13 @@ int gl_bind_mesh(const struct gl *gl, int instance)
     const GLsizei step = VERTEX_FLOATS * sizeof(GLfloat);
     const struct placed_instance *placed = &gl->plan->instances[instance];
     const GLuint *buffers = gl->objects + BUFFERS * placed->mesh;
-    glBindBuffer(GL_ARRAY_BUFFER, buffers[VERTICES]);
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, *index_buffer(gl, instance));
-    glVertexPointer(3, GL_FLOAT, step, NULL); /* offsets into the bound buffer */
-    glNormalPointer(GL_FLOAT, step, (const void *)(3 * sizeof(GLfloat)));
+    gl->call->BindBuffer(GL_ARRAY_BUFFER, buffers[VERTICES]);
+    gl->call->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, *index_buffer(gl, instance));
+    gl->call->VertexPointer(3, GL_FLOAT, step, NULL); /* offsets into the bound buffer */
+    gl->call->NormalPointer(GL_FLOAT, step, (const void *)(3 * sizeof(GLfloat)));
     if (shows_texture(gl, instance)) {
-        glBindBuffer(GL_ARRAY_BUFFER, buffers[COORDINATES]);
-        glTexCoordPointer(2, GL_FLOAT, 0, NULL);
+        gl->call->BindBuffer(GL_ARRAY_BUFFER, buffers[COORDINATES]);
+        gl->call->TexCoordPointer(2, GL_FLOAT, 0, NULL);
     }
     return 3 * (placed->instance.n_triangles - gl->lit->bounds[instance].n_hidden);
 }
@@ -112,22 +111,23 @@ int gl_bind_mesh(const struct gl *gl, int instance)
 
 /* Texels are of single precision: Mesa filters texels of 8 bits with weights of 8 bits. A spectral
  * texture has no texels yet. */
-static bool upload_texture(const struct texture *texture, GLuint *name, struct error *err)
+static bool upload_texture(const struct gl *gl, const struct texture *texture, GLuint *name,
+                           struct error *err)
 {
     GLint filter = texture->linear ? GL_LINEAR : GL_NEAREST, largest = 0;
-    glGetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
+    gl->call->GetIntegerv(GL_MAX_TEXTURE_SIZE, &largest);
     if (texture->image.width > largest || texture->image.height > largest)
         return error_system(err, "%.500s: this OpenGL has textures of at most %d texels a side",
                             texture->image.path, largest);
-    glGenTextures(1, name);
-    glBindTexture(GL_TEXTURE_2D, *name);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
-    glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_REPEAT);
+    gl->call->GenTextures(1, name);
+    gl->call->BindTexture(GL_TEXTURE_2D, *name);
+    gl->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, filter);
+    gl->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, filter);
+    gl->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_REPEAT);
+    gl->call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_REPEAT);
     if (!texture->spectral)
-        glTexImage2D(GL_TEXTURE_2D, 0, GL_LUMINANCE32F_ARB, texture->image.width,
-                     texture->image.height, 0, GL_LUMINANCE, GL_FLOAT, texture->plane[0]);
+        gl->call->TexImage2D(GL_TEXTURE_2D, 0, GL_LUMINANCE32F_ARB, texture->image.width,
+                             texture->image.height, 0, GL_LUMINANCE, GL_FLOAT, texture->plane[0]);
     return true;
 }
 
@@ -139,24 +139,24 @@ static bool upload_textures(struct gl *gl, struct error *err)
         return error_memory(err);
     for (size_t i = 0; i < n; i++)
         if (texture_is_drawn(gl->plan, &gl->plan->textures[i]) &&
-            !upload_texture(&gl->plan->textures[i], &gl->textures[i], err))
+            !upload_texture(gl, &gl->plan->textures[i], &gl->textures[i], err))
             return false;
     return true;
 }
 
-static void switch_textures(bool on)
+static void switch_textures(const struct gl *gl, bool on)
 {
-    (on ? glEnable : glDisable)(GL_TEXTURE_2D);
-    (on ? glEnableClientState : glDisableClientState)(GL_TEXTURE_COORD_ARRAY);
+    (on ? gl->call->Enable : gl->call->Disable)(GL_TEXTURE_2D);
+    (on ? gl->call->EnableClientState : gl->call->DisableClientState)(GL_TEXTURE_COORD_ARRAY);
 }
 
 void gl_bind_texture(struct gl *gl, const struct texture *texture)
 {
     const struct texture *drawn = texture_is_drawn(gl->plan, texture) ? texture : NULL;
     if (!drawn != !gl->texture)
-        switch_textures(drawn != NULL);
+        switch_textures(gl, drawn != NULL);
     if (drawn && drawn != gl->texture)
-        glBindTexture(GL_TEXTURE_2D, gl->textures[texture - gl->plan->textures]);
+        gl->call->BindTexture(GL_TEXTURE_2D, gl->textures[texture - gl->plan->textures]);
     gl->texture = drawn;
 }
 
@@ -179,7 +179,8 @@ static bool upload_texture_bands(struct gl *gl, int index, int first_band, struc
             texels[BANDS_PER_PASS * i + c] = rooms[c][i];
     gl_bind_texture(gl, texture);
     if (done)
-        glTexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F_ARB, width, height, 0, GL_RGB, GL_FLOAT, texels);
+        gl->call->TexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F_ARB, width, height, 0, GL_RGB, GL_FLOAT,
+                             texels);
     free(planes);
     return done;
 }
@@ -205,13 +206,14 @@ static bool upload_instance(const struct gl *gl, int instance, struct error *err
         return false;
     if (*indices)
         return true;
-    glGenBuffers(1, indices);
-    glBindBuffer(GL_ELEMENT_ARRAY_BUFFER, *indices);
+    gl->call->GenBuffers(1, indices);
+    gl->call->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, *indices);
     return upload_triangles(gl, instance, err);
 }
 
-bool gl_take_scene(struct gl *gl, const struct lit_scene *lit, struct error *err)
+bool gl_take_scene(struct renderer *renderer, const struct lit_scene *lit, struct error *err)
 {
+    struct gl *gl = (struct gl *)renderer;
     const size_t n_instances = (size_t)gl->plan->n_instances, n_meshes = (size_t)gl->plan->n_meshes;
     gl->lit = lit;
     gl->objects = calloc(BUFFERS * n_meshes + 1, sizeof *gl->objects);
@@ -221,5 +223,5 @@ bool gl_take_scene(struct gl *gl, const struct lit_scene *lit, struct error *err
     for (int i = 0; i < gl->plan->n_instances; i++)
         if (!upload_instance(gl, i, err))
             return false;
-    return upload_textures(gl, err) && gl_succeeded(err);
+    return upload_textures(gl, err) && gl_succeeded(gl, err);
 }

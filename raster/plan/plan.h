@@ -55,7 +55,7 @@ struct plan_options {
     double full_scale;  /* 0: the largest vertex radiance */
     bool check, use_gl; /* whether the reference and OpenGL are needed */
     int buffer_bits;    /* of a channel of OpenGL's colour buffer: 8, 16, or 32 of floats; 0: 32 */
-    const char *gl_driver; /* "llvmpipe" or "softpipe"; NULL: any */
+    const char *gl_driver, *gl_library; /* "llvmpipe" or "softpipe", NULL: any; --gl */
     bool strict;           /* edges that leak are differences */
     bool store_raster;     /* the stored pixels are the reference's */
     double unchecked;      /* the largest share of object pixels that may stay unchecked */

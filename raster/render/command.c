@@ -216,6 +216,7 @@ static bool plan_options_of(const struct options *options, struct plan_options *
     struct plan_options plan = {.unchecked = options->strict ? 0 : most_unchecked,
                                 .full_scale = options->full_scale,
                                 .buffer_bits = bits_of(options->buffer),
+                                .gl_library = options->gl,
                                 .strict = options->strict,
                                 .store_raster = stores_raster(options),
                                 .bits = bits_of(options->depth),
@@ -240,6 +241,8 @@ static bool render_planned(const struct options *options, const struct plan *pla
     struct render_result result;
     const bool shown = progress_start(&line, options->quiet);
     bool done = render(plan, output, shown ? &line : NULL, &result, err);
+    if (done && output->take)
+        return output->take(output->taker, plan, &result, err);
     if (done)
         forecast_learn(plan, result.seconds.total);
     result.seconds.read += before->read;

@@ -131,9 +131,9 @@ static bool open_gl(struct state *state, struct error *err)
     struct stages *stages = &state->stages;
     const int n_buffers = stages->plan->options.check ? GL_BUFFERS : AHEAD_FRAMES;
     const bool done =
-        !stages->plan->options.use_gl || gl_open(stages->plan, n_buffers, &stages->gl, err);
-    if (done && stages->gl)
-        state->result->names = gl_names(stages->gl);
+        !stages->plan->options.use_gl || gl_open(stages->plan, n_buffers, &stages->renderer, err);
+    if (done && stages->renderer)
+        state->result->names = stages->renderer->names;
     clock_in(&state->since, &stages->seconds.gl);
     return done;
 }
@@ -146,9 +146,10 @@ static bool prepare(struct state *state, const struct render_output *output, str
     const struct plan *plan = stages->plan;
     if (!passes_make(plan, &state->passes, err) || !open_gl(state, err))
         return false;
-    result->driver = driver_of(stages->gl ? result->names.renderer : NULL);
-    if (!lit_make(plan, result->driver, &state->lit, &stages->light, err) ||
-        (stages->gl && !gl_take_scene(stages->gl, &state->lit, err)) ||
+    result->driver = stages->renderer ? stages->renderer->driver : *driver_of(NULL);
+    if (!lit_make(plan, &result->driver, &state->lit, &stages->light, err) ||
+        (stages->renderer &&
+         !stages->renderer->kind->take_scene(stages->renderer, &state->lit, err)) ||
         !find_full_scale(&state->lit, &stages->full_scale, &stages->clips, err) ||
         (output->notes && !notes_make(&state->lit, SOME_PIXELS, output->notes, err)))
         return false;
@@ -198,8 +199,8 @@ static void take_results(struct state *state)
     result->odd = stages->odd;
     result->light = stages->light;
     result->seconds = stages->seconds;
-    if (stages->gl) {
-        result->gl = gl_work(stages->gl);
+    if (stages->renderer) {
+        result->gl = stages->renderer->work;
         result->dark_passes = state->passes.n_dark;
         result->repeated_passes =
             stages->plan->n_passes - state->passes.n_dark - state->passes.n_frames;
@@ -238,7 +239,8 @@ bool render(const struct plan *plan, const struct render_output *output,
     if (state.stages.map)
         check_map_discard(&state.map);
     totals_free(&state.totals);
-    gl_close(state.stages.gl);
+    if (state.stages.renderer)
+        state.stages.renderer->kind->close(state.stages.renderer);
     lit_free(&state.lit);
     passes_free(&state.passes);
     out->seconds.total = clock_seconds() - start;

@@ -24,9 +24,9 @@
 struct render_result {
     double full_scale;
     bool clips;                  /* a vertex is brighter than full_scale */
-    struct gl_names names;       /* empty: OpenGL did not draw */
-    const struct driver *driver; /* whose bounds the check uses */
-    struct gl_work gl;
+    struct renderer_names names; /* empty: OpenGL did not draw */
+    struct driver driver;        /* whose bounds the check uses */
+    struct renderer_work gl;
     int dark_passes, repeated_passes; /* that OpenGL does not draw, in each tile */
     struct light_work light;
     struct check_verdict check;
@@ -44,6 +44,10 @@ struct render_output {
     bool envi;             /* write the stack's ENVI header beside it */
     struct outputs *outputs; /* get all files; NULL: they appear at once */
     struct notes *notes;     /* as notes_make takes them; NULL: none are wanted */
+    /* gets the result in place of the report, and `taker`; NULL: the result is reported */
+    bool (*take)(void *taker, const struct plan *plan, const struct render_result *result,
+                 struct error *err);
+    void *taker;
 };
 /* Renders into a stack. Returns true even if the picture fails its check or differs from `again`:
  * ask render_agreed. progress: shown after each pass; NULL: none. After a failure, an interruption
@@ -60,7 +64,7 @@ const char *render_stored(const struct plan *plan, const struct render_result *r
 void report_verdict(const struct plan *plan, const struct check_verdict *verdict, char *out,
                     size_t capacity);
 /* Returns false with EXIT_DIFFERENT. The message names the first pixel where the pictures differ,
- * or what could not be checked, and ends with `then`, the consequence. */
+ * or what could not be checked, and ends with `then`, the consequence; NULL: with none. */
 bool report_disagreement(const struct plan *plan, const struct check_verdict *verdict,
                          const char *then, struct error *err);
 /* Does the same for a stack that differs from the stack at `path`, whose record is `made`. The
@@ -88,12 +92,13 @@ bool command_render(struct options *options, struct error *err);
 /* Renders a scene into its stack, and reports the result. */
 bool render_scene(struct options *options, struct error *err);
 
-/* ---- inside this room ---- */
-
 /* Reads, plans and renders the scene of the options, and reports the result. made: the record of
  * the stack that is made again; NULL: the stack is new. */
 bool render_with_options(const struct options *options, const struct render_output *output,
                          const struct record *made, struct error *err);
+
+/* ---- inside this room ---- */
+
 /* Removes --no-check and --strict from the options that the stack records. A stack of the
  * reference's pixels is the same with any check. */
 void options_forget_check(struct options *options);

@@ -102,6 +102,14 @@ static void print_check(const struct check_verdict *verdict, struct printed *to)
     print(to, "unexplained       %llu\n", (unsigned long long)verdict->unexplained);
 }
 
+static void print_bounds(const struct driver *driver, struct printed *to)
+{
+    char words[DRIVER_WORDS];
+    driver_print(driver, words);
+    print(to, "bounds            %s%s\n", driver->is_measured ? "measured: " : "of ",
+          driver->is_measured ? words : driver->name);
+}
+
 void report_print(const struct plan *plan, const struct render_result *result, struct printed *to)
 {
     const struct part_seconds *seconds = &result->seconds;
@@ -121,9 +129,10 @@ void report_print(const struct plan *plan, const struct render_result *result, s
     print(to, "full scale        %.10g is count 65535%s\n", result->full_scale,
           bits == 8 ? ", stored as 255" : "");
     if (plan->options.use_gl)
-        print(to, "OpenGL            %s, %s\n", result->names.renderer, result->names.version);
+        print(to, "OpenGL            %s, %s, by %s\n", result->names.renderer,
+              result->names.version, result->names.library);
     if (plan->options.check)
-        print(to, "bounds            of %s\n", result->driver->name);
+        print_bounds(&result->driver, to);
     if (plan->options.check)
         print_check(&result->check, to);
     print_verdict(plan, &result->check, to);
@@ -171,9 +180,10 @@ static void json_picture(struct json *json, const struct plan *plan,
     json_count(json, "bits", (uint64_t)plan->options.bits);
     json_number(json, "full_scale", result->full_scale);
     json_string(json, "renderer", plan->options.store_raster ? "raster" : "gl");
+    json_string(json, "gl_library", use_gl ? result->names.library : NULL);
     json_string(json, "gl_renderer", use_gl ? result->names.renderer : NULL);
     json_string(json, "gl_version", use_gl ? result->names.version : NULL);
-    json_string(json, "driver_profile", plan->options.check ? result->driver->name : NULL);
+    json_string(json, "driver_profile", plan->options.check ? result->driver.name : NULL);
 }
 
 static void json_effects(struct json *json, const struct plan *plan)

@@ -170,9 +170,10 @@ static bool report_pixel(const struct plan *plan, const struct check_verdict *ve
                  first->y % side);
     failure_text(plan, first, what, sizeof what);
     return error_different(
-        err, "the pictures differ at %llu of %llu pixels, first at %d,%d%s on %s: %s; %s",
+        err, "the pictures differ at %llu of %llu pixels, first at %d,%d%s on %s: %s%s%s",
         (unsigned long long)verdict->unexplained, (unsigned long long)verdict->pixels,
-        first->x / side, first->y / side, position, where, what, then);
+        first->x / side, first->y / side, position, where, what, then ? "; " : "",
+        then ? then : "");
 }
 
 bool report_disagreement(const struct plan *plan, const struct check_verdict *verdict,
@@ -182,9 +183,9 @@ bool report_disagreement(const struct plan *plan, const struct check_verdict *ve
     if (verdict->unexplained > 0)
         return report_pixel(plan, verdict, then, err);
     reason_text(plan, verdict, reason, sizeof reason);
-    return error_different(err, "%s: %s; %s",
+    return error_different(err, "%s: %s%s%s",
                            is_biased(verdict) ? "the pictures differ" : verdict_word(plan, verdict),
-                           reason, then);
+                           reason, then ? "; " : "", then ? then : "");
 }
 
 /* Tries the reasons in the order of their certainty. */

@@ -36,13 +36,15 @@ static bool is_exact(const struct lit_scene *lit, const struct bounded_triangle 
     return exact;
 }
 
-/* OpenGL's origin may be the tile's upper or its lower left corner. A pixel lies beside the
- * triangle by less than 1. */
-static void set_reach(const struct rectangle *tile, struct clipped_triangle *out)
+/* OpenGL's origin may be the tile's upper or its lower left corner, of a driver that is not known
+ * any corner. A pixel lies beside the triangle by less than 1. */
+static void set_reach(const struct driver *driver, const struct rectangle *tile,
+                      struct clipped_triangle *out)
 {
     double right = most_of(out->x) - tile->x, below = most_of(out->y) - tile->y,
-           above = tile->y + tile->height - least_of(out->y);
-    out->reach_x = fmin(right, tile->width) + 1;
+           above = tile->y + tile->height - least_of(out->y),
+           left = driver->left_origin ? 0 : tile->x + tile->width - least_of(out->x);
+    out->reach_x = fmin(fmax(right, left), tile->width) + 1;
     out->reach_y = fmin(fmax(below, above), tile->height) + 1;
 }
 
@@ -59,9 +61,11 @@ static struct clipped_triangle clipped(const struct lit_scene *lit,
     memcpy(out.z, from->screen.z, sizeof out.z);
     memcpy(out.inverse_w, from->screen.inverse_w, sizeof out.inverse_w);
     memcpy(out.share, from->screen.share, sizeof out.share);
-    memcpy(out.slack_px, slack_px, sizeof out.slack_px);
-    memcpy(out.moved_px, moved, sizeof out.moved_px);
-    set_reach(tile, &out);
+    for (int i = 0; i < 3; i++) {
+        out.slack_px[i] = slack_px[i] + lit->driver->corner_px;
+        out.moved_px[i] = moved[i] + lit->driver->corner_px;
+    }
+    set_reach(lit->driver, tile, &out);
     bound_inverse_w(&out);
     return out;
 }

@@ -78,8 +78,9 @@ static bool draw_numbers(struct state *state, struct error *err)
 {
     if (queue_room(&state->numbers) < 0)
         return false;
+    struct renderer *renderer = state->stages->renderer;
     double since = clock_seconds();
-    if (!gl_identify(state->stages->gl, err))
+    if (!renderer->kind->identify(renderer, err))
         return false;
     clock_in(&since, &state->stages->seconds.gl);
     queue_fill(&state->numbers);
@@ -89,11 +90,12 @@ static bool draw_numbers(struct state *state, struct error *err)
 static bool draw_frame(struct state *state, int frame, struct error *err)
 {
     struct stages *stages = state->stages;
+    struct renderer *renderer = stages->renderer;
     struct queue *queue = queue_of(state, frame);
     const int place = queue_room(queue), pass = stages->passes->first_pass[frame];
     double since = clock_seconds();
-    if (place < 0 || !gl_draw(stages->gl, buffer_at(state, queue, place), pass * BANDS_PER_PASS,
-                              stages->full_scale, err))
+    if (place < 0 || !renderer->kind->draw(renderer, buffer_at(state, queue, place),
+                                           pass * BANDS_PER_PASS, stages->full_scale, err))
         return false;
     clock_in(&since, &stages->seconds.gl);
     queue_fill(queue);
@@ -103,7 +105,7 @@ static bool draw_frame(struct state *state, int frame, struct error *err)
 static bool draw_tile(struct state *state, const struct rectangle *at, struct error *err)
 {
     struct stages *stages = state->stages;
-    gl_aim(stages->gl, at);
+    stages->renderer->kind->aim(stages->renderer, at);
     if (stages->check_scene && !draw_numbers(state, err))
         return false;
     for (int with = 1; with >= 0; with--)
@@ -161,7 +163,7 @@ static const float *pixels_of(const struct tile_pass *of, int chunk)
 static void identify_chunk(void *context, int i)
 {
     const struct tile_pass *of = context;
-    check_identity(&of->state->checks[i], of->state->stages->gl, &of->tile->at);
+    check_identity(&of->state->checks[i], of->state->stages->renderer, &of->tile->at);
 }
 
 static void learn_chunk(void *context, int i)
@@ -259,11 +261,12 @@ static void close_checks(struct state *state, const struct tile *tile)
  * many full places of the frame's queue come before. */
 static bool find_frame(struct state *state, int frame, int number, struct tile_pass *of)
 {
+    const struct renderer *renderer = state->stages->renderer;
     struct queue *queue = queue_of(state, frame);
     const int place = queue_next(queue, number);
     if (place < 0)
         return false;
-    of->pixels = gl_pixels(state->stages->gl, buffer_at(state, queue, place));
+    of->pixels = renderer->kind->pixels(renderer, buffer_at(state, queue, place));
     of->stride = (size_t)state->plan->tile_width;
     return true;
 }
@@ -280,7 +283,7 @@ static void leave_frame(struct state *state)
 static bool find_pixels(struct state *state, struct tile_pass *of)
 {
     const int frame = state->stages->passes->frame[of->pass];
-    if (!state->stages->gl)
+    if (!state->stages->renderer)
         return true;
     if (frame == DARK) {
         of->pixels = state->black;
@@ -373,11 +376,12 @@ static bool treat_pass(struct state *state, const struct tile *tile, int pass, s
  * number counts as background. */
 static int object_at(const struct state *state, const struct tile *tile, int x, int y)
 {
+    const struct renderer *renderer = state->stages->renderer;
     const struct picture *picture = &tile->chunks[y / CHUNK_ROWS].picture;
     const size_t pixel = (size_t)(y % CHUNK_ROWS) * (size_t)tile->at.width + (size_t)x;
     const int surface = state->plan->options.store_raster
                             ? picture->surface[pixel]
-                            : gl_shown(state->stages->gl, x, y).surface;
+                            : renderer->kind->shown(renderer, x, y).surface;
     return surface < state->plan->n_instances ? surface + 1 : 0;
 }
 
@@ -529,7 +533,7 @@ bool stages_run(struct stages *stages, struct error *err)
     state.pilots = (struct queue){.pipeline = &pipeline, .n_places = MAX_PILOT_PASSES};
     state.frames = (struct queue){.pipeline = &pipeline, .n_places = AHEAD_FRAMES};
     state.counted = (struct queue){.pipeline = &pipeline, .n_places = WRITTEN_PLACES};
-    if (stages->gl)
+    if (stages->renderer)
         parts[n++] = draw_tiles; /* OpenGL's context is this thread's */
     parts[n++] = treat_tiles;
     if (stages->writer)

@@ -9,9 +9,9 @@
 #include "data/stack/stack.h"
 #include "data/threads/threads.h"
 #include "raster/check/check.h"
-#include "raster/gl/gl.h"
 #include "raster/passes/passes.h"
 #include "raster/radiance/radiance.h"
+#include "raster/renderer/renderer.h"
 #include "spectral.h"
 
 /* ---- check_map.c ---- */
@@ -54,7 +54,7 @@ struct stages {
     const struct check_scene *check_scene; /* NULL: no check */
     struct check_totals *totals;           /* of a check; open */
     struct check_map *map;                 /* NULL: none is wanted */
-    struct gl *gl;                         /* with GL_BUFFERS; NULL: OpenGL does not draw */
+    struct renderer *renderer;             /* with GL_BUFFERS; NULL: only the reference draws */
     struct stack_writer *writer;           /* NULL: no stack is written */
     struct progress_line *progress;        /* NULL: none */
     double full_scale;

@@ -6,9 +6,9 @@
 
 #include "raster/candidates/candidates.h"
 #include "raster/fit/fit.h"
-#include "raster/gl/gl.h"
 #include "raster/plan/plan.h"
 #include "raster/radiance/radiance.h"
+#include "raster/renderer/renderer.h"
 #include "spectral.h"
 
 /* ---- statistics.c: sums over many samples ---- */

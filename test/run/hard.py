@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Runs the hard cases in test/cases/hard. Lines `# holds: ...` of a scene list the conditions that its picture must
+"""Runs the hard cases: those that must agree in data/builtin/hard, which `spectral verify` draws, too, and the others in
+test/cases/hard. Lines `# holds: ...` of a scene list the conditions that its picture must
 fulfil, in the reference and in OpenGL, with both of Mesa's software drivers. Prints TAP.
 
     agreed                   exit 0, no pixel unexplained, every sample finite
@@ -42,7 +43,7 @@ import tifffile
 sys.dont_write_bytecode = True
 from rendered import SPECTRAL, TMP, check, done, write
 
-FOLDER = "test/cases/hard"
+FOLDERS = ("data/builtin/hard", "test/cases/hard")
 PATHS = {"reference": ("raster", "llvmpipe"), "llvmpipe": ("gl", "llvmpipe"),
          "softpipe": ("gl", "softpipe")}
 LONGEST = 60  # seconds until the test kills a run
@@ -207,8 +208,9 @@ def pile(name, depth):
 
 
 def main():
-    scenes = [Scene(path) for path in sorted(glob.glob(FOLDER + "/*.scene"))]
-    shutil.copytree(FOLDER, TMP, dirs_exist_ok=True)
+    scenes = [Scene(path) for folder in FOLDERS for path in sorted(glob.glob(folder + "/*.scene"))]
+    for folder in FOLDERS:
+        shutil.copytree(folder, TMP, dirs_exist_ok=True)
     fan()
     pile("pile-apart.obj", lambda i: -1.9 + 1.8 * i / MANY)
     pile("pile-close.obj", lambda i: -1 + 1e-13 * i)

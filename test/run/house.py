@@ -32,14 +32,14 @@ ROOMS = """
     data/texture data/pages data/material data/scene data/terms data/method data/sampling data/choice data/invocation
     data/record data/stack data/chart data/develop data/compare data/probe data/catalogue
     raster/reference raster/plan raster/accuracy raster/refine raster/passes raster/forecast raster/driver raster/bounds raster/setup
-    raster/fragments raster/candidates raster/radiance raster/notes raster/fit raster/gl raster/verdict
-    raster/check raster/stages raster/render raster/inspect raster/cost raster/view
+    raster/fragments raster/candidates raster/radiance raster/notes raster/fit raster/renderer raster/library raster/context raster/traits raster/gl raster/drivers raster/verdict
+    raster/check raster/stages raster/render raster/verify raster/inspect raster/cost raster/view
     """.split()
 CORE = "raster/reference"
 CORE_MAY_INCLUDE = {CORE, "data/maths"}
 # A system header that matches the pattern belongs in these rooms only.
 SYSTEM_HEADERS = (
-    (r"(E?GL|GLES\d*|KHR)/|osmesa", {"raster/gl"}, "OpenGL"),
+    (r"(E?GL|GLES\d*|KHR)/|osmesa", {"raster/library", "raster/context", "raster/gl"}, "OpenGL"),
     (r"tiff", {"data/tiff", "data/pages", "data/stack"}, "libtiff"),
 )
 C_LIBRARY = {name + ".h" for name in """
@@ -580,7 +580,7 @@ def plants(tree):
              at_source + f'"tgmath.h" is included twice; {header} includes it already'),
             ("an include in a comment", {source: f'/*\n#include "{last}"\n*/'}, None),
             ("a header of OpenGL", {source: "#include <GL/gl.h>"},
-             at_source + "<GL/gl.h> belongs to OpenGL; only raster/gl may include it"),
+             at_source + "<GL/gl.h> belongs to OpenGL; only raster/context, raster/gl, raster/library may include it"),
             ("a header of libtiff", {source: "#include <tiffio.h>"},
              at_source + "<tiffio.h> belongs to libtiff; only data/pages, "),
             ("another room's header in the core", {core: f'#include "{header}"'},

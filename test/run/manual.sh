@@ -23,7 +23,7 @@ options "$tmp/page" >"$tmp/documented"
 ok $? "--help lists many options"
 diff "$tmp/printed" "$tmp/documented" >"$tmp/err"
 ok $? "the manual has these options and no others"
-for command in $(sed -n 's/^  \([a-z]*\)  *\[*[A-Z].*/\1/p' "$tmp/printed-help"); do
+for command in $(sed -n 's/^  \([a-z]*\)  *\[*[-A-Z].*/\1/p' "$tmp/printed-help"); do
     grep -Eq "^ {5}spectral $command" "$tmp/page"
     ok $? "the manual has the command $command"
 done
@@ -33,7 +33,7 @@ for kind in $("$SPECTRAL" list | grep '^[a-z]'); do
 done
 # A terminal of 80 columns shows each help without broken lines.
 too_long=
-for command in '' $(sed -n 's/^  \([a-z]*\)  *\[*[A-Z].*/\1/p' "$tmp/printed-help"); do
+for command in '' $(sed -n 's/^  \([a-z]*\)  *\[*[-A-Z].*/\1/p' "$tmp/printed-help"); do
     # shellcheck disable=SC2086  # $command may be no word
     "$SPECTRAL" $command --help | grep -E '.{81}' && too_long="$too_long spectral $command --help"
 done >"$tmp/out"

@@ -42,12 +42,12 @@ ok $? "it names neither this folder nor the cache"
 if [ -f "$STATIC.symbols" ]; then
     strip -o "$tmp/stripped" "$STATIC.symbols" && cmp -s "$STATIC" "$tmp/stripped"
     ok $? "it is $STATIC.symbols without the symbols"
-    for function in gl_open _mesa_LightModeli; do
+    for function in contexts_open _mesa_LightModeli; do
         run objdump -d "--disassemble=$function" "$STATIC.symbols"
         prints '<__stack_chk_fail>' "$function guards its stack"
     done
-    run objdump -d --disassemble=gl_open "$STATIC.symbols"
-    prints '<_+snprintf_chk>' "gl_open checks the size of its output"
+    run objdump -d --disassemble=contexts_open "$STATIC.symbols"
+    prints '<_+snprintf_chk>' "contexts_open checks the size of its output"
 else
     skip "no $STATIC.symbols, which shows whether functions guard their stack"
 fi

@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: MIT */
+/* The choice of a library, and its canvases. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "raster/context/context.h"
+#include "raster/driver/driver.h"
+
+/* ---- the library ---- */
+
+static bool refuse_missing(bool osmesa, bool egl, struct error *err)
+{
+    static const char of_osmesa[] =
+        "libOSMesa.so.8 (Debian: libosmesa6, Fedora: mesa-compat-libOSMesa, Alpine: mesa-osmesa, "
+        "Arch: osmesa)";
+    static const char of_egl[] =
+        "libEGL.so.1 (Debian: libegl1 and libgl1-mesa-dri, Fedora: mesa-libEGL and "
+        "mesa-dri-drivers, Alpine: mesa-egl and mesa-dri-gallium, Arch: mesa)";
+    return error_unsupported(
+        err, "OpenGL is missing: there is no %s%s%s; --renderer raster needs none",
+        osmesa ? of_osmesa : "", osmesa && egl ? ", and no " : "", egl ? of_egl : "");
+}
+
+static void begin_again(struct contexts *contexts)
+{
+    if (contexts->kind)
+        contexts->kind->end(contexts);
+    *contexts = (struct contexts){.name = NULL};
+}
+
+static bool open_library(struct contexts *contexts, const char *wanted, struct error *err)
+{
+    const bool any = strcmp(wanted, "auto") == 0, osmesa = any || strcmp(wanted, "osmesa") == 0;
+    bool found = false;
+    if (osmesa && !osmesa_open(contexts, &found, err))
+        return false;
+    if (found)
+        return true;
+    if (osmesa && !any)
+        return refuse_missing(true, false, err);
+    begin_again(contexts);
+    return egl_open(contexts, driver_device(wanted), &found, err) &&
+           (found || refuse_missing(any, true, err));
+}
+
+#ifdef OSMESA_VERSION /* built in; Mesa crashes when asked for another driver */
+static const char *const only_driver = "softpipe";
+static bool is_built_in(const char *wanted, struct error *err)
+{
+    return strcmp(wanted, "osmesa") == 0 || strcmp(wanted, "auto") == 0 ||
+           error_unsupported(err, "the static program has an OSMesa of its own, and no EGL");
+}
+#else
+static const char *const only_driver = NULL;
+static bool is_built_in(const char *wanted, struct error *err)
+{
+    (void)wanted, (void)err;
+    return true;
+}
+#endif
+
+bool contexts_open(const struct context_wish *wish, struct contexts **out, struct error *err)
+{
+    const char *wanted = wish->library ? wish->library : "auto";
+    const char *driver = only_driver ? only_driver : wish->driver;
+    char threads[16];
+    *out = calloc(1, sizeof **out);
+    if (!*out)
+        return error_memory(err);
+    snprintf(threads, sizeof threads, "%d", wish->threads);
+    setenv("LP_NUM_THREADS", threads, 0); /* for llvmpipe; a user's own configuration stands */
+    if (driver)
+        setenv("GALLIUM_DRIVER", driver, 1);
+    return is_built_in(wanted, err) && open_library(*out, wanted, err);
+}
+
+void contexts_close(struct contexts *contexts)
+{
+    if (contexts && contexts->kind)
+        contexts->kind->end(contexts);
+    free(contexts);
+}
+
+const struct gl_functions *contexts_functions(const struct contexts *contexts)
+{
+    return &contexts->call;
+}
+
+const char *contexts_name(const struct contexts *contexts)
+{
+    return contexts->name;
+}
+
+bool contexts_flipped(const struct contexts *contexts)
+{
+    return contexts->flipped;
+}
+
+bool contexts_mirrored(const struct contexts *contexts)
+{
+    return contexts->mirrored;
+}
+
+/* ---- canvases ---- */
+
+GLenum canvas_type(const struct canvas *canvas)
+{
+    return canvas->bits == 32   ? GL_FLOAT
+           : canvas->bits == 16 ? GL_UNSIGNED_SHORT
+                                : GL_UNSIGNED_BYTE;
+}
+
+bool canvas_open(struct contexts *contexts, int bits, int width, int height, struct canvas **out,
+                 struct error *err)
+{
+    *out = calloc(1, sizeof **out);
+    if (!*out)
+        return error_memory(err);
+    **out = (struct canvas){.contexts = contexts, .bits = bits, .width = width, .height = height};
+    return contexts->kind->open(*out, err);
+}
+
+void canvas_close(struct canvas *canvas)
+{
+    if (canvas && canvas->context)
+        canvas->contexts->kind->close(canvas);
+    free(canvas);
+}
+
+bool canvas_use(struct canvas *canvas, void *pixels, struct error *err)
+{
+    canvas->pixels = pixels;
+    if (!canvas->contexts->kind->use(canvas, err))
+        return false;
+    canvas->contexts->current = canvas;
+    return true;
+}
+
+void canvas_fill(const struct canvas *canvas)
+{
+    canvas->contexts->kind->fill(canvas);
+}

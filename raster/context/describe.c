@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: MIT */
+/* A library as it describes itself. */
+#include <stdio.h>
+
+#include "raster/context/context.h"
+
+#ifdef OSMESA_VERSION /* built in; asking a context of softpipe would take tens of milliseconds */
+static const char built_in[] = "OSMesa " OSMESA_VERSION " (softpipe), built in";
+#else
+static const char *const built_in = NULL;
+#endif
+
+static void copy_text(const struct gl_functions *call, GLenum name, char out[128])
+{
+    snprintf(out, 128, "%s", (const char *)call->GetString(name));
+}
+
+bool contexts_describe(const struct context_wish *wish, struct context_description *out,
+                       struct error *err)
+{
+    struct contexts *contexts;
+    struct canvas *canvas = NULL;
+    GLfloat pixel[4];
+    const bool done = contexts_open(wish, &contexts, err) &&
+                      canvas_open(contexts, 32, 1, 1, &canvas, err) &&
+                      canvas_use(canvas, pixel, err);
+    if (done) {
+        const struct gl_functions *call = contexts_functions(contexts);
+        snprintf(out->library, sizeof out->library, "%s", contexts_name(contexts));
+        copy_text(call, GL_VENDOR, out->vendor);
+        copy_text(call, GL_RENDERER, out->renderer);
+        copy_text(call, GL_VERSION, out->version);
+        call->GetIntegerv(GL_MAX_VIEWPORT_DIMS, out->largest_viewport);
+        call->GetIntegerv(GL_MAX_TEXTURE_SIZE, &out->largest_texture);
+    }
+    canvas_close(canvas);
+    contexts_close(contexts);
+    return done;
+}
+
+void contexts_print(char *out, size_t capacity)
+{
+    const struct context_wish wish = {.threads = 1};
+    struct context_description is;
+    struct error err = {.status = EXIT_AGREED};
+    if (built_in)
+        snprintf(out, capacity, "%s", built_in);
+    else if (contexts_describe(&wish, &is, &err))
+        snprintf(out, capacity, "%s %s (%s)", is.library, is.version, is.renderer);
+    else
+        snprintf(out, capacity, "OpenGL cannot draw: spectral drivers prints why");
+}

@@ -1,0 +1,216 @@
+/* SPDX-License-Identifier: MIT */
+/* Opens OpenGL for a plan, with what it draws on: floats, or counts of 8 or 16 bits. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "raster/context/context.h"
+#include "raster/gl/gl.h"
+#include "raster/traits/traits.h"
+
+/* ---- the driver ---- */
+
+static const char *text_of(const struct gl_functions *call, GLenum name)
+{
+    return (const char *)call->GetString(name);
+}
+
+static void take_names(const struct gl *gl, struct renderer_names *names)
+{
+    snprintf(names->library, sizeof names->library, "%s", contexts_name(gl->contexts));
+    snprintf(names->renderer, sizeof names->renderer, "%s", text_of(gl->call, GL_RENDERER));
+    snprintf(names->version, sizeof names->version, "%s", text_of(gl->call, GL_VERSION));
+}
+
+bool gl_is_built(void)
+{
+    return true;
+}
+
+void gl_library(char *out, size_t capacity)
+{
+    contexts_print(out, capacity);
+}
+
+/* The driver that draws is the wanted one, which was chosen before the first context. */
+static bool check_driver(const struct gl *gl, struct error *err)
+{
+    const char *wanted = gl->plan->options.gl_driver, *renderer = text_of(gl->call, GL_RENDERER);
+    return !wanted || strncmp(renderer, wanted, strlen(wanted)) == 0 ||
+           error_unsupported(err,
+                             "this %s draws with %.100s, not with %s; --renderer gl takes any "
+                             "driver",
+                             contexts_name(gl->contexts), renderer, wanted);
+}
+
+/* ---- canvases ---- */
+
+static bool check_canvas(const struct gl *gl, int needed_bits, struct error *err)
+{
+    const struct plan *plan = gl->plan;
+    GLint red_bits = 0, depth_bits = 0, stencil_bits = 0, viewport[2] = {0, 0};
+    gl->call->GetIntegerv(GL_RED_BITS, &red_bits);
+    gl->call->GetIntegerv(GL_DEPTH_BITS, &depth_bits);
+    gl->call->GetIntegerv(GL_STENCIL_BITS, &stencil_bits);
+    gl->call->GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
+    if (red_bits != needed_bits || depth_bits < 24 || stencil_bits < 8)
+        return error_unsupported(
+            err,
+            "%s gives %d bits of colour, %d of depth and %d of stencil; %d, 24 "
+            "and 8 are needed",
+            contexts_name(gl->contexts), red_bits, depth_bits, stencil_bits, needed_bits);
+    return (viewport[0] >= plan->tile_width && viewport[1] >= plan->tile_height) ||
+           error_unsupported(err, "%s draws at most %d x %d pixels at once",
+                             contexts_name(gl->contexts), viewport[0], viewport[1]);
+}
+
+/* Each type of buffer has a context of its own. One context for both would work, but OSMesa of Mesa
+ * 22.3.6 would make new buffers at every change, and keep the old ones. */
+bool gl_draw_into(struct gl *gl, float *floats, bool numbers, struct error *err)
+{
+    struct canvas *canvas = numbers && gl->numbers ? gl->numbers : gl->colours;
+    if (!canvas_use(canvas, floats ? floats : gl->steps, err))
+        return false;
+    if (gl->current == canvas)
+        return true;
+    gl->current = canvas;
+    if (gl->lit)
+        gl_load_view(gl);
+    return check_canvas(gl, floats ? 32 : gl->plan->options.buffer_bits, err);
+}
+
+void gl_clear_stale(struct gl *gl)
+{
+    bool *is_stale = &gl->is_stale[gl->current != gl->colours];
+    if (*is_stale)
+        gl_blacken(gl);
+    *is_stale = false;
+}
+
+static bool allocate(struct gl *gl, int n_buffers, struct error *err)
+{
+    const struct plan *plan = gl->plan;
+    const size_t n = (size_t)plan->tile_width * (size_t)plan->tile_height,
+                 pixel = 4 * sizeof(float);
+    const bool adding = plan->n_light_groups > 1, stepping = buffer_steps(plan) > 0,
+               checking = plan->options.check;
+    bool done = true;
+    for (int i = 0; i < n_buffers && done; i++)
+        done = (gl->buffers[i] = calloc(n, pixel)) != NULL;
+    gl->part = adding ? calloc(n, pixel) : NULL;
+    gl->shown = checking ? calloc(n, pixel) : NULL;
+    gl->steps = stepping ? calloc(n, 4 * (size_t)plan->options.buffer_bits / 8) : NULL;
+    gl->depths = checking ? calloc(n, sizeof *gl->depths) : NULL;
+    return (done && (gl->part || !adding) && (gl->steps || !stepping) &&
+            ((gl->shown && gl->depths) || !checking)) ||
+           error_memory(err);
+}
+
+static bool open_canvas(struct gl *gl, int bits, struct canvas **out, struct error *err)
+{
+    return canvas_open(gl->contexts, bits, gl->plan->tile_width, gl->plan->tile_height, out, err);
+}
+
+/* Draws on the canvas for colours from now on. */
+static bool begin(struct gl *gl, struct error *err)
+{
+    gl->mirrors = contexts_mirrored(gl->contexts);
+    return gl_draw_into(gl, gl->steps ? NULL : gl->buffers[0], false, err);
+}
+
+static bool open_canvases(struct gl *gl, int n_buffers, struct error *err)
+{
+    const struct plan *plan = gl->plan;
+    const struct context_wish wish = {plan->options.gl_library, plan->options.gl_driver,
+                                      plan->options.threads};
+    struct driver_threads before;
+    if (!allocate(gl, n_buffers, err))
+        return false;
+    driver_count_threads(&before);
+    if (!contexts_open(&wish, &gl->contexts, err))
+        return false;
+    gl->call = contexts_functions(gl->contexts);
+    gl->flipped = contexts_flipped(gl->contexts);
+    return open_canvas(gl, gl->steps ? plan->options.buffer_bits : 32, &gl->colours, err) &&
+           (!gl->steps || !plan->options.check || open_canvas(gl, 32, &gl->numbers, err)) &&
+           begin(gl, err) && check_driver(gl, err) &&
+           driver_has_threads(text_of(gl->call, GL_RENDERER), &before, err);
+}
+
+bool gl_succeeded(const struct gl *gl, struct error *err)
+{
+    GLenum code = gl->call->GetError();
+    return code == GL_NO_ERROR || error_system(err, "OpenGL reports error 0x%04x", code);
+}
+
+static void gl_close(struct renderer *renderer)
+{
+    struct gl *gl = (struct gl *)renderer;
+    canvas_close(gl->numbers);
+    canvas_close(gl->colours);
+    contexts_close(gl->contexts);
+    for (int i = 0; i < MOST_BUFFERS; i++)
+        free(gl->buffers[i]);
+    free(gl->objects);
+    free(gl->textures);
+    free(gl->indices);
+    free(gl->part);
+    free(gl->shown);
+    free(gl->steps);
+    free(gl->depths);
+    free(gl);
+}
+
+static const float *gl_pixels(const struct renderer *renderer, int buffer)
+{
+    return ((const struct gl *)renderer)->buffers[buffer];
+}
+
+/* Sets the state of all contexts. */
+static bool set_states(struct gl *gl, struct error *err)
+{
+    gl_set_state(gl);
+    if (gl->numbers) {
+        if (!gl_succeeded(gl, err) || !gl_draw_into(gl, gl->shown, true, err))
+            return false;
+        gl_set_state(gl);
+        return gl_succeeded(gl, err) && gl_draw_into(gl, NULL, false, err); /* for uploads */
+    }
+    return gl_succeeded(gl, err);
+}
+
+/* A driver that is not known is measured first. */
+static bool choose_bounds(struct gl *gl, struct error *err)
+{
+    const char *name = gl->renderer.names.renderer;
+    const struct driver *known = driver_of(name);
+    struct traits traits;
+    char reason[TRAITS_REASON];
+    gl->renderer.driver = *known;
+    if (known != driver_of(NULL) || !gl->plan->options.check)
+        return true;
+    if (!traits_measure(gl->contexts, &traits, err) || !begin(gl, err))
+        return false;
+    return traits_profile(&traits, &gl->renderer.driver, reason) ||
+           error_unsupported(err,
+                             "%s cannot be checked: %s; spectral drivers --measure prints more",
+                             name, reason);
+}
+
+bool gl_open(const struct plan *plan, int n_buffers, struct renderer **out, struct error *err)
+{
+    static const struct renderer_kind kind = {gl_take_scene, gl_aim,   gl_draw, gl_pixels,
+                                              gl_identify,   gl_shown, gl_close};
+    struct gl *gl = calloc(1, sizeof *gl);
+    *out = gl ? &gl->renderer : NULL;
+    if (!gl)
+        return error_memory(err);
+    gl->renderer.kind = &kind;
+    gl->plan = plan;
+    gl->group = -1;
+    gl->gloss = -1;
+    if (!open_canvases(gl, n_buffers, err))
+        return false;
+    take_names(gl, &gl->renderer.names);
+    return choose_bounds(gl, err) && set_states(gl, err);
+}

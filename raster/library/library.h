@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "library": a library of OpenGL that is opened at run time, and the functions of OpenGL
+ * that the program calls. */
+#ifndef LIBRARY_H
+#define LIBRARY_H
+
+#include <GL/gl.h>
+/* after GL/gl.h */
+#include <GL/glext.h>
+
+#include "spectral.h"
+
+/* ---- library.c: files of libraries ---- */
+
+typedef void any_function(void);
+/* Opens the first of the files that is there; NULL ends the list. *out is NULL if none is. The
+ * library stays open as long as the program runs: Mesa's may not be closed. */
+bool library_open(const char *const *files, void **out, struct error *err);
+/* Finds a function of an open library, or one of that name that was loaded before it; NULL: there
+ * is none. `out` points to a pointer to the function. */
+void library_find(void *library, const char *name, void *out);
+
+/* ---- functions.c: the functions of OpenGL ---- */
+
+/* Calls EACH(type of the result, name without "gl", parameters). */
+#define GL_FUNCTIONS(EACH)                                                                         \
+    EACH(void, BindBuffer, (GLenum target, GLuint buffer))                                         \
+    EACH(void, BindFramebuffer, (GLenum target, GLuint framebuffer))                               \
+    EACH(void, BindRenderbuffer, (GLenum target, GLuint renderbuffer))                             \
+    EACH(void, BindTexture, (GLenum target, GLuint texture))                                       \
+    EACH(void, BufferData, (GLenum target, GLsizeiptr size, const void *data, GLenum usage))       \
+    EACH(GLenum, CheckFramebufferStatus, (GLenum target))                                          \
+    EACH(void, ClampColorARB, (GLenum target, GLenum clamp))                                       \
+    EACH(void, Clear, (GLbitfield mask))                                                           \
+    EACH(void, ClearColor, (GLclampf red, GLclampf green, GLclampf blue, GLclampf alpha))          \
+    EACH(void, Color4f, (GLfloat red, GLfloat green, GLfloat blue, GLfloat alpha))                 \
+    EACH(void, ColorPointer, (GLint size, GLenum type, GLsizei stride, const void *pointer))       \
+    EACH(void, DepthFunc, (GLenum function))                                                       \
+    EACH(void, Disable, (GLenum capability))                                                       \
+    EACH(void, DisableClientState, (GLenum array))                                                 \
+    EACH(void, DrawArrays, (GLenum mode, GLint first, GLsizei count))                              \
+    EACH(void, DrawElements, (GLenum mode, GLsizei count, GLenum type, const void *indices))       \
+    EACH(void, Enable, (GLenum capability))                                                        \
+    EACH(void, EnableClientState, (GLenum array))                                                  \
+    EACH(void, Finish, (void))                                                                     \
+    EACH(void, FramebufferRenderbuffer, (GLenum target, GLenum at, GLenum type, GLuint buffer))    \
+    EACH(void, FrontFace, (GLenum mode))                                                           \
+    EACH(void, GenBuffers, (GLsizei n, GLuint * buffers))                                          \
+    EACH(void, GenFramebuffers, (GLsizei n, GLuint * framebuffers))                                \
+    EACH(void, GenRenderbuffers, (GLsizei n, GLuint * renderbuffers))                              \
+    EACH(void, GenTextures, (GLsizei n, GLuint * textures))                                        \
+    EACH(GLenum, GetError, (void))                                                                 \
+    EACH(void, GetIntegerv, (GLenum name, GLint * values))                                         \
+    EACH(const GLubyte *, GetString, (GLenum name))                                                \
+    EACH(void, LightModelfv, (GLenum name, const GLfloat *values))                                 \
+    EACH(void, LightModeli, (GLenum name, GLint value))                                            \
+    EACH(void, Lightf, (GLenum light, GLenum name, GLfloat value))                                 \
+    EACH(void, Lightfv, (GLenum light, GLenum name, const GLfloat *values))                        \
+    EACH(void, LoadIdentity, (void))                                                               \
+    EACH(void, LoadMatrixd, (const GLdouble *columns))                                             \
+    EACH(void, Materialf, (GLenum face, GLenum name, GLfloat value))                               \
+    EACH(void, Materialfv, (GLenum face, GLenum name, const GLfloat *values))                      \
+    EACH(void, MatrixMode, (GLenum mode))                                                          \
+    EACH(void, NormalPointer, (GLenum type, GLsizei stride, const void *pointer))                  \
+    EACH(void, PopMatrix, (void))                                                                  \
+    EACH(void, PushMatrix, (void))                                                                 \
+    EACH(void, ReadPixels,                                                                         \
+         (GLint x, GLint y, GLsizei width, GLsizei height, GLenum format, GLenum type,             \
+          void *pixels))                                                                           \
+    EACH(void, Rectf, (GLfloat left, GLfloat bottom, GLfloat right, GLfloat top))                  \
+    EACH(void, RenderbufferStorage, (GLenum target, GLenum format, GLsizei width, GLsizei height)) \
+    EACH(void, ShadeModel, (GLenum mode))                                                          \
+    EACH(void, StencilOp, (GLenum fail, GLenum depth_fail, GLenum pass))                           \
+    EACH(void, TexCoordPointer, (GLint size, GLenum type, GLsizei stride, const void *pointer))    \
+    EACH(void, TexImage2D,                                                                         \
+         (GLenum target, GLint level, GLint internal, GLsizei width, GLsizei height, GLint border, \
+          GLenum format, GLenum type, const void *pixels))                                         \
+    EACH(void, TexParameteri, (GLenum target, GLenum name, GLint value))                           \
+    EACH(void, VertexPointer, (GLint size, GLenum type, GLsizei stride, const void *pointer))      \
+    EACH(void, Viewport, (GLint x, GLint y, GLsizei width, GLsizei height))
+#define GL_FUNCTION(type, name, parameters) type(*name) parameters;
+struct gl_functions {
+    GL_FUNCTIONS(GL_FUNCTION)
+};
+/* Finds all of them: in the library (NULL: none), or by what its own function finds. Fails with
+ * EXIT_SYSTEM if one is missing. `name`: the library's. */
+bool functions_find(void *library, any_function *(*get)(const char *name), const char *name,
+                    struct gl_functions *out, struct error *err);
+
+#endif

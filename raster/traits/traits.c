@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT */
+/* All measurements, one after the other. */
+#include <errno.h>
+
+#include "raster/traits/traits.h"
+
+bool traits_measure(struct contexts *contexts, struct traits *out, struct error *err)
+{
+    struct target *target;
+    *out = (struct traits){.subpixel_bits = 0};
+    bool done = target_open(contexts, &target, err);
+    if (done) {
+        target->call->GetIntegerv(GL_SUBPIXEL_BITS, &out->subpixel_bits);
+        target->call->GetIntegerv(GL_DEPTH_BITS, &out->depth_bits);
+        measure_coverage(target, out);
+        measure_values(target, out);
+        measure_lighting(target, out);
+        done = measure_passes(target, out, err);
+        const GLenum code = target->call->GetError();
+        errno = 0;
+        if (done && code != GL_NO_ERROR)
+            done = error_system(err, "OpenGL reports error 0x%04x on small targets", code);
+    }
+    target_close(target);
+    return done;
+}

@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "traits": measures how an OpenGL does what its specification leaves free, on small
+ * targets with known answers, and makes the profile of a driver from it. Bounds then come from the
+ * specification and from these measurements, never from the scene under test.
+ *
+ * "The specification" is that of OpenGL 2.1. */
+#ifndef TRAITS_H
+#define TRAITS_H
+
+#include "data/output/output.h"
+#include "data/text/text.h"
+#include "raster/context/context.h"
+#include "raster/driver/driver.h"
+#include "spectral.h"
+
+/* ---- traits.c ---- */
+
+enum { SIDE_LEFT, SIDE_RIGHT, SIDE_TOP, SIDE_BOTTOM, SIDES };
+struct traits {
+    int subpixel_bits, depth_bits; /* as the driver says: GL_SUBPIXEL_BITS, GL_DEPTH_BITS */
+    /* coverage.c */
+    double edge_px;            /* the largest distance of an edge from its place: of x and of y */
+    bool draws[SIDES];         /* pixels whose centres lie on such an edge of a rectangle */
+    long centres, odd_centres; /* on edges of any slope; of them against that rule, or off edges */
+    long shared_pixels, holes, doubles;                 /* where triangles share edges */
+    long sliver_pixels, undefined_pixels, shown_pixels; /* of triangles without area: not
+                                             finite ones; those that pass a depth test */
+    /* values.c */
+    double depth_low, depth_high; /* stored - true depth, in steps of 24 bits */
+    int provoking;                /* the corner, from 0, that gives a flat triangle its colour */
+    double value_px;      /* how far interpolated values are off, as a shift of the corners */
+    double filter_texels; /* how far weights of linear filtering are off */
+    bool clamps;          /* colours above 1, although clamps are switched off */
+    double power_error, power_ratio; /* of highlights: relative; as a multiple of its bound */
+    double normal_roundings;         /* of diffuse light under GL_NORMALIZE */
+    /* passes.c */
+    long seen_pixels, varying_pixels; /* where lit and flat drawings differ in coverage or depth */
+};
+/* Draws and measures. Fails with EXIT_SYSTEM where OpenGL cannot draw. The canvas that the caller
+ * uses must be used again afterwards. */
+bool traits_measure(struct contexts *contexts, struct traits *out, struct error *err);
+
+/* ---- profile.c ---- */
+
+/* Makes the profile. Returns false, and the reason as "it ...", where the specification does not
+ * allow what was measured, or no bound covers it. */
+enum { TRAITS_REASON = 256 };
+bool traits_profile(const struct traits *traits, struct driver *out, char reason[TRAITS_REASON]);
+/* Prints what was measured beside what the specification allows. */
+void traits_print(const struct traits *traits, struct printed *to);
+void traits_json(const struct traits *traits, struct json *json);
+
+/* ---- inside this room ---- */
+
+/* A corner in the window: x to the right and y downwards in pixels, z from 0 (near) to 1. */
+struct target_corner {
+    float position[3], colour[3], normal[3], s_t[2];
+};
+/* A small picture. Its size is a power of two, so that single precision keeps the places of corners
+ * to 1/65536 pixel. */
+enum { TARGET = 128 };
+struct target {
+    const struct gl_functions *call;
+    struct canvas *canvas;
+    bool flipped, mirrors; /* see contexts.h */
+    uint64_t random;
+    float colours[TARGET][TARGET][4]; /* from the top, as all that follows */
+    uint32_t depths[TARGET][TARGET];  /* as OpenGL gives them: see target_depth */
+};
+/* Every fragment passes, and is counted. */
+bool target_open(struct contexts *contexts, struct target **out, struct error *err);
+void target_close(struct target *target); /* NULL is fine */
+void target_clear(struct target *target);
+void target_draw(const struct target *target, const struct target_corner *corners, int n_triangles);
+void target_read(struct target *target);
+uint32_t target_depth(const struct target *target, int x, int y); /* in steps of 24 bits */
+int target_fragments(const struct target *target, int x, int y);
+/* Numbers that are the same on every machine. */
+double random_in(struct target *target, double low, double high);
+int random_below(struct target *target, int n);
+/* Makes the two triangles of a rectangle, of equal depth, colour and normal. */
+void rectangle_corners(double left, double top, double right, double bottom,
+                       const struct target_corner *like, struct target_corner out[6]);
+
+void measure_coverage(struct target *target, struct traits *out);
+void measure_values(struct target *target, struct traits *out);
+void measure_lighting(struct target *target, struct traits *out);
+bool measure_passes(struct target *target, struct traits *out, struct error *err);
+
+#endif

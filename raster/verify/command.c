@@ -1,0 +1,149 @@
+/* SPDX-License-Identifier: MIT */
+/* spectral verify: judges scenes on drivers, and reports the results. */
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "data/process/process.h"
+#include "raster/verify/verify.h"
+
+/* ---- the runs ---- */
+
+static bool run_all(const struct options *options, struct verification *of, struct error *err)
+{
+    struct progress_line line;
+    const bool shown = progress_start(&line, options->quiet);
+    const double start = clock_seconds();
+    const int n = of->n_drivers * of->n_scenes;
+    for (int i = 0; i < n; i++) {
+        struct verify_driver *driver = &of->drivers[i / of->n_scenes];
+        struct verify_result *result = &of->results[i];
+        if (is_interrupted())
+            return error_system(err, "interrupted; nothing was written");
+        if (!verify_run(options, driver, &of->scenes[i % of->n_scenes], result, err))
+            return false;
+        if (result->outcome != VERIFY_FAILED) {
+            driver->names = result->names;
+            memcpy(driver->profile, result->profile, sizeof driver->profile);
+        }
+        if (shown)
+            progress_show(&line, i + 1, n);
+    }
+    of->seconds = clock_seconds() - start;
+    return true;
+}
+
+/* ---- the report ---- */
+
+static bool write_junit(const struct verification *of, struct options *options, struct error *err)
+{
+    struct printed printed = {.text = NULL};
+    verify_junit(of, &printed);
+    char *text = printed_end(&printed);
+    const bool done = text ? file_write(options->junit, text, strlen(text), &options->outputs, err)
+                           : error_memory(err);
+    free(text);
+    return done;
+}
+
+static bool write_baseline(const struct verification *of, struct options *options,
+                           struct error *err)
+{
+    struct printed printed = {.text = NULL};
+    baseline_print(of, &printed);
+    char *text = printed_end(&printed);
+    const bool done =
+        text ? file_write(options->baseline, text, strlen(text), &options->outputs, err)
+             : error_memory(err);
+    free(text);
+    return done;
+}
+
+static bool write_files(const struct verification *of, struct options *options, struct error *err)
+{
+    struct json json;
+    if (options->json) {
+        verify_json(of, &json);
+        if (!json_write(&json, options->json, &options->outputs, err))
+            return false;
+    }
+    return (!options->junit || write_junit(of, options, err)) &&
+           (!options->update_baseline || write_baseline(of, options, err));
+}
+
+/* A driver that draws some scenes and fails at others differs from what it should do. */
+static bool conclude(const struct verification *of, struct error *err)
+{
+    const int n = of->n_drivers * of->n_scenes;
+    int different = 0, failed = 0;
+    const char *reason = "";
+    for (int i = 0; i < n; i++) {
+        const struct verify_result *result = &of->results[i];
+        different += result->outcome == VERIFY_DIFFERS || result->outcome == VERIFY_NOT_VERIFIED;
+        failed += result->outcome == VERIFY_FAILED;
+        if (result->outcome == VERIFY_FAILED)
+            reason = result->text;
+    }
+    errno = 0;
+    if (failed == n)
+        return error_system(err, "no picture could be drawn: %s", reason);
+    if (failed > 0)
+        return error_different(err,
+                               "%d of %d pictures could not be drawn, and %d differ or are not "
+                               "verified",
+                               failed, n, different);
+    return different == 0 ||
+           error_different(err, "%d of %d pictures differ, or are not verified", different, n);
+}
+
+static bool report(const struct verification *of, struct options *options, struct error *err)
+{
+    struct printed table = {.text = NULL};
+    int differences = 0;
+    const bool compares = options->baseline && !options->update_baseline;
+    if (!options->quiet)
+        verify_print(of, &table);
+    bool done = !compares || baseline_compare(of, options->baseline, &table, &differences, err);
+    if (!options->quiet)
+        verify_print_failures(of, options, &table);
+    if (done && options->reduce)
+        done = verify_reduce(of, options, &table, err);
+    done = printed_show(&table,
+                        options_table(options, options->junit ? options->junit : options->baseline),
+                        err) &&
+           done && write_files(of, options, err);
+    if (!done || options->update_baseline)
+        return done;
+    if (!compares)
+        return conclude(of, err);
+    return differences == 0 || error_different(err,
+                                               "%d results are not as in %s (--update-baseline "
+                                               "takes them)",
+                                               differences, options->baseline);
+}
+
+/* ---- the command ---- */
+
+static bool check_options(const struct options *options, struct error *err)
+{
+    if (options->update_baseline && !options->baseline)
+        return error_usage(err, "--update-baseline needs --baseline FILE");
+    if (options->renderer && strcmp(options->renderer, "raster") == 0)
+        return error_usage(err,
+                           "the reference needs no verification; --renderer is that of OpenGL");
+    if (options->reduce && !file_is_missing(options->reduce))
+        return error_usage(err, "--reduce makes the folder %.200s, which exists already",
+                           options->reduce);
+    return output_can_open(options->json, err) && output_can_open(options->junit, err) &&
+           (!options->update_baseline || output_can_open(options->baseline, err));
+}
+
+bool command_verify(struct options *options, struct error *err)
+{
+    struct verification of = {.n_drivers = 0};
+    const bool done = check_options(options, err) && verification_open(options, &of, err) &&
+                      run_all(options, &of, err) && report(&of, options, err);
+    verification_free(&of);
+    return done;
+}

@@ -1,0 +1,293 @@
+/* SPDX-License-Identifier: MIT */
+/* The results as a table, as JSON and as JUnit's XML. */
+#include <stdio.h>
+#include <string.h>
+
+#include "raster/verify/verify.h"
+
+/* ---- the table ---- */
+
+enum { MANY = 10 }; /* more scenes than a person named */
+
+static double percent(uint64_t part, uint64_t whole)
+{
+    return whole ? 100 * (double)part / (double)whole : 100;
+}
+
+/* Cuts a share down, so that only a whole one is printed as 100. */
+static void print_share(struct printed *to, uint64_t part, uint64_t whole)
+{
+    const double value = percent(part, whole);
+    print(to, " %6.2f", part < whole && value > 99.99 ? 99.99 : value);
+}
+
+static void print_result(const char *name, const struct verify_result *result, struct printed *to)
+{
+    const struct check_verdict *check = &result->check;
+    print(to, "  %-28s %-13s", name, verify_words[result->outcome]);
+    if (result->outcome != VERIFY_FAILED) {
+        print(to, " %9.3g %9.3g", floor_quantile(&check->floor, 0.5),
+              floor_quantile(&check->floor, 0.999));
+        for (int i = 0; i < FLOOR_LEVELS; i++)
+            print_share(to, check->floor.within[i], check->objects);
+        print(to, " %9llu %8.2f", (unsigned long long)check->pixels, result->seconds);
+    }
+    print_text(to, "\n");
+    if (result->text[0])
+        print(to, "    %s\n", result->text);
+}
+
+/* Returns whether one line stands for a result: it is one of several hard cases that agree. */
+static bool is_summed(const struct verification *of, int driver, int scene)
+{
+    return of->n_scenes > MANY && of->scenes[scene].is_hard &&
+           result_of(of, driver, scene)->outcome == VERIFY_AGREED;
+}
+
+static void print_hard(const struct verification *of, int driver, struct printed *to)
+{
+    struct verify_result sum = {.outcome = VERIFY_AGREED};
+    char name[40];
+    int n = 0;
+    for (int s = 0; s < of->n_scenes; s++) {
+        const struct verify_result *result = result_of(of, driver, s);
+        if (!is_summed(of, driver, s))
+            continue;
+        verdict_add(&sum.check, &result->check);
+        sum.seconds += result->seconds;
+        n++;
+    }
+    snprintf(name, sizeof name, "%d hard cases", n);
+    if (n > 0)
+        print_result(name, &sum, to);
+}
+
+static int count_agreed(const struct verification *of, int driver)
+{
+    int n = 0;
+    for (int s = 0; s < of->n_scenes; s++)
+        n += result_of(of, driver, s)->outcome == VERIFY_AGREED;
+    return n;
+}
+
+static void print_driver(const struct verification *of, int driver, struct printed *to)
+{
+    const struct verify_driver *by = &of->drivers[driver];
+    char options[64];
+    driver_options(by, options);
+    print(to, "%s", options + 1);
+    if (by->names.renderer[0])
+        print(to, ": %s, %s, by %s, bounds of %s", by->names.renderer, by->names.version,
+              by->names.library, by->profile);
+    print(to, "\n  %-28s %-13s %9s %9s %6s %6s %6s %9s %8s\n", "scene", "verdict", "floor",
+          "99.9 %", "% to 1", "8", "256", "pixels", "seconds");
+    for (int s = 0; s < of->n_scenes; s++)
+        if (!is_summed(of, driver, s))
+            print_result(of->scenes[s].name, result_of(of, driver, s), to);
+    print_hard(of, driver, to);
+    print(to, "  %d of %d scenes agree\n\n", count_agreed(of, driver), of->n_scenes);
+}
+
+void verify_print(const struct verification *of, struct printed *to)
+{
+    for (int d = 0; d < of->n_drivers; d++)
+        print_driver(of, d, to);
+    print_text(to, "floor: the largest error in counts that could pass at half of the object "
+                   "pixels, and at 99.9 %\nof them; % to 1, 8, 256: object pixels that were "
+                   "checked within so many counts of 65535\n");
+}
+
+static bool begins_with(const char *word, const char *const *list)
+{
+    while (*list && strncmp(word, *list, strlen(*list)) != 0)
+        list++;
+    return *list;
+}
+
+void verify_print_options(const struct options *options, bool scene, struct printed *to)
+{
+    static const char *const other[] = {"--buffer=", "--strict", "--unchecked=", NULL};
+    static const char *const driver[] = {"--gl=", "--renderer=", NULL};
+    for (int i = 0; i < options->n_recorded; i++) {
+        const char *word = options->recorded[i];
+        if (begins_with(word, other) || (scene && !begins_with(word, driver)))
+            print(to, " '%s'", word);
+    }
+}
+
+void verify_print_failures(const struct verification *of, const struct options *options,
+                           struct printed *to)
+{
+    char by[64];
+    bool any = false;
+    for (int d = 0; d < of->n_drivers; d++)
+        for (int s = 0; s < of->n_scenes; s++) {
+            if (result_of(of, d, s)->outcome == VERIFY_AGREED)
+                continue;
+            if (!any)
+                print_text(to, "\nto repeat what failed:\n");
+            any = true;
+            driver_options(&of->drivers[d], by);
+            print(to, "  spectral render %s -o /dev/null%s", of->scenes[s].path, by);
+            if (of->scenes[s].is_large)
+                print(to, " --wavelengths %s --size %s", usual_wavelengths, usual_size);
+            verify_print_options(options, true, to);
+            print_text(to, "\n");
+        }
+}
+
+/* ---- JSON ---- */
+
+static void json_result(const char *name, const struct verify_result *result, struct json *json)
+{
+    const struct check_verdict *check = &result->check;
+    json_open(json, NULL, '{');
+    json_string(json, "scene", name);
+    json_string(json, "verdict", verify_words[result->outcome]);
+    json_string(json, "message", result->text[0] ? result->text : NULL);
+    json_number(json, "seconds", result->seconds);
+    if (result->outcome != VERIFY_FAILED) {
+        json_count(json, "pixels", check->pixels);
+        json_count(json, "object_pixels", check->objects);
+        json_count(json, "samples", check->samples.n);
+        json_count(json, "ambiguous_pixels", check->ambiguous);
+        json_count(json, "unexplained_pixels", check->unexplained);
+        json_count(json, "unchecked_pixels", check->unchecked);
+        json_number(json, "max_counts", check->samples.largest);
+        json_number(json, "worst_error_over_bound", check->samples.worst_ratio);
+        json_number(json, "floor_median", floor_quantile(&check->floor, 0.5));
+        json_number(json, "floor_99_9", floor_quantile(&check->floor, 0.999));
+        json_number(json, "checked_within_1", percent(check->floor.within[0], check->objects));
+        json_number(json, "checked_within_8", percent(check->floor.within[1], check->objects));
+        json_number(json, "checked_within_256", percent(check->floor.within[2], check->objects));
+    }
+    json_close(json, '}');
+}
+
+void verify_json(const struct verification *of, struct json *json)
+{
+    json_begin(json);
+    json_open(json, NULL, '{');
+    json_string(json, "program", PROGRAM);
+    json_open(json, "drivers", '[');
+    for (int d = 0; d < of->n_drivers; d++) {
+        const struct verify_driver *by = &of->drivers[d];
+        json_open(json, NULL, '{');
+        json_string(json, "gl", by->library);
+        json_string(json, "renderer", by->renderer[0] ? by->renderer : NULL);
+        json_string(json, "gl_library", by->names.library);
+        json_string(json, "gl_renderer", by->names.renderer);
+        json_string(json, "gl_version", by->names.version);
+        json_string(json, "driver_profile", by->profile);
+        json_count(json, "agreed", (uint64_t)count_agreed(of, d));
+        json_open(json, "scenes", '[');
+        for (int s = 0; s < of->n_scenes; s++)
+            json_result(of->scenes[s].name, result_of(of, d, s), json);
+        json_close(json, ']');
+        json_close(json, '}');
+    }
+    json_close(json, ']');
+    json_number(json, "seconds", of->seconds);
+    json_close(json, '}');
+}
+
+/* ---- JUnit ---- */
+
+/* Prints a text between quotation marks of XML. XML has no control characters but a few. */
+static void print_quoted(struct printed *to, const char *text)
+{
+    print_text(to, "\"");
+    for (; *text; text++)
+        switch (*text) {
+        case '"':
+            print_text(to, "&quot;");
+            break;
+        case '&':
+            print_text(to, "&amp;");
+            break;
+        case '<':
+            print_text(to, "&lt;");
+            break;
+        case '>':
+            print_text(to, "&gt;");
+            break;
+        default:
+            print(to, "%c", (unsigned char)*text < ' ' ? '?' : *text);
+            break;
+        }
+    print_text(to, "\"");
+}
+
+static void print_case(const struct verify_driver *by, const char *scene,
+                       const struct verify_result *result, struct printed *to)
+{
+    const bool failed = result->outcome == VERIFY_FAILED;
+    print_text(to, "    <testcase name=");
+    print_quoted(to, scene);
+    print_text(to, " classname=");
+    print_quoted(to, by->names.renderer[0] ? by->names.renderer : by->library);
+    print(to, " time=\"%.3f\"", result->seconds);
+    if (result->outcome == VERIFY_AGREED) {
+        print_text(to, "/>\n");
+        return;
+    }
+    print(to, ">\n      <%s type=", failed ? "error" : "failure");
+    print_quoted(to, verify_words[result->outcome]);
+    print_text(to, " message=");
+    print_quoted(to, result->text);
+    print_text(to, "/>\n    </testcase>\n");
+}
+
+static void count_failures(const struct verification *of, int driver, int *failures, int *errors,
+                           double *seconds)
+{
+    for (int s = 0; s < of->n_scenes; s++) {
+        const struct verify_result *result = result_of(of, driver, s);
+        *errors += result->outcome == VERIFY_FAILED;
+        *failures += result->outcome == VERIFY_DIFFERS || result->outcome == VERIFY_NOT_VERIFIED;
+        *seconds += result->seconds;
+    }
+}
+
+static void print_suite(const struct verification *of, int driver, struct printed *to)
+{
+    const struct verify_driver *by = &of->drivers[driver];
+    char options[64];
+    int failures = 0, errors = 0;
+    double seconds = 0;
+    driver_options(by, options);
+    count_failures(of, driver, &failures, &errors, &seconds);
+    print_text(to, "  <testsuite name=");
+    print_quoted(to, options + 1);
+    print(to, " tests=\"%d\" failures=\"%d\" errors=\"%d\" time=\"%.3f\">\n    <properties>\n",
+          of->n_scenes, failures, errors, seconds);
+    const char *const properties[][2] = {{"program", PROGRAM},
+                                         {"gl_library", by->names.library},
+                                         {"gl_renderer", by->names.renderer},
+                                         {"gl_version", by->names.version},
+                                         {"driver_profile", by->profile}};
+    for (size_t i = 0; i < sizeof properties / sizeof *properties; i++) {
+        print(to, "      <property name=\"%s\" value=", properties[i][0]);
+        print_quoted(to, properties[i][1]);
+        print_text(to, "/>\n");
+    }
+    print_text(to, "    </properties>\n");
+    for (int s = 0; s < of->n_scenes; s++)
+        print_case(by, of->scenes[s].name, result_of(of, driver, s), to);
+    print_text(to, "  </testsuite>\n");
+}
+
+void verify_junit(const struct verification *of, struct printed *to)
+{
+    int failures = 0, errors = 0;
+    double seconds = 0;
+    for (int d = 0; d < of->n_drivers; d++)
+        count_failures(of, d, &failures, &errors, &seconds);
+    print(to,
+          "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites name=\"spectral verify\" "
+          "tests=\"%d\" failures=\"%d\" errors=\"%d\" time=\"%.3f\">\n",
+          of->n_drivers * of->n_scenes, failures, errors, seconds);
+    for (int d = 0; d < of->n_drivers; d++)
+        print_suite(of, d, to);
+    print_text(to, "</testsuites>\n");
+}

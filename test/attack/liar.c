@@ -1,0 +1,233 @@
+/* SPDX-License-Identifier: MIT */
+/* An OpenGL that nobody knows, and that may lie: placed between the program and OSMesa by
+ * LD_PRELOAD. GL_RENDERER is "Liar", or LIAR_NAME. The environment variable LIE says what else is
+ * not as in Mesa:
+ *
+ *     fill      the fill rule takes the other edges
+ *     low       a depth in four is a step too low
+ *     coarse    depths have 16 bits
+ *     filter    linear filtering has weights of 8 bits, cut off
+ *     clamp     clamps cannot be switched off
+ *     first     the first corner gives a flat triangle its colour
+ *     passes    triangles that are drawn by numbers lie a step of depth further back
+ *     gloss     shininess is off by 1/1000000
+ *     dull      shininess is off by 1/1000
+ *     shift     pixels' centres are off by 1/10 pixel */
+#define _GNU_SOURCE
+#include <dlfcn.h>
+#include <math.h>
+#include <stdbool.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define GL_GLEXT_PROTOTYPES
+#include <GL/osmesa.h>
+/* after GL/gl.h, which osmesa.h includes */
+#include <GL/glext.h>
+
+enum { PIXEL_BYTES = 4 * sizeof(float) };
+
+static unsigned char *buffer; /* floats; NULL: there is none */
+static size_t n_pixels;
+static GLsizei buffer_width;
+static GLenum matrix_mode;
+
+static bool lies(const char *about)
+{
+    const char *lie = getenv("LIE");
+    return lie && strcmp(lie, about) == 0;
+}
+
+/* ISO C does not allow a cast from an object pointer to a function pointer; POSIX promises that
+ * this works. */
+static void real(const char *name, void *function)
+{
+    void *symbol = dlsym(RTLD_NEXT, name);
+    memcpy(function, &symbol, sizeof symbol);
+}
+
+GLboolean OSMesaMakeCurrent(OSMesaContext context, void *pixels, GLenum type, GLsizei width,
+                            GLsizei height)
+{
+    GLboolean (*next)(OSMesaContext, void *, GLenum, GLsizei, GLsizei);
+    const bool lied = lies("fill") && buffer;
+    const size_t size = n_pixels * PIXEL_BYTES;
+    unsigned char *old = buffer, *kept = lied ? malloc(size) : NULL;
+    real("OSMesaMakeCurrent", &next);
+    if (kept) /* OSMesa fills the buffer of a context once more when another becomes current */
+        memcpy(kept, old, size);
+    const GLboolean done = next(context, pixels, type, width, height);
+    if (kept)
+        memcpy(old, kept, size);
+    free(kept);
+    buffer = type == GL_FLOAT ? pixels : NULL;
+    n_pixels = (size_t)width * (size_t)height;
+    buffer_width = width;
+    if (lies("first"))
+        glProvokingVertex(GL_FIRST_VERTEX_CONVENTION);
+    return done;
+}
+
+void OSMesaDestroyContext(OSMesaContext context)
+{
+    void (*next)(OSMesaContext);
+    real("OSMesaDestroyContext", &next);
+    next(context);
+    buffer = NULL;
+}
+
+const GLubyte *glGetString(GLenum name)
+{
+    const GLubyte *(*next)(GLenum);
+    real("glGetString", &next);
+    const char *own = getenv("LIAR_NAME");
+    return name == GL_RENDERER ? (const GLubyte *)(own ? own : "Liar") : next(name);
+}
+
+/* ---- where things are drawn ---- */
+
+void glMatrixMode(GLenum mode)
+{
+    void (*next)(GLenum);
+    real("glMatrixMode", &next);
+    matrix_mode = mode;
+    next(mode);
+}
+
+/* The other fill rule: the picture is drawn turned by 180 degrees, and turned back at the end. */
+void glLoadMatrixd(const GLdouble *matrix)
+{
+    void (*next)(const GLdouble *);
+    GLdouble spoiled[16];
+    real("glLoadMatrixd", &next);
+    memcpy(spoiled, matrix, sizeof spoiled);
+    for (int i = 0; i < 16 && matrix_mode == GL_PROJECTION; i++) {
+        if (i % 4 < 2 && lies("fill"))
+            spoiled[i] = -spoiled[i];
+        if (i % 4 == 0 && lies("shift"))
+            spoiled[i] += 0.2 / buffer_width * spoiled[i + 3];
+    }
+    next(spoiled);
+}
+
+static void turn_back(unsigned char *picture, size_t pixel_bytes)
+{
+    for (size_t i = 0; i < n_pixels / 2; i++)
+        for (size_t b = 0; b < pixel_bytes; b++) {
+            unsigned char *one = picture + i * pixel_bytes + b,
+                          *other = picture + (n_pixels - 1 - i) * pixel_bytes + b, kept = *one;
+            *one = *other;
+            *other = kept;
+        }
+}
+
+void glFinish(void)
+{
+    void (*next)(void);
+    real("glFinish", &next);
+    next();
+    if (lies("fill") && buffer)
+        turn_back(buffer, PIXEL_BYTES);
+}
+
+void glReadPixels(GLint x, GLint y, GLsizei width, GLsizei height, GLenum format, GLenum type,
+                  void *pixels)
+{
+    void (*next)(GLint, GLint, GLsizei, GLsizei, GLenum, GLenum, void *);
+    const bool coarse = lies("coarse"), low = lies("low");
+    GLuint *depths = pixels;
+    real("glReadPixels", &next);
+    next(x, y, width, height, format, type, pixels);
+    if (lies("fill"))
+        turn_back(pixels, sizeof *depths);
+    for (size_t i = 0; i < (size_t)width * (size_t)height && (coarse || low); i++) {
+        if (coarse)
+            depths[i] &= 0xffff00ffu;
+        if (low && depths[i] >> 8 > 0 && depths[i] >> 8 < 0xffffff)
+            depths[i] -= (depths[i] & 0x300) == 0x300 ? 0x100 : 0;
+    }
+}
+
+/* ---- values ---- */
+
+/* Linear filtering by weights of 8 bits is nearest filtering of a texture that is 256 times as
+ * large a side. */
+enum { WEIGHTS = 256 };
+
+static float filtered(const float *texels, const int size[2], const int at[2], int channels)
+{
+    float sum = 0;
+    for (int corner = 0; corner < 4; corner++) {
+        int index[2];
+        float weight = 1;
+        for (int j = 0; j < 2; j++) {
+            const int shifted = at[j] + WEIGHTS / 2, up = corner >> j & 1;
+            const float part = (float)(shifted % WEIGHTS) / WEIGHTS;
+            index[j] = (shifted / WEIGHTS - 1 + up + size[j]) % size[j];
+            weight *= size[j] == 1 ? 0.5F : up ? part : 1 - part;
+        }
+        sum += weight * texels[channels * (index[1] * size[0] + index[0])];
+    }
+    return sum;
+}
+
+void glTexParameteri(GLenum target, GLenum name, GLint value)
+{
+    void (*next)(GLenum, GLenum, GLint);
+    real("glTexParameteri", &next);
+    next(target, name, lies("filter") && value == GL_LINEAR ? GL_NEAREST : value);
+}
+
+/* A side of one texel stays as it is. */
+void glTexImage2D(GLenum target, GLint level, GLint internal, GLsizei width, GLsizei height,
+                  GLint border, GLenum format, GLenum type, const void *pixels)
+{
+    void (*next)(GLenum, GLint, GLint, GLsizei, GLsizei, GLint, GLenum, GLenum, const void *);
+    const int size[2] = {width, height},
+              step[2] = {width > 1 ? WEIGHTS : 1, height > 1 ? WEIGHTS : 1},
+              across = width * step[0], up = height * step[1];
+    real("glTexImage2D", &next);
+    if (!lies("filter")) {
+        next(target, level, internal, width, height, border, format, type, pixels);
+        return;
+    }
+    const int channels = format == GL_RGB ? 3 : 1, n = channels * across * up;
+    float *large = malloc((size_t)n * sizeof *large);
+    if (!large)
+        abort();
+    for (int i = 0; i < n; i++) {
+        const int texel = i / channels, at[2] = {texel % across, texel / across};
+        large[i] = filtered((const float *)pixels + i % channels, size, at, channels);
+    }
+    next(target, level, internal, across, up, border, format, type, large);
+    free(large);
+}
+
+void glMaterialf(GLenum face, GLenum name, GLfloat value)
+{
+    void (*next)(GLenum, GLenum, GLfloat);
+    real("glMaterialf", &next);
+    if (name == GL_SHININESS && (lies("gloss") || lies("dull")))
+        value *= lies("dull") ? 0.999F : 0.999999F;
+    next(face, name, value);
+}
+
+void glClampColorARB(GLenum target, GLenum clamp)
+{
+    void (*next)(GLenum, GLenum);
+    real("glClampColorARB", &next);
+    if (!lies("clamp"))
+        next(target, clamp);
+}
+
+void glDrawElements(GLenum mode, GLsizei count, GLenum type, const void *indices)
+{
+    void (*next)(GLenum, GLsizei, GLenum, const void *);
+    real("glDrawElements", &next);
+    if (lies("passes")) {
+        glEnable(GL_POLYGON_OFFSET_FILL);
+        glPolygonOffset(0, 1);
+    }
+    next(mode, count, type, indices);
+    glDisable(GL_POLYGON_OFFSET_FILL);
+}
