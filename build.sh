@@ -56,7 +56,7 @@ prepare() {
 
 # Sets $sources for $GL; spectral.c, which has main, is the first.
 find_sources() {
-    sources="spectral.c $(find data raster -name '*.c' | sort)"
+    sources="spectral.c $(find data raster -name '*.c' ! -path 'data/samples/*' | sort)"
     case $GL in
     osmesa) sources=$(printf '%s\n' $sources | grep -v '/no_[a-z]*[.]c$') ;;
     none) sources=$(printf '%s\n' $sources | grep -v -e '^raster/context/' -e '^raster/library/' -e '^raster/traits/' -e '^raster/gl/[^n]' -e '^raster/drivers/[^n]' -e '^raster/verify/[^n]') ;;

@@ -19,6 +19,7 @@
 #include "raster/cost/cost.h"
 #include "raster/driver/driver.h"
 #include "raster/drivers/drivers.h"
+#include "raster/exchange/exchange.h"
 #include "raster/gl/gl.h"
 #include "raster/inspect/inspect.h"
 #include "raster/plan/plan.h"
@@ -68,6 +69,11 @@ static const struct command commands[] = {
      "judge OpenGL's drivers by the built-in scenes and by hard cases (hard: these alone)",
      "verify --gl egl --junit verify.xml --baseline verify.txt", command_verify, FOR_VERIFY,
      MAX_OPERANDS},
+    {"export", "[SCENE] -o FOLDER",
+     "write what another program needs to draw a scene, as plain files", "export room -o room",
+     command_export, FOR_EXPORT, 1},
+    {"judge", "SCENE PIXELS", "judge what it drew: a folder, or a TIFF", "judge room drawn",
+     command_judge, FOR_JUDGE, 2},
     {"list", "[KIND]", "print the names of all that is built in, or of one kind", "list materials",
      command_list, 0, 1},
     {"show", "NAME [-o FILE]", "print a built-in file, to start a file of your own with",
@@ -85,12 +91,13 @@ enum { N_COMMANDS = sizeof commands / sizeof commands[0] };
 
 static const char *const renderers[] = {"gl", "llvmpipe", "softpipe", "raster", NULL};
 static const char *const buffers[] = {"8", "16", "float", NULL};
+static const char *const drivers[] = {"llvmpipe", "softpipe", "unknown", NULL};
 static const char *const depths[] = {"8", "16", "32f", NULL};
 static const char *const picture_bits[] = {"8", "16", NULL};
 
 /* In the order of --help. test/run/manual.sh makes the list of the manual page from it. */
 static const struct option known_options[] = {
-    {.heading = "render, plan, view, cost, verify, and probe of a scene:"},
+    {.heading = "render, plan, view, cost, verify, export, judge, and probe of a scene:"},
     {"--wavelengths START:END:STEP", "wavelengths in nm, or a list of them: 450,500.5,620",
      FOR_SCENES | RECORDED, CHANGE(scene_set_wavelengths)},
     {"--size WxH", "width and height in pixels", FOR_SCENES | RECORDED, CHANGE(scene_set_size)},
@@ -100,7 +107,7 @@ static const struct option known_options[] = {
      CHANGE(scene_set_ambient)},
     {"--samples K", "stores the mean of K x K positions of each pixel: 1 (default), 2, 4, 8 or 16",
      FOR_SCENES | RECORDED, CHANGE(scene_set_samples)},
-    {.heading = "all of these but cost:"},
+    {.heading = "all of these but cost and verify:"},
     {"--shading smooth|flat|phong", "replaces the scene's; phong needs --renderer raster",
      FOR_SHADED | RECORDED, CHANGE(scene_set_shading)},
     {"--tessellation FACTOR", "multiplies the slices, stacks, ... of built-in shapes",
@@ -110,12 +117,12 @@ static const struct option known_options[] = {
      FOR_SHADED | RECORDED, TEXT(accuracy), .accepts = accuracy_accepts},
     {"--max-triangles N", "--accuracy makes at most N (default: 4000000)", FOR_SHADED | RECORDED,
      COUNT(max_triangles), .lowest = 1, .highest = 1 << 30},
-    {.heading = "render and plan:"},
+    {.heading = "render, plan, export and judge:"},
     {"--sampling METHOD",
      "box:N, riemann:STEP, gauss:N[,open|xyz|lms|acc], adaptive:TOLERANCE, basis:K, rgb or xyz",
-     FOR_RENDER | FOR_PLAN | RECORDED, TEXT(sampling)},
+     FOR_RENDER | FOR_PLAN | FOR_EXCHANGE | RECORDED, TEXT(sampling)},
     {"--detector, --observer NAME", "samples for it, a built-in one or a file (default: cie1931)",
-     FOR_RENDER | FOR_PLAN | RECORDED, TEXT(detector)},
+     FOR_RENDER | FOR_PLAN | FOR_EXCHANGE | RECORDED, TEXT(detector)},
     {.heading = "render:"},
     {"-o, --output STACK.tif",
      "writes there; - is standard output; /dev/null: checks only, writes nothing", FOR_RENDER,
@@ -135,18 +142,18 @@ static const struct option known_options[] = {
      FOR_RENDER | FOR_VERIFY | RECORDED, TEXT(buffer), .choices = buffers},
     {"--no-check", "does not cross-check", FOR_RENDER | RECORDED, FLAG(no_check)},
     {"--strict", "like --unchecked 0; also no fragment may be lost or doubled where triangles meet",
-     FOR_RENDER | FOR_VERIFY | RECORDED, FLAG(strict)},
+     FOR_RENDER | FOR_VERIFY | FOR_JUDGE | RECORDED, FLAG(strict)},
     {"--unchecked SHARE",
      "the part of object pixels that may stay unchecked, from 0 to 1 (default: 0.01)",
-     FOR_RENDER | FOR_VERIFY | RECORDED, TEXT(unchecked)},
+     FOR_RENDER | FOR_VERIFY | FOR_JUDGE | RECORDED, TEXT(unchecked)},
     {"--check-map FILE",
      "writes what the check can see at each pixel, and its verdict there, as float pages (.tif) or "
      "as a picture (.png)",
-     FOR_RENDER, TEXT(check_map)},
+     FOR_RENDER | FOR_JUDGE, TEXT(check_map)},
     {"--keep", "stores the stack even if the check fails", FOR_RENDER, FLAG(keep)},
     {"--envi", "also writes STACK.tif.hdr, as the command envi does", FOR_RENDER, FLAG(envi)},
-    {"--full-scale R", "radiance of count 65535 (default: the largest)", FOR_RENDER | RECORDED,
-     NUMBER(full_scale), .lowest = 1e-300, .highest = 1e300},
+    {"--full-scale R", "radiance of count 65535 (default: the largest)",
+     FOR_RENDER | FOR_EXCHANGE | RECORDED, NUMBER(full_scale), .lowest = 1e-300, .highest = 1e300},
     {"--depth 8|16|32f", "bits of counts, or 32-bit float radiances (default: 16)",
      FOR_RENDER | RECORDED, TEXT(depth), .choices = depths},
     {"-j, --threads N", "threads to compute with (default: one per processor)",
@@ -155,10 +162,11 @@ static const struct option known_options[] = {
      FOR_ALL, COUNT(memory_mib), .lowest = 1, .highest = 1 << 24},
     {"--json FILE", "writes the results as JSON; - is standard output",
      FOR_SCENES | FOR_STACKS | FOR_INFO | FOR_DRIVERS, TEXT(json)},
-    {"-v, --verbose", "prints the plan, too: each effect, and why it is simulated", FOR_RENDER,
-     FLAG(verbose)},
+    {"-v, --verbose", "prints the plan, too: each effect, and why it is simulated",
+     FOR_RENDER | FOR_JUDGE, FLAG(verbose)},
     {"-q, --quiet", "prints no table and no progress",
-     FOR_RENDER | FOR_DEVELOP | FOR_COMPARE | FOR_VIEW | FOR_COST | FOR_VERIFY, FLAG(quiet)},
+     FOR_RENDER | FOR_JUDGE | FOR_DEVELOP | FOR_COMPARE | FOR_VIEW | FOR_COST | FOR_VERIFY,
+     FLAG(quiet)},
     {.heading = "develop, probe and compare:"},
     {"--detector, --observer NAME", "sees with it (default: cie1931); a camera only in develop",
      FOR_STACKS, TEXT(detector)},
@@ -226,6 +234,11 @@ static const struct option known_options[] = {
     {"--reduce FOLDER", "makes the first scene that fails small, and writes it there as a case",
      FOR_VERIFY, TEXT(reduce)},
     {"--update-baseline", "writes that file", FOR_VERIFY, FLAG(update_baseline)},
+    {.heading = "export and judge:"},
+    {"-o, --output FOLDER", "writes the files into this new folder", FOR_EXPORT, TEXT(output)},
+    {"--driver llvmpipe|softpipe|unknown",
+     "judges by the bounds of this driver (default: that of the renderer that drawn.txt names)",
+     FOR_JUDGE, TEXT(driver), .choices = drivers},
     {.heading = "drivers:"},
     {"--measure", "measures what each one does where OpenGL leaves it free", FOR_DRIVERS,
      FLAG(measure)},

@@ -1,10 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 /* The room "options": reads the options of a command line by the rules of a table.
- *
- * This room reads texts, numbers and flags, and does not depend on their meaning. Still it refuses
- * a wrong value at once, so that the user sees the first mistake of the command line. For that the
- * table has the bounds of a number, the words of a choice, and functions of the rooms that know the
- * meaning of a text. */
+ * This room does not depend on the meaning of a value. Still it refuses a wrong one at once, so
+ * that the user sees the first mistake: the table has bounds, choices, and functions of other
+ * rooms. */
 #ifndef DATA_OPTIONS_OPTIONS_H
 #define DATA_OPTIONS_OPTIONS_H
 
@@ -21,21 +19,24 @@ struct options;
  * picture: a stack records it, and --again reads it from there. */
 enum {
     FOR_RENDER = 1,
-    FOR_PLAN = 2,
-    FOR_PROBE = 4,
-    FOR_COST = 8,
-    FOR_VIEW = 16,
-    FOR_DEVELOP = 32,
-    FOR_COMPARE = 64,
-    FOR_SHOW = 128,
-    FOR_INFO = 256,
-    FOR_ALL = 512,
-    RECORDED = 1024,
-    FOR_ENVI = 2048,
-    FOR_DRIVERS = 4096,
-    FOR_VERIFY = 8192,
+    FOR_PLAN = 1 << 1,
+    FOR_PROBE = 1 << 2,
+    FOR_COST = 1 << 3,
+    FOR_VIEW = 1 << 4,
+    FOR_DEVELOP = 1 << 5,
+    FOR_COMPARE = 1 << 6,
+    FOR_SHOW = 1 << 7,
+    FOR_INFO = 1 << 8,
+    FOR_ENVI = 1 << 9,
+    FOR_DRIVERS = 1 << 10,
+    FOR_VERIFY = 1 << 11,
+    FOR_EXPORT = 1 << 12,
+    FOR_JUDGE = 1 << 13,
+    FOR_ALL = 1 << 14,
+    RECORDED = 1 << 15,
     /* cost chooses the shading by itself */
-    FOR_SHADED = FOR_RENDER | FOR_PLAN | FOR_PROBE | FOR_VIEW,
+    FOR_EXCHANGE = FOR_EXPORT | FOR_JUDGE,
+    FOR_SHADED = FOR_RENDER | FOR_PLAN | FOR_PROBE | FOR_VIEW | FOR_EXCHANGE,
     FOR_SCENES = FOR_SHADED | FOR_COST | FOR_VERIFY,
     FOR_STACKS = FOR_PROBE | FOR_DEVELOP | FOR_COMPARE
 };
@@ -83,20 +84,20 @@ struct options {
     const char *program;              /* the name that the user started the program by */
     const char *operand;              /* the first one: SCENE, STACK or KIND; NULL: none */
     const char *operands[MAX_OPERANDS];
-    int n_operands;
     struct option_change changes[MAX_RECORDED]; /* in the order given */
-    int n_changes;
-    char *recorded[MAX_RECORDED]; /* "NAME=VALUE" of each RECORDED option; owned */
-    int n_recorded;
+    char *recorded[MAX_RECORDED];               /* "NAME=VALUE" of each RECORDED option; owned */
+    int n_operands, n_changes, n_recorded;
     char *named_output; /* of options_name_output; owned */
-    const char *output, *json, *again, *map, *check_map, *csv_file, *svg_file, *junit, *baseline, *reduce;
-    const char *renderer, *buffer, *depth, *bits, *gl; /* one of their choices */
+    const char *output, *json, *again, *map, *check_map, *csv_file, *svg_file, *junit, *baseline,
+        *reduce;
+    const char *renderer, *buffer, *depth, *bits, *gl, *driver; /* one of their choices */
     const char *sampling, *detector, *white, *adaptation, *display, *exposure;
     const char *tolerance, *budget, *unchecked, *accuracy;
     double full_scale;
     int threads, runs, memory_mib, max_triangles;
     struct outputs outputs; /* complete; they appear when the command has ended well */
-    bool xyz, lab, csv, svg, no_check, strict, trust, keep, envi, quiet, verbose, help, quick, measure, update_baseline;
+    bool xyz, lab, csv, svg, no_check, strict, trust, keep, envi, quiet, verbose, help, quick,
+        measure, update_baseline;
 };
 
 /* The options and operands that a command allows. */

@@ -4,6 +4,7 @@
 #define _GNU_SOURCE /* flock */
 #include <dirent.h>
 #include <fcntl.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/file.h>
@@ -91,6 +92,53 @@ bool folder_open(struct folder *out, struct error *err)
         error_system(err, "cannot make a temporary folder in %s", parent);
         folder_close(out);
         return false;
+    }
+    return true;
+}
+
+/* Writes the folder that a path lies in. */
+static void find_parent(const char *path, char out[sizeof((struct folder *)0)->path])
+{
+    const size_t end = strlen(path), last = end > 0 && path[end - 1] == '/' ? end - 1 : end;
+    size_t n = last;
+    while (n > 0 && path[n - 1] != '/')
+        n--;
+    snprintf(out, sizeof((struct folder *)0)->path, "%.*s", n > 0 ? (int)n : 1, n > 0 ? path : ".");
+}
+
+bool folder_open_beside(const char *path, struct folder *out, struct error *err)
+{
+    char parent[sizeof out->path];
+    const struct place place = {path, 0, 0};
+    *out = (struct folder){.lock = -1};
+    if (!file_is_missing(path))
+        return error_at(err, place, "this folder exists already; expected a new name");
+    find_parent(path, parent);
+    sweep(parent);
+    errno = 0;
+    if (make(parent, out))
+        return true;
+    error_cause(err, place, errno, "cannot make the folder");
+    folder_close(out);
+    return false;
+}
+
+/* The new name is on the disk when its own folder is. */
+bool folder_keep(struct folder *folder, const char *path, struct error *err)
+{
+    const struct place place = {path, 0, 0};
+    char parent[sizeof folder->path];
+    const mode_t mask = umask(0);
+    umask(mask);
+    if (fchmod(folder->lock, 0777 & ~mask) != 0 || fsync(folder->lock) != 0 ||
+        rename(folder->path, path) != 0)
+        return error_cause(err, place, errno, "cannot make the folder");
+    folder->path[0] = '\0';
+    find_parent(path, parent);
+    const int above = open(parent, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    if (above >= 0) {
+        fsync(above);
+        close(above);
     }
     return true;
 }

@@ -84,7 +84,11 @@ struct folder {
 };
 /* Makes a folder in TMPDIR, or /tmp. Removes those of processes that were killed. */
 bool folder_open(struct folder *out, struct error *err);
-void folder_close(struct folder *folder); /* with all files in it */
+/* Makes a folder beside the path, which must not exist, for files that the user keeps. */
+bool folder_open_beside(const char *path, struct folder *out, struct error *err);
+/* Gives the folder the name of that path, with all files in it. */
+bool folder_keep(struct folder *folder, const char *path, struct error *err);
+void folder_close(struct folder *folder); /* with all files in it, unless they are kept */
 
 /* ---- Inside this room ---- */
 

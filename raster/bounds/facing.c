@@ -160,7 +160,8 @@ bool find_hidden(const struct lit_scene *lit, int surface, struct error *err)
     struct surface_bounds *bounds = &lit->bounds[surface];
     const int n = placed->instance.n_triangles;
     double error;
-    if (!lit->plan->meshes[placed->mesh].solid || placed->object->two_sided ||
+    if (lit->plan->options.complete || !lit->plan->meshes[placed->mesh].solid ||
+        placed->object->two_sided ||
         !is_between_planes(lit->driver, &lit->surfaces[surface], bounds, &error))
         return true;
     bounds->hidden = calloc((size_t)n, sizeof *bounds->hidden);

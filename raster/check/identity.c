@@ -27,16 +27,17 @@ static struct check_failure depth_failure(const struct shown *shown, double dept
 }
 
 /* The depth is rounded to single precision, as those of candidates: depth_error covers that. */
-static void identify_settled(struct check *check, size_t pixel, const struct shown *shown)
+static void identify_settled(struct check *check, size_t pixel, const struct shown *shown,
+                             const struct renderer_lacks *lacks)
 {
     const struct chunk *chunk = check->chunk;
     bool background = chunk->picture.surface[pixel] < 0;
     double depth = background ? 1 : (double)(float)chunk->picture.depth[pixel],
            error = background ? 0 : (double)chunk->depth_error[pixel];
     struct check_failure failure = {.kind = FAILURE_TRIANGLE, .shown = *shown};
-    if (shown->surface == chunk->picture.surface[pixel] &&
-        (background || shown->triangle == chunk->picture.triangle[pixel])) {
-        if (fits_depth(check, shown, depth, error))
+    if (lacks->numbers || (shown->surface == chunk->picture.surface[pixel] &&
+                           (background || shown->triangle == chunk->picture.triangle[pixel]))) {
+        if (lacks->depths || fits_depth(check, shown, depth, error))
             return;
         failure = depth_failure(shown, depth, error);
     }
@@ -44,19 +45,23 @@ static void identify_settled(struct check *check, size_t pixel, const struct sho
 }
 
 /* Only the hypothesis that OpenGL shows stays alive. */
-static void identify_ambiguous(struct check *check, size_t index, const struct shown *shown)
+static void identify_ambiguous(struct check *check, size_t index, const struct shown *shown,
+                               const struct renderer_lacks *lacks)
 {
     const struct chunk *chunk = check->chunk;
     const struct ambiguous_pixel *ambiguous = &chunk->ambiguous[index];
     struct hypothesis *background = &check->hypotheses[chunk->n_candidates + index];
-    background->alive = background->alive && shown->surface < 0 && fits_depth(check, shown, 1, 0);
+    background->alive = background->alive && (lacks->numbers || shown->surface < 0) &&
+                        (lacks->depths || fits_depth(check, shown, 1, 0));
     struct check_failure failure = {.kind = FAILURE_TRIANGLE, .shown = *shown};
     bool any = background->alive;
     for (int c = ambiguous->first; c < ambiguous->first + ambiguous->count; c++) {
         const struct candidate *candidate = &chunk->candidates[c];
         double depth = (double)candidate->depth, error = (double)candidate->depth_error;
-        bool named = candidate->surface == shown->surface && candidate->triangle == shown->triangle;
-        check->hypotheses[c].alive = named && fits_depth(check, shown, depth, error);
+        bool named = lacks->numbers || (candidate->surface == shown->surface &&
+                                        candidate->triangle == shown->triangle);
+        check->hypotheses[c].alive =
+            named && (lacks->depths || fits_depth(check, shown, depth, error));
         any = any || check->hypotheses[c].alive;
         if (named)
             failure = depth_failure(shown, depth, error);
@@ -96,9 +101,10 @@ void check_identity(struct check *check, const struct renderer *renderer,
             y = chunk->picture.at.y - tile->y + (int)i / chunk->picture.at.width;
         struct shown shown = renderer->kind->shown(renderer, x, y);
         if (chunk->is_ambiguous[i])
-            identify_ambiguous(check, ambiguous++, &shown);
+            identify_ambiguous(check, ambiguous++, &shown, &renderer->lacks);
         else
-            identify_settled(check, i, &shown);
-        count_fragments(check, i, &shown);
+            identify_settled(check, i, &shown, &renderer->lacks);
+        if (!renderer->lacks.depths)
+            count_fragments(check, i, &shown);
     }
 }

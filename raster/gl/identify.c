@@ -13,8 +13,7 @@
 /* Triangles given to OpenGL at once: few enough to stay in the second-level cache. */
 enum { BATCH = 4096 };
 
-/* The number is three that single precision holds exactly: the low 16 bits of the triangle, its
- * high bits, and the instance + 1. */
+/* The number is that of shown_of. */
 struct numbered_vertex {
     GLfloat position[3], number[3];
 };
@@ -101,14 +100,6 @@ bool gl_identify(struct renderer *renderer, struct error *err)
     return !gl->numbers || gl_draw_into(gl, NULL, false, err);
 }
 
-/* Returns the number that a channel holds; -1: it holds no whole number below 2^24. */
-static int32_t whole(float value)
-{
-    return value >= 0 && (double)value < 1 / SINGLE_ROUNDOFF && value == (float)(int32_t)value
-               ? (int32_t)value
-               : -1;
-}
-
 struct shown gl_shown(const struct renderer *renderer, int x, int y)
 {
     const struct gl *gl = (const struct gl *)renderer;
@@ -116,13 +107,5 @@ struct shown gl_shown(const struct renderer *renderer, int x, int y)
            row = (size_t)(gl->flipped ? y : gl->plan->tile_height - 1 - y);
     const float *number = gl->shown + 4 * ((size_t)y * width + (size_t)x);
     uint32_t depth = gl->depths[row * width + (size_t)x];
-    struct shown shown = {-1, -1, depth >> 8, (uint8_t)(depth & 0xff)};
-    int32_t low = whole(number[0]), high = whole(number[1]), placed = whole(number[2]);
-    if (low < 0 || low > 0xffff || high < 0 || high > INT16_MAX || placed < 0) {
-        shown.surface = gl->plan->n_instances; /* a number that no instance has */
-    } else if (placed > 0) {
-        shown.surface = placed - 1;
-        shown.triangle = high * 65536 + low;
-    }
-    return shown;
+    return shown_of(gl->plan, number, depth);
 }

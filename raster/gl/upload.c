@@ -160,28 +160,18 @@ void gl_bind_texture(struct gl *gl, const struct texture *texture)
     gl->texture = drawn;
 }
 
-/* Uploads three planes as texels of three channels. Those of bands that do not exist are black. */
 static bool upload_texture_bands(struct gl *gl, int index, int first_band, struct error *err)
 {
     struct texture *texture = &gl->plan->textures[index];
-    const int width = texture->image.width, height = texture->image.height,
-              left = gl->plan->n_bands - first_band;
-    const size_t n = (size_t)width * (size_t)height;
-    float *planes = calloc(2 * n, BANDS_PER_PASS * sizeof *planes), *texels = planes;
-    if (!planes)
-        return error_memory(err);
-    float *const rooms[BANDS_PER_PASS] = {planes, planes + n, planes + 2 * n};
-    const bool done = texture_fill(texture, gl->plan->scene->wavelengths_nm + first_band,
-                                   left < BANDS_PER_PASS ? left : BANDS_PER_PASS, rooms, err);
-    texels += BANDS_PER_PASS * n;
-    for (size_t i = 0; i < n && done; i++)
-        for (size_t c = 0; c < BANDS_PER_PASS; c++)
-            texels[BANDS_PER_PASS * i + c] = rooms[c][i];
+    const int width = texture->image.width, height = texture->image.height;
+    float *texels = calloc((size_t)width * (size_t)height, BANDS_PER_PASS * sizeof *texels);
+    const bool done =
+        texels ? pass_texels(gl->plan, texture, first_band, texels, err) : error_memory(err);
     gl_bind_texture(gl, texture);
     if (done)
         gl->call->TexImage2D(GL_TEXTURE_2D, 0, GL_RGB32F_ARB, width, height, 0, GL_RGB, GL_FLOAT,
                              texels);
-    free(planes);
+    free(texels);
     return done;
 }
 

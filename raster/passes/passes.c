@@ -74,16 +74,18 @@ static bool is_same(const struct shown *of, int a, int b)
 
 static void find_frames(const struct shown *of, struct passes *out)
 {
+    const bool complete = of->plan->options.complete;
     for (int i = 0; i < of->plan->n_lights; i++)
         if (!of->plan->is_idle[i])
             of->reaches[of->plan->lights[i].first] = true;
     for (int pass = 0; pass < of->plan->n_passes; pass++) {
         out->frame[pass] = DARK;
-        if (is_dark(of, pass)) {
+        if (!complete && is_dark(of, pass)) {
             out->n_dark++;
             continue;
         }
-        if (out->n_frames == 0 || !is_same(of, out->first_pass[out->n_frames - 1], pass))
+        if (complete || out->n_frames == 0 ||
+            !is_same(of, out->first_pass[out->n_frames - 1], pass))
             out->first_pass[out->n_frames++] = pass;
         out->frame[pass] = out->n_frames - 1;
     }

@@ -11,7 +11,8 @@
 
 /* A pass holds BANDS_PER_PASS consecutive bands. A frame is the pixels that OpenGL draws for a
  * pass, or for several that follow each other and have the same products of spectra. A pass whose
- * products are 0 has no frame: its pixels are 0. */
+ * products are 0 has no frame: its pixels are 0. Where another program draws (plan_options), each
+ * pass has a frame of its own. */
 enum { DARK = -1 };
 struct passes {
     int n_frames, n_dark; /* n_dark: passes without a frame */
@@ -35,6 +36,13 @@ struct pass_colours {
 /* group: lights group * LIGHTS_PER_PASS and on; group 0 has the constant term. */
 void pass_colours(const struct plan *plan, const struct shaded_material *shaded, int group,
                   int first_band, double full_scale, struct pass_colours *out);
+
+/* ---- texels.c ---- */
+
+/* Reads the texels of a spectral texture for the bands of a pass: red, green and blue of each, rows
+ * from the bottom. Those of bands that do not exist are 0. out has room for all. */
+bool pass_texels(const struct plan *plan, struct texture *texture, int first_band, float *out,
+                 struct error *err);
 
 /* ---- tile.c ---- */
 

@@ -99,12 +99,14 @@ static void size_tiles(struct plan *plan)
     int width = plan->view.width, height = plan->view.height;
     while (columns > most && columns > 1)
         columns /= 2;
+    if (plan->options.complete) /* another program draws it in one piece */
+        columns = LARGEST_TILE;
     plan->tile_width = width < (int)columns ? width : (int)columns;
     size_t rows = pixels / (size_t)plan->tile_width;
     rows -= rows % CHUNK_ROWS;
     if (rows < CHUNK_ROWS)
         rows = CHUNK_ROWS;
-    if (rows > LARGEST_TILE)
+    if (rows > LARGEST_TILE || plan->options.complete)
         rows = LARGEST_TILE;
     plan->tile_height = (int)rows < height ? (int)rows : height;
     plan->tiled = plan->tile_width < width || plan->tile_height < height;

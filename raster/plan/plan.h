@@ -56,11 +56,11 @@ struct plan_options {
     bool check, use_gl; /* whether the reference and OpenGL are needed */
     int buffer_bits;    /* of a channel of OpenGL's colour buffer: 8, 16, or 32 of floats; 0: 32 */
     const char *gl_driver, *gl_library; /* "llvmpipe" or "softpipe", NULL: any; --gl */
-    bool strict;           /* edges that leak are differences */
-    bool store_raster;     /* the stored pixels are the reference's */
-    double unchecked;      /* the largest share of object pixels that may stay unchecked */
-    int bits;              /* of a page's sample: 8 or 16 of counts, 32 of floats; 0: 16 */
+    bool strict, store_raster; /* edges that leak are differences; pixels are the reference's */
+    double unchecked;          /* the largest share of object pixels that may stay unchecked */
+    int bits;                  /* of a page's sample: 8 or 16 of counts, 32 of floats; 0: 16 */
     bool exchangeable; /* lights may be exchanged afterwards: all lights and terms are kept apart */
+    bool complete;     /* another program draws: every pass, and the backs that solids hide, too */
     int threads, n_recorded; /* threads: 0: one a processor; the plan holds the number */
     char *const *recorded;   /* n_recorded words for the stack's record; not owned */
 };

@@ -72,8 +72,8 @@ static bool check_shading(const struct options *options, const struct scene *sce
     if (scene->shading != SHADING_PHONG)
         return true;
     if (!plan->store_raster)
-        return error_usage(err, "OpenGL lights vertices only and cannot draw phong shading; add "
-                                "--renderer raster");
+        return error_usage(err, "OpenGL lights vertices only and cannot draw phong shading; add %s",
+                           plan->complete ? "--shading smooth" : "--renderer raster");
     if (asks_check(options))
         return error_usage(err, "%s checks OpenGL, which has no phong shading",
                            asks_check(options));
@@ -188,9 +188,10 @@ static bool report(const struct options *options, const struct plan *plan,
         return false;
     if (agreed)
         return true;
-    const char *then = !wanted        ? "no stack was wanted"
-                       : output->keep ? "the stack was kept"
-                                      : "no stack was written (--keep stores it anyway)";
+    const char *then = output->foreign ? NULL
+                       : !wanted       ? "no stack was wanted"
+                       : output->keep  ? "the stack was kept"
+                                       : "no stack was written (--keep stores it anyway)";
     return plan->options.check && check_outcome(plan, &result->check) != OUTCOME_AGREED
                ? report_disagreement(plan, &result->check, then, err)
                : report_not_again(plan, result, output->again, made, then, err);
@@ -209,7 +210,8 @@ static int bits_of(const char *choice)
     return strcmp(choice, "8") == 0 ? 8 : strcmp(choice, "16") == 0 ? 16 : 32;
 }
 
-static bool plan_options_of(const struct options *options, struct plan_options *out,
+/* foreign: another program draws. */
+static bool plan_options_of(const struct options *options, bool foreign, struct plan_options *out,
                             struct error *err)
 {
     const char *renderer = options->renderer;
@@ -225,7 +227,8 @@ static bool plan_options_of(const struct options *options, struct plan_options *
                                 .n_recorded = options->n_recorded};
     if (renderer && !plan.store_raster && strcmp(renderer, "gl") != 0)
         plan.gl_driver = renderer;
-    plan.check = gl_is_built() && !options->no_check;
+    plan.complete = foreign;
+    plan.check = (gl_is_built() || foreign) && !options->no_check;
     plan.use_gl = plan.check || !plan.store_raster;
     *out = plan;
     return !options->unchecked ||
@@ -239,11 +242,14 @@ static bool render_planned(const struct options *options, const struct plan *pla
 {
     struct progress_line line;
     struct render_result result;
+    const struct render_foreign *foreign = output->foreign;
+    if (foreign && foreign->take_plan)
+        return foreign->take_plan(foreign->of, plan, err);
     const bool shown = progress_start(&line, options->quiet);
     bool done = render(plan, output, shown ? &line : NULL, &result, err);
     if (done && output->take)
         return output->take(output->taker, plan, &result, err);
-    if (done)
+    if (done && !foreign)
         forecast_learn(plan, result.seconds.total);
     result.seconds.read += before->read;
     result.seconds.plan = before->plan;
@@ -263,8 +269,9 @@ bool render_with_options(const struct options *options, const struct render_outp
     struct part_seconds seconds = {.read = 0};
     double start = clock_seconds();
     bool done =
-        check_asked(options, output, err) && plan_options_of(options, &plan_options, err) &&
-        check_gl(options, output->again, err) &&
+        check_asked(options, output, err) &&
+        plan_options_of(options, output->foreign, &plan_options, err) &&
+        (output->foreign || check_gl(options, output->again, err)) &&
         scene_read_sampled(options, &scene, &sampling, err) &&
         check_shading(options, &scene, &plan_options, err) &&
         check_same_scene(&scene, output->again, made, err) &&

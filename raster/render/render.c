@@ -126,12 +126,15 @@ static bool open_check(struct state *state, const char *path, struct error *err)
     return !path || stages->map;
 }
 
-static bool open_gl(struct state *state, struct error *err)
+static bool open_renderer(struct state *state, const struct render_foreign *foreign,
+                          struct error *err)
 {
     struct stages *stages = &state->stages;
     const int n_buffers = stages->plan->options.check ? GL_BUFFERS : AHEAD_FRAMES;
     const bool done =
-        !stages->plan->options.use_gl || gl_open(stages->plan, n_buffers, &stages->renderer, err);
+        foreign ? foreign->open(foreign->of, stages->plan, n_buffers, &stages->renderer, err)
+                : !stages->plan->options.use_gl ||
+                      gl_open(stages->plan, n_buffers, &stages->renderer, err);
     if (done && stages->renderer)
         state->result->names = stages->renderer->names;
     clock_in(&state->since, &stages->seconds.gl);
@@ -144,7 +147,7 @@ static bool prepare(struct state *state, const struct render_output *output, str
     struct render_result *result = state->result;
     struct stages *stages = &state->stages;
     const struct plan *plan = stages->plan;
-    if (!passes_make(plan, &state->passes, err) || !open_gl(state, err))
+    if (!passes_make(plan, &state->passes, err) || !open_renderer(state, output->foreign, err))
         return false;
     result->driver = stages->renderer ? stages->renderer->driver : *driver_of(NULL);
     if (!lit_make(plan, &result->driver, &state->lit, &stages->light, err) ||
@@ -208,6 +211,7 @@ static void take_results(struct state *state)
     if (stages->check_scene) {
         totals_finish(&state->totals);
         result->check = state->totals.verdict;
+        result->check.lacks = stages->renderer->lacks;
     }
 }
 

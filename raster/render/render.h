@@ -35,6 +35,15 @@ struct render_result {
     const struct notes *notes;          /* those of struct render_output */
     struct part_seconds seconds;
 };
+/* Another program draws the pixels. */
+struct render_foreign {
+    /* opens them as a renderer, as gl_open does */
+    bool (*open)(void *of, const struct plan *plan, int n_buffers, struct renderer **out,
+                 struct error *err);
+    /* gets the plan, and nothing is judged; NULL: the pixels are judged */
+    bool (*take_plan)(void *of, const struct plan *plan, struct error *err);
+    void *of;
+};
 struct render_output {
     const char *path;      /* of the stack; NULL: no stack is written */
     const char *check_map; /* the map of the check; NULL: none is wanted */
@@ -48,6 +57,7 @@ struct render_output {
     bool (*take)(void *taker, const struct plan *plan, const struct render_result *result,
                  struct error *err);
     void *taker;
+    const struct render_foreign *foreign; /* NULL: OpenGL draws here */
 };
 /* Renders into a stack. Returns true even if the picture fails its check or differs from `again`:
  * ask render_agreed. progress: shown after each pass; NULL: none. After a failure, an interruption

@@ -81,8 +81,18 @@ static void print_samples(const struct check_verdict *verdict, struct printed *t
     print_text(to, ")\n");
 }
 
+/* Names the parts of pixels that the renderer does not have. */
+static void print_lacks(const struct renderer_lacks *lacks, struct printed *to)
+{
+    if (lacks->numbers || lacks->depths)
+        print(to, "not checked       %s%s%s: there are none\n", lacks->numbers ? "triangles" : "",
+              lacks->numbers && lacks->depths ? ", " : "",
+              lacks->depths ? "depths and fragments" : "");
+}
+
 static void print_check(const struct check_verdict *verdict, struct printed *to)
 {
+    print_lacks(&verdict->lacks, to);
     print_samples(verdict, to);
     print_floor("floor            ", &verdict->floor, to);
     print_floor("  in one band    ", &verdict->band_floor, to);
@@ -288,6 +298,8 @@ static void json_check(struct json *json, const struct plan *plan,
     json_count(json, "unbounded_pixels", verdict->unbounded);
     json_count(json, "edge_holes", verdict->edge_holes);
     json_count(json, "edge_doubles", verdict->edge_doubles);
+    json_truth(json, "triangles_checked", !verdict->lacks.numbers);
+    json_truth(json, "depths_checked", !verdict->lacks.depths);
     json_number(json, "worst_error_over_bound", existing(samples->worst_ratio));
     json_number(json, "worst_band_error_over_bound", existing(samples->worst_fit_ratio));
     json_number(json, "worst_depth_error_over_bound", existing(verdict->worst_depth_ratio));

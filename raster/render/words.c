@@ -67,8 +67,8 @@ static void reason_text(const struct plan *plan, const struct check_verdict *ver
     switch (check_outcome(plan, verdict)) {
     case OUTCOME_AGREED:
         snprintf(out, capacity,
-                 "every pixel is explained, and %.3g %% of the object pixels could not be "
-                 "checked",
+                 "every %s explained, and %.3g %% of the object pixels could not be checked",
+                 verdict->lacks.numbers || verdict->lacks.depths ? "colour is" : "pixel is",
                  unchecked_percent(verdict));
         break;
     case OUTCOME_DIFFERS:

@@ -24,6 +24,12 @@ struct renderer_work {
     long passes, draw_calls;
 };
 
+/* Parts of struct shown that a renderer does not have. They are not judged. */
+struct renderer_lacks {
+    bool numbers; /* surfaces and triangles */
+    bool depths;  /* depths and fragments */
+};
+
 /* An open renderer of a plan. A room embeds it as the first member of a struct of its own. One
  * thread draws, the one that opened it. A buffer keeps its pixels until something is drawn there
  * again; other threads may read them meanwhile. */
@@ -32,6 +38,7 @@ struct renderer {
     struct renderer_names names;
     struct driver driver;      /* by which it is judged */
     struct renderer_work work; /* of all that was drawn so far */
+    struct renderer_lacks lacks;
 };
 struct renderer_kind {
     /* Takes the lit scene of the plan, before the first `aim`. It must outlive the renderer. */
@@ -54,5 +61,10 @@ struct renderer_kind {
     /* Frees the renderer, also after a failure of the function that opens it. */
     void (*close)(struct renderer *of);
 };
+
+/* renderer.c. Takes a pixel from the colours of its triangle's number, and from its depth in 24
+ * bits above 8 of fragments. The number is three that single precision holds exactly: the low 16
+ * bits of the triangle, its high bits, and the instance + 1. */
+struct shown shown_of(const struct plan *plan, const float number[3], uint32_t depth);
 
 #endif

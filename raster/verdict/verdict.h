@@ -66,6 +66,7 @@ struct check_verdict {
     /* of an error common to all bands; of that inside smooth surfaces; of an error of one band */
     struct check_floor floor, smooth_floor, band_floor;
     struct check_failure first;
+    struct renderer_lacks lacks; /* not judged */
 };
 
 /* Samples together with the values and bounds that are expected. */

@@ -180,13 +180,16 @@ def test_shell(name, shell):
     shell.end()
 
 
+MORE_WORDS = {"probe": ("1", "1"), "judge": ("1",), "export": ("-o", "1")}  # that a command needs behind the scene
+
+
 def test_choices():
     """The words of a usage, which the shells offer, are those that the program accepts."""
     for command in program_words():
         text = subprocess.run([PROGRAM, command, "--help"], stdout=subprocess.PIPE, check=True).stdout.decode()
         for option, words in re.findall(r"^  .*?(--[a-z]+) ([a-z0-9-]+(?:\|[^\sA-Z]+)+)", text, re.M):
             scene = "patches" if command != "develop" else "a.tif"
-            refused = subprocess.run([PROGRAM, command, scene, option, "@", *("1", "1") * (command == "probe")],
+            refused = subprocess.run([PROGRAM, command, scene, option, "@", *MORE_WORDS.get(command, ())],
                                      stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, check=False).stderr.decode()
             choices = [word.split("[")[0] for word in words.split("|")]
             expected = re.sub(r" or |:[A-Z]+", ", ", refused[re.search("is one of|known are|expected", refused).end():])

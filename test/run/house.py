@@ -33,7 +33,7 @@ ROOMS = """
     data/record data/stack data/chart data/develop data/compare data/probe data/catalogue
     raster/reference raster/plan raster/accuracy raster/refine raster/passes raster/forecast raster/driver raster/bounds raster/setup
     raster/fragments raster/candidates raster/radiance raster/notes raster/fit raster/renderer raster/library raster/context raster/traits raster/gl raster/drivers raster/verdict
-    raster/check raster/stages raster/render raster/verify raster/inspect raster/cost raster/view
+    raster/check raster/stages raster/render raster/exchange raster/verify raster/inspect raster/cost raster/view
     """.split()
 CORE = "raster/reference"
 CORE_MAY_INCLUDE = {CORE, "data/maths"}
@@ -221,7 +221,7 @@ def read_source(text):
 
 
 class Tree:
-    """The sources under a root folder, and the tests that use them."""
+    """The sources under a root folder, and the tests that use them. The sample program is no part of them."""
 
     def __init__(self, root):
         self.sources, self.tests = {}, {}
@@ -229,7 +229,7 @@ class Tree:
             self.add(root, name, self.sources)
         for top, into in (("data", self.sources), ("raster", self.sources), ("test", self.tests)):
             for folder, folders, names in os.walk(os.path.join(root, top)):
-                folders.sort()
+                folders[:] = sorted(set(folders) - ({"samples"} if folder.endswith("/data") else set()))
                 for name in sorted(names):
                     if name.endswith((".c", ".h")):
                         self.add(root, os.path.relpath(os.path.join(folder, name), root), into)

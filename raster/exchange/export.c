@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT */
+/* Writes the files of a scene into a new folder. */
+#include <errno.h>
+#include <string.h>
+
+#include "data/output/output.h"
+#include "raster/bounds/bounds.h"
+#include "raster/exchange/exchange.h"
+#include "raster/radiance/radiance.h"
+
+static bool write_file(void *of, const char *name, const void *bytes, size_t length,
+                       struct error *err)
+{
+    const struct folder *folder = of;
+    char path[sizeof folder->path + FILE_NAME + 1];
+    snprintf(path, sizeof path, "%s/%s", folder->path, name);
+    return file_write(path, bytes, length, NULL, err);
+}
+
+static bool write_files(const struct plan *plan, struct folder *folder, struct error *err)
+{
+    const struct file_taker taker = {write_file, folder};
+    struct lit_scene lit = {.plan = NULL};
+    struct light_work work = {.vertices_lit = 0};
+    char id[DIGEST_TEXT];
+    double full_scale;
+    bool clips;
+    const bool done = lit_make(plan, driver_of(NULL), &lit, &work, err) &&
+                      find_full_scale(&lit, &full_scale, &clips, err) &&
+                      scene_describe(plan, full_scale, &taker, id, err);
+    lit_free(&lit);
+    return done;
+}
+
+bool export_plan(const struct plan *plan, const char *path, struct error *err)
+{
+    struct folder folder;
+    if (!folder_open_beside(path, &folder, err))
+        return false;
+    const bool done = write_files(plan, &folder, err) && folder_keep(&folder, path, err);
+    folder_close(&folder);
+    return done;
+}

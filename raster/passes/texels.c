@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: MIT */
+/* The texels of a pass: the planes of three bands, side by side. */
+#include <stdlib.h>
+
+#include "data/scene/scene.h"
+#include "raster/passes/passes.h"
+
+bool pass_texels(const struct plan *plan, struct texture *texture, int first_band, float *out,
+                 struct error *err)
+{
+    const size_t n = (size_t)texture->image.width * (size_t)texture->image.height;
+    const int left = plan->n_bands - first_band;
+    float *planes = calloc(n, BANDS_PER_PASS * sizeof *planes);
+    if (!planes)
+        return error_memory(err);
+    float *const rooms[BANDS_PER_PASS] = {planes, planes + n, planes + 2 * n};
+    const bool done = texture_fill(texture, plan->scene->wavelengths_nm + first_band,
+                                   left < BANDS_PER_PASS ? left : BANDS_PER_PASS, rooms, err);
+    for (size_t i = 0; i < n && done; i++)
+        for (size_t c = 0; c < BANDS_PER_PASS; c++)
+            out[BANDS_PER_PASS * i + c] = rooms[c][i];
+    free(planes);
+    return done;
+}
