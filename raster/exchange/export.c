@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "data/output/output.h"
+#include "data/process/process.h"
 #include "raster/bounds/bounds.h"
 #include "raster/exchange/exchange.h"
 #include "raster/radiance/radiance.h"
@@ -12,6 +13,9 @@ static bool write_file(void *of, const char *name, const void *bytes, size_t len
                        struct error *err)
 {
     const struct folder *folder = of;
+    errno = 0;
+    if (is_interrupted())
+        return error_system(err, "interrupted; nothing was written");
     char path[sizeof folder->path + FILE_NAME + 1];
     snprintf(path, sizeof path, "%s/%s", folder->path, name);
     return file_write(path, bytes, length, NULL, err);

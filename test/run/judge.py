@@ -9,9 +9,11 @@ import os
 import re
 import resource
 import shutil
+import signal
 import struct
 import subprocess
 import sys
+import time
 
 import numpy as np
 import tifffile
@@ -254,6 +256,15 @@ def whole_or_not():
                             universal_newlines=True, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000)))
     check(result.returncode == 3 and result.stderr.count("\n") == 1 and not os.listdir(folder),
           "a disk that is full leaves nothing", result.returncode, result.stderr, os.listdir(folder))
+    for wait in (0.05, 0.15, 0.25):
+        process = subprocess.Popen([SPECTRAL, "export", "textures", "--tessellation", "8", "-o", os.path.join(folder, "new")],
+                                   preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+        time.sleep(wait)
+        process.send_signal(signal.SIGINT)
+        check(process.wait() == -signal.SIGINT and "new" not in os.listdir(folder), f"an interruption after {wait} s makes no folder",
+              process.returncode, os.listdir(folder))
+    run("export", "patches", "-o", os.path.join(folder, "new"))
+    check(os.listdir(folder) == ["new"], "the next export removes what an interrupted one has left", os.listdir(folder))
 
 
 compile_sample()
