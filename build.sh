@@ -59,7 +59,7 @@ find_sources() {
     sources="spectral.c $(find data raster -name '*.c' ! -path 'data/samples/*' | sort)"
     case $GL in
     osmesa) sources=$(printf '%s\n' $sources | grep -v '/no_[a-z]*[.]c$') ;;
-    none) sources=$(printf '%s\n' $sources | grep -v -e '^raster/context/' -e '^raster/library/' -e '^raster/traits/' -e '^raster/gl/[^n]' -e '^raster/drivers/[^n]' -e '^raster/verify/[^n]') ;;
+    none) sources=$(printf '%s\n' $sources | grep -v -e '^raster/context/' -e '^raster/library/' -e '^raster/traits/' -e '^raster/vertices/' -e '^raster/gl/[^n]' -e '^raster/shader/[^n]' -e '^raster/drivers/[^n]' -e '^raster/verify/[^n]') ;;
     *) refuse "build.sh: GL is osmesa or none, not '$GL'" ;;
     esac
 }

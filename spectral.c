@@ -89,7 +89,6 @@ enum { N_COMMANDS = sizeof commands / sizeof commands[0] };
 #define COUNT(field) .kind = OPTION_COUNT, .offset = offsetof(struct options, field)
 #define CHANGE(function) .kind = OPTION_CHANGE, .change = (function)
 
-static const char *const renderers[] = {"gl", "llvmpipe", "softpipe", "raster", NULL};
 static const char *const buffers[] = {"8", "16", "float", NULL};
 static const char *const drivers[] = {"llvmpipe", "softpipe", "unknown", NULL};
 static const char *const depths[] = {"8", "16", "32f", NULL};
@@ -133,9 +132,10 @@ static const struct option known_options[] = {
      FOR_RENDER, TEXT(again)},
     {"--trust", "--again reads whatever files the stack names, not only those below this folder",
      FOR_RENDER, FLAG(trust)},
-    {"--renderer gl|llvmpipe|softpipe|raster",
-     "stores pixels of gl (default), of its driver llvmpipe or softpipe, or of the reference",
-     FOR_RENDER | FOR_VERIFY | RECORDED, TEXT(renderer), .choices = renderers},
+    {"--renderer gl|llvmpipe|softpipe|gl-shader[:DRIVER]|es-shader[:DRIVER]|raster",
+     "stores pixels of gl (default), of its driver llvmpipe or softpipe, of shaders by OpenGL 3.3 "
+     "core or OpenGL ES 3, or of the reference",
+     FOR_RENDER | FOR_VERIFY | RECORDED, TEXT(renderer), .accepts = driver_accepts_renderer},
     {"--gl LIBRARY", "osmesa, egl, egl:N for EGL's device N, or auto (default), whichever is here",
      FOR_RENDER | FOR_COST | FOR_VERIFY | RECORDED, TEXT(gl), .accepts = driver_accepts_library},
     {"--buffer 8|16|float", "bits of OpenGL's colours (default: float)",

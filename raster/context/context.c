@@ -26,13 +26,16 @@ static void begin_again(struct contexts *contexts)
 {
     if (contexts->kind)
         contexts->kind->end(contexts);
-    *contexts = (struct contexts){.name = NULL};
+    *contexts = (struct contexts){.way = contexts->way};
 }
 
 static bool open_library(struct contexts *contexts, const char *wanted, struct error *err)
 {
-    const bool any = strcmp(wanted, "auto") == 0, osmesa = any || strcmp(wanted, "osmesa") == 0;
+    const bool any = strcmp(wanted, "auto") == 0, shaders = contexts->way != GL_WITHOUT_SHADERS,
+               osmesa = (any && !shaders) || strcmp(wanted, "osmesa") == 0;
     bool found = false;
+    if (osmesa && shaders)
+        return error_unsupported(err, "OSMesa draws without shaders here; add --gl egl");
     if (osmesa && !osmesa_open(contexts, &found, err))
         return false;
     if (found)
@@ -41,7 +44,7 @@ static bool open_library(struct contexts *contexts, const char *wanted, struct e
         return refuse_missing(true, false, err);
     begin_again(contexts);
     return egl_open(contexts, driver_device(wanted), &found, err) &&
-           (found || refuse_missing(any, true, err));
+           (found || refuse_missing(any && !shaders, true, err));
 }
 
 #ifdef OSMESA_VERSION /* built in; Mesa crashes when asked for another driver */
@@ -68,6 +71,7 @@ bool contexts_open(const struct context_wish *wish, struct contexts **out, struc
     *out = calloc(1, sizeof **out);
     if (!*out)
         return error_memory(err);
+    (*out)->way = wish->way;
     snprintf(threads, sizeof threads, "%d", wish->threads);
     setenv("LP_NUM_THREADS", threads, 0); /* for llvmpipe; a user's own configuration stands */
     if (driver)
@@ -102,22 +106,48 @@ bool contexts_mirrored(const struct contexts *contexts)
     return contexts->mirrored;
 }
 
+bool has_extension(const char *list, const char *name)
+{
+    const size_t length = strlen(name);
+    const char *at = list;
+    while (at && (at = strstr(at, name)) != NULL) {
+        if ((at == list || at[-1] == ' ') && (at[length] == ' ' || at[length] == '\0'))
+            return true;
+        at += length;
+    }
+    return false;
+}
+
+/* The core profile lists extensions one by one. */
+bool contexts_have(const struct contexts *contexts, const char *extension)
+{
+    const struct gl_functions *call = &contexts->call;
+    GLint n = 0;
+    if (contexts->way == GL_WITHOUT_SHADERS)
+        return has_extension((const char *)call->GetString(GL_EXTENSIONS), extension);
+    call->GetIntegerv(GL_NUM_EXTENSIONS, &n);
+    for (GLint i = 0; i < n; i++)
+        if (strcmp((const char *)call->GetStringi(GL_EXTENSIONS, (GLuint)i), extension) == 0)
+            return true;
+    return false;
+}
+
 /* ---- canvases ---- */
 
 GLenum canvas_type(const struct canvas *canvas)
 {
-    return canvas->bits == 32   ? GL_FLOAT
-           : canvas->bits == 16 ? GL_UNSIGNED_SHORT
-                                : GL_UNSIGNED_BYTE;
+    return canvas->size.bits == 32   ? GL_FLOAT
+           : canvas->size.bits == 16 ? GL_UNSIGNED_SHORT
+                                     : GL_UNSIGNED_BYTE;
 }
 
-bool canvas_open(struct contexts *contexts, int bits, int width, int height, struct canvas **out,
+bool canvas_open(struct contexts *contexts, const struct canvas_size *size, struct canvas **out,
                  struct error *err)
 {
     *out = calloc(1, sizeof **out);
     if (!*out)
         return error_memory(err);
-    **out = (struct canvas){.contexts = contexts, .bits = bits, .width = width, .height = height};
+    **out = (struct canvas){.contexts = contexts, .size = *size};
     return contexts->kind->open(*out, err);
 }
 
@@ -135,6 +165,14 @@ bool canvas_use(struct canvas *canvas, void *pixels, struct error *err)
         return false;
     canvas->contexts->current = canvas;
     return true;
+}
+
+void canvas_read(const struct canvas *canvas, int colour, void *pixels)
+{
+    const struct gl_functions *call = &canvas->contexts->call;
+    call->ReadBuffer(GL_COLOR_ATTACHMENT0 + (GLenum)colour);
+    call->ReadPixels(0, 0, canvas->size.width, canvas->size.height, GL_RGBA, canvas_type(canvas),
+                     pixels);
 }
 
 void canvas_fill(const struct canvas *canvas)

@@ -15,6 +15,7 @@
 struct context_wish {
     const char *library, *driver;
     int threads;
+    enum gl_way way; /* by shaders: EGL only */
 };
 struct contexts;
 /* Opens a library. Fails with EXIT_SYSTEM, and names the packages, where it is missing. One process
@@ -32,14 +33,22 @@ bool contexts_mirrored(const struct contexts *contexts);
 /* A context with a buffer of colours, RGBA, 24 bits of depth and 8 of stencil. It has state of its
  * own, and shares no objects. */
 struct canvas;
-/* bits: of a channel, 8, 16, or 32 of floats. The caller closes *out, also after a failure. */
-bool canvas_open(struct contexts *contexts, int bits, int width, int height, struct canvas **out,
+struct canvas_size {
+    int bits, width, height; /* bits: of a channel, 8, 16, or 32 of floats */
+    int n_colours;           /* buffers of colours, where shaders draw; otherwise 1 */
+};
+/* The caller closes *out, also after a failure. */
+bool canvas_open(struct contexts *contexts, const struct canvas_size *size, struct canvas **out,
                  struct error *err);
 void canvas_close(struct canvas *canvas); /* NULL is fine */
 /* Makes OpenGL draw on the canvas, whose pixels go to the caller's memory: rows from the top. */
 bool canvas_use(struct canvas *canvas, void *pixels, struct error *err);
 /* Waits until all is drawn, and has filled the caller's pixels. */
 void canvas_fill(const struct canvas *canvas);
+/* Waits, and reads one of the buffers of colours of a canvas of EGL. */
+void canvas_read(const struct canvas *canvas, int colour, void *pixels);
+/* Returns whether OpenGL has an extension; a canvas is open. */
+bool contexts_have(const struct contexts *contexts, const char *extension);
 
 /* ---- describe.c: what can be used ---- */
 
@@ -61,6 +70,7 @@ bool contexts_devices(int *out, struct error *err);
 struct contexts {
     const char *name;
     bool flipped, mirrored;
+    enum gl_way way;
     struct gl_functions call;
     struct canvas *current;
     /* what the library does for a canvas; by osmesa.c or egl.c */
@@ -75,11 +85,12 @@ struct contexts {
 };
 struct canvas {
     struct contexts *contexts;
-    int bits, width, height;
+    struct canvas_size size;
     void *context; /* the library's; NULL: none */
     void *pixels;
 };
-GLenum canvas_type(const struct canvas *canvas); /* of a channel */
+bool has_extension(const char *list, const char *name); /* list: words; NULL: none */
+GLenum canvas_type(const struct canvas *canvas);        /* of a channel */
 /* Open a library; *found: its file is there, otherwise nothing is opened. device: EGL's; -1: none
  * is asked for. */
 bool osmesa_open(struct contexts *contexts, bool *found, struct error *err);

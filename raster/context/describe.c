@@ -21,9 +21,9 @@ bool contexts_describe(const struct context_wish *wish, struct context_descripti
     struct contexts *contexts;
     struct canvas *canvas = NULL;
     GLfloat pixel[4];
+    const struct canvas_size size = {.bits = 32, .width = 1, .height = 1, .n_colours = 1};
     const bool done = contexts_open(wish, &contexts, err) &&
-                      canvas_open(contexts, 32, 1, 1, &canvas, err) &&
-                      canvas_use(canvas, pixel, err);
+                      canvas_open(contexts, &size, &canvas, err) && canvas_use(canvas, pixel, err);
     if (done) {
         const struct gl_functions *call = contexts_functions(contexts);
         snprintf(out->library, sizeof out->library, "%s", contexts_name(contexts));

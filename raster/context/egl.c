@@ -55,42 +55,45 @@ static const struct egl *egl_of(const struct canvas *canvas)
     return canvas->contexts->own;
 }
 
-static bool has_extension(const char *list, const char *name)
+/* ---- a canvas ---- */
+
+enum { MOST_COLOURS = 8 };
+
+static GLenum colour_format(const struct canvas *canvas)
 {
-    const size_t length = strlen(name);
-    const char *at = list;
-    while (at && (at = strstr(at, name)) != NULL) {
-        if ((at == list || at[-1] == ' ') && (at[length] == ' ' || at[length] == '\0'))
-            return true;
-        at += length;
-    }
-    return false;
+    return canvas->size.bits == 32 ? GL_RGBA32F : canvas->size.bits == 16 ? GL_RGBA16 : GL_RGBA8;
 }
 
-/* ---- a canvas ---- */
+/* Makes a buffer, and lets the canvas draw on it. */
+static void add_buffer(const struct canvas *canvas, GLenum format, GLenum at)
+{
+    const struct gl_functions *call = &canvas->contexts->call;
+    GLuint buffer;
+    call->GenRenderbuffers(1, &buffer);
+    call->BindRenderbuffer(GL_RENDERBUFFER, buffer);
+    call->RenderbufferStorage(GL_RENDERBUFFER, format, canvas->size.width, canvas->size.height);
+    call->FramebufferRenderbuffer(GL_FRAMEBUFFER, at, GL_RENDERBUFFER, buffer);
+}
 
 /* Makes the buffers that the canvas draws on; its context is current. */
 static bool make_buffers(const struct canvas *canvas, struct error *err)
 {
     const struct gl_functions *call = &canvas->contexts->call;
-    const GLenum format = canvas->bits == 32   ? GL_RGBA32F
-                          : canvas->bits == 16 ? GL_RGBA16
-                                               : GL_RGBA8;
-    GLuint framebuffer, buffers[2];
+    const struct canvas_size *size = &canvas->size;
+    GLenum colours[MOST_COLOURS];
+    GLuint framebuffer;
     call->GenFramebuffers(1, &framebuffer);
-    call->GenRenderbuffers(2, buffers);
     call->BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-    call->BindRenderbuffer(GL_RENDERBUFFER, buffers[0]);
-    call->RenderbufferStorage(GL_RENDERBUFFER, format, canvas->width, canvas->height);
-    call->FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER,
-                                  buffers[0]);
-    call->BindRenderbuffer(GL_RENDERBUFFER, buffers[1]);
-    call->RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH24_STENCIL8, canvas->width, canvas->height);
-    call->FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_STENCIL_ATTACHMENT, GL_RENDERBUFFER,
-                                  buffers[1]);
+    for (int i = 0; i < size->n_colours; i++) {
+        colours[i] = GL_COLOR_ATTACHMENT0 + (GLenum)i;
+        add_buffer(canvas, colour_format(canvas), colours[i]);
+    }
+    add_buffer(canvas, GL_DEPTH24_STENCIL8, GL_DEPTH_STENCIL_ATTACHMENT);
+    if (size->n_colours > 1)
+        call->DrawBuffers(size->n_colours, colours);
     return call->CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE ||
            error_unsupported(err, "EGL's OpenGL gives no framebuffer of %d x %d pixels of %d bits",
-                             canvas->width, canvas->height, canvas->bits);
+                             size->width, size->height, size->bits);
 }
 
 static bool make_current(const struct egl *egl, EGLContext context, struct error *err)
@@ -102,20 +105,30 @@ static bool make_current(const struct egl *egl, EGLContext context, struct error
 static void turn_window(const struct canvas *canvas)
 {
     const struct egl *egl = egl_of(canvas);
-    const char *extensions = (const char *)canvas->contexts->call.GetString(GL_EXTENSIONS);
-    canvas->contexts->mirrored =
-        !egl->clip_control || !has_extension(extensions, "GL_ARB_clip_control");
-    if (!canvas->contexts->mirrored)
+    struct contexts *contexts = canvas->contexts;
+    const char *name = contexts->way == GL_ES ? "GL_EXT_clip_control" : "GL_ARB_clip_control";
+    contexts->mirrored = !egl->clip_control || !contexts_have(contexts, name);
+    if (!contexts->mirrored)
         egl->clip_control(GL_UPPER_LEFT, GL_NEGATIVE_ONE_TO_ONE);
 }
 
 static bool open_canvas(struct canvas *canvas, struct error *err)
 {
-    static const EGLint none[] = {EGL_NONE}; /* the compatibility profile */
+    /* without attributes, the compatibility profile */
+    static const EGLint attributes[][7] = {
+        [GL_WITHOUT_SHADERS] = {EGL_NONE},
+        [GL_CORE] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 3,
+                     EGL_CONTEXT_OPENGL_PROFILE_MASK, EGL_CONTEXT_OPENGL_CORE_PROFILE_BIT,
+                     EGL_NONE},
+        [GL_ES] = {EGL_CONTEXT_MAJOR_VERSION, 3, EGL_CONTEXT_MINOR_VERSION, 0, EGL_NONE}};
+    static const char *const names[] = {"OpenGL with lighting of its own", "OpenGL 3.3 core",
+                                        "OpenGL ES 3"};
+    const enum gl_way way = canvas->contexts->way;
     const struct egl *egl = egl_of(canvas);
-    canvas->context = egl->create_context(egl->display, egl->config, EGL_NO_CONTEXT, none);
+    canvas->context =
+        egl->create_context(egl->display, egl->config, EGL_NO_CONTEXT, attributes[way]);
     if (!canvas->context)
-        return error_unsupported(err, "EGL gives no context of OpenGL");
+        return error_unsupported(err, "EGL gives no context of %s", names[way]);
     canvas->contexts->current = NULL;
     if (!make_current(egl, canvas->context, err) || !make_buffers(canvas, err))
         return false;
@@ -131,7 +144,7 @@ static bool use_canvas(struct canvas *canvas, struct error *err)
 
 static void fill_canvas(const struct canvas *canvas)
 {
-    canvas->contexts->call.ReadPixels(0, 0, canvas->width, canvas->height, GL_RGBA,
+    canvas->contexts->call.ReadPixels(0, 0, canvas->size.width, canvas->size.height, GL_RGBA,
                                       canvas_type(canvas), canvas->pixels);
 }
 
@@ -190,15 +203,16 @@ static bool find_display(struct egl *egl, int device, struct error *err)
 }
 
 /* Finds a configuration, or none where contexts need none. */
-static bool find_config(struct egl *egl, struct error *err)
+static bool find_config(struct egl *egl, enum gl_way way, struct error *err)
 {
-    static const EGLint wanted[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE,
-                                    EGL_OPENGL_BIT, EGL_NONE};
+    const EGLint wanted[] = {EGL_SURFACE_TYPE, EGL_PBUFFER_BIT, EGL_RENDERABLE_TYPE,
+                             way == GL_ES ? EGL_OPENGL_ES3_BIT : EGL_OPENGL_BIT, EGL_NONE};
     const char *extensions = egl->query_string(egl->display, EGL_EXTENSIONS);
     EGLint n = 0;
     egl->config = EGL_NO_CONFIG_KHR;
-    if (!egl->bind_api(EGL_OPENGL_API))
-        return error_unsupported(err, "this EGL has no OpenGL, but OpenGL ES only");
+    if (!egl->bind_api(way == GL_ES ? EGL_OPENGL_ES_API : EGL_OPENGL_API))
+        return error_unsupported(err, "this EGL has no OpenGL%s",
+                                 way == GL_ES ? " ES" : "; --renderer es-shader takes OpenGL ES");
     return has_extension(extensions, "EGL_KHR_no_config_context") ||
            (egl->choose_config(egl->display, wanted, &egl->config, 1, &n) && n == 1) ||
            error_unsupported(err, "EGL has no configuration for OpenGL");
@@ -207,7 +221,7 @@ static bool find_config(struct egl *egl, struct error *err)
 /* ---- the library ---- */
 
 /* Finds EGL's functions; false if one is missing. */
-static bool find_functions(struct egl *egl, void *library)
+static bool find_functions(struct egl *egl, enum gl_way way, void *library)
 {
     library_find(library, "eglGetProcAddress", &egl->get);
     library_find(library, "eglQueryString", &egl->query_string);
@@ -224,7 +238,8 @@ static bool find_functions(struct egl *egl, void *library)
     egl->get_platform_display =
         (PFNEGLGETPLATFORMDISPLAYEXTPROC)egl->get("eglGetPlatformDisplayEXT");
     egl->query_devices = (PFNEGLQUERYDEVICESEXTPROC)egl->get("eglQueryDevicesEXT");
-    egl->clip_control = (PFNGLCLIPCONTROLPROC)egl->get("glClipControl");
+    egl->clip_control =
+        (PFNGLCLIPCONTROLPROC)egl->get(way == GL_ES ? "glClipControlEXT" : "glClipControl");
     return egl->get_platform_display != NULL;
 }
 
@@ -239,7 +254,7 @@ bool contexts_devices(int *out, struct error *err)
     *out = 0;
     if (!library_open(files, &library, err))
         return false;
-    if (library && find_functions(&egl, library) && egl.query_devices &&
+    if (library && find_functions(&egl, GL_WITHOUT_SHADERS, library) && egl.query_devices &&
         egl.query_devices(MOST_DEVICES, devices, &n))
         *out = n;
     return true;
@@ -263,9 +278,10 @@ bool egl_open(struct contexts *contexts, int device, bool *found, struct error *
     *found = library != NULL;
     if (!library)
         return true;
-    if (!find_functions(egl, library))
+    if (!find_functions(egl, contexts->way, library))
         return error_unsupported(err, "this EGL is too old: version 1.4 with platforms is needed");
-    return find_display(egl, device, err) && find_config(egl, err) &&
-           functions_find(library, egl->get, "EGL's OpenGL", &contexts->call, err);
+    const struct gl_source source = {library, egl->get, "EGL's OpenGL"};
+    return find_display(egl, device, err) && find_config(egl, contexts->way, err) &&
+           functions_find(&source, contexts->way, &contexts->call, err);
 }
 #endif

@@ -39,10 +39,10 @@ static bool open_canvas(struct canvas *canvas, struct error *err)
 static bool use_canvas(struct canvas *canvas, struct error *err)
 {
     const struct osmesa *osmesa = osmesa_of(canvas);
-    if (!osmesa->make_current(canvas->context, canvas->pixels, canvas_type(canvas), canvas->width,
-                              canvas->height))
+    if (!osmesa->make_current(canvas->context, canvas->pixels, canvas_type(canvas),
+                              canvas->size.width, canvas->size.height))
         return error_system(err, "OSMesa gives no context of %d x %d pixels of %d bits a channel",
-                            canvas->width, canvas->height, canvas->bits);
+                            canvas->size.width, canvas->size.height, canvas->size.bits);
     if (canvas->contexts->current != canvas)
         osmesa->pixel_store(OSMESA_Y_UP, 0); /* first row on top, as in the picture */
     return true;
@@ -107,6 +107,8 @@ bool osmesa_open(struct contexts *contexts, bool *found, struct error *err)
     contexts->own = osmesa;
     contexts->kind = &kind;
     contexts->name = "OSMesa";
-    return find_functions(osmesa, &library, found, err) &&
-           (!*found || functions_find(library, osmesa->get, "OSMesa", &contexts->call, err));
+    if (!find_functions(osmesa, &library, found, err))
+        return false;
+    const struct gl_source source = {library, osmesa->get, contexts->name};
+    return !*found || functions_find(&source, GL_WITHOUT_SHADERS, &contexts->call, err);
 }

@@ -30,7 +30,15 @@ const struct driver *driver_of(const char *gl_renderer);
 enum { DRIVER_WORDS = 160 };
 void driver_print(const struct driver *driver, char out[DRIVER_WORDS]);
 
-/* choice.c. Accepts the words of --gl: "osmesa", "egl", "egl:N", "auto". */
+/* The way in which OpenGL draws: with lighting of its own (OpenGL 1.x); with our shaders, by OpenGL
+ * 3.3 core or by OpenGL ES 3.0. */
+enum gl_way { GL_WITHOUT_SHADERS, GL_CORE, GL_ES };
+/* choice.c. Accepts the words of --renderer: "gl", "llvmpipe", "softpipe", "raster"; "gl-shader"
+ * and "es-shader", alone or with ":llvmpipe" or ":softpipe". */
+bool driver_accepts_renderer(const char *option, const char *value, struct error *err);
+/* Returns the way of such a word, NULL: none was given. *driver: Mesa's; NULL: any. */
+enum gl_way driver_way(const char *renderer, const char **driver);
+/* Accepts the words of --gl: "osmesa", "egl", "egl:N", "auto". */
 bool driver_accepts_library(const char *option, const char *value, struct error *err);
 int driver_device(const char *library); /* N of "egl:N"; -1 of other words */
 

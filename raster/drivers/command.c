@@ -24,19 +24,22 @@ static void print_traits(const struct traits *traits, struct printed *to)
     print(to, "  bounds          %s\n", words);
 }
 
-/* Returns the profile by which a render judges a driver. */
-static const char *profile_of(const struct context_description *is)
+/* Returns the profile by which a render judges a driver. Shaders are not measured. */
+static const char *profile_of(const struct listed_driver *driver)
 {
-    const struct driver *known = driver_of(is->renderer);
-    return known == driver_of(NULL) ? "measured" : known->name;
+    const struct driver *known = driver_of(driver->is->renderer);
+    const char *wanted;
+    return known != driver_of(NULL)                                      ? known->name
+           : driver_way(driver->renderer, &wanted) == GL_WITHOUT_SHADERS ? "measured"
+                                                                         : "none";
 }
 
 /* Prints the options, and what they choose. */
 static void print_driver(const struct listed_driver *driver, struct printed *to)
 {
     const struct context_description *is = driver->is;
-    print(to, "--gl %s%s%s\n", driver->library, driver->driver ? " --renderer " : "",
-          driver->driver ? driver->driver : "");
+    print(to, "--gl %s%s%s\n", driver->library, driver->renderer ? " --renderer " : "",
+          driver->renderer ? driver->renderer : "");
     if (!is) {
         print(to, "  cannot draw: %s\n", driver->reason);
         return;
@@ -44,7 +47,7 @@ static void print_driver(const struct listed_driver *driver, struct printed *to)
     print(to,
           "  renderer        %s, by %s\n  version         %s, of %s\n  profile         %s\n"
           "  largest         %d x %d pixels, textures of %d x %d texels\n",
-          is->renderer, is->library, is->version, is->vendor, profile_of(is),
+          is->renderer, is->library, is->version, is->vendor, profile_of(driver),
           is->largest_viewport[0], is->largest_viewport[1], is->largest_texture,
           is->largest_texture);
     if (driver->traits)
@@ -76,7 +79,7 @@ static void json_driver(const struct listed_driver *driver, struct json *json)
     const struct context_description *is = driver->is;
     json_open(json, NULL, '{');
     json_string(json, "gl", driver->library);
-    json_string(json, "renderer", driver->driver);
+    json_string(json, "renderer", driver->renderer);
     json_truth(json, "usable", is != NULL);
     json_string(json, "reason", is ? NULL : driver->reason);
     if (is) {
@@ -84,7 +87,7 @@ static void json_driver(const struct listed_driver *driver, struct json *json)
         json_string(json, "gl_vendor", is->vendor);
         json_string(json, "gl_renderer", is->renderer);
         json_string(json, "gl_version", is->version);
-        json_string(json, "driver_profile", profile_of(is));
+        json_string(json, "driver_profile", profile_of(driver));
         json_count(json, "largest_width", (uint64_t)is->largest_viewport[0]);
         json_count(json, "largest_height", (uint64_t)is->largest_viewport[1]);
         json_count(json, "largest_texture", (uint64_t)is->largest_texture);

@@ -13,7 +13,8 @@
 static bool describe(void *context, void *out, struct error *err)
 {
     const struct listed_driver *listed = context;
-    const struct context_wish wish = {listed->library, listed->driver, 1};
+    struct context_wish wish = {.library = listed->library, .threads = 1};
+    wish.way = driver_way(listed->renderer, &wish.driver);
     return contexts_describe(&wish, out, err);
 }
 
@@ -23,20 +24,35 @@ static bool count_devices(void *context, void *out, struct error *err)
     return contexts_devices(out, err);
 }
 
-/* Returns whether a driver that was asked for is one, and not the one that comes without. */
-static bool is_new(const struct listed_driver *listed, const struct driver_list *before)
+static enum gl_way way_of(const struct listed_driver *listed)
 {
-    const struct listed_driver *first = &before->list[before->n - 1];
-    return listed->is &&
-           strncmp(listed->is->renderer, listed->driver, strlen(listed->driver)) == 0 &&
-           strcmp(listed->is->renderer, first->is->renderer) != 0;
+    const char *driver;
+    return driver_way(listed->renderer, &driver);
 }
 
-/* Tries a library with a driver, NULL first; lists it if it says something new. */
-static bool try_driver(const char *library, const char *driver, struct driver_list *out,
-                       struct error *err)
+/* Returns whether a choice is what it asks for, and says more than those before it. */
+static bool is_new(const struct listed_driver *listed, const struct driver_list *before)
 {
-    struct listed_driver listed = {.driver = driver};
+    const char *driver;
+    driver_way(listed->renderer, &driver);
+    if (!listed->is || (driver && strncmp(listed->is->renderer, driver, strlen(driver)) != 0))
+        return false;
+    for (int i = 0; i < before->n; i++) {
+        const struct listed_driver *other = &before->list[i];
+        if (other->is && strcmp(other->library, listed->library) == 0 &&
+            way_of(other) == way_of(listed) &&
+            strcmp(other->is->renderer, listed->is->renderer) == 0)
+            return false;
+    }
+    return true;
+}
+
+/* Tries a library with a choice of --renderer; lists it if it says something new. NULL, which comes
+ * first, is always listed. */
+static bool try_renderer(const char *library, const char *renderer, struct driver_list *out,
+                         struct error *err)
+{
+    struct listed_driver listed = {.renderer = renderer};
     struct context_description is;
     struct error own = {.status = EXIT_AGREED};
     snprintf(listed.library, sizeof listed.library, "%s", library);
@@ -47,23 +63,28 @@ static bool try_driver(const char *library, const char *driver, struct driver_li
         *listed.is = is;
     } else
         snprintf(listed.reason, sizeof listed.reason, "%.500s", error_words(&own));
-    if ((!driver || is_new(&listed, out)) &&
+    if ((!renderer || is_new(&listed, out)) &&
         array_add(&out->list, &out->n, &listed, sizeof listed, err))
         return true;
     free(listed.is);
     return err->status == EXIT_AGREED;
 }
 
+/* A library that cannot draw may still draw with shaders. */
 static bool try_library(const char *library, struct driver_list *out, struct error *err)
 {
-    static const char *const drivers[] = {"llvmpipe", "softpipe"};
-    if (is_interrupted())
-        return error_system(err, "interrupted");
-    if (!try_driver(library, NULL, out, err))
-        return false;
-    for (int i = 0; i < 2 && out->list[out->n - 1].is; i++)
-        if (!try_driver(library, drivers[i], out, err))
+    static const char *const renderers[] = {
+        NULL,        "llvmpipe",           "softpipe",
+        "gl-shader", "gl-shader:llvmpipe", "gl-shader:softpipe",
+        "es-shader", "es-shader:llvmpipe", "es-shader:softpipe"};
+    enum { ALL = sizeof renderers / sizeof *renderers, WITHOUT_SHADERS = 3 };
+    const int n = strcmp(library, "osmesa") == 0 ? WITHOUT_SHADERS : ALL;
+    for (int i = 0; i < n; i++) {
+        if (is_interrupted())
+            return error_system(err, "interrupted");
+        if (!try_renderer(library, renderers[i], out, err))
             return false;
+    }
     return true;
 }
 
@@ -90,8 +111,9 @@ bool drivers_list(struct driver_list *out, struct error *err)
 static bool measure(void *context, void *out, struct error *err)
 {
     const struct listed_driver *listed = context;
-    const struct context_wish wish = {listed->library, listed->driver, 1};
+    struct context_wish wish = {.library = listed->library, .threads = 1};
     struct contexts *contexts;
+    wish.way = driver_way(listed->renderer, &wish.driver);
     const bool done = contexts_open(&wish, &contexts, err) && traits_measure(contexts, out, err);
     contexts_close(contexts);
     return done;
@@ -101,7 +123,7 @@ bool drivers_measure(struct driver_list *drivers, struct error *err)
 {
     for (int i = 0; i < drivers->n; i++) {
         struct listed_driver *listed = &drivers->list[i];
-        if (!listed->is)
+        if (!listed->is || way_of(listed) != GL_WITHOUT_SHADERS)
             continue;
         if (is_interrupted())
             return error_system(err, "interrupted");

@@ -221,9 +221,13 @@ static bool allocate(struct drawn *of, int n_buffers, struct error *err)
 bool drawn_open(const struct drawn_names *names, const struct plan *plan, int n_buffers,
                 struct renderer **out, struct error *err)
 {
-    static const struct renderer_kind kind = {drawn_take_scene, drawn_aim,      drawn_draw,
-                                              drawn_pixels,     drawn_identify, drawn_shown,
-                                              drawn_close};
+    static const struct renderer_kind kind = {.take_scene = drawn_take_scene,
+                                              .aim = drawn_aim,
+                                              .draw = drawn_draw,
+                                              .pixels = drawn_pixels,
+                                              .identify = drawn_identify,
+                                              .shown = drawn_shown,
+                                              .close = drawn_close};
     struct drawn *of = calloc(1, sizeof *of);
     *out = of ? &of->renderer : NULL;
     if (!of)

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* Draws the plan's picture through OpenGL, a tile and a pass at a time, and says which triangle
- * OpenGL shows at each pixel. Only this room includes a GL header. It may not know what the
- * reference shows: of lit scenes it reads only where each surface lies in the window, so that it
- * draws nothing that a tile cannot show. */
+ * OpenGL shows at each pixel. It may not know what the reference shows: of lit scenes it reads only
+ * where each surface lies in the window, so that it draws nothing that a tile cannot show. */
 #ifndef GL_H
 #define GL_H
 
@@ -13,6 +12,7 @@
 #include "raster/plan/plan.h"
 #include "raster/reference/reference.h"
 #include "raster/renderer/renderer.h"
+#include "raster/vertices/vertices.h"
 #include "spectral.h"
 
 /* Returns false in a program without OpenGL, where gl_open always fails. */
@@ -49,8 +49,7 @@ struct gl {
     float gloss;             /* of the last material that shines; -1: none did */
     bool two_sided, mirrored;
     const struct texture *texture; /* NULL: textures are switched off */
-    unsigned *objects;  /* names of the buffer objects: some for each mesh; 0: not in view */
-    unsigned *indices;  /* of triangles: each mesh's, then those of instances that hide some */
+    struct vertex_buffers vertices;
     unsigned *textures; /* names of the texture objects, one for each texture; 0: not drawn */
     struct rectangle tile;
 };

@@ -108,7 +108,8 @@ static bool allocate(struct gl *gl, int n_buffers, struct error *err)
 
 static bool open_canvas(struct gl *gl, int bits, struct canvas **out, struct error *err)
 {
-    return canvas_open(gl->contexts, bits, gl->plan->tile_width, gl->plan->tile_height, out, err);
+    const struct canvas_size size = {bits, gl->plan->tile_width, gl->plan->tile_height, 1};
+    return canvas_open(gl->contexts, &size, out, err);
 }
 
 /* Draws on the canvas for colours from now on. */
@@ -122,7 +123,7 @@ static bool open_canvases(struct gl *gl, int n_buffers, struct error *err)
 {
     const struct plan *plan = gl->plan;
     const struct context_wish wish = {plan->options.gl_library, plan->options.gl_driver,
-                                      plan->options.threads};
+                                      plan->options.threads, GL_WITHOUT_SHADERS};
     struct driver_threads before;
     if (!allocate(gl, n_buffers, err))
         return false;
@@ -151,9 +152,8 @@ static void gl_close(struct renderer *renderer)
     contexts_close(gl->contexts);
     for (int i = 0; i < MOST_BUFFERS; i++)
         free(gl->buffers[i]);
-    free(gl->objects);
+    vertex_buffers_free(&gl->vertices);
     free(gl->textures);
-    free(gl->indices);
     free(gl->part);
     free(gl->shown);
     free(gl->steps);
@@ -199,8 +199,13 @@ static bool choose_bounds(struct gl *gl, struct error *err)
 
 bool gl_open(const struct plan *plan, int n_buffers, struct renderer **out, struct error *err)
 {
-    static const struct renderer_kind kind = {gl_take_scene, gl_aim,   gl_draw, gl_pixels,
-                                              gl_identify,   gl_shown, gl_close};
+    static const struct renderer_kind kind = {.take_scene = gl_take_scene,
+                                              .aim = gl_aim,
+                                              .draw = gl_draw,
+                                              .pixels = gl_pixels,
+                                              .identify = gl_identify,
+                                              .shown = gl_shown,
+                                              .close = gl_close};
     struct gl *gl = calloc(1, sizeof *gl);
     *out = gl ? &gl->renderer : NULL;
     if (!gl)

@@ -1,110 +1,20 @@
 /* SPDX-License-Identifier: MIT */
-/* Meshes and textures as OpenGL keeps them. Geometry is uploaded once; a spectral texture's texels
- * are uploaded anew for each pass. Only this file says how a vertex lies in a buffer. */
+/* Meshes and textures as OpenGL keeps them. A spectral texture's texels are uploaded anew for each
+ * pass. */
 #include <stdlib.h>
-#include <string.h>
 
-#include "data/mesh/mesh.h"
 #include "raster/context/context.h"
 #include "raster/gl/gl.h"
-
-enum { VERTICES, COORDINATES, BUFFERS };
-
-/* Floats of a vertex in its two buffers: position and normal; texture coordinates, which only
- * textured meshes have. */
-enum { VERTEX_FLOATS = 6, COORDINATE_FLOATS = 2 };
-
-/* ---- meshes ---- */
-
-static void copy_vertex(const struct vertex *from, GLfloat *to)
-{
-    const struct vector p = from->position, n = from->normal;
-    const double values[VERTEX_FLOATS] = {p.x, p.y, p.z, n.x, n.y, n.z};
-    for (int i = 0; i < VERTEX_FLOATS; i++)
-        to[i] = (GLfloat)values[i];
-}
-
-static void copy_coordinates(const struct vertex *from, GLfloat *to)
-{
-    to[0] = (GLfloat)from->s;
-    to[1] = (GLfloat)from->t;
-}
-
-/* Fills a buffer that has no name yet with what `copy` takes from each vertex, n_floats of them. */
-static bool upload_vertices(const struct gl *gl, GLuint *name, const struct mesh *mesh,
-                            size_t n_floats, void (*copy)(const struct vertex *from, GLfloat *to),
-                            struct error *err)
-{
-    const size_t n = (size_t)mesh->n_vertices, size = n_floats * sizeof(GLfloat);
-    GLfloat *floats = *name ? NULL : malloc(n * size);
-    if (!floats)
-        return *name || error_memory(err);
-    for (size_t i = 0; i < n; i++)
-        copy(&mesh->vertices[i], floats + n_floats * i);
-    gl->call->GenBuffers(1, name);
-    gl->call->BindBuffer(GL_ARRAY_BUFFER, *name);
-    gl->call->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(n * size), floats, GL_STATIC_DRAW);
-    free(floats);
-    return true;
-}
-
-static bool shows_texture(const struct gl *gl, int instance)
-{
-    const int shaded = gl->plan->instances[instance].shaded;
-    return texture_is_drawn(gl->plan, gl->plan->materials[shaded].texture);
-}
-
-static bool upload_mesh(const struct gl *gl, int instance, struct error *err)
-{
-    const int index = gl->plan->instances[instance].mesh;
-    const struct mesh *mesh = &gl->plan->meshes[index].mesh;
-    GLuint *buffers = gl->objects + BUFFERS * index;
-    return upload_vertices(gl, &buffers[VERTICES], mesh, VERTEX_FLOATS, copy_vertex, err) &&
-           (!shows_texture(gl, instance) ||
-            upload_vertices(gl, &buffers[COORDINATES], mesh, COORDINATE_FLOATS, copy_coordinates,
-                            err));
-}
-
-/* Returns the name of the buffer of an instance's triangles: its mesh's, or its own if it hides
- * some of them. 0: there is none yet. */
-static GLuint *index_buffer(const struct gl *gl, int instance)
-{
-    return &gl->indices[gl->lit->bounds[instance].hidden ? gl->plan->n_meshes + instance
-                                                         : gl->plan->instances[instance].mesh];
-}
-
-/* Fills the bound buffer with the triangles of an instance that are not hidden. */
-static bool upload_triangles(const struct gl *gl, int instance, struct error *err)
-{
-    const struct mesh *mesh = &gl->plan->meshes[gl->plan->instances[instance].mesh].mesh;
-    const bool *hidden = gl->lit->bounds[instance].hidden;
-    const size_t size = sizeof *mesh->triangles;
-    size_t n = 0;
-    char *indices = malloc((size_t)mesh->n_triangles * size + 1);
-    if (!indices)
-        return error_memory(err);
-    for (int i = 0; i < mesh->n_triangles; i++)
-        if (!hidden || !hidden[i])
-            memcpy(indices + size * n++, mesh->triangles[i], size);
-    gl->call->BufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(n * size), indices, GL_STATIC_DRAW);
-    free(indices);
-    return true;
-}
 
 int gl_bind_mesh(const struct gl *gl, int instance)
 {
     const GLsizei step = VERTEX_FLOATS * sizeof(GLfloat);
-    const struct placed_instance *placed = &gl->plan->instances[instance];
-    const GLuint *buffers = gl->objects + BUFFERS * placed->mesh;
-    gl->call->BindBuffer(GL_ARRAY_BUFFER, buffers[VERTICES]);
-    gl->call->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, *index_buffer(gl, instance));
+    vertex_buffers_bind_vertices(&gl->vertices, instance);
     gl->call->VertexPointer(3, GL_FLOAT, step, NULL); /* offsets into the bound buffer */
     gl->call->NormalPointer(GL_FLOAT, step, (const void *)(3 * sizeof(GLfloat)));
-    if (shows_texture(gl, instance)) {
-        gl->call->BindBuffer(GL_ARRAY_BUFFER, buffers[COORDINATES]);
-        gl->call->TexCoordPointer(2, GL_FLOAT, 0, NULL);
-    }
-    return 3 * (placed->instance.n_triangles - gl->lit->bounds[instance].n_hidden);
+    if (vertex_buffers_bind_coordinates(&gl->vertices, instance))
+        gl->call->TexCoordPointer(COORDINATE_FLOATS, GL_FLOAT, 0, NULL);
+    return vertex_buffers_bind(&gl->vertices, instance);
 }
 
 /* ---- textures ---- */
@@ -184,34 +94,10 @@ bool gl_upload_bands(struct gl *gl, int first_band, struct error *err)
     return true;
 }
 
-/* ---- the scene ---- */
-
-/* Nothing is uploaded twice, and nothing of an instance out of view. */
-static bool upload_instance(const struct gl *gl, int instance, struct error *err)
-{
-    GLuint *indices = index_buffer(gl, instance);
-    if (!gl->plan->instances[instance].in_view)
-        return true;
-    if (!upload_mesh(gl, instance, err))
-        return false;
-    if (*indices)
-        return true;
-    gl->call->GenBuffers(1, indices);
-    gl->call->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, *indices);
-    return upload_triangles(gl, instance, err);
-}
-
 bool gl_take_scene(struct renderer *renderer, const struct lit_scene *lit, struct error *err)
 {
     struct gl *gl = (struct gl *)renderer;
-    const size_t n_instances = (size_t)gl->plan->n_instances, n_meshes = (size_t)gl->plan->n_meshes;
     gl->lit = lit;
-    gl->objects = calloc(BUFFERS * n_meshes + 1, sizeof *gl->objects);
-    gl->indices = calloc(n_meshes + n_instances + 1, sizeof *gl->indices);
-    if (!gl->objects || !gl->indices)
-        return error_memory(err);
-    for (int i = 0; i < gl->plan->n_instances; i++)
-        if (!upload_instance(gl, i, err))
-            return false;
-    return upload_textures(gl, err) && gl_succeeded(gl, err);
+    return vertex_buffers_fill(gl->call, lit, &gl->vertices, err) && upload_textures(gl, err) &&
+           gl_succeeded(gl, err);
 }

@@ -4,23 +4,31 @@
 
 #include "raster/library/library.h"
 
-static const char *const names[] = {
-#define FUNCTION_NAME(type, name, parameters) "gl" #name,
-    GL_FUNCTIONS(FUNCTION_NAME)};
+static const struct {
+    const char *name;
+    bool fixed, shaders; /* of one of these ways only */
+} functions[] = {
+#define COMMON_NAME(type, name, parameters) {"gl" #name, false, false},
+#define FIXED_NAME(type, name, parameters) {"gl" #name, true, false},
+#define SHADERS_NAME(type, name, parameters) {"gl" #name, false, true},
+    COMMON_FUNCTIONS(COMMON_NAME) FIXED_FUNCTIONS(FIXED_NAME) SHADER_FUNCTIONS(SHADERS_NAME)};
 
-bool functions_find(void *library, any_function *(*get)(const char *name), const char *name,
-                    struct gl_functions *out, struct error *err)
+bool functions_find(const struct gl_source *in, enum gl_way way, struct gl_functions *out,
+                    struct error *err)
 {
-    enum { N = sizeof names / sizeof *names };
+    enum { N = sizeof functions / sizeof *functions };
     any_function *found[N];
     for (int i = 0; i < N; i++) {
+        const char *name = functions[i].name;
         found[i] = NULL;
-        if (library)
-            library_find(library, names[i], &found[i]);
+        if (way == GL_WITHOUT_SHADERS ? functions[i].shaders : functions[i].fixed)
+            continue;
+        if (in->library)
+            library_find(in->library, name, &found[i]);
         if (!found[i])
-            found[i] = get(names[i]);
+            found[i] = in->get(name);
         if (!found[i])
-            return error_unsupported(err, "%s has no function %s", name, names[i]);
+            return error_unsupported(err, "%s has no function %s", in->name, name);
     }
     memcpy(out, found, sizeof found); /* all pointers to functions have one size in POSIX */
     return true;

@@ -7,6 +7,7 @@
 #include "data/scene/scene.h"
 #include "data/terms/terms.h"
 #include "data/texture/texture.h"
+#include "raster/driver/driver.h"
 #include "raster/reference/reference.h"
 #include "spectral.h"
 
@@ -23,8 +24,7 @@ struct shaded_material {
     struct material_terms made; /* their spectra, on each page */
     bool shown;                 /* by an instance in view */
 };
-/* A mesh, or a part of one, re-centred and brought to a common size, so that single precision
- * spends its digits on the shape and not on where it stands. */
+/* A mesh or a part, re-centred and scaled, so that single precision spends its digits on shape. */
 struct plan_mesh {
     struct mesh mesh;
     struct cutting { /* the part that is shown, -1: all; on which side of x = 0, -1: both */
@@ -55,6 +55,7 @@ struct plan_options {
     double full_scale;  /* 0: the largest vertex radiance */
     bool check, use_gl; /* whether the reference and OpenGL are needed */
     int buffer_bits;    /* of a channel of OpenGL's colour buffer: 8, 16, or 32 of floats; 0: 32 */
+    enum gl_way gl_way;
     const char *gl_driver, *gl_library; /* "llvmpipe" or "softpipe", NULL: any; --gl */
     bool strict, store_raster; /* edges that leak are differences; pixels are the reference's */
     double unchecked;          /* the largest share of object pixels that may stay unchecked */
@@ -112,8 +113,8 @@ struct rectangle plan_tile(const struct plan *plan, const struct rectangle *regi
 bool has_components(const struct plan *plan); /* bands are not single wavelengths */
 void band_name(const struct plan *plan, int band, char out[BAND_NAME]); /* "450 nm", or a label */
 double shaded_brightest(const struct shaded_material *shaded); /* largest peak; 1: it is black */
-/* The name of a surface: that of its material; or "background" for -1. object_text writes it, and
- * the place in the scene where the object stands. */
+/* A surface's name, its material's; -1: "background". object_text also writes its object's place.
+ */
 const char *object_name(const struct plan *plan, int surface);
 void object_text(const struct plan *plan, int surface, char *out, size_t capacity);
 int buffer_steps(const struct plan *plan); /* of a channel, from 0 to full scale; 0: floats */
@@ -138,8 +139,7 @@ bool texture_is_drawn(const struct plan *plan, const struct texture *texture);
 
 bool reach_find(struct plan *plan, struct error *err); /* reach.c: fills what it says in */
 void plan_effects(struct plan *plan);                  /* effects.c: fills plan->effects */
-/* lights.c. Lists all lights that shine; shaded materials then use those that matter to them.
- * Forgets the lights that light nothing, when all shaded materials are made. */
+/* lights.c. Lists the lights that shine; forgets those that light nothing, when all is made. */
 bool lights_list(struct plan *plan, struct error *err);
 bool lights_drop_idle(struct plan *plan, struct error *err);
 /* Makes the shaded material of a material when it is first asked for; *out is its index. */

@@ -214,7 +214,6 @@ static int bits_of(const char *choice)
 static bool plan_options_of(const struct options *options, bool foreign, struct plan_options *out,
                             struct error *err)
 {
-    const char *renderer = options->renderer;
     struct plan_options plan = {.unchecked = options->strict ? 0 : most_unchecked,
                                 .full_scale = options->full_scale,
                                 .buffer_bits = bits_of(options->buffer),
@@ -225,8 +224,9 @@ static bool plan_options_of(const struct options *options, bool foreign, struct 
                                 .threads = options->threads,
                                 .recorded = options->recorded,
                                 .n_recorded = options->n_recorded};
-    if (renderer && !plan.store_raster && strcmp(renderer, "gl") != 0)
-        plan.gl_driver = renderer;
+    plan.gl_way = driver_way(options->renderer, &plan.gl_driver);
+    if (plan.gl_way != GL_WITHOUT_SHADERS && plan.buffer_bits != 0 && plan.buffer_bits != 32)
+        return error_usage(err, "shaders draw into floats; leave out --buffer %s", options->buffer);
     plan.complete = foreign;
     plan.check = (gl_is_built() || foreign) && !options->no_check;
     plan.use_gl = plan.check || !plan.store_raster;

@@ -131,10 +131,13 @@ static bool open_renderer(struct state *state, const struct render_foreign *fore
 {
     struct stages *stages = &state->stages;
     const int n_buffers = stages->plan->options.check ? GL_BUFFERS : AHEAD_FRAMES;
-    const bool done =
-        foreign ? foreign->open(foreign->of, stages->plan, n_buffers, &stages->renderer, err)
-                : !stages->plan->options.use_gl ||
-                      gl_open(stages->plan, n_buffers, &stages->renderer, err);
+    const struct plan *plan = stages->plan;
+    struct renderer **out = &stages->renderer;
+    const bool shaders = plan->options.gl_way != GL_WITHOUT_SHADERS,
+               done = foreign ? foreign->open(foreign->of, plan, n_buffers, out, err)
+                      : !plan->options.use_gl ? true
+                      : shaders               ? shader_open(plan, n_buffers, out, err)
+                                              : gl_open(plan, n_buffers, out, err);
     if (done && stages->renderer)
         state->result->names = stages->renderer->names;
     clock_in(&state->since, &stages->seconds.gl);

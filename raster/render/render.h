@@ -15,6 +15,7 @@
 #include "raster/notes/notes.h"
 #include "raster/plan/plan.h"
 #include "raster/radiance/radiance.h"
+#include "raster/shader/shader.h"
 #include "raster/stages/stages.h"
 #include "raster/verdict/verdict.h"
 #include "spectral.h"

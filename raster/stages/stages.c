@@ -102,17 +102,43 @@ static bool draw_frame(struct state *state, int frame, struct error *err)
     return true;
 }
 
-static bool draw_tile(struct state *state, const struct rectangle *at, struct error *err)
+/* Lists the frames of a tile in the order of drawing: those with pilots come first. */
+static void order_frames(const struct state *state, int *out)
+{
+    int n = 0;
+    for (int with = 1; with >= 0; with--)
+        for (int frame = 0; frame < state->stages->passes->n_frames; frame++)
+            if (has_pilots(state, frame) == (with == 1))
+                out[n++] = frame;
+}
+
+static bool draw_tile(struct state *state, const struct rectangle *at, const int *frames,
+                      struct error *err)
 {
     struct stages *stages = state->stages;
     stages->renderer->kind->aim(stages->renderer, at);
     if (stages->check_scene && !draw_numbers(state, err))
         return false;
-    for (int with = 1; with >= 0; with--)
-        for (int frame = 0; frame < stages->passes->n_frames; frame++)
-            if (has_pilots(state, frame) == (with == 1) && !draw_frame(state, frame, err))
-                return false;
+    for (int i = 0; i < stages->passes->n_frames; i++)
+        if (!draw_frame(state, frames[i], err))
+            return false;
     return true;
+}
+
+/* Lets the renderer expect the frames, in their order. */
+static bool expect_frames(const struct state *state, const int *frames, struct error *err)
+{
+    const struct passes *passes = state->stages->passes;
+    struct renderer *renderer = state->stages->renderer;
+    int *first_bands = calloc((size_t)passes->n_frames + 1, sizeof *first_bands);
+    if (!first_bands)
+        return error_memory(err);
+    for (int i = 0; i < passes->n_frames; i++)
+        first_bands[i] = passes->first_pass[frames[i]] * BANDS_PER_PASS;
+    const bool done = !renderer->kind->expect ||
+                      renderer->kind->expect(renderer, first_bands, passes->n_frames, err);
+    free(first_bands);
+    return done;
 }
 
 static bool draw_tiles(void *context, struct error *err)
@@ -120,12 +146,17 @@ static bool draw_tiles(void *context, struct error *err)
     struct state *state = context;
     const struct plan *plan = state->plan;
     const struct rectangle picture = plan_picture(plan);
-    for (int tile = 0; tile < plan_tiles(plan, &picture); tile++) {
+    int *frames = calloc((size_t)state->stages->passes->n_frames + 1, sizeof *frames);
+    if (!frames)
+        return error_memory(err);
+    order_frames(state, frames);
+    bool done = expect_frames(state, frames, err);
+    for (int tile = 0; tile < plan_tiles(plan, &picture) && done; tile++) {
         const struct rectangle at = plan_tile(plan, &picture, tile);
-        if (!draw_tile(state, &at, err))
-            return false;
+        done = draw_tile(state, &at, frames, err);
     }
-    return true;
+    free(frames);
+    return done;
 }
 
 /* ---- a tile's chunks ---- */

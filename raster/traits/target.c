@@ -53,11 +53,12 @@ static void set_state(const struct target *target)
 
 bool target_open(struct contexts *contexts, struct target **out, struct error *err)
 {
+    const struct canvas_size size = {32, TARGET, TARGET, 1};
     struct target *target = calloc(1, sizeof *target);
     *out = target;
     if (!target)
         return error_memory(err);
-    if (!canvas_open(contexts, 32, TARGET, TARGET, &target->canvas, err) ||
+    if (!canvas_open(contexts, &size, &target->canvas, err) ||
         !canvas_use(target->canvas, target->colours, err))
         return false;
     target->call = contexts_functions(contexts);

@@ -24,11 +24,14 @@ static bool add_driver(struct verification *to, const char *library, const char 
 /* Returns whether an earlier driver of the list is the same one, by another option. */
 static bool is_listed(const struct driver_list *drivers, int index)
 {
-    const struct context_description *is = drivers->list[index].is;
+    const struct listed_driver *listed = &drivers->list[index];
+    const char *driver;
     for (int i = 0; i < index; i++) {
-        const struct context_description *other = drivers->list[i].is;
-        if (other && strcmp(other->library, is->library) == 0 &&
-            strcmp(other->renderer, is->renderer) == 0 && strcmp(other->version, is->version) == 0)
+        const struct listed_driver *other = &drivers->list[i];
+        if (other->is && strcmp(other->is->library, listed->is->library) == 0 &&
+            strcmp(other->is->renderer, listed->is->renderer) == 0 &&
+            strcmp(other->is->version, listed->is->version) == 0 &&
+            driver_way(other->renderer, &driver) == driver_way(listed->renderer, &driver))
             return true;
     }
     return false;
@@ -42,7 +45,7 @@ static bool find_drivers(const struct options *options, struct verification *out
     bool done = drivers_list(&drivers, err);
     for (int i = 0; i < drivers.n && done; i++)
         if (drivers.list[i].is && !is_listed(&drivers, i))
-            done = add_driver(out, drivers.list[i].library, drivers.list[i].driver, err);
+            done = add_driver(out, drivers.list[i].library, drivers.list[i].renderer, err);
     drivers_free(&drivers);
     return done && (out->n_drivers > 0 ||
                     error_unsupported(err, "no OpenGL can draw here; spectral drivers prints why"));

@@ -21,7 +21,7 @@ bool command_verify(struct options *options, struct error *err);
 
 /* A driver, as the options --gl and --renderer name it. */
 struct verify_driver {
-    char library[16], renderer[16]; /* renderer: empty: the one that comes without --renderer */
+    char library[16], renderer[24]; /* renderer: empty: the one that comes without --renderer */
     struct renderer_names names;    /* known when a scene was drawn */
     char profile[16];               /* whose bounds the check uses; likewise */
 };

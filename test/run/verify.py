@@ -43,9 +43,10 @@ def four_drivers():
     result = run("verify", *scenes, "--junit", path("four.xml"), "--json", path("four.json"))
     check(result.returncode == 0 and result.stderr == "", "three scenes agree on all drivers", result.stdout, result.stderr)
     heads = re.findall(r"^--gl (\S+)(?: --renderer (\S+))?: ([^\s,]+).*, by (\S+), bounds of (\S+)$", result.stdout, re.MULTILINE)
-    drawn = {(library, by, name) for library, _, name, by, bounds in heads if name == bounds}
-    check({("osmesa", "OSMesa", "llvmpipe"), ("osmesa", "OSMesa", "softpipe"), ("egl", "EGL", "llvmpipe"), ("egl", "EGL", "softpipe")} <= drawn,
-          "these are OSMesa and EGL with llvmpipe and softpipe", heads)
+    drawn = {(library, renderer.split(":")[0] if "shader" in renderer else "", by, name)
+             for library, renderer, name, by, bounds in heads if name == bounds}
+    check({(gl, way, by, name) for name in ("llvmpipe", "softpipe") for gl, by, ways in (("osmesa", "OSMesa", ("",)), ("egl", "EGL", (
+        "", "gl-shader", "es-shader"))) for way in ways} <= drawn, "these are OSMesa and EGL with llvmpipe and softpipe, and their shaders", heads)
     check(len(drawn) == len(heads) and result.stdout.count("\n  3 of 3 scenes agree\n") == len(heads), "each driver once", result.stdout)
     with open(path("four.json")) as file:
         report = json.load(file)

@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: MIT */
+/* Opens OpenGL with shaders for a plan. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "raster/context/context.h"
+#include "raster/shader/shader.h"
+
+static const char *text_of(const struct shader *shader, GLenum name)
+{
+    return (const char *)shader->call->GetString(name);
+}
+
+/* ---- the driver ---- */
+
+static void take_names(struct shader *shader)
+{
+    struct renderer_names *names = &shader->renderer.names;
+    snprintf(names->library, sizeof names->library, "%s", contexts_name(shader->contexts));
+    snprintf(names->renderer, sizeof names->renderer, "%s", text_of(shader, GL_RENDERER));
+    snprintf(names->version, sizeof names->version, "%s", text_of(shader, GL_VERSION));
+}
+
+/* The bounds of raster/bounds hold for the shaders of a known driver as for its own lighting: the
+ * shaders do the same operations, and raise to powers by the same instruction. */
+static bool choose_bounds(struct shader *shader, struct error *err)
+{
+    const char *name = shader->renderer.names.renderer, *wanted = shader->plan->options.gl_driver;
+    const struct driver *known = driver_of(name);
+    shader->renderer.driver = *known;
+    if (wanted && strncmp(name, wanted, strlen(wanted)) != 0)
+        return error_unsupported(err, "this %s draws with %.100s, not with %s",
+                                 contexts_name(shader->contexts), name, wanted);
+    return known != driver_of(NULL) || !shader->plan->options.check ||
+           error_unsupported(err,
+                             "the shaders of %s cannot be checked: nobody has measured them; "
+                             "--renderer gl measures its lighting, --no-check draws anyway",
+                             name);
+}
+
+/* ---- buffers ---- */
+
+static bool check_limits(struct shader *shader, struct error *err)
+{
+    const struct plan *plan = shader->plan;
+    const bool es = plan->options.gl_way == GL_ES;
+    GLint n = 0, viewport[2] = {0, 0};
+    shader->call->GetIntegerv(GL_MAX_DRAW_BUFFERS, &n);
+    shader->call->GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
+    if (es && !contexts_have(shader->contexts, "GL_EXT_color_buffer_float"))
+        return error_unsupported(err, "this OpenGL ES does not draw floats");
+    if (viewport[0] < plan->tile_width || viewport[1] < plan->tile_height)
+        return error_unsupported(err, "%s draws at most %d x %d pixels at once",
+                                 contexts_name(shader->contexts), viewport[0], viewport[1]);
+    return n >= shader->n_passes ||
+           error_unsupported(err, "this OpenGL draws %d buffers of colours at once, %d are needed",
+                             n, shader->n_passes);
+}
+
+static bool allocate(struct shader *shader, int n_buffers, struct error *err)
+{
+    const struct plan *plan = shader->plan;
+    const size_t n = (size_t)plan->tile_width * (size_t)plan->tile_height, size = 4 * sizeof(float);
+    bool done = true;
+    for (int i = 0; i < n_buffers; i++)
+        done = (shader->buffers[i] = calloc(n, size)) && done;
+    for (int i = 0; i < shader->n_passes; i++)
+        done = (shader->ready[i] = calloc(n, size)) && done;
+    if (plan->n_light_groups > 1)
+        done = (shader->part = calloc(n, size)) && done;
+    if (plan->options.check)
+        done = (shader->shown = calloc(n, size)) && done;
+    return done || error_memory(err);
+}
+
+/* Depths can be read by OpenGL, and by OpenGL ES with an extension. */
+static bool open_depths(struct shader *shader, struct error *err)
+{
+    const struct plan *plan = shader->plan;
+    if (!plan->options.check)
+        return true;
+    shader->renderer.lacks.depths = plan->options.gl_way == GL_ES &&
+                                    !contexts_have(shader->contexts, "GL_NV_read_depth_stencil");
+    if (shader->renderer.lacks.depths)
+        return true;
+    shader->depths =
+        calloc((size_t)plan->tile_width * (size_t)plan->tile_height, sizeof *shader->depths);
+    return shader->depths || error_memory(err);
+}
+
+static bool open_canvas(struct shader *shader, struct error *err)
+{
+    const struct plan *plan = shader->plan;
+    const struct canvas_size size = {32, plan->tile_width, plan->tile_height, shader->n_passes};
+    return canvas_open(shader->contexts, &size, &shader->canvas, err) &&
+           canvas_use(shader->canvas, shader->ready[0], err);
+}
+
+/* ---- state ---- */
+
+/* Sets the state that no pass changes. */
+static void set_state(struct shader *shader)
+{
+    const struct gl_functions *call = shader->call;
+    GLuint array;
+    call->GenVertexArrays(1, &array);
+    call->BindVertexArray(array);
+    call->EnableVertexAttribArray(0);
+    call->EnableVertexAttribArray(1);
+    call->GenBuffers(1, &shader->stream);
+    call->Disable(GL_DITHER);
+    call->Enable(GL_DEPTH_TEST);
+    call->DepthFunc(GL_LESS);
+    call->ClearColor(0, 0, 0, 0);
+    call->StencilOp(GL_INCR_WRAP, GL_INCR_WRAP, GL_INCR_WRAP);
+    shader->flipped = contexts_flipped(shader->contexts);
+    shader->mirrors = contexts_mirrored(shader->contexts);
+}
+
+static bool open_all(struct shader *shader, int n_buffers, struct error *err)
+{
+    const struct plan_options *options = &shader->plan->options;
+    const struct context_wish wish = {options->gl_library, options->gl_driver, options->threads,
+                                      options->gl_way};
+    struct driver_threads before;
+    if (!allocate(shader, n_buffers, err))
+        return false;
+    driver_count_threads(&before);
+    if (!contexts_open(&wish, &shader->contexts, err))
+        return false;
+    shader->call = contexts_functions(shader->contexts);
+    if (!open_canvas(shader, err) || !check_limits(shader, err) || !open_depths(shader, err))
+        return false;
+    set_state(shader);
+    take_names(shader);
+    return choose_bounds(shader, err) &&
+           driver_has_threads(shader->renderer.names.renderer, &before, err) &&
+           shader_succeeded(shader, err);
+}
+
+static void shader_close(struct renderer *renderer)
+{
+    struct shader *shader = (struct shader *)renderer;
+    canvas_close(shader->canvas);
+    contexts_close(shader->contexts);
+    vertex_buffers_free(&shader->vertices);
+    for (int i = 0; i < MOST_PIXEL_BUFFERS; i++)
+        free(shader->buffers[i]);
+    for (int i = 0; i < MOST_PASSES; i++)
+        free(shader->ready[i]);
+    free(shader->programs);
+    free(shader->textures);
+    free(shader->part);
+    free(shader->shown);
+    free(shader->depths);
+    free(shader->order);
+    free(shader);
+}
+
+static const float *shader_pixels(const struct renderer *renderer, int buffer)
+{
+    return ((const struct shader *)renderer)->buffers[buffer];
+}
+
+/* OpenGL ES 3.0 draws four buffers at once on any driver. */
+static int passes_at_once(const struct plan *plan)
+{
+    return plan->n_passes < MOST_PASSES ? plan->n_passes : MOST_PASSES;
+}
+
+bool shader_open(const struct plan *plan, int n_buffers, struct renderer **out, struct error *err)
+{
+    static const struct renderer_kind kind = {.take_scene = shader_take_scene,
+                                              .aim = shader_aim,
+                                              .expect = shader_expect,
+                                              .draw = shader_draw,
+                                              .pixels = shader_pixels,
+                                              .identify = shader_identify,
+                                              .shown = shader_shown,
+                                              .close = shader_close};
+    struct shader *shader = calloc(1, sizeof *shader);
+    *out = shader ? &shader->renderer : NULL;
+    if (!shader)
+        return error_memory(err);
+    shader->renderer.kind = &kind;
+    shader->plan = plan;
+    shader->n_passes = passes_at_once(plan);
+    shader->batch = -1;
+    return open_all(shader, n_buffers, err);
+}
