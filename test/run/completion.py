@@ -187,7 +187,7 @@ def test_choices():
     """The words of a usage, which the shells offer, are those that the program accepts."""
     for command in program_words():
         text = subprocess.run([PROGRAM, command, "--help"], stdout=subprocess.PIPE, check=True).stdout.decode()
-        for option, words in re.findall(r"^  .*?(--[a-z]+) ([a-z0-9-]+(?:\|(?:[^\sA-Z]|:[A-Z]+)+)+)", text, re.M):
+        for option, words in re.findall(r"^  .*?(--[a-z]+) ([a-z0-9-]+(?:\|(?::[A-Z]+|[^\sA-Z])+)+)", text, re.M):
             scene = "patches" if command != "develop" else "a.tif"
             refused = subprocess.run([PROGRAM, command, scene, option, "@", *MORE_WORDS.get(command, ())],
                                      stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, check=False).stderr.decode()
