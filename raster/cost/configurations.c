@@ -168,7 +168,8 @@ bool configuration_entry(const struct configuration *configuration, const char *
     static const char *const renderer[] = {[BY_RASTER] = "raster",
                                            [BY_LLVMPIPE] = "llvmpipe",
                                            [BY_CHECKED_LLVMPIPE] = "llvmpipe",
-                                           [BY_SOFTPIPE] = "softpipe"};
+                                           [BY_SOFTPIPE] = "softpipe",
+                                           [BY_SHADERS] = "gl-shader:llvmpipe"};
     const char *const buffer = configuration->buffer_bits == 8 ? "8" : "16";
     const char *const depth = configuration->bits == 8 ? "8" : "32f";
     char factor[16], positions[16];
@@ -361,15 +362,17 @@ static const struct configuration smooth = {.tessellation = 1, .renderer = BY_RA
  * the same as an unchecked one, and takes longer: with --quick it is left out. */
 static bool add_renderers(struct cost *cost, const char *sampling, struct error *err)
 {
-    struct configuration eight = opengl, sixteen = opengl, checked = opengl, softpipe = opengl;
+    struct configuration eight = opengl, sixteen = opengl, checked = opengl, softpipe = opengl,
+                         shaders = opengl;
     eight.buffer_bits = 8;
     sixteen.buffer_bits = 16;
     checked.renderer = BY_CHECKED_LLVMPIPE;
     softpipe.renderer = BY_SOFTPIPE;
+    shaders.renderer = BY_SHADERS;
     return !gl_is_built() ||
            (add(cost, opengl, sampling, err) && add(cost, sixteen, sampling, err) &&
             add(cost, eight, sampling, err) && (cost->quick || add(cost, checked, sampling, err)) &&
-            add(cost, softpipe, sampling, err));
+            add(cost, softpipe, sampling, err) && add(cost, shaders, sampling, err));
 }
 
 /* Adds the shadings of the finest tessellation, or the others. */

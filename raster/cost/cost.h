@@ -34,7 +34,7 @@ struct survey {
     int rank; /* of lights x reflectances; 0: a basis was refused */
 };
 
-enum cost_renderer { BY_RASTER, BY_LLVMPIPE, BY_CHECKED_LLVMPIPE, BY_SOFTPIPE };
+enum cost_renderer { BY_RASTER, BY_LLVMPIPE, BY_CHECKED_LLVMPIPE, BY_SOFTPIPE, BY_SHADERS };
 struct configuration {
     char sampling[SAMPLING_NAME]; /* or "accuracy:ERROR"; "": at the scene's own wavelengths */
     enum shading_kind shading;

@@ -3,9 +3,16 @@
  * EGL by LD_PRELOAD. The environment variable SPOIL names the fault:
  *
  *     diffuse   diffuse light is 1/100 too weak in the second band of each pass
- *     crash     the driver ends the process where a texture is switched on */
+ *     crash     the driver ends the process where a texture is switched on
+ *     unknown   the driver has another name
+ *     depths    OpenGL ES cannot read depths
+ *
+ * In shaders the light is that of the variable "diffuse". */
 #define _GNU_SOURCE
+#define GL_GLEXT_PROTOTYPES
 #include <GL/gl.h>
+/* after GL/gl.h */
+#include <GL/glext.h>
 #include <dlfcn.h>
 #include <signal.h>
 #include <stdbool.h>
@@ -44,6 +51,51 @@ void glLightfv(GLenum light, GLenum name, const GLfloat *values)
     if (name == GL_DIFFUSE && spoils("diffuse"))
         spoiled[1] *= 0.99F;
     next(light, name, spoiled);
+}
+
+/* ---- shaders ---- */
+
+static GLint diffuse = -1; /* the variable of the program that was made last */
+
+GLint glGetUniformLocation(GLuint program, const char *name)
+{
+    GLint (*next)(GLuint, const char *);
+    real("glGetUniformLocation", &next);
+    const GLint at = next(program, name);
+    if (strcmp(name, "diffuse") == 0)
+        diffuse = at;
+    return at;
+}
+
+void glUniform4fv(GLint at, GLsizei n, const GLfloat *values)
+{
+    void (*next)(GLint, GLsizei, const GLfloat *);
+    real("glUniform4fv", &next);
+    GLfloat *spoiled = malloc(4 * (size_t)n * sizeof *spoiled + 1);
+    if (!spoiled)
+        abort();
+    memcpy(spoiled, values, 4 * (size_t)n * sizeof *spoiled);
+    for (GLsizei i = 0; i < n && at == diffuse && spoils("diffuse"); i++)
+        spoiled[4 * i + 1] *= 0.99F;
+    next(at, n, spoiled);
+    free(spoiled);
+}
+
+const GLubyte *glGetStringi(GLenum name, GLuint index)
+{
+    const GLubyte *(*next)(GLenum, GLuint);
+    real("glGetStringi", &next);
+    const GLubyte *text = next(name, index);
+    return spoils("depths") && strcmp((const char *)text, "GL_NV_read_depth_stencil") == 0
+               ? (const GLubyte *)"GL_hidden"
+               : text;
+}
+
+const GLubyte *glGetString(GLenum name)
+{
+    const GLubyte *(*next)(GLenum);
+    real("glGetString", &next);
+    return name == GL_RENDERER && spoils("unknown") ? (const GLubyte *)"Foo 9000" : next(name);
 }
 
 void glEnable(GLenum name)

@@ -19,7 +19,7 @@ import tempfile
 import time
 
 Sizes = collections.namedtuple("Sizes", "large small bands band_side sides triangles triangle_side n_bands rays rounds enough")
-# Rounds of the rows (a), (b) and (h); (c) and (f); (d), (g) and (i). Sweeps compare runs with enough samples: of pixels,
+# Rounds of the rows (a), (b) and (h); (c) and (f); (d), (g), (i) and (j). Sweeps compare runs with enough samples: of pixels,
 # so that the start of the program, some 0.05 s, is at most a few per cent; of bands, so that 0.01 s of noise are.
 FULL = Sizes(2000, 512, (3, 33, 93, 186, 461), 1000, (500, 1000, 2000, 4000, 8000), (71, 224, 707), 1000, 93, 0,
              (5, 9, 3), {"pixels": 10e6, "bands": 90e6})
@@ -164,6 +164,17 @@ def processors(bench):
         "render, checked, no file, one processor": bench.render(*chart, one_processor=True)})
 
 
+def ways(bench):
+    """OpenGL by each library, and by shaders, which draw several bands at once."""
+    chart = ("colorchecker", "--size", f"{bench.sizes.large}x{bench.sizes.large}", "--wavelengths",
+             wavelengths(bench.sizes.n_bands), *NO_FILE)
+    options = {"OSMesa": ("--gl", "osmesa"), "EGL": ("--gl", "egl"), "shaders": ("--renderer", "gl-shader"),
+               "shaders, OpenGL ES": ("--renderer", "es-shader")}
+    return Group("j", bench.sizes.rounds[2], {
+        f"{name}, {checked}checked": bench.render(*chart, *words, *(("--no-check",) if checked else ()))
+        for name, words in options.items() for checked in ("not ", "")})
+
+
 def net(bench, n):
     """A wavy net of 2 n^2 triangles. Its lines are never all in memory, which would count as that of programs: see Run."""
     corners = (f"v {10 * c / n - 5:.6f} {10 * r / n - 5:.6f} {0.3 * math.sin(30 * c / n) * math.cos(20 * r / n):.6f}"
@@ -247,6 +258,16 @@ def processor_ratios(bench):
                  [all_ / single for all_, single in zip(checked, one)])
 
 
+def way_ratios(bench):
+    samples = bench.sizes.large ** 2 * bench.sizes.n_bands
+    for name in "EGL", "shaders", "shaders, OpenGL ES":
+        for checked in "not checked", "checked":
+            yield Figure("j", f"{name} / OSMesa, {checked}", "", bench.ratios("j", f"{name}, {checked}", f"OSMesa, {checked}"))
+    for name in "OSMesa", "EGL", "shaders", "shaders, OpenGL ES":
+        yield Figure("j", f"{name}, not checked, processor milliseconds a band and megapixel", "ms",
+                     [1e9 * run.processor / samples for run in bench.of("j", f"{name}, not checked")])
+
+
 def ratios(bench):
     yield Figure("a", "render with check and file / the thesis's loop", "",
                  bench.ratios("abh", "render, checked", "the thesis's loop"), 0.5)
@@ -260,6 +281,7 @@ def ratios(bench):
     yield Figure("f", "patches, 64 x 64 x 3 / bare OSMesa program", "", bench.ratios("f", "patches", "bare OSMesa"), 1.5)
     yield from processor_ratios(bench)
     yield from triangle_ratios(bench)
+    yield from way_ratios(bench)
 
 
 # ---- seconds and memory of each program, without goals ----
@@ -338,7 +360,7 @@ def main():
     chosen = options.parse_args()
     bench = Bench(chosen.build, QUICK if chosen.quick else FULL)
     print_machine(chosen.quick)
-    for group in (large_picture(bench), small_picture(bench), *linear(bench), start_up(bench), processors(bench), triangles(bench)):
+    for group in (large_picture(bench), small_picture(bench), *linear(bench), start_up(bench), processors(bench), triangles(bench), ways(bench)):
         bench.run(group)
     figures = list(ratios(bench))
     print_programs(bench)

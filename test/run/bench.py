@@ -17,9 +17,9 @@ TABLE = os.path.join(TMP, "bench.csv")
 COLUMNS = "row what unit measured least most goal verdict values".split()
 # The goals of each row, in order; "": a figure without one.
 GOALS = {"a": ["0.5"], "b": ["1.5"], "c": ["0.247059", "0.05"], "d": ["1.1", "1.1", "", ""] * 2, "e": ["300"] * 2, "f": ["1.5"],
-         "g": ["1", ""], "h": ["1.1", ""], "i": ["1.1"] * 3}
+         "g": ["1", ""], "h": ["1.1", ""], "i": ["1.1"] * 3, "j": [""] * 10}
 # Programs of each group, and those among them that are `spectral`.
-PROGRAMS = {"abh": (4, 2), "c": (3, 2), "d bands": (6, 6), "d pixels": (6, 6), "f": (2, 1), "g": (3, 3), "i": (3, 3)}
+PROGRAMS = {"abh": (4, 2), "c": (3, 2), "d bands": (6, 6), "d pixels": (6, 6), "f": (2, 1), "g": (3, 3), "i": (3, 3), "j": (8, 8)}
 SECONDS, PARTS = ("seconds", "processor", "peak"), ("read", "plan", "gl", "raster", "check", "write")
 
 

@@ -126,7 +126,7 @@ def whole_table(scene):
     check(expected <= set(first), "every sampling is measured", expected - set(first))
     ends = ("flat", "smooth", "phong", "flat x2", "smooth x2", "phong x2", "flat x4", "smooth x4", "phong x4",
             "smooth llvmpipe", "smooth llvmpipe buffer 8", "smooth llvmpipe buffer 16",
-            "smooth llvmpipe checked", "smooth softpipe", "phong x4 depth 8", "phong x4 depth 32f")
+            "smooth llvmpipe checked", "smooth softpipe", "smooth gl-shader:llvmpipe", "phong x4 depth 8", "phong x4 depth 32f")
     for end in ends:
         check(any(name.split(" ", 1)[1] == end for name in first), f"{end} is measured", *first)
     check(all(map(is_in_order, first.values())),
