@@ -13,9 +13,9 @@
  * (20), fragments and steepness (8), floors and the mean bound (12), flags (2), and room for
  * ambiguous pixels (18). A row has a weight (8), its errors (8) and an estimate (4); a sum of
  * passes is a colour, and Mesa keeps a copy (32). Checked steps of 16 bits have a colour and depth
- * of Mesa's own (12) and our copy (8) beside what floats have. Shaders draw five frames at once:
- * Mesa's own (64) and our copies (80) come on top. */
-enum { PIXEL_BYTES = 192, ROW_BYTES = 20, SUM_BYTES = 32, STEPS_BYTES = 20, SHADER_BYTES = 144 };
+ * of Mesa's own (12) and our copy (8) beside what floats have. Shaders draw four frames at once:
+ * Mesa's own (48) and our copies (64) come on top. */
+enum { PIXEL_BYTES = 192, ROW_BYTES = 20, SUM_BYTES = 32, STEPS_BYTES = 20, SHADER_BYTES = 112 };
 /* The memory of a tile, without what stages need to work side by side, so that a render stays well
  * below 300 MiB with Mesa's own memory. Tiles should keep their sizes: the last bits of what OpenGL
  * draws depend on where a tile begins. */
