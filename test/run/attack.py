@@ -83,7 +83,8 @@ def attacks(form, counts, phase):
             # without FULL=1, one command tries every second kind of calls, and the next command the others
             if count > 0 and kind and (FULL or i % 2 == first or kind in ("own", "gl", "thread", "fork")):
                 yield from attacks_of_kind(kind, count, depth, form.slow, phase)
-    for fail in ("eintr:2", "eintr:3", "short:1", "short:2")[:1 if form.slow else 4]:
+    storms = ("short:1", "short:2") if form.uses_egl else ("eintr:2", "eintr:3", "short:1", "short:2")
+    for fail in storms[:1 if form.slow else 4]:
         yield Attack("storm", fail, None)
 
 

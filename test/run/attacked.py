@@ -88,7 +88,8 @@ def make_inputs(folder):
             out.write(page, metadata=None, contiguous=False, compression="zlib", photometric="minisblack",
                       tile=(16, 16), extratags=[(285, "s", 0, f"{nm} nm", True)])
     for name, words in (("stack.tif", "plain.scene --renderer raster"), ("other.tif", "glow.scene --no-check --renderer raster"),
-                        ("basis.tif", "plain.scene --no-check --renderer raster --sampling basis:3")):
+                        ("basis.tif", "plain.scene --no-check --renderer raster --sampling basis:3"),
+                        ("drawn.tif", "plain.scene --depth 32f --full-scale 4")):
         # the scene's path stays true when the program makes the stack again
         subprocess.run([SPECTRAL, "render", *("in/" + words).split(), "-q", "-o", "in/" + name],
                        cwd=os.path.dirname(folder), check=True)
@@ -96,12 +97,13 @@ def make_inputs(folder):
 
 # ---- commands ----
 
-# nameless: on a file system that cannot keep files without a name
-Form = collections.namedtuple("Form", "name words outputs slow uses_gl nameless", defaults=((), False, False, False))
+# nameless: on a file system that cannot keep files without a name. uses_egl: the loader of EGL's drivers gives up where a
+# signal interrupts it; the program holds signals back, so that none does.
+Form = collections.namedtuple("Form", "name words outputs slow uses_gl uses_egl nameless", defaults=((), *[False] * 4))
 
 
-def form(name, words, *outputs, slow=False, uses_gl=False):
-    return Form(name, words.split(), tuple("out/" + output for output in outputs), slow, uses_gl)
+def form(name, words, *outputs, slow=False, uses_gl=False, uses_egl=False):
+    return Form(name, words.split(), tuple("out/" + output for output in outputs), slow, uses_gl, uses_egl)
 
 
 def on_old_file_systems(a_form):
@@ -120,6 +122,9 @@ FORMS = [
     form("render to standard output", "render in/glow.scene --renderer raster --no-check -o - -q"),
     form("render, writes nothing", "render in/plain.scene --renderer raster --no-check -o /dev/null --json -"),
     form("render --again", "render --again in/stack.tif -o out/again.tif", "again.tif"),
+    form("render, shaders", "render in/plain.scene --renderer gl-shader -o out/a.tif", "a.tif", uses_gl=True, uses_egl=True),
+    form("judge", "judge in/plain.scene in/drawn.tif --full-scale 4 --json out/a.json --check-map out/map.tif", "a.json",
+         "map.tif"),
     form("plan", "plan in/mesh.scene"),
     form("plan --json", "plan in/glow.scene --json out/plan.json", "plan.json"),
     form("develop", "develop in/stack.tif -o out/a.png --adaptation cat16 --json out/a.json", "a.png", "a.json"),
@@ -135,7 +140,7 @@ FORMS = [
     form("probe, ENVI", "probe in/cube.hdr 3 3 2 2 --white d65"),
     form("compare", "compare in/stack.tif in/other.tif --map out/map.tif --json out/a.json", "map.tif", "a.json"),
     form("compare, foreign", "compare in/foreign.tif in/cube.hdr --white d65 --map out/map.png", "map.png"),
-    form("cost", "cost in/tiny.scene -q -j 1 --json out/cost.json --csv out/cost.csv --svg out/cost.svg",
+    form("cost", "cost in/tiny.scene --gl osmesa -q -j 1 --json out/cost.json --csv out/cost.csv --svg out/cost.svg",
          "cost.json", "cost.csv", "cost.svg", slow=True, uses_gl=True),
     form("view", "view in/plain.scene -o out/a.html", "a.html"),
     form("view, picture", "view in/glow.scene -o out/a.png", "a.png"),
