@@ -96,6 +96,11 @@ const char *contexts_name(const struct contexts *contexts)
     return contexts->name;
 }
 
+enum gl_way contexts_way(const struct contexts *contexts)
+{
+    return contexts->way;
+}
+
 bool contexts_flipped(const struct contexts *contexts)
 {
     return contexts->flipped;

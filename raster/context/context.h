@@ -24,6 +24,7 @@ bool contexts_open(const struct context_wish *wish, struct contexts **out, struc
 void contexts_close(struct contexts *contexts); /* NULL is fine; after all of its canvases */
 const struct gl_functions *contexts_functions(const struct contexts *contexts);
 const char *contexts_name(const struct contexts *contexts); /* "OSMesa" or "EGL" */
+enum gl_way contexts_way(const struct contexts *contexts);
 /* True if the first row that OpenGL draws is the top of the picture. */
 bool contexts_flipped(const struct contexts *contexts);
 /* True if the projection must turn y around for this, so that fronts go round with the clock. Known

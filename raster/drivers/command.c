@@ -24,14 +24,11 @@ static void print_traits(const struct traits *traits, struct printed *to)
     print(to, "  bounds          %s\n", words);
 }
 
-/* Returns the profile by which a render judges a driver. Shaders are not measured. */
-static const char *profile_of(const struct listed_driver *driver)
+/* Returns the profile by which a render judges a driver. */
+static const char *profile_of(const struct context_description *is)
 {
-    const struct driver *known = driver_of(driver->is->renderer);
-    const char *wanted;
-    return known != driver_of(NULL)                                      ? known->name
-           : driver_way(driver->renderer, &wanted) == GL_WITHOUT_SHADERS ? "measured"
-                                                                         : "none";
+    const struct driver *known = driver_of(is->renderer);
+    return known == driver_of(NULL) ? "measured" : known->name;
 }
 
 /* Prints the options, and what they choose. */
@@ -47,7 +44,7 @@ static void print_driver(const struct listed_driver *driver, struct printed *to)
     print(to,
           "  renderer        %s, by %s\n  version         %s, of %s\n  profile         %s\n"
           "  largest         %d x %d pixels, textures of %d x %d texels\n",
-          is->renderer, is->library, is->version, is->vendor, profile_of(driver),
+          is->renderer, is->library, is->version, is->vendor, profile_of(is),
           is->largest_viewport[0], is->largest_viewport[1], is->largest_texture,
           is->largest_texture);
     if (driver->traits)
@@ -87,7 +84,7 @@ static void json_driver(const struct listed_driver *driver, struct json *json)
         json_string(json, "gl_vendor", is->vendor);
         json_string(json, "gl_renderer", is->renderer);
         json_string(json, "gl_version", is->version);
-        json_string(json, "driver_profile", profile_of(driver));
+        json_string(json, "driver_profile", profile_of(is));
         json_count(json, "largest_width", (uint64_t)is->largest_viewport[0]);
         json_count(json, "largest_height", (uint64_t)is->largest_viewport[1]);
         json_count(json, "largest_texture", (uint64_t)is->largest_texture);

@@ -33,7 +33,7 @@ struct driver_list {
  * shaders, in processes of their own. Leaves out a driver that a library does not have, or has
  * without being asked for it. The caller always frees *out. */
 bool drivers_list(struct driver_list *out, struct error *err);
-/* Measures each one that is usable and has lighting of its own: see raster/traits. */
+/* Measures each one that is usable: see raster/traits. */
 bool drivers_measure(struct driver_list *drivers, struct error *err);
 void drivers_free(struct driver_list *drivers);
 

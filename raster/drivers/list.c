@@ -123,7 +123,7 @@ bool drivers_measure(struct driver_list *drivers, struct error *err)
 {
     for (int i = 0; i < drivers->n; i++) {
         struct listed_driver *listed = &drivers->list[i];
-        if (!listed->is || way_of(listed) != GL_WITHOUT_SHADERS)
+        if (!listed->is)
             continue;
         if (is_interrupted())
             return error_system(err, "interrupted");

@@ -62,7 +62,8 @@ static bool kind_of(const struct plan *plan, enum forecast_kind *out)
 {
     const struct plan_options *options = &plan->options;
     *out = options->use_gl ? FORECAST_CHECKED : FORECAST_REFERENCE;
-    return options->check == options->use_gl && !options->gl_driver && buffer_steps(plan) == 0 &&
+    return options->check == options->use_gl && !options->gl_driver &&
+           options->gl_way == GL_WITHOUT_SHADERS && buffer_steps(plan) == 0 &&
            plan->view.shading != PHONG && options->threads == threads_count(0);
 }
 

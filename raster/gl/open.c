@@ -182,19 +182,10 @@ static bool set_states(struct gl *gl, struct error *err)
 /* A driver that is not known is measured first. */
 static bool choose_bounds(struct gl *gl, struct error *err)
 {
-    const char *name = gl->renderer.names.renderer;
-    const struct driver *known = driver_of(name);
-    struct traits traits;
-    char reason[TRAITS_REASON];
-    gl->renderer.driver = *known;
-    if (known != driver_of(NULL) || !gl->plan->options.check)
-        return true;
-    if (!traits_measure(gl->contexts, &traits, err) || !begin(gl, err))
-        return false;
-    return traits_profile(&traits, &gl->renderer.driver, reason) ||
-           error_unsupported(err,
-                             "%s cannot be checked: %s; spectral drivers --measure prints more",
-                             name, reason);
+    bool measured;
+    return traits_choose(gl->contexts, gl->renderer.names.renderer, gl->plan->options.check,
+                         &gl->renderer.driver, &measured, err) &&
+           (!measured || begin(gl, err));
 }
 
 bool gl_open(const struct plan *plan, int n_buffers, struct renderer **out, struct error *err)

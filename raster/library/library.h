@@ -8,6 +8,7 @@
 /* after GL/gl.h */
 #include <GL/glext.h>
 
+#include "data/base/base.h"
 #include "raster/driver/driver.h"
 #include "spectral.h"
 
@@ -129,5 +130,14 @@ struct gl_source {
 };
 bool functions_find(const struct gl_source *in, enum gl_way way, struct gl_functions *out,
                     struct error *err);
+
+/* ---- program.c: programs of shaders ---- */
+
+/* Prints the first lines of a shader. */
+void program_begin(enum gl_way way, struct printed *to);
+/* Compiles two complete shaders, links and uses them; *out is the program's name. Frees both texts,
+ * also after a failure. */
+bool program_end(const struct gl_functions *call, struct printed *vertex, struct printed *fragment,
+                 unsigned *out, struct error *err);
 
 #endif

@@ -6,6 +6,7 @@
 
 #include "raster/context/context.h"
 #include "raster/shader/shader.h"
+#include "raster/traits/traits.h"
 
 static const char *text_of(const struct shader *shader, GLenum name)
 {
@@ -22,21 +23,23 @@ static void take_names(struct shader *shader)
     snprintf(names->version, sizeof names->version, "%s", text_of(shader, GL_VERSION));
 }
 
-/* The bounds of raster/bounds hold for the shaders of a known driver as for its own lighting: the
- * shaders do the same operations, and raise to powers by the same instruction. */
-static bool choose_bounds(struct shader *shader, struct error *err)
+static bool check_driver(const struct shader *shader, struct error *err)
 {
     const char *name = shader->renderer.names.renderer, *wanted = shader->plan->options.gl_driver;
-    const struct driver *known = driver_of(name);
-    shader->renderer.driver = *known;
-    if (wanted && strncmp(name, wanted, strlen(wanted)) != 0)
-        return error_unsupported(err, "this %s draws with %.100s, not with %s",
-                                 contexts_name(shader->contexts), name, wanted);
-    return known != driver_of(NULL) || !shader->plan->options.check ||
-           error_unsupported(err,
-                             "the shaders of %s cannot be checked: nobody has measured them; "
-                             "--renderer gl measures its lighting, --no-check draws anyway",
-                             name);
+    return !wanted || strncmp(name, wanted, strlen(wanted)) == 0 ||
+           error_unsupported(err, "this %s draws with %.100s, not with %s",
+                             contexts_name(shader->contexts), name, wanted);
+}
+
+/* The bounds of raster/bounds hold for the shaders of a known driver as for its own lighting: the
+ * shaders do the same operations, and both measure the same (test/run/traits.py). An unknown driver
+ * is measured by shaders first. */
+static bool choose_bounds(struct shader *shader, struct error *err)
+{
+    bool measured;
+    return traits_choose(shader->contexts, shader->renderer.names.renderer,
+                         shader->plan->options.check, &shader->renderer.driver, &measured, err) &&
+           (!measured || canvas_use(shader->canvas, shader->ready[0], err));
 }
 
 /* ---- buffers ---- */
@@ -134,7 +137,7 @@ static bool open_all(struct shader *shader, int n_buffers, struct error *err)
         return false;
     set_state(shader);
     take_names(shader);
-    return choose_bounds(shader, err) &&
+    return check_driver(shader, err) && choose_bounds(shader, err) &&
            driver_has_threads(shader->renderer.names.renderer, &before, err) &&
            shader_succeeded(shader, err);
 }

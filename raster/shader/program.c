@@ -8,13 +8,6 @@
 #include "raster/context/context.h"
 #include "raster/shader/shader.h"
 
-static void print_version(const struct shader *of, struct printed *to)
-{
-    print_text(to, of->plan->options.gl_way == GL_ES
-                       ? "#version 300 es\nprecision highp float;\nprecision highp sampler2D;\n"
-                       : "#version 330 core\n");
-}
-
 static bool is_flat(const struct shader *of)
 {
     return of->plan->view.shading == FLAT;
@@ -125,7 +118,7 @@ static void print_vertex_variables(const struct shader *of, const struct program
 static void print_vertex_shader(const struct shader *of, const struct program_effects *effects,
                                 struct printed *to)
 {
-    print_version(of, to);
+    program_begin(of->plan->options.gl_way, to);
     print_vertex_variables(of, effects, to);
     print_lighting(of, effects, to);
     print(to,
@@ -157,7 +150,7 @@ static void print_fragment_shader(const struct shader *of, const struct program_
                                   struct printed *to)
 {
     const char *flat = is_flat(of) ? "flat " : "";
-    print_version(of, to);
+    program_begin(of->plan->options.gl_way, to);
     print(to, "in vec2 at;\n%sin vec4 front[%d];\n", flat, of->n_passes);
     if (effects->two_sided)
         print(to, "%sin vec4 back[%d];\n", flat, of->n_passes);
@@ -180,49 +173,6 @@ static void print_fragment_shader(const struct shader *of, const struct program_
 
 /* ---- making a program ---- */
 
-/* Compiles a shader and attaches it. Frees the text. */
-static bool attach(const struct shader *of, unsigned program, GLenum type, struct printed *text,
-                   struct error *err)
-{
-    const struct gl_functions *call = of->call;
-    const GLuint shader = call->CreateShader(type);
-    char *source = printed_end(text), log[256] = "";
-    const char *const sources[] = {source};
-    GLint done = 0;
-    if (!source)
-        return error_memory(err);
-    call->ShaderSource(shader, 1, sources, NULL);
-    call->CompileShader(shader);
-    call->GetShaderiv(shader, GL_COMPILE_STATUS, &done);
-    if (!done) {
-        call->GetShaderInfoLog(shader, sizeof log, NULL, log);
-        hide_unprintable(log, "");
-    }
-    call->AttachShader(program, shader);
-    free(source);
-    return done || error_unsupported(err, "OpenGL does not compile a shader: %s", log);
-}
-
-static bool link_program(const struct shader *of, struct printed *vertex, struct printed *fragment,
-                         struct program *out, struct error *err)
-{
-    const struct gl_functions *call = of->call;
-    const GLuint name = call->CreateProgram();
-    GLint done = 0;
-    const bool attached = attach(of, name, GL_VERTEX_SHADER, vertex, err) &&
-                          attach(of, name, GL_FRAGMENT_SHADER, fragment, err);
-    free(printed_end(fragment));
-    if (!attached)
-        return false;
-    call->LinkProgram(name);
-    call->GetProgramiv(name, GL_LINK_STATUS, &done);
-    if (!done)
-        return error_unsupported(err, "OpenGL does not link the shaders of a program");
-    *out = (struct program){.name = name, .material = -1, .batch = -1};
-    call->UseProgram(name);
-    return true;
-}
-
 static void find_variables(const struct shader *of, struct program *program)
 {
     const struct {
@@ -236,6 +186,17 @@ static void find_variables(const struct shader *of, struct program *program)
                      {"exponent", &program->exponent}};
     for (size_t i = 0; i < sizeof variables / sizeof *variables; i++)
         *variables[i].at = of->call->GetUniformLocation(program->name, variables[i].name);
+}
+
+static bool make(const struct shader *of, struct printed *vertex, struct printed *fragment,
+                 struct program *out, struct error *err)
+{
+    struct program program = {.material = -1, .batch = -1};
+    if (!program_end(of->call, vertex, fragment, &program.name, err))
+        return false;
+    find_variables(of, &program);
+    *out = program;
+    return true;
 }
 
 /* Sets what no pass changes: the lights of the group, and the units of textures. */
@@ -289,9 +250,8 @@ struct program *program_use(struct shader *shader, const struct program_effects 
     }
     print_vertex_shader(shader, effects, &vertex);
     print_fragment_shader(shader, effects, &fragment);
-    if (!link_program(shader, &vertex, &fragment, program, err))
+    if (!make(shader, &vertex, &fragment, program, err))
         return NULL;
-    find_variables(shader, program);
     set_lights(shader, effects->group, program);
     return program;
 }
@@ -304,7 +264,7 @@ struct program *program_use_numbers(struct shader *shader, struct error *err)
         shader->call->UseProgram(program->name);
         return program;
     }
-    print_version(shader, &vertex);
+    program_begin(shader->plan->options.gl_way, &vertex);
     print_text(&vertex, "layout(location = 0) in vec3 position;\n"
                         "layout(location = 1) in vec3 number;\n"
                         "uniform mat4 to_clip;\n"
@@ -313,13 +273,10 @@ struct program *program_use_numbers(struct shader *shader, struct error *err)
                         "void main()\n{\n"
                         "    gl_Position = to_clip * vec4(position, 1.0);\n"
                         "    shown = number;\n}\n");
-    print_version(shader, &fragment);
+    program_begin(shader->plan->options.gl_way, &fragment);
     print_text(&fragment, "flat in vec3 shown;\n"
                           "layout(location = 0) out vec4 colour0;\n"
                           "void main()\n{\n"
                           "    colour0 = vec4(shown, 0.0);\n}\n");
-    if (!link_program(shader, &vertex, &fragment, program, err))
-        return NULL;
-    find_variables(shader, program);
-    return program;
+    return make(shader, &vertex, &fragment, program, err) ? program : NULL;
 }

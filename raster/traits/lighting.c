@@ -7,7 +7,6 @@
 #include "raster/traits/traits.h"
 
 enum { SIDE = 4, MANY = TARGET / SIDE, POINTS = MANY * MANY };
-static const GLfloat white[4] = {1, 1, 1, 1}, black[4] = {0, 0, 0, 1};
 
 /* Draws a small rectangle for each normal; `seen` gets their red. */
 static void light_points(struct target *target, float normals[POINTS][3], double seen[POINTS])
@@ -35,7 +34,7 @@ static void measure_power(struct target *target, double gloss, struct traits *ou
     double seen[POINTS];
     for (int i = 0; i < POINTS; i++)
         normals[i][2] = (float)random_in(target, 0.52, 1);
-    target->call->Materialf(GL_FRONT_AND_BACK, GL_SHININESS, (GLfloat)gloss);
+    target_shade(target, TARGET_HIGHLIGHT, gloss);
     light_points(target, normals, seen);
     for (int i = 0; i < POINTS; i++) {
         const double base = (double)normals[i][2], expected = power(base, gloss),
@@ -57,6 +56,7 @@ static void measure_normals(struct target *target, struct traits *out)
         for (int j = 0; j < 3; j++)
             normals[i][j] = (float)(length * random_in(target, j < 2 ? -1 : 0.1, 1));
     }
+    target_shade(target, TARGET_DIFFUSE, 0);
     light_points(target, normals, seen);
     for (int i = 0; i < POINTS; i++) {
         const struct vector normal = {(double)normals[i][0], (double)normals[i][1],
@@ -69,22 +69,8 @@ static void measure_normals(struct target *target, struct traits *out)
 void measure_lighting(struct target *target, struct traits *out)
 {
     static const double gloss[] = {0.3, 1, 2, 10.5, 40, 128};
-    static const GLfloat towards[4] = {0, 0, 1, 0};
-    const struct gl_functions *call = target->call;
-    call->Enable(GL_LIGHTING);
-    call->Enable(GL_LIGHT0);
-    call->EnableClientState(GL_NORMAL_ARRAY);
-    call->LightModelfv(GL_LIGHT_MODEL_AMBIENT, black);
-    call->Lightfv(GL_LIGHT0, GL_POSITION, towards);
-    call->Materialfv(GL_FRONT_AND_BACK, GL_DIFFUSE, black);
-    call->Materialfv(GL_FRONT_AND_BACK, GL_SPECULAR, white);
     for (size_t i = 0; i < sizeof gloss / sizeof *gloss; i++)
         measure_power(target, gloss[i], out);
-    call->Materialfv(GL_FRONT_AND_BACK, GL_DIFFUSE, white);
-    call->Materialfv(GL_FRONT_AND_BACK, GL_SPECULAR, black);
-    call->Enable(GL_NORMALIZE);
     measure_normals(target, out);
-    call->Disable(GL_NORMALIZE);
-    call->DisableClientState(GL_NORMAL_ARRAY);
-    call->Disable(GL_LIGHTING);
+    target_shade(target, TARGET_COLOURS, 0);
 }

@@ -7,48 +7,27 @@
 
 /* Window coordinates become clip coordinates by products and sums that single precision does not
  * round for corners on a grid of 1/65536 pixel. */
-static void load_window(const struct target *target)
+static void place_window(struct target *target)
 {
-    const double up = target->mirrors ? -1 : 1;
-    const GLdouble columns[16] = {2.0 / TARGET,
-                                  0,
-                                  0,
-                                  0,
-                                  0,
-                                  -up * 2 / TARGET,
-                                  0,
-                                  0, /* x, y */
-                                  0,
-                                  0,
-                                  2,
-                                  0,
-                                  -1,
-                                  up,
-                                  -1,
-                                  1};
-    target->call->MatrixMode(GL_PROJECTION);
-    target->call->LoadMatrixd(columns);
-    target->call->MatrixMode(GL_MODELVIEW);
-    target->call->LoadIdentity();
-    target->call->Viewport(0, 0, TARGET, TARGET);
+    static const double none[16] = {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
+    const double up = target->mirrors ? -1 : 1, side = 2.0 / TARGET;
+    const double columns[16] = {side, 0, 0, 0, 0, -up * side, 0, 0, 0, 0, 2, 0, -1, up, -1, 1};
+    target_place(target, columns, none);
 }
 
-static void set_state(const struct target *target)
+static void set_state(struct target *target)
 {
     const struct gl_functions *call = target->call;
-    call->ClampColorARB(GL_CLAMP_VERTEX_COLOR_ARB, GL_FALSE);
-    call->ClampColorARB(GL_CLAMP_FRAGMENT_COLOR_ARB, GL_FALSE);
-    call->ClampColorARB(GL_CLAMP_READ_COLOR_ARB, GL_FALSE);
     call->Disable(GL_DITHER);
     call->Enable(GL_DEPTH_TEST);
     call->DepthFunc(GL_ALWAYS);
     call->Enable(GL_STENCIL_TEST);
     call->StencilOp(GL_INCR_WRAP, GL_INCR_WRAP, GL_INCR_WRAP);
-    call->ShadeModel(GL_SMOOTH);
     call->ClearColor(0, 0, 0, 0);
-    call->EnableClientState(GL_VERTEX_ARRAY);
-    call->EnableClientState(GL_COLOR_ARRAY);
-    load_window(target);
+    call->GenBuffers(2, target->buffers);
+    call->Viewport(0, 0, TARGET, TARGET);
+    place_window(target);
+    target_shade(target, TARGET_COLOURS, 0);
 }
 
 bool target_open(struct contexts *contexts, struct target **out, struct error *err)
@@ -62,9 +41,15 @@ bool target_open(struct contexts *contexts, struct target **out, struct error *e
         !canvas_use(target->canvas, target->colours, err))
         return false;
     target->call = contexts_functions(contexts);
+    target->contexts = contexts;
+    target->way = contexts_way(contexts);
     target->flipped = contexts_flipped(contexts);
     target->mirrors = contexts_mirrored(contexts);
     target->random = 1;
+    if (target->way == GL_ES && !contexts_have(contexts, "GL_NV_read_depth_stencil"))
+        return error_unsupported(err, "this OpenGL ES cannot read depths, which measurements need");
+    if (!target_prepare(target, err))
+        return false;
     set_state(target);
     return true;
 }
@@ -81,14 +66,38 @@ void target_clear(struct target *target)
     target->call->Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT | GL_STENCIL_BUFFER_BIT);
 }
 
+/* OpenGL without lighting of its own takes corners from buffers only. */
 void target_draw(const struct target *target, const struct target_corner *corners, int n_triangles)
 {
     const struct gl_functions *call = target->call;
-    call->VertexPointer(3, GL_FLOAT, sizeof *corners, corners->position);
-    call->ColorPointer(3, GL_FLOAT, sizeof *corners, corners->colour);
-    call->NormalPointer(GL_FLOAT, sizeof *corners, corners->normal);
-    call->TexCoordPointer(2, GL_FLOAT, sizeof *corners, corners->s_t);
+    const bool buffered = target->way != GL_WITHOUT_SHADERS;
+    const GLsizeiptr size = 3 * (GLsizeiptr)n_triangles * (GLsizeiptr)sizeof *corners;
+    if (buffered) {
+        call->BindBuffer(GL_ARRAY_BUFFER, target->buffers[0]);
+        call->BufferData(GL_ARRAY_BUFFER, size, corners, GL_STREAM_DRAW);
+    }
+    target_point(target, buffered ? NULL : corners);
     call->DrawArrays(GL_TRIANGLES, 0, 3 * n_triangles);
+}
+
+void target_draw_buffered(const struct target *target, const struct target_corner *corners,
+                          int n_triangles)
+{
+    enum { SOME = 3000 };
+    const struct gl_functions *call = target->call;
+    const int n = 3 * n_triangles < SOME ? 3 * n_triangles : SOME;
+    GLuint indices[SOME];
+    for (int i = 0; i < n; i++)
+        indices[i] = (GLuint)i;
+    call->BindBuffer(GL_ARRAY_BUFFER, target->buffers[0]);
+    call->BufferData(GL_ARRAY_BUFFER, n * (GLsizeiptr)sizeof *corners, corners, GL_STATIC_DRAW);
+    call->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, target->buffers[1]);
+    call->BufferData(GL_ELEMENT_ARRAY_BUFFER, n * (GLsizeiptr)sizeof *indices, indices,
+                     GL_STATIC_DRAW);
+    target_point(target, NULL);
+    call->DrawElements(GL_TRIANGLES, n, GL_UNSIGNED_INT, NULL);
+    call->BindBuffer(GL_ARRAY_BUFFER, 0);
+    call->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, 0);
 }
 
 void target_read(struct target *target)

@@ -11,7 +11,9 @@ bool traits_measure(struct contexts *contexts, struct traits *out, struct error 
     bool done = target_open(contexts, &target, err);
     if (done) {
         target->call->GetIntegerv(GL_SUBPIXEL_BITS, &out->subpixel_bits);
-        target->call->GetIntegerv(GL_DEPTH_BITS, &out->depth_bits);
+        out->depth_bits = 24; /* those of the buffer that canvas_open makes */
+        if (target->way == GL_WITHOUT_SHADERS)
+            target->call->GetIntegerv(GL_DEPTH_BITS, &out->depth_bits);
         measure_coverage(target, out);
         measure_values(target, out);
         measure_lighting(target, out);
@@ -23,4 +25,21 @@ bool traits_measure(struct contexts *contexts, struct traits *out, struct error 
     }
     target_close(target);
     return done;
+}
+
+bool traits_choose(struct contexts *contexts, const char *gl_renderer, bool checks,
+                   struct driver *out, bool *measured, struct error *err)
+{
+    const struct driver *known = driver_of(gl_renderer);
+    struct traits traits;
+    char reason[TRAITS_REASON];
+    *out = *known;
+    *measured = known == driver_of(NULL) && checks;
+    if (!*measured)
+        return true;
+    return traits_measure(contexts, &traits, err) &&
+           (traits_profile(&traits, out, reason) ||
+            error_unsupported(err,
+                              "%s cannot be checked: %s; spectral drivers --measure prints more",
+                              gl_renderer, reason));
 }

@@ -40,6 +40,12 @@ struct traits {
  * uses must be used again afterwards. */
 bool traits_measure(struct contexts *contexts, struct traits *out, struct error *err);
 
+/* Finds the profile by which a driver is judged: a known one's, or, where pictures are checked, one
+ * that is made of measurements; *measured: then the caller must use its canvas again. Fails with
+ * EXIT_SYSTEM, and the reason, where the driver cannot be checked. */
+bool traits_choose(struct contexts *contexts, const char *gl_renderer, bool checks,
+                   struct driver *out, bool *measured, struct error *err);
+
 /* ---- profile.c ---- */
 
 /* Makes the profile. Returns false, and the reason as "it ...", where the specification does not
@@ -59,10 +65,23 @@ struct target_corner {
 /* A small picture. Its size is a power of two, so that single precision keeps the places of corners
  * to 1/65536 pixel. */
 enum { TARGET = 128 };
+enum target_mode {
+    TARGET_COLOURS,   /* those of the corners */
+    TARGET_FLAT,      /* that of one corner */
+    TARGET_TEXTURE,   /* those of the corners, times the bound texture */
+    TARGET_HIGHLIGHT, /* (0, 0, 1) . normal, to the power of the gloss; normals are not normalised
+                       */
+    TARGET_DIFFUSE,   /* (0, 0, 1) . normal, normalised; 0 on backs */
+    TARGET_MODES
+};
 struct target {
     const struct gl_functions *call;
+    const struct contexts *contexts;
     struct canvas *canvas;
-    bool flipped, mirrors; /* see contexts.h */
+    enum gl_way way;
+    unsigned programs[TARGET_MODES], buffers[2]; /* names; programs: of ways with shaders */
+    float to_clip[16];                           /* by columns */
+    bool flipped, mirrors;                       /* see contexts.h */
     uint64_t random;
     float colours[TARGET][TARGET][4]; /* from the top, as all that follows */
     uint32_t depths[TARGET][TARGET];  /* as OpenGL gives them: see target_depth */
@@ -72,6 +91,11 @@ bool target_open(struct contexts *contexts, struct target **out, struct error *e
 void target_close(struct target *target); /* NULL is fine */
 void target_clear(struct target *target);
 void target_draw(const struct target *target, const struct target_corner *corners, int n_triangles);
+/* Does the same with vertices and indices in buffers of OpenGL's. */
+void target_draw_buffered(const struct target *target, const struct target_corner *corners,
+                          int n_triangles);
+/* Replaces both matrices, given by columns: corners are then those of an object. */
+void target_place(struct target *target, const double projection[16], const double model[16]);
 void target_read(struct target *target);
 uint32_t target_depth(const struct target *target, int x, int y); /* in steps of 24 bits */
 int target_fragments(const struct target *target, int x, int y);
@@ -81,6 +105,13 @@ int random_below(struct target *target, int n);
 /* Makes the two triangles of a rectangle, of equal depth, colour and normal. */
 void rectangle_corners(double left, double top, double right, double bottom,
                        const struct target_corner *like, struct target_corner out[6]);
+
+/* mode.c. target_shade makes the next triangles be coloured so; gloss: of a highlight.
+ * target_prepare makes what that needs, once, when the canvas is in use. target_point lets OpenGL
+ * take corners from memory; NULL: from the bound buffer. */
+bool target_prepare(struct target *target, struct error *err);
+void target_shade(const struct target *target, enum target_mode mode, double gloss);
+void target_point(const struct target *target, const struct target_corner *corners);
 
 void measure_coverage(struct target *target, struct traits *out);
 void measure_values(struct target *target, struct traits *out);

@@ -39,11 +39,11 @@ static void measure_provoking(struct target *target, struct traits *out)
     struct target_corner corners[3] = {{{8, 8, 0.5F}, {1, 0, 0}, {0, 0, 1}, {0, 0}},
                                        {{8, 80, 0.5F}, {0, 1, 0}, {0, 0, 1}, {0, 0}},
                                        {{80, 80, 0.5F}, {0, 0, 1}, {0, 0, 1}, {0, 0}}};
-    target->call->ShadeModel(GL_FLAT);
+    target_shade(target, TARGET_FLAT, 0);
     target_clear(target);
     target_draw(target, corners, 1);
     target_read(target);
-    target->call->ShadeModel(GL_SMOOTH);
+    target_shade(target, TARGET_COLOURS, 0);
     const float *seen = target->colours[60][20];
     out->provoking = seen[0] == 1 ? 0 : seen[1] == 1 ? 1 : 2;
 }
@@ -142,16 +142,20 @@ static double filter_error(struct target *target, bool across)
     return largest;
 }
 
+/* An OpenGL ES that does not filter floats gets no linear textures. */
 static void measure_filter(struct target *target, struct traits *out)
 {
     const struct gl_functions *call = target->call;
+    GLuint name;
+    if (target->way == GL_ES && !contexts_have(target->contexts, "GL_OES_texture_float_linear"))
+        return;
+    call->GenTextures(1, &name);
+    call->BindTexture(GL_TEXTURE_2D, name);
     call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
     call->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    call->Enable(GL_TEXTURE_2D);
-    call->EnableClientState(GL_TEXTURE_COORD_ARRAY);
+    target_shade(target, TARGET_TEXTURE, 0);
     out->filter_texels = fmax(filter_error(target, true), filter_error(target, false));
-    call->DisableClientState(GL_TEXTURE_COORD_ARRAY);
-    call->Disable(GL_TEXTURE_2D);
+    target_shade(target, TARGET_COLOURS, 0);
 }
 
 void measure_values(struct target *target, struct traits *out)

@@ -111,9 +111,13 @@ def limits():
     result = run(*words, "--renderer", "es-shader", SPOIL="depths", LD_PRELOAD=SPOIL)
     check(result.returncode == 0 and "\nnot checked       depths and fragments: there are none\n" in result.stdout and
           "every colour is explained" in result.stdout, "OpenGL ES without depths is not checked there, and the report says so", result.stdout)
-    result = run(*words, "--renderer", "gl-shader", SPOIL="unknown", LD_PRELOAD=SPOIL)
-    check(result.returncode == 3 and result.stderr.startswith("error: the shaders of Foo 9000 cannot be checked") and result.stderr.count("\n") == 1,
-          "an unknown driver is refused", result.stderr)
+    for name in ("gl-shader", "es-shader"):
+        result = run("render", "room", "--size", "90x60", "-o", "/dev/null", "--renderer", name, SPOIL="unknown", LD_PRELOAD=SPOIL)
+        check(result.returncode == 0 and re.search("^bounds +measured: edges to 0.00195 pixel", result.stdout, re.MULTILINE) and
+              "OpenGL            Foo 9000, " in result.stdout, f"{name}: an unknown driver is measured by shaders", result.stdout, result.stderr)
+    result = run(*words, "--renderer", "es-shader", SPOIL="unknown depths", LD_PRELOAD=SPOIL)
+    check(result.returncode == 3 and "this OpenGL ES cannot read depths, which measurements need" in result.stderr and result.stderr.count("\n") == 1,
+          "an unknown OpenGL ES without depths is refused", result.stderr)
     result = run(*words, "--renderer", "gl-shader", "--no-check", SPOIL="unknown", LD_PRELOAD=SPOIL)
     check(result.returncode == 0 and "OpenGL            Foo 9000, " in result.stdout, "without a check it draws", result.stderr)
     for options, status, pattern in ((("--renderer", "gl-shader", "--gl", "osmesa"), 3, "OSMesa draws without shaders here; add --gl egl"),
