@@ -3,7 +3,7 @@
  * writes the pixels for `spectral judge`. It needs no part of spectral: it shows what a program of
  * your own has to do. data/doc/exchange.md explains each file.
  *
- *     cc -O2 draw.c -o draw -lEGL -lOpenGL -lm
+ *     cc -O2 draw.c -o draw -lEGL -lGL -lm
  *     spectral export room --size 300x200 -o room
  *     ./draw room drawn
  *     spectral judge room --size 300x200 drawn */
