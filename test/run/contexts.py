@@ -45,7 +45,7 @@ def are_alike(name, scene, *options, drivers=("llvmpipe", "softpipe")):
         words = (*options, "--renderer", driver)
         one = drawn(scene, *words, "--gl", "osmesa")
         check(one[3] == ("OSMesa", driver) and (one[0].max() > 0 or "random" in name), f"{name}: OSMesa draws with {driver}")
-        for library in LIBRARIES[1:]:
+        for library in LIBRARIES[1:] if "FULL" in os.environ or name == SCENES[0] else ("egl",):
             two = drawn(scene, *words, "--gl", library)
             check(two[3] == ("EGL", driver) and np.array_equal(one[0], two[0], equal_nan=True) and np.array_equal(one[1], two[1]),
                   f"{name}: {library} draws the same with {driver}", two[3], np.abs(one[0] - two[0]).max())
