@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Checks --gl: OSMesa, EGL without a window and EGL's device draw the same colours, depths, triangles and fragments to
 the last bit, with both of Mesa's drivers; a program without one of the libraries takes the other, and without both says
-what to install. FULL: 200 random scenes. Prints TAP."""
+what to install. FULL: 200 random scenes, and EGL's device with all scenes. Prints TAP."""
 import json
 import os
 import re
