@@ -13,7 +13,10 @@
 
 #include "data/output/output.h"
 
-static const char prefix[] = "spectral.";
+/* Names of folders are a prefix and the six characters of mkdtemp. In a folder of the user's they
+ * are hidden, and no name that anybody gives. */
+static const char temporary_prefix[] = "spectral.", kept_prefix[] = ".spectral-unfinished.",
+                  pattern[] = "XXXXXX";
 
 /* Opens a folder of this user. Follows no link. Returns -1 where there is none. */
 static int open_own(int parent, const char *name)
@@ -42,14 +45,20 @@ static void empty(int folder)
     closedir(entries);
 }
 
+static bool is_ours(const char *name, const char *prefix)
+{
+    const size_t length = strlen(prefix);
+    return strncmp(name, prefix, length) == 0 && strlen(name) == length + strlen(pattern);
+}
+
 /* Removes the folders of processes that were killed. */
-static void sweep(const char *parent)
+static void sweep(const char *parent, const char *prefix)
 {
     DIR *entries = opendir(parent);
     if (!entries)
         return;
     for (const struct dirent *entry; (entry = readdir(entries));) {
-        if (strncmp(entry->d_name, prefix, strlen(prefix)) != 0)
+        if (!is_ours(entry->d_name, prefix))
             continue;
         const int folder = open_own(dirfd(entries), entry->d_name);
         if (folder < 0)
@@ -65,12 +74,12 @@ static void sweep(const char *parent)
 
 /* Another process may sweep a new folder before this one has its lock: then it makes another. A
  * file system without locks is swept by nobody. */
-static bool make(const char *parent, struct folder *out)
+static bool make(const char *parent, const char *prefix, struct folder *out)
 {
     struct stat status;
     for (int attempt = 0; attempt < 100; attempt++) {
         char path[sizeof out->path];
-        snprintf(path, sizeof path, "%s/%sXXXXXX", parent, prefix);
+        snprintf(path, sizeof path, "%s/%s%s", parent, prefix, pattern);
         if (!mkdtemp(path))
             return false;
         memcpy(out->path, path, sizeof path);
@@ -87,8 +96,8 @@ bool folder_open(struct folder *out, struct error *err)
 {
     const char *given = getenv("TMPDIR"), *parent = given && given[0] ? given : "/tmp";
     *out = (struct folder){.lock = -1};
-    sweep(parent);
-    if (!make(parent, out)) {
+    sweep(parent, temporary_prefix);
+    if (!make(parent, temporary_prefix, out)) {
         error_system(err, "cannot make a temporary folder in %s", parent);
         folder_close(out);
         return false;
@@ -114,9 +123,9 @@ bool folder_open_beside(const char *path, struct folder *out, struct error *err)
     if (!file_is_missing(path))
         return error_at(err, place, "this folder exists already; expected a new name");
     find_parent(path, parent);
-    sweep(parent);
+    sweep(parent, kept_prefix);
     errno = 0;
-    if (make(parent, out))
+    if (make(parent, kept_prefix, out))
         return true;
     error_cause(err, place, errno, "cannot make the folder");
     folder_close(out);

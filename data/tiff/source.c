@@ -66,6 +66,14 @@ bool image_read(struct image *image, int page, int y, int rows, float *out, stru
                        : tiff_read(image, page, y, rows, out, err);
 }
 
+bool image_is_float(const struct image *image)
+{
+    bool done = image->file && !image->coloured;
+    for (int i = 0; i < image->n_pages && done; i++)
+        done = image->file->pages[i].bits == 32;
+    return done;
+}
+
 bool image_spared(const char *output, const char *input, struct error *err)
 {
     char header[ENVI_PATH], data[ENVI_PATH];

@@ -6,6 +6,7 @@
 #define CONTEXT_H
 
 #include "raster/library/library.h"
+#include "raster/renderer/renderer.h"
 #include "spectral.h"
 
 /* ---- context.c: a library in use, and what it draws on ---- */
@@ -53,9 +54,15 @@ bool contexts_have(const struct contexts *contexts, const char *extension);
 
 /* ---- describe.c: what can be used ---- */
 
+/* Finds the names of what draws; a canvas is in use. */
+void contexts_identify(const struct contexts *contexts, struct renderer_names *out);
+/* Refuses another driver than the wanted one, which was chosen before the first canvas. wanted:
+ * NULL: any. */
+bool contexts_accept(const struct renderer_names *names, const char *wanted, struct error *err);
 struct context_description {
-    char library[16], vendor[128], renderer[128], version[128]; /* library: contexts_name */
-    int largest_viewport[2], largest_texture;                   /* pixels, texels, a side */
+    struct renderer_names names;
+    char vendor[128];
+    int largest_viewport[2], largest_texture; /* pixels, texels, a side */
 };
 /* Opens a library and closes it. For a process of its own, which opens no other one. */
 bool contexts_describe(const struct context_wish *wish, struct context_description *out,

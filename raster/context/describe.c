@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* A library as it describes itself. */
 #include <stdio.h>
+#include <string.h>
 
 #include "raster/context/context.h"
 
@@ -15,6 +16,20 @@ static void copy_text(const struct gl_functions *call, GLenum name, char out[128
     snprintf(out, 128, "%s", (const char *)call->GetString(name));
 }
 
+void contexts_identify(const struct contexts *contexts, struct renderer_names *out)
+{
+    snprintf(out->library, sizeof out->library, "%s", contexts_name(contexts));
+    copy_text(&contexts->call, GL_RENDERER, out->renderer);
+    copy_text(&contexts->call, GL_VERSION, out->version);
+}
+
+bool contexts_accept(const struct renderer_names *names, const char *wanted, struct error *err)
+{
+    return !wanted || strncmp(names->renderer, wanted, strlen(wanted)) == 0 ||
+           error_unsupported(err, "this %s draws with %.100s, not with %s", names->library,
+                             names->renderer, wanted);
+}
+
 bool contexts_describe(const struct context_wish *wish, struct context_description *out,
                        struct error *err)
 {
@@ -26,10 +41,8 @@ bool contexts_describe(const struct context_wish *wish, struct context_descripti
                       canvas_open(contexts, &size, &canvas, err) && canvas_use(canvas, pixel, err);
     if (done) {
         const struct gl_functions *call = contexts_functions(contexts);
-        snprintf(out->library, sizeof out->library, "%s", contexts_name(contexts));
+        contexts_identify(contexts, &out->names);
         copy_text(call, GL_VENDOR, out->vendor);
-        copy_text(call, GL_RENDERER, out->renderer);
-        copy_text(call, GL_VERSION, out->version);
         call->GetIntegerv(GL_MAX_VIEWPORT_DIMS, out->largest_viewport);
         call->GetIntegerv(GL_MAX_TEXTURE_SIZE, &out->largest_texture);
     }
@@ -46,7 +59,8 @@ void contexts_print(char *out, size_t capacity)
     if (built_in)
         snprintf(out, capacity, "%s", built_in);
     else if (contexts_describe(&wish, &is, &err))
-        snprintf(out, capacity, "%s %s (%s)", is.library, is.version, is.renderer);
+        snprintf(out, capacity, "%s %s (%s)", is.names.library, is.names.version,
+                 is.names.renderer);
     else
         snprintf(out, capacity, "OpenGL cannot draw: spectral drivers prints why");
 }

@@ -27,7 +27,7 @@ static void print_traits(const struct traits *traits, struct printed *to)
 /* Returns the profile by which a render judges a driver. */
 static const char *profile_of(const struct context_description *is)
 {
-    const struct driver *known = driver_of(is->renderer);
+    const struct driver *known = driver_of(is->names.renderer);
     return known == driver_of(NULL) ? "measured" : known->name;
 }
 
@@ -44,7 +44,7 @@ static void print_driver(const struct listed_driver *driver, struct printed *to)
     print(to,
           "  renderer        %s, by %s\n  version         %s, of %s\n  profile         %s\n"
           "  largest         %d x %d pixels, textures of %d x %d texels\n",
-          is->renderer, is->library, is->version, is->vendor, profile_of(is),
+          is->names.renderer, is->names.library, is->names.version, is->vendor, profile_of(is),
           is->largest_viewport[0], is->largest_viewport[1], is->largest_texture,
           is->largest_texture);
     if (driver->traits)
@@ -80,10 +80,10 @@ static void json_driver(const struct listed_driver *driver, struct json *json)
     json_truth(json, "usable", is != NULL);
     json_string(json, "reason", is ? NULL : driver->reason);
     if (is) {
-        json_string(json, "gl_library", is->library);
+        json_string(json, "gl_library", is->names.library);
         json_string(json, "gl_vendor", is->vendor);
-        json_string(json, "gl_renderer", is->renderer);
-        json_string(json, "gl_version", is->version);
+        json_string(json, "gl_renderer", is->names.renderer);
+        json_string(json, "gl_version", is->names.version);
         json_string(json, "driver_profile", profile_of(is));
         json_count(json, "largest_width", (uint64_t)is->largest_viewport[0]);
         json_count(json, "largest_height", (uint64_t)is->largest_viewport[1]);

@@ -35,13 +35,13 @@ static bool is_new(const struct listed_driver *listed, const struct driver_list 
 {
     const char *driver;
     driver_way(listed->renderer, &driver);
-    if (!listed->is || (driver && strncmp(listed->is->renderer, driver, strlen(driver)) != 0))
+    if (!listed->is || (driver && strncmp(listed->is->names.renderer, driver, strlen(driver)) != 0))
         return false;
     for (int i = 0; i < before->n; i++) {
         const struct listed_driver *other = &before->list[i];
         if (other->is && strcmp(other->library, listed->library) == 0 &&
             way_of(other) == way_of(listed) &&
-            strcmp(other->is->renderer, listed->is->renderer) == 0)
+            strcmp(other->is->names.renderer, listed->is->names.renderer) == 0)
             return false;
     }
     return true;

@@ -7,16 +7,15 @@
 
 static bool take_plan(void *of, const struct plan *plan, struct error *err)
 {
-    return export_plan(plan, of, err);
+    const struct options *options = of;
+    return export_plan(plan, options->output, err);
 }
 
 bool command_export(struct options *options, struct error *err)
 {
-    char path[4096];
     if (!options->output)
         return error_usage(err, "export needs -o FOLDER");
-    snprintf(path, sizeof path, "%s", options->output);
-    const struct render_foreign foreign = {.take_plan = take_plan, .of = path};
+    const struct render_foreign foreign = {.take_plan = take_plan, .of = options};
     return render_with_options(options, &(struct render_output){.foreign = &foreign}, NULL, err);
 }
 

@@ -91,7 +91,9 @@ static bool check_image(const struct drawn *of, struct error *err)
     if (image->width != plan->view.width || image->height != plan->view.height)
         return error_at(err, place, "expected %d x %d pixels, found %d x %d", plan->view.width,
                         plan->view.height, image->width, image->height);
-    if (image->n_pages < plan->n_bands)
+    if (!image_is_float(image))
+        return error_at(err, place, "expected pages of 32-bit floats, found counts");
+    if (image->n_pages != plan->n_bands)
         return error_at(err, place, "expected %d pages, found %d", plan->n_bands, image->n_pages);
     for (int i = 0; i < plan->n_bands && image->wavelengths_nm && !has_components(plan); i++)
         if (image->wavelengths_nm[i] != plan->scene->wavelengths_nm[i])

@@ -10,18 +10,6 @@
 
 /* ---- the driver ---- */
 
-static const char *text_of(const struct gl_functions *call, GLenum name)
-{
-    return (const char *)call->GetString(name);
-}
-
-static void take_names(const struct gl *gl, struct renderer_names *names)
-{
-    snprintf(names->library, sizeof names->library, "%s", contexts_name(gl->contexts));
-    snprintf(names->renderer, sizeof names->renderer, "%s", text_of(gl->call, GL_RENDERER));
-    snprintf(names->version, sizeof names->version, "%s", text_of(gl->call, GL_VERSION));
-}
-
 bool gl_is_built(void)
 {
     return true;
@@ -30,17 +18,6 @@ bool gl_is_built(void)
 void gl_library(char *out, size_t capacity)
 {
     contexts_print(out, capacity);
-}
-
-/* The driver that draws is the wanted one, which was chosen before the first context. */
-static bool check_driver(const struct gl *gl, struct error *err)
-{
-    const char *wanted = gl->plan->options.gl_driver, *renderer = text_of(gl->call, GL_RENDERER);
-    return !wanted || strncmp(renderer, wanted, strlen(wanted)) == 0 ||
-           error_unsupported(err,
-                             "this %s draws with %.100s, not with %s; --renderer gl takes any "
-                             "driver",
-                             contexts_name(gl->contexts), renderer, wanted);
 }
 
 /* ---- canvases ---- */
@@ -119,6 +96,15 @@ static bool begin(struct gl *gl, struct error *err)
     return gl_draw_into(gl, gl->steps ? NULL : gl->buffers[0], false, err);
 }
 
+/* Takes the names of what draws, and refuses another driver than the wanted one. */
+static bool accept_driver(struct gl *gl, const struct driver_threads *before, struct error *err)
+{
+    struct renderer_names *names = &gl->renderer.names;
+    contexts_identify(gl->contexts, names);
+    return contexts_accept(names, gl->plan->options.gl_driver, err) &&
+           driver_has_threads(names->renderer, before, err);
+}
+
 static bool open_canvases(struct gl *gl, int n_buffers, struct error *err)
 {
     const struct plan *plan = gl->plan;
@@ -134,8 +120,7 @@ static bool open_canvases(struct gl *gl, int n_buffers, struct error *err)
     gl->flipped = contexts_flipped(gl->contexts);
     return open_canvas(gl, gl->steps ? plan->options.buffer_bits : 32, &gl->colours, err) &&
            (!gl->steps || !plan->options.check || open_canvas(gl, 32, &gl->numbers, err)) &&
-           begin(gl, err) && check_driver(gl, err) &&
-           driver_has_threads(text_of(gl->call, GL_RENDERER), &before, err);
+           begin(gl, err) && accept_driver(gl, &before, err);
 }
 
 bool gl_succeeded(const struct gl *gl, struct error *err)
@@ -205,8 +190,5 @@ bool gl_open(const struct plan *plan, int n_buffers, struct renderer **out, stru
     gl->plan = plan;
     gl->group = -1;
     gl->gloss = -1;
-    if (!open_canvases(gl, n_buffers, err))
-        return false;
-    take_names(gl, &gl->renderer.names);
-    return choose_bounds(gl, err) && set_states(gl, err);
+    return open_canvases(gl, n_buffers, err) && choose_bounds(gl, err) && set_states(gl, err);
 }

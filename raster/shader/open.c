@@ -8,28 +8,7 @@
 #include "raster/shader/shader.h"
 #include "raster/traits/traits.h"
 
-static const char *text_of(const struct shader *shader, GLenum name)
-{
-    return (const char *)shader->call->GetString(name);
-}
-
 /* ---- the driver ---- */
-
-static void take_names(struct shader *shader)
-{
-    struct renderer_names *names = &shader->renderer.names;
-    snprintf(names->library, sizeof names->library, "%s", contexts_name(shader->contexts));
-    snprintf(names->renderer, sizeof names->renderer, "%s", text_of(shader, GL_RENDERER));
-    snprintf(names->version, sizeof names->version, "%s", text_of(shader, GL_VERSION));
-}
-
-static bool check_driver(const struct shader *shader, struct error *err)
-{
-    const char *name = shader->renderer.names.renderer, *wanted = shader->plan->options.gl_driver;
-    return !wanted || strncmp(name, wanted, strlen(wanted)) == 0 ||
-           error_unsupported(err, "this %s draws with %.100s, not with %s",
-                             contexts_name(shader->contexts), name, wanted);
-}
 
 /* The bounds of raster/bounds hold for the shaders of a known driver as for its own lighting: the
  * shaders do the same operations, and both measure the same (test/run/traits.py). An unknown driver
@@ -44,21 +23,14 @@ static bool choose_bounds(struct shader *shader, struct error *err)
 
 /* ---- buffers ---- */
 
-static bool check_limits(struct shader *shader, struct error *err)
+static bool check_viewport(struct shader *shader, struct error *err)
 {
     const struct plan *plan = shader->plan;
-    const bool es = plan->options.gl_way == GL_ES;
-    GLint n = 0, viewport[2] = {0, 0};
-    shader->call->GetIntegerv(GL_MAX_DRAW_BUFFERS, &n);
+    GLint viewport[2] = {0, 0};
     shader->call->GetIntegerv(GL_MAX_VIEWPORT_DIMS, viewport);
-    if (es && !contexts_have(shader->contexts, "GL_EXT_color_buffer_float"))
-        return error_unsupported(err, "this OpenGL ES does not draw floats");
-    if (viewport[0] < plan->tile_width || viewport[1] < plan->tile_height)
-        return error_unsupported(err, "%s draws at most %d x %d pixels at once",
-                                 contexts_name(shader->contexts), viewport[0], viewport[1]);
-    return n >= shader->n_passes ||
-           error_unsupported(err, "this OpenGL draws %d buffers of colours at once, %d are needed",
-                             n, shader->n_passes);
+    return (viewport[0] >= plan->tile_width && viewport[1] >= plan->tile_height) ||
+           error_unsupported(err, "%s draws at most %d x %d pixels at once",
+                             contexts_name(shader->contexts), viewport[0], viewport[1]);
 }
 
 static bool allocate(struct shader *shader, int n_buffers, struct error *err)
@@ -133,11 +105,12 @@ static bool open_all(struct shader *shader, int n_buffers, struct error *err)
     if (!contexts_open(&wish, &shader->contexts, err))
         return false;
     shader->call = contexts_functions(shader->contexts);
-    if (!open_canvas(shader, err) || !check_limits(shader, err) || !open_depths(shader, err))
+    if (!open_canvas(shader, err) || !check_viewport(shader, err) || !open_depths(shader, err))
         return false;
     set_state(shader);
-    take_names(shader);
-    return check_driver(shader, err) && choose_bounds(shader, err) &&
+    contexts_identify(shader->contexts, &shader->renderer.names);
+    return contexts_accept(&shader->renderer.names, options->gl_driver, err) &&
+           choose_bounds(shader, err) &&
            driver_has_threads(shader->renderer.names.renderer, &before, err) &&
            shader_succeeded(shader, err);
 }
@@ -166,12 +139,6 @@ static const float *shader_pixels(const struct renderer *renderer, int buffer)
     return ((const struct shader *)renderer)->buffers[buffer];
 }
 
-/* OpenGL ES 3.0 draws four buffers at once on any driver. */
-static int passes_at_once(const struct plan *plan)
-{
-    return plan->n_passes < MOST_PASSES ? plan->n_passes : MOST_PASSES;
-}
-
 bool shader_open(const struct plan *plan, int n_buffers, struct renderer **out, struct error *err)
 {
     static const struct renderer_kind kind = {.take_scene = shader_take_scene,
@@ -188,7 +155,7 @@ bool shader_open(const struct plan *plan, int n_buffers, struct renderer **out, 
         return error_memory(err);
     shader->renderer.kind = &kind;
     shader->plan = plan;
-    shader->n_passes = passes_at_once(plan);
+    shader->n_passes = plan->n_passes < MOST_PASSES ? plan->n_passes : MOST_PASSES;
     shader->batch = -1;
     return open_all(shader, n_buffers, err);
 }

@@ -6,7 +6,7 @@
 
 #include "raster/traits/traits.h"
 
-enum { TRIANGLES = 300, CORNERS = 3 * TRIANGLES };
+enum { CORNERS = 3 * BUFFERED_TRIANGLES };
 
 /* A frustum of a right angle between 1 and 20; turned, and scaled differently along each axis. */
 static void place_perspective(struct target *target)
@@ -22,7 +22,7 @@ static void place_perspective(struct target *target)
 /* Triangles of several sizes; some cross the near plane. */
 static void make_triangles(struct target *target, struct target_corner out[CORNERS])
 {
-    for (int t = 0; t < TRIANGLES; t++) {
+    for (int t = 0; t < BUFFERED_TRIANGLES; t++) {
         double middle[3];
         const double size = t % 10 == 0 ? 4 : 0.4;
         for (int j = 0; j < 3; j++)
@@ -40,7 +40,7 @@ static void draw_flat(struct target *target, const struct target_corner corners[
 {
     target_shade(target, TARGET_FLAT, 0);
     target_clear(target);
-    target_draw(target, corners, TRIANGLES);
+    target_draw(target, corners, BUFFERED_TRIANGLES);
     target_read(target);
 }
 
@@ -48,7 +48,7 @@ static void draw_lit(struct target *target, const struct target_corner corners[C
 {
     target_shade(target, TARGET_DIFFUSE, 0);
     target_clear(target);
-    target_draw_buffered(target, corners, TRIANGLES);
+    target_draw_buffered(target, corners);
     target_read(target);
 }
 

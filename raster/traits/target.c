@@ -80,22 +80,21 @@ void target_draw(const struct target *target, const struct target_corner *corner
     call->DrawArrays(GL_TRIANGLES, 0, 3 * n_triangles);
 }
 
-void target_draw_buffered(const struct target *target, const struct target_corner *corners,
-                          int n_triangles)
+void target_draw_buffered(const struct target *target, const struct target_corner *corners)
 {
-    enum { SOME = 3000 };
+    enum { CORNERS = 3 * BUFFERED_TRIANGLES };
     const struct gl_functions *call = target->call;
-    const int n = 3 * n_triangles < SOME ? 3 * n_triangles : SOME;
-    GLuint indices[SOME];
-    for (int i = 0; i < n; i++)
+    GLuint indices[CORNERS];
+    for (int i = 0; i < CORNERS; i++)
         indices[i] = (GLuint)i;
     call->BindBuffer(GL_ARRAY_BUFFER, target->buffers[0]);
-    call->BufferData(GL_ARRAY_BUFFER, n * (GLsizeiptr)sizeof *corners, corners, GL_STATIC_DRAW);
+    call->BufferData(GL_ARRAY_BUFFER, CORNERS * (GLsizeiptr)sizeof *corners, corners,
+                     GL_STATIC_DRAW);
     call->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, target->buffers[1]);
-    call->BufferData(GL_ELEMENT_ARRAY_BUFFER, n * (GLsizeiptr)sizeof *indices, indices,
+    call->BufferData(GL_ELEMENT_ARRAY_BUFFER, CORNERS * (GLsizeiptr)sizeof *indices, indices,
                      GL_STATIC_DRAW);
     target_point(target, NULL);
-    call->DrawElements(GL_TRIANGLES, n, GL_UNSIGNED_INT, NULL);
+    call->DrawElements(GL_TRIANGLES, CORNERS, GL_UNSIGNED_INT, NULL);
     call->BindBuffer(GL_ARRAY_BUFFER, 0);
     call->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, 0);
 }

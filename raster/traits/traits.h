@@ -64,7 +64,7 @@ struct target_corner {
 };
 /* A small picture. Its size is a power of two, so that single precision keeps the places of corners
  * to 1/65536 pixel. */
-enum { TARGET = 128 };
+enum { TARGET = 128, BUFFERED_TRIANGLES = 300 };
 enum target_mode {
     TARGET_COLOURS,   /* those of the corners */
     TARGET_FLAT,      /* that of one corner */
@@ -91,9 +91,8 @@ bool target_open(struct contexts *contexts, struct target **out, struct error *e
 void target_close(struct target *target); /* NULL is fine */
 void target_clear(struct target *target);
 void target_draw(const struct target *target, const struct target_corner *corners, int n_triangles);
-/* Does the same with vertices and indices in buffers of OpenGL's. */
-void target_draw_buffered(const struct target *target, const struct target_corner *corners,
-                          int n_triangles);
+/* Draws BUFFERED_TRIANGLES, with vertices and indices in buffers of OpenGL's. */
+void target_draw_buffered(const struct target *target, const struct target_corner *corners);
 /* Replaces both matrices, given by columns: corners are then those of an object. */
 void target_place(struct target *target, const double projection[16], const double model[16]);
 void target_read(struct target *target);

@@ -28,9 +28,9 @@ static bool is_listed(const struct driver_list *drivers, int index)
     const char *driver;
     for (int i = 0; i < index; i++) {
         const struct listed_driver *other = &drivers->list[i];
-        if (other->is && strcmp(other->is->library, listed->is->library) == 0 &&
-            strcmp(other->is->renderer, listed->is->renderer) == 0 &&
-            strcmp(other->is->version, listed->is->version) == 0 &&
+        if (other->is && strcmp(other->is->names.library, listed->is->names.library) == 0 &&
+            strcmp(other->is->names.renderer, listed->is->names.renderer) == 0 &&
+            strcmp(other->is->names.version, listed->is->names.version) == 0 &&
             driver_way(other->renderer, &driver) == driver_way(listed->renderer, &driver))
             return true;
     }

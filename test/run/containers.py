@@ -12,7 +12,7 @@ import sys
 import tempfile
 
 sys.dont_write_bytecode = True
-from rendered import SPECTRAL, check, done
+from rendered import SPECTRAL, bail_out, check, done
 
 RENDER = ("render", "patches", "--size", "60x40", "-o", "/tmp/stack.tif")
 
@@ -25,7 +25,7 @@ def mirror():
             re.search(r"^URIs: (\S+)\nSuites: (\S+)", text, re.MULTILINE)
         if found:
             return found.groups()
-    return "http://deb.debian.org/debian", "stable"
+    return bail_out("the lists of apt name no mirror")
 
 
 def inside(system, *words):

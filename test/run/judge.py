@@ -177,7 +177,7 @@ def only_colours(scene):
 # ---- a TIFF ----
 
 def tiff(scene):
-    stack, changed = path("stack.tif"), path("changed.tif")
+    stack, changed, counts = path("stack.tif"), path("changed.tif"), path("counts.tif")
     run("render", scene, *COMMON, *SHORT, "--gl", "egl", "--renderer", "llvmpipe", "--depth", "32f", "-o", stack)
     result = judge(scene, *SHORT, "--driver", "llvmpipe", pixels=stack)
     check(result.returncode == 0 and "agreed: every colour is explained" in result.stdout and "bounds            of llvmpipe" in
@@ -190,11 +190,14 @@ def tiff(scene):
     tifffile.imwrite(changed, pages, photometric="minisblack")
     result = judge(scene, *SHORT, "--driver", "llvmpipe", pixels=changed)
     check(result.returncode == 1 and re.search(r"first at 45,30 .*nm OpenGL", result.stderr), "a changed page is found", result.stderr)
+    run("render", scene, *COMMON, *SHORT, "--gl", "egl", "-o", counts)
     for what, words, pixels, pattern in (
+            ("a stack of counts", (), counts, "expected pages of 32-bit floats, found counts"),
+            ("too many pages", ("--wavelengths", "400:700:100"), stack, "expected 4 pages, found 7"),
             ("radiances without a full scale of a power of two", ("--full-scale", "3"), stack, "add --full-scale 4"),
             ("another size", ("--size", "60x60"), stack, "expected 60 x 60 pixels, found 90 x 60"),
             ("too few pages", ("--wavelengths", "400:700:20"), stack, "expected 16 pages, found 7"),
-            ("other wavelengths", ("--wavelengths", "410:700:50"), stack, "page 1: expected 410 nm, found 400 nm"),
+            ("other wavelengths", ("--wavelengths", "410:710:50"), stack, "page 1: expected 410 nm, found 400 nm"),
             ("positions within pixels", ("--samples", "2"), stack, "judge --samples from a folder")):
         result = run("judge", scene, pixels, *COMMON, *SHORT, *words)
         check(result.returncode == 2 and pattern in result.stderr and result.stderr.count("\n") == 1, f"{what} is refused",
@@ -252,9 +255,13 @@ def whole_or_not():
     folder = path("parent")
     shutil.rmtree(folder, ignore_errors=True)
     os.mkdir(folder)
+    own = sorted(("spectral.notes", "spectral.a1b2c3", ".spectral-unfinished.old"))
+    for name in own:
+        os.mkdir(os.path.join(folder, name))
+        open(os.path.join(folder, name, "file"), "w").close()
     result = subprocess.run([SPECTRAL, "export", "room", "-o", os.path.join(folder, "new")], check=False, stderr=subprocess.PIPE,
                             universal_newlines=True, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000)))
-    check(result.returncode == 3 and result.stderr.count("\n") == 1 and not os.listdir(folder),
+    check(result.returncode == 3 and result.stderr.count("\n") == 1 and sorted(os.listdir(folder)) == own,
           "a disk that is full leaves nothing", result.returncode, result.stderr, os.listdir(folder))
     for wait in (0.05, 0.15, 0.25):
         process = subprocess.Popen([SPECTRAL, "export", "textures", "--tessellation", "8", "-o", os.path.join(folder, "new")],
@@ -264,7 +271,9 @@ def whole_or_not():
         check(process.wait() == -signal.SIGINT and "new" not in os.listdir(folder), f"an interruption after {wait} s makes no folder",
               process.returncode, os.listdir(folder))
     run("export", "patches", "-o", os.path.join(folder, "new"))
-    check(os.listdir(folder) == ["new"], "the next export removes what an interrupted one has left", os.listdir(folder))
+    check(sorted(os.listdir(folder)) == sorted((*own, "new")),
+          "the next export removes what an interrupted one has left, and no other folder",
+          os.listdir(folder))
 
 
 compile_sample()
