@@ -43,8 +43,8 @@ void check_identity(struct check *check, const struct renderer *renderer,
 void check_pilots(struct check *check, int first_band, const float *pixels, size_t stride);
 /* Judges the bands of a pass, with the same arguments. */
 void check_pass(struct check *check, int first_band, const float *pixels, size_t stride);
-/* Settles ambiguous pixels, and adds the chunk's verdict to *totals. The tile has the chunk and its
- * neighbours, all of them drawn. */
+/* Settles ambiguous pixels, and adds the chunk's verdict to its tile's totals. The tile has the
+ * chunk and its neighbours, all of them drawn. */
 void check_settle(struct check *check, const struct tile *tile, struct check_totals *totals);
 /* The class of a pixel in the map; the chunk is settled. */
 enum check_class { CLASS_CHECKED, CLASS_AMBIGUOUS, CLASS_NOT_CHECKED, CLASS_DIFFERS };

@@ -22,9 +22,10 @@ struct state {
     struct written written[WRITTEN_PLACES];
     /* of the numbers that OpenGL draws; of frames that hold pilots, and others; of `written` */
     struct queue numbers, pilots, frames, counted;
-    struct check *checks; /* one for each chunk of the current tile; NULL: none */
-    int frame;            /* the current one; DARK: none */
-    float *black;         /* a row of a frame that is not drawn; owned */
+    struct check *checks;       /* one for each chunk of the current tile; NULL: none */
+    struct check_totals totals; /* of that tile */
+    int frame;                  /* the current one; DARK: none */
+    float *black;               /* a row of a frame that is not drawn; owned */
     long steps, all_steps;
     double since;           /* clock_seconds when the reference began to draw */
     double written_seconds; /* of the stage that writes */
@@ -270,10 +271,12 @@ static bool settle_checks(struct state *state, const struct tile *tile, struct e
 {
     double since = clock_seconds();
     for (int i = 0; state->checks && i < tile->n_chunks; i++) {
-        check_settle(&state->checks[i], tile, state->stages->totals);
+        check_settle(&state->checks[i], tile, &state->totals);
         if (state->stages->map && !check_map_write(state->stages->map, &state->checks[i], err))
             return false;
     }
+    if (state->checks)
+        totals_add(state->stages->totals, &state->totals);
     clock_in(&since, &state->stages->seconds.check);
     return true;
 }
@@ -538,6 +541,8 @@ static bool allocate(struct state *state, struct error *err)
     state->black = calloc((size_t)plan->tile_width, 4 * sizeof *state->black);
     if (!state->black)
         return error_memory(err);
+    if (state->stages->check_scene && !totals_open(state->stages->check_scene, &state->totals, err))
+        return false;
     for (int i = 0; i < WRITTEN_PLACES * BANDS_PER_PASS && state->stages->writer; i++) {
         unsigned char **samples = &state->written[i / BANDS_PER_PASS].samples[i % BANDS_PER_PASS];
         *samples = malloc(n_samples * (size > map ? size : map));
@@ -550,6 +555,7 @@ static bool allocate(struct state *state, struct error *err)
 static void release(struct state *state)
 {
     free(state->black);
+    totals_free(&state->totals);
     for (int i = 0; i < WRITTEN_PLACES * BANDS_PER_PASS; i++)
         free(state->written[i / BANDS_PER_PASS].samples[i % BANDS_PER_PASS]);
 }

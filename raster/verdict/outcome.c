@@ -8,21 +8,32 @@
 
 /* ---- totals ---- */
 
+static const struct check_verdict nothing = {.samples = {.worst_ratio = -1, .worst_fit_ratio = -1},
+                                             .worst_depth_ratio = -1};
+
+/* A pixel of a tile shows at most one triangle. */
+static size_t most_shown(const struct plan *plan, size_t n_triangles)
+{
+    const size_t pixels = (size_t)plan->tile_width * (size_t)plan->tile_height;
+    return pixels < n_triangles ? pixels : n_triangles;
+}
+
 bool totals_open(const struct check_scene *scene, struct check_totals *out, struct error *err)
 {
     const struct plan *plan = scene->lit->plan;
     size_t n_triangles = 0;
-    *out = (struct check_totals){
-        .scene = scene,
-        .verdict = {.samples = {.worst_ratio = -1, .worst_fit_ratio = -1}, .worst_depth_ratio = -1},
-        .first = calloc((size_t)plan->n_instances + 1, sizeof *out->first),
-        .unchecked = calloc((size_t)plan->n_instances + 1, sizeof *out->unchecked)};
+    *out = (struct check_totals){.scene = scene,
+                                 .verdict = nothing,
+                                 .first = calloc((size_t)plan->n_instances + 1, sizeof *out->first),
+                                 .unchecked =
+                                     calloc((size_t)plan->n_instances + 1, sizeof *out->unchecked)};
     for (int s = 0; s < plan->n_instances && out->first; s++) {
         out->first[s] = n_triangles;
         n_triangles += (size_t)plan->instances[s].instance.n_triangles;
     }
     out->varying = calloc(n_triangles + 1, sizeof *out->varying);
-    return (out->first && out->unchecked && out->varying) || error_memory(err);
+    out->shown = calloc(most_shown(plan, n_triangles) + 1, sizeof *out->shown);
+    return (out->first && out->unchecked && out->varying && out->shown) || error_memory(err);
 }
 
 void totals_free(struct check_totals *totals)
@@ -30,6 +41,7 @@ void totals_free(struct check_totals *totals)
     free(totals->first);
     free(totals->unchecked);
     free(totals->varying);
+    free(totals->shown);
     *totals = (struct check_totals){.scene = NULL};
 }
 
@@ -53,7 +65,30 @@ void totals_note(struct check_totals *totals, int surface, int triangle, double 
         return;
     /* a float below the least normal number may have lost its digits */
     totals->shared += ((double)mean->shared + (double)FLT_MIN) * counts;
-    totals->varying[totals->first[surface] + (size_t)triangle] += (double)mean->varying * counts;
+    const size_t shown = totals->first[surface] + (size_t)triangle;
+    const double varying = (double)mean->varying * counts;
+    if (totals->varying[shown] <= 0 && !(varying <= 0)) /* NaN, too */
+        totals->shown[totals->n_shown++] = shown;
+    totals->varying[shown] += varying;
+}
+
+void totals_add(struct check_totals *picture, struct check_totals *tile)
+{
+    verdict_add(&picture->verdict, &tile->verdict);
+    tile->verdict = nothing;
+    picture->shared += tile->shared;
+    tile->shared = 0;
+    for (size_t i = 0; i < tile->n_shown; i++) {
+        double *varying = &tile->varying[tile->shown[i]];
+        picture->varying[tile->shown[i]] += *varying;
+        *varying = 0;
+    }
+    tile->n_shown = 0;
+    for (int s = 0; s < tile->scene->lit->plan->n_instances; s++)
+        for (int c = 0; c < BOUND_CAUSES; c++) {
+            picture->unchecked[s][c] += tile->unchecked[s][c];
+            tile->unchecked[s][c] = 0;
+        }
 }
 
 /* ---- the mean residual ---- */

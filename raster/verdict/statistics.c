@@ -198,6 +198,9 @@ void verdict_add(struct check_verdict *to, const struct check_verdict *from)
     to->pixels += from->pixels;
     to->ambiguous += from->ambiguous;
     to->unexplained += from->unexplained;
+    to->objects += from->objects;
+    to->unbounded += from->unbounded;
+    to->unchecked += from->unchecked;
     to->edge_holes += from->edge_holes;
     to->edge_doubles += from->edge_doubles;
     to->worst_depth_ratio = fmax(to->worst_depth_ratio, from->worst_depth_ratio);

@@ -99,12 +99,14 @@ struct check_scene {
     bool clips;  /* of find_full_scale */
     bool mapped; /* a map is wanted */
 };
-/* Sums over all chunks. */
+/* Sums over the chunks of a tile, or over the tiles of a picture. The picture's are sums of tiles'
+ * sums, in the order of the tiles: to the last bit they do not depend on who drew which tile. */
 struct check_totals {
     const struct check_scene *scene;
     struct check_verdict verdict;
     double shared;                       /* of all pixels: see struct mean_bound; in counts */
     double *varying;                     /* of each triangle, the sum over its pixels */
+    size_t *shown, n_shown;              /* the triangles of a tile whose sum is above 0 */
     size_t *first;                       /* of each surface, its first triangle in `varying` */
     uint64_t (*unchecked)[BOUND_CAUSES]; /* of each surface: its pixels that are not checked */
 };
@@ -116,7 +118,9 @@ double checked_counts(const struct plan *plan);
 /* Adds a pixel of an object to the totals. An infinite floor: it has no bound. */
 void totals_note(struct check_totals *totals, int surface, int triangle, double floor,
                  const struct mean_bound *mean);
-/* Completes the verdict when all chunks are closed. */
+/* Adds a tile's totals to the picture's, and sets them to 0 for the next tile. */
+void totals_add(struct check_totals *picture, struct check_totals *tile);
+/* Completes the verdict of the picture when all tiles are added. */
 void totals_finish(struct check_totals *totals);
 
 /* Agreed: no pixel is unexplained, and few enough are not checked. Differs: some pixel, or the mean
