@@ -106,8 +106,12 @@ struct tile {
     struct chunk *chunks; /* from the top */
     int n_chunks;
 };
-/* Calls `work` for each tile of a region of the plan's picture, row by row. Its chunks are drawn
- * before the call, by the plan's threads, and freed after it. Stops at the first failure. */
+/* Draws the chunks of a tile, by the plan's threads, calls `work`, and frees the chunks. */
+bool tile_draw(const struct lit_scene *lit, const struct rectangle *at,
+               bool (*work)(void *context, const struct tile *tile, struct error *err),
+               void *context, struct error *err);
+/* Does so with each tile of a region of the plan's picture, row by row. Stops at the first failure.
+ */
 bool tiles_each(const struct lit_scene *lit, const struct rectangle *region,
                 bool (*work)(void *context, const struct tile *tile, struct error *err),
                 void *context, struct error *err);

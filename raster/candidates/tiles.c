@@ -20,7 +20,7 @@ static void draw_chunk(void *context, int i)
         counter_add(&drawn->failures, 1);
 }
 
-static bool draw_tile(struct tile *tile, struct error *err)
+static bool draw_chunks(struct tile *tile, struct error *err)
 {
     tile->n_chunks = (tile->at.height + CHUNK_ROWS - 1) / CHUNK_ROWS;
     tile->chunks = calloc((size_t)tile->n_chunks, sizeof *tile->chunks);
@@ -38,6 +38,16 @@ static void free_tile(struct tile *tile)
     free(tile->chunks);
 }
 
+bool tile_draw(const struct lit_scene *lit, const struct rectangle *at,
+               bool (*work)(void *context, const struct tile *tile, struct error *err),
+               void *context, struct error *err)
+{
+    struct tile tile = {.lit = lit, .at = *at};
+    const bool done = draw_chunks(&tile, err) && work(context, &tile, err);
+    free_tile(&tile);
+    return done;
+}
+
 bool tiles_each(const struct lit_scene *lit, const struct rectangle *region,
                 bool (*work)(void *context, const struct tile *tile, struct error *err),
                 void *context, struct error *err)
@@ -45,9 +55,8 @@ bool tiles_each(const struct lit_scene *lit, const struct rectangle *region,
     const int n = plan_tiles(lit->plan, region);
     bool done = true;
     for (int i = 0; done && i < n; i++) {
-        struct tile tile = {.lit = lit, .at = plan_tile(lit->plan, region, i)};
-        done = draw_tile(&tile, err) && work(context, &tile, err);
-        free_tile(&tile);
+        const struct rectangle at = plan_tile(lit->plan, region, i);
+        done = tile_draw(lit, &at, work, context, err);
     }
     return done;
 }

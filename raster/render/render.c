@@ -17,9 +17,12 @@ struct state {
     struct lit_scene lit;
     struct fit fit;
     struct check_scene check_scene;
-    struct check_totals totals;
     struct check_map map;
-    struct stack_writer writer;
+    struct stack_sink {
+        struct tile_sink sink; /* the first member */
+        struct stack_writer writer;
+    } stack;
+    int *tiles;   /* owned */
     double since; /* clock_seconds at the last clock_in */
     struct render_result *result;
 };
@@ -80,6 +83,12 @@ static const char **make_labels(const struct sampling *sampling, struct error *e
     return labels;
 }
 
+static bool write_stack(struct tile_sink *sink, const struct stack_rectangle *to,
+                        const void *samples, struct error *err)
+{
+    return stack_write(&((struct stack_sink *)sink)->writer, to, samples, err);
+}
+
 static bool open_stack(struct state *state, const char *path, struct error *err)
 {
     const struct plan *plan = state->stages.plan;
@@ -97,12 +106,15 @@ static bool open_stack(struct state *state, const char *path, struct error *err)
                                     .provenance = provenance,
                                     .map_bytes = plan->map_bytes,
                                     .labels = labels};
-    if (provenance && (labels || !labelled) && stack_open(&state->writer, path, &options, err))
-        state->stages.writer = &state->writer;
+    if (provenance && (labels || !labelled) &&
+        stack_open(&state->stack.writer, path, &options, err)) {
+        state->stack.sink.write = write_stack;
+        state->stages.sink = &state->stack.sink;
+    }
     free(labels);
     free(provenance);
     clock_in(&state->since, &state->stages.seconds.write);
-    return state->stages.writer != NULL;
+    return state->stages.sink != NULL;
 }
 
 /* Prepares the check of all bands together, and its map if `path` is not NULL. */
@@ -117,8 +129,7 @@ static bool open_check(struct state *state, const char *path, struct error *err)
                                               .clips = stages->clips,
                                               .mapped = path != NULL};
     stages->check_scene = &state->check_scene;
-    stages->totals = &state->totals;
-    if (!totals_open(&state->check_scene, &state->totals, err))
+    if (!totals_open(&state->check_scene, &stages->sums.totals, err))
         return false;
     if (path && check_map_open(path, stages->plan, &state->map, err))
         stages->map = &state->map;
@@ -144,6 +155,21 @@ static bool open_renderer(struct state *state, const struct render_foreign *fore
     return done;
 }
 
+/* Lists all tiles. */
+static bool list_tiles(struct state *state, struct error *err)
+{
+    struct stages *stages = &state->stages;
+    const struct rectangle picture = plan_picture(stages->plan);
+    stages->n_tiles = plan_tiles(stages->plan, &picture);
+    state->tiles = calloc((size_t)stages->n_tiles, sizeof *state->tiles);
+    if (!state->tiles)
+        return error_memory(err);
+    for (int i = 0; i < stages->n_tiles; i++)
+        state->tiles[i] = i;
+    stages->tiles = state->tiles;
+    return true;
+}
+
 /* Does everything that comes before the first pixel. */
 static bool prepare(struct state *state, const struct render_output *output, struct error *err)
 {
@@ -153,7 +179,7 @@ static bool prepare(struct state *state, const struct render_output *output, str
     if (!passes_make(plan, &state->passes, err) || !open_renderer(state, output->foreign, err))
         return false;
     result->driver = stages->renderer ? stages->renderer->driver : *driver_of(NULL);
-    if (!lit_make(plan, &result->driver, &state->lit, &stages->light, err) ||
+    if (!lit_make(plan, &result->driver, &state->lit, &stages->sums.light, err) ||
         (stages->renderer &&
          !stages->renderer->kind->take_scene(stages->renderer, &state->lit, err)) ||
         !find_full_scale(&state->lit, &stages->full_scale, &stages->clips, err) ||
@@ -161,7 +187,8 @@ static bool prepare(struct state *state, const struct render_output *output, str
         return false;
     result->full_scale = stages->full_scale;
     clock_in(&state->since, &stages->seconds.raster);
-    return (!plan->options.check || open_check(state, output->check_map, err)) &&
+    return list_tiles(state, err) &&
+           (!plan->options.check || open_check(state, output->check_map, err)) &&
            (!output->path || open_stack(state, output->path, err));
 }
 
@@ -177,7 +204,7 @@ static bool commit(struct state *state, const struct render_output *output, stru
     const struct plan *plan = state->stages.plan;
     char verdict[STACK_VERDICT];
     bool compared = output->again && result->odd.undefined == 0;
-    if (!state->stages.writer || !(output->keep || compared || render_agreed(plan, result)))
+    if (!state->stages.sink || !(output->keep || compared || render_agreed(plan, result)))
         return true;
     if (result->odd.undefined > 0) {
         errno = 0;
@@ -187,12 +214,13 @@ static bool commit(struct state *state, const struct render_output *output, stru
                             (unsigned long long)result->odd.undefined);
     }
     report_verdict(plan, &result->check, verdict, sizeof verdict);
-    bool done =
-        stack_finish(&state->writer, verdict, err) &&
-        (!output->again || stack_compare(&state->writer, output->again, &result->difference, err));
+    bool done = stack_finish(&state->stack.writer, verdict, err) &&
+                (!output->again ||
+                 stack_compare(&state->stack.writer, output->again, &result->difference, err));
     if (done && !output->discard && (output->keep || render_agreed(plan, result)))
-        done = output->envi ? stack_commit_envi(&state->writer, output->path, output->outputs, err)
-                            : stack_commit(&state->writer, output->outputs, err);
+        done = output->envi
+                   ? stack_commit_envi(&state->stack.writer, output->path, output->outputs, err)
+                   : stack_commit(&state->stack.writer, output->outputs, err);
     clock_in(&state->since, &result->seconds.write);
     return done;
 }
@@ -202,8 +230,8 @@ static void take_results(struct state *state)
 {
     const struct stages *stages = &state->stages;
     struct render_result *result = state->result;
-    result->odd = stages->odd;
-    result->light = stages->light;
+    result->odd = stages->sums.odd;
+    result->light = stages->sums.light;
     result->seconds = stages->seconds;
     if (stages->renderer) {
         result->gl = stages->renderer->work;
@@ -212,8 +240,8 @@ static void take_results(struct state *state)
             stages->plan->n_passes - state->passes.n_dark - state->passes.n_frames;
     }
     if (stages->check_scene) {
-        totals_finish(&state->totals);
-        result->check = state->totals.verdict;
+        totals_finish(&state->stages.sums.totals);
+        result->check = stages->sums.totals.verdict;
         result->check.lacks = stages->renderer->lacks;
     }
 }
@@ -239,13 +267,14 @@ bool render(const struct plan *plan, const struct render_output *output,
         .plan = plan, .passes = &state.passes, .lit = &state.lit, .progress = progress};
     *out = (struct render_result){.notes = output->notes};
     bool done = render_all(&state, output, err);
-    if (state.stages.writer)
-        stack_discard(&state.writer); /* keeps a committed stack */
+    if (state.stages.sink)
+        stack_discard(&state.stack.writer); /* keeps a committed stack */
     if (state.fit.plan)
         fit_free(&state.fit);
     if (state.stages.map)
         check_map_discard(&state.map);
-    totals_free(&state.totals);
+    totals_free(&state.stages.sums.totals);
+    free(state.tiles);
     if (state.stages.renderer)
         state.stages.renderer->kind->close(state.stages.renderer);
     lit_free(&state.lit);

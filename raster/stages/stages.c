@@ -8,10 +8,12 @@
 #include "data/process/process.h"
 #include "raster/stages/stages.h"
 
-/* Counts on their way to the stack: of some pages of a tile. */
+/* Counts on their way to the stack: of some pages of a tile; or the sums of that tile. */
 struct written {
-    struct rectangle at;                    /* in pixels of the stack */
-    int first_page, n_pages;                /* the object map is the page after the last one */
+    struct rectangle at;     /* in pixels of the stack */
+    int first_page, n_pages; /* the object map is the page after the last one */
+    unsigned char *sums;     /* packed; owned; NULL: there are pages */
+    size_t sums_length;
     unsigned char *samples[BANDS_PER_PASS]; /* each has room for one page of a tile; owned */
 };
 enum { WRITTEN_PLACES = 2 }; /* one is filled while the other is written */
@@ -22,10 +24,10 @@ struct state {
     struct written written[WRITTEN_PLACES];
     /* of the numbers that OpenGL draws; of frames that hold pilots, and others; of `written` */
     struct queue numbers, pilots, frames, counted;
-    struct check *checks;       /* one for each chunk of the current tile; NULL: none */
-    struct check_totals totals; /* of that tile */
-    int frame;                  /* the current one; DARK: none */
-    float *black;               /* a row of a frame that is not drawn; owned */
+    struct check *checks;  /* one for each chunk of the current tile; NULL: none */
+    struct tile_sums sums; /* of that tile */
+    int frame;             /* the current one; DARK: none */
+    float *black;          /* a row of a frame that is not drawn; owned */
     long steps, all_steps;
     double since;           /* clock_seconds when the reference began to draw */
     double written_seconds; /* of the stage that writes */
@@ -146,14 +148,15 @@ static bool draw_tiles(void *context, struct error *err)
 {
     struct state *state = context;
     const struct plan *plan = state->plan;
+    const struct stages *stages = state->stages;
     const struct rectangle picture = plan_picture(plan);
     int *frames = calloc((size_t)state->stages->passes->n_frames + 1, sizeof *frames);
     if (!frames)
         return error_memory(err);
     order_frames(state, frames);
     bool done = expect_frames(state, frames, err);
-    for (int tile = 0; tile < plan_tiles(plan, &picture) && done; tile++) {
-        const struct rectangle at = plan_tile(plan, &picture, tile);
+    for (int i = 0; i < stages->n_tiles && done; i++) {
+        const struct rectangle at = plan_tile(plan, &picture, stages->tiles[i]);
         done = draw_tile(state, &at, frames, err);
     }
     free(frames);
@@ -271,12 +274,10 @@ static bool settle_checks(struct state *state, const struct tile *tile, struct e
 {
     double since = clock_seconds();
     for (int i = 0; state->checks && i < tile->n_chunks; i++) {
-        check_settle(&state->checks[i], tile, &state->totals);
+        check_settle(&state->checks[i], tile, &state->sums.totals);
         if (state->stages->map && !check_map_write(state->stages->map, &state->checks[i], err))
             return false;
     }
-    if (state->checks)
-        totals_add(state->stages->totals, &state->totals);
     clock_in(&since, &state->stages->seconds.check);
     return true;
 }
@@ -358,7 +359,7 @@ static bool learn_pilots(struct state *state, const struct tile *tile, struct er
 static bool find_room(struct state *state, const struct tile *tile, struct written **out)
 {
     *out = NULL;
-    if (!state->stages->writer)
+    if (!state->stages->sink)
         return true;
     const int place = queue_room(&state->counted);
     if (place < 0)
@@ -393,8 +394,8 @@ static bool treat_pass(struct state *state, const struct tile *tile, int pass, s
     each_chunk(&of, treat_chunk);
     clock_in(&since, &seconds);
     share_seconds(&of, seconds);
-    stages->odd.clipped += of.odd.clipped;
-    stages->odd.undefined += of.odd.undefined;
+    state->sums.odd.clipped += of.odd.clipped;
+    state->sums.odd.undefined += of.odd.undefined;
     if (room) {
         room->first_page = pass * BANDS_PER_PASS;
         room->n_pages = bands_of_pass(state->plan, pass);
@@ -405,54 +406,15 @@ static bool treat_pass(struct state *state, const struct tile *tile, int pass, s
 
 /* ---- the object map ---- */
 
-/* Returns the number, from 1, of the object at a position of the tile. The renderer of the stored
- * pixels decides: the reference's picture, or OpenGL's last identification. An unknown surface
- * number counts as background. */
-static int object_at(const struct state *state, const struct tile *tile, int x, int y)
-{
-    const struct renderer *renderer = state->stages->renderer;
-    const struct picture *picture = &tile->chunks[y / CHUNK_ROWS].picture;
-    const size_t pixel = (size_t)(y % CHUNK_ROWS) * (size_t)tile->at.width + (size_t)x;
-    const int surface = state->plan->options.store_raster
-                            ? picture->surface[pixel]
-                            : renderer->kind->shown(renderer, x, y).surface;
-    return surface < state->plan->n_instances ? surface + 1 : 0;
-}
-
-/* Returns the object that most positions of a pixel show; of equally many the one that comes first.
- */
-static int object_of(const struct state *state, const struct tile *tile, int x, int y)
-{
-    const int side = state->plan->scene->positions, n = side * side;
-    int objects[MOST_POSITIONS * MOST_POSITIONS], best = 0, most = 0;
-    for (int i = 0; i < n; i++)
-        objects[i] = object_at(state, tile, x * side + i % side, y * side + i / side);
-    for (int i = 0; i < n && most <= n / 2; i++) {
-        int count = 0;
-        for (int k = 0; k < n; k++)
-            count += objects[k] == objects[i];
-        best = count > most ? objects[i] : best;
-        most = count > most ? count : most;
-    }
-    return best;
-}
-
 /* Makes the object map of a tile. */
-static bool map_objects(struct state *state, const struct tile *tile)
+static bool add_object_map(struct state *state, const struct tile *tile)
 {
     struct written *room;
-    if (state->plan->map_bytes == 0 || !state->stages->writer)
+    if (state->plan->map_bytes == 0 || !state->stages->sink)
         return true;
     if (!find_room(state, tile, &room))
         return false;
-    unsigned char *out = room->samples[0];
-    for (int y = 0; y < room->at.height; y++)
-        for (int x = 0; x < room->at.width; x++) {
-            const int object = object_of(state, tile, x, y);
-            *out++ = (unsigned char)(object % 256);
-            if (state->plan->map_bytes > 1)
-                *out++ = (unsigned char)(object / 256);
-        }
+    map_objects(state->stages, tile, &room->at, room->samples[0]);
     room->first_page = state->plan->n_bands;
     room->n_pages = 1;
     queue_fill(&state->counted);
@@ -480,20 +442,37 @@ static bool take_step(struct state *state, struct error *err)
     return !is_interrupted() || error_system(err, "interrupted; nothing was written");
 }
 
+/* Passes the sums of a tile on, and adds them to the picture's. */
+static bool end_tile(struct state *state, struct error *err)
+{
+    const struct tile_sink *sink = state->stages->sink;
+    if (sink && sink->end) {
+        const int place = queue_room(&state->counted);
+        if (place < 0)
+            return false;
+        struct written *room = &state->written[place];
+        if (!sums_pack(&state->sums, &room->sums, &room->sums_length, err))
+            return false;
+        queue_fill(&state->counted);
+    }
+    sums_add(&state->stages->sums, &state->sums);
+    return true;
+}
+
 static bool treat_tile(void *context, const struct tile *tile, struct error *err)
 {
     struct state *state = context;
     const bool checking = state->stages->check_scene != NULL;
     clock_in(&state->since, &state->stages->seconds.raster);
-    add_work(&state->stages->light, tile);
-    bool done = (!checking || open_checks(state, tile, err)) && map_objects(state, tile);
+    add_work(&state->sums.light, tile);
+    bool done = (!checking || open_checks(state, tile, err)) && add_object_map(state, tile);
     if (done && checking)
         queue_free(&state->numbers);
     done = done && learn_pilots(state, tile, err);
     for (int pass = 0; done && pass < state->plan->n_passes; pass++)
         done = treat_pass(state, tile, pass, err) && take_step(state, err);
     leave_frame(state);
-    done = done && settle_checks(state, tile, err);
+    done = done && settle_checks(state, tile, err) && end_tile(state, err);
     close_checks(state, tile);
     state->since = clock_seconds();
     return done;
@@ -502,29 +481,51 @@ static bool treat_tile(void *context, const struct tile *tile, struct error *err
 static bool treat_tiles(void *context, struct error *err)
 {
     struct state *state = context;
+    const struct stages *stages = state->stages;
     const struct rectangle picture = plan_picture(state->plan);
-    state->all_steps = (long)plan_tiles(state->plan, &picture) * state->plan->n_passes;
+    bool done = true;
+    state->all_steps = (long)stages->n_tiles * state->plan->n_passes;
     state->since = clock_seconds();
-    const bool done = tiles_each(state->stages->lit, &picture, treat_tile, state, err);
+    for (int i = 0; i < stages->n_tiles && done; i++) {
+        const struct rectangle at = plan_tile(state->plan, &picture, stages->tiles[i]);
+        done = tile_draw(stages->lit, &at, treat_tile, state, err);
+    }
     queue_end(&state->counted);
     return done;
 }
 
 /* ---- writing ---- */
 
+static bool write_pages(const struct state *state, const struct written *from, struct error *err)
+{
+    struct tile_sink *sink = state->stages->sink;
+    const struct rectangle *at = &from->at;
+    for (int i = 0; i < from->n_pages; i++) {
+        const struct stack_rectangle to = {from->first_page + i, at->x, at->y, at->width,
+                                           at->height};
+        if (!sink->write(sink, &to, from->samples[i], err))
+            return false;
+    }
+    return true;
+}
+
+static bool write_sums(const struct state *state, struct written *from, struct error *err)
+{
+    struct tile_sink *sink = state->stages->sink;
+    const bool done = sink->end(sink, from->sums, from->sums_length, err);
+    free(from->sums);
+    from->sums = NULL;
+    return done;
+}
+
 static bool write_tiles(void *context, struct error *err)
 {
     struct state *state = context;
     for (int place; (place = queue_next(&state->counted, 0)) >= 0;) {
-        const struct written *from = &state->written[place];
-        const struct rectangle *at = &from->at;
+        struct written *from = &state->written[place];
         double since = clock_seconds();
-        for (int i = 0; i < from->n_pages; i++) {
-            const struct stack_rectangle to = {from->first_page + i, at->x, at->y, at->width,
-                                               at->height};
-            if (!stack_write(state->stages->writer, &to, from->samples[i], err))
-                return false;
-        }
+        if (!(from->sums ? write_sums(state, from, err) : write_pages(state, from, err)))
+            return false;
         clock_in(&since, &state->written_seconds);
         queue_free(&state->counted);
     }
@@ -541,9 +542,10 @@ static bool allocate(struct state *state, struct error *err)
     state->black = calloc((size_t)plan->tile_width, 4 * sizeof *state->black);
     if (!state->black)
         return error_memory(err);
-    if (state->stages->check_scene && !totals_open(state->stages->check_scene, &state->totals, err))
+    if (state->stages->check_scene &&
+        !totals_open(state->stages->check_scene, &state->sums.totals, err))
         return false;
-    for (int i = 0; i < WRITTEN_PLACES * BANDS_PER_PASS && state->stages->writer; i++) {
+    for (int i = 0; i < WRITTEN_PLACES * BANDS_PER_PASS && state->stages->sink; i++) {
         unsigned char **samples = &state->written[i / BANDS_PER_PASS].samples[i % BANDS_PER_PASS];
         *samples = malloc(n_samples * (size > map ? size : map));
         if (!*samples)
@@ -555,9 +557,11 @@ static bool allocate(struct state *state, struct error *err)
 static void release(struct state *state)
 {
     free(state->black);
-    totals_free(&state->totals);
+    totals_free(&state->sums.totals);
     for (int i = 0; i < WRITTEN_PLACES * BANDS_PER_PASS; i++)
         free(state->written[i / BANDS_PER_PASS].samples[i % BANDS_PER_PASS]);
+    for (int i = 0; i < WRITTEN_PLACES; i++)
+        free(state->written[i].sums);
 }
 
 bool stages_run(struct stages *stages, struct error *err)
@@ -573,7 +577,7 @@ bool stages_run(struct stages *stages, struct error *err)
     if (stages->renderer)
         parts[n++] = draw_tiles; /* OpenGL's context is this thread's */
     parts[n++] = treat_tiles;
-    if (stages->writer)
+    if (stages->sink)
         parts[n++] = write_tiles;
     const bool done =
         allocate(&state, err) &&

@@ -45,28 +45,47 @@ struct part_seconds {
 /* Adds the seconds since *since to a part, and makes now the new *since. */
 void clock_in(double *since, double *part);
 
-/* The work of the stages. All but the last three members come in, prepared for the plan, and stay
+/* Takes the samples of one tile after the other. A room that stores them embeds it as the first
+ * member of a struct of its own. */
+struct tile_sink {
+    /* Takes the samples of a rectangle: of the object map, then of each page in turn. */
+    bool (*write)(struct tile_sink *sink, const struct stack_rectangle *to, const void *samples,
+                  struct error *err);
+    /* Takes the packed sums of the tile whose samples are all written. NULL: wants none. */
+    bool (*end)(struct tile_sink *sink, const unsigned char *sums, size_t length,
+                struct error *err);
+};
+
+/* The work of the stages. All but the last two members come in, prepared for the plan, and stay
  * the caller's. */
 struct stages {
     const struct plan *plan;
     const struct passes *passes;
     const struct lit_scene *lit;
     const struct check_scene *check_scene; /* NULL: no check */
-    struct check_totals *totals;           /* of a check; open */
     struct check_map *map;                 /* NULL: none is wanted */
     struct renderer *renderer;             /* with GL_BUFFERS; NULL: only the reference draws */
-    struct stack_writer *writer;           /* NULL: no stack is written */
-    struct progress_line *progress;        /* NULL: none */
+    struct tile_sink *sink;                /* NULL: no samples are stored */
+    const int *tiles;                      /* the numbers of those to be drawn */
+    int n_tiles;
+    struct progress_line *progress; /* NULL: none */
     double full_scale;
     bool clips; /* a vertex is brighter than full_scale */
     /* what comes out is added to these */
-    struct odd_samples odd;
-    struct light_work light;
+    struct tile_sums sums; /* with open totals, if there is a check */
     struct part_seconds seconds;
 };
 /* Frames that OpenGL may be ahead of the check; and its buffers, so many more for the pilots. */
 enum { AHEAD_FRAMES = 2, GL_BUFFERS = AHEAD_FRAMES + MAX_PILOT_PASSES };
 /* Draws, judges and writes all tiles. Output and verdict do not depend on the number of threads. */
 bool stages_run(struct stages *stages, struct error *err);
+
+/* ---- inside this room ---- */
+
+/* object_map.c. Fills the object map of a tile: of each pixel the number, from 1, of the object
+ * that most of its positions show; 0: the background. at: the tile in pixels of the stack. The
+ * renderer of the stored pixels decides. */
+void map_objects(const struct stages *stages, const struct tile *tile, const struct rectangle *at,
+                 unsigned char *out);
 
 #endif

@@ -31,8 +31,10 @@ bool totals_open(const struct check_scene *scene, struct check_totals *out, stru
         out->first[s] = n_triangles;
         n_triangles += (size_t)plan->instances[s].instance.n_triangles;
     }
+    out->n_triangles = n_triangles;
+    out->most_shown = most_shown(plan, n_triangles);
     out->varying = calloc(n_triangles + 1, sizeof *out->varying);
-    out->shown = calloc(most_shown(plan, n_triangles) + 1, sizeof *out->shown);
+    out->shown = calloc(out->most_shown + 1, sizeof *out->shown);
     return (out->first && out->unchecked && out->varying && out->shown) || error_memory(err);
 }
 

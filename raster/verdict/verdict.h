@@ -104,9 +104,10 @@ struct check_scene {
 struct check_totals {
     const struct check_scene *scene;
     struct check_verdict verdict;
-    double shared;                       /* of all pixels: see struct mean_bound; in counts */
-    double *varying;                     /* of each triangle, the sum over its pixels */
-    size_t *shown, n_shown;              /* the triangles of a tile whose sum is above 0 */
+    double shared;   /* of all pixels: see struct mean_bound; in counts */
+    double *varying; /* of each triangle, the sum over its pixels */
+    size_t n_triangles;
+    size_t *shown, n_shown, most_shown;  /* the triangles of a tile whose sum is above 0 */
     size_t *first;                       /* of each surface, its first triangle in `varying` */
     uint64_t (*unchecked)[BOUND_CAUSES]; /* of each surface: its pixels that are not checked */
 };
@@ -118,8 +119,7 @@ double checked_counts(const struct plan *plan);
 /* Adds a pixel of an object to the totals. An infinite floor: it has no bound. */
 void totals_note(struct check_totals *totals, int surface, int triangle, double floor,
                  const struct mean_bound *mean);
-/* Adds a tile's totals to the picture's, and sets them to 0 for the next tile. */
-void totals_add(struct check_totals *picture, struct check_totals *tile);
+void totals_add(struct check_totals *picture, struct check_totals *tile); /* see sums_add */
 /* Completes the verdict of the picture when all tiles are added. */
 void totals_finish(struct check_totals *totals);
 
@@ -131,5 +131,19 @@ enum check_outcome check_outcome(const struct plan *plan, const struct check_ver
 double mean_residual(const struct check_samples *samples);
 /* True if roundings cannot leave so large a mean. */
 bool is_biased(const struct check_verdict *verdict);
+
+/* ---- sums.c: the sums of a tile as bytes, which another process adds up ---- */
+
+struct tile_sums {
+    struct check_totals totals; /* open; scene NULL: there is no check */
+    struct odd_samples odd;
+    struct light_work light;
+};
+/* Adds a tile's sums to the picture's, and sets them to 0 for the next tile. */
+void sums_add(struct tile_sums *picture, struct tile_sums *tile);
+/* The caller frees *out. The same sums give the same bytes. */
+bool sums_pack(struct tile_sums *sums, unsigned char **out, size_t *length, struct error *err);
+/* Reads sums into *out, whose sums are 0. Returns false where these bytes are no such sums. */
+bool sums_unpack(const unsigned char *bytes, size_t length, struct tile_sums *out);
 
 #endif
