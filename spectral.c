@@ -22,6 +22,7 @@
 #include "raster/exchange/exchange.h"
 #include "raster/gl/gl.h"
 #include "raster/inspect/inspect.h"
+#include "raster/parts/parts.h"
 #include "raster/plan/plan.h"
 #include "raster/render/render.h"
 #include "raster/verify/verify.h"
@@ -74,6 +75,8 @@ static const struct command commands[] = {
      command_export, FOR_EXPORT, 1},
     {"judge", "SCENE PIXELS", "judge what it drew: a folder, or a TIFF", "judge room drawn",
      command_judge, FOR_JUDGE, 2},
+    {"join", "STACK", "put the parts of a stack together, which render --part drew",
+     "join spheres.tif", command_join, FOR_JOIN, 1},
     {"list", "[KIND]", "print the names of all that is built in, or of one kind", "list materials",
      command_list, 0, 1},
     {"show", "NAME [-o FILE]", "print a built-in file, to start a file of your own with",
@@ -131,7 +134,7 @@ static const struct option known_options[] = {
      "the same to the last byte (default output: STACK's name + -again.tif)",
      FOR_RENDER, TEXT(again)},
     {"--trust", "--again reads whatever files the stack names, not only those below this folder",
-     FOR_RENDER, FLAG(trust)},
+     FOR_RENDER | FOR_JOIN, FLAG(trust)},
     {"--renderer gl|llvmpipe|softpipe|gl-shader[:DRIVER]|es-shader[:DRIVER]|raster",
      "stores pixels of gl (default), of its driver llvmpipe or softpipe, of shaders by OpenGL 3.3 "
      "core or OpenGL ES 3, or of the reference",
@@ -150,22 +153,27 @@ static const struct option known_options[] = {
      "writes what the check can see at each pixel, and its verdict there, as float pages (.tif) or "
      "as a picture (.png)",
      FOR_RENDER | FOR_JUDGE, TEXT(check_map)},
-    {"--keep", "stores the stack even if the check fails", FOR_RENDER, FLAG(keep)},
-    {"--envi", "also writes STACK.tif.hdr, as the command envi does", FOR_RENDER, FLAG(envi)},
+    {"--keep", "stores the stack even if the check fails", FOR_RENDER | FOR_JOIN, FLAG(keep)},
+    {"--envi", "also writes STACK.tif.hdr, as the command envi does", FOR_RENDER | FOR_JOIN,
+     FLAG(envi)},
+    {"--part I/N",
+     "draws part I of N into STACK.tif.I-of-N.part; goes on there if it was killed; see join",
+     FOR_RENDER, TEXT(part), .accepts = part_accepts},
     {"--full-scale R", "radiance of count 65535 (default: the largest)",
      FOR_RENDER | FOR_EXCHANGE | RECORDED, NUMBER(full_scale), .lowest = 1e-300, .highest = 1e300},
     {"--depth 8|16|32f", "bits of counts, or 32-bit float radiances (default: 16)",
      FOR_RENDER | RECORDED, TEXT(depth), .choices = depths},
     {"-j, --threads N", "threads to compute with (default: one per processor)",
-     FOR_SCENES | FOR_STACKS, COUNT(threads), .lowest = 1, .highest = 1024},
+     FOR_SCENES | FOR_STACKS | FOR_JOIN, COUNT(threads), .lowest = 1, .highest = 1024},
     {"--memory MIB", "MiB of memory that a command may take beyond a tile's 300 (default: 1024)",
      FOR_ALL, COUNT(memory_mib), .lowest = 1, .highest = 1 << 24},
     {"--json FILE", "writes the results as JSON; - is standard output",
-     FOR_SCENES | FOR_STACKS | FOR_INFO | FOR_DRIVERS, TEXT(json)},
+     FOR_SCENES | FOR_STACKS | FOR_INFO | FOR_DRIVERS | FOR_JOIN, TEXT(json)},
     {"-v, --verbose", "prints the plan, too: each effect, and why it is simulated",
      FOR_RENDER | FOR_JUDGE, FLAG(verbose)},
     {"-q, --quiet", "prints no table and no progress",
-     FOR_RENDER | FOR_JUDGE | FOR_DEVELOP | FOR_COMPARE | FOR_VIEW | FOR_COST | FOR_VERIFY,
+     FOR_RENDER | FOR_JUDGE | FOR_DEVELOP | FOR_COMPARE | FOR_VIEW | FOR_COST | FOR_VERIFY |
+         FOR_JOIN,
      FLAG(quiet)},
     {.heading = "develop, probe and compare:"},
     {"--detector, --observer NAME", "sees with it (default: cie1931); a camera only in develop",

@@ -32,8 +32,9 @@ enum {
     FOR_VERIFY = 1 << 11,
     FOR_EXPORT = 1 << 12,
     FOR_JUDGE = 1 << 13,
-    FOR_ALL = 1 << 14,
-    RECORDED = 1 << 15,
+    FOR_JOIN = 1 << 14,
+    FOR_ALL = 1 << 15,
+    RECORDED = 1 << 16,
     /* cost chooses the shading by itself */
     FOR_EXCHANGE = FOR_EXPORT | FOR_JUDGE,
     FOR_SHADED = FOR_RENDER | FOR_PLAN | FOR_PROBE | FOR_VIEW | FOR_EXCHANGE,
@@ -92,7 +93,7 @@ struct options {
         *reduce;
     const char *renderer, *buffer, *depth, *bits, *gl, *driver; /* one of their choices */
     const char *sampling, *detector, *white, *adaptation, *display, *exposure;
-    const char *tolerance, *budget, *unchecked, *accuracy;
+    const char *tolerance, *budget, *unchecked, *accuracy, *part;
     double full_scale;
     int threads, runs, memory_mib, max_triangles;
     struct outputs outputs; /* complete; they appear when the command has ended well */
@@ -116,8 +117,7 @@ bool options_read(const struct option_rules *rules, char *const *words, int n_wo
 void options_free(struct options *options);
 
 /* Names the output after the file `path`, with another ending, where the command line gives none;
- * after "scene" where the path is "-", standard input. Refuses the name of another output. The name
- * lasts until options_free. */
+ * after "scene" where the path is "-". Refuses another output's name. options_free ends it. */
 bool options_name_output(struct options *options, const char *path, const char *ending,
                          struct error *err);
 /* Limits the memory of the command: see memory_limit. */

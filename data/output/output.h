@@ -56,6 +56,8 @@ bool output_can_open(const char *path, struct error *err);
 
 /* ---- writeback.c: large files on their way to the disk ---- */
 
+/* Refuses a disk that has no room for so many bytes more, before hours of rendering are lost. */
+bool output_fits(int descriptor, const char *path, uint64_t needed, struct error *err);
 /* Reserves the blocks of a large file, so that they lie together, and a full disk shows before the
  * work begins. Returns false with errno where the disk is too full; true, too, where a file system
  * cannot reserve, or a file is small. */

@@ -3,6 +3,7 @@
  * the end of the program waits for; and what it keeps in memory, other programs miss. */
 #define _GNU_SOURCE /* fallocate */
 #include <fcntl.h>
+#include <sys/statvfs.h>
 
 #include "data/output/output.h"
 
@@ -14,6 +15,19 @@ static const uint64_t kept_bytes = (uint64_t)32 << 20;
 static void advise(const struct output *output, const struct output_piece *piece)
 {
     posix_fadvise(output->descriptor, (off_t)piece->at, (off_t)piece->length, POSIX_FADV_DONTNEED);
+}
+
+/* Some file systems do not report their size. */
+bool output_fits(int descriptor, const char *path, uint64_t needed, struct error *err)
+{
+    struct statvfs disk;
+    if (fstatvfs(descriptor, &disk) != 0 || disk.f_blocks == 0 || disk.f_frsize == 0 ||
+        needed / disk.f_frsize <= disk.f_bavail)
+        return true;
+    errno = 0;
+    return error_system(err, "%s: needs %.4g MB, the disk has %.4g MB left", path,
+                        1e-6 * (double)needed,
+                        1e-6 * (double)disk.f_bavail * (double)disk.f_frsize);
 }
 
 /* C libraries make up for a file system that cannot reserve by writing every block: so this asks

@@ -9,7 +9,6 @@
 #include <inttypes.h>
 #include <string.h>
 #include <sys/stat.h>
-#include <sys/statvfs.h>
 #include <tiffio.h>
 #include <unistd.h>
 
@@ -210,20 +209,6 @@ static bool place_pages(TIFF *tiff, struct client *client)
     return true;
 }
 
-/* Refuses a disk that is too full before hours of rendering are lost. Some file systems do not
- * report their size. */
-static bool check_free_space(const struct output *output, uint64_t needed, struct error *err)
-{
-    struct statvfs disk;
-    if (fstatvfs(output->descriptor, &disk) != 0 || disk.f_blocks == 0 || disk.f_frsize == 0 ||
-        needed / disk.f_frsize <= disk.f_bavail)
-        return true;
-    errno = 0;
-    return error_system(err, "%s: needs %.4g MB, the disk has %.4g MB left", output->path,
-                        1e-6 * (double)needed,
-                        1e-6 * (double)disk.f_bavail * (double)disk.f_frsize);
-}
-
 /* Writes all directories, then places all pages. Starts again, as BigTIFF, if the file would pass
  * the 4 GiB of a classic TIFF. Starts again, too, if the tags record another offset than the pages
  * get: with the right offset they may be longer. Offsets only grow, so that this ends. */
@@ -239,7 +224,8 @@ static bool lay_out(struct pages *pages, page_tags *set_tags, const void *of, st
     const uint64_t end = pages_end(pages);
     const bool fits = (pages->big || end <= UINT32_MAX) && recorded;
     good = good && (!fits || place_pages(tiff, &client));
-    if (!close_tiff(tiff, &client, good) || !check_free_space(&pages->output, end, err))
+    if (!close_tiff(tiff, &client, good) ||
+        !output_fits(pages->output.descriptor, pages->output.path, end, err))
         return false;
     int resized;
     UNTIL_DONE(resized, ftruncate(pages->output.descriptor, fits ? (off_t)end : 0));

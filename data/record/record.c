@@ -367,8 +367,13 @@ static bool keep_lines(struct record *record, struct error *err)
         good = keep_line(record, line, colon + 2, err);
     }
     return good && record->program != NULL && record->scene != NULL &&
-           record->scene_sha256 != NULL && record->renderer != NULL && record->full_scale != NULL &&
-           record->scale != NULL;
+           record->scene_sha256 != NULL && record->renderer != NULL;
+}
+
+bool record_parse(const char *text, struct record *out, struct error *err)
+{
+    *out = (struct record){.text = strdup(text)};
+    return out->text ? keep_lines(out, err) : error_memory(err);
 }
 
 /* Reads "OFFSET BYTES_PER_PIXEL". Returns true for a record without a map. */
@@ -440,7 +445,8 @@ double record_illumination(const struct record *record)
 bool record_read(const struct image *image, struct record *out, struct error *err)
 {
     *out = (struct record){.text = description_text(image->description, err)};
-    if (out->text != NULL && keep_lines(out, err) && read_map(out) &&
+    if (out->text != NULL && keep_lines(out, err) && out->full_scale != NULL &&
+        out->scale != NULL && read_map(out) &&
         (out->white.n == 0 || out->white.n == image->n_pages) &&
         (record_illumination(out) > 0 || out->white.n + out->white_response.n == 0) &&
         sampling_agrees(out, image))

@@ -10,21 +10,28 @@
 #include "data/tiff/tiff.h"
 #include "raster/render/render.h"
 
-/* Takes from the record all options that decide the picture, and the others from the command line.
- */
-static bool recorded_options(const struct options *options, const struct record *record,
-                             struct options *out, struct error *err)
+bool recorded_options(const struct options *options, const char *from, const struct record *record,
+                      struct options *out, struct error *err)
 {
     const struct option_rules rules = {"render", options->table, RECORDED, 1};
     if (!options_read(&rules, record->options, record->n_options, out, err))
         return false;
     if (out->operand)
-        return error_usage(err, "%s records '%s', which is not an option", options->again,
-                           out->operand);
+        return error_usage(err, "%s records '%s', which is not an option", from, out->operand);
     out->operand = record->scene;
     out->json = options->json;
     out->threads = options->threads;
     out->quiet = options->quiet;
+    return true;
+}
+
+/* Takes from the record all options that decide the picture, and the others from the command line.
+ */
+static bool again_options(const struct options *options, const struct record *record,
+                          struct options *out, struct error *err)
+{
+    if (!recorded_options(options, options->again, record, out, err))
+        return false;
     if (!out->renderer || strcmp(out->renderer, "raster") != 0)
         return !(options->no_check || options->strict || options->unchecked) ||
                error_usage(err,
@@ -102,7 +109,7 @@ static bool option_is_trusted(const char *stack, const char *option, struct erro
     return trusted;
 }
 
-static bool record_is_trusted(const char *stack, const struct record *record, struct error *err)
+bool record_is_trusted(const char *stack, const struct record *record, struct error *err)
 {
     bool trusted = is_trusted(stack, record->scene, err);
     for (int i = 0; trusted && i < record->n_options; i++)
@@ -154,7 +161,7 @@ static bool render_recorded(const struct options *options, const struct render_o
     struct record record = {.text = NULL};
     struct options made = {.operand = NULL};
     bool done = record_open(options->again, &image, &record, err) &&
-                recorded_options(options, &record, &made, err) &&
+                again_options(options, &record, &made, err) &&
                 (options->trust || record_is_trusted(options->again, &record, err)) &&
                 can_be_same(&record, output, err) &&
                 render_with_options(&made, output, &record, err);

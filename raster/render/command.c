@@ -144,11 +144,28 @@ static bool print_header(const char *stack, bool written, struct printed *to, st
     return done;
 }
 
+/* Prints what was drawn of a part, and where it lies. */
+static bool print_part(const struct render_output *output, const struct render_result *result,
+                       struct printed *to, struct error *err)
+{
+    const struct part_result *part = &result->part;
+    char *name = part_name(output->path, output->part);
+    if (!name)
+        return error_memory(err);
+    print(to, "part              %d of %d: %d tiles, %d complete already\n", part->part.number,
+          part->part.count, part->n_tiles, part->n_before);
+    print(to, "file              %s\n", name);
+    free(name);
+    return true;
+}
+
 static bool print_report(const struct plan *plan, const struct render_result *result,
                          const struct render_output *output, const char *stored, struct printed *to,
                          struct error *err)
 {
     report_print(plan, result, to);
+    if (output->part && !print_part(output, result, to, err))
+        return false;
     if (stored) {
         print(to, "stack             %s\n", stored);
         if (!print_header(stored, output->envi, to, err))
@@ -172,7 +189,7 @@ static bool report(const struct options *options, const struct plan *plan,
                    const struct record *made, struct error *err)
 {
     bool agreed = render_agreed(plan, result);
-    const char *wanted = output->discard ? NULL : output->path;
+    const char *wanted = output->discard || output->part ? NULL : output->path;
     const char *stored = agreed || output->keep ? wanted : NULL;
     /* the JSON, the stack itself (-o -) or the map may use standard output */
     const int table = options_table(
@@ -189,6 +206,7 @@ static bool report(const struct options *options, const struct plan *plan,
     if (agreed)
         return true;
     const char *then = output->foreign ? NULL
+                       : output->part  ? "the part is kept, and join refuses it"
                        : !wanted       ? "no stack was wanted"
                        : output->keep  ? "the stack was kept"
                                        : "no stack was written (--keep stores it anyway)";
@@ -249,7 +267,7 @@ static bool render_planned(const struct options *options, const struct plan *pla
     bool done = render(plan, output, shown ? &line : NULL, &result, err);
     if (done && output->take)
         return output->take(output->taker, plan, &result, err);
-    if (done && !foreign)
+    if (done && !foreign && !output->part && !output->join)
         forecast_learn(plan, result.seconds.total);
     result.seconds.read += before->read;
     result.seconds.plan = before->plan;
@@ -280,7 +298,7 @@ bool render_with_options(const struct options *options, const struct render_outp
     seconds.read = clock_seconds() - start;
     done = done && plan_asked(options, &plan_options, &scene, &sampling, &asked, err);
     seconds.plan = clock_seconds() - start - seconds.read;
-    if (!options->quiet || options->json)
+    if ((!options->quiet || options->json) && !output->join)
         noted.notes = &notes;
     done = done && output_can_open(options->json, err) &&
            output_can_open(options->check_map, err) &&
@@ -307,18 +325,39 @@ void options_forget_check(struct options *options)
     options->n_recorded = n;
 }
 
+/* Refuses options that need the whole picture. */
+static bool check_part(const struct options *options, struct error *err)
+{
+    const char *whole = options->check_map ? "--check-map"
+                        : options->keep    ? "--keep"
+                        : options->envi    ? "--envi"
+                        : options->again   ? "--again"
+                                           : NULL;
+    if (options->part && whole)
+        return error_usage(err, "a part takes no %s%s", whole,
+                           options->keep || options->envi ? "; join does" : "");
+    return !options->part || !output_is_stream(options->output) ||
+           error_usage(err, "a part needs the name of a stack beside which its file lies; found %s",
+                       options->output);
+}
+
 bool render_scene(struct options *options, struct error *err)
 {
+    struct picture_part part;
     if (!options_name_output(options, options_scene(options), ".tif", err))
         return false;
     if (stores_raster(options))
         options_forget_check(options);
+    if (!check_part(options, err) ||
+        (options->part && !part_read("--part", options->part, &part, err)))
+        return false;
     const bool discard = strcmp(options->output, "/dev/null") == 0;
     const struct render_output wanted = {.path = discard ? NULL : options->output,
                                          .check_map = options->check_map,
                                          .keep = options->keep,
                                          .envi = options->envi,
-                                         .outputs = &options->outputs};
+                                         .outputs = &options->outputs,
+                                         .part = options->part ? &part : NULL};
     return render_with_options(options, &wanted, NULL, err);
 }
 

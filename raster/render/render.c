@@ -22,7 +22,9 @@ struct state {
         struct tile_sink sink; /* the first member */
         struct stack_writer writer;
     } stack;
-    int *tiles;   /* owned */
+    int *tiles; /* owned */
+    struct part_file part;
+    struct renderer_lacks lacks;
     double since; /* clock_seconds at the last clock_in */
     struct render_result *result;
 };
@@ -117,6 +119,103 @@ static bool open_stack(struct state *state, const char *path, struct error *err)
     return state->stages.sink != NULL;
 }
 
+/* ---- parts ---- */
+
+/* Returns the facts of the picture as text, allocated; NULL on failure. */
+static char *make_facts(const struct state *state, struct error *err)
+{
+    const struct plan *plan = state->stages.plan;
+    const struct part_facts facts = {.full_scale = state->stages.full_scale,
+                                     .unchecked = plan->options.unchecked,
+                                     .clips = state->stages.clips,
+                                     .check = plan->options.check,
+                                     .strict = plan->options.strict,
+                                     .measured = state->result->driver.is_measured,
+                                     .names = state->result->names,
+                                     .lacks = state->lacks};
+    char *provenance = provenance_text(plan, state->result, err);
+    char *text = provenance ? facts_text(plan, &facts, provenance) : NULL;
+    if (provenance && !text)
+        error_memory(err);
+    free(provenance);
+    return text;
+}
+
+/* Adds the sums of the tiles that are complete already. */
+static bool take_complete(struct state *state, struct error *err)
+{
+    struct stages *stages = &state->stages;
+    struct tile_sums sums = {.odd = {0, 0}};
+    struct part_tile tile;
+    bool done = !stages->check_scene || totals_open(stages->check_scene, &sums.totals, err),
+         found = true;
+    while (done && found) {
+        done = part_next(&state->part, &found, &tile, err) &&
+               (!found || join_sums(&state->part, &tile, &sums, &stages->sums, err));
+        free(tile.sums);
+    }
+    totals_free(&sums.totals);
+    return done;
+}
+
+/* Opens the file of a part, and lists the tiles that are not complete. */
+static bool open_part(struct state *state, const struct render_output *output, struct error *err)
+{
+    struct stages *stages = &state->stages;
+    struct part_file *file = &state->part;
+    char *text = make_facts(state, err);
+    const bool done = text &&
+                      part_create(output->path, output->part, stages->plan, text, file, err) &&
+                      take_complete(state, err);
+    free(text);
+    if (!done)
+        return false;
+    state->result->part = (struct part_result){*output->part, file->n_tiles, file->n_complete};
+    stages->sink = &file->sink;
+    stages->tiles = file->tiles + file->n_complete;
+    stages->n_tiles = file->n_tiles - file->n_complete;
+    clock_in(&state->since, &stages->seconds.write);
+    return true;
+}
+
+/* Takes what the parts record, in place of what is found when a scene is drawn. Refuses parts that
+ * this program would not draw from the scene as it is now. */
+static bool prepare_join(struct state *state, const struct render_output *output, struct error *err)
+{
+    struct stages *stages = &state->stages;
+    const char *recorded = output->join->list[0].text;
+    char own[FACT_LINE], other[FACT_LINE];
+    struct part_facts facts;
+    if (!facts_read(recorded, &facts))
+        return error_usage(err, "%s: records no facts", output->join->list[0].path);
+    state->result->names = facts.names;
+    state->result->driver = *driver_of(facts.names.renderer);
+    if (facts.measured) {
+        state->result->driver.is_measured = true;
+        state->result->driver.name = "measured";
+    }
+    state->result->full_scale = stages->full_scale = facts.full_scale;
+    stages->clips = facts.clips;
+    state->lacks = facts.lacks;
+    state->lit.plan = stages->plan;
+    char *text = make_facts(state, err);
+    const bool differ = text && facts_differ(text, recorded, own, other);
+    free(text);
+    if (!text)
+        return false;
+    if (differ)
+        return error_usage(err, "%s: the parts record '%s', but now it is '%s'", output->path,
+                           other, own);
+    if (!stages->plan->options.check)
+        return true;
+    state->check_scene = (struct check_scene){
+        .lit = &state->lit, .full_scale = stages->full_scale, .clips = stages->clips};
+    stages->check_scene = &state->check_scene;
+    return totals_open(&state->check_scene, &stages->sums.totals, err);
+}
+
+/* ---- everything before the first pixel ---- */
+
 /* Prepares the check of all bands together, and its map if `path` is not NULL. */
 static bool open_check(struct state *state, const char *path, struct error *err)
 {
@@ -149,8 +248,10 @@ static bool open_renderer(struct state *state, const struct render_foreign *fore
                       : !plan->options.use_gl ? true
                       : shaders               ? shader_open(plan, n_buffers, out, err)
                                               : gl_open(plan, n_buffers, out, err);
-    if (done && stages->renderer)
+    if (done && stages->renderer) {
         state->result->names = stages->renderer->names;
+        state->lacks = stages->renderer->lacks;
+    }
     clock_in(&state->since, &stages->seconds.gl);
     return done;
 }
@@ -189,13 +290,31 @@ static bool prepare(struct state *state, const struct render_output *output, str
     clock_in(&state->since, &stages->seconds.raster);
     return list_tiles(state, err) &&
            (!plan->options.check || open_check(state, output->check_map, err)) &&
-           (!output->path || open_stack(state, output->path, err));
+           (!output->path ||
+            (output->part ? open_part(state, output, err) : open_stack(state, output->path, err)));
 }
 
 bool render_agreed(const struct plan *plan, const struct render_result *result)
 {
-    return !result->difference.found &&
-           (!plan->options.check || check_outcome(plan, &result->check) == OUTCOME_AGREED);
+    if (result->difference.found)
+        return false;
+    if (!plan->options.check)
+        return true;
+    /* the share of a picture that may stay unchecked is no limit of a part's */
+    const enum check_outcome outcome = check_outcome(plan, &result->check);
+    return outcome == OUTCOME_AGREED ||
+           (result->part.part.count > 0 && outcome == OUTCOME_NOT_VERIFIED);
+}
+
+/* Refuses samples that no page can hold. */
+static bool are_finite(const struct render_result *result, struct error *err)
+{
+    errno = 0;
+    return result->odd.undefined == 0 ||
+           error_system(err,
+                        "%llu samples are not finite (or too large for a float page); "
+                        "nothing was written",
+                        (unsigned long long)result->odd.undefined);
 }
 
 static bool commit(struct state *state, const struct render_output *output, struct error *err)
@@ -206,13 +325,8 @@ static bool commit(struct state *state, const struct render_output *output, stru
     bool compared = output->again && result->odd.undefined == 0;
     if (!state->stages.sink || !(output->keep || compared || render_agreed(plan, result)))
         return true;
-    if (result->odd.undefined > 0) {
-        errno = 0;
-        return error_system(err,
-                            "%llu samples are not finite (or too large for a float page); "
-                            "nothing was written",
-                            (unsigned long long)result->odd.undefined);
-    }
+    if (!are_finite(result, err))
+        return false;
     report_verdict(plan, &result->check, verdict, sizeof verdict);
     bool done = stack_finish(&state->stack.writer, verdict, err) &&
                 (!output->again ||
@@ -242,16 +356,32 @@ static void take_results(struct state *state)
     if (stages->check_scene) {
         totals_finish(&state->stages.sums.totals);
         result->check = stages->sums.totals.verdict;
-        result->check.lacks = stages->renderer->lacks;
+        result->check.lacks = state->lacks;
     }
+}
+
+/* Puts parts together. */
+static bool join_all(struct state *state, const struct render_output *output, struct error *err)
+{
+    if (!prepare_join(state, output, err) || !open_stack(state, output->path, err) ||
+        !join_tiles(output->join, state->stages.plan, &state->stack.writer, &state->stages.sums,
+                    err))
+        return false;
+    clock_in(&state->since, &state->stages.seconds.write);
+    take_results(state);
+    return commit(state, output, err);
 }
 
 static bool render_all(struct state *state, const struct render_output *output, struct error *err)
 {
+    if (output->join)
+        return join_all(state, output, err);
     if (!prepare(state, output, err) || !stages_run(&state->stages, err))
         return false;
     state->since = clock_seconds();
     take_results(state);
+    if (output->part)
+        return are_finite(state->result, err);
     /* both files are complete before the first of them appears */
     const bool mapped = state->stages.map != NULL;
     return (!mapped || check_map_finish(&state->map, err)) && commit(state, output, err) &&
@@ -267,7 +397,8 @@ bool render(const struct plan *plan, const struct render_output *output,
         .plan = plan, .passes = &state.passes, .lit = &state.lit, .progress = progress};
     *out = (struct render_result){.notes = output->notes};
     bool done = render_all(&state, output, err);
-    if (state.stages.sink)
+    part_close(&state.part);
+    if (state.stages.sink == &state.stack.sink)
         stack_discard(&state.stack.writer); /* keeps a committed stack */
     if (state.fit.plan)
         fit_free(&state.fit);

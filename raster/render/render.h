@@ -13,6 +13,7 @@
 #include "raster/forecast/forecast.h"
 #include "raster/gl/gl.h"
 #include "raster/notes/notes.h"
+#include "raster/parts/parts.h"
 #include "raster/plan/plan.h"
 #include "raster/radiance/radiance.h"
 #include "raster/shader/shader.h"
@@ -34,6 +35,10 @@ struct render_result {
     struct odd_samples odd;
     struct stack_difference difference; /* from the stack that is made again */
     const struct notes *notes;          /* those of struct render_output */
+    struct part_result {                /* count 0: it is no part */
+        struct picture_part part;
+        int n_tiles, n_before; /* tiles that were complete already */
+    } part;
     struct part_seconds seconds;
 };
 /* Another program draws the pixels. */
@@ -59,6 +64,8 @@ struct render_output {
                  struct error *err);
     void *taker;
     const struct render_foreign *foreign; /* NULL: OpenGL draws here */
+    const struct picture_part *part; /* draws this part of the stack at `path`; NULL: all of it */
+    struct parts *join;              /* draws nothing, and puts these together; NULL: it draws */
 };
 /* Renders into a stack. Returns true even if the picture fails its check or differs from `again`:
  * ask render_agreed. progress: shown after each pass; NULL: none. After a failure, an interruption
@@ -114,7 +121,26 @@ bool render_with_options(const struct options *options, const struct render_outp
  * reference's pixels is the same with any check. */
 void options_forget_check(struct options *options);
 
+/* ---- join.c: parts become a stack ---- */
+
+/* Reads the options that the parts were drawn with, and puts them together. */
+bool command_join(struct options *options, struct error *err);
+/* Copies the tiles of all parts into a stack, and adds their sums. Refuses parts that are not
+ * complete, or that have changed. */
+bool join_tiles(struct parts *parts, const struct plan *plan, struct stack_writer *writer,
+                struct tile_sums *picture, struct error *err);
+/* Adds the sums of a complete tile to the picture's, by way of a tile's, which are 0. */
+bool join_sums(const struct part_file *file, const struct part_tile *tile, struct tile_sums *own,
+               struct tile_sums *picture, struct error *err);
+
 /* ---- again.c: spectral render --again ---- */
+
+/* Reads the options that a record holds; others come from the command line. `from`: the file with
+ * the record, for messages. The caller frees *out, also after a failure. */
+bool recorded_options(const struct options *options, const char *from, const struct record *record,
+                      struct options *out, struct error *err);
+/* Refuses a record that names a file that is not below the working folder. */
+bool record_is_trusted(const char *from, const struct record *record, struct error *err);
 
 /* Makes a stack again from the scene and the options that it records. Fails with EXIT_DIFFERENT if
  * any byte of the new stack differs. */

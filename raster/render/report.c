@@ -327,6 +327,20 @@ static void json_again(struct json *json, const struct stack_difference *differe
     json_close(json, '}');
 }
 
+static void json_part(struct json *json, const struct part_result *part)
+{
+    if (part->part.count == 0) {
+        json_string(json, "part", NULL);
+        return;
+    }
+    json_open(json, "part", '{');
+    json_count(json, "number", (uint64_t)part->part.number);
+    json_count(json, "count", (uint64_t)part->part.count);
+    json_count(json, "tiles", (uint64_t)part->n_tiles);
+    json_count(json, "tiles_before", (uint64_t)part->n_before);
+    json_close(json, '}');
+}
+
 static void json_seconds(struct json *json, const struct part_seconds *seconds)
 {
     json_open(json, "seconds", '{');
@@ -359,6 +373,7 @@ void report_json(const struct plan *plan, const struct render_result *result, co
         notes_json(result->notes, json);
     }
     json_again(json, &result->difference);
+    json_part(json, &result->part);
     json_count(json, "clipped_samples", result->odd.clipped);
     json_seconds(json, &result->seconds);
     json_count(json, "peak_bytes", peak_bytes);

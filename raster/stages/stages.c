@@ -433,20 +433,28 @@ static void add_work(struct light_work *to, const struct tile *tile)
     }
 }
 
+/* The sink keeps each tile that is complete. */
+static bool keeps_tiles(const struct state *state)
+{
+    return state->stages->sink && state->stages->sink->end;
+}
+
 static bool take_step(struct state *state, struct error *err)
 {
     state->steps++;
     if (state->stages->progress)
         progress_show(state->stages->progress, state->steps, state->all_steps);
     errno = 0;
-    return !is_interrupted() || error_system(err, "interrupted; nothing was written");
+    return !is_interrupted() ||
+           error_system(err, "interrupted; %s",
+                        keeps_tiles(state) ? "complete tiles are kept, and the same command goes on"
+                                           : "nothing was written");
 }
 
 /* Passes the sums of a tile on, and adds them to the picture's. */
 static bool end_tile(struct state *state, struct error *err)
 {
-    const struct tile_sink *sink = state->stages->sink;
-    if (sink && sink->end) {
+    if (keeps_tiles(state)) {
         const int place = queue_room(&state->counted);
         if (place < 0)
             return false;

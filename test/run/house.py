@@ -33,7 +33,7 @@ ROOMS = """
     data/record data/stack data/chart data/develop data/compare data/probe data/catalogue
     raster/reference raster/driver raster/plan raster/accuracy raster/refine raster/passes raster/forecast raster/bounds raster/setup
     raster/fragments raster/candidates raster/radiance raster/notes raster/fit raster/renderer raster/library raster/context raster/traits raster/vertices raster/gl raster/shader raster/drivers raster/verdict
-    raster/check raster/stages raster/render raster/exchange raster/verify raster/inspect raster/cost raster/view
+    raster/check raster/stages raster/parts raster/render raster/exchange raster/verify raster/inspect raster/cost raster/view
     """.split()
 CORE = "raster/reference"
 CORE_MAY_INCLUDE = {CORE, "data/maths"}

@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: MIT */
+/* The room "parts": a picture that any number of processes draw, each a part of it, and put
+ * together to the bytes of one process. A part is a list of tiles. Its file grows by one complete
+ * tile after the other, so that a process that is killed loses one tile, and the next one goes on
+ * behind the last complete tile. All bytes of the file follow from the scene, the options and the
+ * part: two processes that write the same file write the same bytes. */
+#ifndef PARTS_H
+#define PARTS_H
+
+#include "data/record/record.h"
+#include "raster/plan/plan.h"
+#include "raster/renderer/renderer.h"
+#include "raster/stages/stages.h"
+#include "raster/verdict/verdict.h"
+#include "spectral.h"
+
+/* ---- deal.c: the tiles of a part ---- */
+
+struct picture_part {
+    int number, count; /* from 1; count 0: the whole picture */
+};
+enum { MOST_PARTS = 100000 };
+/* Reads "3/7". Messages name `option`. */
+bool part_read(const char *option, const char *value, struct picture_part *out, struct error *err);
+bool part_accepts(const char *option, const char *value, struct error *err);
+/* Lists the tiles of a part, in the order of the picture. They are dealt like cards, row by row,
+ * one to each part; where whole rounds end at the right border, the next part begins. So each part
+ * has as many tiles as any other, but for one, and they lie all over the picture. The caller frees
+ * *tiles. */
+bool part_deal(const struct plan *plan, const struct picture_part *part, int **tiles, int *n,
+               struct error *err);
+
+/* ---- facts.c: what all parts of a picture have in common ---- */
+
+struct part_facts {
+    double full_scale, unchecked;
+    bool clips, check, strict, measured; /* measured: the driver's bounds */
+    struct renderer_names names;         /* empty: OpenGL does not draw */
+    struct renderer_lacks lacks;
+};
+/* Writes facts and record as lines "KEY: VALUE". Allocated; NULL: no memory. */
+char *facts_text(const struct plan *plan, const struct part_facts *facts, const char *record);
+/* Returns false where this is no such text. */
+bool facts_read(const char *text, struct part_facts *out);
+/* Finds the first line in which two such texts differ, of each text; "" where it has none. Returns
+ * false where they are the same. */
+enum { FACT_LINE = 160 };
+bool facts_differ(const char *a, const char *b, char line_a[FACT_LINE], char line_b[FACT_LINE]);
+
+/* ---- file.c: the file of a part ---- */
+
+struct part_file {
+    struct tile_sink sink; /* the first member: appends tiles */
+    const struct plan *plan;
+    struct picture_part part;
+    char *path, *text; /* text: the facts; owned */
+    int descriptor;    /* -1: none is open */
+    int *tiles;        /* of the part; owned */
+    int n_tiles, n_complete;
+    uint64_t at; /* where the next tile begins */
+    /* of the tile that is being written: bytes of samples so far, and their checksum */
+    uint64_t length;
+    uint32_t checksum;
+};
+/* A complete tile: where its samples lie, those of the object map before the pages; and its sums.
+ */
+struct part_tile {
+    uint64_t samples;
+    uint32_t checksum; /* of the samples */
+    unsigned char *sums;
+    size_t sums_length; /* owned */
+};
+/* Returns the name of a part's file, which lies beside the stack. Allocated; NULL: no memory. */
+char *part_name(const char *stack, const struct picture_part *part);
+/* Opens the file of a part to go on with it, or makes it. Refuses a file that records other facts,
+ * and a disk that is too full. The caller reads all complete tiles before it writes others, and
+ * closes *out, also after a failure. text: the facts, copied. */
+bool part_create(const char *stack, const struct picture_part *part, const struct plan *plan,
+                 const char *text, struct part_file *out, struct error *err);
+/* Opens the file to read it, and reads its facts. part_plan lists its tiles, which come next. */
+bool part_open(const char *path, const struct picture_part *part, struct part_file *out,
+               struct error *err);
+bool part_plan(struct part_file *file, const struct plan *plan, struct error *err);
+/* Reads the next complete tile, which counts as complete from then on. *found: there is one. */
+bool part_next(struct part_file *file, bool *found, struct part_tile *out, struct error *err);
+/* Reads samples from byte `at` of a file, and adds them to their checksum. */
+bool part_samples(const struct part_file *file, uint64_t at, void *out, size_t length,
+                  uint32_t *checksum, struct error *err);
+void part_close(struct part_file *file); /* a zeroed one is fine */
+
+/* ---- find.c: the parts of a stack ---- */
+
+/* Finds the files of all parts beside a stack, and opens them. Refuses a missing part, files of
+ * different counts, and parts that record different facts. The caller frees *out, also after a
+ * failure. */
+struct parts {
+    struct part_file *list; /* owned */
+    int n;
+};
+bool parts_find(const char *stack, struct parts *out, struct error *err);
+void parts_free(struct parts *parts);
+
+#endif
