@@ -98,7 +98,7 @@ struct options {
     int threads, runs, memory_mib, max_triangles;
     struct outputs outputs; /* complete; they appear when the command has ended well */
     bool xyz, lab, csv, svg, no_check, strict, trust, keep, envi, quiet, verbose, help, quick,
-        measure, update_baseline;
+        measure, update_baseline, resume, shared;
 };
 
 /* The options and operands that a command allows. */

@@ -127,6 +127,11 @@ static bool sync_descriptor(int descriptor)
     return got == 0 || errno == EINVAL;
 }
 
+bool output_sync(const struct output *output, struct error *err)
+{
+    return sync_descriptor(output->descriptor) || write_fault(err, output->path);
+}
+
 /* Syncs the folder, so that the new name outlives a crash of the machine. The file is whole in any
  * case, so a failure is none of the output. */
 static void sync_folder(const char *path)
@@ -199,8 +204,7 @@ void output_discard(struct output *out)
  * appeared. */
 bool output_pass(struct output *output, struct outputs *outputs, struct error *err)
 {
-    if (!output->copied && !sync_descriptor(output->descriptor)) {
-        write_fault(err, output->path);
+    if (!output->copied && !output_sync(output, err)) {
         output_discard(output);
         return false;
     }

@@ -53,7 +53,8 @@ bool stack_open(struct stack_writer *out, const char *path, const struct stack_o
                                        (uint64_t)options->map_bytes,
                        .room = STACK_UNFINISHED,
                        .room_bytes = STACK_VERDICT,
-                       .room_tag = TAG_VERDICT};
+                       .room_tag = TAG_VERDICT,
+                       .head_only = options->head_only};
     return pages_open(&out->pages, path, tags_set, out, err);
 }
 
@@ -65,25 +66,50 @@ static size_t sample_bytes(const struct stack_options *options, int page)
     return (size_t)options->bits / 8;
 }
 
-bool stack_write(struct stack_writer *writer, const struct stack_rectangle *to, const void *samples,
-                 struct error *err)
+/* The runs of a rectangle: whole rows of the page lie together in the file. */
+struct runs {
+    int n;
+    size_t length;      /* of a run, in bytes */
+    uint64_t at, pitch; /* of the first one in its page; from one to the next */
+};
+
+static struct runs runs_of(const struct stack_writer *writer, const struct stack_rectangle *to)
 {
     const struct stack_options *options = &writer->options;
+    const size_t sample = sample_bytes(options, to->page);
+    const bool together = to->width == options->width;
+    const uint64_t pitch = (uint64_t)options->width * sample;
     assert(to->page >= 0 && to->page < options->n_wavelengths + (options->map_bytes > 0) &&
            to->x >= 0 && to->y >= 0 && to->width >= 0 && to->height >= 0 &&
            to->x <= options->width - to->width && to->y <= options->height - to->height);
-    size_t sample = sample_bytes(options, to->page);
-    bool together = to->width == options->width; /* whole rows lie together in the file too */
-    size_t run = (size_t)to->width * sample * (together ? (size_t)to->height : 1);
-    uint64_t pitch = (uint64_t)options->width * sample;
-    uint64_t at = (uint64_t)to->y * pitch + (uint64_t)to->x * sample;
-    for (int row = 0; row < (together ? 1 : to->height); row++)
-        if (!pages_write(&writer->pages, to->page, at + (uint64_t)row * pitch,
-                         (const char *)samples + (size_t)row * run, run, err))
+    return (struct runs){.n = together ? 1 : to->height,
+                         .length = (size_t)to->width * sample * (together ? (size_t)to->height : 1),
+                         .at = (uint64_t)to->y * pitch + (uint64_t)to->x * sample,
+                         .pitch = pitch};
+}
+
+bool stack_write(struct stack_writer *writer, const struct stack_rectangle *to, const void *samples,
+                 struct error *err)
+{
+    const struct runs runs = runs_of(writer, to);
+    for (int i = 0; i < runs.n; i++)
+        if (!pages_write(&writer->pages, to->page, runs.at + (uint64_t)i * runs.pitch,
+                         (const char *)samples + (size_t)i * runs.length, runs.length, err))
             return false;
-    if (to->height > 0)
-        pages_written(&writer->pages, to->page, at,
-                      (uint64_t)(to->height - 1) * pitch + (uint64_t)to->width * sample);
+    if (runs.n > 0)
+        pages_written(&writer->pages, to->page, runs.at,
+                      (uint64_t)(runs.n - 1) * runs.pitch + runs.length);
+    return true;
+}
+
+bool stack_read(const struct stack_writer *writer, const struct stack_rectangle *from,
+                void *samples, struct error *err)
+{
+    const struct runs runs = runs_of(writer, from);
+    for (int i = 0; i < runs.n; i++)
+        if (!pages_read(&writer->pages, from->page, runs.at + (uint64_t)i * runs.pitch,
+                        (char *)samples + (size_t)i * runs.length, runs.length, err))
+            return false;
     return true;
 }
 

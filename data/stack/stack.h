@@ -20,6 +20,7 @@ struct stack_options {
     const char *scene;      /* for the description */
     const char *provenance; /* lines of text for the description: record_text */
     int map_bytes;          /* of a pixel's number in the object map: 1 or 2; 0: there is no map */
+    bool head_only;         /* samples will go into another file: see data/unfinished */
     const char *const *labels; /* of the pages, which then have no wavelengths; NULL: they have */
 };
 /* A stack that is being written: laid out at once, then filled in rectangles of any order. */
@@ -39,6 +40,8 @@ struct stack_rectangle {
  * floats; of the object map uint8_t or uint16_t. */
 bool stack_write(struct stack_writer *writer, const struct stack_rectangle *to, const void *samples,
                  struct error *err);
+bool stack_read(const struct stack_writer *writer, const struct stack_rectangle *from, /* again */
+                void *samples, struct error *err);
 /* Stores `verdict` (the check in one line, printable ASCII, at most STACK_VERDICT - 1 bytes) in the
  * room that stack_open left for it, and reads all directories again to see that they are whole. */
 enum { STACK_VERDICT = 512 };
@@ -132,9 +135,6 @@ bool command_info(struct options *options, struct error *err);
 bool record_open(const char *path, struct image *image, struct record *out, struct error *err);
 
 /* ---- Inside this room ---- */
-
-/* The verdict of a stack that is not whole yet, padded to STACK_VERDICT bytes. */
-#define STACK_UNFINISHED "not finished"
 
 #define PAGE_LABEL "%.10g nm"
 /* tags.c: returns the width of a page: the mean distance to its neighbours; 0: it is the only one.

@@ -159,5 +159,8 @@ bool metadata_description(struct image *image, struct error *err)
     TIFFGetField(file->tiff, TIFFTAG_IMAGEDESCRIPTION, &text);
     file->channels = image->description = strdup(text);
     image->verdict = strndup(verdict != NULL ? verdict : "", length);
-    return (image->description != NULL && image->verdict != NULL) || error_memory(err);
+    if (image->description == NULL || image->verdict == NULL)
+        return error_memory(err);
+    return strcmp(image->verdict, STACK_UNFINISHED) != 0 ||
+           image_refuse(image, -1, err, "it is not finished: its render goes on, or was killed");
 }

@@ -11,7 +11,8 @@ struct tiff; /* libtiff's TIFF */
 
 /* ---- source.c: TIFF files or ENVI cubes ---- */
 
-enum { TAG_VERDICT = 65111 }; /* of a stack of this program: the verdict of its check */
+enum { TAG_VERDICT = 65111 };           /* of a stack of this program: the verdict of its check */
+#define STACK_UNFINISHED "not finished" /* the verdict of a stack that is not whole yet */
 
 /* A TIFF file of grey or RGB pages of 8 or 16 bits, or of grey pages of 32-bit floats. If its only
  * directory has several grey samples a pixel, as GDAL writes bands, each band is a page. Or an ENVI

@@ -58,7 +58,8 @@ bool contexts_have(const struct contexts *contexts, const char *extension);
 void contexts_identify(const struct contexts *contexts, struct renderer_names *out);
 /* Refuses another driver than the wanted one, which was chosen before the first canvas. wanted:
  * NULL: any. */
-bool contexts_accept(const struct renderer_names *names, const char *wanted, struct error *err);
+bool contexts_accept(const struct contexts *contexts, const struct renderer_names *names,
+                     const char *wanted, struct error *err);
 struct context_description {
     struct renderer_names names;
     char vendor[128];

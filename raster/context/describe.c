@@ -23,11 +23,16 @@ void contexts_identify(const struct contexts *contexts, struct renderer_names *o
     copy_text(&contexts->call, GL_VERSION, out->version);
 }
 
-bool contexts_accept(const struct renderer_names *names, const char *wanted, struct error *err)
+bool contexts_accept(const struct contexts *contexts, const struct renderer_names *names,
+                     const char *wanted, struct error *err)
 {
+    static const char *const any[] = {
+        [GL_WITHOUT_SHADERS] = "gl", [GL_CORE] = "gl-shader", [GL_ES] = "es-shader"};
     return !wanted || strncmp(names->renderer, wanted, strlen(wanted)) == 0 ||
-           error_unsupported(err, "this %s draws with %.100s, not with %s", names->library,
-                             names->renderer, wanted);
+           error_unsupported(err,
+                             "this %s draws with %.100s, not with %s; --renderer %s takes any "
+                             "driver",
+                             names->library, names->renderer, wanted, any[contexts->way]);
 }
 
 bool contexts_describe(const struct context_wish *wish, struct context_description *out,

@@ -101,7 +101,7 @@ static bool accept_driver(struct gl *gl, const struct driver_threads *before, st
 {
     struct renderer_names *names = &gl->renderer.names;
     contexts_identify(gl->contexts, names);
-    return contexts_accept(names, gl->plan->options.gl_driver, err) &&
+    return contexts_accept(gl->contexts, names, gl->plan->options.gl_driver, err) &&
            driver_has_threads(names->renderer, before, err);
 }
 

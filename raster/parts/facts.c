@@ -18,6 +18,7 @@ char *facts_text(const struct plan *plan, const struct part_facts *facts, const 
     print(&printed, "size: %d x %d, tiles of %d x %d, %d bands of %d bits, map of %d bytes\n",
           plan->scene->width, plan->scene->height, plan->tile_width, plan->tile_height,
           plan->n_bands, plan->options.bits, plan->map_bytes);
+    print(&printed, "shared: %s\n", word_of(facts->shared));
     print(&printed, "radiance_of_full_scale: %a\nclips: %s\n", facts->full_scale,
           word_of(facts->clips));
     print(&printed, "check: %s\nstrict: %s\nunchecked: %a\n", word_of(facts->check),
@@ -77,17 +78,17 @@ bool facts_read(const char *text, struct part_facts *out)
     struct renderer_names *names = &out->names;
     bool numbers, depths;
     *out = (struct part_facts){.check = false};
-    const bool done = read_number(text, "radiance_of_full_scale", &out->full_scale) &&
-                      read_truth(text, "clips", &out->clips) &&
-                      read_truth(text, "check", &out->check) &&
-                      read_truth(text, "strict", &out->strict) &&
-                      read_number(text, "unchecked", &out->unchecked) &&
-                      read_truth(text, "measured", &out->measured) &&
-                      read_truth(text, "triangles_checked", &numbers) &&
-                      read_truth(text, "depths_checked", &depths) &&
-                      read_text(text, "gl_library", names->library, sizeof names->library) &&
-                      read_text(text, "gl_renderer", names->renderer, sizeof names->renderer) &&
-                      read_text(text, "gl_version", names->version, sizeof names->version);
+    const bool done =
+        read_number(text, "radiance_of_full_scale", &out->full_scale) &&
+        read_truth(text, "clips", &out->clips) && read_truth(text, "check", &out->check) &&
+        read_truth(text, "strict", &out->strict) && read_truth(text, "shared", &out->shared) &&
+        read_number(text, "unchecked", &out->unchecked) &&
+        read_truth(text, "measured", &out->measured) &&
+        read_truth(text, "triangles_checked", &numbers) &&
+        read_truth(text, "depths_checked", &depths) &&
+        read_text(text, "gl_library", names->library, sizeof names->library) &&
+        read_text(text, "gl_renderer", names->renderer, sizeof names->renderer) &&
+        read_text(text, "gl_version", names->version, sizeof names->version);
     if (done)
         out->lacks = (struct renderer_lacks){!numbers, !depths};
     return done;

@@ -9,7 +9,6 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "data/digest/digest.h"
 #include "raster/parts/parts.h"
 
 /* The head has whole blocks; behind its text there are zeros. */
@@ -34,6 +33,12 @@ static uint64_t sample_bytes(const struct plan *plan, int tile)
                            at = plan_pixels(plan, &positions);
     return (uint64_t)at.width * (uint64_t)at.height *
            ((uint64_t)plan->n_bands * (uint64_t)plan->options.bits / 8 + (uint64_t)plan->map_bytes);
+}
+
+/* Samples of a tile in the part's own file. */
+static uint64_t own_bytes(const struct part_file *file, int tile)
+{
+    return file->stack ? 0 : sample_bytes(file->plan, tile);
 }
 
 static uint64_t head_bytes(const char *text)
@@ -156,13 +161,16 @@ static bool append_samples(struct tile_sink *sink, const struct stack_rectangle 
     const size_t size = to->page == plan->n_bands ? (size_t)plan->map_bytes
                                                   : (size_t)plan->options.bits / 8,
                  length = size * (size_t)to->width * (size_t)to->height;
+    file->checksum = checksum_add(file->checksum, samples, length);
+    if (file->stack)
+        return stack_write(file->stack, to, samples, err);
     if (!write_at(file->descriptor, samples, length, file->at + MARK_BYTES + file->length))
         return fail_write(file, err);
-    file->checksum = checksum_add(file->checksum, samples, length);
     file->length += length;
     return true;
 }
 
+/* Samples and sums reach the disk before the mark. */
 static bool append_sums(struct tile_sink *sink, const unsigned char *sums, size_t length,
                         struct error *err)
 {
@@ -176,7 +184,7 @@ static bool append_sums(struct tile_sink *sink, const unsigned char *sums, size_
     write_mark(&mark, bytes);
     if (!write_at(file->descriptor, sums, length, file->at + MARK_BYTES + file->length))
         return fail_write(file, err);
-    if (!sync_file(file, err))
+    if ((file->stack && !unfinished_sync(file->stack, err)) || !sync_file(file, err))
         return false;
     if (!write_at(file->descriptor, bytes, MARK_BYTES, file->at))
         return fail_write(file, err);
@@ -203,25 +211,24 @@ static bool has_room(const struct part_file *file, struct error *err)
     struct stat status;
     uint64_t end = file->at;
     for (int i = 0; i < file->n_tiles; i++)
-        end += MARK_BYTES + sample_bytes(file->plan, file->tiles[i]);
+        end += MARK_BYTES + own_bytes(file, file->tiles[i]);
     if (fstat(file->descriptor, &status) != 0)
         return error_system(err, "%s: cannot be read", file->path);
     const uint64_t there = (uint64_t)status.st_size;
     return end <= there || output_fits(file->descriptor, file->path, end - there, err);
 }
 
-bool part_create(const char *stack, const struct picture_part *part, const struct plan *plan,
-                 const char *text, struct part_file *out, struct error *err)
+bool part_create(const char *stack, const struct plan *plan, const char *text,
+                 struct part_file *file, struct error *err)
 {
-    *out = (struct part_file){.sink = {append_samples, append_sums},
-                              .part = *part,
-                              .path = part_name(stack, part),
-                              .text = strdup(text),
-                              .descriptor = -1};
-    if (!out->path || !out->text)
+    file->sink = (struct tile_sink){append_samples, append_sums};
+    file->descriptor = -1;
+    file->path = part_name(stack, &file->part);
+    file->text = strdup(text);
+    if (!file->path || !file->text)
         return error_memory(err);
-    return open_file(out, O_RDWR | O_CREAT, err) && write_head(out, err) &&
-           part_plan(out, plan, err) && has_room(out, err);
+    return open_file(file, O_RDWR | O_CREAT, err) && write_head(file, err) &&
+           part_plan(file, plan, err) && has_room(file, err);
 }
 
 bool part_open(const char *path, const struct picture_part *part, struct part_file *out,
@@ -293,20 +300,31 @@ static bool read_sums(const struct part_file *file, const struct mark *mark, str
     return true;
 }
 
-bool part_next(struct part_file *file, bool *found, struct part_tile *out, struct error *err)
+/* Reads the mark of the next tile. Returns false where there is none. */
+static bool find_mark(const struct part_file *file, struct mark *out)
 {
     unsigned char bytes[MARK_BYTES];
+    if (file->n_complete == file->n_tiles)
+        return false;
+    const int tile = file->tiles[file->n_complete];
+    return read_at(file->descriptor, bytes, MARK_BYTES, file->at) == MARK_BYTES &&
+           read_mark(bytes, tile, own_bytes(file, tile), out);
+}
+
+bool part_begun(const struct part_file *file)
+{
+    struct mark ignored;
+    return find_mark(file, &ignored);
+}
+
+bool part_next(struct part_file *file, bool *found, struct part_tile *out, struct error *err)
+{
     struct mark mark;
     *found = false;
     *out = (struct part_tile){.samples = file->at + MARK_BYTES};
-    if (file->n_complete == file->n_tiles)
-        return true;
-    const int tile = file->tiles[file->n_complete];
-    const ssize_t got = read_at(file->descriptor, bytes, MARK_BYTES, file->at);
-    if (got < 0)
-        return error_system(err, "%s: cannot be read", file->path);
-    if (got < MARK_BYTES || !read_mark(bytes, tile, sample_bytes(file->plan, tile), &mark))
-        return true;
+    errno = 0;
+    if (!find_mark(file, &mark))
+        return errno == 0 || error_system(err, "%s: cannot be read", file->path);
     if (!read_sums(file, &mark, out, found, err) || !*found) {
         free(out->sums);
         out->sums = NULL;

@@ -7,7 +7,9 @@
 #ifndef PARTS_H
 #define PARTS_H
 
+#include "data/digest/digest.h"
 #include "data/record/record.h"
+#include "data/unfinished/unfinished.h"
 #include "raster/plan/plan.h"
 #include "raster/renderer/renderer.h"
 #include "raster/stages/stages.h"
@@ -35,6 +37,7 @@ bool part_deal(const struct plan *plan, const struct picture_part *part, int **t
 struct part_facts {
     double full_scale, unchecked;
     bool clips, check, strict, measured; /* measured: the driver's bounds */
+    bool shared;                         /* samples are in the unfinished stack, not in the parts */
     struct renderer_names names;         /* empty: OpenGL does not draw */
     struct renderer_lacks lacks;
 };
@@ -53,16 +56,18 @@ struct part_file {
     struct tile_sink sink; /* the first member: appends tiles */
     const struct plan *plan;
     struct picture_part part;
-    char *path, *text; /* text: the facts; owned */
-    int descriptor;    /* -1: none is open */
-    int *tiles;        /* of the part; owned */
+    char *path, *text;          /* text: the facts; owned */
+    int descriptor;             /* -1: none is open */
+    struct stack_writer *stack; /* takes the samples; NULL: the part's own file does */
+    int *tiles;                 /* of the part; owned */
     int n_tiles, n_complete;
     uint64_t at; /* where the next tile begins */
     /* of the tile that is being written: bytes of samples so far, and their checksum */
     uint64_t length;
     uint32_t checksum;
 };
-/* A complete tile: where its samples lie, those of the object map before the pages; and its sums.
+/* A complete tile: where its samples lie in the file, if they do, those of the object map before
+ * the pages; and its sums.
  */
 struct part_tile {
     uint64_t samples;
@@ -72,11 +77,13 @@ struct part_tile {
 };
 /* Returns the name of a part's file, which lies beside the stack. Allocated; NULL: no memory. */
 char *part_name(const char *stack, const struct picture_part *part);
-/* Opens the file of a part to go on with it, or makes it. Refuses a file that records other facts,
- * and a disk that is too full. The caller reads all complete tiles before it writes others, and
- * closes *out, also after a failure. text: the facts, copied. */
-bool part_create(const char *stack, const struct picture_part *part, const struct plan *plan,
-                 const char *text, struct part_file *out, struct error *err);
+/* Opens the file of a part to go on with it, or makes it: file->part is set, and file->stack if the
+ * unfinished stack takes the samples. Refuses a file that records other facts, and a full disk. The
+ * caller reads all complete tiles before it writes others, and closes the file, also after a
+ * failure. text: the facts, copied. */
+bool part_create(const char *stack, const struct plan *plan, const char *text,
+                 struct part_file *file, struct error *err);
+bool part_begun(const struct part_file *file); /* it has a complete tile */
 /* Opens the file to read it, and reads its facts. part_plan lists its tiles, which come next. */
 bool part_open(const char *path, const struct picture_part *part, struct part_file *out,
                struct error *err);
@@ -99,5 +106,26 @@ struct parts {
 };
 bool parts_find(const char *stack, struct parts *out, struct error *err);
 void parts_free(struct parts *parts);
+
+/* ---- collect.c: complete tiles ---- */
+
+struct collector {
+    const struct plan *plan;
+    struct stack_writer *writer; /* gets the samples, or has them; NULL: they are not read */
+    struct tile_sums own, *picture;
+    unsigned char *samples; /* of a page of a tile; owned */
+};
+/* Adds sums to those of the picture, whose totals are open if there is a check. The caller closes
+ * *out, also after a failure. */
+bool collector_open(const struct plan *plan, struct stack_writer *writer, struct tile_sums *picture,
+                    struct collector *out, struct error *err);
+/* Takes the next complete tile of a part; *found: there is one. Refuses samples that differ from
+ * their checksum. */
+bool collector_take(struct collector *collector, struct part_file *file, bool *found,
+                    struct error *err);
+void collector_close(struct collector *collector);
+/* Takes all tiles of a picture. Refuses a part that is not complete. */
+bool parts_collect(struct parts *parts, const struct plan *plan, struct stack_writer *writer,
+                   struct tile_sums *picture, struct error *err);
 
 #endif

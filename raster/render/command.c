@@ -149,6 +149,10 @@ static bool print_part(const struct render_output *output, const struct render_r
                        struct printed *to, struct error *err)
 {
     const struct part_result *part = &result->part;
+    if (part->finished) {
+        print(to, "tiles             %d, %d complete already\n", part->n_tiles, part->n_before);
+        return true;
+    }
     char *name = part_name(output->path, output->part);
     if (!name)
         return error_memory(err);
@@ -189,7 +193,7 @@ static bool report(const struct options *options, const struct plan *plan,
                    const struct record *made, struct error *err)
 {
     bool agreed = render_agreed(plan, result);
-    const char *wanted = output->discard || output->part ? NULL : output->path;
+    const char *wanted = output->discard || (output->part && !output->resume) ? NULL : output->path;
     const char *stored = agreed || output->keep ? wanted : NULL;
     /* the JSON, the stack itself (-o -) or the map may use standard output */
     const int table = options_table(
@@ -206,10 +210,12 @@ static bool report(const struct options *options, const struct plan *plan,
     if (agreed)
         return true;
     const char *then = output->foreign ? NULL
-                       : output->part  ? "the part is kept, and join refuses it"
-                       : !wanted       ? "no stack was wanted"
-                       : output->keep  ? "the stack was kept"
-                                       : "no stack was written (--keep stores it anyway)";
+                       : output->resume && !output->keep
+                           ? "no stack was written (--keep stores it, and draws nothing again)"
+                       : output->part && !output->resume ? "the part is kept, and join refuses it"
+                       : !wanted                         ? "no stack was wanted"
+                       : output->keep                    ? "the stack was kept"
+                                      : "no stack was written (--keep stores it anyway)";
     return plan->options.check && check_outcome(plan, &result->check) != OUTCOME_AGREED
                ? report_disagreement(plan, &result->check, then, err)
                : report_not_again(plan, result, output->again, made, then, err);
@@ -325,25 +331,32 @@ void options_forget_check(struct options *options)
     options->n_recorded = n;
 }
 
-/* Refuses options that need the whole picture. */
+/* Refuses options that need the whole picture, or an option's other one. */
 static bool check_part(const struct options *options, struct error *err)
 {
-    const char *whole = options->check_map ? "--check-map"
-                        : options->keep    ? "--keep"
-                        : options->envi    ? "--envi"
-                        : options->again   ? "--again"
-                                           : NULL;
-    if (options->part && whole)
-        return error_usage(err, "a part takes no %s%s", whole,
+    const char *kept = options->part ? "--part" : "--resume", *whole = options->check_map
+                                                                           ? "--check-map"
+                                                                       : options->again ? "--again"
+                                                                       : !options->part ? NULL
+                                                                       : options->keep  ? "--keep"
+                                                                       : options->envi  ? "--envi"
+                                                                                        : NULL;
+    if (options->shared && !options->part)
+        return error_usage(err, "--shared needs --part");
+    if (!options->part && !options->resume)
+        return true;
+    if (whole)
+        return error_usage(err, "%s takes no %s%s", kept, whole,
                            options->keep || options->envi ? "; join does" : "");
-    return !options->part || !output_is_stream(options->output) ||
-           error_usage(err, "a part needs the name of a stack beside which its file lies; found %s",
-                       options->output);
+    return !output_is_stream(options->output) ||
+           error_usage(err, "%s needs the name of a stack beside which its file lies; found %s",
+                       kept, options->output);
 }
 
 bool render_scene(struct options *options, struct error *err)
 {
-    struct picture_part part;
+    struct picture_part part = {1, 1};
+    const bool resume = options->resume && !options->part;
     if (!options_name_output(options, options_scene(options), ".tif", err))
         return false;
     if (stores_raster(options))
@@ -357,7 +370,9 @@ bool render_scene(struct options *options, struct error *err)
                                          .keep = options->keep,
                                          .envi = options->envi,
                                          .outputs = &options->outputs,
-                                         .part = options->part ? &part : NULL};
+                                         .part = options->part || resume ? &part : NULL,
+                                         .shared = options->shared,
+                                         .resume = resume};
     return render_with_options(options, &wanted, NULL, err);
 }
 

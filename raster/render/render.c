@@ -24,6 +24,7 @@ struct state {
     } stack;
     int *tiles; /* owned */
     struct part_file part;
+    bool shared; /* samples of parts are in the unfinished stack */
     struct renderer_lacks lacks;
     double since; /* clock_seconds at the last clock_in */
     struct render_result *result;
@@ -91,7 +92,7 @@ static bool write_stack(struct tile_sink *sink, const struct stack_rectangle *to
     return stack_write(&((struct stack_sink *)sink)->writer, to, samples, err);
 }
 
-static bool open_stack(struct state *state, const char *path, struct error *err)
+static bool open_stack(struct state *state, const char *path, bool head_only, struct error *err)
 {
     const struct plan *plan = state->stages.plan;
     const struct sampling *sampling = plan->sampling;
@@ -107,6 +108,7 @@ static bool open_stack(struct state *state, const char *path, struct error *err)
                                     .scene = plan->scene->path,
                                     .provenance = provenance,
                                     .map_bytes = plan->map_bytes,
+                                    .head_only = head_only,
                                     .labels = labels};
     if (provenance && (labels || !labelled) &&
         stack_open(&state->stack.writer, path, &options, err)) {
@@ -130,6 +132,7 @@ static char *make_facts(const struct state *state, struct error *err)
                                      .clips = state->stages.clips,
                                      .check = plan->options.check,
                                      .strict = plan->options.strict,
+                                     .shared = state->shared,
                                      .measured = state->result->driver.is_measured,
                                      .names = state->result->names,
                                      .lacks = state->lacks};
@@ -141,21 +144,29 @@ static char *make_facts(const struct state *state, struct error *err)
     return text;
 }
 
-/* Adds the sums of the tiles that are complete already. */
-static bool take_complete(struct state *state, struct error *err)
+/* Adds the sums of the tiles that are complete already. A process that draws alone reads their
+ * samples again. */
+static bool take_complete(struct state *state, const struct render_output *output,
+                          struct error *err)
 {
     struct stages *stages = &state->stages;
-    struct tile_sums sums = {.odd = {0, 0}};
-    struct part_tile tile;
-    bool done = !stages->check_scene || totals_open(stages->check_scene, &sums.totals, err),
-         found = true;
-    while (done && found) {
-        done = part_next(&state->part, &found, &tile, err) &&
-               (!found || join_sums(&state->part, &tile, &sums, &stages->sums, err));
-        free(tile.sums);
-    }
-    totals_free(&sums.totals);
+    struct collector collector;
+    bool found = true,
+         done = collector_open(stages->plan, output->resume ? &state->stack.writer : NULL,
+                               &stages->sums, &collector, err);
+    while (done && found)
+        done = collector_take(&collector, &state->part, &found, err);
+    collector_close(&collector);
     return done;
+}
+
+/* Opens the unfinished stack, if it is to take the samples of the part. */
+static bool open_unfinished(struct state *state, const struct render_output *output,
+                            struct error *err)
+{
+    const enum unfinished_use use = output->resume ? UNFINISHED_ALONE : UNFINISHED_SHARED;
+    return !state->shared ||
+           unfinished_open(&state->stack.writer, use, part_begun(&state->part), err);
 }
 
 /* Opens the file of a part, and lists the tiles that are not complete. */
@@ -163,14 +174,19 @@ static bool open_part(struct state *state, const struct render_output *output, s
 {
     struct stages *stages = &state->stages;
     struct part_file *file = &state->part;
+    state->shared = output->shared || output->resume;
+    if (state->shared && !open_stack(state, output->path, true, err))
+        return false;
+    file->part = *output->part;
+    file->stack = state->shared ? &state->stack.writer : NULL;
     char *text = make_facts(state, err);
-    const bool done = text &&
-                      part_create(output->path, output->part, stages->plan, text, file, err) &&
-                      take_complete(state, err);
+    const bool done = text && part_create(output->path, stages->plan, text, file, err) &&
+                      open_unfinished(state, output, err) && take_complete(state, output, err);
     free(text);
     if (!done)
         return false;
-    state->result->part = (struct part_result){*output->part, file->n_tiles, file->n_complete};
+    state->result->part =
+        (struct part_result){*output->part, file->n_tiles, file->n_complete, output->resume};
     stages->sink = &file->sink;
     stages->tiles = file->tiles + file->n_complete;
     stages->n_tiles = file->n_tiles - file->n_complete;
@@ -196,6 +212,7 @@ static bool prepare_join(struct state *state, const struct render_output *output
     }
     state->result->full_scale = stages->full_scale = facts.full_scale;
     stages->clips = facts.clips;
+    state->shared = facts.shared;
     state->lacks = facts.lacks;
     state->lit.plan = stages->plan;
     char *text = make_facts(state, err);
@@ -290,8 +307,8 @@ static bool prepare(struct state *state, const struct render_output *output, str
     clock_in(&state->since, &stages->seconds.raster);
     return list_tiles(state, err) &&
            (!plan->options.check || open_check(state, output->check_map, err)) &&
-           (!output->path ||
-            (output->part ? open_part(state, output, err) : open_stack(state, output->path, err)));
+           (!output->path || (output->part ? open_part(state, output, err)
+                                           : open_stack(state, output->path, false, err)));
 }
 
 bool render_agreed(const struct plan *plan, const struct render_result *result)
@@ -302,8 +319,8 @@ bool render_agreed(const struct plan *plan, const struct render_result *result)
         return true;
     /* the share of a picture that may stay unchecked is no limit of a part's */
     const enum check_outcome outcome = check_outcome(plan, &result->check);
-    return outcome == OUTCOME_AGREED ||
-           (result->part.part.count > 0 && outcome == OUTCOME_NOT_VERIFIED);
+    return outcome == OUTCOME_AGREED || (result->part.part.count > 0 && !result->part.finished &&
+                                         outcome == OUTCOME_NOT_VERIFIED);
 }
 
 /* Refuses samples that no page can hold. */
@@ -315,6 +332,19 @@ static bool are_finite(const struct render_result *result, struct error *err)
                         "%llu samples are not finite (or too large for a float page); "
                         "nothing was written",
                         (unsigned long long)result->odd.undefined);
+}
+
+/* The unfinished stack becomes the stack. What is left of it then is no part of anything, so the
+ * parts go first. */
+static void end_parts(struct state *state, const struct render_output *output)
+{
+    if (!state->shared)
+        return;
+    if (output->resume)
+        remove(state->part.path);
+    for (int i = 0; output->join && i < output->join->n; i++)
+        remove(output->join->list[i].path);
+    unfinished_end(&state->stack.writer);
 }
 
 static bool commit(struct state *state, const struct render_output *output, struct error *err)
@@ -331,10 +361,12 @@ static bool commit(struct state *state, const struct render_output *output, stru
     bool done = stack_finish(&state->stack.writer, verdict, err) &&
                 (!output->again ||
                  stack_compare(&state->stack.writer, output->again, &result->difference, err));
-    if (done && !output->discard && (output->keep || render_agreed(plan, result)))
+    if (done && !output->discard && (output->keep || render_agreed(plan, result))) {
+        end_parts(state, output);
         done = output->envi
                    ? stack_commit_envi(&state->stack.writer, output->path, output->outputs, err)
                    : stack_commit(&state->stack.writer, output->outputs, err);
+    }
     clock_in(&state->since, &result->seconds.write);
     return done;
 }
@@ -363,9 +395,10 @@ static void take_results(struct state *state)
 /* Puts parts together. */
 static bool join_all(struct state *state, const struct render_output *output, struct error *err)
 {
-    if (!prepare_join(state, output, err) || !open_stack(state, output->path, err) ||
-        !join_tiles(output->join, state->stages.plan, &state->stack.writer, &state->stages.sums,
-                    err))
+    if (!prepare_join(state, output, err) || !open_stack(state, output->path, state->shared, err) ||
+        (state->shared && !unfinished_open(&state->stack.writer, UNFINISHED_ALONE, true, err)) ||
+        !parts_collect(output->join, state->stages.plan, &state->stack.writer, &state->stages.sums,
+                       err))
         return false;
     clock_in(&state->since, &state->stages.seconds.write);
     take_results(state);
@@ -380,7 +413,7 @@ static bool render_all(struct state *state, const struct render_output *output, 
         return false;
     state->since = clock_seconds();
     take_results(state);
-    if (output->part)
+    if (output->part && !output->resume)
         return are_finite(state->result, err);
     /* both files are complete before the first of them appears */
     const bool mapped = state->stages.map != NULL;
@@ -398,8 +431,8 @@ bool render(const struct plan *plan, const struct render_output *output,
     *out = (struct render_result){.notes = output->notes};
     bool done = render_all(&state, output, err);
     part_close(&state.part);
-    if (state.stages.sink == &state.stack.sink)
-        stack_discard(&state.stack.writer); /* keeps a committed stack */
+    if (state.stack.sink.write)
+        stack_discard(&state.stack.writer); /* keeps a committed stack, and an unfinished one */
     if (state.fit.plan)
         fit_free(&state.fit);
     if (state.stages.map)

@@ -35,9 +35,10 @@ struct render_result {
     struct odd_samples odd;
     struct stack_difference difference; /* from the stack that is made again */
     const struct notes *notes;          /* those of struct render_output */
-    struct part_result {                /* count 0: it is no part */
-        struct picture_part part;
-        int n_tiles, n_before; /* tiles that were complete already */
+    struct part_result {
+        struct picture_part part; /* count 0: it is no part */
+        int n_tiles, n_before;    /* tiles that were complete already */
+        bool finished;            /* the stack follows in the same process */
     } part;
     struct part_seconds seconds;
 };
@@ -65,6 +66,8 @@ struct render_output {
     void *taker;
     const struct render_foreign *foreign; /* NULL: OpenGL draws here */
     const struct picture_part *part; /* draws this part of the stack at `path`; NULL: all of it */
+    bool shared;                     /* parts store in one file, the unfinished stack */
+    bool resume;                     /* draws all as such a part, and finishes the stack */
     struct parts *join;              /* draws nothing, and puts these together; NULL: it draws */
 };
 /* Renders into a stack. Returns true even if the picture fails its check or differs from `again`:
@@ -125,14 +128,6 @@ void options_forget_check(struct options *options);
 
 /* Reads the options that the parts were drawn with, and puts them together. */
 bool command_join(struct options *options, struct error *err);
-/* Copies the tiles of all parts into a stack, and adds their sums. Refuses parts that are not
- * complete, or that have changed. */
-bool join_tiles(struct parts *parts, const struct plan *plan, struct stack_writer *writer,
-                struct tile_sums *picture, struct error *err);
-/* Adds the sums of a complete tile to the picture's, by way of a tile's, which are 0. */
-bool join_sums(const struct part_file *file, const struct part_tile *tile, struct tile_sums *own,
-               struct tile_sums *picture, struct error *err);
-
 /* ---- again.c: spectral render --again ---- */
 
 /* Reads the options that a record holds; others come from the command line. `from`: the file with

@@ -109,7 +109,7 @@ static bool open_all(struct shader *shader, int n_buffers, struct error *err)
         return false;
     set_state(shader);
     contexts_identify(shader->contexts, &shader->renderer.names);
-    return contexts_accept(&shader->renderer.names, options->gl_driver, err) &&
+    return contexts_accept(shader->contexts, &shader->renderer.names, options->gl_driver, err) &&
            choose_bounds(shader, err) &&
            driver_has_threads(shader->renderer.names.renderer, &before, err) &&
            shader_succeeded(shader, err);

@@ -75,7 +75,7 @@ def is_same(what, *words):
 
 def counts():
     draw_whole()
-    for count in (1, 2, 4, 7) if FULL else (2, 7):
+    for count in (1, 2, 4, 7) if FULL else (7,):
         remove()
         parts = draw(count)
         check(all(part.returncode == 0 for part in parts), f"{count} parts are drawn", *(part.stderr for part in parts))
@@ -90,9 +90,9 @@ def kinds():
     own = write("own.scene", "size 2100 1500\nwavelengths 450 550 50\nshading phong\nlight d65 1 direction 1 1 1\n"
                 "material m { diffuse 0.5 specular 0.5 gloss 20 }\nobject sphere 3 30 30 material m\ncamera ortho 8\n")
     some = [("the reference", ("room", "--renderer", "raster", "--size", "1800x1600", "--wavelengths", "500")),
-            ("phong shading", (own, "--renderer", "raster")),
             ("floats of components", ("patches", "--sampling", "rgb", "--depth", "32f", "--size", "2000x1000"))]
-    more = [("no check", ("room", "--no-check", "--size", "2000x1500", "--wavelengths", "450,550")),
+    more = [("phong shading", (own, "--renderer", "raster")),
+            ("no check", ("room", "--no-check", "--size", "2000x1500", "--wavelengths", "450,550")),
             ("positions", ("patches", "--samples", "4", "--size", "501x403", "--wavelengths", "500")),
             ("steps of 8 bits", ("patches", "--buffer", "8", "--depth", "8", "--size", "2000x1000", "--wavelengths", "450:550:50")),
             ("finer triangles", ("spheres", "--accuracy", "1", "--size", "1500x1500", "--wavelengths", "450,550")),
@@ -136,7 +136,7 @@ def beginnings():
     draw(2)
     name = name_of(2, 2)
     complete = read(name)
-    for length in (0, 5, 3000, 4096, 4100, len(complete) // 2, len(complete) - 1) if FULL else (5, 3000, 4100, len(complete) // 2):
+    for length in (0, 5, 3000, 4096, 4100, len(complete) // 2, len(complete) - 1) if FULL else (3000, len(complete) // 2):
         for zeros in (0, 6000) if FULL or length == 3000 else (0,):
             with open(name, "wb") as file:
                 file.write((complete[:length] + bytes(zeros))[:len(complete)])
@@ -183,6 +183,84 @@ def full_disk():
     check(limited.returncode == 3 and limited.stderr.count("\n") == 1, "a file at its limit is a failure", limited.stderr)
     check(run(*words_of(1, 1)).returncode == 0, "then it goes on")
     is_same("after a file at its limit")
+
+
+# ---- one file ----
+
+RESUME = ["render", *SCENE, "--resume", "-o", STACK, "-q"]
+UNFINISHED = STACK + ".unfinished"
+
+
+def resumed(kills):
+    remove()
+    for i in range(kills):
+        process = subprocess.Popen([SPECTRAL, *RESUME])
+        time.sleep(random.uniform(0.1, 0.6))
+        process.kill()
+        process.wait()
+        if os.path.exists(STACK):
+            check(read(STACK) == read(WHOLE), f"kill {i + 1} leaves a whole stack")
+            remove()
+    result = run(*RESUME)
+    check(result.returncode == 0 and files() == [STACK] and read(STACK) == read(WHOLE), f"a render goes on after {kills} kills",
+          result.stderr, files())
+    run(*RESUME, "--json", STACK + ".json")
+    check(json.load(open(STACK + ".json"))["part"]["tiles_before"] == 0 and read(STACK) == read(WHOLE), "it draws all of it anew then")
+
+
+def stop_resumed():
+    """Leaves an unfinished stack with at least one complete tile."""
+    remove()
+    for _ in range(20):
+        process = subprocess.Popen([SPECTRAL, *RESUME])
+        time.sleep(0.35)
+        process.kill()
+        process.wait()
+        name = name_of(1, 1)
+        if os.path.exists(UNFINISHED) and os.path.exists(name) and os.path.getsize(name) > 9000:
+            return
+        remove()
+    check(False, "a render leaves an unfinished stack when it is killed")
+
+
+def unfinished():
+    stop_resumed()
+    for words in (("info", UNFINISHED), ("develop", UNFINISHED, "-o", os.path.join(TMP, "a.png")), ("compare", UNFINISHED, WHOLE),
+                  ("probe", UNFINISHED, "1", "1"), ("envi", UNFINISHED)):
+        refused(f"{words[0]} of an unfinished stack", "it is not finished", *words)
+    texture = write("texture.scene", f"ambient d65 1\nmaterial m {{ diffuse 1 spectral-texture {os.path.basename(UNFINISHED)} }}\nobject sphere 1 material m\n")
+    refused("a texture that is not finished", "it is not finished", "render", texture, "-o", os.path.join(TMP, "a.tif"))
+    refused("to go on in parts of their own", "'shared: yes'", *words_of(1, 1))
+    refused("to go on with another scene", "was begun with", *RESUME, "--light", "1=a")
+    kept = read(UNFINISHED)
+    change(UNFINISHED, len(kept) // 3 + 5)
+    refused("to go on with samples that have changed", "differ from their checksum", *RESUME)
+    os.remove(UNFINISHED)
+    refused("to go on without samples", "is missing, and parts say that it has samples", *RESUME)
+    with open(UNFINISHED, "wb") as file:
+        file.write(kept)
+    is_whole = run(*RESUME).returncode == 0 and read(STACK) == read(WHOLE)
+    check(is_whole and files() == [STACK], "a refusal changes nothing", files())
+
+
+def shared():
+    remove()
+    processes = [subprocess.Popen([SPECTRAL, *words_of(i, 3), "--shared"]) for i in (1, 2)]
+    time.sleep(0.4)
+    processes[0].kill()
+    codes = [process.wait() for process in processes]
+    refused("parts that are not there yet", "part 3 of 3 is missing" if os.path.exists(name_of(1, 3)) else "is missing", "join", STACK)
+    codes += [run(*words_of(i, 3), "--shared").returncode for i in (1, 3, 2)]
+    check(codes[1:] == [0, 0, 0, 0], "parts in one file are drawn", codes)
+    refused("another option of one part", "was begun with", *words_of(2, 3))
+    kept = read(UNFINISHED)
+    change(UNFINISHED, len(kept) // 2)
+    refused("shared samples that have changed", "differ from their checksum", "join", STACK)
+    with open(UNFINISHED, "wb") as file:
+        file.write(kept)
+    is_same("parts in one file")
+    check(files() == [STACK], "then the parts are gone", files())
+    refused("--shared without --part", "--shared needs --part", "render", "patches", "--shared", "-o", STACK)
 
 
 # ---- refusals ----
@@ -277,6 +355,15 @@ def different():
     refused("a part that differs", whole.stderr.split("; ")[0], "join", STACK, status=1)
     result = run("join", STACK, "--keep", "-q")
     check(result.returncode == 1 and read(STACK) == read(WHOLE), "--keep stores the same bytes and verdict", result.stderr)
+    remove()
+    words = ("render", *scene, "--resume", "-o", STACK, "-q")
+    result = run(*words, **fault)
+    check(result.returncode == 1 and "--keep stores it, and draws nothing again" in result.stderr and not os.path.exists(STACK),
+          "a resumed render that differs stores nothing", result.stderr)
+    result = run(*words, "--keep", "--json", WHOLE + ".json", **fault)
+    check(result.returncode == 1 and read(STACK) == read(WHOLE) and files() == [STACK] and
+          json.load(open(WHOLE + ".json"))["work"]["gl_passes"] == 0, "with --keep it stores the same bytes, and draws nothing again",
+          result.stderr, files())
 
 
 random.seed(SEED)
@@ -284,13 +371,16 @@ shutil.rmtree(TMP, ignore_errors=True)
 os.makedirs(TMP)
 print(f"# SEED={SEED}")
 counts()
-killed(20 if FULL else 5)
+killed(20 if FULL else 3)
 kinds()
 draw_whole()
 beginnings()
 at_once()
 interrupted()
 full_disk()
+resumed(20 if FULL else 2)
+unfinished()
+shared()
 refusals()
 changed_scene()
 different()
