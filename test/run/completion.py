@@ -120,7 +120,7 @@ CASES = [
     ("spectral ", program_words()),
     ("spectral help de", ["develop"]),
     ("spectral -", ["--help", "--version"]),
-    ("spectral render --re", ["--renderer"]),
+    ("spectral render --ren", ["--renderer"]),
     ("spectral render -", program_words("render")),
     ("spectral info -", program_words("info")),
     ("spectral render --renderer ", ["es-shader", "gl", "gl-shader", "llvmpipe", "raster", "softpipe"]),
