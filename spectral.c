@@ -12,10 +12,12 @@
 #include "data/compare/compare.h"
 #include "data/develop/develop.h"
 #include "data/options/options.h"
+#include "data/pack/pack.h"
 #include "data/process/process.h"
 #include "data/scene/scene.h"
 #include "data/stack/stack.h"
 #include "data/text/text.h"
+#include "raster/batch/batch.h"
 #include "raster/cost/cost.h"
 #include "raster/driver/driver.h"
 #include "raster/drivers/drivers.h"
@@ -45,8 +47,7 @@ static const struct command commands[] = {
     {"plan", "[SCENE]", "print what would be simulated, and why; draw nothing", "plan fluorescence",
      command_plan, FOR_PLAN, 1},
     {"develop", "STACK [-o PICTURE.png]",
-     "write what a detector sees as a colour picture, PNG or TIFF (default: STACK's name + "
-     "-developed.png)",
+     "write what a detector sees as PNG or TIFF (default: STACK's name + -developed.png)",
      "develop spheres.tif --exposure auto -o spheres.png", command_develop, FOR_DEVELOP, 1},
     {"probe", "STACK|SCENE X Y [W H]", "print the spectrum of a pixel, or the mean of a region",
      "probe fluorescence 700 300 --svg -o spectrum.svg", command_probe, FOR_PROBE, 5},
@@ -56,13 +57,11 @@ static const struct command commands[] = {
     {"cost", "[SCENE]", "measure what accuracy costs in time", "cost patches --svg cost.svg",
      command_cost, FOR_COST, 1},
     {"view", "[SCENE] [-o PAGE.html]",
-     "write an interactive viewer in one HTML file; with -o PICTURE.png the picture that it shows "
-     "first",
+     "write an interactive viewer in one HTML file; with -o PICTURE.png its first picture",
      "view fluorescence --size 600x400 -o fluorescence.html", command_view, FOR_VIEW, 1},
     {"info", "STACK", "print how a stack was made", "info spheres.tif", command_info, FOR_INFO, 1},
     {"envi", "STACK [-o FILE.hdr]",
-     "write the header by which ENVI, SPy and GDAL map a stack\n(default: STACK's name + .hdr, "
-     "beside it)",
+     "write the header by which ENVI, SPy and GDAL map a stack (default: STACK.hdr)",
      "envi spheres.tif", command_envi, FOR_ENVI, 1},
     {"drivers", "[--measure] [--json FILE]", "list what OpenGL can draw here, by which options",
      "drivers", command_drivers, FOR_DRIVERS, 0},
@@ -77,6 +76,10 @@ static const struct command commands[] = {
      command_judge, FOR_JUDGE, 2},
     {"join", "STACK", "put the parts of a stack together, which render --part drew",
      "join spheres.tif", command_join, FOR_JOIN, 1},
+    {"batch", "LIST", "render each line of a list that is not up to date, several at a time",
+     "batch scenes.txt", command_batch, FOR_BATCH, 1},
+    {"pack", "SCENE [-o FILE.tar]", "write a scene with all files that it names as one archive",
+     "pack my.scene", command_pack, FOR_PACK, 1},
     {"list", "[KIND]", "print the names of all that is built in, or of one kind", "list materials",
      command_list, 0, 1},
     {"show", "NAME [-o FILE]", "print a built-in file, to start a file of your own with",
@@ -130,8 +133,7 @@ static const struct option known_options[] = {
      "writes there; - is standard output; /dev/null: checks only, writes nothing", FOR_RENDER,
      TEXT(output)},
     {"--again STACK",
-     "makes that stack again, from the scene and the options that it records; the new one must be "
-     "the same to the last byte (default output: STACK's name + -again.tif)",
+     "makes that stack again, from its record (default output: STACK's name + -again.tif)",
      FOR_RENDER, TEXT(again)},
     {"--trust", "--again reads whatever files the stack names, not only those below this folder",
      FOR_RENDER | FOR_JOIN, FLAG(trust)},
@@ -150,8 +152,7 @@ static const struct option known_options[] = {
      "the part of object pixels that may stay unchecked, from 0 to 1 (default: 0.01)",
      FOR_RENDER | FOR_VERIFY | FOR_JUDGE | RECORDED, TEXT(unchecked)},
     {"--check-map FILE",
-     "writes what the check can see at each pixel, and its verdict there, as float pages (.tif) or "
-     "as a picture (.png)",
+     "writes what the check can see at each pixel, and its verdict there (.tif or .png)",
      FOR_RENDER | FOR_JUDGE, TEXT(check_map)},
     {"--keep", "stores the stack even if the check fails", FOR_RENDER | FOR_JOIN, FLAG(keep)},
     {"--envi", "also writes STACK.tif.hdr, as envi does", FOR_RENDER | FOR_JOIN, FLAG(envi)},
@@ -160,21 +161,22 @@ static const struct option known_options[] = {
      FOR_RENDER, TEXT(part), .accepts = part_accepts},
     {"--shared", "parts store in one file, STACK.tif.unfinished", FOR_RENDER, FLAG(shared)},
     {"--resume", "goes on with a render that was killed", FOR_RENDER, FLAG(resume)},
+    {"--update", "draws nothing if the stack is up to date", FOR_RENDER, FLAG(update)},
     {"--full-scale R", "radiance of count 65535 (default: the largest)",
      FOR_RENDER | FOR_EXCHANGE | RECORDED, NUMBER(full_scale), .lowest = 1e-300, .highest = 1e300},
     {"--depth 8|16|32f", "bits of counts, or 32-bit float radiances (default: 16)",
      FOR_RENDER | RECORDED, TEXT(depth), .choices = depths},
     {"-j, --threads N", "threads to compute with (default: one per processor)",
-     FOR_SCENES | FOR_STACKS | FOR_JOIN, COUNT(threads), .lowest = 1, .highest = 1024},
+     FOR_SCENES | FOR_STACKS | FOR_JOIN | FOR_BATCH, COUNT(threads), .lowest = 1, .highest = 1024},
     {"--memory MIB", "MiB of memory that a command may take beyond a tile's 300 (default: 1024)",
      FOR_ALL, COUNT(memory_mib), .lowest = 1, .highest = 1 << 24},
     {"--json FILE", "writes the results as JSON; - is standard output",
-     FOR_SCENES | FOR_STACKS | FOR_INFO | FOR_DRIVERS | FOR_JOIN, TEXT(json)},
+     FOR_SCENES | FOR_STACKS | FOR_INFO | FOR_DRIVERS | FOR_JOIN | FOR_BATCH, TEXT(json)},
     {"-v, --verbose", "prints the plan, too: each effect, and why it is simulated",
      FOR_RENDER | FOR_JUDGE, FLAG(verbose)},
     {"-q, --quiet", "prints no table and no progress",
      FOR_RENDER | FOR_JUDGE | FOR_DEVELOP | FOR_COMPARE | FOR_VIEW | FOR_COST | FOR_VERIFY |
-         FOR_JOIN,
+         FOR_JOIN | FOR_BATCH,
      FLAG(quiet)},
     {.heading = "develop, probe and compare:"},
     {"--detector, --observer NAME", "sees with it (default: cie1931); a camera only in develop",
@@ -183,12 +185,10 @@ static const struct option known_options[] = {
      FOR_STACKS, TEXT(white)},
     {.heading = "develop:"},
     {"-o, --output PICTURE.png",
-     "writes there, PNG or TIFF (.tif); - is standard output (default: STACK's name + "
-     "-developed.png)",
+     "writes there, PNG or .tif; - is standard output (default: STACK's name + -developed.png)",
      FOR_DEVELOP, TEXT(output)},
     {"--adaptation none|von-kries|bradford|cat16|fairchild[:LUMINANCE]",
-     "takes the white to the display's (default: none); LUMINANCE is in cd/m2 (default: 10 x "
-     "intensity)",
+     "takes the white to the display's; LUMINANCE is in cd/m2 (default: 10 x intensity)",
      FOR_DEVELOP, TEXT(adaptation), .accepts = develop_accepts_adaptation},
     {"--display srgb|monitor", "sRGB (default), or the monitor of the 1998 thesis", FOR_DEVELOP,
      TEXT(display), .accepts = develop_accepts_display},
@@ -207,12 +207,10 @@ static const struct option known_options[] = {
     {"--svg", "writes a plot instead of text", FOR_PROBE, FLAG(svg)},
     {.heading = "compare:"},
     {"--tolerance R|P%|EdE00",
-     "largest difference that passes: radiance, per cent of the largest radiance, or CIEDE2000 "
-     "(dE94, dE76); default: 0",
+     "largest that passes: radiance, % of the largest, or CIEDE2000 (dE94, dE76); default: 0",
      FOR_COMPARE, TEXT(tolerance), .accepts = compare_accepts_tolerance},
     {"--map FILE",
-     "writes each pixel's largest difference, spectral angle and CIEDE2000 (.tif), or shows the "
-     "CIEDE2000 in colours (.png)",
+     "writes each pixel's largest difference, spectral angle and CIEDE2000 (.tif, .png)",
      FOR_COMPARE, TEXT(map)},
     {.heading = "view:"},
     {"-o, --output PAGE.html",
@@ -224,10 +222,8 @@ static const struct option known_options[] = {
      FOR_COST, TEXT(detector)},
     {"--runs N", "runs of each configuration, at least 5 (default: 5)", FOR_COST, COUNT(runs),
      .lowest = 5, .highest = 1024},
-    {"--quick",
-     "measures only configurations near the frontier, in about half a minute: errors in a smaller "
-     "picture, then 2 to 5 runs of each in the whole one",
-     FOR_COST, FLAG(quick)},
+    {"--quick", "measures only configurations near the frontier, in about half a minute", FOR_COST,
+     FLAG(quick)},
     {"--csv FILE", "writes the table; - is standard output", FOR_COST, TEXT(csv_file)},
     {"--svg FILE", "writes a chart; - is standard output", FOR_COST, TEXT(svg_file)},
     {"--tolerance EdE00",
@@ -255,6 +251,12 @@ static const struct option known_options[] = {
     {"-o, --output FILE.hdr",
      "writes there; - is standard output (default: STACK's name + .hdr, beside it)", FOR_ENVI,
      TEXT(output)},
+    {.heading = "batch:"},
+    {"--jobs N", "renders at a time (default: one per processor)", FOR_BATCH, COUNT(jobs),
+     .lowest = 1, .highest = 1024},
+    {.heading = "pack:"},
+    {"-o, --output FILE.tar", "writes there; - is standard output (default: SCENE's name + .tar)",
+     FOR_PACK, TEXT(output)},
     {.heading = "show:"},
     {"-o, --output FILE", "writes there (default: standard output)", FOR_SHOW, TEXT(output)},
     {.heading = "all:"},
@@ -282,13 +284,10 @@ static const char scene_operand[] =
 static bool print_usage(struct error *err)
 {
     struct printed printed = {.text = NULL}, *to = &printed;
-    print_text(to,
-               "usage: spectral COMMAND [SCENE] [OPTIONS]\n"
-               "\n"
-               "Renders a 3D scene wavelength by wavelength through OpenGL, cross-checks every\n"
-               "pixel of every wavelength against its own rasterizer, and writes a spectral\n"
-               "TIFF stack.\n"
-               "\n");
+    print_text(
+        to, "usage: spectral COMMAND [SCENE] [OPTIONS]\n\n"
+            "Renders a 3D scene wavelength by wavelength through OpenGL, cross-checks every\n"
+            "pixel of every wavelength against its own rasterizer, and writes a TIFF stack.\n\n");
     print_commands(to);
     print(to, "\n%s\n", scene_operand);
     help_options(&option_table, to);
@@ -346,7 +345,8 @@ static bool print_version(struct error *err)
 
 static bool run_limited(const struct command *command, struct options *options, struct error *err)
 {
-    options_limit_memory(options);
+    if (command->options != FOR_BATCH) /* each of its renders has a limit */
+        options_limit_memory(options);
     return command->run(options, err);
 }
 

@@ -69,7 +69,7 @@ _spectral_add_usage() {
         *STACK* | *.tif) _spectral_add_files .tif .tiff .hdr ;;
         *.png) _spectral_add_files .png .tif ;;
         *.html) _spectral_add_files .html .png ;;
-        *FILE*) _spectral_add_files '' ;;
+        LIST | *FILE*) _spectral_add_files '' ;;
         *[A-Z]*:*) ;;
         [a-z0-9]*) one=${one%%\[*}; [[ $one == *[A-Z]* ]] || _spectral_add "$one" ;;
         esac

@@ -53,7 +53,7 @@ function __spectral_usage --argument-names program usage word
                 __spectral_files "$word" .png .tif
             case '*.html'
                 __spectral_files "$word" .html .png
-            case '*FILE*'
+            case LIST '*FILE*'
                 __spectral_files "$word" ''
             case '*'
                 string replace --regex '\[.*' '' -- $one | string match --regex --invert '[A-Z]'

@@ -3,6 +3,7 @@
 #include <string.h>
 
 #include "data/base/base.h"
+#include "data/inputs/inputs.h"
 #include "data/invocation/invocation.h"
 #include "data/method/method.h"
 #include "data/tiff/tiff.h"
@@ -35,12 +36,16 @@ bool scene_read_options(const struct options *options, struct scene *out, struct
 
 bool scene_spared(const char *output, const struct scene *scene, struct error *err)
 {
-    for (int i = 0; i < scene->n_files; i++) {
+    struct inputs inputs = {.path = NULL};
+    bool done = !output || inputs_list(scene, NULL, &inputs, err);
+    for (int i = 0; done && i < scene->n_texts; i++) {
         const char *path = scene->files[i].path;
-        if (!output_spares(output, scene_is_input(path) ? "/dev/stdin" : path, err))
-            return false;
+        done = output_spares(output, scene_is_input(path) ? "/dev/stdin" : path, err);
     }
-    return true;
+    for (int i = 0; done && i < inputs.n; i++)
+        done = output_spares(output, inputs.path[i], err);
+    inputs_free(&inputs);
+    return done;
 }
 
 bool scene_refuse(const char *stack, struct error *err)

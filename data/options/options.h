@@ -17,24 +17,12 @@ struct options;
 
 /* The commands that take an option, and groups of them. An option that is RECORDED decides the
  * picture: a stack records it, and --again reads it from there. */
+enum { FOR_RENDER = 1, FOR_PLAN = 1 << 1, FOR_PROBE = 1 << 2, FOR_COST = 1 << 3 };
+enum { FOR_VIEW = 1 << 4, FOR_DEVELOP = 1 << 5, FOR_COMPARE = 1 << 6, FOR_SHOW = 1 << 7 };
+enum { FOR_INFO = 1 << 8, FOR_ENVI = 1 << 9, FOR_DRIVERS = 1 << 10, FOR_VERIFY = 1 << 11 };
+enum { FOR_EXPORT = 1 << 12, FOR_JUDGE = 1 << 13, FOR_JOIN = 1 << 14, FOR_BATCH = 1 << 15 };
+enum { FOR_PACK = 1 << 16, FOR_ALL = 1 << 17, RECORDED = 1 << 18 };
 enum {
-    FOR_RENDER = 1,
-    FOR_PLAN = 1 << 1,
-    FOR_PROBE = 1 << 2,
-    FOR_COST = 1 << 3,
-    FOR_VIEW = 1 << 4,
-    FOR_DEVELOP = 1 << 5,
-    FOR_COMPARE = 1 << 6,
-    FOR_SHOW = 1 << 7,
-    FOR_INFO = 1 << 8,
-    FOR_ENVI = 1 << 9,
-    FOR_DRIVERS = 1 << 10,
-    FOR_VERIFY = 1 << 11,
-    FOR_EXPORT = 1 << 12,
-    FOR_JUDGE = 1 << 13,
-    FOR_JOIN = 1 << 14,
-    FOR_ALL = 1 << 15,
-    RECORDED = 1 << 16,
     /* cost chooses the shading by itself */
     FOR_EXCHANGE = FOR_EXPORT | FOR_JUDGE,
     FOR_SHADED = FOR_RENDER | FOR_PLAN | FOR_PROBE | FOR_VIEW | FOR_EXCHANGE,
@@ -95,10 +83,10 @@ struct options {
     const char *sampling, *detector, *white, *adaptation, *display, *exposure;
     const char *tolerance, *budget, *unchecked, *accuracy, *part;
     double full_scale;
-    int threads, runs, memory_mib, max_triangles;
+    int threads, runs, memory_mib, max_triangles, jobs;
     struct outputs outputs; /* complete; they appear when the command has ended well */
     bool xyz, lab, csv, svg, no_check, strict, trust, keep, envi, quiet, verbose, help, quick,
-        measure, update_baseline, resume, shared;
+        measure, update_baseline, resume, shared, update;
 };
 
 /* The options and operands that a command allows. */

@@ -36,6 +36,17 @@ struct run_seconds {
  * was started by. Standard input and output are /dev/null. Returns false with the last line that
  * the program printed on standard error, and with its exit status. An interruption ends it. */
 bool process_program(const char *const *words, struct run_seconds *out, struct error *err);
+/* Do that in two steps, for several programs at a time: each on a thread, which starts its program
+ * and waits for it. No two start at once, as the caller sees to. Processor seconds are then those
+ * of all. */
+struct running_program {
+    pid_t child;
+    int messages; /* a descriptor */
+    struct run_seconds start;
+};
+bool process_start(const char *const *words, struct running_program *out, struct error *err);
+bool process_await(const struct running_program *program, struct run_seconds *out,
+                   struct error *err);
 /* Returns the file to run: the link if it leads to a program, or else the name that the user typed,
  * which the system looks for as a shell does. */
 const char *program_file(const char *link, const char *typed);

@@ -140,17 +140,21 @@ static double children_seconds(void)
            1e-6 * ((double)used.ru_utime.tv_usec + (double)used.ru_stime.tv_usec);
 }
 
-static bool await(pid_t child, int from, struct run_seconds *out, struct error *err)
+bool process_await(const struct running_program *program, struct run_seconds *out,
+                   struct error *err)
 {
+    const pid_t child = program->child;
     struct last_line messages = {.length = 0};
-    const double start = out->wall, before = children_seconds();
-    const bool whole = read_messages(from, -1, &messages), interrupted = is_interrupted();
+    const bool whole = read_messages(program->messages, -1, &messages),
+               interrupted = is_interrupted();
     int status = 0;
     pid_t ended;
     if (!whole)
-        end(child, from, &messages);
+        end(child, program->messages, &messages);
+    close(program->messages);
     UNTIL_DONE(ended, waitpid(child, &status, 0));
-    *out = (struct run_seconds){clock_seconds() - start, children_seconds() - before};
+    *out = (struct run_seconds){clock_seconds() - program->start.wall,
+                                children_seconds() - program->start.processor};
     if (ended < 0) {
         kill(child, SIGKILL);
         return error_system(err, "cannot wait for a run");
@@ -162,25 +166,35 @@ static bool await(pid_t child, int from, struct run_seconds *out, struct error *
     return conclude(status, &messages, err);
 }
 
-bool process_program(const char *const *words, struct run_seconds *out, struct error *err)
+/* No other program gets the pipe, which would seem to be open as long as that program runs. */
+bool process_start(const char *const *words, struct running_program *out, struct error *err)
 {
     const char *file = program_file(running, words[0]);
     int ends[2];
     fflush(NULL);
     if (pipe(ends) != 0)
         return error_system(err, "cannot make a pipe");
-    *out = (struct run_seconds){.wall = clock_seconds()};
-    const pid_t parent = getpid(), child = fork();
-    if (child == 0) {
-        close(ends[0]);
+    fcntl(ends[0], F_SETFD, FD_CLOEXEC);
+    fcntl(ends[1], F_SETFD, FD_CLOEXEC);
+    *out = (struct running_program){.messages = ends[0],
+                                    .start = {clock_seconds(), children_seconds()}};
+    const pid_t parent = getpid();
+    out->child = fork();
+    if (out->child == 0) {
         if (!process_follow(parent))
             _exit(EXIT_SYSTEM);
-        fcntl(ends[1], F_SETFD, FD_CLOEXEC);
         become(file, words, ends[1]);
     }
     close(ends[1]);
-    const bool done =
-        child > 0 ? await(child, ends[0], out, err) : error_system(err, "cannot start a process");
+    if (out->child > 0)
+        return true;
     close(ends[0]);
-    return done;
+    return error_system(err, "cannot start a process");
+}
+
+bool process_program(const char *const *words, struct run_seconds *out, struct error *err)
+{
+    struct running_program program;
+    *out = (struct run_seconds){.wall = 0};
+    return process_start(words, &program, err) && process_await(&program, out, err);
 }

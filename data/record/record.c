@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/digest/digest.h"
 #include "data/record/record.h"
 #include "data/spectra/spectra.h"
 #include "data/terms/terms.h"
@@ -36,6 +37,7 @@ static const struct field fields[] = {
     {"program", FIELD_TEXT, AT(program), 0, 0},
     {"scene", FIELD_TEXT, AT(scene), 0, 0},
     {"scene_sha256", FIELD_TEXT, AT(scene_sha256), 0, 0},
+    {"file", FIELD_TEXTS, AT(files), 0, 0},
     {"option", FIELD_OPTION, AT(options), 0, 0},
     {"renderer", FIELD_TEXT, AT(renderer), 0, 0},
     {"light", FIELD_TEXTS, AT(lights), 0, 0},
@@ -78,20 +80,19 @@ static void put_source(struct printed *stream, const struct spectrum *spectrum, 
     print(stream, "%s*%.*g%c", spectrum->name, exact_digits(intensity), intensity, '\0');
 }
 
-/* Returns the lights, then the ambient lights, then the name of the sampling, each ended by a NUL;
- * allocated. NULL: no memory. */
-static char *source_texts(const struct scene *scene, const struct sampling *sampling)
+/* Prints the lights, then the ambient lights, then the name of the sampling, each ended by a NUL.
+ */
+static void put_sources(struct printed *to, const struct scene *scene,
+                        const struct sampling *sampling)
 {
     char name[SAMPLING_NAME] = "";
-    struct printed printed = {.text = NULL};
     for (int i = 0; i < scene->n_lights; i++)
-        put_source(&printed, &scene->lights[i].spectrum, scene->lights[i].intensity);
+        put_source(to, &scene->lights[i].spectrum, scene->lights[i].intensity);
     for (int i = 0; i < scene->n_ambients; i++)
-        put_source(&printed, &scene->ambients[i].spectrum, scene->ambients[i].intensity);
+        put_source(to, &scene->ambients[i].spectrum, scene->ambients[i].intensity);
     if (sampling)
         sampling_name(&sampling->method, name);
-    print(&printed, "%s%c", name, '\0');
-    return printed_end(&printed);
+    print(to, "%s%c", name, '\0');
 }
 
 /* Adds the next n texts; *at moves behind them. */
@@ -103,15 +104,19 @@ static bool add_texts(struct texts *list, const char **at, int n, struct error *
     return true;
 }
 
-static bool record_sources(const struct scene *scene, const struct sampling *sampling,
-                           struct record *out, struct error *err)
+static bool record_texts(const struct scene *scene, const struct sampling *sampling,
+                         const struct inputs *inputs, struct record *out, struct error *err)
 {
-    const char *at = out->text = source_texts(scene, sampling);
-    if (!at)
-        return error_memory(err);
-    const bool done = add_texts(&out->lights, &at, scene->n_lights, err) &&
-                      add_texts(&out->ambients, &at, scene->n_ambients, err);
-    out->sampling = sampling ? at : NULL;
+    struct printed printed = {.text = NULL};
+    bool done = inputs_digest(inputs, &printed, err);
+    put_sources(&printed, scene, sampling);
+    out->text = printed_end(&printed);
+    done = done && (out->text || error_memory(err));
+    const char *at = out->text;
+    done = done && add_texts(&out->files, &at, inputs->n, err) &&
+           add_texts(&out->lights, &at, scene->n_lights, err) &&
+           add_texts(&out->ambients, &at, scene->n_ambients, err);
+    out->sampling = done && sampling ? at : NULL;
     return done;
 }
 
@@ -179,11 +184,14 @@ static bool record_sampling(const struct sampling *sampling, struct record *out,
            add_numbers(&out->segments, sampling->segment_nm[0], 2 * sampling->pages.n, err);
 }
 
-bool record_scene(const struct scene *scene, const struct sampling *sampling, struct record *out,
-                  struct error *err)
+bool record_scene(const struct scene *scene, const struct sampling *sampling, const char *detector,
+                  struct record *out, struct error *err)
 {
+    struct inputs inputs;
     *out = (struct record){.scene = scene->path, .scene_sha256 = scene->sha256};
-    bool done = record_sources(scene, sampling, out, err);
+    bool done = inputs_list(scene, detector, &inputs, err) &&
+                record_texts(scene, sampling, &inputs, out, err);
+    inputs_free(&inputs);
     if (!sampling || sampling->spectral)
         done = done && record_white(scene, sampling, out, err);
     if (sampling)
@@ -192,6 +200,35 @@ bool record_scene(const struct scene *scene, const struct sampling *sampling, st
     if (!done)
         record_free(out);
     return done;
+}
+
+/* ---- files ---- */
+
+enum { SHA256_DIGITS = 64 };
+
+/* Finds the recorded SHA-256 of a file; "": it is not recorded. */
+static const char *recorded_digest(const struct record *record, const char *path)
+{
+    for (int i = 0; i < record->files.n; i++) {
+        const char *text = record->files.text[i];
+        if (strlen(text) > SHA256_DIGITS && strcmp(text + SHA256_DIGITS + 1, path) == 0)
+            return text;
+    }
+    return "";
+}
+
+bool record_changed(const struct record *record, const struct inputs *inputs, const char **changed,
+                    const char **expected, char found[65], struct error *err)
+{
+    *changed = NULL;
+    for (int i = 0; i < inputs->n && !*changed; i++) {
+        *expected = recorded_digest(record, inputs->path[i]);
+        if (!digest_file(inputs->path[i], found, err))
+            return false;
+        if (strncmp(*expected, found, SHA256_DIGITS) != 0)
+            *changed = inputs->path[i];
+    }
+    return true;
 }
 
 /* ---- writing ---- */

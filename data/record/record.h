@@ -3,6 +3,7 @@
 #ifndef RECORD_H
 #define RECORD_H
 
+#include "data/inputs/inputs.h"
 #include "data/options/options.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
@@ -17,12 +18,13 @@ struct numbers {
     double *value; /* owned */
     int n;
 };
-/* Everything that decides the bytes of a stack, except the files that its scene names, and OpenGL.
- * A member is a row in `fields` of record.c, by which it is written, read and freed. */
+/* Everything that decides the bytes of a stack, except OpenGL. A member is a row in `fields` of
+ * record.c, by which it is written, read and freed. */
 struct record {
     const char *program; /* name and version */
     const char *scene;   /* as the command line named it */
     const char *scene_sha256;
+    struct texts files;          /* that the scene names, as inputs_digest prints them */
     const char *renderer;        /* "raster", or OpenGL's GL_RENDERER */
     char *options[MAX_RECORDED]; /* each one word: "--size=300x200"; not owned */
     int n_options;
@@ -48,14 +50,20 @@ struct record {
     const char *full_scale, *scale, *object_map;
     uint64_t map_offset;
     int map_bytes;
-    char *text; /* lights, ambients and, after record_read, all strings point into it; owned */
+    char *
+        text; /* files, lights, ambients and, after record_read, all strings point into it; owned */
 };
 /* Returns how many decimal digits of a number read back as the same double. */
 int exact_digits(double number);
-/* Records a scene: its name, its lights, its white and its sampling (NULL: none). Scene and
- * sampling must outlive the record. */
-bool record_scene(const struct scene *scene, const struct sampling *sampling, struct record *out,
-                  struct error *err);
+/* Records a scene: its name, its files and that of the detector it is drawn for (NULL: none), its
+ * lights, its white and its sampling (NULL: none). Scene and sampling must outlive the record. */
+bool record_scene(const struct scene *scene, const struct sampling *sampling, const char *detector,
+                  struct record *out, struct error *err);
+/* Compares the files of a scene with those recorded. *changed is the first one that has other bytes
+ * or is not recorded, *expected its recorded SHA-256 ("" where there is none), found the one that
+ * it has; NULL: none. A recorded file that the scene does not name is no change. */
+bool record_changed(const struct record *record, const struct inputs *inputs, const char **changed,
+                    const char **expected, char found[65], struct error *err);
 /* Writes lines "KEY: VALUE" into an allocated text; NULL: no memory. In values, control characters,
  * bytes that are no UTF-8, and '%' become %XX, as in a URL. */
 char *record_text(const struct record *record);

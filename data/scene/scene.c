@@ -134,6 +134,7 @@ static bool is_list(struct text text, bool *out, struct error *err)
 static void digest_files(struct scene *scene)
 {
     struct digest digest;
+    scene->n_texts = scene->n_files;
     digest_start(&digest);
     for (int i = 0; i < scene->n_files; i++)
         digest_add(&digest, scene->files[i].bytes, scene->files[i].length);

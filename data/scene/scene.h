@@ -55,8 +55,8 @@ extern const char *const shading_words[]; /* of enum shading_kind, then NULL */
 struct scene {
     char *path;         /* as given: file or built-in name; or see scene_is_input */
     char sha256[65];    /* of its text: its file, then those that it includes and lists, as read */
-    struct text *files; /* every file read: owns the paths of all places */
-    int n_files;
+    struct text *files; /* those that sha256 is of, then options: own the paths of all places */
+    int n_files, n_texts;   /* n_texts: the first ones, that sha256 is of */
     double *wavelengths_nm; /* strictly increasing */
     int n_wavelengths;
     int width, height;

@@ -26,7 +26,7 @@ struct spectrum {
     int count;                     /* samples */
     double *wavelength_nm, *value; /* count each, wavelengths strictly increasing; owned */
     char *name;                    /* as written, for reports; owned */
-    bool from_file;                /* the name is that of a file that is not built in */
+    char *path;                    /* of its file, where that is not built in; NULL: none; owned */
     struct place place;
 };
 

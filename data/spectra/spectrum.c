@@ -136,6 +136,7 @@ void spectrum_free(struct spectrum *spectrum)
     free(spectrum->wavelength_nm);
     free(spectrum->value);
     free(spectrum->name);
+    free(spectrum->path);
     *spectrum = (struct spectrum){0};
 }
 

@@ -547,10 +547,11 @@ bool table_read(const struct columns *columns, struct spectrum *out, bool *xyz, 
     bool done =
         word_file(&columns->table, FILE_TABLE, &path, err) &&
         (file_is_missing(path) ? refuse_unknown(columns, err) : read_file(path, &table, out, err));
-    if (done)
-        out->from_file = !path_is_builtin(path);
     *xyz = table.xyz;
-    free(path);
+    if (done && !path_is_builtin(path))
+        out->path = path;
+    else
+        free(path);
     return done;
 }
 

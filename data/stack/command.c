@@ -21,6 +21,8 @@ static void print_scene(const struct record *record, struct printed *to)
     print_fact(to, "program", record->program);
     print_fact(to, "scene", record->scene);
     print_fact(to, "scene SHA-256", record->scene_sha256);
+    for (int i = 0; i < record->files.n; i++)
+        print_fact(to, "file", record->files.text[i]);
     for (int i = 0; i < record->n_options; i++)
         print_fact(to, "option", record->options[i]);
     print_fact(to, "renderer", record->renderer);
@@ -72,6 +74,7 @@ static void info_json(const struct image *image, const struct record *record, st
     json_string(json, "program", record->program);
     json_string(json, "scene", record->scene);
     json_string(json, "scene_sha256", record->scene_sha256);
+    json_texts(json, "files", record->files.text, record->files.n);
     json_texts(json, "options", (const char *const *)record->options, record->n_options);
     json_string(json, "renderer", record->renderer);
     json_texts(json, "lights", record->lights.text, record->lights.n);

@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "data/digest/digest.h"
+#include "data/inputs/inputs.h"
 #include "data/invocation/invocation.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
@@ -81,15 +82,37 @@ static bool check_shading(const struct options *options, const struct scene *sce
     return true;
 }
 
-/* Refuses a scene whose text differs from the text that the stack was made from. */
-static bool check_same_scene(const struct scene *scene, const char *stack,
+/* Refuses a file of the scene that has changed since the stack was made. Stacks of older programs
+ * record no files. */
+static bool check_same_files(const struct options *options, const struct scene *scene,
                              const struct record *made, struct error *err)
 {
-    return !made || strcmp(scene->sha256, made->scene_sha256) == 0 ||
-           error_usage(err,
-                       "%s: the scene has changed since %s was made: expected SHA-256 %.64s, "
-                       "found %s",
-                       scene->path, stack, made->scene_sha256, scene->sha256);
+    struct inputs inputs;
+    const char *changed = NULL, *expected;
+    char found[65];
+    bool done =
+        inputs_list(scene, options->detector, &inputs, err) &&
+        (made->files.n == 0 || record_changed(made, &inputs, &changed, &expected, found, err));
+    if (done && changed)
+        done = error_usage(err,
+                           "%s has changed since the stack was made: expected SHA-256 %.64s, "
+                           "found %s",
+                           changed, expected, found);
+    inputs_free(&inputs);
+    return done;
+}
+
+/* Refuses a scene that differs from the scene that the stack was made from: in its text, or in a
+ * file that it names. */
+static bool check_same_scene(const struct options *options, const struct scene *scene,
+                             const char *stack, const struct record *made, struct error *err)
+{
+    if (made && strcmp(scene->sha256, made->scene_sha256) != 0)
+        return error_usage(err,
+                           "%s: the scene has changed since %s was made: expected SHA-256 %.64s, "
+                           "found %s",
+                           scene->path, stack, made->scene_sha256, scene->sha256);
+    return !made || check_same_files(options, scene, made, err);
 }
 
 /* Refuses a header of the stack that cannot be written, or not in that place. */
@@ -298,7 +321,7 @@ bool render_with_options(const struct options *options, const struct render_outp
         (output->foreign || check_gl(options, output->again, err)) &&
         scene_read_sampled(options, &scene, &sampling, err) &&
         check_shading(options, &scene, &plan_options, err) &&
-        check_same_scene(&scene, output->again, made, err) &&
+        check_same_scene(options, &scene, output->again, made, err) &&
         scene_spared(output->path, &scene, err) && scene_spared(options->json, &scene, err) &&
         scene_spared(options->check_map, &scene, err) && check_header(options, output, &scene, err);
     seconds.read = clock_seconds() - start;
@@ -353,14 +376,11 @@ static bool check_part(const struct options *options, struct error *err)
                        kept, options->output);
 }
 
-bool render_scene(struct options *options, struct error *err)
+/* Draws all, or a part. */
+static bool draw_scene(struct options *options, struct error *err)
 {
     struct picture_part part = {1, 1};
     const bool resume = options->resume && !options->part;
-    if (!options_name_output(options, options_scene(options), ".tif", err))
-        return false;
-    if (stores_raster(options))
-        options_forget_check(options);
     if (!check_part(options, err) ||
         (options->part && !part_read("--part", options->part, &part, err)))
         return false;
@@ -374,6 +394,23 @@ bool render_scene(struct options *options, struct error *err)
                                          .shared = options->shared,
                                          .resume = resume};
     return render_with_options(options, &wanted, NULL, err);
+}
+
+bool render_scene(struct options *options, struct error *err)
+{
+    struct printed printed = {.text = NULL};
+    bool current = false;
+    if (!options_name_output(options, options_scene(options), ".tif", err))
+        return false;
+    if (stores_raster(options))
+        options_forget_check(options);
+    if (options->update && !render_is_current(options, &current, err))
+        return false;
+    if (!current)
+        return draw_scene(options, err);
+    if (!options->quiet)
+        print(&printed, "stack             %s is up to date\n", options->output);
+    return printed_show(&printed, options_table(options, NULL), err);
 }
 
 bool command_render(struct options *options, struct error *err)

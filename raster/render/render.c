@@ -47,13 +47,23 @@ static bool list_objects(const struct plan *plan, struct record *record, struct 
     return true;
 }
 
+/* Returns the detector that the picture is sampled or refined for; NULL: the options name none. */
+static const char *recorded_detector(const struct plan *plan)
+{
+    static const char option[] = "--detector=";
+    for (int i = 0; i < plan->options.n_recorded; i++)
+        if (strncmp(plan->options.recorded[i], option, sizeof option - 1) == 0)
+            return plan->options.recorded[i] + sizeof option - 1;
+    return NULL;
+}
+
 /* Returns the record of the stack as text, allocated; NULL on failure. */
 static char *provenance_text(const struct plan *plan, const struct render_result *result,
                              struct error *err)
 {
     struct record record;
     char *text = NULL;
-    if (!record_scene(plan->scene, plan->sampling, &record, err))
+    if (!record_scene(plan->scene, plan->sampling, recorded_detector(plan), &record, err))
         return NULL;
     record.program = PROGRAM;
     record.renderer = render_stored(plan, result);

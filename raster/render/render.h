@@ -124,6 +124,12 @@ bool render_with_options(const struct options *options, const struct render_outp
  * reference's pixels is the same with any check. */
 void options_forget_check(struct options *options);
 
+/* ---- current.c: spectral render --update ---- */
+
+/* Finds whether the stack at the output's name is what the options ask for, made by this program
+ * and good by its verdict, and whether all other outputs are there. A part is never. Another
+ * version of OpenGL makes no difference. Fails where the scene cannot be read. */
+bool render_is_current(const struct options *options, bool *out, struct error *err);
 /* ---- join.c: parts become a stack ---- */
 
 /* Reads the options that the parts were drawn with, and puts them together. */

@@ -108,11 +108,10 @@ static bool add_builtins(struct page *page, struct error *err)
  * to the working folder. */
 static bool put_word(struct page *page, const struct spectrum *spectrum, struct error *err)
 {
-    const bool file = spectrum->from_file;
-    char *word = file ? file_relative(spectrum->place.path, spectrum->name) : NULL;
-    if (file && !word)
+    char *word = spectrum->path ? file_relative(spectrum->place.path, spectrum->name) : NULL;
+    if (spectrum->path && !word)
         return error_memory(err);
-    json_string(&page->json, "word", file ? word : spectrum->name);
+    json_string(&page->json, "word", word ? word : spectrum->name);
     free(word);
     return true;
 }

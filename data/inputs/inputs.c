@@ -1,0 +1,135 @@
+/* SPDX-License-Identifier: MIT */
+/* Lists the files that a scene is made of. A stack records them with their digests, so that a
+ * picture of one machine can be compared with that of another. */
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/digest/digest.h"
+#include "data/inputs/inputs.h"
+#include "data/tiff/tiff.h"
+
+/* ---- finding ---- */
+
+/* Adds a copy of the path, unless it is NULL or built in. */
+static bool add(struct inputs *to, const char *path, struct error *err)
+{
+    char *copy = NULL;
+    if (!path || path_is_builtin(path))
+        return true;
+    if (!string_copy(path, &copy, err))
+        return false;
+    if (array_add(&to->path, &to->n, &copy, sizeof copy, err))
+        return true;
+    free(copy);
+    return false;
+}
+
+/* Adds a picture: a TIFF file, or both files of a cube. A missing one is refused by its reader, at
+ * the place that names it. */
+static bool add_picture(struct inputs *to, const char *path, struct place from, struct error *err)
+{
+    char header[ENVI_PATH], data[ENVI_PATH];
+    enum image_kind kind;
+    if (!path || path_is_builtin(path))
+        return true;
+    if (!image_kind(path, &kind, err))
+        return false;
+    if (kind != IMAGE_ENVI)
+        return add(to, path, err);
+    return envi_files(path, from, header, data, err) && add(to, header, err) && add(to, data, err);
+}
+
+static bool add_spectra(struct inputs *to, const struct material *material, struct error *err)
+{
+    const struct spectrum *spectra[] = {&material->diffuse, &material->specular,
+                                        &material->excitation, &material->emission,
+                                        &material->glow};
+    for (size_t i = 0; i < sizeof spectra / sizeof spectra[0]; i++)
+        if (!add(to, spectra[i]->path, err))
+            return false;
+    return true;
+}
+
+/* A material that was not read has no diffuse reflectance. The partner in a material file has that
+ * file's path. */
+static bool add_material(struct inputs *to, const struct material *material, struct error *err)
+{
+    return material->diffuse.kind == SPECTRUM_NONE ||
+           (add(to, material->path, err) && add_spectra(to, material, err) &&
+            add(to, material->donaldson, err) &&
+            add_picture(to, material->texture, material->texture_place, err) &&
+            add_picture(to, material->spectral_texture, material->spectral_texture_place, err) &&
+            (!material->partner ||
+             add_picture(to, material->partner->texture, material->partner->texture_place, err)));
+}
+
+static bool add_detector(struct inputs *to, const char *name, struct error *err)
+{
+    const struct word word = {.start = name, .length = name ? strlen(name) : 0};
+    char *path = NULL;
+    const bool done = !name || (word_file(&word, FILE_TABLE, &path, err) && add(to, path, err));
+    free(path);
+    return done;
+}
+
+static bool add_all(struct inputs *to, const struct scene *scene, struct error *err)
+{
+    bool done = true;
+    for (int i = 0; done && i < scene->n_ambients; i++)
+        done = add(to, scene->ambients[i].spectrum.path, err);
+    for (int i = 0; done && i < scene->n_lights; i++)
+        done = add(to, scene->lights[i].spectrum.path, err);
+    for (int i = 0; done && i < scene->n_materials; i++)
+        done = add_material(to, &scene->materials[i], err);
+    for (int i = 0; done && i < scene->n_objects; i++)
+        done = add(to, scene->objects[i].shape.path, err);
+    return done;
+}
+
+/* ---- the list ---- */
+
+static int compare_paths(const void *a, const void *b)
+{
+    return strcmp(*(char *const *)a, *(char *const *)b);
+}
+
+static void sort(struct inputs *inputs)
+{
+    int n = 0;
+    if (inputs->n > 0)
+        qsort(inputs->path, (size_t)inputs->n, sizeof *inputs->path, compare_paths);
+    for (int i = 0; i < inputs->n; i++)
+        if (n > 0 && strcmp(inputs->path[n - 1], inputs->path[i]) == 0)
+            free(inputs->path[i]);
+        else
+            inputs->path[n++] = inputs->path[i];
+    inputs->n = n;
+}
+
+bool inputs_list(const struct scene *scene, const char *detector, struct inputs *out,
+                 struct error *err)
+{
+    *out = (struct inputs){.path = NULL};
+    const bool done = add_all(out, scene, err) && add_detector(out, detector, err);
+    sort(out);
+    return done;
+}
+
+void inputs_free(struct inputs *inputs)
+{
+    for (int i = 0; i < inputs->n; i++)
+        free(inputs->path[i]);
+    free(inputs->path);
+    *inputs = (struct inputs){.path = NULL};
+}
+
+bool inputs_digest(const struct inputs *inputs, struct printed *to, struct error *err)
+{
+    char sha256[65];
+    for (int i = 0; i < inputs->n; i++) {
+        if (!digest_file(inputs->path[i], sha256, err))
+            return false;
+        print(to, "%s %s%c", sha256, inputs->path[i], '\0');
+    }
+    return true;
+}
