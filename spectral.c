@@ -19,12 +19,12 @@
 #include "data/text/text.h"
 #include "raster/batch/batch.h"
 #include "raster/cost/cost.h"
+#include "raster/deal/deal.h"
 #include "raster/driver/driver.h"
 #include "raster/drivers/drivers.h"
 #include "raster/exchange/exchange.h"
 #include "raster/gl/gl.h"
 #include "raster/inspect/inspect.h"
-#include "raster/parts/parts.h"
 #include "raster/plan/plan.h"
 #include "raster/render/render.h"
 #include "raster/verify/verify.h"
@@ -158,7 +158,7 @@ static const struct option known_options[] = {
     {"--envi", "also writes STACK.tif.hdr, as envi does", FOR_RENDER | FOR_JOIN, FLAG(envi)},
     {"--part I/N",
      "draws part I of N into STACK.tif.I-of-N.part; goes on there if it was killed; see join",
-     FOR_RENDER, TEXT(part), .accepts = part_accepts},
+     FOR_RENDER | FOR_PLAN, TEXT(part), .accepts = part_accepts},
     {"--shared", "parts store in one file, STACK.tif.unfinished", FOR_RENDER, FLAG(shared)},
     {"--resume", "goes on with a render that was killed", FOR_RENDER, FLAG(resume)},
     {"--update", "draws nothing if the stack is up to date", FOR_RENDER, FLAG(update)},
@@ -188,7 +188,7 @@ static const struct option known_options[] = {
      "writes there, PNG or .tif; - is standard output (default: STACK's name + -developed.png)",
      FOR_DEVELOP, TEXT(output)},
     {"--adaptation none|von-kries|bradford|cat16|fairchild[:LUMINANCE]",
-     "takes the white to the display's; LUMINANCE is in cd/m2 (default: 10 x intensity)",
+     "takes the white to the display's (default: none); LUMINANCE: cd/m2 (10 x intensity)",
      FOR_DEVELOP, TEXT(adaptation), .accepts = develop_accepts_adaptation},
     {"--display srgb|monitor", "sRGB (default), or the monitor of the 1998 thesis", FOR_DEVELOP,
      TEXT(display), .accepts = develop_accepts_display},

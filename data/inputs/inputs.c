@@ -115,6 +115,20 @@ bool inputs_list(const struct scene *scene, const char *detector, struct inputs 
     return done;
 }
 
+bool inputs_find(const struct scene *scene, const char *detector, struct inputs *out,
+                 struct error *err)
+{
+    const bool done = inputs_list(scene, detector, out, err);
+    int n = 0;
+    for (int i = 0; i < out->n; i++)
+        if (file_is_missing(out->path[i]))
+            free(out->path[i]);
+        else
+            out->path[n++] = out->path[i];
+    out->n = n;
+    return done;
+}
+
 void inputs_free(struct inputs *inputs)
 {
     for (int i = 0; i < inputs->n; i++)

@@ -17,6 +17,10 @@ struct inputs {
  * failure. */
 bool inputs_list(const struct scene *scene, const char *detector, struct inputs *out,
                  struct error *err);
+/* Lists those of them that are there. A plan refuses a missing file that it needs, so that the
+ * picture does not depend on the others. */
+bool inputs_find(const struct scene *scene, const char *detector, struct inputs *out,
+                 struct error *err);
 void inputs_free(struct inputs *inputs);
 /* Prints "SHA-256 PATH" and a NUL for each file. Reads all of these files. */
 bool inputs_digest(const struct inputs *inputs, struct printed *to, struct error *err);

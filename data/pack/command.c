@@ -107,8 +107,8 @@ static void packing_free(struct packing *packing)
 
 /* ---- the command ---- */
 
-/* Returns the scene's name, from which a file that the scene names by a path from / on can be told:
- * its own path then differs from that of all relative names. Allocated; NULL: no memory. */
+/* Returns the scene's name with a mark, so that the paths of all files that the scene names by
+ * relative names begin in another way than a path from / on. Allocated; NULL: no memory. */
 static char *marked_name(const char *scene)
 {
     const char *base = path_name(scene);

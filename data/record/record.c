@@ -189,7 +189,7 @@ bool record_scene(const struct scene *scene, const struct sampling *sampling, co
 {
     struct inputs inputs;
     *out = (struct record){.scene = scene->path, .scene_sha256 = scene->sha256};
-    bool done = inputs_list(scene, detector, &inputs, err) &&
+    bool done = inputs_find(scene, detector, &inputs, err) &&
                 record_texts(scene, sampling, &inputs, out, err);
     inputs_free(&inputs);
     if (!sampling || sampling->spectral)

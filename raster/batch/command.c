@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT */
-/* spectral batch: what is printed while the lines of a list are drawn, and at the end. */
+/* spectral batch: prints a line for each render that has ended, and sums them up at the end. */
 #include <unistd.h>
 
 #include "data/threads/threads.h"

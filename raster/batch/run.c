@@ -96,5 +96,5 @@ bool batch_run(struct batch_run *run, struct error *err)
     pthread_mutex_destroy(&run->lock);
     errno = 0;
     return !is_interrupted() ||
-           error_system(err, "interrupted; the next batch goes on with what is not done");
+           error_system(err, "interrupted; the next batch draws the missing stacks");
 }

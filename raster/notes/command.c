@@ -23,13 +23,41 @@ static void print_seconds(double seconds, struct printed *to)
     print(to, "%.*f", seconds < 1 ? 2 : seconds < 10 ? 1 : 0, seconds);
 }
 
+/* Prints both figures of a line: with OpenGL, and without. */
+static void print_expected(const char *name, const struct forecast *forecast,
+                           void (*print_one)(const struct forecast *forecast,
+                                             enum forecast_kind kind, struct printed *to),
+                           struct printed *to)
+{
+    print(to, "%-17s about ", name);
+    print_one(forecast, FORECAST_CHECKED, to);
+    print_text(to, " with OpenGL and its check, ");
+    print_one(forecast, FORECAST_REFERENCE, to);
+    print_text(to, " by the reference alone");
+}
+
+static void print_seconds_of(const struct forecast *forecast, enum forecast_kind kind,
+                             struct printed *to)
+{
+    print_seconds(forecast->planned + forecast->seconds[kind], to);
+}
+
+static void print_peak_of(const struct forecast *forecast, enum forecast_kind kind,
+                          struct printed *to)
+{
+    print(to, "%.0f MiB", forecast->peak_bytes[kind] / 1048576);
+}
+
 static void print_forecast(const struct forecast *forecast, struct printed *to)
 {
-    print_text(to, "seconds           about ");
-    print_seconds(forecast->planned + forecast->seconds[FORECAST_CHECKED], to);
-    print_text(to, " with OpenGL and its check, ");
-    print_seconds(forecast->planned + forecast->seconds[FORECAST_REFERENCE], to);
-    print_text(to, " by the reference alone");
+    if (forecast->part.count > 0)
+        print(to, "part              %d of %d: %d tiles; the lines below are of these\n",
+              forecast->part.number, forecast->part.count, forecast->n_tiles);
+    print(to, "disk              %.4g MB%s\n", 1e-6 * forecast->disk_bytes,
+          forecast->part.count > 0 ? " for the part" : "");
+    print_expected("peak memory", forecast, print_peak_of, to);
+    print_text(to, "\n");
+    print_expected("seconds", forecast, print_seconds_of, to);
     if (!forecast->learnt[FORECAST_CHECKED])
         print_text(to, "; known better when this machine has rendered something");
     print_text(to, "\n");
@@ -43,12 +71,14 @@ bool command_plan(struct options *options, struct error *err)
     struct asked_plan asked = {.plan = {.scene = NULL}};
     struct notes notes = {.refined = options->accuracy ? &asked.refined : NULL};
     struct forecast forecast;
+    struct picture_part part = {0, 0};
     struct json json;
     const double start = clock_seconds();
-    bool done = scene_read_sampled(options, &scene, &sampling, err) &&
+    bool done = (!options->part || part_read("--part", options->part, &part, err)) &&
+                scene_read_sampled(options, &scene, &sampling, err) &&
                 scene_spared(options->json, &scene, err) &&
                 plan_asked(options, &plan_options, &scene, &sampling, &asked, err) &&
-                forecast_make(&asked.plan, &forecast, err);
+                forecast_make(&asked.plan, &part, &forecast, err);
     forecast.planned = clock_seconds() - start;
     done = done && note_plan(&asked.plan, &notes, err);
     if (done && options->json) {

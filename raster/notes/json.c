@@ -62,6 +62,18 @@ static void json_forecast(struct json *json, const struct forecast *forecast)
 {
     static const char *const names[FORECAST_KINDS] = {
         [FORECAST_CHECKED] = "checked", [FORECAST_REFERENCE] = "reference"};
+    if (forecast->part.count > 0) {
+        json_open(json, "part", '{');
+        json_count(json, "number", (uint64_t)forecast->part.number);
+        json_count(json, "of", (uint64_t)forecast->part.count);
+        json_count(json, "tiles", (uint64_t)forecast->n_tiles);
+        json_close(json, '}');
+    }
+    json_number(json, "disk_bytes", forecast->disk_bytes);
+    json_open(json, "peak_bytes", '{');
+    for (int i = 0; i < FORECAST_KINDS; i++)
+        json_number(json, names[i], forecast->peak_bytes[i]);
+    json_close(json, '}');
     json_open(json, "seconds", '{');
     json_number(json, "plan", forecast->planned);
     for (int i = 0; i < FORECAST_KINDS; i++)

@@ -91,7 +91,7 @@ static bool check_same_files(const struct options *options, const struct scene *
     const char *changed = NULL, *expected;
     char found[65];
     bool done =
-        inputs_list(scene, options->detector, &inputs, err) &&
+        inputs_find(scene, options->detector, &inputs, err) &&
         (made->files.n == 0 || record_changed(made, &inputs, &changed, &expected, found, err));
     if (done && changed)
         done = error_usage(err,

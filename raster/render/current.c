@@ -40,7 +40,7 @@ static bool same_scene(const struct options *options, const struct record *made,
     bool done = scene_read_options(options, &scene, err);
     *same = done && strcmp(scene.sha256, made->scene_sha256) == 0;
     if (*same)
-        done = inputs_list(&scene, options->detector, &inputs, err) &&
+        done = inputs_find(&scene, options->detector, &inputs, err) &&
                record_changed(made, &inputs, &changed, &expected, found, err);
     *same = *same && !changed && inputs.n == made->files.n;
     inputs_free(&inputs);

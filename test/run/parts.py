@@ -208,11 +208,20 @@ def resumed(kills):
     check(json.load(open(STACK + ".json"))["part"]["tiles_before"] == 0 and read(STACK) == read(WHOLE), "it draws all of it anew then")
 
 
+def has_tile(name):
+    """Returns whether a part has a complete tile: its mark stands behind the text and its zeros, in whole blocks of 4096 bytes."""
+    if not os.path.exists(name):
+        return False
+    kept = read(name)
+    mark = kept.find(b"\0") // 4096 * 4096 + 4096
+    return kept[mark:mark + 32].strip(b"\0") != b""
+
+
 def stop_resumed():
-    """Leaves an unfinished stack with at least one complete tile: its render is killed as soon as the part has grown by one."""
+    """Leaves an unfinished stack with a complete tile: its render is killed as soon as the part has one."""
     remove()
     process = subprocess.Popen([SPECTRAL, *RESUME])
-    while process.poll() is None and not (os.path.exists(name_of(1, 1)) and os.path.getsize(name_of(1, 1)) > 9000):
+    while process.poll() is None and not has_tile(name_of(1, 1)):
         time.sleep(0.001)
     process.kill()
     check(process.wait() == -signal.SIGKILL and os.path.exists(UNFINISHED), "a render leaves an unfinished stack when it is killed")
@@ -228,7 +237,7 @@ def unfinished():
     refused("to go on in parts of their own", "'shared: yes'", *words_of(1, 1))
     refused("to go on with another scene", "was begun with", *RESUME, "--light", "1=a")
     kept = read(UNFINISHED)
-    change(UNFINISHED, len(kept) // 3 + 5)
+    change(UNFINISHED, len(kept) - 3000 * 1300 * (3 * 2 + 1) + 1001)  # in the first tile
     refused("to go on with samples that have changed", "differ from their checksum", *RESUME)
     os.remove(UNFINISHED)
     refused("to go on without samples", "is missing, and parts say that it has samples", *RESUME)

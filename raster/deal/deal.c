@@ -4,7 +4,7 @@
 #include <stdlib.h>
 
 #include "data/text/text.h"
-#include "raster/parts/parts.h"
+#include "raster/deal/deal.h"
 
 bool part_read(const char *option, const char *value, struct picture_part *out, struct error *err)
 {
@@ -44,4 +44,15 @@ bool part_deal(const struct plan *plan, const struct picture_part *part, int **t
         if ((tile + tile / rounds) % parts == me - 1)
             (*tiles)[(*n)++] = tile;
     return true;
+}
+
+double part_share(const struct plan *plan, const int *tiles, int n)
+{
+    const struct rectangle picture = plan_picture(plan);
+    double positions = 0;
+    for (int i = 0; i < n; i++) {
+        const struct rectangle tile = plan_tile(plan, &picture, tiles[i]);
+        positions += (double)tile.width * tile.height;
+    }
+    return positions / ((double)picture.width * picture.height);
 }
