@@ -5,7 +5,7 @@
 test_packages='gcc clang lld wasi-libc libclang-rt-dev-wasm32 wabt perl liblcms2-utils python3-pil python3-tifffile python3-junitparser python3-numpy python3-scipy python3-gdal
   imagej default-jdk-headless glmark2-data psychtoolbox-3-common colord-data mandoc bsdextrautils busybox-static pngcheck zsh fish
   octave gdal-bin python3-h5py python3-hdf4 python3-xarray python3-netcdf4 python3-spectral openexr imagemagick libgdk-pixbuf2.0-bin
-  chromium file valgrind binutils musl-tools gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user'
+  chromium file valgrind binutils parallel make munge slurmctld slurmd slurm-client musl-tools gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user'
 at_once=2                                               # tests that run at the same time
 longest='portable cost verdict verify contexts scenes random_scenes hard static' # these begin first, so that no processor waits at the end
 # Mutants are the program with a fault in one file: bounds on colours that are a thousand times too wide; infinite bounds
@@ -144,7 +144,7 @@ run_tests() {
         FAULTS="$BUILD/test/fault.so" FAIL_LIBRARY="$BUILD/test/fail.so" LIBRARY="$BUILD/test/library.a" REPLAY="$BUILD/test/replay" \
         CALLS_LIBRARY="$BUILD/test/calls.so" LIAR_LIBRARY="$BUILD/test/liar.so" SPOIL_LIBRARY="$BUILD/test/spoil.so"
     need perl $([ -z "$scripts" ] || echo $test_packages)
-    case "$full $scripts" in full*containers*) need debootstrap ;; esac
+    case "$full $scripts" in full*containers*) need debootstrap buildah ;; esac
     mkdir -p "$TEST_TMP"
     ! chosen_need STATIC || static_program
     if [ -n "$(programs)" ] || chosen_need 'LIBRARY|FAULTS|MUTANT|REPLAY|ratios[.]py'; then

@@ -11,13 +11,15 @@ static const char *word_of(bool truth)
     return truth ? "yes" : "no";
 }
 
-/* Numbers are written in hexadecimal, which keeps all of their digits. */
+/* Numbers are written in hexadecimal, which keeps all of their digits. The record stands before
+ * what follows from it, so that a message names the cause of a difference. */
 char *facts_text(const struct plan *plan, const struct part_facts *facts, const char *record)
 {
     struct printed printed = {.text = NULL};
     print(&printed, "size: %d x %d, tiles of %d x %d, %d bands of %d bits, map of %d bytes\n",
           plan->scene->width, plan->scene->height, plan->tile_width, plan->tile_height,
           plan->n_bands, plan->options.bits, plan->map_bytes);
+    print_text(&printed, record);
     print(&printed, "shared: %s\n", word_of(facts->shared));
     print(&printed, "radiance_of_full_scale: %a\nclips: %s\n", facts->full_scale,
           word_of(facts->clips));
@@ -27,7 +29,6 @@ char *facts_text(const struct plan *plan, const struct part_facts *facts, const 
           word_of(facts->measured), word_of(!facts->lacks.numbers), word_of(!facts->lacks.depths));
     print(&printed, "gl_library: %s\ngl_renderer: %s\ngl_version: %s\n", facts->names.library,
           facts->names.renderer, facts->names.version);
-    print_text(&printed, record);
     return printed_end(&printed);
 }
 

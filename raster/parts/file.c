@@ -12,7 +12,7 @@
 #include "raster/parts/parts.h"
 
 /* The head has whole blocks; behind its text there are zeros. */
-enum { HEAD_BLOCK = 4096, LONGEST_HEAD = 1 << 28, MARK_BYTES = 32 };
+enum { HEAD_BLOCK = 4096, LONGEST_HEAD = 1 << 28 };
 static const char magic[] = "spectral part 1\n";
 
 /* ---- names and sizes ---- */
@@ -49,13 +49,6 @@ static uint64_t head_bytes(const char *text)
 static bool fail_write(const struct part_file *file, struct error *err)
 {
     return error_cause(err, (struct place){NULL, 0, 0}, errno, "cannot write %s", file->path);
-}
-
-static bool sync_file(const struct part_file *file, struct error *err)
-{
-    int got;
-    UNTIL_DONE(got, fsync(file->descriptor));
-    return got == 0 || errno == EINVAL || fail_write(file, err);
 }
 
 /* ---- marks ---- */
@@ -122,7 +115,7 @@ static bool read_head(const struct part_file *file, size_t most, char **out, siz
     *out = malloc(most + 1);
     if (!*out)
         return error_memory(err);
-    const ssize_t got = read_at(file->descriptor, *out, most, 0);
+    const ssize_t got = read_at(file->output.descriptor, *out, most, 0);
     if (got < 0)
         return error_system(err, "%s: cannot be read", file->path);
     *length = (size_t)got;
@@ -142,8 +135,8 @@ static bool write_head(struct part_file *file, struct error *err)
         memcpy(wanted + sizeof magic - 1, file->text, strlen(file->text));
         done = read_head(file, length, &found, &n, err) &&
                check_head(file, found, wanted, n, err) &&
-               (write_at(file->descriptor, wanted, length, 0) || fail_write(file, err)) &&
-               sync_file(file, err);
+               (write_at(file->output.descriptor, wanted, length, 0) || fail_write(file, err)) &&
+               output_sync(&file->output, err);
     }
     free(wanted);
     free(found);
@@ -164,33 +157,53 @@ static bool append_samples(struct tile_sink *sink, const struct stack_rectangle 
     file->checksum = checksum_add(file->checksum, samples, length);
     if (file->stack)
         return stack_write(file->stack, to, samples, err);
-    if (!write_at(file->descriptor, samples, length, file->at + MARK_BYTES + file->length))
+    if (!write_at(file->output.descriptor, samples, length, file->at + MARK_BYTES + file->length))
         return fail_write(file, err);
     file->length += length;
     return true;
 }
 
-/* Samples and sums reach the disk before the mark. */
+/* Samples and sums reach the disk before their marks. */
+static bool write_marks(struct part_file *file, struct error *err)
+{
+    if ((file->stack && !unfinished_sync(file->stack, err)) || !output_sync(&file->output, err))
+        return false;
+    for (int i = 0; i < file->n_late; i++)
+        if (!write_at(file->output.descriptor, file->late[i].bytes, MARK_BYTES, file->late[i].at))
+            return fail_write(file, err);
+    file->n_late = 0;
+    file->synced = clock_seconds();
+    return true;
+}
+
+/* A process that waited for the disk after each tile would draw a sixth longer. So it waits this
+ * often, and loses no more if the machine loses its power. */
+static const double sync_seconds = 0.5;
+
 static bool append_sums(struct tile_sink *sink, const unsigned char *sums, size_t length,
                         struct error *err)
 {
     struct part_file *file = (struct part_file *)sink;
-    unsigned char bytes[MARK_BYTES];
+    struct part_mark *late = &file->late[file->n_late++];
     const struct mark mark = {.tile = (uint32_t)file->tiles[file->n_complete],
                               .samples_length = file->length,
                               .samples_checksum = file->checksum,
                               .sums_length = length,
                               .sums_checksum = checksum_add(0, sums, length)};
-    write_mark(&mark, bytes);
-    if (!write_at(file->descriptor, sums, length, file->at + MARK_BYTES + file->length))
+    const uint64_t begin = file->at, end = begin + MARK_BYTES + file->length + length;
+    write_mark(&mark, late->bytes);
+    late->at = begin;
+    if (!write_at(file->output.descriptor, sums, length, end - length)) {
+        file->n_late--;
         return fail_write(file, err);
-    if ((file->stack && !unfinished_sync(file->stack, err)) || !sync_file(file, err))
-        return false;
-    if (!write_at(file->descriptor, bytes, MARK_BYTES, file->at))
-        return fail_write(file, err);
-    file->at += MARK_BYTES + file->length + length;
+    }
+    output_written(&file->output, begin, end - begin);
+    file->at = end;
     file->length = file->checksum = 0;
-    return ++file->n_complete < file->n_tiles || sync_file(file, err);
+    const bool last = ++file->n_complete == file->n_tiles,
+               now = last || file->n_late == MOST_LATE ||
+                     clock_seconds() - file->synced >= sync_seconds;
+    return !now || (write_marks(file, err) && (!last || output_sync(&file->output, err)));
 }
 
 /* ---- opening ---- */
@@ -199,36 +212,41 @@ static bool open_file(struct part_file *file, int flags, struct error *err)
 {
     const struct place nowhere = {NULL, 0, 0};
     struct stat status;
-    UNTIL_DONE(file->descriptor, open(file->path, flags | O_CLOEXEC | O_NOCTTY, 0666));
-    if (file->descriptor < 0 || fstat(file->descriptor, &status) != 0)
+    UNTIL_DONE(file->output.descriptor, open(file->path, flags | O_CLOEXEC | O_NOCTTY, 0666));
+    if (file->output.descriptor < 0 || fstat(file->output.descriptor, &status) != 0)
         return error_cause(err, nowhere, errno, "cannot open %s", file->path);
+    file->output.path = file->path;
+    file->synced = clock_seconds();
     return S_ISREG(status.st_mode) || error_usage(err, "%s: is no regular file", file->path);
 }
 
-/* Refuses a disk without room for the tiles that are not there yet. */
-static bool has_room(const struct part_file *file, struct error *err)
+/* Reserves room for the samples of the tiles that are not there yet. Refuses a disk without. */
+static bool reserve(const struct part_file *file, struct error *err)
 {
     struct stat status;
     uint64_t end = file->at;
     for (int i = 0; i < file->n_tiles; i++)
         end += MARK_BYTES + own_bytes(file, file->tiles[i]);
-    if (fstat(file->descriptor, &status) != 0)
+    if (fstat(file->output.descriptor, &status) != 0)
         return error_system(err, "%s: cannot be read", file->path);
     const uint64_t there = (uint64_t)status.st_size;
-    return end <= there || output_fits(file->descriptor, file->path, end - there, err);
+    if (end > there && !output_fits(file->output.descriptor, file->path, end - there, err))
+        return false;
+    errno = 0;
+    return output_reserve(&file->output, end) || fail_write(file, err);
 }
 
 bool part_create(const char *stack, const struct plan *plan, const char *text,
                  struct part_file *file, struct error *err)
 {
     file->sink = (struct tile_sink){append_samples, append_sums};
-    file->descriptor = -1;
+    file->output.descriptor = -1;
     file->path = part_name(stack, &file->part);
     file->text = strdup(text);
     if (!file->path || !file->text)
         return error_memory(err);
     return open_file(file, O_RDWR | O_CREAT, err) && write_head(file, err) &&
-           part_plan(file, plan, err) && has_room(file, err);
+           part_plan(file, plan, err) && reserve(file, err);
 }
 
 bool part_open(const char *path, const struct picture_part *part, struct part_file *out,
@@ -237,7 +255,7 @@ bool part_open(const char *path, const struct picture_part *part, struct part_fi
     const struct place place = {path, 0, 0};
     char *head = NULL;
     size_t length = 0, most = HEAD_BLOCK;
-    *out = (struct part_file){.part = *part, .path = strdup(path), .descriptor = -1};
+    *out = (struct part_file){.part = *part, .path = strdup(path), .output = {.descriptor = -1}};
     if (!out->path)
         return error_memory(err);
     bool done = open_file(out, O_RDONLY, err);
@@ -272,7 +290,7 @@ bool part_plan(struct part_file *file, const struct plan *plan, struct error *er
 bool part_samples(const struct part_file *file, uint64_t at, void *out, size_t length,
                   uint32_t *checksum, struct error *err)
 {
-    const ssize_t got = read_at(file->descriptor, out, length, at);
+    const ssize_t got = read_at(file->output.descriptor, out, length, at);
     if (got != (ssize_t)length)
         return error_at(err, (struct place){file->path, 0, 0}, "is truncated, or cannot be read");
     *checksum = checksum_add(*checksum, out, length);
@@ -285,7 +303,7 @@ static bool read_sums(const struct part_file *file, const struct mark *mark, str
 {
     const uint64_t at = out->samples + mark->samples_length;
     struct stat status;
-    if (fstat(file->descriptor, &status) != 0)
+    if (fstat(file->output.descriptor, &status) != 0)
         return error_system(err, "%s: cannot be read", file->path);
     if (at > (uint64_t)status.st_size || mark->sums_length > (uint64_t)status.st_size - at)
         return true;
@@ -307,7 +325,7 @@ static bool find_mark(const struct part_file *file, struct mark *out)
     if (file->n_complete == file->n_tiles)
         return false;
     const int tile = file->tiles[file->n_complete];
-    return read_at(file->descriptor, bytes, MARK_BYTES, file->at) == MARK_BYTES &&
+    return read_at(file->output.descriptor, bytes, MARK_BYTES, file->at) == MARK_BYTES &&
            read_mark(bytes, tile, own_bytes(file, tile), out);
 }
 
@@ -336,10 +354,14 @@ bool part_next(struct part_file *file, bool *found, struct part_tile *out, struc
     return true;
 }
 
+/* Tiles that are whole are kept if the process ends early. */
 void part_close(struct part_file *file)
 {
-    if (file->path && file->descriptor >= 0)
-        close(file->descriptor);
+    struct error ignored = {.status = EXIT_AGREED};
+    if (file->n_late > 0)
+        write_marks(file, &ignored);
+    if (file->path && file->output.descriptor >= 0)
+        close(file->output.descriptor);
     free(file->path);
     free(file->text);
     free(file->tiles);

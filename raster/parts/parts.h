@@ -37,12 +37,13 @@ bool facts_differ(const char *a, const char *b, char line_a[FACT_LINE], char lin
 
 /* ---- file.c: the file of a part ---- */
 
+enum { MARK_BYTES = 32, MOST_LATE = 64 };
 struct part_file {
     struct tile_sink sink; /* the first member: appends tiles */
     const struct plan *plan;
     struct picture_part part;
     char *path, *text;          /* text: the facts; owned */
-    int descriptor;             /* -1: none is open */
+    struct output output;       /* its path is the one above; descriptor -1: none is open */
     struct stack_writer *stack; /* takes the samples; NULL: the part's own file does */
     int *tiles;                 /* of the part; owned */
     int n_tiles, n_complete;
@@ -50,6 +51,13 @@ struct part_file {
     /* of the tile that is being written: bytes of samples so far, and their checksum */
     uint64_t length;
     uint32_t checksum;
+    /* the last tiles: their samples may not be on the disk yet, so that they have no mark */
+    struct part_mark {
+        uint64_t at;
+        unsigned char bytes[MARK_BYTES];
+    } late[MOST_LATE];
+    int n_late;
+    double synced; /* clock_seconds when all was on the disk */
 };
 /* A complete tile: where its samples lie in the file, if they do, those of the object map before
  * the pages; and its sums.

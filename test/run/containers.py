@@ -1,6 +1,6 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
-"""Runs the program in small Debian systems: without any OpenGL, with EGL's library but no driver, and with EGL and Mesa's
+"""Runs the program in a container of the recipe among the samples, and in small Debian systems: without any OpenGL, with EGL's library but no driver, and with EGL and Mesa's
 drivers, where the program is also built from its sources, without OSMesa. Makes them by debootstrap, as root, from the
 mirror that this system uses: FULL only. Prints TAP."""
 import glob
@@ -84,10 +84,36 @@ def from_sources(system):
     check(result.returncode == 0 and "verdict           agreed" in result.stdout, "what was built agrees", result.stdout, result.stderr)
 
 
+def recipe():
+    """The recipe that is installed with the samples: a container of the static program, and nothing else."""
+    folder = tempfile.mkdtemp(prefix="spectral-image-")
+    buildah = ["buildah", "--root", folder + "/root", "--runroot", folder + "/run", "--storage-driver", "vfs"]
+
+    def run(*words):
+        return subprocess.run([*buildah, *words], check=False, stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
+
+    try:
+        os.makedirs(folder + "/work")
+        shutil.copy(os.environ.get("STATIC", "build/spectral-static"), folder + "/work/spectral-static")
+        made = run("bud", "--isolation", "chroot", "-t", "spectral", "-f", "data/samples/Containerfile", folder + "/work")
+        check(made.returncode == 0, "the recipe makes a container", made.stderr)
+        container = run("from", "spectral").stdout.strip()
+        inside_it = ("run", "--isolation", "chroot", "-v", folder + "/work:/work", container, "--", "/spectral")
+        drawn = run(*inside_it, "render", "patches", "--size", "60x40", "-o", "patches.tif")
+        check(drawn.returncode == 0 and "verdict           agreed" in drawn.stdout and os.path.exists(folder + "/work/patches.tif"),
+              "the container draws into the folder that it is given", drawn.stderr)
+        files = run("mount", container).stdout.strip()
+        check(set(os.listdir(files)) <= {"spectral", "tmp", "work", "dev", "etc", "proc", "run", "sys"}, "it holds one file", os.listdir(files))
+        run("rm", container)
+    finally:
+        shutil.rmtree(folder)
+
+
 if "FULL" not in os.environ or os.geteuid() != 0 or not shutil.which("debootstrap"):
     check(True, "skipped: it needs FULL, root and debootstrap # SKIP")
     done()
     sys.exit()
+recipe()
 SYSTEM = tempfile.mkdtemp(prefix="spectral-container-")
 try:
     from_mirror, suite = mirror()
