@@ -8,6 +8,7 @@ quick: small pictures, to which the goals do not apply. --from: the folder that 
 import argparse
 import collections
 import csv
+import glob
 import itertools
 import math
 import os
@@ -18,14 +19,15 @@ import sys
 import tempfile
 import time
 
-Sizes = collections.namedtuple("Sizes", "large small bands band_side sides triangles triangle_side n_bands rays rounds enough")
-# Rounds of the rows (a), (b) and (h); (c) and (f); (d), (g), (i) and (j). Sweeps compare runs with enough samples: of pixels,
+Sizes = collections.namedtuple("Sizes", "large small bands band_side sides triangles triangle_side n_bands rays rounds enough parts_side")
+# Rounds of the rows (a), (b) and (h); (c) and (f); (d), (g), (i) and (j); (k). Sweeps compare runs with enough samples: of pixels,
 # so that the start of the program, some 0.05 s, is at most a few per cent; of bands, so that 0.01 s of noise are.
 FULL = Sizes(2000, 512, (3, 33, 93, 186, 461), 1000, (500, 1000, 2000, 4000, 8000), (71, 224, 707), 1000, 93, 0,
-             (5, 9, 3), {"pixels": 10e6, "bands": 90e6})
-QUICK = Sizes(200, 64, (3, 6, 12), 100, (50, 100, 200), (7, 22, 71), 100, 6, 100000, (3, 3, 2),
-              {"pixels": 1, "bands": 1})
+             (5, 9, 3, 2), {"pixels": 10e6, "bands": 90e6}, 8000)
+QUICK = Sizes(200, 64, (3, 6, 12), 100, (50, 100, 200), (7, 22, 71), 100, 6, 100000, (3, 3, 2, 2),
+              {"pixels": 1, "bands": 1}, 100)
 MOST_MIB = 300
+NUMBERS_OF_PARTS = 1, 2, 4, 8
 REFERENCE = ("--renderer", "raster", "--no-check")  # with the check, OpenGL would draw, too
 NO_FILE = ("-o", "/dev/null")
 PARTS = "read", "plan", "gl", "raster", "check", "write"
@@ -69,9 +71,15 @@ class Bench:
     def other(self, name, *words, **others):
         return Program((os.path.join(self.tests, name), *words), **others)
 
+    def remove_parts(self):
+        for path in glob.glob(self.output + ".*.part"):
+            os.remove(path)
+
     def measure(self, program):
-        """Runs a program. Its output file is removed afterwards; a later dd writes as many bytes."""
+        """Runs a program. Its output file is removed afterwards; a later dd writes as many bytes. Parts stay for a join."""
         words = [word.format(bytes=self.n_bytes) for word in program.words]
+        if "--part" in words[-1]:
+            self.remove_parts()
         processors = os.sched_getaffinity(0)
         if program.one_processor:
             os.sched_setaffinity(0, {max(processors)})
@@ -98,6 +106,7 @@ class Bench:
         for _ in range(group.rounds):
             for name, program in group.programs.items():
                 self.runs.setdefault((group.letters, name), []).append(self.measure(program))
+        self.remove_parts()
 
     def of(self, letters, name):
         return self.runs[letters, name]
@@ -173,6 +182,17 @@ def ways(bench):
     return Group("j", bench.sizes.rounds[2], {
         f"{name}, {checked}checked": bench.render(*chart, *words, *(("--no-check",) if checked else ()))
         for name, words in options.items() for checked in ("not ", "")})
+
+
+def parts(bench):
+    """Parts one after the other, as if each had a machine of its own. A join reads the parts that the program before it has drawn."""
+    chart = ("colorchecker", "--size", f"{bench.sizes.parts_side}x{bench.sizes.parts_side}", "--wavelengths", wavelengths(31))
+    programs = {"whole": bench.render(*chart, "-q")}
+    for n in NUMBERS_OF_PARTS:
+        words = " ".join(bench.render(*chart, "-q").words)
+        programs[f"{n} parts"] = Program(("sh", "-ec", f"for i in $(seq {n}); do {words} --part $i/{n}; done"))
+    programs["join"] = Program((bench.spectral, "join", bench.output, "-q"))
+    return Group("k", bench.sizes.rounds[3], programs)
 
 
 def net(bench, n):
@@ -268,6 +288,12 @@ def way_ratios(bench):
                      [1e9 * run.processor / samples for run in bench.of("j", f"{name}, not checked")])
 
 
+def part_ratios(bench):
+    for n in NUMBERS_OF_PARTS:
+        yield Figure("k", f"{n} parts, one after the other / one render", "", bench.ratios("k", f"{n} parts", "whole"), 1.1)
+    yield Figure("k", "join / one render", "", bench.ratios("k", "join", "whole"))
+
+
 def ratios(bench):
     yield Figure("a", "render with check and file / the thesis's loop", "",
                  bench.ratios("abh", "render, checked", "the thesis's loop"), 0.5)
@@ -282,6 +308,7 @@ def ratios(bench):
     yield from processor_ratios(bench)
     yield from triangle_ratios(bench)
     yield from way_ratios(bench)
+    yield from part_ratios(bench)
 
 
 # ---- seconds and memory of each program, without goals ----
@@ -360,7 +387,7 @@ def main():
     chosen = options.parse_args()
     bench = Bench(chosen.build, QUICK if chosen.quick else FULL)
     print_machine(chosen.quick)
-    for group in (large_picture(bench), small_picture(bench), *linear(bench), start_up(bench), processors(bench), triangles(bench), ways(bench)):
+    for group in (large_picture(bench), small_picture(bench), *linear(bench), start_up(bench), processors(bench), triangles(bench), ways(bench), parts(bench)):
         bench.run(group)
     figures = list(ratios(bench))
     print_programs(bench)

@@ -1,7 +1,8 @@
 #!/usr/bin/python3
 # SPDX-License-Identifier: MIT
 """Checks the seconds that plan expects: they are those of the last render of this machine, by a model that a small file
-in the user's cache adjusts. A file that is missing, broken or in the way changes nothing else. Prints TAP."""
+in the user's cache adjusts. A file that is missing, broken or in the way changes nothing else. Checks the bytes of disk and
+memory, too: the disk's are exact, but for the heads of the pages. Parts share the picture's. Prints TAP."""
 import json
 import os
 import re
@@ -98,7 +99,45 @@ def survives():
     check(os.path.exists(os.path.join(home, ".cache", "spectral", "pace")), "without XDG_CACHE_HOME it is below HOME")
 
 
+def planned(*words):
+    return json.loads(run("plan", *words, "--json", "-").stdout)
+
+
+def needs():
+    stack = os.path.join(TMP, "stack.tif")
+    for words in (("colorchecker", "--size", "900x700"), ("metals", "--size", "300x200", "--wavelengths", "500"), ("textures", "--size", "64x64")):
+        expected = planned(*words)
+        for kind, options in (("checked", ()), ("reference", ("--renderer", "raster", "--no-check"))):
+            result = json.loads(run("render", *words, *options, "-o", stack, "--json", "-", "-q").stdout)
+            ratio = result["peak_bytes"] / expected["peak_bytes"][kind]
+            check(2 / 3 < ratio < 1.5, f"the memory of {words[0]}, {kind}, is as expected", f"{ratio:.2f} of {expected['peak_bytes'][kind]:.0f}")
+        heads = os.path.getsize(stack) - expected["disk_bytes"]
+        check(0 < heads < 2048 * (expected["bands"] + 4), f"the file of {words[0]} has the bytes that plan expects, and {heads:.0f} of heads", heads)
+
+
+def parts():
+    words = ("patches", "--size", "9000x3000", "--wavelengths", "450:650:100")
+    whole = planned(*words)
+    all_parts = [planned(*words, "--part", f"{i}/7") for i in range(1, 8)]
+    check(sum(part["disk_bytes"] for part in all_parts) == whole["disk_bytes"], "the parts have the bytes of the whole")
+    check(sum(part["part"]["tiles"] for part in all_parts) == whole["work"]["tiles"], "and its tiles")
+    check([(part["part"]["number"], part["part"]["of"]) for part in all_parts] == [(i, 7) for i in range(1, 8)] and "part" not in whole, "each has its number")
+    for kind in ("checked", "reference"):
+        seconds = [part["seconds"][kind] for part in all_parts]
+        check(max(seconds) < 0.5 * whole["seconds"][kind] and sum(seconds) > whole["seconds"][kind],
+              f"each takes less than the whole, all of them more: {kind}", seconds, whole["seconds"])
+        check({part["peak_bytes"][kind] for part in all_parts} == {whole["peak_bytes"][kind]}, "each takes the memory of the whole")
+    words = run("plan", *words, "--part", "2/7").stdout
+    check(re.search(r"^part +2 of 7: \d+ tiles; the lines below are of these\ndisk +[0-9.]+ MB for the part\n"
+                    r"peak memory +about \d+ MiB with OpenGL and its check, \d+ MiB by the reference alone\nseconds ", words, re.MULTILINE),
+          "plan prints the figures of the part", words)
+    refused = run("plan", "patches", "--part", "8/7")
+    check(refused.returncode == 2 and "expected a part" in refused.stderr, "a part that does not exist is refused", refused.stderr)
+
+
 learns()
 leaves()
 survives()
+needs()
+parts()
 done()

@@ -16,6 +16,7 @@ import sys
 import time
 
 sys.dont_write_bytecode = True
+from attacked import LIBRARY
 from rendered import SPECTRAL, TMP, check, done, write
 
 FULL = "FULL" in os.environ
@@ -183,6 +184,28 @@ def full_disk():
     check(limited.returncode == 3 and limited.stderr.count("\n") == 1, "a file at its limit is a failure", limited.stderr)
     check(run(*words_of(1, 1)).returncode == 0, "then it goes on")
     is_same("after a file at its limit")
+
+
+def failing_calls():
+    """Where a call of the system or an allocation fails, a part ends with one line, or is right; then it goes on to the same bytes. The
+    same holds for a whole render that resumes."""
+    if not os.path.exists(LIBRARY):
+        return
+    scene = ("patches", "--size", "3000x1300", "--wavelengths", "500", "--renderer", "raster", "--no-check")
+    whole = draw_whole(scene)
+    calls = [(kind, n) for kind in ("pwrite", "fsync", "ftruncate", "fallocate", "open", "rename", "link", "unlink", "stat", "pread", "own", "thread")
+             for n in ((1, 2, 3, 5, 8, 13, 21, 34) if FULL else (random.choice((1, 2, 3, 5, 8, 13)),))]
+    wrong = []
+    for kind, n in calls:
+        for words in (words_of(1, 1, scene), words_of(1, 1, scene) + ["--shared"], ["render", *scene, "--resume", "-o", STACK, "-q"]):
+            remove()
+            failed = run(*words, FAIL=f"{kind}:{n}", FAIL_DEPTH="1", LD_PRELOAD=LIBRARY)
+            again = run(*words)
+            joined = again if "--resume" in words else run("join", STACK, "-q")
+            if failed.returncode not in (0, 3) or (failed.returncode == 3) != (failed.stderr.count("\n") == 1) or again.returncode != 0 or \
+                    joined.returncode != 0 or read(STACK) != read(WHOLE) or os.path.exists(UNFINISHED):
+                wrong.append((kind, n, words[-3:], failed.returncode, failed.stderr, again.stderr, joined.stderr, files()))
+    check(whole.returncode == 0 and not wrong, f"{len(calls)} calls fail in parts: one line each, and then the same bytes", *wrong)
 
 
 # ---- one file ----
@@ -382,6 +405,8 @@ beginnings()
 at_once()
 interrupted()
 full_disk()
+failing_calls()
+draw_whole()
 resumed(20 if FULL else 2)
 unfinished()
 shared()
