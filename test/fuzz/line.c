@@ -14,6 +14,11 @@ int spectral_main(int argc, char **argv);
 
 enum { MOST_WORDS = 64 };
 
+const struct option_table *fuzz_options(void)
+{
+    return &option_table;
+}
+
 /* Makes the changes of the scene that the options ask for. */
 static void change_scene(struct options *options)
 {
