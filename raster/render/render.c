@@ -344,17 +344,24 @@ static bool are_finite(const struct render_result *result, struct error *err)
                         (unsigned long long)result->odd.undefined);
 }
 
+static bool remove_part(const char *path, struct error *err)
+{
+    errno = 0;
+    return remove(path) == 0 || errno == ENOENT || error_system(err, "cannot remove %s", path);
+}
+
 /* The unfinished stack becomes the stack. What is left of it then is no part of anything, so the
- * parts go first. */
-static void end_parts(struct state *state, const struct render_output *output)
+ * parts go first; where one cannot, there is no stack. */
+static bool end_parts(struct state *state, const struct render_output *output, struct error *err)
 {
     if (!state->shared)
-        return;
-    if (output->resume)
-        remove(state->part.path);
-    for (int i = 0; output->join && i < output->join->n; i++)
-        remove(output->join->list[i].path);
-    unfinished_end(&state->stack.writer);
+        return true;
+    bool done = !output->resume || remove_part(state->part.path, err);
+    for (int i = 0; done && output->join && i < output->join->n; i++)
+        done = remove_part(output->join->list[i].path, err);
+    if (done)
+        unfinished_end(&state->stack.writer);
+    return done;
 }
 
 static bool commit(struct state *state, const struct render_output *output, struct error *err)
@@ -371,12 +378,11 @@ static bool commit(struct state *state, const struct render_output *output, stru
     bool done = stack_finish(&state->stack.writer, verdict, err) &&
                 (!output->again ||
                  stack_compare(&state->stack.writer, output->again, &result->difference, err));
-    if (done && !output->discard && (output->keep || render_agreed(plan, result))) {
-        end_parts(state, output);
-        done = output->envi
-                   ? stack_commit_envi(&state->stack.writer, output->path, output->outputs, err)
-                   : stack_commit(&state->stack.writer, output->outputs, err);
-    }
+    if (done && !output->discard && (output->keep || render_agreed(plan, result)))
+        done = end_parts(state, output, err) &&
+               (output->envi
+                    ? stack_commit_envi(&state->stack.writer, output->path, output->outputs, err)
+                    : stack_commit(&state->stack.writer, output->outputs, err));
     clock_in(&state->since, &result->seconds.write);
     return done;
 }
