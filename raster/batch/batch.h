@@ -32,8 +32,7 @@ struct batch_line {
     struct place place; /* of its first word */
     char **words;       /* owned, as each word is */
     int n_words;
-    char *output;  /* the file that the line writes; owned */
-    bool threaded; /* the words have a number of threads */
+    char *output; /* the file that the line writes; owned */
     enum line_state state;
     double seconds;   /* from start to end */
     struct error err; /* of LINE_FAILED */
@@ -58,7 +57,8 @@ void batch_print_command(const char *program, const struct batch_line *line, str
 struct batch_run {
     struct batch *batch;
     const char *program;
-    int jobs, threads; /* at a time, and of each render */
+    int jobs;                /* at a time */
+    int threads, memory_mib; /* of each render whose line gives none; memory_mib 0: the usual */
     void (*ended)(void *of, const struct batch_line *line, int n_ended);
     void *of;
     /* inside: */

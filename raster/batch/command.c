@@ -148,6 +148,7 @@ bool command_batch(struct options *options, struct error *err)
                                 .program = options->program,
                                 .jobs = jobs,
                                 .threads = threads_each_render(options, jobs),
+                                .memory_mib = options->memory_mib,
                                 .ended = print_ended,
                                 .of = &printing};
         done = batch_run(&run, err);

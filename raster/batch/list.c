@@ -73,8 +73,6 @@ static bool complete_line(const struct options *options, struct batch_line *line
     const struct option_rules rules = {"render", options->table, FOR_RENDER, 1};
     struct options of;
     bool done = options_read(&rules, line->words, line->n_words, &of, err);
-    if (done)
-        line->threaded = of.threads > 0;
     done = done ? check_line(&of, line->place, err) &&
                       (find_output(&of, &line->output, err) || fail_line(line->place, err))
                 : fail_line(line->place, err);

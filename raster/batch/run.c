@@ -31,23 +31,32 @@ static bool is_same(const struct before *a, const struct before *b)
            a->changed.tv_sec == b->changed.tv_sec && a->changed.tv_nsec == b->changed.tv_nsec;
 }
 
-/* Makes the words of a command, which end with NULL; the array is allocated. NULL: no memory. */
-static const char **make_words(const struct batch_run *run, const struct batch_line *line,
-                               const char *threads)
+/* The words before those of a line, which may say otherwise. */
+enum { COMMON_WORDS = 8 };
+struct common {
+    char threads[16], memory[16];
+    const char *words[COMMON_WORDS];
+    int n;
+};
+
+static void find_common(const struct batch_run *run, struct common *out)
 {
-    const char *const first[] = {run->program, "render", "--update", "--quiet"};
-    enum { FIRST = sizeof first / sizeof first[0] };
-    const char **words = calloc((size_t)line->n_words + FIRST + 3, sizeof *words), **at = words;
-    if (!words)
-        return NULL;
-    memcpy(words, first, sizeof first);
-    at += FIRST;
-    if (!line->threaded) {
-        *at++ = "--threads";
-        *at++ = threads;
-    }
-    for (int i = 0; i < line->n_words; i++)
-        at[i] = line->words[i];
+    const char *const first[] = {run->program, "render",     "--update", "--quiet",
+                                 "--threads",  out->threads, "--memory", out->memory};
+    snprintf(out->threads, sizeof out->threads, "%d", run->threads);
+    snprintf(out->memory, sizeof out->memory, "%d", run->memory_mib);
+    memcpy(out->words, first, sizeof first);
+    out->n = run->memory_mib > 0 ? COMMON_WORDS : COMMON_WORDS - 2;
+}
+
+/* Makes the words of a command, which end with NULL; the array is allocated. NULL: no memory. */
+static const char **make_words(const struct common *common, const struct batch_line *line)
+{
+    const char **words = calloc((size_t)(common->n + line->n_words) + 1, sizeof *words);
+    for (int i = 0; words && i < common->n; i++)
+        words[i] = common->words[i];
+    for (int i = 0; words && i < line->n_words; i++)
+        words[common->n + i] = line->words[i];
     return words;
 }
 
@@ -69,12 +78,12 @@ static void run_line(void *of, int i)
 {
     struct batch_run *run = of;
     struct batch_line *line = &run->batch->lines[i];
-    char threads[16];
-    snprintf(threads, sizeof threads, "%d", run->threads);
+    struct common common;
     if (is_interrupted())
         return;
+    find_common(run, &common);
     const struct before before = look(line->output);
-    const char **words = make_words(run, line, threads);
+    const char **words = make_words(&common, line);
     const bool done =
         words ? run_words(run, words, &line->seconds, &line->err) : error_memory(&line->err);
     free(words);

@@ -207,6 +207,16 @@ def refusals():
     check("list.txt would replace the input" in batch(f"patches {SMALL} -o good.tif\n", "--json", "list.txt").stderr, "refused: JSON in place of the list")
 
 
+def limits():
+    """--memory and --threads hold for each line that gives none."""
+    batch("spheres --size 24x16 -o limited.tif\n", "--memory", "1", "--json", "limited.json")
+    line = json.loads(read("limited.json"))["lines"][0]
+    one = run("render", "spheres", "--size", "24x16", "-o", "limited.tif", "--memory", "1")
+    check(line["exit_status"] == one.returncode and (line["message"] or "") in one.stderr, "--memory is that of each render", line, one.stderr)
+    result = batch("spheres --size 24x16 -o limited.tif --memory 1024 --threads 2\n", "--memory", "1", "--threads", "1")
+    check(result.returncode == 0, "a line may say otherwise", result.stdout)
+
+
 def parts():
     """A list may draw parts, and go on with them."""
     result = batch("".join(f"patches --size 3000x1300 --wavelengths 500 --part {i}/3 -o parts.tif\n" for i in (1, 2, 3)))
@@ -242,6 +252,7 @@ many()
 current()
 failures()
 refusals()
+limits()
 parts()
 signals()
 done()
