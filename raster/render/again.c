@@ -176,6 +176,8 @@ static bool render_recorded(const struct options *options, const struct render_o
 bool render_again(struct options *options, struct error *err)
 {
     options_forget_check(options);
+    if (options->update)
+        return error_usage(err, "--again takes no --update: it always makes the stack again");
     if (options->operand || options->n_recorded > 0)
         return error_usage(err, "--again takes no %s: the stack records it",
                            options->operand ? "SCENE" : options->recorded[0]);

@@ -132,6 +132,7 @@ def current():
         check(result.returncode == 0 and (before != after) == expected and (expected or result.stdout == "stack             own.tif is up to date\n"),
               f"{'drawn' if expected else 'not drawn'}: {what}", result.stdout, result.stderr)
 
+    check("--again takes no --update" in run("render", "--update", "--again", "own.tif").stderr, "refused: --update with --again")
     drawn("no stack yet", True, *words)
     drawn("nothing has changed", False, *words)
     write("paint.csv", "400,0.5\n700,0.8\n")
