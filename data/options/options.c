@@ -161,17 +161,18 @@ static bool read_option(const struct option_rules *rules, char *const *words, in
     size_t length;
     const char *word = words[*index], *value = own_value(word, &length);
     const struct option *option = find_option(rules, word, length);
-    char name[32];
+    char name[32], first[32];
     if (!option)
         return refuse_option(rules, word, length, err);
     snprintf(name, sizeof name, "%.*s", (int)length, word);
+    snprintf(first, sizeof first, "%.*s", (int)strcspn(option->usage, ", "), option->usage);
     if (option->kind == OPTION_FLAG && value)
         return error_usage(err, "%s takes no value", name);
     if (option->kind != OPTION_FLAG && !value && *index + 1 == n_words)
         return error_usage(err, "%s needs a value: %s", name, option->usage);
     if (option->kind != OPTION_FLAG && !value)
         value = words[++*index];
-    return (!(option->commands & RECORDED) || record_option(options, name, value, err)) &&
+    return (!(option->commands & RECORDED) || record_option(options, first, value, err)) &&
            store_value(options, option, name, value, err);
 }
 

@@ -74,7 +74,7 @@ struct options {
     const char *operand;              /* the first one: SCENE, STACK or KIND; NULL: none */
     const char *operands[MAX_OPERANDS];
     struct option_change changes[MAX_RECORDED]; /* in the order given */
-    char *recorded[MAX_RECORDED];               /* "NAME=VALUE" of each RECORDED option; owned */
+    char *recorded[MAX_RECORDED]; /* "NAME=VALUE" of each RECORDED option, its first name; owned */
     int n_operands, n_changes, n_recorded;
     char *named_output; /* of options_name_output; owned */
     const char *output, *json, *again, *map, *check_map, *csv_file, *svg_file, *junit, *baseline,

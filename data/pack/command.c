@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "data/index/index.h"
 #include "data/inputs/inputs.h"
 #include "data/invocation/invocation.h"
 #include "data/pack/pack.h"
@@ -35,13 +36,16 @@ static bool simplify(char *path)
     return true;
 }
 
-/* The archive's files, by their names in it. */
+/* The archive's files. */
 struct packing {
     const char *top;   /* the folder in the archive */
     const char *above; /* how the paths of files in the scene's folder begin: "" or "scenes/" */
-    char **name;       /* owned, as the names are; without the top folder */
-    const char **path;
-    int n, n_paths;
+    struct packed_file {
+        char *name; /* without the top folder; owned */
+        const char *path;
+    } * files; /* owned */
+    int n_files;
+    struct index places; /* in `files`, by name */
 };
 
 /* Finds the name of a file below the scene's folder; allocated. */
@@ -63,46 +67,37 @@ static char *name_below(const struct packing *packing, const char *path, struct 
     return name;
 }
 
-/* Refuses two files that links give one name. *known: the file is there already. */
-static bool find_known(const struct packing *packing, const char *name, const char *path,
-                       bool *known, struct error *err)
+/* Refuses two files that links give one name. */
+static bool is_same_file(const char *known, const char *path, struct error *err)
 {
-    *known = false;
-    for (int i = 0; i < packing->n && !*known; i++) {
-        if (strcmp(packing->name[i], name) != 0)
-            continue;
-        if (!file_is_same(packing->path[i], path, known, err))
-            return false;
-        if (!*known)
-            return error_usage(err, "%s and %s are two files, and one in the archive; rename one",
-                               packing->path[i], path);
-    }
-    return true;
+    bool same;
+    return file_is_same(known, path, &same, err) &&
+           (same || error_usage(err, "%s and %s are two files, and one in the archive; rename one",
+                                known, path));
 }
 
+/* Adds a file, unless its name is there already. */
 static bool add(struct packing *packing, const char *path, struct error *err)
 {
-    bool known;
     if (path_is_builtin(path))
         return true;
-    char *name = name_below(packing, path, err);
-    bool done = name && find_known(packing, name, path, &known, err);
-    if (done && !known) {
-        done = array_add(&packing->path, &packing->n_paths, &path, sizeof path, err) &&
-               array_add(&packing->name, &packing->n, &name, sizeof name, err);
-        if (done)
-            return true;
-    }
-    free(name);
-    return done;
+    struct packed_file file = {name_below(packing, path, err), path};
+    if (!file.name)
+        return false;
+    const size_t length = strlen(file.name);
+    const int place = index_find(&packing->places, file.name, length);
+    if (place < 0 && array_add(&packing->files, &packing->n_files, &file, sizeof file, err))
+        return index_add(&packing->places, file.name, length, packing->n_files - 1, err);
+    free(file.name);
+    return place >= 0 && is_same_file(packing->files[place].path, path, err);
 }
 
 static void packing_free(struct packing *packing)
 {
-    for (int i = 0; i < packing->n; i++)
-        free(packing->name[i]);
-    free(packing->name);
-    free(packing->path);
+    for (int i = 0; i < packing->n_files; i++)
+        free(packing->files[i].name);
+    free(packing->files);
+    index_free(&packing->places);
 }
 
 /* ---- the command ---- */
@@ -124,13 +119,13 @@ static bool write_archive(const struct packing *packing, struct options *options
 {
     struct output out;
     bool done = output_open(&out, options->output, err);
-    for (int i = 0; done && i < packing->n; i++) {
-        const size_t length = strlen(packing->top) + strlen(packing->name[i]) + 2;
-        char *name = malloc(length);
-        if (name)
-            snprintf(name, length, "%s/%s", packing->top, packing->name[i]);
-        done = name ? archive_add(&out, name, packing->path[i], err) : error_memory(err);
-        free(name);
+    for (int i = 0; done && i < packing->n_files; i++) {
+        const struct packed_file *file = &packing->files[i];
+        struct printed name = {.text = NULL};
+        print(&name, "%s/%s", packing->top, file->name);
+        char *text = printed_end(&name);
+        done = text ? archive_add(&out, text, file->path, err) : error_memory(err);
+        free(text);
     }
     done = done && archive_end(&out, err) && output_sync(&out, err);
     if (done)
@@ -143,7 +138,7 @@ static bool pack_scene(const struct scene *scene, struct options *options, struc
 {
     const char *path = scene->files[0].path;
     struct inputs inputs = {.path = NULL};
-    struct packing packing = {.name = NULL};
+    struct packing packing = {.files = NULL};
     char *top = output_name(path, ""), *above = strdup(path);
     bool done = (top && above) || error_memory(err);
     if (done) {

@@ -36,9 +36,8 @@ struct run_seconds {
  * was started by. Standard input and output are /dev/null. Returns false with the last line that
  * the program printed on standard error, and with its exit status. An interruption ends it. */
 bool process_program(const char *const *words, struct run_seconds *out, struct error *err);
-/* Do that in two steps, for several programs at a time: each on a thread, which starts its program
- * and waits for it. No two start at once, as the caller sees to. Processor seconds are then those
- * of all. */
+/* Do that in two steps, for several programs at a time, each on a thread of its own. The caller
+ * lets only one thread start a program at a time. Processor seconds are those of all programs. */
 struct running_program {
     pid_t child;
     int messages; /* a descriptor */

@@ -9,7 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/digest/digest.h"
 #include "data/record/record.h"
 #include "data/spectra/spectra.h"
 #include "data/terms/terms.h"
@@ -206,29 +205,49 @@ bool record_scene(const struct scene *scene, const struct sampling *sampling, co
 
 enum { SHA256_DIGITS = 64 };
 
-/* Finds the recorded SHA-256 of a file; "": it is not recorded. */
-static const char *recorded_digest(const struct record *record, const char *path)
+/* Returns the path in "SHA-256 PATH"; "": there is none. */
+static const char *path_in(const char *file)
 {
-    for (int i = 0; i < record->files.n; i++) {
-        const char *text = record->files.text[i];
-        if (strlen(text) > SHA256_DIGITS && strcmp(text + SHA256_DIGITS + 1, path) == 0)
-            return text;
-    }
-    return "";
+    return strlen(file) > SHA256_DIGITS ? file + SHA256_DIGITS + 1 : "";
 }
 
-bool record_changed(const struct record *record, const struct inputs *inputs, const char **changed,
-                    const char **expected, char found[65], struct error *err)
+/* Says how two such texts differ, in lists that are sorted by paths. NULL: the list has ended. */
+static void describe_change(const char *recorded, const char *now, char out[FILE_CHANGE])
 {
-    *changed = NULL;
-    for (int i = 0; i < inputs->n && !*changed; i++) {
-        *expected = recorded_digest(record, inputs->path[i]);
-        if (!digest_file(inputs->path[i], found, err))
-            return false;
-        if (strncmp(*expected, found, SHA256_DIGITS) != 0)
-            *changed = inputs->path[i];
+    const int order = !recorded ? 1 : !now ? -1 : strcmp(path_in(recorded), path_in(now));
+    if (order == 0)
+        snprintf(out, FILE_CHANGE,
+                 "%.700s has changed since the stack was made: expected SHA-256 %.64s, found %.64s",
+                 path_in(now), recorded, now);
+    else if (order < 0)
+        snprintf(out, FILE_CHANGE, "%.700s was a file of the scene when the stack was made",
+                 path_in(recorded));
+    else
+        snprintf(out, FILE_CHANGE, "%.700s was no file of the scene when the stack was made",
+                 path_in(now));
+}
+
+bool record_find_change(const struct record *record, const struct scene *scene,
+                        const char *detector, char change[FILE_CHANGE], struct error *err)
+{
+    struct inputs inputs;
+    struct printed printed = {.text = NULL};
+    const int n = record->files.n;
+    bool done = inputs_find(scene, detector, &inputs, err) && inputs_digest(&inputs, &printed, err);
+    char *text = printed_end(&printed);
+    const char *now = text;
+    done = done && (text || error_memory(err));
+    change[0] = '\0';
+    for (int i = 0; done && change[0] == '\0' && (i < n || i < inputs.n); i++) {
+        const char *recorded = i < n ? record->files.text[i] : NULL;
+        if (i >= inputs.n || !recorded || strcmp(recorded, now) != 0)
+            describe_change(recorded, i < inputs.n ? now : NULL, change);
+        else
+            now += strlen(now) + 1;
     }
-    return true;
+    inputs_free(&inputs);
+    free(text);
+    return done;
 }
 
 /* ---- writing ---- */

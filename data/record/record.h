@@ -50,8 +50,7 @@ struct record {
     const char *full_scale, *scale, *object_map;
     uint64_t map_offset;
     int map_bytes;
-    char *
-        text; /* files, lights, ambients and, after record_read, all strings point into it; owned */
+    char *text; /* files, lights, ambients and, once it is read, all strings point into it; owned */
 };
 /* Returns how many decimal digits of a number read back as the same double. */
 int exact_digits(double number);
@@ -59,11 +58,11 @@ int exact_digits(double number);
  * lights, its white and its sampling (NULL: none). Scene and sampling must outlive the record. */
 bool record_scene(const struct scene *scene, const struct sampling *sampling, const char *detector,
                   struct record *out, struct error *err);
-/* Compares the files of a scene with those recorded. *changed is the first one that has other bytes
- * or is not recorded, *expected its recorded SHA-256 ("" where there is none), found the one that
- * it has; NULL: none. A recorded file that the scene does not name is no change. */
-bool record_changed(const struct record *record, const struct inputs *inputs, const char **changed,
-                    const char **expected, char found[65], struct error *err);
+/* Compares the files that a scene names, and that of its detector (NULL: none), with those that are
+ * recorded. *change says in words what the first difference is; "": there is none. */
+enum { FILE_CHANGE = 1024 };
+bool record_find_change(const struct record *record, const struct scene *scene,
+                        const char *detector, char change[FILE_CHANGE], struct error *err);
 /* Writes lines "KEY: VALUE" into an allocated text; NULL: no memory. In values, control characters,
  * bytes that are no UTF-8, and '%' become %XX, as in a URL. */
 char *record_text(const struct record *record);

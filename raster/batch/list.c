@@ -20,7 +20,7 @@ static bool add_word(struct batch_line *line, const struct word *word, struct er
     return false;
 }
 
-/* Reads the words of the current line; none where it is blank. */
+/* Reads the words of the current line, which has some. */
 static bool read_words(struct text *text, struct batch_line *out, struct error *err)
 {
     struct word word;
@@ -98,16 +98,13 @@ static bool read_lines(const struct options *options, struct batch *out, struct 
     struct index outputs = {.slots = NULL};
     bool done = true;
     while (done && text_next_line(&out->text)) {
-        struct batch_line line = {.state = LINE_WAITS};
-        done = read_words(&out->text, &line, err);
-        if (line.n_words == 0)
+        struct word word;
+        if (!text_peek(out->text, &word))
             continue;
-        if (!array_add(&out->lines, &out->n_lines, &line, sizeof line, err)) {
-            done = false;
-            break; /* nothing owns the words of this line; memory has run out */
-        }
-        done = done && complete_line(options, &out->lines[out->n_lines - 1], err) &&
-               check_output(out, &outputs, out->n_lines - 1, err);
+        const int i = out->n_lines;
+        done = array_add(&out->lines, &out->n_lines, NULL, sizeof *out->lines, err) &&
+               read_words(&out->text, &out->lines[i], err) &&
+               complete_line(options, &out->lines[i], err) && check_output(out, &outputs, i, err);
     }
     index_free(&outputs);
     return done;

@@ -17,50 +17,32 @@ static bool note_plan(const struct plan *plan, struct notes *out, struct error *
     return done;
 }
 
-/* Prints two digits of seconds, or whole ones. */
-static void print_seconds(double seconds, struct printed *to)
+/* Seconds have two digits, or whole numbers. */
+static int decimals(double seconds)
 {
-    print(to, "%.*f", seconds < 1 ? 2 : seconds < 10 ? 1 : 0, seconds);
-}
-
-/* Prints both figures of a line: with OpenGL, and without. */
-static void print_expected(const char *name, const struct forecast *forecast,
-                           void (*print_one)(const struct forecast *forecast,
-                                             enum forecast_kind kind, struct printed *to),
-                           struct printed *to)
-{
-    print(to, "%-17s about ", name);
-    print_one(forecast, FORECAST_CHECKED, to);
-    print_text(to, " with OpenGL and its check, ");
-    print_one(forecast, FORECAST_REFERENCE, to);
-    print_text(to, " by the reference alone");
-}
-
-static void print_seconds_of(const struct forecast *forecast, enum forecast_kind kind,
-                             struct printed *to)
-{
-    print_seconds(forecast->planned + forecast->seconds[kind], to);
-}
-
-static void print_peak_of(const struct forecast *forecast, enum forecast_kind kind,
-                          struct printed *to)
-{
-    print(to, "%.0f MiB", forecast->peak_bytes[kind] / 1048576);
+    return seconds < 1 ? 2 : seconds < 10 ? 1 : 0;
 }
 
 static void print_forecast(const struct forecast *forecast, struct printed *to)
 {
+    const double mib = 1048576, *bytes = forecast->peak_bytes,
+                 checked = forecast->planned + forecast->seconds[FORECAST_CHECKED],
+                 alone = forecast->planned + forecast->seconds[FORECAST_REFERENCE];
     if (forecast->part.count > 0)
         print(to, "part              %d of %d: %d tiles; the lines below are of these\n",
               forecast->part.number, forecast->part.count, forecast->n_tiles);
     print(to, "disk              %.4g MB%s\n", 1e-6 * forecast->disk_bytes,
           forecast->part.count > 0 ? " for the part" : "");
-    print_expected("peak memory", forecast, print_peak_of, to);
-    print_text(to, "\n");
-    print_expected("seconds", forecast, print_seconds_of, to);
-    if (!forecast->learnt[FORECAST_CHECKED])
-        print_text(to, "; known better when this machine has rendered something");
-    print_text(to, "\n");
+    print(to,
+          "peak memory       about %.0f MiB with OpenGL and its check, %.0f MiB by the reference "
+          "alone\n",
+          bytes[FORECAST_CHECKED] / mib, bytes[FORECAST_REFERENCE] / mib);
+    print(to,
+          "seconds           about %.*f with OpenGL and its check, %.*f by the reference alone%s\n",
+          decimals(checked), checked, decimals(alone), alone,
+          forecast->learnt[FORECAST_CHECKED]
+              ? ""
+              : "; known better when this machine has rendered something");
 }
 
 bool command_plan(struct options *options, struct error *err)

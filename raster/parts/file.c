@@ -163,15 +163,17 @@ static bool append_samples(struct tile_sink *sink, const struct stack_rectangle 
     return true;
 }
 
-/* Samples and sums reach the disk before their marks. */
+/* Samples and sums reach the disk before their marks. After a failure these tiles get none: a
+ * system may report lost samples only once, so that a second sync would seem to succeed. */
 static bool write_marks(struct part_file *file, struct error *err)
 {
+    const int n = file->n_late;
+    file->n_late = 0;
     if ((file->stack && !unfinished_sync(file->stack, err)) || !output_sync(&file->output, err))
         return false;
-    for (int i = 0; i < file->n_late; i++)
+    for (int i = 0; i < n; i++)
         if (!write_at(file->output.descriptor, file->late[i].bytes, MARK_BYTES, file->late[i].at))
             return fail_write(file, err);
-    file->n_late = 0;
     file->synced = clock_seconds();
     return true;
 }

@@ -54,9 +54,9 @@ struct plan_effect {
 struct plan_options {
     double full_scale;  /* 0: the largest vertex radiance */
     bool check, use_gl; /* whether the reference and OpenGL are needed */
-    int buffer_bits;    /* of a channel of OpenGL's colour buffer: 8, 16, or 32 of floats; 0: 32 */
     enum gl_way gl_way;
-    const char *gl_driver, *gl_library; /* "llvmpipe" or "softpipe", NULL: any; --gl */
+    int buffer_bits; /* of a channel of OpenGL's colour buffer: 8, 16, or 32 of floats; 0: 32 */
+    const char *gl_driver, *gl_library, *detector; /* NULL: any driver; --gl; NULL: none given */
     bool strict, store_raster; /* edges that leak are differences; pixels are the reference's */
     double unchecked;          /* the largest share of object pixels that may stay unchecked */
     int bits;                  /* of a page's sample: 8 or 16 of counts, 32 of floats; 0: 16 */

@@ -82,7 +82,7 @@ static bool is_trusted(const char *stack, const char *file, struct error *err)
  * it names none. */
 static const char *named_by(const char *option)
 {
-    static const char *const naming[] = {"--light=", "--ambient=", "--detector="};
+    static const char *const naming[] = {"--light=", "--ambient=", "--detector=", "--observer="};
     for (size_t i = 0; i < sizeof naming / sizeof naming[0]; i++) {
         if (strncmp(option, naming[i], strlen(naming[i])) != 0)
             continue;

@@ -6,7 +6,6 @@
 #include <string.h>
 
 #include "data/digest/digest.h"
-#include "data/inputs/inputs.h"
 #include "data/invocation/invocation.h"
 #include "data/sampling/sampling.h"
 #include "data/scene/scene.h"
@@ -82,37 +81,21 @@ static bool check_shading(const struct options *options, const struct scene *sce
     return true;
 }
 
-/* Refuses a file of the scene that has changed since the stack was made. Stacks of older programs
- * record no files. */
-static bool check_same_files(const struct options *options, const struct scene *scene,
-                             const struct record *made, struct error *err)
-{
-    struct inputs inputs;
-    const char *changed = NULL, *expected;
-    char found[65];
-    bool done =
-        inputs_find(scene, options->detector, &inputs, err) &&
-        (made->files.n == 0 || record_changed(made, &inputs, &changed, &expected, found, err));
-    if (done && changed)
-        done = error_usage(err,
-                           "%s has changed since the stack was made: expected SHA-256 %.64s, "
-                           "found %s",
-                           changed, expected, found);
-    inputs_free(&inputs);
-    return done;
-}
-
 /* Refuses a scene that differs from the scene that the stack was made from: in its text, or in a
- * file that it names. */
+ * file that it names. Stacks of older programs record no files. */
 static bool check_same_scene(const struct options *options, const struct scene *scene,
                              const char *stack, const struct record *made, struct error *err)
 {
+    char change[FILE_CHANGE] = "";
     if (made && strcmp(scene->sha256, made->scene_sha256) != 0)
         return error_usage(err,
                            "%s: the scene has changed since %s was made: expected SHA-256 %.64s, "
                            "found %s",
                            scene->path, stack, made->scene_sha256, scene->sha256);
-    return !made || check_same_files(options, scene, made, err);
+    if (made && made->files.n > 0 &&
+        !record_find_change(made, scene, options->detector, change, err))
+        return false;
+    return change[0] == '\0' || error_usage(err, "%s", change);
 }
 
 /* Refuses a header of the stack that cannot be written, or not in that place. */
@@ -265,6 +248,7 @@ static bool plan_options_of(const struct options *options, bool foreign, struct 
                                 .full_scale = options->full_scale,
                                 .buffer_bits = bits_of(options->buffer),
                                 .gl_library = options->gl,
+                                .detector = options->detector,
                                 .strict = options->strict,
                                 .store_raster = stores_raster(options),
                                 .bits = bits_of(options->depth),

@@ -4,7 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/inputs/inputs.h"
 #include "data/invocation/invocation.h"
 #include "raster/render/render.h"
 
@@ -34,16 +33,11 @@ static bool same_scene(const struct options *options, const struct record *made,
                        struct error *err)
 {
     struct scene scene = {.path = NULL};
-    struct inputs inputs = {.path = NULL};
-    const char *changed = NULL, *expected;
-    char found[65];
+    char change[FILE_CHANGE] = "";
     bool done = scene_read_options(options, &scene, err);
     *same = done && strcmp(scene.sha256, made->scene_sha256) == 0;
-    if (*same)
-        done = inputs_find(&scene, options->detector, &inputs, err) &&
-               record_changed(made, &inputs, &changed, &expected, found, err);
-    *same = *same && !changed && inputs.n == made->files.n;
-    inputs_free(&inputs);
+    done = done && (!*same || record_find_change(made, &scene, options->detector, change, err));
+    *same = *same && change[0] == '\0';
     scene_free(&scene);
     return done;
 }

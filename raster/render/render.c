@@ -22,7 +22,8 @@ struct state {
         struct tile_sink sink; /* the first member */
         struct stack_writer writer;
     } stack;
-    int *tiles; /* owned */
+    int *tiles;       /* owned */
+    char *provenance; /* of find_provenance; owned; NULL: not asked for */
     struct part_file part;
     bool shared; /* samples of parts are in the unfinished stack */
     struct renderer_lacks lacks;
@@ -47,36 +48,25 @@ static bool list_objects(const struct plan *plan, struct record *record, struct 
     return true;
 }
 
-/* Returns the detector that the picture is sampled or refined for; NULL: the options name none. */
-static const char *recorded_detector(const struct plan *plan)
+/* Makes the record of the stack as text, when it is first asked for: all files of the scene are
+ * read for their digests. */
+static bool find_provenance(struct state *state, struct error *err)
 {
-    static const char option[] = "--detector=";
-    for (int i = 0; i < plan->options.n_recorded; i++)
-        if (strncmp(plan->options.recorded[i], option, sizeof option - 1) == 0)
-            return plan->options.recorded[i] + sizeof option - 1;
-    return NULL;
-}
-
-/* Returns the record of the stack as text, allocated; NULL on failure. */
-static char *provenance_text(const struct plan *plan, const struct render_result *result,
-                             struct error *err)
-{
+    const struct plan *plan = state->stages.plan;
     struct record record;
-    char *text = NULL;
-    if (!record_scene(plan->scene, plan->sampling, recorded_detector(plan), &record, err))
-        return NULL;
+    if (state->provenance)
+        return true;
+    if (!record_scene(plan->scene, plan->sampling, plan->options.detector, &record, err))
+        return false;
     record.program = PROGRAM;
-    record.renderer = render_stored(plan, result);
+    record.renderer = render_stored(plan, state->result);
     record.n_options = plan->options.n_recorded;
     for (int i = 0; i < record.n_options; i++)
         record.options[i] = plan->options.recorded[i];
-    if (list_objects(plan, &record, err)) {
-        text = record_text(&record);
-        if (!text)
-            error_memory(err);
-    }
+    if (list_objects(plan, &record, err) && !(state->provenance = record_text(&record)))
+        error_memory(err);
     record_free(&record);
-    return text;
+    return state->provenance != NULL;
 }
 
 /* Returns the labels of the pages of components. One allocation holds the pointers and the text.
@@ -107,8 +97,8 @@ static bool open_stack(struct state *state, const char *path, bool head_only, st
     const struct plan *plan = state->stages.plan;
     const struct sampling *sampling = plan->sampling;
     const bool labelled = sampling && !sampling->spectral;
-    char *provenance = provenance_text(plan, state->result, err);
-    const char **labels = labelled && provenance ? make_labels(sampling, err) : NULL;
+    const bool recorded = find_provenance(state, err);
+    const char **labels = labelled && recorded ? make_labels(sampling, err) : NULL;
     struct stack_options options = {.width = plan->scene->width,
                                     .height = plan->scene->height,
                                     .n_wavelengths = plan->n_bands,
@@ -116,17 +106,16 @@ static bool open_stack(struct state *state, const char *path, bool head_only, st
                                     .full_scale = state->result->full_scale,
                                     .bits = plan->options.bits,
                                     .scene = plan->scene->path,
-                                    .provenance = provenance,
+                                    .provenance = state->provenance,
                                     .map_bytes = plan->map_bytes,
                                     .head_only = head_only,
                                     .labels = labels};
-    if (provenance && (labels || !labelled) &&
+    if (recorded && (labels || !labelled) &&
         stack_open(&state->stack.writer, path, &options, err)) {
         state->stack.sink.write = write_stack;
         state->stages.sink = &state->stack.sink;
     }
     free(labels);
-    free(provenance);
     clock_in(&state->since, &state->stages.seconds.write);
     return state->stages.sink != NULL;
 }
@@ -134,7 +123,7 @@ static bool open_stack(struct state *state, const char *path, bool head_only, st
 /* ---- parts ---- */
 
 /* Returns the facts of the picture as text, allocated; NULL on failure. */
-static char *make_facts(const struct state *state, struct error *err)
+static char *make_facts(struct state *state, struct error *err)
 {
     const struct plan *plan = state->stages.plan;
     const struct part_facts facts = {.full_scale = state->stages.full_scale,
@@ -146,11 +135,9 @@ static char *make_facts(const struct state *state, struct error *err)
                                      .measured = state->result->driver.is_measured,
                                      .names = state->result->names,
                                      .lacks = state->lacks};
-    char *provenance = provenance_text(plan, state->result, err);
-    char *text = provenance ? facts_text(plan, &facts, provenance) : NULL;
-    if (provenance && !text)
+    char *text = find_provenance(state, err) ? facts_text(plan, &facts, state->provenance) : NULL;
+    if (state->provenance && !text)
         error_memory(err);
-    free(provenance);
     return text;
 }
 
@@ -455,6 +442,7 @@ bool render(const struct plan *plan, const struct render_output *output,
         check_map_discard(&state.map);
     totals_free(&state.stages.sums.totals);
     free(state.tiles);
+    free(state.provenance);
     if (state.stages.renderer)
         state.stages.renderer->kind->close(state.stages.renderer);
     lit_free(&state.lit);

@@ -193,9 +193,16 @@ ok $? "a stack of a relative name is made"
 here render --again made.tif -o again.tif
 ok $? "it is made again in that folder"
 here render "$(realpath "$tmp/own.scene")" --renderer raster --no-check -o outside.tif &&
-    here render own.scene --light '1=../a folder/lamp.csv' --renderer raster --no-check -o lamp.tif
+    here render own.scene --light '1=../a folder/lamp.csv' --renderer raster --no-check -o lamp.tif &&
+    { echo nm,x,y,z && seq -f '%g,1,2,1' 400 10 700; } >"$tmp/a folder/eye.csv" &&
+    here render own.scene --sampling gauss:2 --observer '../a folder/eye.csv' --renderer raster --no-check -o observer.tif
 ok $? "stacks of files outside of the folder are made"
-for stack in outside lamp; do
+# Older programs recorded this option by the name that was typed.
+changed 'at = stack.index(b"--detector="); stack[at:at + 11] = b"--observer="' "$tmp/here/observer.tif" "$tmp/here/older.tif"
+here render --again older.tif -o refused.tif
+[ $? = 2 ] && grep -q 'eye.csv, which is no file below this folder' "$tmp/here/err"
+ok $? "a file that --observer names is refused, too"
+for stack in outside lamp observer; do
     here render --again $stack.tif -o refused.tif
     [ $? = 2 ] && grep -q 'names .*, which is no file below this folder; --trust reads it' "$tmp/here/err" && [ ! -e "$tmp/here/refused.tif" ]
     ok $? "$stack: a stack that names a file outside of the folder is refused"

@@ -167,6 +167,8 @@ def current():
     drawn("a detector of a file", True, *sampled)
     write("eye.csv", "nm,x,y,z\n" + "".join(f"{nm},1,3,1\n" for nm in range(400, 710, 10)))
     drawn("the detector's file has changed", True, *sampled)
+    drawn("--observer, another name of --detector", False, *(word.replace("--detector", "--observer") for word in sampled))
+    check(re.search("^file +[0-9a-f]{64} eye.csv$", run("info", "own.tif").stdout, re.MULTILINE), "the stack records the detector's file")
     drawn("it stays", False, *sampled)
 
 

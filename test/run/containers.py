@@ -87,23 +87,24 @@ def from_sources(system):
 def recipe():
     """The recipe that is installed with the samples: a container of the static program, and nothing else."""
     folder = tempfile.mkdtemp(prefix="spectral-image-")
+    context = os.path.join(folder, "context")
     buildah = ["buildah", "--root", folder + "/root", "--runroot", folder + "/run", "--storage-driver", "vfs"]
 
     def run(*words):
         return subprocess.run([*buildah, *words], check=False, stdout=subprocess.PIPE, stderr=subprocess.PIPE, universal_newlines=True)
 
     try:
-        os.makedirs(folder + "/work")
-        shutil.copy(os.environ.get("STATIC", "build/spectral-static"), folder + "/work/spectral-static")
-        made = run("bud", "--isolation", "chroot", "-t", "spectral", "-f", "data/samples/Containerfile", folder + "/work")
+        os.makedirs(context)
+        shutil.copy(os.environ.get("STATIC", "build/spectral-static"), os.path.join(context, "spectral-static"))
+        made = run("bud", "--isolation", "chroot", "-t", "spectral", "-f", "data/samples/Containerfile", context)
         check(made.returncode == 0, "the recipe makes a container", made.stderr)
         container = run("from", "spectral").stdout.strip()
-        inside_it = ("run", "--isolation", "chroot", "-v", folder + "/work:/work", container, "--", "/spectral")
+        inside_it = ("run", "--isolation", "chroot", "-v", context + ":/data", container, "--", "/spectral")
         drawn = run(*inside_it, "render", "patches", "--size", "60x40", "-o", "patches.tif")
-        check(drawn.returncode == 0 and "verdict           agreed" in drawn.stdout and os.path.exists(folder + "/work/patches.tif"),
+        check(drawn.returncode == 0 and "verdict           agreed" in drawn.stdout and os.path.exists(os.path.join(context, "patches.tif")),
               "the container draws into the folder that it is given", drawn.stderr)
         files = run("mount", container).stdout.strip()
-        check(set(os.listdir(files)) <= {"spectral", "tmp", "work", "dev", "etc", "proc", "run", "sys"}, "it holds one file", os.listdir(files))
+        check(set(os.listdir(files)) <= {"spectral", "tmp", "data", "dev", "etc", "proc", "run", "sys"}, "it holds one file", os.listdir(files))
         run("rm", container)
     finally:
         shutil.rmtree(folder)
