@@ -9,6 +9,7 @@
 #   coverage               prints the lines that no test runs
 #   bench [quick] [--csv FILE]  measures all ratios that the program has goals for; quick: of small pictures
 #   bench effects          measures the seconds of each effect
+#   wasm                   makes data/builtin/viewer/spectral.wasm, the program in the pages of spectral view
 #   static                 makes build/spectral-static, which needs nothing but a Linux kernel
 #   dist                   makes a release archive around the static program
 #   install PREFIX         copies program, manual, samples, ... below PREFIX (below DESTDIR, where that is set)
@@ -18,7 +19,7 @@
 # BUILD (build; the folder for all that is made). On Debian, root installs the packages that are missing.
 
 # Other scripts have the libraries (data/libraries.sh), the files that are compiled in (data/builtin.sh),
-# install and uninstall (data/install.sh), the static program and the release (raster/gl/static.sh), the tests
+# install and uninstall (data/install.sh), the program for browsers (data/wasi/wasm.sh), the static program and the release (raster/gl/static.sh), the tests
 # (test/run.sh, test/fuzz/fuzz.sh, test/sanitize.sh, test/coverage.sh). Lists are split on purpose.
 # shellcheck disable=SC1091,SC2015,SC2016,SC2034,SC2046,SC2086,SC2154
 set -eu
@@ -36,6 +37,7 @@ warnings='-pedantic -Wall -Wextra -Wshadow -Wconversion -Wdouble-promotion -Wstr
   -Wmissing-prototypes -Wundef -Wvla -Wcast-qual -Wwrite-strings'
 hardening='-fstack-protector-strong -U_FORTIFY_SOURCE -D_FORTIFY_SOURCE=2'
 hardened_link='-Wl,-z,relro,-z,now,-z,noexecstack'
+threads=-pthread
 mark=made-by-build.sh # a file in each folder that `clean` may delete
 parts=                # packages that become part of the program, with their versions
 
@@ -59,7 +61,7 @@ find_sources() {
     sources="spectral.c $(find data raster -name '*.c' ! -path 'data/samples/*' | sort)"
     case $GL in
     osmesa) sources=$(printf '%s\n' $sources | grep -v '/no_[a-z]*[.]c$') ;;
-    none) sources=$(printf '%s\n' $sources | grep -v -e '^raster/context/' -e '^raster/library/' -e '^raster/traits/' -e '^raster/vertices/' -e '^raster/gl/[^n]' -e '^raster/shader/[^n]' -e '^raster/drivers/[^n]' -e '^raster/verify/[^n]') ;;
+    none) sources=$(printf '%s\n' $sources | grep -v -e '^raster/context/' -e '^raster/library/' -e '^raster/traits/' -e '^raster/vertices/' -e '^raster/gl/[^n]' -e '^raster/shader/[^n]' -e '^raster/drivers/[^n]' -e '^raster/verify/[^n]' -e '^data/.*/no_') ;;
     *) refuse "build.sh: GL is osmesa or none, not '$GL'" ;;
     esac
 }
@@ -78,7 +80,7 @@ is_fresh() {
 # an error no other file is begun.
 compile() {
     tree=$BUILD/$1
-    command="$CC $warnings $CPPFLAGS $2 $language -pthread"
+    command="$CC $warnings $CPPFLAGS $2 $language $threads"
     shift 2
     mkdir -p "$tree"
     stamp "$tree/made-with" "$command $($CC --version | head -n 1) $parts"
@@ -104,10 +106,10 @@ compile() {
 link() {
     program=$BUILD/$1
     shift
-    stamp "$program.made-with" "$CC $CFLAGS -pthread $LDFLAGS $* $libraries $parts"
+    stamp "$program.made-with" "$CC $CFLAGS $threads $LDFLAGS $* $libraries $parts"
     if [ ! -x "$program" ] || [ -n "$(find "$@" "$program.made-with" -newer "$program")" ]; then
         echo "building $program"
-        $CC $CFLAGS -pthread $LDFLAGS "$@" -o "$program.new" $libraries
+        $CC $CFLAGS $threads $LDFLAGS "$@" -o "$program.new" $libraries
         mv "$program.new" "$program"
     fi
 }
@@ -169,6 +171,7 @@ test | 'test '* | bench | 'bench '*) . test/run.sh ;;
 fuzz | 'fuzz '*) . test/fuzz/fuzz.sh; shift; fuzz "$@" ;;
 sanitize) . test/sanitize.sh; sanitize ;;
 coverage) . test/coverage.sh; coverage ;;
+wasm | 'wasm '*) [ $# -le 2 ] || refuse; . data/wasi/wasm.sh; wasm_module ${2:-} ;;
 static) . raster/gl/static.sh; static_program ;;
 dist) . raster/gl/static.sh; dist ;;
 'install '?*) [ $# = 2 ] || refuse; build; . data/install.sh; install_program "$2" ;;

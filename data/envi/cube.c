@@ -113,8 +113,8 @@ static bool rows_read(const struct envi *envi, int page, int y, int n, char *out
         return bytes_read(envi, (band * (uint64_t)layout->lines + (uint64_t)y) * row,
                           (size_t)(row * (uint64_t)n), out, err);
     for (uint64_t i = 0; i < (uint64_t)n; i++)
-        if (!bytes_read(envi, (((uint64_t)y + i) * (uint64_t)layout->bands + band) * row, row,
-                        out + i * row, err))
+        if (!bytes_read(envi, (((uint64_t)y + i) * (uint64_t)layout->bands + band) * row,
+                        (size_t)row, out + i * row, err))
             return false;
     return true;
 }

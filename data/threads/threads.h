@@ -48,6 +48,7 @@ struct pipeline {
     bool stopped; /* a stage has failed */
     pthread_mutex_t lock;
     pthread_cond_t changed;
+    const struct rest *rest; /* of no_threads.c */
 };
 /* A part of the work; false: it failed, or the pipeline has stopped. */
 typedef bool stage(void *context, struct error *err);

@@ -9,10 +9,14 @@ tiff_options='--disable-jpeg --disable-jbig
   --disable-thunder --disable-next --disable-logluv --disable-mdi'
 tiff_flags='-Os -ffunction-sections -fdata-sections -fno-asynchronous-unwind-tables'
 
+# tool NAME prints the name of the compiler's ar or ranlib.
+tool() {
+    case $CC in *wasm32*) echo "llvm-$1" ;; *) $CC -print-prog-name="$1" ;; esac
+}
+
 make_zlib() {
     cd source
-    CC=$CC AR=$($CC -print-prog-name=ar) RANLIB=$($CC -print-prog-name=ranlib) CFLAGS=$tiff_flags \
-        ./configure --static
+    CC=$CC AR=$(tool ar) RANLIB=$(tool ranlib) CFLAGS=$tiff_flags ./configure --static
     make libz.a
     mkdir -p ../library/include
     cp libz.a ../library
@@ -20,7 +24,7 @@ make_zlib() {
 }
 
 make_tiff() {
-    configure_tiff $tiff_options --host="$($CC -dumpmachine)" CC="$CC" CFLAGS="$tiff_flags" \
+    configure_tiff $tiff_options --host="$($CC -dumpmachine)" CC="$CC" AR="$(tool ar)" RANLIB="$(tool ranlib)" CFLAGS="$tiff_flags" \
         CPPFLAGS="-I$zlib/include" LDFLAGS="-L$zlib"
 }
 

@@ -3,16 +3,21 @@
  */
 #include <inttypes.h>
 #include <stdio.h>
+#include <stdlib.h>
 
-#include "data/base/base.h"
 #include "data/invocation/invocation.h"
+#include "data/pack/pack.h"
 #include "data/scene/scene.h"
 #include "raster/view/view.h"
+
+/* A page; the picture that it shows first; the data of a page alone, in two files. */
+enum { PAGE_KIND, PICTURE_KIND, PLANES_KIND, DESCRIPTION_KIND };
 
 /* The figures and notes of a page, or of a picture. */
 struct view_report {
     struct viewer_result page;
     uint64_t out_of_gamut; /* pixels of a picture */
+    struct refine_result refined;
     struct notes notes;
     struct printed table;
 };
@@ -21,15 +26,29 @@ static bool write_page(struct options *options, const struct plan *plan, struct 
                        struct error *err)
 {
     const struct viewer_result *page = &out->page;
-    if (!viewer_write(plan, options->output, &out->page, &out->notes, &options->outputs, err))
+    if (!(options->still
+              ? viewer_write(plan, options->output, &out->page, &out->notes, &options->outputs, err)
+              : live_write(plan, options, &out->page, &out->notes, err)))
         return false;
     if (!options->quiet)
         print(&out->table,
-              "objects           %d\nlights            %d, %d illuminants to choose from\n"
-              "detectors         %d\npage              %s, %.2f MB\n",
-              page->n_objects, page->n_lights, page->n_illuminants, page->n_detectors,
-              options->output, (double)page->bytes / 1e6);
+              "objects           %d\nlights            %d\npage              %s, %.2f MB\n",
+              page->n_objects, page->n_lights, options->output, (double)page->bytes / 1e6);
     return true;
+}
+
+static bool write_planes(struct options *options, const struct plan *plan, struct view_report *out,
+                         struct error *err)
+{
+    (void)out;
+    return weights_write(plan, options->output, &options->outputs, err);
+}
+
+static bool write_description(struct options *options, const struct plan *plan,
+                              struct view_report *out, struct error *err)
+{
+    (void)out;
+    return description_write(plan, options->output, &options->outputs, err);
 }
 
 static bool write_still(struct options *options, const struct plan *plan, struct view_report *out,
@@ -50,21 +69,23 @@ static bool write_still(struct options *options, const struct plan *plan, struct
     return true;
 }
 
-static bool write_json(struct options *options, const struct view_report *report, bool still,
+static bool write_json(struct options *options, const struct view_report *report, int kind,
                        struct error *err)
 {
+    const struct viewer_result *page = &report->page;
     struct json json;
     json_begin(&json);
     json_open(&json, NULL, '{');
     json_string(&json, "scene", options_scene(options));
-    json_count(&json, "objects", (uint64_t)report->page.n_objects);
-    json_count(&json, "lights", (uint64_t)report->page.n_lights);
-    if (still) {
+    json_count(&json, "objects", (uint64_t)page->n_objects);
+    json_count(&json, "lights", (uint64_t)page->n_lights);
+    if (kind == PICTURE_KIND)
         json_count(&json, "out_of_gamut_pixels", report->out_of_gamut);
-    } else {
-        json_count(&json, "illuminants", (uint64_t)report->page.n_illuminants);
-        json_count(&json, "detectors", (uint64_t)report->page.n_detectors);
-        json_count(&json, "bytes", report->page.bytes);
+    else
+        json_count(&json, "bytes", page->bytes);
+    if (page->n_illuminants > 0) { /* a live page finds them later */
+        json_count(&json, "illuminants", (uint64_t)page->n_illuminants);
+        json_count(&json, "detectors", (uint64_t)page->n_detectors);
     }
     notes_json(&report->notes, &json);
     json_string(&json, "output", options->output);
@@ -72,34 +93,64 @@ static bool write_json(struct options *options, const struct view_report *report
     return json_write(&json, options->json, &options->outputs, err);
 }
 
-bool command_view(struct options *options, struct error *err)
+/* Reads the scene, and makes all outputs but the table. */
+static bool view_scene(struct options *options, int kind, struct scene *scene, struct plan *plan,
+                       struct view_report *report, struct error *err)
 {
-    enum { HTML, HTM, PNG };
-    static const char *const endings[] = {[HTML] = ".html", [HTM] = ".htm", [PNG] = ".png", NULL};
+    static bool (*const write[])(struct options *, const struct plan *, struct view_report *,
+                                 struct error *) = {[PAGE_KIND] = write_page,
+                                                    [PICTURE_KIND] = write_still,
+                                                    [PLANES_KIND] = write_planes,
+                                                    [DESCRIPTION_KIND] = write_description};
+    const struct plan_options plan_options = {
+        .store_raster = true, .exchangeable = kind != PICTURE_KIND, .threads = options->threads};
+    return scene_read_options(options, scene, err) && scene_spared(options->output, scene, err) &&
+           scene_spared(options->json, scene, err) && output_can_open(options->json, err) &&
+           plan_make(scene, NULL, &plan_options, plan, err) &&
+           refine_options(options, plan, &report->refined, err) &&
+           write[kind](options, plan, report, err) &&
+           (!options->json || write_json(options, report, kind, err));
+}
+
+static bool view(struct options *options, int kind, struct error *err)
+{
     struct scene scene = {.path = NULL};
     struct plan plan = {.scene = NULL};
-    struct refine_result refined = {.levels = 0};
+    struct view_report report = {.out_of_gamut = 0};
+    if (options->accuracy)
+        report.notes.refined = &report.refined;
+    bool done = view_scene(options, kind, &scene, &plan, &report, err);
+    if (done && !options->quiet && kind < PLANES_KIND)
+        notes_print(&report.notes, &report.table);
+    done = printed_show(&report.table, options_table(options, options->output), err) && done;
+    notes_free(&report.notes);
+    refine_result_free(&report.refined);
+    plan_free(&plan);
+    scene_free(&scene);
+    return done;
+}
+
+bool command_view(struct options *options, struct error *err)
+{
+    enum { HTML, HTM, PNG, PLANES, JSON };
+    static const char *const endings[] = {[HTML] = ".html",     [HTM] = ".htm",   [PNG] = ".png",
+                                          [PLANES] = ".planes", [JSON] = ".json", NULL};
+    static const int kinds[] = {[HTML] = PAGE_KIND,
+                                [HTM] = PAGE_KIND,
+                                [PNG] = PICTURE_KIND,
+                                [PLANES] = PLANES_KIND,
+                                [JSON] = DESCRIPTION_KIND};
     int ending;
     if (!options_name_output(options, options_scene(options), ".html", err) ||
         !output_ending(options->output, endings, &ending, err))
         return false;
-    const bool still = ending == PNG;
-    const struct plan_options plan_options = {
-        .store_raster = true, .exchangeable = !still, .threads = options->threads};
-    struct view_report report = {.notes.refined = options->accuracy ? &refined : NULL};
-    bool done = scene_read_options(options, &scene, err) &&
-                scene_spared(options->output, &scene, err) &&
-                scene_spared(options->json, &scene, err) && output_can_open(options->json, err) &&
-                plan_make(&scene, NULL, &plan_options, &plan, err) &&
-                refine_options(options, &plan, &refined, err) &&
-                (still ? write_still : write_page)(options, &plan, &report, err) &&
-                (!options->json || write_json(options, &report, still, err));
-    if (done && !options->quiet)
-        notes_print(&report.notes, &report.table);
-    done = printed_show(&report.table, options_table(options, options->output), err) && done;
-    notes_free(&report.notes);
-    refine_result_free(&refined);
-    plan_free(&plan);
-    scene_free(&scene);
+    const char *operand = options->operand;
+    char *marked = operand ? pack_marked_name(operand) : NULL;
+    if (operand && !marked)
+        return error_memory(err);
+    options->operand = marked;
+    const bool done = view(options, kinds[ending], err);
+    options->operand = operand;
+    free(marked);
     return done;
 }

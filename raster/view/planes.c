@@ -139,9 +139,9 @@ bool planes_rasterize(const struct plan *plan, struct planes *out, struct notes 
         return error_usage(err, "a page shows at most %d %s, not %d x %d; use --size WxH",
                            LARGEST_PAGE, plan->scene->positions > 1 ? "positions" : "pixels",
                            plan->view.width, plan->view.height);
-    bool done = planes_allocate(plan, out, err) &&
-                lit_make(plan, driver_of(NULL), &lit, &work, err) &&
-                notes_make(&lit, SOME_PIXELS, notes, err) && put_picture(&lit, out, err);
+    bool done =
+        planes_allocate(plan, out, err) && lit_make(plan, driver_of(NULL), &lit, &work, err) &&
+        (!notes || notes_make(&lit, SOME_PIXELS, notes, err)) && put_picture(&lit, out, err);
     lit_free(&lit);
     return done;
 }
@@ -208,20 +208,32 @@ static void base64(const unsigned char *bytes, size_t length, char *out)
     }
 }
 
+char *base64_text(const unsigned char *bytes, size_t length, size_t *out_length)
+{
+    char *out = malloc((length + 2) / 3 * 4 + 1);
+    *out_length = (length + 2) / 3 * 4;
+    if (out)
+        base64(bytes, length, out);
+    return out;
+}
+
+char *packed_text(const unsigned char *bytes, size_t length, size_t *out_length)
+{
+    uLongf packed_length = compressBound((uLong)length);
+    unsigned char *packed = malloc(packed_length);
+    char *out = NULL;
+    if (packed &&
+        compress2(packed, &packed_length, bytes, (uLong)length, Z_DEFAULT_COMPRESSION) == Z_OK)
+        out = base64_text(packed, packed_length, out_length);
+    free(packed);
+    return out;
+}
+
 char *planes_text(const struct planes *planes, const double *scale, size_t *length)
 {
     size_t raw_length;
     unsigned char *raw = planes_bytes(planes, scale, &raw_length);
-    uLongf packed_length = compressBound((uLong)raw_length);
-    unsigned char *packed = raw ? malloc(packed_length) : NULL;
-    char *out = NULL;
-    if (packed &&
-        compress2(packed, &packed_length, raw, (uLong)raw_length, Z_DEFAULT_COMPRESSION) == Z_OK)
-        out = malloc((packed_length + 2) / 3 * 4);
-    if (out)
-        base64(packed, packed_length, out);
-    *length = (packed_length + 2) / 3 * 4;
+    char *out = raw ? packed_text(raw, raw_length, length) : NULL;
     free(raw);
-    free(packed);
     return out;
 }

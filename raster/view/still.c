@@ -5,7 +5,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "data/base/base.h"
 #include "data/colour/colour.h"
 #include "data/pages/pages.h"
 #include "data/process/process.h"

@@ -1,27 +1,43 @@
 /* SPDX-License-Identifier: MIT */
-/* The room "view": an interactive viewer of a scene in one HTML page, or a still picture. The page
- * contains the weights of each pixel, and computes the picture for any lights, detector and display
- * by itself. */
+/* The room "view": an interactive viewer of a scene in one HTML page, or a still picture. A live
+ * page holds this program, and draws the scene anew after each change. A still page contains the
+ * weights of each pixel, and computes the picture for any lights, detector and display by itself.
+ */
 #ifndef VIEW_H
 #define VIEW_H
 
+#include "data/base/base.h"
 #include "data/options/options.h"
 #include "raster/notes/notes.h"
 #include "raster/plan/plan.h"
 #include "spectral.h"
 
-/* ---- viewer.c: an interactive viewer in one HTML file ---- */
+/* ---- live.c: a page that draws the scene itself ---- */
 
 struct viewer_result {
     size_t bytes;
-    int n_objects, n_lights, n_illuminants, n_detectors;
+    int n_objects, n_lights, n_illuminants, n_detectors; /* a live page finds the last two */
 };
-/* Draws the plan's picture by the reference and writes the page. The plan's lights are exchangeable
- * (plan_options). Makes the notes on the scene. outputs get the page: see output_pass. Refuses
- * pictures and scenes that are too large for a page. On failure no file has been created or
- * changed. The caller frees *notes, here and below, also after a failure. */
+/* Writes a page that holds this program and all files of the scene, to the options' output. The
+ * scene was read under pack_marked_name. Makes the notes on the scene. On failure no file has been
+ * created or changed. The caller frees *notes, here and below, also after a failure. */
+bool live_write(const struct plan *plan, struct options *options, struct viewer_result *out,
+                struct notes *notes, struct error *err);
+
+/* ---- drawing.c: a drawn scene, whose light and detector can be changed ---- */
+
+/* Draws the plan's picture by the reference and writes a page of it. The plan's lights are
+ * exchangeable (plan_options). outputs get the page: see output_pass. Refuses pictures and scenes
+ * that are too large for a page. */
 bool viewer_write(const struct plan *plan, const char *path, struct viewer_result *out,
                   struct notes *notes, struct outputs *outputs, struct error *err);
+/* Write the data of such a page alone, for a live page. First its description as JSON: spectra,
+ * lights, objects, detectors. Then its planes: the length of their shape as JSON in 11 digits and a
+ * line's end; this JSON; float planes of weights and textures; 16-bit surfaces. */
+bool description_write(const struct plan *plan, const char *path, struct outputs *outputs,
+                       struct error *err);
+bool weights_write(const struct plan *plan, const char *path, struct outputs *outputs,
+                   struct error *err);
 
 /* ---- still.c: the picture that the page shows first ---- */
 
@@ -55,8 +71,9 @@ struct planes {
     double *place[2]; /* of each position in its spectral texture, in texels; NULL: there is none */
 };
 
-/* Draws the planes by the reference. Refuses more than LARGEST_PAGE pixels and scenes of more than
- * LARGEST_SAMPLE instances. The caller frees *out and *notes, also after a failure. */
+/* Draws the planes by the reference. notes NULL: makes none. Refuses more than LARGEST_PAGE pixels
+ * and scenes of more than LARGEST_SAMPLE instances. The caller frees *out and *notes, also after a
+ * failure. */
 bool planes_rasterize(const struct plan *plan, struct planes *out, struct notes *notes,
                       struct error *err);
 /* Returns the value of sample 1 of a plane, so that the plane's largest value is LARGEST_SAMPLE. */
@@ -66,5 +83,26 @@ double plane_scale(const struct planes *planes, int plane);
  * Allocated and not terminated; NULL: no memory. */
 char *planes_text(const struct planes *planes, const double *scale, size_t *length);
 void planes_free(struct planes *planes);
+/* Return bytes as base64 (RFC 4648); the first deflates them before (RFC 1950). Allocated and not
+ * terminated; NULL: no memory. */
+char *packed_text(const unsigned char *bytes, size_t length, size_t *out_length);
+char *base64_text(const unsigned char *bytes, size_t length, size_t *out_length);
+
+/* description.c. Describes a scene as JSON, allocated: its spectra, lights, objects, detectors, ...
+ * Counts illuminants and detectors in *result. NULL: see err. */
+char *description_make(const struct plan *plan, struct viewer_result *result, struct error *err);
+
+/* viewer.c: a page from its parts. The kinds of pages embed it as their first member. */
+struct page {
+    enum { PAGE_STILL, PAGE_LIVE } kind;
+    bool (*put_data)(struct page *page, struct error *err); /* puts the data of this page */
+    struct printed text;
+};
+/* Put an element of a page: a text in JSON, or in base64. */
+void put_json(struct printed *to, const char *id, const char *json);
+void put_base64(struct printed *to, const char *id, const char *text, size_t length);
+/* Writes the page. outputs get it: see output_pass. */
+bool page_write(struct page *page, const char *path, size_t *bytes, struct outputs *outputs,
+                struct error *err);
 
 #endif

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""A page in a headless Chromium, controlled over its debugging pipe (the Chrome DevTools Protocol)."""
+"""A page in a headless Chromium, controlled over its debugging pipe (the Chrome DevTools Protocol), or Firefox."""
 import json
 import os
 import shutil
+import socket
 import subprocess
 import time
 
@@ -123,3 +124,90 @@ class Browser:
         os.close(self.to)
         self.process.wait(timeout=PATIENCE_S)
         os.close(self.back)
+
+
+class Firefox:
+    """A page in a headless Firefox, controlled over Marionette, its protocol of length:JSON messages."""
+
+    def __init__(self, folder):
+        shutil.rmtree(folder, ignore_errors=True)
+        self.downloads = os.path.abspath(folder)
+        profile = os.path.join(self.downloads, "profile")
+        os.makedirs(profile)
+        with socket.socket() as free:
+            free.bind(("127.0.0.1", 0))
+            port = free.getsockname()[1]
+        preferences = {"marionette.port": port, "browser.download.folderList": 2, "browser.download.dir": self.downloads,
+                       "browser.helperApps.neverAsk.saveToDisk": "image/tiff,text/plain,text/csv,image/png",
+                       "browser.download.useDownloadDir": True, "network.captive-portal-service.enabled": False,
+                       "datareporting.policy.dataSubmissionEnabled": False, "app.update.enabled": False,
+                       "browser.download.always_ask_before_handling_new_types": False}
+        with open(os.path.join(profile, "user.js"), "w", encoding="ascii") as file:
+            file.writelines(f"user_pref({json.dumps(name)}, {json.dumps(value)});\n" for name, value in preferences.items())
+        self.process = subprocess.Popen(
+            ["firefox-esr", "--headless", "--no-remote", "--marionette", "--profile", profile],
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+            env={**os.environ, "HOME": self.downloads, "MOZ_DISABLE_CONTENT_SANDBOX": "1"})
+        self.socket, self.buffer, self.number = self.connect(port), b"", 0
+        self.receive()  # its greeting
+        self.send("WebDriver:NewSession")
+        self.send("WebDriver:SetTimeouts", script=1000 * PATIENCE_S, pageLoad=1000 * PATIENCE_S)
+
+    def connect(self, port):
+        since = time.monotonic()
+        while True:
+            try:
+                return socket.create_connection(("127.0.0.1", port), timeout=PATIENCE_S)
+            except OSError:
+                if time.monotonic() - since > PATIENCE_S or self.process.poll() is not None:
+                    raise
+                time.sleep(0.1)
+
+    def more(self):
+        read = self.socket.recv(1 << 20)
+        if not read:
+            raise RuntimeError("the browser is gone")
+        self.buffer += read
+
+    def receive(self):
+        while b":" not in self.buffer:
+            self.more()
+        length, self.buffer = self.buffer.split(b":", 1)
+        while len(self.buffer) < int(length):
+            self.more()
+        message, self.buffer = self.buffer[:int(length)], self.buffer[int(length):]
+        return json.loads(message)
+
+    def send(self, command, **parameters):
+        self.number += 1
+        message = json.dumps([0, self.number, command, parameters])
+        self.socket.sendall(f"{len(message.encode())}:{message}".encode())
+        while True:
+            kind, number, error, result = self.receive()
+            if kind == 1 and number == self.number:
+                if error:
+                    raise RuntimeError(f"{command}: {error}")
+                return result
+
+    def evaluate(self, expression):
+        script = ("const then = arguments[0]; Promise.resolve((0, eval)(" + json.dumps(expression) + ")).then(value => "
+                  "then([value === undefined ? null : value]), error => then([null, String(error)]))")
+        value, *failure = self.send("WebDriver:ExecuteAsyncScript", script=script, args=[], newSandbox=False,
+                                    sandbox=None)["value"]
+        if failure:
+            raise RuntimeError(f"{expression[:200]}: {failure[0]}")
+        return value
+
+    wait = Browser.wait
+
+    def open(self, path):
+        self.send("WebDriver:Navigate", url="file://" + os.path.abspath(path))
+        self.wait("document.body?.dataset.ready === 'true'")
+
+    def close(self):
+        try:
+            self.send("Marionette:Quit", flags=["eForceQuit"])
+        except (RuntimeError, OSError):
+            pass
+        self.socket.close()
+        self.process.wait(timeout=PATIENCE_S)

@@ -6,6 +6,7 @@ Prints TAP.
 
     test/run/english.py             the test
     test/run/english.py FILE...     the findings in these files"""
+import glob
 import os
 import re
 import sys
@@ -67,7 +68,7 @@ def sources(top):
 GROUPS = {
     "the documents": ("README.md", "CONTRIBUTING.md", "CHANGELOG.md"),
     "the manual": ("spectral.1",),
-    "the viewer's page": ("data/builtin/viewer.html",),
+    "the viewer's page": tuple(sorted(set(glob.glob("data/builtin/viewer/*")) - set(glob.glob("data/builtin/viewer/*.wasm")))),
     "the program": ("spectral.c", "spectral.h", "build.sh", *sources("data"), *sources("raster")),
     "the tests": sources("test"),
 }

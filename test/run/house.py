@@ -229,7 +229,7 @@ class Tree:
             self.add(root, name, self.sources)
         for top, into in (("data", self.sources), ("raster", self.sources), ("test", self.tests)):
             for folder, folders, names in os.walk(os.path.join(root, top)):
-                folders[:] = sorted(set(folders) - ({"samples"} if folder.endswith("/data") else set()))
+                folders[:] = sorted(set(folders) - ({"samples", "wasi"} if folder.endswith("/data") else set()))
                 for name in sorted(names):
                     if name.endswith((".c", ".h")):
                         self.add(root, os.path.relpath(os.path.join(folder, name), root), into)

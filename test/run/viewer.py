@@ -83,7 +83,7 @@ def run(*words, **options):
 
 def view(scene, name, *options):
     path = os.path.join(TMP, name + ".html")
-    run("view", scene, "-o", path, "--quiet", *(options or ("--size", SIZE)))
+    run("view", scene, "--still", "-o", path, "--quiet", *(options or ("--size", SIZE)))
     return path
 
 
@@ -406,7 +406,7 @@ def metamers():
     browser.open(view("metamers", "metamers"))
     y, left = browser.evaluate("""(() => {
         const at = surfaces.findIndex((surface, i) => surface === 2 && surfaces[i + 1] === 3);
-        return [Math.floor(at / scene.width) + 3, at % scene.width];
+        return [Math.floor(at / shape.width) + 3, at % shape.width];
     })()""")
     alike, expected, beside = difference((left, y), (left + 1, y))
     check(abs(alike - expected) < 2e-3 and beside, "a kept pixel is compared by ΔE*ab and its spectrum",

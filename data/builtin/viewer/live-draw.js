@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: MIT */
+/* A live page: the state of the scene with its history, and the workers that draw it. */
+
+/* ---- the state ---- */
+
+/* A state is never changed, so that undo can go back to it: {scene: its name, words: options of the program,
+ * files: {name: text or bytes}}. A built-in scene has no file. */
+let state = null;
+const past = [], future = [];
+let draw_key = 0;     /* of the planes: another number after each change of geometry */
+let describe_key = 0; /* of the description: another one after each other change */
+
+const is_text = state => state.scene in state.files;
+const text_of = state => state.files[state.scene];
+
+/* What a change concerns. A light's colour changes no geometry; a moved object changes no spectrum. */
+const GEOMETRY = 1, SPECTRA = 2;
+
+function set_state(next, concerns) {
+  state = next;
+  if (concerns & GEOMETRY) draw_key++;
+  if (concerns & SPECTRA) describe_key++;
+}
+
+/* Makes a change that undo takes back. Changes of one group are taken back together. */
+function commit(next, concerns, group = {recorded: false}) {
+  if (!group.recorded) {
+    past.push(state);
+    future.length = 0;
+    group.recorded = true;
+  }
+  set_state(next, concerns);
+  want(group.moving === true);
+}
+
+function go_back(from, to) {
+  if (from.length === 0) return;
+  to.push(state);
+  set_state(from.pop(), GEOMETRY | SPECTRA);
+  want(false);
+}
+
+/* ---- workers ---- */
+
+class Drawer {
+  constructor(module) {
+    this.worker = new Worker(worker_address());
+    this.waiting = new Map();
+    this.files = {};
+    this.number = 0;
+    this.since = null; /* when it began to draw; null: it is idle */
+    this.worker.onmessage = ({data}) => {
+      const answer = this.waiting.get(data.id);
+      this.waiting.delete(data.id);
+      answer(data);
+    };
+    this.ask({task: "start", module});
+  }
+
+  ask(message, moved = []) {
+    return new Promise(then => {
+      this.waiting.set(++this.number, then);
+      this.worker.postMessage({...message, id: this.number}, moved);
+    });
+  }
+
+  /* Sends the files of a state that the worker has not. */
+  send_files(files) {
+    const changed = Object.entries(files).filter(([name, content]) => this.files[name] !== content);
+    const gone = Object.keys(this.files).filter(name => !(name in files));
+    if (changed.length + gone.length > 0) this.ask({task: "files", files: Object.fromEntries(changed), gone});
+    this.files = files;
+  }
+
+  end() {
+    this.worker.terminate();
+    for (const answer of this.waiting.values()) answer({error: "stopped"});
+  }
+}
+
+let compiled = null; /* the module */
+let drawers = [];
+const MOST_DRAWERS = 4;
+
+/* The workers run the scripts that they share with the page, and their own. */
+function worker_address() {
+  if (!worker_address.made) {
+    const texts = [...document.querySelectorAll("script.shared"), element("worker")].map(script => script.textContent);
+    worker_address.made = URL.createObjectURL(new Blob(['"use strict";\n', ...texts], {type: "text/javascript"}));
+  }
+  return worker_address.made;
+}
+
+function start_drawers() {
+  const n = clamp((navigator.hardwareConcurrency || 2), 1, MOST_DRAWERS);
+  drawers = Array.from({length: n}, () => new Drawer(compiled));
+}
+
+/* Runs a command on a worker that is idle, or on the first one. */
+function ask_program(message, files = state.files) {
+  const drawer = drawers.find(one => one.since === null) || drawers[0];
+  drawer.send_files(files);
+  return drawer.ask(message);
+}
+const run_program = words => ask_program({task: "run", words});
+
+/* ---- drawing ---- */
+
+let wanted = null;      /* {moving}: the latest wish that no worker has */
+let asked = 0;          /* numbers of the pictures that workers were asked for, and of the latest one that is shown */
+let latest_shown = 0;
+let coarseness = 1;     /* how much coarser a moving picture is */
+const FRAME_MS = 33, COARSEST = 8, PATIENCE_MS = 4000;
+
+/* Asks for a picture: a whole one, or while something moves one that may be coarser. */
+function want(moving) {
+  wanted = {moving};
+  pump();
+}
+
+/* Learns from the time that a moving picture took: all workers together keep the pace. */
+function adapt_coarseness(ms) {
+  const pace = ms / drawers.length;
+  if (pace > FRAME_MS && coarseness < COARSEST) coarseness *= 2;
+  else if (pace < FRAME_MS / 3 && coarseness > 1) coarseness /= 2;
+}
+
+/* The options that make a picture coarser than the scene says. */
+function coarse_words(factor) {
+  const size = part => Math.max(1, Math.round(part / factor));
+  return factor === 1 || !shape ? [] : [`--size=${size(shape.width)}x${size(shape.height)}`, "--samples=1"];
+}
+
+function restart_late() {
+  drawers.forEach((drawer, i) => {
+    if (drawer.since === null || performance.now() - drawer.since < PATIENCE_MS) return;
+    drawer.end();
+    drawers[i] = new Drawer(compiled);
+  });
+}
+
+/* Readers of the screen, and tests, see whether the picture is the one that was asked for. */
+let pending_edits = 0;
+function show_busy() {
+  const busy = wanted !== null || pending_edits > 0 || drawers.some(one => one.since !== null);
+  element("shown").setAttribute("aria-busy", busy);
+}
+
+async function pump() {
+  restart_late();
+  const drawer = drawers.find(one => one.since === null);
+  show_busy();
+  if (!wanted || !drawer) return;
+  const {moving} = wanted, number = ++asked, factor = moving ? coarseness : 1, of = state;
+  wanted = null;
+  drawer.since = performance.now();
+  drawer.send_files(of.files);
+  const answer = await drawer.ask({task: "draw", words: [of.scene, ...of.words], size: coarse_words(factor),
+    describe_key, draw_key: `${draw_key} ${factor}`, eye: eye_names(), exposure: wanted_exposure(), whole: !moving});
+  drawer.since = null;
+  if (moving && answer.ms) adapt_coarseness(answer.ms);
+  if (number > latest_shown && answer.error !== "stopped") {
+    latest_shown = number;
+    if (answer.error) refuse(answer.error, of);
+    else if (moving) show_moving(answer);
+    else if (!wanted) show_whole(answer, of);
+  }
+  pump();
+}

@@ -1,0 +1,199 @@
+/* SPDX-License-Identifier: MIT */
+/* A live page: changes of the scene's text by controls. */
+
+/* ---- a scene that can be edited ---- */
+
+const file_stem = name => name.replace(/^.*[/]/, "").replace(/[.][^.]*$/, "");
+const SCENE_WORDS = new Set(["wavelengths", "size", "camera", "viewer", "shading", "ambient", "light", "material", "object",
+  "checker", "include"]);
+
+/* Returns whether a text is a scene; otherwise it may be a list of material files. */
+const is_scene_text = text => statements_of(text).some(({words}) => SCENE_WORDS.has(words[0].text));
+
+async function builtin_text(name) {
+  const {status, output, errors} = await run_program(["show", name]);
+  if (status !== 0) throw new Error(errors);
+  return output;
+}
+
+/* The thesis's grid shows the materials of a list. */
+async function scene_of_list(name) {
+  return (await builtin_text("colorchecker")).replace(/^checker colorchecker /m, `checker ${as_word(name)} `);
+}
+
+/* Puts the texts of built-in scenes in the place of statements that include them. */
+async function with_includes(text, files) {
+  for (const {words, start, end} of statements_of(text).reverse())
+    if (words[0].text === "include" && words[1] && !(words[1].text in files))
+      text = replaced(text, {start, end}, (await builtin_text(words[1].text)).trimEnd());
+  return text;
+}
+
+/* Changes of the text for the options that have a statement; the others stay options. */
+const BAKED = {
+  "--size": (text, value) => with_statement(text, "size", value.replace(/x/i, " ")),
+  "--wavelengths": (text, value) => with_statement(text, "wavelengths", wavelength_words(value)),
+  "--shading": (text, value) => with_statement(text, "shading", value),
+};
+
+const wavelength_words = value => value.includes(":") ? value.replaceAll(":", " ") : "list " + value.replaceAll(",", " ");
+
+function bake(text, words) {
+  const left = [];
+  for (const word of words) {
+    const [name, value] = [word.slice(0, word.indexOf("=")), word.slice(word.indexOf("=") + 1)];
+    if (BAKED[name]) text = BAKED[name](text, value);
+    else left.push(word);
+  }
+  return {text, words: left};
+}
+
+/* Returns the state with the scene as a text of its own. */
+async function editable(from) {
+  if (is_text(from) && is_scene_text(text_of(from)) && from.baked) return from;
+  let name = from.scene, text;
+  if (!is_text(from)) [text, name] = [await builtin_text(name), file_stem(name) + ".scene"];
+  else if (is_scene_text(text_of(from))) text = text_of(from);
+  else [text, name] = [await scene_of_list(from.scene), file_stem(from.scene) + ".scene"];
+  const baked = bake(await with_includes(text, from.files), from.words);
+  return {scene: name, words: baked.words, baked: true, files: {...from.files, [name]: baked.text}};
+}
+
+let gesture = null;            /* the group of changes while something is dragged: {recorded, moving: true} */
+let described_state = null;    /* the state that `scene` describes, so that its lines are known */
+let waiting_for_lines = [];    /* {then, fail} */
+let edits = Promise.resolve(); /* edits follow each other, as one may have to wait for the program */
+
+const n_lines = state => Object.values(state.files).map(text =>
+  typeof text === "string" ? text.split("\n").length : 0).join();
+
+/* Waits until the description has the places of statements in the present text. */
+async function lines_known() {
+  if (described_state && state.baked && n_lines(described_state) === n_lines(state)) return;
+  want(false);
+  await new Promise((then, fail) => waiting_for_lines.push({then, fail}));
+}
+
+function lines_are_known(of, error) {
+  if (!error) described_state = of;
+  if (of !== state) return;
+  for (const {then, fail} of waiting_for_lines.splice(0)) error ? fail(new Error(error)) : then();
+}
+
+/* Changes the text of a file of the scene. change(text, place) returns the new text, or {text, files} with more files.
+ * place, if it is given, returns the {file, line} of a statement by the current description. */
+function edit(concerns, change, place = null) {
+  const group = gesture || {recorded: false};
+  pending_edits++;
+  show_busy();
+  edits = edits.then(async () => {
+    if (!state.baked) commit(await editable(state), GEOMETRY | SPECTRA, group);
+    if (place) await lines_known();
+    const at = place ? place() : {}, file = at.file in state.files ? at.file : state.scene;
+    const result = change(state.files[file], at);
+    const {text, files} = typeof result === "string" ? {text: result, files: {}} : result;
+    if (text !== state.files[file])
+      commit({...state, files: {...state.files, ...files, [file]: text}}, concerns, group);
+  }).catch(error => show_refusal(error.message)).finally(() => {
+    pending_edits--;
+    show_busy();
+  });
+  return edits;
+}
+
+/* ---- the chosen object ---- */
+
+let chosen = 0; /* its surface, from 1; 0: none */
+const chosen_object = () => chosen > 0 && chosen <= scene.objects.length ? scene.objects[chosen - 1] : null;
+
+/* The word by which a scene names the file of a material. */
+function material_word(path) {
+  const builtin = path && path.match(/^builtin:materials\/(.*)[.]txt$/);
+  return builtin ? builtin[1] : path;
+}
+
+/* Changes the statement of the chosen object: change(parts). Opens a checker first, so that each of its objects has a
+ * statement of its own. */
+function edit_object(concerns, change) {
+  const number = chosen;
+  return edit(concerns, (text, object) => {
+    const found = statement_at(text, object.line);
+    if (found.words[0].text === "object") return with_object(text, object.line, change);
+    const group = same_checker(object), i = group.indexOf(object.object);
+    const opened = with_checker_opened(text, object.line, checker_materials(group));
+    const own = statements_of(opened).filter(({start, words}) => start >= found.start && words[0].text === "object")[i];
+    return with_object(opened, own.line, change);
+  }, () => scene.objects[number - 1]);
+}
+
+/* The numbers of all objects of the checker that made this one. */
+const same_checker = object => [...new Set(scene.objects.filter(({file, line}) =>
+  file === object.file && line === object.line).map(({object}) => object))];
+
+const checker_materials = group => group.map(number => {
+  const {name, material_file} = scene.objects.find(({object}) => object === number);
+  return {name, file: material_word(material_file)};
+});
+
+/* ---- materials ---- */
+
+const materials_in = text => statements_of(text).filter(({words}) => words[0].text === "material" && words.length > 2);
+const material_names = text => materials_in(text).map(({words}) => words[1].text);
+
+/* Returns a name that the text does not use yet. */
+function new_name(text, name) {
+  const known = new Set(material_names(text));
+  let own = name;
+  for (let n = 2; known.has(own); n++) own = `${name}-${n}`;
+  return own;
+}
+
+/* Gives the chosen object a material of the scene, or the one of a file. */
+function choose_material(name, file) {
+  edit_object(GEOMETRY | SPECTRA, parts => set_part(parts, "material", [name], ["materials"]));
+  if (file) edit(GEOMETRY | SPECTRA, text => material_names(text).includes(name) ? text
+    : with_first_statement(text, `material ${as_word(name)} ${as_word(file)}`));
+}
+
+/* Opens the checker that made the chosen object, so that its material has a statement. */
+const open_checker = () => edit_object(GEOMETRY | SPECTRA, () => {});
+
+/* Puts a statement before the first object or material. */
+function with_first_statement(text, statement) {
+  const all = statements_of(text), at = all.find(({words}) => ["material", "object", "checker"].includes(words[0].text));
+  const place = at ? at.start : text.length;
+  return text.slice(0, place) + statement + "\n" + text.slice(place);
+}
+
+/* Returns the words of a material file as a material in words, or null if it says more than words can. */
+function words_of_material_file(file, text) {
+  const lines = text.split("\n").map(line => line.replace(/#.*/, "").trim()).filter(line => line !== "");
+  if (lines.some(line => !/^(g\s|[\d.])/.test(line))) return null;
+  const gloss = lines.find(line => line.startsWith("g"));
+  return `{ diffuse ${as_word(file)}${gloss ? " gloss " + gloss.slice(1).trim() : ""} }`;
+}
+
+/* Returns a material file with another value of a line: g GLOSS, t TEXTURE. Metameric partners keep theirs. */
+function with_file_line(text, letter, value) {
+  const kept = text.split("\n").filter(line => !new RegExp(`^\\s*${letter}\\s`).test(line));
+  return (value === null ? [] : [`${letter} ${value}`]).concat(kept).join("\n");
+}
+
+/* Sets a word of the chosen object's material: gloss or texture. A material in a file becomes one in words, or, where
+ * words cannot say all that it says, another file. */
+async function edit_material(word, value) {
+  const object = chosen_object(), path = object && material_word(object.material_file);
+  if (!object) return;
+  const own = path in state.files, source = path ? (own ? state.files[path] : await builtin_text(path)) : "";
+  await open_checker();
+  return edit(GEOMETRY | SPECTRA, text => {
+    const found = materials_in(text).find(({words}) => words[1].text === object.name);
+    if (!found) throw new Error(`The material ${object.name} has no statement in this text.`);
+    if (found.words[2].text === "{") return with_material_word(text, object.name, word, value);
+    const content = {start: found.words[2].start, end: found.end}, words = own ? null : words_of_material_file(path, source);
+    if (words) return with_material_word(replaced(text, content, words), object.name, word, value);
+    const file = `${file_stem(path).replace(/-changed$/, "")}-changed.txt`;
+    const line = word === "gloss" ? ["g", value] : ["t", value && value.split(" ")[0]];
+    return {text: replaced(text, content, as_word(file)), files: {[file]: with_file_line(source, ...line)}};
+  });
+}

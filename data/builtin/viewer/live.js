@@ -1,0 +1,486 @@
+/* SPDX-License-Identifier: MIT */
+/* A live page: its controls, opening and saving, and its start. */
+
+/* ---- pictures that arrive ---- */
+
+function show_picture({width, height, data}) {
+  if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, {width, height});
+  canvas.getContext("2d").putImageData(new ImageData(data, width, height), 0, 0);
+}
+
+function show_moving({painted}) {
+  show_picture(painted);
+  count_frame(painted);
+}
+
+/* Counts pictures a second, while something moves. */
+const frames = [];
+function count_frame({width}) {
+  const now = performance.now();
+  frames.push(now);
+  while (frames.length > 1 && now - frames[0] > 1000) frames.shift();
+  document.body.dataset.frames = frames.length;
+  set_text("progress", `${frames.length} pictures a second, ${width === shape.width ? "in full" : `${width} pixels wide`}`);
+}
+
+function show_whole(answer, of) {
+  set_scene(answer.description);
+  set_planes(answer.shape, answer.planes);
+  linear = answer.linear;
+  sources = {ambients: scene.ambients, lights: scene.lights};
+  eye = eye_of(answer.chosen);
+  white = white_of(sources);
+  if (!gesture) camera = scene.camera;
+  lines_are_known(of);
+  fit_frame();
+  present(answer.painted);
+  refresh(of);
+  set_text("progress", `Drawn in ${answer.ms.toFixed(0)} ms.`);
+  show_text_error("");
+  document.body.dataset.shown = asked;
+}
+
+/* A scene that cannot be drawn: the last good picture stays. */
+function refuse(error, of) {
+  lines_are_known(of, error);
+  show_refusal(error);
+  show_text_error(error);
+}
+
+function show_refusal(error) {
+  show_message(error);
+  set_text("progress", "");
+  document.body.dataset.refused = asked;
+}
+
+/* ---- the names in menus ---- */
+
+const catalogue = {}; /* what is built in, by its kind */
+
+async function read_catalogue() {
+  for (const kind of ["scenes", "materials", "textures", "shapes", "models"]) {
+    const {output} = await run_program(["list", kind]);
+    catalogue[kind] = output.split("\n").filter(line => line.startsWith("  ")).map(line => line.trim().split(" ")[0]);
+  }
+}
+
+/* Fills a menu with groups of [value, text], unless it has them already. */
+function fill_menu(id, groups, selected) {
+  const menu = element(id), key = JSON.stringify(groups);
+  if (menu.dataset.filled !== key) {
+    menu.replaceChildren(...Object.entries(groups).filter(([, rows]) => rows.length > 0).map(([label, rows]) => {
+      const group = document.createElement("optgroup");
+      group.label = label;
+      group.append(...rows.map(([value, text]) => new Option(text, value)));
+      return group;
+    }));
+    menu.dataset.filled = key;
+  }
+  menu.value = selected;
+}
+
+/* ---- controls of lights ---- */
+
+const LAMPS = [["blackbody", "Planck’s law at …", 2856], ["daylight", "daylight of …", 6504]];
+const kelvin_of = word => { const found = word.match(/^(blackbody|daylight):([\d.]+)$/); return found && found.slice(1); };
+
+/* Returns the numbers of an input for three coordinates, with a label for each. */
+function add_triple(id, values, change) {
+  const group = element(id);
+  if (group.childElementCount === 0) {
+    group.classList.add("triple");
+    for (const axis of "xyz") {
+      const input = document.createElement("input");
+      Object.assign(input, {type: "number", step: "any", id: `${id}-${axis}`});
+      input.setAttribute("aria-label", axis);
+      input.addEventListener("change", () => change([..."xyz"].map(one => element(`${id}-${one}`).valueAsNumber || 0)));
+      group.append(input);
+    }
+  }
+  [..."xyz"].forEach((axis, i) => set_number(`${id}-${axis}`, values[i]));
+}
+
+/* Sets a number that nobody is typing. */
+function set_number(id, value) {
+  if (document.activeElement !== element(id) || gesture) element(id).value = +value.toPrecision(6);
+}
+
+function edit_light(kind, i, change) {
+  const concerns = kind === "lights" ? SPECTRA : SPECTRA | GEOMETRY;
+  if (kind === "ambients" && !scene.ambients[i].line) {
+    const {illuminant, intensity} = {...scene.ambients[i], ...change};
+    edit(GEOMETRY | SPECTRA, text => with_first_statement(text,
+      `ambient ${as_word(change.spectrum || scene.illuminants[illuminant].word)} ${as_number(intensity)}`));
+  } else edit(concerns, (text, {line}) => with_light(text, line, change), () => scene[kind][i]);
+}
+
+/* Adds the rows of a light: spectrum and intensity as in every page; colour temperature; place. */
+function add_live_source(kind, i) {
+  const id = `${kind}-${i + 1}`, name = (kind === "lights" ? "Light" : "Ambient") + number_of(kind, i);
+  add_source(name, id, scene[kind][i]);
+  const menu = element(id), more = document.createElement("div");
+  for (const [value, text] of LAMPS) menu.add(new Option(text, value));
+  for (const file of Object.keys(state.files).filter(name => /[.](csv|sp|txt)$/i.test(name)))
+    if (!scene.illuminants.some(({word}) => word === file)) menu.add(new Option(file, "file " + file));
+  more.className = "row";
+  more.innerHTML = `<div id="${id}-kelvin-row" class="second"><input type="number" id="${id}-kelvin" min="1" step="any"
+    aria-label="Colour temperature of ${name}"> K</div>` +
+    (kind === "lights" ? `<span id="${id}-label" class="dim">${scene.lights[i].position ? "Stands at" : "Shines from"}</span>
+    <div id="${id}-place" role="group" aria-labelledby="${id}-label"></div>` : "");
+  element("sources").append(more);
+  menu.addEventListener("change", () => {
+    const lamp = LAMPS.find(([value]) => value === menu.value);
+    edit_light(kind, i, {spectrum: lamp ? `${lamp[0]}:${lamp[2]}` : menu.value.startsWith("file ") ? menu.value.slice(5)
+      : scene.illuminants[menu.value].word});
+  });
+  element(id + "-kelvin").addEventListener("change", event => edit_light(kind, i,
+    {spectrum: `${kelvin_of(scene.illuminants[scene[kind][i].illuminant].word)[0]}:${event.target.value}`}));
+  element(id + "-slider").addEventListener("pointerdown", begin_gesture);
+  element(id + "-slider").addEventListener("pointerup", end_gesture);
+  for (const part of ["-slider", "-intensity"])
+    element(id + part).addEventListener("input", event =>
+      edit_light(kind, i, {intensity: Math.max(0, event.target.valueAsNumber || 0)}));
+}
+
+function refresh_sources() {
+  const key = JSON.stringify([scene.illuminants.map(({name}) => name), scene.ambients.length, scene.lights.length,
+    scene.lights.map(light => !light.position), Object.keys(state.files)]);
+  if (element("sources").dataset.key !== key) {
+    element("sources").replaceChildren();
+    for (const kind of ["ambients", "lights"]) scene[kind].forEach((_, i) => add_live_source(kind, i));
+    element("sources").dataset.key = key;
+  }
+  for (const kind of ["ambients", "lights"]) scene[kind].forEach(({illuminant, intensity, position, direction}, i) => {
+    const id = `${kind}-${i + 1}`, kelvin = kelvin_of(scene.illuminants[illuminant].word);
+    element(id).value = illuminant;
+    set_number(id + "-intensity", intensity);
+    set_number(id + "-slider", intensity);
+    element(id + "-kelvin-row").hidden = !kelvin;
+    if (kelvin) set_number(id + "-kelvin", Number(kelvin[1]));
+    if (kind === "lights") add_triple(id + "-place", position || direction, vector => set_light_vector(i, vector));
+  });
+}
+
+/* ---- controls of the object ---- */
+
+/* Returns what the chosen object's statement says, as far as it is one. */
+function object_facts() {
+  const object = chosen_object(), text = object && state.files[object.file];
+  const found = text && statement_at(text, object.line);
+  if (!found || !["object", "checker"].includes(found.words[0].text)) return {};
+  const parts = object_parts(found.words[0].text === "checker" ? {words: [found.words[0], ...found.words.slice(2)]} : found);
+  const material = materials_in(text).find(({words}) => words[1].text === object.name);
+  const after = word => {
+    const at = material ? material.words.findIndex((one, i) => i > 2 && one.text === word) : -1;
+    return at > 0 ? material.words[at + 1].text : null;
+  };
+  return {shape: parts[0].values, texture: after("texture"), gloss: after("gloss")};
+}
+
+function refresh_object() {
+  const object = chosen_object(), facts = object_facts();
+  for (const control of element("object-group").querySelectorAll("input, select")) control.disabled = !object;
+  set_text("chosen", object ? object_name(chosen) : "Click an object of the picture, or choose one under Spectrum.");
+  const own = state.baked ? material_names(text_of(state)) : [];
+  const named = object ? object.name : "";
+  fill_menu("material", {
+    "in the scene": [...new Set([named, ...own])].filter(name => name).map(name => [`own ${name}`, name]),
+    "built in": catalogue.materials.map(name => [`file ${name}`, name]),
+    files: Object.keys(state.files).filter(name => /[.]txt$/i.test(name)).map(name => [`file ${name}`, name])}, `own ${named}`);
+  fill_menu("texture", {"": [["", "none"]], "built in": catalogue.textures.map(name => [name, name]),
+    files: Object.keys(state.files).filter(name => /[.]tiff?$/i.test(name)).map(name => [name, name])}, facts.texture || "");
+  const [kind, file] = facts.shape || [object ? object.shape : ""];
+  fill_menu("object-shape", {shapes: catalogue.shapes.filter(name => name !== "mesh").map(name => [name, name]),
+    models: catalogue.models.map(name => [`mesh ${name}`, name]),
+    files: Object.keys(state.files).filter(name => /[.]obj$/i.test(name)).map(name => [`mesh ${name}`, name])},
+  kind === "mesh" ? `mesh ${file}` : kind);
+  if (document.activeElement !== element("gloss")) element("gloss").value = facts.gloss || "";
+  add_triple("place", object ? object.origin : [0, 0, 0], vector => edit_object(GEOMETRY, parts =>
+    move_object(parts, add_vectors(vector, chosen_object().origin, -1))));
+  add_triple("turn", [0, 0, 0], angles => angles.forEach((angle, i) => {
+    if (angle !== 0) edit_object(GEOMETRY, parts => rotate_object(parts, angle, [0, 1, 2].map(k => k === i ? 1 : 0)));
+  }));
+  if (document.activeElement !== element("grow")) element("grow").value = 1;
+}
+
+function listen_to_object() {
+  element("material").addEventListener("change", ({target}) => {
+    const [kind, name] = [target.value.slice(0, target.value.indexOf(" ")), target.value.slice(target.value.indexOf(" ") + 1)];
+    kind === "own" ? choose_material(name) : choose_material(file_stem(name), name);
+  });
+  element("texture").addEventListener("change", ({target}) =>
+    edit_material("texture", target.value === "" ? null : `${as_word(target.value)} linear`));
+  element("gloss").addEventListener("change", ({target}) => edit_material("gloss", target.value === "" ? null : target.value));
+  element("object-shape").addEventListener("change", ({target}) => edit_object(GEOMETRY | SPECTRA, parts => {
+    parts[0].values = target.value.split(" ");
+    for (const name of ["unitize", "crease"]) {
+      const at = parts.findIndex(part => part.name === name);
+      if (at > 0) parts.splice(at, 1);
+    }
+    if (target.value.startsWith("mesh ")) parts.splice(1, 0, {name: "unitize", values: []});
+  }));
+  element("grow").addEventListener("change", ({target}) => {
+    if (target.valueAsNumber > 0 && target.valueAsNumber !== 1)
+      edit_object(GEOMETRY, parts => scale_object(parts, target.valueAsNumber));
+  });
+}
+
+/* ---- controls of camera, size and text ---- */
+
+function refresh_camera() {
+  add_triple("eye", camera.eye, eye => set_camera({...camera, eye}));
+  add_triple("look", camera.look, look => set_camera({...camera, look}));
+  set_text("extent-label", camera.perspective ? "Angle °" : "Width");
+  set_number("extent", camera.extent);
+  set_number("size-width", shape.width);
+  set_number("size-height", shape.height);
+  if (document.activeElement !== element("wavelengths")) element("wavelengths").value = wavelengths_text();
+}
+
+function listen_to_camera() {
+  element("extent").addEventListener("change", ({target}) => {
+    if (target.valueAsNumber > 0) set_camera({...camera, extent: target.valueAsNumber});
+  });
+  for (const id of ["size-width", "size-height"])
+    element(id).addEventListener("change", () => edit(GEOMETRY | SPECTRA, text => with_statement(text, "size",
+      `${element("size-width").value} ${element("size-height").value}`)));
+  element("wavelengths").addEventListener("change", ({target}) => edit(GEOMETRY | SPECTRA, text =>
+    with_statement(text, "wavelengths", wavelength_words(target.value))));
+  element("zoom-in").addEventListener("click", () => zoom_view(KEY_ZOOM));
+  element("zoom-out").addEventListener("click", () => zoom_view(1 / KEY_ZOOM));
+  for (const [name, key] of [["Left", "a"], ["Right", "d"], ["Up", "w"], ["Down", "s"]]) {
+    const button = document.createElement("button");
+    Object.assign(button, {type: "button", textContent: name});
+    button.addEventListener("click", () => KEYS[key]());
+    element("camera-buttons").append(button);
+  }
+}
+
+const text_files = () => Object.keys(state.files).filter(name => typeof state.files[name] === "string");
+
+async function refresh_text() {
+  if (!element("text-group").open) return;
+  const names = is_text(state) ? text_files() : [state.scene];
+  const before = element("text-file").value;
+  fill_menu("text-file", {files: names.map(name => [name, name])}, names.includes(before) ? before : state.scene);
+  if (document.activeElement === element("text")) return;
+  const text = is_text(state) ? state.files[element("text-file").value] : await builtin_text(state.scene);
+  if (element("text").value !== text) element("text").value = text;
+}
+
+let typing = 0;
+function type_text() {
+  clearTimeout(typing);
+  typing = setTimeout(async () => {
+    const base = await editable(state), name = is_text(state) ? element("text-file").value : base.scene;
+    if (base.files[name] !== element("text").value)
+      commit({...base, files: {...base.files, [name]: element("text").value}}, GEOMETRY | SPECTRA);
+  }, 300);
+}
+
+/* Shows the message under the text, and selects its line. */
+function show_text_error(message) {
+  set_text("text-error", message);
+  element("text-error").hidden = message === "";
+}
+
+/* ---- all controls ---- */
+
+function refresh(of) {
+  show_names();
+  set_text("name", of.scene);
+  refresh_sources();
+  refresh_objects();
+  refresh_object();
+  refresh_camera();
+  refresh_text();
+  show_handles();
+  element("undo").disabled = past.length === 0;
+  element("redo").disabled = future.length === 0;
+  element("builtin-scene").value = state.scene;
+}
+
+const eye_names = () => ({
+  detector: element("detector").selectedOptions[0]?.text || "cie1931",
+  adaptation: element("adaptation").selectedOptions[0]?.text || "none",
+  display: element("display").selectedOptions[0]?.text || "srgb",
+  luminance: amount("luminance"),
+});
+
+function add_eye_menus() {
+  for (const [id, selected] of [["detector", "cie1931"], ["adaptation", "none"], ["display", "srgb"]]) {
+    const names = scene[id + "s"].map(({name}) => name);
+    fill_select(element(id), names, names.indexOf(selected));
+  }
+}
+
+/* ---- saving and opening ---- */
+
+async function save_scene() {
+  state.baked || commit(await editable(state), GEOMETRY | SPECTRA);
+  const others = Object.keys(state.files).filter(name => name !== state.scene && text_of(state).includes(name));
+  if (others.length === 0) return save_as(new Blob([text_of(state)], {type: "text/plain"}), state.scene);
+  const {bytes, error} = await ask_program({task: "make", words: ["pack", state.scene], path: "/page.tar"});
+  error ? show_refusal(error) : save_as(new Blob([bytes], {type: "application/x-tar"}), file_stem(state.scene) + ".tar");
+}
+
+async function save_stack() {
+  set_text("progress", "Rendering the stack …");
+  const {bytes, error} = await ask_program({task: "make", path: "/" + file_stem(state.scene) + ".tif",
+    words: ["render", state.scene, "--renderer=raster", "--no-check", ...state.words, "--quiet"]});
+  set_text("progress", "");
+  error ? show_refusal(error) : save_as(new Blob([bytes], {type: "image/tiff"}), file_stem(state.scene) + ".tif");
+}
+
+/* Opens files: the first scene or list among them becomes the scene; others become files that a scene can name. */
+async function open_files(list) {
+  const files = {};
+  for (const file of list) files[file.name] = await content_of(file);
+  const scene_name = Object.keys(files).find(name => /[.](scene|list)$/i.test(name));
+  const next = {...state, files: {...state.files, ...files}};
+  commit(scene_name ? {...next, scene: scene_name, words: [], baked: false} : next, GEOMETRY | SPECTRA);
+}
+
+async function content_of(file) {
+  const bytes = new Uint8Array(await file.arrayBuffer());
+  return bytes.includes(0) ? bytes : new TextDecoder().decode(bytes);
+}
+
+function open_builtin(name) {
+  commit({scene: name, words: [], files: {}, baked: false}, GEOMETRY | SPECTRA);
+}
+
+/* ---- links ---- */
+
+async function packed(text) {
+  const stream = new Blob([text]).stream().pipeThrough(new CompressionStream("deflate"));
+  const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
+  return btoa(Array.from(bytes, byte => String.fromCharCode(byte)).join("")).replaceAll("+", "-").replaceAll("/", "_").replaceAll("=", "");
+}
+
+/* The address of the page with its state, but for files of bytes. */
+async function link_of_state() {
+  const files = Object.fromEntries(text_files().map(name => [name, state.files[name]]));
+  const facts = {scene: state.scene, words: state.words, baked: state.baked, files, eye: eye_names(), exposure: wanted_exposure()};
+  return location.href.replace(/#.*/, "") + "#" + await packed(JSON.stringify(facts));
+}
+
+async function copy_link() {
+  const link = await link_of_state();
+  history.replaceState(null, "", link);
+  await navigator.clipboard?.writeText(link).catch(() => {});
+  set_text("progress", `The address of this page holds its state now: ${link.length} characters.`);
+}
+
+async function state_of_link() {
+  const text = location.hash.slice(1).replaceAll("-", "+").replaceAll("_", "/");
+  if (text === "") return null;
+  try {
+    return JSON.parse(new TextDecoder().decode(await unpack(text, "deflate")));
+  } catch {
+    show_message("The address of this page holds no state that can be read.");
+    return null;
+  }
+}
+
+function take_eye({eye, exposure}) {
+  for (const id of ["detector", "adaptation", "display"])
+    element(id).value = Math.max(0, scene[id + "s"].findIndex(({name}) => name === eye[id]));
+  element("luminance").value = eye.luminance || "";
+  element("auto").checked = exposure === null;
+  if (exposure !== null) element("exposure").value = exposure;
+}
+
+/* ---- the start ---- */
+
+async function read_start() {
+  const start = JSON.parse(element("start").textContent), all = await unpack(element("files").textContent, "deflate"), files = {};
+  let at = 0;
+  for (const {name, length} of start.files) {
+    const bytes = all.subarray(at, at += length);
+    files[name] = bytes.includes(0) ? bytes.slice() : new TextDecoder().decode(bytes);
+  }
+  return {scene: start.scene, words: start.options, files, baked: false};
+}
+
+function listen_to_page() {
+  element("undo").addEventListener("click", () => go_back(past, future));
+  element("redo").addEventListener("click", () => go_back(future, past));
+  element("save-scene").addEventListener("click", save_scene);
+  element("save-stack").addEventListener("click", save_stack);
+  element("copy-link").addEventListener("click", copy_link);
+  element("open").addEventListener("click", () => element("opened").click());
+  element("opened").addEventListener("change", ({target}) => open_files(target.files));
+  element("builtin-scene").addEventListener("change", ({target}) => open_builtin(target.value));
+  element("text").addEventListener("input", type_text);
+  element("text-group").addEventListener("toggle", refresh_text);
+  element("text-file").addEventListener("change", refresh_text);
+  element("edits").addEventListener("submit", event => event.preventDefault());
+  addEventListener("keydown", event => {
+    const command = (event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z";
+    if (!command || /^(INPUT|TEXTAREA)$/.test(document.activeElement.tagName)) return;
+    event.preventDefault();
+    event.shiftKey ? go_back(future, past) : go_back(past, future);
+  });
+  addEventListener("dragover", event => { event.preventDefault(); document.body.classList.add("dropping"); });
+  addEventListener("dragleave", () => document.body.classList.remove("dropping"));
+  addEventListener("drop", event => {
+    event.preventDefault();
+    document.body.classList.remove("dropping");
+    open_files(event.dataTransfer.files);
+  });
+}
+
+function choose_object(surface) {
+  chosen = surface;
+  refresh_object();
+}
+
+/* Takes back all changes, as one more that undo takes back. */
+function reset_live() {
+  const first = past[0] || state;
+  if (first !== state) commit(first, GEOMETRY | SPECTRA);
+  else want(false);
+}
+
+/* The eye's controls ask for another picture of the same planes. */
+function redraw_live(event) {
+  if (!event.target.closest("#sources")) want(false);
+}
+
+async function start_live() {
+  const since = performance.now();
+  document.body.classList.add("live");
+  compiled = await WebAssembly.compile(await unpack(element("module").textContent, "gzip"));
+  start_drawers();
+  const link = await state_of_link();
+  set_state(link ? {scene: link.scene, words: link.words, files: link.files, baked: link.baked} : await read_start(), GEOMETRY | SPECTRA);
+  await first_picture(link);
+  set_text("progress", `The first picture took ${(performance.now() - since).toFixed(0)} ms.`);
+  document.body.dataset.ready = "true";
+}
+
+/* The first picture comes before all that only menus need. */
+async function first_picture(link) {
+  const drawer = drawers[0];
+  drawer.send_files(state.files);
+  const ask = () => drawer.ask({task: "draw", words: [state.scene, ...state.words], size: [], describe_key, draw_key: `${draw_key} 1`,
+    eye: link ? link.eye : eye_names(), exposure: link ? link.exposure : wanted_exposure(), whole: true});
+  const answer = await ask();
+  if (answer.error) throw new Error(answer.error);
+  set_scene(answer.description);
+  add_eye_menus();
+  if (link) take_eye(link);
+  show_picture(answer.painted);
+  await read_catalogue();
+  fill_menu("builtin-scene", {"": [[state.scene, state.scene]].filter(([name]) => !catalogue.scenes.includes(name)),
+    "built in": catalogue.scenes.map(name => [name, name])}, state.scene);
+  show_whole(answer, state);
+  choose_scaling();
+  listen_to_object();
+  listen_to_camera();
+  listen_to_drags();
+  listen();
+  listen_to_page();
+  pick(cursor.x, cursor.y);
+}

@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: MIT */
+/* Plots and tables of spectra. */
+
+/* ---- the plot ---- */
+
+const SVG = "http://www.w3.org/2000/svg";
+
+function draw(parent, name, attributes, text) {
+  const node = document.createElementNS(SVG, name);
+  for (const key in attributes) node.setAttribute(key, attributes[key]);
+  if (text !== undefined) node.textContent = text;
+  parent.append(node);
+  return node;
+}
+
+/* Returns the least step of 1, 2 or 5 times a power of ten with at most `most` steps in a range. */
+function tick_step(range, most) {
+  const power = 10 ** Math.floor(Math.log10(range / most));
+  return [1, 2, 5, 10].map(factor => factor * power).find(step => range / step <= most);
+}
+
+function ticks(first, last, most) {
+  const step = tick_step(last - first, most), out = [];
+  for (let i = Math.ceil(first / step - 1e-9); i * step <= last + 1e-9 * step; i++)
+    out.push(+(i * step).toPrecision(12));
+  return out;
+}
+
+/* Returns the largest value of an axis, a whole number of steps. */
+function axis_end(curves, least) {
+  const largest = Math.max(least, ...curves.map(({values}) => Math.max(...values)));
+  const step = tick_step(largest, 5);
+  return Math.ceil(largest / step - 1e-9) * step;
+}
+
+/* Returns the colours of single wavelengths for the CIE 1931 observer on an sRGB display. */
+function visible_stops() {
+  const {weights} = standard_observer, display = scene.displays[0];
+  const rgb = scene.wavelengths.map((_, i) => apply(display.matrix, weights.map(row => row[i])));
+  const largest = Math.max(...rgb.flat());
+  return rgb.map(row => `rgb(${row.map((value, c) => encoders(display)[c](value / largest)).join(",")})`);
+}
+
+function draw_visible(svg, frame) {
+  const gradient = draw(draw(svg, "defs", {}), "linearGradient", {id: "visible"});
+  const offset = nm => (nm - frame.first) / (frame.last - frame.first);
+  visible_stops().forEach((colour, i) =>
+    draw(gradient, "stop", {offset: offset(scene.wavelengths[i]), "stop-color": colour}));
+  draw(svg, "rect", {x: frame.left, y: frame.bottom, width: frame.across, height: 7, fill: "url(#visible)"});
+}
+
+function draw_axes(svg, frame) {
+  for (const nm of ticks(frame.first, frame.last, frame.right > 500 ? 12 : 6)) {
+    draw(svg, "path", {class: "grid", d: `M${frame.x(nm)} ${frame.top}V${frame.bottom}`});
+    draw(svg, "text", {x: frame.x(nm), y: frame.bottom + 21, "text-anchor": "middle"}, nm);
+  }
+  for (const value of ticks(0, frame.end, 5)) {
+    draw(svg, "path", {class: "grid", d: `M${frame.left} ${frame.y(value)}H${frame.right}`});
+    draw(svg, "text", {x: frame.left - 6, y: frame.y(value) + 4, "text-anchor": "end"}, value);
+  }
+  for (const value of frame.relative_end ? ticks(0, frame.relative_end, 5) : [])
+    draw(svg, "text", {x: frame.right + 6, y: frame.y_relative(value) + 4}, value);
+  draw(svg, "rect", {class: "axis", x: frame.left, y: frame.top, width: frame.across, height: frame.down});
+  draw(svg, "text", {x: frame.left + frame.across / 2, y: frame.bottom + 38, "text-anchor": "middle"},
+    "wavelength (nm)");
+  draw(svg, "text", {x: 2, y: 12}, "radiance (relative)");
+  if (frame.relative_end)
+    draw(svg, "text", {x: frame.width - 2, y: 12, "text-anchor": "end"}, "reflectance, excitation");
+}
+
+/* Returns the layout of the plot, with functions from values to places. */
+function plot_frame(curves) {
+  const width = clamp(element("chart").clientWidth, 280, 900), height = width > 500 ? 330 : 270;
+  const relative = curves.filter(curve => curve.relative), nm = scene.wavelengths, alone = n_bands > 1 ? 0 : 1;
+  const frame = {width, height, left: 46, right: width - (relative.length > 0 ? 36 : 12), top: 22,
+    bottom: height - 46, first: nm[0] - alone, last: nm[n_bands - 1] + alone,
+    end: axis_end(curves.filter(curve => !curve.relative), 1e-3),
+    relative_end: relative.length > 0 ? axis_end(relative, 1) : 0};
+  frame.across = frame.right - frame.left;
+  frame.down = frame.bottom - frame.top;
+  const rounded = place => +place.toFixed(2);
+  frame.x = value => rounded(frame.left + (value - frame.first) / (frame.last - frame.first) * frame.across);
+  frame.y = value => rounded(frame.bottom - value / frame.end * frame.down);
+  frame.y_relative = value => rounded(frame.bottom - value / frame.relative_end * frame.down);
+  return frame;
+}
+
+function curve_path({values, relative}, frame) {
+  const y = relative ? frame.y_relative : frame.y;
+  const points = Array.from(values, (value, i) => `${frame.x(scene.wavelengths[i])} ${y(value)}`);
+  return n_bands > 1 ? "M" + points.join("L") : `M${points[0]}m-9 0h18`;
+}
+
+function show_plot(curves) {
+  const shown = curves.filter(({name}) => !hidden.has(name)), frame = plot_frame(shown);
+  const svg = draw(document.createDocumentFragment(), "svg", {viewBox: `0 0 ${frame.width} ${frame.height}`,
+    role: "img", "aria-label": `Plot over wavelength of ${shown.map(({name}) => name).join(", ")}`});
+  draw_visible(svg, frame);
+  draw_axes(svg, frame);
+  for (const curve of shown.slice().reverse())
+    draw(svg, "path", {class: `curve ${curve.style}`, d: curve_path(curve, frame)});
+  element("chart").replaceChildren(svg);
+}
+
+function show_legend(curves) {
+  const key = curves.map(({name, style}) => name + style).join();
+  if (element("curves").dataset.shown === key) return; /* so that a checkbox keeps its focus */
+  element("curves").dataset.shown = key;
+  element("curves").replaceChildren(...curves.map(({name, style}) => {
+    const [item, label, box] = ["li", "label", "input"].map(tag => document.createElement(tag));
+    box.type = "checkbox";
+    box.checked = !hidden.has(name);
+    box.addEventListener("change", () => {
+      box.checked ? hidden.delete(name) : hidden.add(name);
+      show_pixel();
+    });
+    label.className = "check";
+    const sample = draw(label, "svg", {viewBox: "0 0 30 12", "aria-hidden": "true"});
+    draw(sample, "path", {class: `curve ${style}`, d: "M1 6H29"});
+    label.prepend(box);
+    label.append(name);
+    item.append(label);
+    return item;
+  }));
+}
+
+/* ---- values ---- */
+
+const values_head = curves => ["nm", ...curves.map(({name}) => name)];
+
+function show_values(curves) {
+  if (!element("values-shown").open) return;
+  const table = document.createElement("table");
+  table.createTHead().append(table_row(values_head(curves), () => "col"));
+  table.createTBody().append(...scene.wavelengths.map((nm, i) =>
+    table_row([nm, ...curves.map(({values}) => values[i].toPrecision(6))])));
+  element("values").replaceChildren(table);
+}
+
+function values_csv(curves) {
+  const head = values_head(curves).map(name => `"${name.replaceAll('"', '""')}"`);
+  const rows = scene.wavelengths.map((nm, i) => [nm, ...curves.map(({values}) => values[i].toPrecision(9))]);
+  return [head, ...rows].map(row => row.join(",") + "\n").join("");
+}
+
+function save_as(blob, name) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(blob);
+  link.download = name.replace(/^.*[/]/, "");
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 60000);
+}
+
+const save = (blob, ending) => save_as(blob, scene.scene.replace(/^.*[/]/, "").replace(/[.][^.]*$/, "") + ending);
+

@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: MIT */
+/* The text of a scene as statements and words, and changes of it that keep all else as it is written. */
+
+/* Returns the place behind the closing quote, or the end of the line. */
+function quote_end(text, from, end) {
+  const at = text.indexOf('"', from);
+  return at < 0 || at >= end ? end : at + 1;
+}
+
+/* Returns the words of a line: {text, start, end, quoted}, by their places in the whole text. */
+function words_of(text, start, end) {
+  const out = [];
+  for (let at = start; at < end;) {
+    if (text[at] === " " || text[at] === "\t" || text[at] === "\r") { at++; continue; }
+    if (text[at] === "#") break;
+    const quoted = text[at] === '"', from = at;
+    if (quoted) at = quote_end(text, at + 1, end);
+    else while (at < end && !/[ \t\r#]/.test(text[at])) at++;
+    out.push({text: quoted ? text.slice(from + 1, at - 1) : text.slice(from, at), start: from, end: at, quoted});
+  }
+  return out;
+}
+
+/* Returns the statements of a text: {line, words, start, end}. The words of a material may stand on several lines. */
+function statements_of(text) {
+  const out = [];
+  let line = 0, open = null, depth = 0;
+  for (let start = 0; start <= text.length;) {
+    const at = text.indexOf("\n", start), end = at < 0 ? text.length : at, words = words_of(text, start, end);
+    line++;
+    if (words.length > 0 && !open) out.push(open = {line, words: [], start: words[0].start, end});
+    if (open) {
+      open.words.push(...words);
+      if (words.length > 0) open.end = words[words.length - 1].end;
+      for (const word of words) depth += !word.quoted && word.text === "{" ? 1 : !word.quoted && word.text === "}" ? -1 : 0;
+      if (depth <= 0) { open = null; depth = 0; }
+    }
+    start = end + 1;
+  }
+  return out;
+}
+
+const replaced = (text, {start, end}, by) => text.slice(0, start) + by + text.slice(end);
+const as_word = text => /^[^\s"#{}]+$/.test(text) ? text : `"${text}"`;
+/* A number as a scene has it: short, and the same when it is read again. */
+const as_number = value => String(+value.toPrecision(8)).replace(/^-0$/, "0");
+const as_vector = vector => vector.map(as_number).join(" ");
+
+const statement_at = (text, line) => statements_of(text).find(one => one.line === line);
+const statement_named = (text, name) => statements_of(text).find(({words}) => words[0].text === name);
+
+/* Puts a statement in the place of the one of its name, or in front of all others. */
+function with_statement(text, name, words) {
+  const found = statement_named(text, name), first = statements_of(text)[0];
+  if (found) return replaced(text, found, `${name} ${words}`);
+  const at = first ? first.start : text.length;
+  return text.slice(0, at) + `${name} ${words}\n` + text.slice(at);
+}
+
+const number_words = words => words.map(({text}) => Number(text));
+
+/* ---- the camera ---- */
+
+/* Writes a camera; keeps `near` and `far` only where the statement has them. */
+function with_camera(text, camera) {
+  const found = statement_named(text, "camera"), given = found ? found.words.map(({text}) => text) : [];
+  const depth = ["near", "far"].filter(word => given.includes(word)).map(word => `${word} ${as_number(camera[word])} `);
+  return with_statement(text, "camera", `${camera.perspective ? "perspective" : "ortho"} ${as_number(camera.extent)} ` +
+    `${depth.join("")}eye ${as_vector(camera.eye)} look ${as_vector(camera.look)} up ${as_vector(camera.up)}`);
+}
+
+/* ---- lights ---- */
+
+/* Light statements are: light SPECTRUM INTENSITY position|direction X Y Z ..., ambient SPECTRUM INTENSITY. */
+function with_light(text, line, {spectrum, intensity, vector}) {
+  const found = statement_at(text, line), place = found.words.findIndex(({text}) => text === "position" || text === "direction");
+  const changes = [];
+  if (spectrum !== undefined) changes.push([found.words[1], as_word(spectrum)]);
+  if (intensity !== undefined) changes.push([found.words[2], as_number(intensity)]);
+  if (vector !== undefined) changes.push([{start: found.words[place + 1].start, end: found.words[place + 3].end}, as_vector(vector)]);
+  return changes.sort((a, b) => b[0].start - a[0].start).reduce((all, [range, by]) => replaced(all, range, by), text);
+}
+
+/* ---- objects ---- */
+
+const OBJECT_WORDS = new Set(["material", "materials", "scale", "rotate", "translate", "two-sided", "planar", "repeat",
+  "unitize", "crease"]);
+
+/* Returns the parts of an object's statement: its shape, and each option with its words. */
+function object_parts(statement) {
+  const parts = [{name: "shape", words: []}];
+  for (const word of statement.words.slice(1)) {
+    const option = !word.quoted && OBJECT_WORDS.has(word.text);
+    if (option) parts.push({name: word.text, words: []});
+    else parts[parts.length - 1].words.push(word);
+  }
+  return parts.map(({name, words}) => ({name, values: words.map(({text}) => text)}));
+}
+
+function parts_text(parts) {
+  return "object " + parts.map(({name, values}) =>
+    (name === "shape" ? values : [name, ...values]).map((value, i) => name === "shape" || i > 0 ? as_word(value) : value).join(" ")).join(" ");
+}
+
+/* Changes the parts of the object whose statement begins in a line. */
+function with_object(text, line, change) {
+  const found = statement_at(text, line), parts = object_parts(found);
+  change(parts);
+  return replaced(text, found, parts_text(parts));
+}
+
+const last_of = parts => parts[parts.length - 1];
+
+/* Moves an object: adds to its last translation. */
+function move_object(parts, by) {
+  if (last_of(parts).name !== "translate") parts.push({name: "translate", values: ["0", "0", "0"]});
+  const last = last_of(parts);
+  last.values = last.values.map((value, i) => as_number(Number(value) + by[i]));
+}
+
+/* Puts a transform before the last translation, so that the object turns or grows about its own place. `merge` joins it
+ * with an equal one before, and returns false if it cannot. */
+function insert_transform(parts, part, merge) {
+  const at = last_of(parts).name === "translate" ? parts.length - 1 : parts.length, before = parts[at - 1];
+  if (before.name !== part.name || !merge(before)) parts.splice(at, 0, part);
+}
+
+function scale_object(parts, factor) {
+  insert_transform(parts, {name: "scale", values: [as_number(factor)]}, before => {
+    before.values = before.values.map(value => as_number(Number(value) * factor));
+    return true;
+  });
+}
+
+function rotate_object(parts, angle, axis) {
+  const vector = axis.map(as_number);
+  insert_transform(parts, {name: "rotate", values: [as_number(angle), ...vector]}, before => {
+    if (before.values.slice(1).join() !== vector.join()) return false;
+    before.values[0] = as_number((Number(before.values[0]) + angle) % 360);
+    return true;
+  });
+}
+
+function set_part(parts, name, values, also = []) {
+  const found = parts.find(part => part.name === name || also.includes(part.name));
+  if (found) Object.assign(found, {name, values});
+  else parts.splice(1, 0, {name, values});
+}
+
+/* ---- the thesis's grid ---- */
+
+/* Returns the transform of object i of n of a checker, as statements have it: see `checker` in the scene language. */
+function grid_parts(i, n) {
+  const rows = n <= 3 ? 1 : n <= 8 ? 2 : n <= 15 ? 3 : 4, scale = [1, 0.66, 0.5, 0.333][rows - 1];
+  const columns = Math.ceil(n / rows);
+  return [{name: "translate", values: [as_number(6 * (i % columns) - 3 * (columns - 1)),
+    as_number(3 * (rows - 1) - 6 * Math.floor(i / columns)), "0"]}, {name: "scale", values: [String(scale)]}];
+}
+
+/* Replaces a checker by its objects. materials: the name and the file of each. */
+function with_checker_opened(text, line, materials) {
+  const found = statement_at(text, line), defined = new Map(), lines = [];
+  const pattern = object_parts({words: [found.words[0], ...found.words.slice(2)]});
+  for (const {words} of statements_of(text))
+    if (words[0].text === "material") defined.set(words[1].text, words[2] && words[2].text);
+  materials.forEach(({name, file}, i) => {
+    let own = name;
+    for (let n = 2; defined.has(own) && defined.get(own) !== file; n++) own = `${name}-${n}`;
+    if (!defined.has(own)) lines.push(`material ${as_word(own)} ${as_word(file)}`);
+    defined.set(own, file);
+    const [shape, ...options] = pattern;
+    lines.push(parts_text([shape, {name: "material", values: [own]}, ...options, ...grid_parts(i, materials.length)]));
+  });
+  return replaced(text, found, lines.join("\n"));
+}
+
+/* ---- materials ---- */
+
+/* Sets or removes (value null) a word with its value between the braces of a material. */
+function with_material_word(text, name, word, value) {
+  const found = statements_of(text).find(({words}) => words[0].text === "material" && words[1] && words[1].text === name);
+  const at = found.words.findIndex((one, i) => i > 2 && !one.quoted && one.text === word);
+  const more = word === "texture" || word === "spectral-texture" ? 2 : 1;
+  if (at > 0) {
+    const range = {start: found.words[at].start, end: found.words[at + more].end};
+    return replaced(text, range, value === null ? "" : `${word} ${value}`);
+  }
+  const close = found.words[found.words.length - 1];
+  return value === null ? text : replaced(text, {start: close.start, end: close.start}, `${word} ${value} `);
+}

@@ -1,0 +1,394 @@
+/* SPDX-License-Identifier: MIT */
+/* The page: its controls, the picked pixel, its start. */
+
+const element = id => document.getElementById(id);
+
+/* ---- controls ---- */
+
+const canvas = element("picture");
+
+function fill_select(select, names, selected) {
+  names.forEach((name, i) => select.add(new Option(name, i, i === selected, i === selected)));
+}
+
+/* Adds a row of controls for one light. The ids of its controls begin with `id`. */
+function add_source(name, id, source) {
+  const row = document.createElement("div");
+  row.className = "row";
+  row.innerHTML = `<label for="${id}">${name}</label><select id="${id}"></select><span></span>
+    <div><input type="range" id="${id}-slider" min="0" step="0.01" aria-label="Intensity of ${name}">
+    <input type="number" id="${id}-intensity" min="0" step="any"
+      aria-label="Intensity of ${name}, as a number"></div>`;
+  element("sources").append(row);
+  const slider = element(id + "-slider"), number = element(id + "-intensity");
+  fill_select(element(id), scene.illuminants.map(({name}) => name === "1" ? "1 (equal energy)" : name),
+    source.illuminant);
+  slider.max = Math.max(1, 2 * source.intensity);
+  slider.defaultValue = number.defaultValue = source.intensity;
+  slider.addEventListener("input", () => number.value = slider.value);
+  number.addEventListener("input", () => slider.value = amount(number.id));
+}
+
+const source_ids = kind => scene[kind].map((_, i) => `${kind}-${i + 1}`);
+
+/* A single ambient light has no number. */
+const number_of = (kind, i) => kind === "lights" || scene[kind].length > 1 ? ` ${i + 1}` : "";
+
+function add_controls() {
+  for (const [kind, name] of [["ambients", "Ambient"], ["lights", "Light"]])
+    source_ids(kind).forEach((id, i) => add_source(name + number_of(kind, i), id, scene[kind][i]));
+  for (const [id, selected] of [["detector", "cie1931"], ["adaptation", "none"], ["display", "srgb"]]) {
+    const names = scene[id + "s"].map(({name}) => name);
+    fill_select(element(id), names, names.indexOf(selected));
+  }
+}
+
+/* Returns the number in a field. A text that is no number, and a negative number, count as 0. */
+const amount = id => Math.max(0, element(id).valueAsNumber || 0);
+
+function read_sources() {
+  const read = kind => source_ids(kind).map(id =>
+    ({illuminant: Number(element(id).value), intensity: amount(id + "-intensity")}));
+  return {ambients: read("ambients"), lights: read("lights")};
+}
+
+/* Returns the choice of an eye: see eye_of. */
+function read_choice() {
+  const chosen = id => Number(element(id).value);
+  return {detector: chosen("detector"), adaptation: chosen("adaptation"), display: chosen("display"),
+    luminance: amount("luminance")};
+}
+
+const wanted_exposure = () => element("auto").checked ? null : amount("exposure");
+
+/* ---- facts ---- */
+
+let sources, eye, white, exposure;
+
+function set_text(id, text) {
+  if (element(id).textContent !== text) element(id).textContent = text;
+}
+
+const percent = part => (100 * part).toFixed(part > 0 && part < 0.01 ? 2 : 1) + "\u00a0%";
+const figures = (values, digits) => Array.from(values, value =>
+  value.toFixed(digits).replace(/^-(?=[0.]*$)/, "").replace("-", "−"));
+
+function show_message(text) {
+  set_text("message", text);
+  element("message").hidden = text === "";
+}
+
+function show_title() {
+  const lights = sources.ambients.concat(sources.lights).filter(({intensity}) => intensity > 0);
+  const names = [...new Set(lights.map(({illuminant}) => scene.illuminants[illuminant].name))];
+  const under = names.join(", ") || "no light";
+  document.title = `${scene.scene} under ${under}, seen by ${eye.detector.name} – spectral`;
+}
+
+function show_facts(outside) {
+  const names = eye.detector.observer ? ["x", "y", "z"] : ["r", "g", "b"];
+  set_text("gamut", `Out of gamut: ${outside} of ${n_pixels} pixels (${percent(outside / n_pixels)}).`);
+  set_text("lost", "The detector's sensitivity outside the picture's wavelengths: " +
+    names.map((name, i) => `${name} ${percent(eye.detector.lost[i])}`).join(", ") + ".");
+  const xyz = white && apply(observer().weights, white.radiance);
+  set_text("white", xyz ? "White: the mean of the lights, x " + figures(chromaticity(xyz), 4).join(", y ") +
+    `, Y ${figures([xyz[1]], 2)}.` : "No light shines, so there is no white.");
+}
+
+function show_controls() {
+  const {detector, adaptation} = eye;
+  element("adaptation").disabled = !detector.observer;
+  element("luminance-row").hidden = !detector.observer || !adaptation.incomplete;
+  element("luminance").placeholder = white ? String(+(10 * white.intensity).toPrecision(6)) : "";
+  element("exposure").disabled = element("auto").checked;
+  if (element("auto").checked) element("exposure").value = +exposure.toPrecision(6);
+}
+
+/* ---- commands ---- */
+
+const quoted = word => /^[\w.,:/*=@%+-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`;
+
+function wavelengths_text() {
+  const nm = scene.wavelengths, step = n_bands > 1 ? nm[1] - nm[0] : 1;
+  const even = n_bands > 1 && nm.every((value, i) => value === nm[0] + i * step);
+  return even ? `${nm[0]}:${nm[n_bands - 1]}:${step}` : nm.join(",");
+}
+
+function command_lines() {
+  const word_of = ({illuminant, intensity}) => `${scene.illuminants[illuminant].word}*${intensity}`;
+  const changed = (kind, i) => word_of(sources[kind][i]) !== word_of(scene[kind][i]);
+  const other_ambient = sources.ambients.some((_, i) => changed("ambients", i));
+  if (other_ambient && sources.ambients.length > 1)
+    return "The command line can set one ambient light only. A scene file can set more.";
+  const render = ["spectral render", quoted(scene.scene), "--renderer raster",
+    `--size ${shape.width}x${shape.height}`, ...(side > 1 ? [`--samples ${side}`] : []),
+    "--wavelengths", wavelengths_text()];
+  const develop = ["spectral develop picture.tif", "--detector", quoted(eye.detector.name),
+    "--display", eye.display.name, "--exposure", element("auto").checked ? "auto" : exposure];
+  sources.lights.forEach((light, i) => {
+    if (changed("lights", i)) render.push("--light", quoted(`${i + 1}=${word_of(light)}`));
+  });
+  if (other_ambient) render.push("--ambient", quoted(word_of(sources.ambients[0])));
+  if (eye.detector.observer)
+    develop.push("--adaptation", eye.adaptation.name +
+      (eye.adaptation.incomplete && eye.luminance ? `:${eye.luminance}` : ""));
+  return render.concat("-o picture.tif &&").concat(develop, "-o developed.tif").join(" ");
+}
+
+/* ---- the picked pixel ---- */
+
+let cursor = null;
+let pixel = null; /* the picked pixel */
+let kept = null;  /* {name, radiance, white}: a pixel for comparison, and the white of its light */
+const hidden = new Set(); /* names of curves that are not drawn */
+
+/* XYZ needs an observer: a camera has no tristimulus values. */
+const observer = () => eye.detector.observer ? eye.detector : standard_observer;
+
+const object_name = surface => surface === 0 ? "background"
+  : `${surface}. ${scene.objects[surface - 1].name} (${scene.objects[surface - 1].shape})`;
+
+/* Returns the curves of the lights. Lights of the same illuminant and intensity share a curve. */
+function light_curves() {
+  const styles = ["light", "light second", "light third"], alike = new Map();
+  const style_of = i => styles[i % 3] + (i % 6 < 3 ? "" : " dashed");
+  for (const [kind, name] of [["ambients", "ambient"], ["lights", "light"]])
+    sources[kind].forEach(({illuminant, intensity}, i) => {
+      const key = `${illuminant} ${intensity}`;
+      if (intensity > 0 && !alike.has(key)) alike.set(key, {illuminant, intensity, names: []});
+      if (intensity > 0) alike.get(key).names.push(name + number_of(kind, i));
+    });
+  return [...alike.values()].map(({illuminant, intensity, names}, i) => ({style: style_of(i),
+    name: `${names.join(", ")} (${scene.illuminants[illuminant].name})`,
+    values: radiance_of({illuminant}).map(value => intensity * value)}));
+}
+
+/* Returns the curves of a pixel with their classes. Relative curves use the axis on the right. */
+function curves_at(pixel) {
+  const curves = [{name: "radiance", style: "radiance", values: radiance_at(pixel, sources, terms_of)}];
+  const material = shown[pixel] > 0 ? material_of(shown[pixel]) : {};
+  const named = [["diffuse", "reflectance"], ["specular", "specular reflectance"],
+    ["excitation", "excitation"], ["emission", "emission"]];
+  if (kept) curves.push({name: kept.name, style: "kept", values: kept.radiance});
+  if (material.luminescence)
+    curves.push({name: "fluorescence", style: "fluorescence",
+      values: radiance_at(pixel, sources, fluorescence_of)});
+  curves.push(...light_curves());
+  if (material.glow) curves.push({name: "own light", style: "glow", values: material.glow});
+  for (const [style, name] of named)
+    if (material[style]) curves.push({name, style, values: material[style], relative: true});
+  return curves;
+}
+
+/* Returns L*a*b* of a pixel relative to the white of its own light; null without a white. */
+function lab_of({radiance, white}) {
+  const {weights} = observer(), of_white = white && apply(weights, white.radiance);
+  return of_white && of_white[1] > 0 ? cielab(apply(weights, radiance), of_white) : null;
+}
+
+function colour_rows(radiance) {
+  const xyz = apply(observer().weights, radiance), lab = lab_of({radiance, white});
+  const other = kept && lab_of(kept);
+  const rows = [["XYZ", figures(xyz, 4)], ["x, y", figures(chromaticity(xyz), 5)]];
+  if (lab) rows.push(["L*a*b*", figures(lab, 3)]);
+  if (lab && other)
+    rows.push(["ΔE*ab to the kept", figures([Math.hypot(...lab.map((value, i) => value - other[i]))], 3)]);
+  return rows;
+}
+
+function channel_rows() {
+  const codes = [0, 1, 2].map(channel => encoders(eye.display)[channel](linear[channel][pixel] * exposure));
+  return [["RGB, linear", figures(linear.map(channel => channel[pixel] * exposure), 5)],
+    ["RGB, 0 to 255", codes.map(String)]];
+}
+
+/* Makes a row of a table. A cell whose scope is not empty is a head. */
+function table_row(texts, head_scope = i => i === 0 ? "row" : "") {
+  const row = document.createElement("tr");
+  row.append(...texts.map((text, i) => {
+    const scope = head_scope(i), cell = document.createElement(scope ? "th" : "td");
+    if (scope) cell.scope = scope;
+    cell.textContent = text;
+    return cell;
+  }));
+  return row;
+}
+
+function show_numbers(rows) {
+  const key = JSON.stringify(rows);
+  if (element("numbers").dataset.shown === key) return; /* screen readers need not repeat it */
+  element("numbers").dataset.shown = key;
+  element("numbers").replaceChildren(...rows.map(([name, values]) =>
+    table_row([name, ...values, ...Array(3 - values.length).fill("")])));
+}
+
+/* ---- picking ---- */
+
+function show_pixel() {
+  if (pixel === null || pixel >= n_pixels) return;
+  const curves = curves_at(pixel), surface = shown[pixel];
+  set_text("picked", `Pixel ${place_of(pixel).join(", ")}: ${object_name(surface)}`);
+  show_numbers(colour_rows(curves[0].values).concat(channel_rows()));
+  show_plot(curves);
+  show_legend(curves);
+  show_values(curves);
+}
+
+function move_cursor(x, y) {
+  cursor = {x: clamp(x, 0, shape.width - 1), y: clamp(y, 0, shape.height - 1)};
+  element("cross").style.left = `${(cursor.x + 0.5) / shape.width * 100}%`;
+  element("cross").style.top = `${(cursor.y + 0.5) / shape.height * 100}%`;
+}
+
+function pick(x, y) {
+  move_cursor(x, y);
+  pixel = cursor.y * shape.width + cursor.x;
+  element("objects").value = shown[pixel];
+  show_pixel();
+}
+
+/* The same by the user: in a live page the object is then the chosen one. */
+function choose(x, y) {
+  pick(x, y);
+  if (is_live()) choose_object(shown[pixel]);
+}
+
+function pick_by_key(event) {
+  const steps = {ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1]};
+  const step = steps[event.key], by = event.shiftKey ? 10 : 1;
+  if (step) move_cursor(cursor.x + by * step[0], cursor.y + by * step[1]);
+  else if (event.key === "Enter" || event.key === " ") choose(cursor.x, cursor.y);
+  else return;
+  event.preventDefault();
+}
+
+/* A click has the corner of a screen pixel. Its middle is meant. */
+function pick_by_pointer(event) {
+  const box = canvas.getBoundingClientRect();
+  choose(Math.floor((event.clientX + 0.5 - box.left) / box.width * shape.width),
+    Math.floor((event.clientY + 0.5 - box.top) / box.height * shape.height));
+}
+
+/* Shows an enlarged picture without smoothing, so that pixels keep their colours. */
+function choose_scaling() {
+  const enlarged = canvas.clientWidth * devicePixelRatio / shape.width;
+  canvas.style.imageRendering = enlarged >= 1.5 ? "pixelated" : "auto";
+}
+
+/* Finds for each visible object the pixel that reflects most, without highlights. */
+function best_pixels() {
+  const best = new Map();
+  for (let i = 0; i < n_pixels; i++) {
+    let weight = 0;
+    for (const position of positions_of(i))
+      for (let t = 0; t < weights.length; t += t > 0 ? 2 : 1)
+        weight += weights[t][position] * shape.weight_scales[t];
+    if (!best.has(shown[i]) || weight > best.get(shown[i]).weight) best.set(shown[i], {i, weight});
+  }
+  return best;
+}
+
+/* Lists the objects that can be seen. */
+function refresh_objects() {
+  const seen = [...best_pixels().keys()].sort((a, b) => a - b), select = element("objects"), key = seen.map(object_name).join("\n");
+  if (select.dataset.key === key) return; /* so that an open menu stays open */
+  select.replaceChildren(...seen.map(surface => new Option(object_name(surface), surface)));
+  select.dataset.key = key;
+  if (pixel !== null && pixel < n_pixels) select.value = shown[pixel];
+}
+
+function pick_object() {
+  const best = best_pixels().get(Number(element("objects").value));
+  if (best) choose(...place_of(best.i));
+}
+
+function keep() {
+  kept = kept ? null : {name: `kept: ${object_name(shown[pixel])}`, white,
+    radiance: radiance_at(pixel, sources, terms_of)};
+  set_text("keep", kept ? "Forget the kept pixel" : "Keep for comparison");
+  show_pixel();
+}
+
+/* ---- start and redraw ---- */
+
+/* Shows a painted picture, with its facts. */
+function present(painted) {
+  const {width, height, data, outside} = painted;
+  if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, {width, height});
+  canvas.getContext("2d").putImageData(new ImageData(data, width, height), 0, 0);
+  exposure = painted.exposure;
+  show_message(!painted.balanced
+    ? "The eye cannot adapt to this light, or the camera cannot be balanced for it. The picture stays black."
+    : exposure > 0 ? "" : "The picture stays black: enter an exposure above 0.");
+  show_title();
+  show_facts(outside);
+  show_controls();
+  set_text("commands", command_lines());
+  show_pixel();
+}
+
+function redraw() {
+  const since = performance.now();
+  sources = read_sources();
+  eye = eye_of(read_choice());
+  white = white_of(sources);
+  present(paint(sources, read_choice(), wanted_exposure()));
+  set_text("speed", `The last redraw took ${(performance.now() - since).toFixed(0)} ms.`);
+}
+
+let due = false;
+function redraw_soon() {
+  if (!due) requestAnimationFrame(() => { due = false; redraw(); });
+  due = true;
+}
+
+/* In a live page the scene itself changes: see live.js. */
+const is_live = () => document.body.classList.contains("live");
+
+function listen() {
+  element("controls").addEventListener("input", event => is_live() ? redraw_live(event) : redraw_soon());
+  element("controls").addEventListener("reset", () => setTimeout(() => is_live() ? reset_live() : redraw_soon()));
+  element("controls").addEventListener("submit", event => event.preventDefault());
+  element("objects").addEventListener("change", pick_object);
+  canvas.addEventListener("click", pick_by_pointer);
+  canvas.addEventListener("keydown", pick_by_key);
+  element("values-shown").addEventListener("toggle", show_pixel);
+  element("keep").addEventListener("click", keep);
+  element("save").addEventListener("click", () => canvas.toBlob(blob => save(blob, ".png")));
+  element("save-values").addEventListener("click", () =>
+    save(new Blob([values_csv(curves_at(pixel))], {type: "text/csv"}), ".csv"));
+  new ResizeObserver(show_pixel).observe(element("chart"));
+  addEventListener("resize", choose_scaling);
+}
+
+/* Fits the page to a picture's shape. */
+function fit_frame() {
+  element("frame").style.maxWidth = `${Math.max(shape.width, 300)}px`;
+  element("frame").style.setProperty("--aspect", shape.width / shape.height);
+  if (!cursor) cursor = {x: shape.width >> 1, y: shape.height >> 1};
+}
+
+function show_names() {
+  const nm = scene.wavelengths;
+  set_text("name", scene.scene);
+  set_text("about", `${shape.width} × ${shape.height} pixels, ` + (n_bands > 1
+    ? `${n_bands} wavelengths from ${nm[0]} to ${nm[n_bands - 1]} nm` : `one wavelength, ${nm[0]} nm`));
+  set_text("program", scene.program);
+}
+
+async function start_still() {
+  const read = id => JSON.parse(element(id).textContent);
+  set_scene(read("scene"));
+  set_shape(read("shape"));
+  const [surfaces, ...values] = decode_planes(await unpack(element("planes").textContent, "deflate"));
+  set_planes(shape, {surfaces, values});
+  show_names();
+  fit_frame();
+  add_controls();
+  refresh_objects();
+  redraw();
+  choose_scaling();
+  pick(cursor.x, cursor.y);
+  listen();
+  document.body.dataset.ready = "true";
+}

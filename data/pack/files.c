@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: MIT */
+/* The files of a scene, with names relative to the scene's folder. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/pack/pack.h"
+
+/* Removes "." and "FOLDER/.." from a relative path, in place. Returns false if it leaves its
+ * folder, or is not relative. */
+static bool simplify(char *path)
+{
+    char *to = path;
+    for (const char *at = path; *at != '\0';) {
+        const size_t length = strcspn(at, "/"), step = length + (at[length] == '/');
+        const bool up = length == 2 && memcmp(at, "..", 2) == 0;
+        if (length == 0 && at == path)
+            return false;
+        if (up && to == path)
+            return false;
+        if (up)
+            for (to--; to > path && to[-1] != '/'; to--)
+                ;
+        else if (length > 0 && !(length == 1 && *at == '.')) {
+            memmove(to, at, step);
+            to += step;
+        }
+        at += step;
+    }
+    *to = '\0';
+    return true;
+}
+
+/* Finds the name of a file below the scene's folder; allocated. */
+static char *name_below(const struct packing *packing, const char *path, struct error *err)
+{
+    const size_t above = strlen(packing->above);
+    const bool below = strncmp(path, packing->above, above) == 0;
+    char *name = strdup(below ? path + above : path);
+    if (!name)
+        error_memory(err);
+    else if (!below || !simplify(name)) {
+        error_usage(err,
+                    "%s is not below the folder of the scene, and would not be found elsewhere; "
+                    "copy it there, and name it by a relative path",
+                    path);
+        free(name);
+        name = NULL;
+    }
+    return name;
+}
+
+/* Refuses two files that links give one name. */
+static bool is_same_file(const char *known, const char *path, struct error *err)
+{
+    bool same;
+    return file_is_same(known, path, &same, err) &&
+           (same || error_usage(err, "%s and %s are two files, and one in the archive; rename one",
+                                known, path));
+}
+
+/* Adds a file, unless its name is there already. */
+static bool add(struct packing *packing, const char *path, struct error *err)
+{
+    if (path_is_builtin(path))
+        return true;
+    struct packed_file file = {name_below(packing, path, err), path};
+    if (!file.name)
+        return false;
+    const size_t length = strlen(file.name);
+    const int place = index_find(&packing->places, file.name, length);
+    if (place < 0 && array_add(&packing->files, &packing->n_files, &file, sizeof file, err))
+        return index_add(&packing->places, file.name, length, packing->n_files - 1, err);
+    free(file.name);
+    return place >= 0 && is_same_file(packing->files[place].path, path, err);
+}
+
+void packing_free(struct packing *packing)
+{
+    for (int i = 0; i < packing->n_files; i++)
+        free(packing->files[i].name);
+    free(packing->files);
+    free(packing->above);
+    index_free(&packing->places);
+    inputs_free(&packing->inputs);
+    *packing = (struct packing){.files = NULL};
+}
+
+char *pack_marked_name(const char *scene)
+{
+    const char *base = path_name(scene);
+    const size_t length = strlen(scene) + sizeof "./";
+    char *name = malloc(length);
+    if (name)
+        snprintf(name, length, "%.*s%s%s", (int)(base - scene), scene, scene[0] == '/' ? "./" : "",
+                 base);
+    return name;
+}
+
+bool packing_make(const struct scene *scene, struct packing *out, struct error *err)
+{
+    const char *path = scene->files[0].path;
+    *out = (struct packing){.above = strdup(path)};
+    bool done = out->above || error_memory(err);
+    if (done)
+        out->above[path_name(path) - path] = '\0';
+    done = done && inputs_list(scene, NULL, &out->inputs, err);
+    for (int i = 0; done && i < scene->n_texts; i++)
+        done = add(out, scene->files[i].path, err);
+    for (int i = 0; done && i < out->inputs.n; i++)
+        done = add(out, out->inputs.path[i], err);
+    return done;
+}

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: MIT */
+/* Functions of POSIX that WebAssembly's C library lacks; each file sees this header first. */
+#ifndef WASI_MISSING_H
+#define WASI_MISSING_H
+
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/types.h>
+
+static inline uid_t geteuid(void)
+{
+    return 0;
+}
+
+/* Files in memory have no modes. */
+static inline mode_t umask(mode_t mask)
+{
+    return mask;
+}
+
+static inline int fchmod(int descriptor, mode_t mode)
+{
+    (void)descriptor, (void)mode;
+    return 0;
+}
+
+/* A program copies standard output only, which is never closed. */
+static inline int dup(int descriptor)
+{
+    return descriptor;
+}
+
+/* There are no links. */
+static inline char *realpath(const char *path, char *out)
+{
+    return out ? strcpy(out, path) : strdup(path);
+}
+
+static inline char *mkdtemp(char *name)
+{
+    (void)name;
+    errno = ENOSYS;
+    return NULL;
+}
+
+#endif

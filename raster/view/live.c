@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: MIT */
+/* A live page: it holds this program, compiled for browsers, and the files of the scene. */
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "data/pack/pack.h"
+#include "data/text/text.h"
+#include "raster/bounds/bounds.h"
+#include "raster/driver/driver.h"
+#include "raster/view/view.h"
+
+struct live_page {
+    struct page page; /* the first member */
+    const struct options *options;
+    const struct scene *scene;
+};
+
+/* ---- the program ---- */
+
+static bool put_module(struct page *page, struct error *err)
+{
+    static const char name[] = BUILTIN_PREFIX "viewer/spectral.wasm.gz";
+    const struct builtin_file *file;
+    int descriptor;
+    if (!file_open(name, (struct place){NULL, 0, 0}, &descriptor, &file, err))
+        return false;
+    size_t length;
+    char *text = base64_text(file->bytes, file->length, &length);
+    if (!text)
+        return error_memory(err);
+    put_base64(&page->text, "module", text, length);
+    free(text);
+    return true;
+}
+
+/* ---- the files ---- */
+
+/* Returns the part of the scene's path that names its folder in the page, which stands for the
+ * working folder: so words of the command line name the same files there. */
+static size_t folder_length(const char *path)
+{
+    const bool beyond = path[0] == '/' || strncmp(path, "../", 3) == 0 || strstr(path, "/../");
+    return beyond ? 0 : (size_t)(path_name(path) - path);
+}
+
+static bool add_bytes(struct printed *to, int descriptor, const char *path, struct error *err)
+{
+    struct stat status;
+    char *bytes = NULL;
+    const struct place place = {path, 0, 0};
+    if (fstat(descriptor, &status) != 0)
+        return error_system(err, "cannot read %s", path);
+    const size_t length = (size_t)status.st_size;
+    if (!memory_suffices(3 * (double)status.st_size, place, err, "a page with %s", path))
+        return false;
+    bytes = malloc(length + 1);
+    const ssize_t got = bytes ? read_at(descriptor, bytes, length, 0) : 0;
+    const bool done =
+        !bytes    ? error_memory(err)
+        : got < 0 ? error_system(err, "cannot read %s", path)
+                  : (size_t)got == length || error_system(err, "%s has become shorter", path);
+    if (done)
+        print_bytes(to, bytes, length);
+    free(bytes);
+    return done;
+}
+
+/* Adds the bytes of a file. Those of standard input are read already. */
+static bool add_content(struct printed *to, const struct scene *scene, const char *path,
+                        struct error *err)
+{
+    const struct builtin_file *builtin;
+    int descriptor;
+    if (scene_is_input(path)) {
+        print_bytes(to, scene->files[0].bytes, scene->files[0].length);
+        return true;
+    }
+    if (!file_open(path, (struct place){NULL, 0, 0}, &descriptor, &builtin, err))
+        return false;
+    const bool done = add_bytes(to, descriptor, path, err);
+    close(descriptor);
+    return done;
+}
+
+/* Prints the name of a file of the scene, as the page has it. */
+static void print_name(struct printed *to, const struct scene *scene, const char *name)
+{
+    const char *path = scene->files[0].path;
+    print_bytes(to, path, folder_length(path));
+    print_text(to, scene_is_input(name) ? "scene.scene" : name);
+}
+
+static void put_string(struct json *json, const char *key, struct printed *from)
+{
+    char *text = printed_end(from);
+    json_string(json, key, text); /* NULL: no memory, which the bytes will lack, too */
+    free(text);
+}
+
+static bool add_file(const struct live_page *live, const struct packed_file *file,
+                     struct json *json, struct printed *bytes, struct error *err)
+{
+    const size_t before = bytes->length;
+    struct printed name = {.text = NULL};
+    if (!add_content(bytes, live->scene, file->path, err))
+        return false;
+    print_name(&name, live->scene, file->name);
+    json_open(json, NULL, '{');
+    put_string(json, "name", &name);
+    json_count(json, "length", bytes->length - before);
+    json_close(json, '}');
+    return true;
+}
+
+/* Puts the name of the scene. A built-in one has no file. */
+static void put_scene_name(const struct live_page *live, struct json *json)
+{
+    const struct scene *scene = live->scene;
+    struct printed name = {.text = NULL};
+    if (path_is_builtin(scene->files[0].path))
+        print_text(&name, scene->path);
+    else
+        print_name(&name, scene,
+                   scene_is_input(scene->path) ? scene->path : path_name(scene->path));
+    put_string(json, "scene", &name);
+}
+
+static bool add_files(const struct live_page *live, struct json *json, struct printed *bytes,
+                      struct error *err)
+{
+    const struct scene *scene = live->scene;
+    struct packing packing = {.files = NULL};
+    bool done = true;
+    json_open(json, "files", '[');
+    if (!path_is_builtin(scene->files[0].path))
+        done = packing_make(scene, &packing, err);
+    for (int i = 0; done && i < packing.n_files; i++)
+        done = add_file(live, &packing.files[i], json, bytes, err);
+    json_close(json, ']');
+    packing_free(&packing);
+    return done;
+}
+
+static bool put_files(struct live_page *live, struct error *err)
+{
+    struct page *page = &live->page;
+    struct printed bytes = {.text = NULL};
+    struct json json;
+    size_t length = 0;
+    json_begin(&json);
+    json_open(&json, NULL, '{');
+    json_string(&json, "program", PROGRAM);
+    put_scene_name(live, &json);
+    json_open(&json, "options", '[');
+    for (int i = 0; i < live->options->n_recorded; i++)
+        json_string(&json, NULL, live->options->recorded[i]);
+    json_close(&json, ']');
+    const bool listed = add_files(live, &json, &bytes, err);
+    json_close(&json, '}');
+    char *facts = json_end(&json), *all = printed_end(&bytes);
+    char *text = facts && all && listed
+                     ? packed_text((const unsigned char *)all, bytes.length, &length)
+                     : NULL;
+    if (text) {
+        put_json(&page->text, "start", facts);
+        put_base64(&page->text, "files", text, length);
+    }
+    free(text);
+    free(all);
+    free(facts);
+    return text || (listed && error_memory(err));
+}
+
+static bool put_live(struct page *page, struct error *err)
+{
+    struct live_page *live = (struct live_page *)page;
+    return put_files(live, err) && put_module(page, err);
+}
+
+/* ---- the page ---- */
+
+static bool make_notes(const struct plan *plan, struct notes *notes, struct error *err)
+{
+    struct lit_scene lit = {.plan = plan};
+    struct light_work work;
+    const bool done = lit_make(plan, driver_of(NULL), &lit, &work, err) &&
+                      notes_make(&lit, SOME_PIXELS, notes, err);
+    lit_free(&lit);
+    return done;
+}
+
+bool live_write(const struct plan *plan, struct options *options, struct viewer_result *out,
+                struct notes *notes, struct error *err)
+{
+    struct live_page live = {{.kind = PAGE_LIVE, .put_data = put_live}, options, plan->scene};
+    *out = (struct viewer_result){.n_objects = plan->n_instances, .n_lights = plan->n_lights};
+    return make_notes(plan, notes, err) &&
+           page_write(&live.page, options->output, &out->bytes, &options->outputs, err);
+}
