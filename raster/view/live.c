@@ -37,14 +37,6 @@ static bool put_module(struct page *page, struct error *err)
 
 /* ---- the files ---- */
 
-/* Returns the part of the scene's path that names its folder in the page, which stands for the
- * working folder: so words of the command line name the same files there. */
-static size_t folder_length(const char *path)
-{
-    const bool beyond = path[0] == '/' || strncmp(path, "../", 3) == 0 || strstr(path, "/../");
-    return beyond ? 0 : (size_t)(path_name(path) - path);
-}
-
 static bool add_bytes(struct printed *to, int descriptor, const char *path, struct error *err)
 {
     struct stat status;
@@ -84,47 +76,34 @@ static bool add_content(struct printed *to, const struct scene *scene, const cha
     return done;
 }
 
-/* Prints the name of a file of the scene, as the page has it. */
-static void print_name(struct printed *to, const struct scene *scene, const char *name)
+/* Returns the name of a file in the page, where the scene's folder is the working folder. */
+static const char *page_name(const char *name)
 {
-    const char *path = scene->files[0].path;
-    print_bytes(to, path, folder_length(path));
-    print_text(to, scene_is_input(name) ? "scene.scene" : name);
+    return scene_is_input(name) ? "scene.scene" : name;
 }
 
-static void put_string(struct json *json, const char *key, struct printed *from)
+/* Returns whether an option names the file. Its word is relative to the working folder. */
+static bool is_in_options(const struct options *options, const char *path)
 {
-    char *text = printed_end(from);
-    json_string(json, key, text); /* NULL: no memory, which the bytes will lack, too */
-    free(text);
+    for (int i = 0; i < options->n_recorded; i++)
+        if (strstr(options->recorded[i], path))
+            return true;
+    return false;
 }
 
 static bool add_file(const struct live_page *live, const struct packed_file *file,
                      struct json *json, struct printed *bytes, struct error *err)
 {
     const size_t before = bytes->length;
-    struct printed name = {.text = NULL};
     if (!add_content(bytes, live->scene, file->path, err))
         return false;
-    print_name(&name, live->scene, file->name);
     json_open(json, NULL, '{');
-    put_string(json, "name", &name);
+    json_string(json, "name", page_name(file->name));
     json_count(json, "length", bytes->length - before);
+    if (is_in_options(live->options, file->path))
+        json_string(json, "also", file->path);
     json_close(json, '}');
     return true;
-}
-
-/* Puts the name of the scene. A built-in one has no file. */
-static void put_scene_name(const struct live_page *live, struct json *json)
-{
-    const struct scene *scene = live->scene;
-    struct printed name = {.text = NULL};
-    if (path_is_builtin(scene->files[0].path))
-        print_text(&name, scene->path);
-    else
-        print_name(&name, scene,
-                   scene_is_input(scene->path) ? scene->path : path_name(scene->path));
-    put_string(json, "scene", &name);
 }
 
 static bool add_files(const struct live_page *live, struct json *json, struct printed *bytes,
@@ -152,7 +131,7 @@ static bool put_files(struct live_page *live, struct error *err)
     json_begin(&json);
     json_open(&json, NULL, '{');
     json_string(&json, "program", PROGRAM);
-    put_scene_name(live, &json);
+    json_string(&json, "scene", page_name(path_name(live->scene->path)));
     json_open(&json, "options", '[');
     for (int i = 0; i < live->options->n_recorded; i++)
         json_string(&json, NULL, live->options->recorded[i]);

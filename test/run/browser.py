@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
 """A page in a headless Chromium, controlled over its debugging pipe (the Chrome DevTools Protocol), or Firefox."""
+import base64
 import json
 import os
 import shutil
@@ -102,6 +103,38 @@ class Browser:
         self.send("Page.navigate", url="file://" + os.path.abspath(path))
         self.wait("location.href !== 'about:blank' && document.body?.dataset.ready === 'true'")
 
+    def pointer(self, kind, x, y, buttons):
+        self.send("Input.dispatchMouseEvent", type=kind, x=x, y=y, buttons=buttons, clickCount=1,
+                  button="none" if kind == "mouseMoved" and not buttons else "left")
+
+    def drag(self, path):
+        """Presses the mouse at the first place of a path, moves along it, and releases it."""
+        self.pointer("mousePressed", *path[0], 1)
+        for place in path[1:]:
+            self.pointer("mouseMoved", *place, 1)
+        self.pointer("mouseReleased", *path[-1], 0)
+
+    def touch(self, *paths):
+        """Lays a finger at the first place of each path, moves all of them together, and lifts them."""
+        for kind, places in (("touchStart", [path[0] for path in paths]),
+                             *(("touchMove", places) for places in zip(*paths)), ("touchEnd", [])):
+            self.send("Input.dispatchTouchEvent", type=kind,
+                      touchPoints=[{"x": x, "y": y, "id": i} for i, (x, y) in enumerate(places)])
+
+    def wheel(self, x, y, by):
+        self.send("Input.dispatchMouseEvent", type="mouseWheel", x=x, y=y, deltaX=0, deltaY=by)
+
+    def type(self, text):
+        for letter in text:
+            self.send("Input.dispatchKeyEvent", type="keyDown", text=letter, key=letter)
+            self.send("Input.dispatchKeyEvent", type="keyUp", key=letter)
+
+    def enter(self):
+        self.key("Enter")
+
+    def picture(self):
+        return base64.b64decode(self.send("Page.captureScreenshot", format="png")["data"])
+
     KEYS = {"ArrowLeft": 37, "ArrowUp": 38, "ArrowRight": 39, "ArrowDown": 40, "Enter": 13,
             "Tab": 9, " ": 32}
 
@@ -190,15 +223,52 @@ class Firefox:
                 return result
 
     def evaluate(self, expression):
-        script = ("const then = arguments[0]; Promise.resolve((0, eval)(" + json.dumps(expression) + ")).then(value => "
-                  "then([value === undefined ? null : value]), error => then([null, String(error)]))")
-        value, *failure = self.send("WebDriver:ExecuteAsyncScript", script=script, args=[], newSandbox=False,
-                                    sandbox=None)["value"]
+        """Runs the expression as a script of the page, whose names no other script sees."""
+        inner = (f"Promise.resolve().then(async () => ({expression})).then(value => JSON.stringify([value === undefined ? null : value]),"
+                 "error => JSON.stringify([null, String(error)])).then(text => document.documentElement.dataset.answer = text);")
+        script = ("const then = arguments[0], root = document.documentElement, script = document.createElement('script');"
+                  "delete root.dataset.answer;"
+                  "const look = () => root.dataset.answer === undefined ? setTimeout(look, 2) : then(root.dataset.answer);"
+                  f"script.textContent = {json.dumps(inner)}; root.append(script); script.remove(); look();")
+        value, *failure = json.loads(self.send("WebDriver:ExecuteAsyncScript", script=script, args=[])["value"])
         if failure:
             raise RuntimeError(f"{expression[:200]}: {failure[0]}")
         return value
 
     wait = Browser.wait
+
+    def act(self, *sources):
+        self.send("WebDriver:PerformActions", actions=[
+            {"type": kind, "id": f"{kind} {i}", **({"parameters": parameters} if parameters else {}), "actions": actions}
+            for i, (kind, parameters, actions) in enumerate(sources)])
+        self.send("WebDriver:ReleaseActions")
+
+    @staticmethod
+    def finger(kind, path):
+        step = [{"type": "pointerMove", "x": round(x), "y": round(y), "duration": 15} for x, y in path]
+        return ("pointer", {"pointerType": kind},
+                [step[0], {"type": "pointerDown", "button": 0}, *step[1:], {"type": "pointerUp", "button": 0}])
+
+    def drag(self, path):
+        self.act(self.finger("mouse", path))
+
+    def touch(self, *paths):
+        self.act(*(self.finger("touch", path) for path in paths))
+
+    def click(self, x, y):
+        self.drag([(x, y)])
+
+    def wheel(self, x, y, by):
+        self.act(("wheel", None, [{"type": "scroll", "x": round(x), "y": round(y), "deltaX": 0, "deltaY": by}]))
+
+    def type(self, text):
+        self.act(("key", None, [{"type": kind, "value": letter} for letter in text for kind in ("keyDown", "keyUp")]))
+
+    def enter(self):
+        self.type("\ue007")
+
+    def size(self, width, height):
+        self.send("WebDriver:SetWindowRect", width=width, height=height)
 
     def open(self, path):
         self.send("WebDriver:Navigate", url="file://" + os.path.abspath(path))

@@ -8,6 +8,8 @@ import subprocess
 import sys
 import time
 
+import numpy as np
+
 sys.dont_write_bytecode = True
 from browser import Browser, Firefox
 from rendered import SPECTRAL, TMP, check, done
@@ -79,12 +81,245 @@ def stacks(browser, which):
         check(saved == rendered(scene, "--size", SIZE), f"{which}, {scene}: the stack that the page saves is that of render")
 
 
+
+# ---- what a person does ----
+
+def box_of(browser):
+    """The place of the picture in the window, and the length of a pixel of the scene there."""
+    browser.evaluate("canvas.scrollIntoView({block: 'center'})")
+    return browser.evaluate("(() => { const b = canvas.getBoundingClientRect(); return [b.left, b.top, b.width / shape.width]; })()")
+
+
+def at(browser, x, y):
+    left, top, length = box_of(browser)
+    return left + (x + 0.5) * length, top + (y + 0.5) * length
+
+
+def line(start, end, n=12):
+    return [(start[0] + (end[0] - start[0]) * i / n, start[1] + (end[1] - start[1]) * i / n) for i in range(n + 1)]
+
+
+def path(browser, start, end):
+    return line(at(browser, *start), at(browser, *end))
+
+
+def text_of(browser):
+    return browser.evaluate("is_text(state) ? text_of(state) : ''")
+
+
+def words_of(browser, first):
+    """The words of the first statement that begins with a word."""
+    return next((statement.split() for statement in text_of(browser).splitlines() if statement.startswith(first + " ")), [])
+
+
+def tool(browser, name):
+    browser.evaluate(f"document.querySelector('#drags [value={name}]').click()")
+
+
+def choose(browser, menu, value):
+    """Chooses an option of a menu. Browsers draw menus outside of the page, where no event can be sent to."""
+    browser.evaluate(f"""(() => {{
+        const menu = document.getElementById({menu!r});
+        menu.value = {value!r};
+        for (const kind of ["input", "change"]) menu.dispatchEvent(new Event(kind, {{bubbles: true}}));
+    }})()""")
+    settle(browser)
+
+
+def fill(browser, field, text):
+    """Types a text into a field, in place of the one that it has."""
+    browser.evaluate(f"(() => {{ const field = document.getElementById({field!r}); field.closest('details').open = true;"
+                     "field.focus(); field.select(); })()")
+    browser.type(text)
+    browser.enter()
+    browser.evaluate("document.activeElement.blur()")
+    settle(browser)
+
+
+def agrees(browser, name, what):
+    """The saved scene, rendered by the command line, gives the stack that the page saves."""
+    scene = download(browser, "save-scene", name + ".scene")
+    stack = digest(download(browser, "save-stack", name + ".tif"))
+    native = os.path.abspath(path_of("native.tif"))
+    run("render", name + ".scene", "--renderer", "raster", "--no-check", "--quiet", "-o", native,
+        cwd=os.path.dirname(scene))
+    check(digest(native) == stack, f"{what}: the saved scene gives the stack that the page saves")
+
+
+def changes(browser, what, act, holds):
+    """Does something that changes the text of the scene; undo and redo go back and forth."""
+    before, n = text_of(browser), browser.evaluate("past.length")
+    act()
+    settle(browser)
+    after = text_of(browser)
+    check(after != before and holds(before, after), f"{what} changes the scene as it should",
+          *[one for one in after.splitlines() if one not in before.splitlines()],
+          browser.evaluate("document.getElementById('message').textContent"))
+    check(browser.evaluate("past.length") == n + 1, f"{what}: undo takes it back in one step", n, browser.evaluate("past.length"))
+    click(browser, "undo")
+    settle(browser)
+    undone = text_of(browser)
+    click(browser, "redo")
+    settle(browser)
+    check(undone == before and text_of(browser) == after, f"{what}: undo and redo")
+
+
+# ---- controls ----
+
+def vector(words, name):
+    place = words.index(name)
+    return np.array(words[place + 1:place + 4], float)
+
+
+def camera_of(text):
+    words = next(one.split() for one in text.splitlines() if one.startswith("camera"))
+    return vector(words, "eye"), vector(words, "look"), words
+
+
+def turned(before, after):
+    """The eye keeps its distance from the place that the camera looks at."""
+    (eye, look, _), (new_eye, new_look, _) = camera_of(before), camera_of(after)
+    return (np.allclose(look, new_look, atol=1e-6) and not np.allclose(eye, new_eye, atol=0.01) and
+            np.isclose(np.linalg.norm(eye - look), np.linalg.norm(new_eye - new_look), rtol=1e-6))
+
+
+def panned(before, after):
+    (eye, look, _), (new_eye, new_look, _) = camera_of(before), camera_of(after)
+    return np.allclose(eye - look, new_eye - new_look, atol=1e-6) and not np.allclose(eye, new_eye, atol=0.01)
+
+
+def zoomed(before, after):
+    (eye, look, _), (new_eye, new_look, _) = camera_of(before), camera_of(after)
+    return np.linalg.norm(new_eye - look) < 0.99 * np.linalg.norm(eye - look)
+
+
+def cameras(browser, which):
+    across = lambda: path(browser, (20, 80), (60, 70))
+    changes(browser, f"{which}, a drag", lambda: browser.drag(across()), turned)
+    changes(browser, f"{which}, the key d", lambda: (browser.evaluate("canvas.focus()"), browser.type("d")), turned)
+    changes(browser, f"{which}, the key D", lambda: (browser.evaluate("canvas.focus()"), browser.type("D")), panned)
+    changes(browser, f"{which}, the key +", lambda: (browser.evaluate("canvas.focus()"), browser.type("+")), zoomed)
+    changes(browser, f"{which}, the wheel", lambda: roll(browser), zoomed)
+    changes(browser, f"{which}, a finger", lambda: browser.touch(across()), turned)
+    changes(browser, f"{which}, two fingers", lambda: browser.touch(path(browser, (60, 50), (40, 50)), path(browser, (80, 50), (100, 50))),
+            zoomed)
+    tool(browser, "pan")
+    changes(browser, f"{which}, a drag with the tool Shift", lambda: browser.drag(across()), panned)
+
+
+def roll(browser):
+    browser.wheel(*at(browser, 75, 50), -200)
+    time.sleep(0.4)  # the wheel rests
+
+
+def pixel_of(browser, name):
+    """A pixel amid those that show an object."""
+    browser.evaluate("canvas.scrollIntoView({block: 'center'})")
+    return browser.evaluate(f"""(() => {{
+        const all = [...shown.keys()].filter(i => shown[i] > 0 && scene.objects[shown[i] - 1].name === {name!r});
+        const rows = new Map();
+        for (const i of all) rows.set(place_of(i)[1], [...(rows.get(place_of(i)[1]) || []), place_of(i)[0]]);
+        const [y, row] = [...rows].sort((a, b) => b[1].length - a[1].length)[0];
+        return [row[row.length >> 1], y];
+    }})()""")
+
+
+def object_line(text, name):
+    return next(one for one in text.splitlines() if one.startswith("object") and f"material {name} " in one + " ")
+
+
+def last_numbers(statement, word):
+    words = statement.split()
+    place = len(words) - 1 - words[::-1].index(word)
+    return np.array(words[place + 1:place + 4], float)
+
+
+def objects(browser, which):
+    tool(browser, "turn")
+    browser.click(*at(browser, *pixel_of(browser, "plastic")))
+    settle(browser)
+    name = browser.evaluate("chosen_object().name")
+    check(name == "plastic", f"{which}: a click chooses an object", name)
+    moved = lambda before, after: not np.allclose(last_numbers(object_line(before, name), "translate"),
+                                                  last_numbers(object_line(after, name), "translate"))
+    same_place = lambda before, after: not moved(before, after)
+    for value, word, holds in (("move", "translate", moved), ("rotate", "rotate", same_place), ("scale", "scale", same_place)):
+        tool(browser, value)
+        changes(browser, f"{which}, a drag with the tool {value}", lambda: browser.drag(path(browser, (60, 60), (80, 55))),
+                lambda before, after, word=word, holds=holds: word in object_line(after, name) and holds(before, after))
+    changes(browser, f"{which}, a place", lambda: fill(browser, "place-x", "0.25"),
+            lambda before, after: np.isclose(last_numbers(object_line(after, name), "translate")[0], 0.25))
+    changes(browser, f"{which}, an angle", lambda: fill(browser, "turn-y", "30"),
+            lambda before, after: "rotate 30 0 1 0" in object_line(after, name))
+    changes(browser, f"{which}, a size", lambda: fill(browser, "grow", "1.5"), same_place)
+    changes(browser, f"{which}, a gloss", lambda: fill(browser, "gloss", "7"),
+            lambda before, after: "gloss 7" in next(one for one in after.splitlines() if one.startswith("material plastic")))
+    changes(browser, f"{which}, a texture", lambda: choose(browser, "texture", "checks"),
+            lambda before, after: "texture checks linear" in after)
+    changes(browser, f"{which}, a shape", lambda: choose(browser, "object-shape", "mesh vase"),
+            lambda before, after: "object mesh vase unitize" in object_line(after, name))
+    changes(browser, f"{which}, a material", lambda: choose(browser, "material", "file metals/gold"),
+            lambda before, after: "material gold metals/gold" in after and object_line(after, "gold"))
+    tool(browser, "turn")
+
+
+def lights(browser, which):
+    light = lambda text: next(one for one in text.splitlines() if one.startswith("light")).split()
+    changes(browser, f"{which}, an illuminant", lambda: choose(browser, "lights-1", browser.evaluate(
+        "String(scene.illuminants.findIndex(({name}) => name === 'a'))")), lambda _, after: light(after)[1] == "a")
+    changes(browser, f"{which}, a colour temperature", lambda: choose(browser, "lights-1", "blackbody"),
+            lambda _, after: light(after)[1] == "blackbody:2856")
+    changes(browser, f"{which}, another colour temperature", lambda: fill(browser, "lights-1-kelvin", "4000"),
+            lambda _, after: light(after)[1] == "blackbody:4000")
+    changes(browser, f"{which}, a place of a light", lambda: fill(browser, "lights-1-place-x", "3"),
+            lambda _, after: light(after)[4] == "3")
+    handle = lambda: browser.evaluate("(() => { canvas.scrollIntoView({block: 'center'});"
+                                      "const b = document.querySelector('#handles circle').getBoundingClientRect();"
+                                      "return [b.left + b.width / 2, b.top + b.height / 2]; })()")
+    changes(browser, f"{which}, a drag of a light's handle", lambda: browser.drag(line(handle(), [handle()[0] - 30, handle()[1] + 20])),
+            lambda before, after: light(before)[4:7] != light(after)[4:7])
+    before = text_of(browser)
+    fill(browser, "lights-1-intensity", "0.5")
+    fill(browser, "ambients-1-intensity", "0.4")
+    check(light(text_of(browser))[2] == "0.5" and words_of(browser, "ambient")[2] == "0.4" and before != text_of(browser),
+          f"{which}: intensities change the scene", words_of(browser, "ambient"), light(text_of(browser)))
+
+
+def sizes(browser, which):
+    changes(browser, f"{which}, wavelengths", lambda: fill(browser, "wavelengths", "450:650:20"),
+            lambda _, after: "wavelengths 450 650 20" in after)
+    changes(browser, f"{which}, a width", lambda: fill(browser, "size-width", "160"), lambda _, after: "size 160 100" in after)
+
+
+def own(name):
+    """A copy of a built-in scene."""
+    run("show", name, "-o", path_of(name + ".scene"))
+    return path_of(name + ".scene")
+
+
+def controls(browser, which):
+    browser.size(1400, 1000)
+    browser.open(view(own("spheres"), "--size", "150x100"))
+    cameras(browser, which)
+    agrees(browser, "spheres", f"{which}, after changes of the camera")
+    browser.open(view(own("spheres"), "--size", "150x100"))
+    for part in (objects, lights, sizes):
+        part(browser, which)
+    agrees(browser, "spheres", f"{which}, after all other changes")
+    browser.open(view(own("colorchecker"), "--size", "150x100"))
+    browser.click(*at(browser, *pixel_of(browser, "02-light-skin")))
+    changes(browser, f"{which}, an object of a checker", lambda: fill(browser, "place-z", "1.5"),
+            lambda _, after: after.count("\nobject torus") == 24 and "\nchecker" not in after)
+    agrees(browser, "colorchecker", f"{which}, a checker opened")
+
+
 BROWSERS = {"Chromium": Browser, "Firefox": Firefox}
 
 
 def main():
     for which, kind in BROWSERS.items():
         browser = kind(path_of(which))
+        controls(browser, which)
         stacks(browser, which)
         browser.close()
     done()

@@ -8,12 +8,6 @@ const cross_of = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2]
 const length_of = a => Math.hypot(...a);
 const unit = a => a.map(value => value / length_of(a));
 
-/* Turns a vector about an axis of length 1 (Rodrigues). */
-function turned(v, axis, angle) {
-  const [c, s] = [Math.cos(angle), Math.sin(angle)], along = dot(v, axis) * (1 - c), side = cross_of(axis, v);
-  return v.map((value, i) => value * c + side[i] * s + axis[i] * along);
-}
-
 /* ---- the camera ---- */
 
 let camera = null; /* that is shown, or will be: a description's camera */
@@ -27,7 +21,7 @@ function view_axes(camera) {
  * looks at the middle of its depths. */
 function pivot_of(camera) {
   const object = chosen_object(), {ahead} = view_axes(camera);
-  if (object) return object.origin;
+  if (object) return place_of_object(object);
   return camera.perspective ? camera.look : add_vectors(camera.eye, ahead, (camera.near + camera.far) / 2);
 }
 
@@ -90,7 +84,7 @@ const DRAGS = {
   pan: pan_view,
   move(x, y) {
     const object = chosen_object();
-    if (object) edit_object(GEOMETRY, parts => move_object(parts, way_of(x, y, object.origin)));
+    if (object) edit_object(GEOMETRY, parts => move_object(parts, way_of(x, y, place_of_object(object))));
   },
   rotate(x, y) {
     const {right, up} = view_axes(camera), axis = add_vectors(up.map(value => value * x), right, y), angle = length_of(axis);

@@ -7,8 +7,7 @@
  * files: {name: text or bytes}}. A built-in scene has no file. */
 let state = null;
 const past = [], future = [];
-let draw_key = 0;     /* of the planes: another number after each change of geometry */
-let describe_key = 0; /* of the description: another one after each other change */
+const keys = {geometry: 0, spectra: 0}; /* other numbers after each change of geometry, and of all else */
 
 const is_text = state => state.scene in state.files;
 const text_of = state => state.files[state.scene];
@@ -18,8 +17,8 @@ const GEOMETRY = 1, SPECTRA = 2;
 
 function set_state(next, concerns) {
   state = next;
-  if (concerns & GEOMETRY) draw_key++;
-  if (concerns & SPECTRA) describe_key++;
+  if (concerns & GEOMETRY) keys.geometry++;
+  if (concerns & SPECTRA) keys.spectra++;
 }
 
 /* Makes a change that undo takes back. Changes of one group are taken back together. */
@@ -118,11 +117,15 @@ function want(moving) {
   pump();
 }
 
-/* Learns from the time that a moving picture took: all workers together keep the pace. */
-function adapt_coarseness(ms) {
-  const pace = ms / drawers.length;
-  if (pace > FRAME_MS && coarseness < COARSEST) coarseness *= 2;
-  else if (pace < FRAME_MS / 3 && coarseness > 1) coarseness /= 2;
+const pace_at = new Map(); /* by coarseness: milliseconds of a moving picture, for all workers together */
+
+/* Learns from the time of a moving picture. A finer one is tried again some time after it was too slow. */
+function adapt_coarseness(factor, ms) {
+  for (const [other, pace] of pace_at) pace_at.set(other, 0.97 * pace);
+  pace_at.set(factor, ms / drawers.length);
+  if (factor !== coarseness) return;
+  if (pace_at.get(factor) > FRAME_MS) coarseness = Math.min(2 * factor, COARSEST);
+  else if (factor > 1 && (pace_at.get(factor / 2) || 0) < FRAME_MS) coarseness = factor / 2;
 }
 
 /* The options that make a picture coarser than the scene says. */
@@ -156,9 +159,9 @@ async function pump() {
   drawer.since = performance.now();
   drawer.send_files(of.files);
   const answer = await drawer.ask({task: "draw", words: [of.scene, ...of.words], size: coarse_words(factor),
-    describe_key, draw_key: `${draw_key} ${factor}`, eye: eye_names(), exposure: wanted_exposure(), whole: !moving});
+    keys: {...keys}, eye: eye_names(), exposure: wanted_exposure(), whole: !moving});
   drawer.since = null;
-  if (moving && answer.ms) adapt_coarseness(answer.ms);
+  if (moving && answer.ms) adapt_coarseness(factor, answer.ms);
   if (number > latest_shown && answer.error !== "stopped") {
     latest_shown = number;
     if (answer.error) refuse(answer.error, of);

@@ -81,9 +81,9 @@ function lines_are_known(of, error) {
 }
 
 /* Changes the text of a file of the scene. change(text, place) returns the new text, or {text, files} with more files.
- * place, if it is given, returns the {file, line} of a statement by the current description. */
-function edit(concerns, change, place = null) {
-  const group = gesture || {recorded: false};
+ * place, if it is given, returns the {file, line} of a statement by the current description. Undo takes back all
+ * edits of a group together. */
+function edit(concerns, change, place = null, group = gesture || {recorded: false}) {
   pending_edits++;
   show_busy();
   edits = edits.then(async () => {
@@ -114,7 +114,7 @@ function material_word(path) {
 
 /* Changes the statement of the chosen object: change(parts). Opens a checker first, so that each of its objects has a
  * statement of its own. */
-function edit_object(concerns, change) {
+function edit_object(concerns, change, group) {
   const number = chosen;
   return edit(concerns, (text, object) => {
     const found = statement_at(text, object.line);
@@ -123,7 +123,7 @@ function edit_object(concerns, change) {
     const opened = with_checker_opened(text, object.line, checker_materials(group));
     const own = statements_of(opened).filter(({start, words}) => start >= found.start && words[0].text === "object")[i];
     return with_object(opened, own.line, change);
-  }, () => scene.objects[number - 1]);
+  }, () => scene.objects[number - 1], group);
 }
 
 /* The numbers of all objects of the checker that made this one. */
@@ -150,13 +150,17 @@ function new_name(text, name) {
 
 /* Gives the chosen object a material of the scene, or the one of a file. */
 function choose_material(name, file) {
-  edit_object(GEOMETRY | SPECTRA, parts => set_part(parts, "material", [name], ["materials"]));
+  const group = {recorded: false};
+  edit_object(GEOMETRY | SPECTRA, parts => set_part(parts, "material", [name], ["materials"]), group);
   if (file) edit(GEOMETRY | SPECTRA, text => material_names(text).includes(name) ? text
-    : with_first_statement(text, `material ${as_word(name)} ${as_word(file)}`));
+    : with_first_statement(text, `material ${as_word(name)} ${as_word(file)}`), null, group);
 }
 
-/* Opens the checker that made the chosen object, so that its material has a statement. */
-const open_checker = () => edit_object(GEOMETRY | SPECTRA, () => {});
+/* Returns the place of an object, also where it has been moved since the scene was described. */
+function place_of_object(object) {
+  const text = state.files[object.file], found = typeof text === "string" && statement_at(text, object.line);
+  return found && found.words[0].text === "object" ? origin_of(object_parts(found)) : object.origin;
+}
 
 /* Puts a statement before the first object or material. */
 function with_first_statement(text, statement) {
@@ -185,7 +189,8 @@ async function edit_material(word, value) {
   const object = chosen_object(), path = object && material_word(object.material_file);
   if (!object) return;
   const own = path in state.files, source = path ? (own ? state.files[path] : await builtin_text(path)) : "";
-  await open_checker();
+  const group = {recorded: false};
+  await edit_object(GEOMETRY | SPECTRA, () => {}, group); /* opens a checker, so that the material has a statement */
   return edit(GEOMETRY | SPECTRA, text => {
     const found = materials_in(text).find(({words}) => words[1].text === object.name);
     if (!found) throw new Error(`The material ${object.name} has no statement in this text.`);
@@ -195,5 +200,5 @@ async function edit_material(word, value) {
     const file = `${file_stem(path).replace(/-changed$/, "")}-changed.txt`;
     const line = word === "gloss" ? ["g", value] : ["t", value && value.split(" ")[0]];
     return {text: replaced(text, content, as_word(file)), files: {[file]: with_file_line(source, ...line)}};
-  });
+  }, null, group);
 }

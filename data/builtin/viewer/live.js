@@ -195,8 +195,8 @@ function refresh_object() {
     files: Object.keys(state.files).filter(name => /[.]obj$/i.test(name)).map(name => [`mesh ${name}`, name])},
   kind === "mesh" ? `mesh ${file}` : kind);
   if (document.activeElement !== element("gloss")) element("gloss").value = facts.gloss || "";
-  add_triple("place", object ? object.origin : [0, 0, 0], vector => edit_object(GEOMETRY, parts =>
-    move_object(parts, add_vectors(vector, chosen_object().origin, -1))));
+  add_triple("place", object ? place_of_object(object) : [0, 0, 0], vector => edit_object(GEOMETRY, parts =>
+    move_object(parts, add_vectors(vector, origin_of(parts), -1))));
   add_triple("turn", [0, 0, 0], angles => angles.forEach((angle, i) => {
     if (angle !== 0) edit_object(GEOMETRY, parts => rotate_object(parts, angle, [0, 1, 2].map(k => k === i ? 1 : 0)));
   }));
@@ -297,7 +297,7 @@ function refresh(of) {
   show_handles();
   element("undo").disabled = past.length === 0;
   element("redo").disabled = future.length === 0;
-  element("builtin-scene").value = state.scene;
+  element("builtin-scene").value = is_text(state) ? "" : state.scene;
 }
 
 const eye_names = () => ({
@@ -396,9 +396,10 @@ function take_eye({eye, exposure}) {
 async function read_start() {
   const start = JSON.parse(element("start").textContent), all = await unpack(element("files").textContent, "deflate"), files = {};
   let at = 0;
-  for (const {name, length} of start.files) {
+  for (const {name, length, also} of start.files) {
     const bytes = all.subarray(at, at += length);
     files[name] = bytes.includes(0) ? bytes.slice() : new TextDecoder().decode(bytes);
+    if (also) files[also] = files[name];
   }
   return {scene: start.scene, words: start.options, files, baked: false};
 }
@@ -415,7 +416,7 @@ function listen_to_page() {
   element("text").addEventListener("input", type_text);
   element("text-group").addEventListener("toggle", refresh_text);
   element("text-file").addEventListener("change", refresh_text);
-  element("edits").addEventListener("submit", event => event.preventDefault());
+  for (const form of document.querySelectorAll(".edits")) form.addEventListener("submit", event => event.preventDefault());
   addEventListener("keydown", event => {
     const command = (event.ctrlKey || event.metaKey) && event.key.toLowerCase() === "z";
     if (!command || /^(INPUT|TEXTAREA)$/.test(document.activeElement.tagName)) return;
@@ -456,6 +457,7 @@ async function start_live() {
   const link = await state_of_link();
   set_state(link ? {scene: link.scene, words: link.words, files: link.files, baked: link.baked} : await read_start(), GEOMETRY | SPECTRA);
   await first_picture(link);
+  show_busy();
   set_text("progress", `The first picture took ${(performance.now() - since).toFixed(0)} ms.`);
   document.body.dataset.ready = "true";
 }
@@ -464,7 +466,7 @@ async function start_live() {
 async function first_picture(link) {
   const drawer = drawers[0];
   drawer.send_files(state.files);
-  const ask = () => drawer.ask({task: "draw", words: [state.scene, ...state.words], size: [], describe_key, draw_key: `${draw_key} 1`,
+  const ask = () => drawer.ask({task: "draw", words: [state.scene, ...state.words], size: [], keys: {...keys},
     eye: link ? link.eye : eye_names(), exposure: link ? link.exposure : wanted_exposure(), whole: true});
   const answer = await ask();
   if (answer.error) throw new Error(answer.error);
@@ -473,8 +475,7 @@ async function first_picture(link) {
   if (link) take_eye(link);
   show_picture(answer.painted);
   await read_catalogue();
-  fill_menu("builtin-scene", {"": [[state.scene, state.scene]].filter(([name]) => !catalogue.scenes.includes(name)),
-    "built in": catalogue.scenes.map(name => [name, name])}, state.scene);
+  fill_menu("builtin-scene", {"": [["", "choose …"]], "built in": catalogue.scenes.map(name => [name, name])}, state.scene);
   show_whole(answer, state);
   choose_scaling();
   listen_to_object();

@@ -118,11 +118,38 @@ function move_object(parts, by) {
   last.values = last.values.map((value, i) => as_number(Number(value) + by[i]));
 }
 
+/* Turns a vector about an axis of length 1 (Rodrigues). */
+function turned(v, axis, angle) {
+  const [c, s] = [Math.cos(angle), Math.sin(angle)], along = axis.reduce((sum, value, i) => sum + value * v[i], 0) * (1 - c);
+  const side = [axis[1] * v[2] - axis[2] * v[1], axis[2] * v[0] - axis[0] * v[2], axis[0] * v[1] - axis[1] * v[0]];
+  return v.map((value, i) => value * c + side[i] * s + axis[i] * along);
+}
+
+/* What the transforms do to a place. */
+const TRANSFORMS = {
+  translate: (place, by) => place.map((value, i) => value + by[i]),
+  scale: (place, by) => place.map((value, i) => value * by[by.length === 3 ? i : 0]),
+  rotate: (place, [angle, ...axis]) => turned(place, axis.map(value => value / Math.hypot(...axis)), angle * Math.PI / 180),
+};
+
+/* Returns where the transforms put the object's own origin. */
+const origin_of = parts => parts.filter(({name}) => TRANSFORMS[name])
+  .reduce((place, {name, values}) => TRANSFORMS[name](place, values.map(Number)), [0, 0, 0]);
+
+/* Ends the transforms with a translation from the origin to the object's place. */
+function end_with_place(parts) {
+  const place = origin_of(parts), last = last_of(parts);
+  if (last.name === "translate" && place.every((value, i) => Math.abs(value - Number(last.values[i])) < 1e-9)) return;
+  if (place.some(value => value !== 0)) parts.push({name: "translate", values: place.map(value => as_number(-value))});
+  parts.push({name: "translate", values: place.map(as_number)});
+}
+
 /* Puts a transform before the last translation, so that the object turns or grows about its own place. `merge` joins it
  * with an equal one before, and returns false if it cannot. */
 function insert_transform(parts, part, merge) {
-  const at = last_of(parts).name === "translate" ? parts.length - 1 : parts.length, before = parts[at - 1];
-  if (before.name !== part.name || !merge(before)) parts.splice(at, 0, part);
+  end_with_place(parts);
+  const before = parts[parts.length - 2];
+  if (before.name !== part.name || !merge(before)) parts.splice(parts.length - 1, 0, part);
 }
 
 function scale_object(parts, factor) {
@@ -153,8 +180,8 @@ function set_part(parts, name, values, also = []) {
 function grid_parts(i, n) {
   const rows = n <= 3 ? 1 : n <= 8 ? 2 : n <= 15 ? 3 : 4, scale = [1, 0.66, 0.5, 0.333][rows - 1];
   const columns = Math.ceil(n / rows);
-  return [{name: "translate", values: [as_number(6 * (i % columns) - 3 * (columns - 1)),
-    as_number(3 * (rows - 1) - 6 * Math.floor(i / columns)), "0"]}, {name: "scale", values: [String(scale)]}];
+  const place = [6 * (i % columns) - 3 * (columns - 1), 3 * (rows - 1) - 6 * Math.floor(i / columns), 0];
+  return [{name: "scale", values: [String(scale)]}, {name: "translate", values: place.map(value => as_number(scale * value))}];
 }
 
 /* Replaces a checker by its objects. materials: the name and the file of each. */

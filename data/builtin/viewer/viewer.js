@@ -363,7 +363,7 @@ function listen() {
 
 /* Fits the page to a picture's shape. */
 function fit_frame() {
-  element("frame").style.maxWidth = `${Math.max(shape.width, 300)}px`;
+  element("frame").style.setProperty("--width", `${Math.max(shape.width, 300)}px`);
   element("frame").style.setProperty("--aspect", shape.width / shape.height);
   if (!cursor) cursor = {x: shape.width >> 1, y: shape.height >> 1};
 }

@@ -3,8 +3,8 @@
 
 let program;                   /* the compiled module */
 const folder = new Map();      /* the files that the program sees, by their absolute paths */
-let described = null;          /* the key of the description that is set: see `describe` */
-let drawn = null;              /* {scene key} of the planes that are set */
+let described = {};            /* the keys of the description that is set: see `describe` */
+let drawn = null;              /* the key of the planes that are set */
 
 const as_bytes = content => typeof content === "string" ? new TextEncoder().encode(content) : content;
 
@@ -30,13 +30,14 @@ function take_planes(bytes) {
   set_planes(shape, {surfaces: new Uint16Array(bytes.buffer, at + length + 4 * n * n_values, n), values});
 }
 
-/* Describes the scene, unless the description is that of the key. */
-function describe(scene_words, key) {
-  if (described === key) return {};
+/* Describes the scene, unless the description is of these spectra, and, where the page wants all of it, of this geometry.
+ */
+function describe(scene_words, {spectra, geometry}, whole) {
+  if (described.spectra === spectra && (!whole || described.geometry === geometry)) return {};
   const {bytes, error} = make(["view", ...scene_words], "/page.json");
   if (error) return {error};
   set_scene(JSON.parse(new TextDecoder().decode(bytes)));
-  described = key;
+  described = {spectra, geometry};
   return {};
 }
 
@@ -52,9 +53,9 @@ function rasterize(scene_words, key) {
 }
 
 /* Draws and paints. With `whole`, all that the page needs to show spectra comes along. */
-function draw({words, size, describe_key, draw_key, eye, exposure, whole}) {
-  const since = performance.now();
-  const error = describe(words, describe_key).error || rasterize([...words, ...size], draw_key).error;
+function draw({words, size, keys, eye, exposure, whole}) {
+  const description = describe(words, keys, whole), since = performance.now();
+  const error = description.error || rasterize([...words, ...size], `${keys.geometry} ${size}`).error;
   if (error) return {error};
   const chosen = choice_of(eye);
   const painted = paint({ambients: scene.ambients, lights: scene.lights}, chosen, exposure);
