@@ -3,6 +3,7 @@
 """Tests live pages in headless Chromium and Firefox: the program in the page renders the bytes that the program itself
 renders, and changes by mouse, touch, keys and text stand in the saved scene. Prints TAP."""
 import hashlib
+import json
 import os
 import subprocess
 import sys
@@ -12,7 +13,7 @@ import numpy as np
 
 sys.dont_write_bytecode = True
 from browser import Browser, Firefox
-from rendered import SPECTRAL, TMP, check, done
+from rendered import SPECTRAL, TMP, check, done, write
 from tap import bail_out
 
 PROGRAM = os.path.abspath(SPECTRAL)
@@ -313,14 +314,127 @@ def controls(browser, which):
     agrees(browser, "colorchecker", f"{which}, a checker opened")
 
 
+# ---- the text ----
+
+# A word of the text, a wrong one in its place, and a part of the message.
+MISTAKES = (
+    ("size 150 100", "size 150", "height"),
+    ("camera perspective", "camera perspectif", "unknown"),
+    ("gloss 40", "gloss 400", "gloss"),
+    ("colorchecker/15-red", "colorchecker/15-redd", "15-red"),
+    ("material green translate", "material gren translate", "green"),
+    ("object sphere 1.2 40 40 material red", "object spere 1.2 40 40 material red", "sphere"),
+    ("{ diffuse 0.04 specular 0.9  gloss 100 }", "{ diffuse 0.04 specular 0.9  gloss 100", "}"),
+    ("light a 0.95", "light a -0.95", "intensity"),
+    ("wavelengths 400 700 10", "wavelengths 400 700 1e999", "step"),
+    ("viewer local", "viewer local\ninclude spheres.scene", "include"),
+)
+
+
+def write_text(browser, text, wait=True):
+    """Puts a text into the editor, as a paste does."""
+    browser.evaluate(f"""(() => {{
+        element("text-group").open = true;
+        element("text").focus();
+        element("text").select();
+        document.execCommand("insertText", false, {json.dumps(text)});
+    }})()""")
+    browser.wait(f"(is_text(state) && text_of(state) === {json.dumps(text)}) || element('text').value !== {json.dumps(text)}")
+    if wait:
+        settle(browser)
+
+
+def message(browser):
+    return browser.evaluate("element('message').hidden ? '' : element('message').textContent")
+
+
+def pixels(browser):
+    return browser.evaluate("""(() => {
+        const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
+        copy.drawImage(canvas, 0, 0);
+        return copy.getImageData(0, 0, canvas.width, canvas.height).data.reduce((sum, one) => (sum * 31 + one) % 1000003, 0);
+    })()""")
+
+
+def mistakes(browser, which):
+    with open(own("spheres"), encoding="utf-8") as file:
+        good = file.read().replace("size 480 320", "size 150 100")
+    path_name = path_of("spheres.scene")
+    write("spheres.scene", good)
+    browser.open(view(path_name))
+    browser.evaluate("element('text-group').open = true")
+    browser.wait("element('text').value !== ''")
+    before = pixels(browser)
+    for right, wrong, part in MISTAKES:
+        check(good.count(right) >= 1, f"{which}, {wrong.strip()!r}: a mistake is made")
+        write_text(browser, good.replace(right, wrong))
+        shown = browser.evaluate("element('text-error').firstChild?.textContent || ''").strip()
+        write("spheres.scene", good.replace(right, wrong))
+        run_error = subprocess.run([PROGRAM, "plan", "spheres.scene"], text=True, check=False, cwd=TMP,
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.PIPE).stderr.strip()
+        check(shown == run_error and part in shown and message(browser) == shown,
+              f"{which}, {wrong.strip()!r}: the page shows the message of the command line",
+              shown, run_error)
+        check(pixels(browser) == before, f"{which}, {wrong.strip()!r}: the last good picture stays")
+    browser.evaluate("element('to-error').click()")
+    browser.wait("document.activeElement === element('text')")
+    chosen = browser.evaluate("element('text').value.slice(element('text').selectionStart, element('text').selectionEnd)")
+    check("include spheres.scene" in chosen, f"{which}: a button leads to the line", chosen)
+    write_text(browser, good.replace("light d65 1.8", "light d65 0.9"))
+    check(message(browser) == "" and pixels(browser) != before, f"{which}: the mended text is drawn", message(browser))
+    write_text(browser, good)
+    check(pixels(browser) == before, f"{which}: the old text gives the old picture")
+
+
+# ---- hostile scenes ----
+
+STRANGE = 'a </script><img src=x onerror=document.title=1><b>&amp; \\ <!-- <script>document.title=2</script>'
+HOSTILE = (
+    ("size 99999 99999", "a page shows at most"),
+    ("size 100 100\nobject sphere 1 4096 4096 material m", "memory"),
+    ("size 100 100\ninclude hostile.scene", "no file hostile.scene"),
+    ("size 100 100\nobject mesh nowhere.obj material m", "nowhere.obj"),
+    ("wavelengths 1 100000 0.001", "wavelengths"),
+)
+
+
+def hostile(browser, which):
+    head = f'material "{STRANGE}" {{ diffuse 0.5 }}\nmaterial m {{ diffuse 0.5 }}\nlight d65 1 direction 0 0 1\n'
+    body = f'object sphere 1 material "{STRANGE}"\n'
+    name = write("a 'strange' & <b>name.scene", "camera ortho 3\nsize 90 60\n" + head + body)
+    browser.open(view(name))
+    browser.click(*at(browser, 45, 30))
+    settle(browser)
+    check(browser.evaluate("document.querySelectorAll('b, img, i').length") == 0 and STRANGE in
+          browser.evaluate("element('chosen').textContent"), f"{which}: markup in names is shown as it is",
+          browser.evaluate("element('chosen').textContent"))
+    changes(browser, f"{which}, a scene of strange names: a place", lambda: fill(browser, "place-x", "0.5"),
+            lambda before, after: "translate 0.5 0 0" in after and STRANGE in after)
+    for lines, part in HOSTILE:
+        write_text(browser, "camera ortho 3\n" + head + lines + "\n" + body)
+        check(part in message(browser), f"{which}: {lines!r} is refused", message(browser))
+    check(browser.evaluate("document.title").startswith("a 'strange'"), f"{which}: no name has run as a script",
+          browser.evaluate("document.title"))
+    write_text(browser, "camera ortho 3\nsize 3000 3000\n" + head + "object sphere 1 1500 1500 material m\n" * 3, wait=False)
+    time.sleep(0.5)
+    since = time.monotonic()
+    busy = browser.evaluate(f"!({SETTLED})")
+    check(busy and time.monotonic() - since < 1, f"{which}: the page answers while a worker draws for long")
+    write_text(browser, "camera ortho 3\nsize 90 60\n" + head + body)
+    check(message(browser) == "" and browser.evaluate("canvas.width") == 90, f"{which}: a good scene is drawn again", message(browser))
+
+
 BROWSERS = {"Chromium": Browser, "Firefox": Firefox}
 
 
 def main():
     for which, kind in BROWSERS.items():
         browser = kind(path_of(which))
-        controls(browser, which)
-        stacks(browser, which)
+        for part in ((mistakes, hostile) if os.environ.get("QUICK") else (controls, mistakes, hostile, stacks)):
+            part(browser, which)
+        if which == "Chromium":
+            foreign = [one for one in browser.requests if not one.startswith(("file:", "blob:", "data:"))]
+            check(not foreign and not browser.complaints, "Chromium: no page fetches or complains", foreign, *browser.complaints)
         browser.close()
     done()
 

@@ -195,18 +195,19 @@ function set_light_vector(i, vector) {
   show_handles();
 }
 
+/* Drags a light. A click passes through its handle to the picture. */
 function drag_handle(i, event) {
   const step = ([x, y]) => way_of(x * picture_scale(), y * picture_scale(), light_place(scene.lights[i]));
   let last = [event.clientX, event.clientY];
   event.target.setPointerCapture(event.pointerId);
-  begin_gesture();
   event.target.onpointermove = next => {
+    if (!gesture) begin_gesture();
     set_light_vector(i, moved_light(scene.lights[i], step([next.clientX - last[0], next.clientY - last[1]])));
     last = [next.clientX, next.clientY];
   };
   event.target.onpointerup = event.target.onpointercancel = () => {
     event.target.onpointermove = null;
-    end_gesture();
+    gesture ? end_gesture() : pick_by_pointer(event);
   };
 }
 

@@ -109,7 +109,7 @@ let wanted = null;      /* {moving}: the latest wish that no worker has */
 let asked = 0;          /* numbers of the pictures that workers were asked for, and of the latest one that is shown */
 let latest_shown = 0;
 let coarseness = 1;     /* how much coarser a moving picture is */
-const FRAME_MS = 33, COARSEST = 8, PATIENCE_MS = 4000;
+const FRAME_MS = 33, COARSEST = 8, PATIENCE_MS = 2000, SHORT_MS = 300;
 
 /* Asks for a picture: a whole one, or while something moves one that may be coarser. */
 function want(moving) {
@@ -134,9 +134,10 @@ function coarse_words(factor) {
   return factor === 1 || !shape ? [] : [`--size=${size(shape.width)}x${size(shape.height)}`, "--samples=1"];
 }
 
-function restart_late() {
+/* Ends workers that have drawn for so long, while a newer picture is wanted or shown. */
+function end_late(patience_ms) {
   drawers.forEach((drawer, i) => {
-    if (drawer.since === null || performance.now() - drawer.since < PATIENCE_MS) return;
+    if (drawer.since === null || performance.now() - drawer.since < patience_ms) return;
     drawer.end();
     drawers[i] = new Drawer(compiled);
   });
@@ -150,7 +151,7 @@ function show_busy() {
 }
 
 async function pump() {
-  restart_late();
+  if (wanted) end_late(PATIENCE_MS);
   const drawer = drawers.find(one => one.since === null);
   show_busy();
   if (!wanted || !drawer) return;
@@ -166,7 +167,10 @@ async function pump() {
     latest_shown = number;
     if (answer.error) refuse(answer.error, of);
     else if (moving) show_moving(answer);
-    else if (!wanted) show_whole(answer, of);
+    else if (!wanted) {
+      show_whole(answer, of);
+      end_late(SHORT_MS);
+    }
   }
   pump();
 }

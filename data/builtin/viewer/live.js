@@ -278,10 +278,26 @@ function type_text() {
   }, 300);
 }
 
-/* Shows the message under the text, and selects its line. */
+/* Shows the message under the text, with a button that leads to its line. */
 function show_text_error(message) {
+  const place = message.match(/^(.*):(\d+):(\d+): /), error = element("text-error");
   set_text("text-error", message);
-  element("text-error").hidden = message === "";
+  error.hidden = message === "";
+  element("text").setAttribute("aria-invalid", message !== "");
+  if (!place || !is_text(state) || !(place[1] in state.files)) return;
+  const button = document.createElement("button");
+  Object.assign(button, {type: "button", id: "to-error", textContent: `Show line ${place[2]}`});
+  button.addEventListener("click", () => select_line(place[1], Number(place[2])));
+  error.append(" ", button);
+}
+
+async function select_line(file, line) {
+  const area = element("text");
+  element("text-file").value = file;
+  await refresh_text();
+  const lines = area.value.split("\n"), start = lines.slice(0, line - 1).reduce((sum, one) => sum + one.length + 1, 0);
+  area.focus();
+  area.setSelectionRange(start, start + (lines[line - 1] || "").length);
 }
 
 /* ---- all controls ---- */
