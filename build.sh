@@ -9,6 +9,7 @@
 #   coverage               prints the lines that no test runs
 #   bench [quick] [--csv FILE]  measures all ratios that the program has goals for; quick: of small pictures
 #   bench effects          measures the seconds of each effect
+#   bench live             measures a live page in two browsers
 #   wasm                   makes data/builtin/viewer/spectral.wasm, the program in the pages of spectral view
 #   static                 makes build/spectral-static, which needs nothing but a Linux kernel
 #   dist                   makes a release archive around the static program

@@ -99,8 +99,9 @@ class Browser:
         self.send("Emulation.setEmulatedMedia",
                   features=[{"name": "prefers-color-scheme", "value": name}])
 
-    def open(self, path):
-        self.send("Page.navigate", url="file://" + os.path.abspath(path))
+    def open(self, path, fragment=""):
+        self.send("Page.navigate", url="about:blank")
+        self.send("Page.navigate", url="file://" + os.path.abspath(path) + fragment)
         self.wait("location.href !== 'about:blank' && document.body?.dataset.ready === 'true'")
 
     def pointer(self, kind, x, y, buttons):
@@ -131,6 +132,12 @@ class Browser:
 
     def enter(self):
         self.key("Enter")
+
+    def drop(self, *paths):
+        """Drops files onto the middle of the page."""
+        data = {"items": [], "files": [os.path.abspath(path) for path in paths], "dragOperationsMask": 1}
+        for kind in ("dragEnter", "dragOver", "drop"):
+            self.send("Input.dispatchDragEvent", type=kind, x=300, y=300, data=data)
 
     def picture(self):
         return base64.b64decode(self.send("Page.captureScreenshot", format="png")["data"])
@@ -267,11 +274,17 @@ class Firefox:
     def enter(self):
         self.type("\ue007")
 
+    def drop(self, *paths):
+        """Opens files by the page's input: Marionette drops none."""
+        found = self.send("WebDriver:FindElement", using="css selector", value="#opened")["value"]
+        self.send("WebDriver:ElementSendKeys", id=list(found.values())[0], text="\n".join(map(os.path.abspath, paths)))
+
     def size(self, width, height):
         self.send("WebDriver:SetWindowRect", width=width, height=height)
 
-    def open(self, path):
-        self.send("WebDriver:Navigate", url="file://" + os.path.abspath(path))
+    def open(self, path, fragment=""):
+        self.send("WebDriver:Navigate", url="about:blank")
+        self.send("WebDriver:Navigate", url="file://" + os.path.abspath(path) + fragment)
         self.wait("document.body?.dataset.ready === 'true'")
 
     def close(self):

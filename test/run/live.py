@@ -314,6 +314,64 @@ def controls(browser, which):
     agrees(browser, "colorchecker", f"{which}, a checker opened")
 
 
+# ---- opening and saving ----
+
+def drop(browser, *paths):
+    n = browser.evaluate("past.length")
+    browser.drop(*paths)
+    browser.wait(f"past.length > {n}")
+    settle(browser)
+
+
+def opening(browser, which):
+    write("lamp.csv", "nm,power\n400,0.2\n550,1\n700,0.4\n")
+    write("red.txt", "g 20\n400 0.05\n600 0.3\n700 0.6\n")
+    write("my.list", "red.txt\nred.txt\n")
+    write("tri.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    scene = write("my.scene", "wavelengths 400 700 50\ncamera ortho 3\nsize 90 60\nambient lamp.csv 0.5\n"
+                              "light d65 1 position 1 2 3\nmaterial red red.txt\nobject sphere 1 material red\n")
+    page = view("colorchecker", "--size", "60x40")
+    browser.open(page)
+    drop(browser, scene, path_of("lamp.csv"), path_of("red.txt"))
+    check(browser.evaluate("state.scene") == "my.scene" and message(browser) == "" and browser.evaluate("canvas.width") == 90,
+          f"{which}: a scene that is dropped with its files is drawn", message(browser))
+    saved = digest(download(browser, "save-stack", "my.tif"))
+    native = os.path.abspath(path_of("native.tif"))
+    run("render", "my.scene", "--renderer", "raster", "--no-check", "--quiet", "-o", native, cwd=TMP)
+    check(saved == digest(native), f"{which}: its stack is that of render")
+    archive = download(browser, "save-scene", "my.tar")
+    run("pack", "my.scene", "-o", "packed.tar", cwd=TMP)
+    check(digest(archive) == digest(path_of("packed.tar")), f"{which}: with files of its own it is saved as pack writes it")
+
+    choose(browser, "lights-1", "file lamp.csv") if browser.evaluate(
+        "[...element('lights-1').options].some(({value}) => value === 'file lamp.csv')") else choose(
+            browser, "lights-1", browser.evaluate("String(scene.illuminants.findIndex(({word}) => word === 'lamp.csv'))"))
+    check(words_of(browser, "light")[1] == "lamp.csv", f"{which}: a table that was dropped lights the scene", words_of(browser, "light"))
+    drop(browser, path_of("tri.obj"))
+    browser.click(*at(browser, *pixel_of(browser, "red")))
+    choose(browser, "object-shape", "mesh tri.obj")
+    check("object mesh tri.obj" in text_of(browser) and message(browser) == "", f"{which}: a mesh that was dropped is a shape",
+          message(browser))
+
+    choose(browser, "detector", browser.evaluate("String(scene.detectors.findIndex(({name}) => name === 'cie1964'))"))
+    choose(browser, "lights-1", browser.evaluate("String(scene.illuminants.findIndex(({name}) => name === 'a'))"))
+    text, picture = text_of(browser), pixels(browser)
+    click(browser, "copy-link")
+    browser.wait("location.hash.length > 20")
+    fragment = browser.evaluate("location.hash")
+    browser.open(page, fragment)
+    settle(browser)
+    check(text_of(browser) == text and pixels(browser) == picture and
+          browser.evaluate("element('detector').selectedOptions[0].text") == "cie1964",
+          f"{which}: a link holds scene, files and eye ({len(fragment)} characters)")
+
+    drop(browser, path_of("my.list"), path_of("red.txt"))
+    check(browser.evaluate("state.scene") == "my.list" and browser.evaluate("scene.objects.length") == 3 and message(browser) == "",
+          f"{which}: a list is drawn as a grid", message(browser))
+    choose(browser, "builtin-scene", "spheres")
+    check(browser.evaluate("state.scene") == "spheres" and message(browser) == "", f"{which}: a built-in scene is chosen", message(browser))
+
+
 # ---- the text ----
 
 # A word of the text, a wrong one in its place, and a part of the message.
@@ -430,7 +488,7 @@ BROWSERS = {"Chromium": Browser, "Firefox": Firefox}
 def main():
     for which, kind in BROWSERS.items():
         browser = kind(path_of(which))
-        for part in ((mistakes, hostile) if os.environ.get("QUICK") else (controls, mistakes, hostile, stacks)):
+        for part in (controls, opening, mistakes, hostile, stacks):
             part(browser, which)
         if which == "Chromium":
             foreign = [one for one in browser.requests if not one.startswith(("file:", "blob:", "data:"))]

@@ -81,9 +81,12 @@ def run(*words, **options):
     return result.stdout
 
 
+kind = ["--still"]  # the pages to test; []: live ones
+
+
 def view(scene, name, *options):
     path = os.path.join(TMP, name + ".html")
-    run("view", scene, "--still", "-o", path, "--quiet", *(options or ("--size", SIZE)))
+    run("view", scene, *kind, "-o", path, "--quiet", *(options or ("--size", SIZE)))
     return path
 
 
@@ -105,6 +108,7 @@ def developed(stack, *options):
 # ---- the page ----
 
 def settle():
+    browser.wait("document.getElementById('shown').getAttribute('aria-busy') !== 'true'")
     browser.evaluate("new Promise(then => requestAnimationFrame(() => requestAnimationFrame(then)))")
 
 
@@ -226,6 +230,7 @@ def light_options(lights):
 
 
 def menus(scene):
+    what_kind = "still" if kind else "live"
     browser.open(view(scene, scene))
     for lights, options in COMBINATIONS[scene]:
         browser.evaluate("controls.reset()")
@@ -236,27 +241,27 @@ def menus(scene):
         seen = pixels()
         what = " ".join(light_options(lights) + options) or "as it is"
         check(distance(seen, expected) <= 1 and seen[:, :, :3].max() > 30 and (seen[:, :, 3] == 255).all(),
-              f"{scene}, {what}: pixels are within 1 of 255 of develop's picture",
+              f"{what_kind} {scene}, {what}: pixels are within 1 of 255 of develop's picture",
               f"largest distance {distance(seen, expected)}")
         differ = np.mean(seen[:, :, :3] != expected)  # a fifth of it, by rounding to 16 bits
-        check(differ < 0.01, f"{scene}, {what}: 99 of 100 samples are equal to develop's", differ)
+        check(differ < 0.01, f"{what_kind} {scene}, {what}: 99 of 100 samples are equal to develop's", differ)
         lost, unseen = per_cent(text("lost")), per_cent(words.split("unseen")[1].split("\n")[0])
         check(np.abs(lost - unseen).max() <= 0.051,
-              f"{scene}, {what}: the lost part of the sensitivity equals develop's",
+              f"{what_kind} {scene}, {what}: the lost part of the sensitivity equals develop's",
               lost, unseen)
         if "observer" in words:
             white, recorded = figures(text("white")), figures(words.split("white")[1].split("\n")[0])
             check(np.allclose(white, [*recorded[3:], recorded[1]], atol=0.006) and
                   np.allclose(white[:2], recorded[3:], atol=6e-5),
-                  f"{scene}, {what}: the white is the one that develop prints", white, recorded)
+                  f"{what_kind} {scene}, {what}: the white is the one that develop prints", white, recorded)
         counted = int(text("gamut").split(":")[1].split()[0])
         check(abs(counted - out_of_gamut(words)) <= expected[:, :, 0].size // 1000,
-              f"{scene}, {what}: the number of pixels out of gamut is right to a thousandth",
+              f"{what_kind} {scene}, {what}: the number of pixels out of gamut is right to a thousandth",
               f"{counted}, develop says {out_of_gamut(words)}")
     browser.evaluate("controls.reset()")
     settle()
     expected, _ = developed(rendered(scene))
-    check(distance(pixels(), expected) <= 1, f"{scene}: reset shows the original scene")
+    check(distance(pixels(), expected) <= 1, f"{what_kind} {scene}: reset shows the original scene")
 
 
 # ---- still pictures ----
@@ -721,8 +726,9 @@ def troubles():
 
 def main():
     browser.size(1280, 900)
-    for scene in COMBINATIONS:
-        menus(scene)
+    for kind[:] in ([], ["--still"]):
+        for scene in COMBINATIONS:
+            menus(scene)
     stills()
     all_offered()
     spectra("colorchecker", "colorchecker", [(10, 10), (25, 20), (60, 40)])
