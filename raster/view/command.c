@@ -7,6 +7,7 @@
 
 #include "data/invocation/invocation.h"
 #include "data/pack/pack.h"
+#include "data/tiff/tiff.h"
 #include "data/scene/scene.h"
 #include "raster/view/view.h"
 
@@ -130,6 +131,51 @@ static bool view(struct options *options, int kind, struct error *err)
     return done;
 }
 
+/* ---- stacks ---- */
+
+/* Refuses what only a scene can be asked for. */
+static bool refuse_for_stack(const struct options *options, int kind, struct error *err)
+{
+    const char *stack = options->operand;
+    if (options->n_recorded > 0)
+        return error_usage(err, "%s is for scenes; the stack %s is rendered already",
+                           options->recorded[0], stack);
+    if (kind == PICTURE_KIND || kind == DESCRIPTION_KIND)
+        return error_usage(err,
+                           "%s: view writes pages of stacks; expected .html (develop writes "
+                           "pictures)",
+                           options->output);
+    return true;
+}
+
+/* Writes the page of a stack, or its data alone. */
+static bool view_stack(struct options *options, bool alone, struct error *err)
+{
+    const double usual_mb = 40;
+    double budget_mb = usual_mb;
+    struct stack_result result;
+    struct printed table = {.text = NULL};
+    if (options->budget && !option_number("--budget", options->budget, 1, 1e6, &budget_mb, err))
+        return false;
+    const struct stack_page_options page = {1e6 * budget_mb, alone};
+    const bool done =
+        stack_page_write(options->operand, options->output, &page, &result, &options->outputs, err);
+    if (done && !options->quiet && !alone) {
+        print(&table, "stack             %d x %d pixels, %d bands\n", result.width, result.height,
+              result.n_bands);
+        if (result.factor > 1)
+            print(&table,
+                  "reduced           means of %d x %d pixels, to keep to %g MB (--budget); drop "
+                  "the stack onto the page to see all of it\n",
+                  result.factor, result.factor, budget_mb);
+        print(&table, "page              %s, %.2f MB\n", options->output,
+              (double)result.bytes / 1e6);
+    }
+    return printed_show(&table, options_table(options, options->output), err) && done;
+}
+
+/* ---- the command ---- */
+
 bool command_view(struct options *options, struct error *err)
 {
     enum { HTML, HTM, PNG, PLANES, JSON };
@@ -145,6 +191,12 @@ bool command_view(struct options *options, struct error *err)
         !output_ending(options->output, endings, &ending, err))
         return false;
     const char *operand = options->operand;
+    enum image_kind kind = IMAGE_NONE;
+    if (operand && !output_is_standard(operand) && !image_kind(operand, &kind, err))
+        return false;
+    if (kind != IMAGE_NONE)
+        return refuse_for_stack(options, kinds[ending], err) &&
+               view_stack(options, kinds[ending] == PLANES_KIND, err);
     char *marked = operand ? pack_marked_name(operand) : NULL;
     if (operand && !marked)
         return error_memory(err);

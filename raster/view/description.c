@@ -32,7 +32,7 @@ struct describer {
 };
 
 /* Puts three rows of n numbers each. */
-static void json_rows(struct json *json, const char *key, const double *rows, int n)
+void json_rows(struct json *json, const char *key, const double *rows, int n)
 {
     json_open(json, key, '[');
     for (size_t i = 0; i < 3; i++)
@@ -332,7 +332,7 @@ static bool put_detectors(struct describer *describer, struct error *err)
 
 /* Puts the matrix from XYZ to the cone responses in which each kind adapts, and the matrix from
  * adapted responses, which are 1 to the white, to XYZ under the display's white. */
-static void put_adaptations(struct json *json)
+void put_adaptations(struct json *json)
 {
     json_open(json, "adaptations", '[');
     for (int i = ADAPTATION_NONE; i <= ADAPTATION_CAT16; i++) {
@@ -368,7 +368,7 @@ static double code_step(enum display_kind kind, int channel, int code)
 }
 
 /* Puts the displays. A tone curve is a list of its 255 steps. */
-static void put_displays(struct json *json)
+void put_displays(struct json *json)
 {
     json_open(json, "displays", '[');
     for (int i = DISPLAY_SRGB; i <= DISPLAY_MONITOR; i++) {

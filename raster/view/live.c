@@ -19,7 +19,7 @@ struct live_page {
 
 /* ---- the program ---- */
 
-static bool put_module(struct page *page, struct error *err)
+bool put_module(struct page *page, struct error *err)
 {
     static const char name[] = BUILTIN_PREFIX "viewer/spectral.wasm.gz";
     const struct builtin_file *file;
@@ -175,6 +175,6 @@ bool live_write(const struct plan *plan, struct options *options, struct viewer_
 {
     struct live_page live = {{.kind = PAGE_LIVE, .put_data = put_live}, options, plan->scene};
     *out = (struct viewer_result){.n_objects = plan->n_instances, .n_lights = plan->n_lights};
-    return make_notes(plan, notes, err) &&
+    return page_allows(plan, err) && make_notes(plan, notes, err) &&
            page_write(&live.page, options->output, &out->bytes, &options->outputs, err);
 }

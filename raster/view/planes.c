@@ -127,11 +127,8 @@ static bool put_picture(const struct lit_scene *lit, struct planes *planes, stru
     return true;
 }
 
-bool planes_rasterize(const struct plan *plan, struct planes *out, struct notes *notes,
-                      struct error *err)
+bool page_allows(const struct plan *plan, struct error *err)
 {
-    struct lit_scene lit = {.plan = plan};
-    struct light_work work;
     if (plan->n_instances > LARGEST_SAMPLE)
         return error_usage(err, "a page shows at most %d objects and parts; this scene has %d",
                            LARGEST_SAMPLE, plan->n_instances);
@@ -139,7 +136,17 @@ bool planes_rasterize(const struct plan *plan, struct planes *out, struct notes 
         return error_usage(err, "a page shows at most %d %s, not %d x %d; use --size WxH",
                            LARGEST_PAGE, plan->scene->positions > 1 ? "positions" : "pixels",
                            plan->view.width, plan->view.height);
-    bool done =
+    return true;
+}
+
+bool planes_rasterize(const struct plan *plan, struct planes *out, struct notes *notes,
+                      struct error *err)
+{
+    struct lit_scene lit = {.plan = plan};
+    struct light_work work;
+    if (!page_allows(plan, err))
+        return false;
+    const bool done =
         planes_allocate(plan, out, err) && lit_make(plan, driver_of(NULL), &lit, &work, err) &&
         (!notes || notes_make(&lit, SOME_PIXELS, notes, err)) && put_picture(&lit, out, err);
     lit_free(&lit);
@@ -158,9 +165,7 @@ double plane_scale(const struct planes *planes, int plane)
     return largest / LARGEST_SAMPLE;
 }
 
-/* Writes the differences between neighbours, all low bytes before all high bytes. Small and similar
- * numbers compress well. */
-static void put_differences(const uint16_t *samples, size_t n, unsigned char *out)
+void put_differences(const uint16_t *samples, size_t n, unsigned char *out)
 {
     for (size_t i = 0; i < n; i++) {
         unsigned difference = samples[i] - (i > 0 ? (unsigned)samples[i - 1] : 0);

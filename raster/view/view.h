@@ -39,6 +39,21 @@ bool description_write(const struct plan *plan, const char *path, struct outputs
 bool weights_write(const struct plan *plan, const char *path, struct outputs *outputs,
                    struct error *err);
 
+/* ---- stack.c: a stack in a page ---- */
+
+struct stack_result {
+    size_t bytes;
+    int width, height, n_bands, factor; /* of the stack; the page shows means of factor x factor */
+};
+struct stack_page_options {
+    double budget_bytes; /* of a page, without the program that it holds */
+    bool alone;          /* write the data alone, for a page that has opened the stack */
+};
+/* Writes a page of a stack, or of any cube that cube_open reads. Samples of TIFF files of whole
+ * numbers stay counts, all others floats. outputs get it: see output_pass. */
+bool stack_page_write(const char *stack, const char *path, const struct stack_page_options *options,
+                      struct stack_result *out, struct outputs *outputs, struct error *err);
+
 /* ---- still.c: the picture that the page shows first ---- */
 
 /* Draws the plan's picture by the reference, as cie1931 sees it without adaptation on an sRGB
@@ -71,12 +86,17 @@ struct planes {
     double *place[2]; /* of each position in its spectral texture, in texels; NULL: there is none */
 };
 
-/* Draws the planes by the reference. notes NULL: makes none. Refuses more than LARGEST_PAGE pixels
- * and scenes of more than LARGEST_SAMPLE instances. The caller frees *out and *notes, also after a
- * failure. */
+/* Refuses pictures and scenes that are too large for a page: more than LARGEST_PAGE pixels, or
+ * LARGEST_SAMPLE instances. */
+bool page_allows(const struct plan *plan, struct error *err);
+/* Draws the planes by the reference. notes NULL: makes none. Refuses what page_allows refuses. The
+ * caller frees *out and *notes, also after a failure. */
 bool planes_rasterize(const struct plan *plan, struct planes *out, struct notes *notes,
                       struct error *err);
 /* Returns the value of sample 1 of a plane, so that the plane's largest value is LARGEST_SAMPLE. */
+/* Writes the differences between neighbours, all low bytes before all high bytes: 2 n bytes. Small
+ * and similar numbers compress well. */
+void put_differences(const uint16_t *samples, size_t n, unsigned char *out);
 double plane_scale(const struct planes *planes, int plane);
 /* Returns the surfaces, then all planes in units of their scales, as 16-bit samples: differences
  * between neighbours, all low bytes before all high bytes, deflated (RFC 1950), in base64.
@@ -92,6 +112,11 @@ char *base64_text(const unsigned char *bytes, size_t length, size_t *out_length)
  * Counts illuminants and detectors in *result. NULL: see err. */
 char *description_make(const struct plan *plan, struct viewer_result *result, struct error *err);
 
+void json_rows(struct json *json, const char *key, const double *rows,
+               int n); /* three of n numbers */
+void put_adaptations(struct json *json);
+void put_displays(struct json *json);
+
 /* viewer.c: a page from its parts. The kinds of pages embed it as their first member. */
 struct page {
     enum { PAGE_STILL, PAGE_LIVE } kind;
@@ -101,6 +126,7 @@ struct page {
 /* Put an element of a page: a text in JSON, or in base64. */
 void put_json(struct printed *to, const char *id, const char *json);
 void put_base64(struct printed *to, const char *id, const char *text, size_t length);
+bool put_module(struct page *page, struct error *err); /* live.c: this program, for browsers */
 /* Writes the page. outputs get it: see output_pass. */
 bool page_write(struct page *page, const char *path, size_t *bytes, struct outputs *outputs,
                 struct error *err);

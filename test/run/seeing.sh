@@ -197,7 +197,7 @@ cat "$tmp/pipe" >"$tmp/piped.html"
 wait "$viewer"
 ok $? "the page goes through a pipe"
 for ending in tif PDF html5; do
-    refused "view to .$ending" "none.$ending: error: the ending .$ending is unknown; expected .html, .htm or .png" \
+    refused "view to .$ending" "none.$ending: error: the ending .$ending is unknown; expected .html, .htm, .png, .planes or .json" \
         view patches -o "$tmp/none.$ending"
     absent "$tmp/none.$ending" "view to .$ending"
 done

@@ -114,6 +114,7 @@ const picture_scale = () => shape.width / canvas.getBoundingClientRect().width;
 const chosen_drag = () => document.querySelector("#drags :checked").value;
 
 function press(event) {
+  if (is_stack()) return;
   pointers.set(event.pointerId, [event.clientX, event.clientY]);
   canvas.setPointerCapture(event.pointerId);
   if (pointers.size === 1) { dragged = false; press.at = [event.clientX, event.clientY]; }
@@ -155,6 +156,7 @@ function release(event) {
 
 /* A turn of the wheel is a gesture that ends when the wheel rests. */
 function roll(event) {
+  if (is_stack()) return;
   event.preventDefault();
   if (!gesture) begin_gesture();
   zoom_view(Math.exp(-event.deltaY * (event.deltaMode === 1 ? 0.05 : 0.0015)));
@@ -171,7 +173,7 @@ const KEYS = {
 };
 
 function turn_by_key(event) {
-  if (event.ctrlKey || event.metaKey || event.altKey || !KEYS[event.key]) return;
+  if (is_stack() || event.ctrlKey || event.metaKey || event.altKey || !KEYS[event.key]) return;
   event.preventDefault();
   KEYS[event.key]();
 }
@@ -246,5 +248,5 @@ function listen_to_drags() {
   canvas.addEventListener("wheel", roll, {passive: false});
   canvas.addEventListener("keydown", turn_by_key);
   canvas.addEventListener("contextmenu", event => { if (dragged) event.preventDefault(); });
-  canvas.addEventListener("click", event => { if (dragged) event.stopImmediatePropagation(); }, {capture: true});
+  canvas.addEventListener("click", event => { if (dragged && !is_stack()) event.stopImmediatePropagation(); }, {capture: true});
 }

@@ -101,6 +101,16 @@ function ask_program(message, files = state.files) {
   drawer.send_files(files);
   return drawer.ask(message);
 }
+
+/* Does a long task on a worker of its own, so that pictures go on. */
+async function ask_apart(message, files = state.files) {
+  const drawer = new Drawer(compiled);
+  drawer.send_files(files);
+  const answer = await drawer.ask(message);
+  drawer.end();
+  return answer;
+}
+
 const run_program = words => ask_program({task: "run", words});
 
 /* ---- drawing ---- */
@@ -134,10 +144,10 @@ function coarse_words(factor) {
   return factor === 1 || !shape ? [] : [`--size=${size(shape.width)}x${size(shape.height)}`, "--samples=1"];
 }
 
-/* Ends workers that have drawn for so long, while a newer picture is wanted or shown. */
-function end_late(patience_ms) {
+/* Ends workers that have drawn a picture older than this one for so long. */
+function end_late(newest, patience_ms) {
   drawers.forEach((drawer, i) => {
-    if (drawer.since === null || performance.now() - drawer.since < patience_ms) return;
+    if (drawer.since === null || drawer.picture >= newest || performance.now() - drawer.since < patience_ms) return;
     drawer.end();
     drawers[i] = new Drawer(compiled);
   });
@@ -151,13 +161,14 @@ function show_busy() {
 }
 
 async function pump() {
-  if (wanted) end_late(PATIENCE_MS);
+  if (wanted) end_late(asked + 1, PATIENCE_MS);
   const drawer = drawers.find(one => one.since === null);
   show_busy();
   if (!wanted || !drawer) return;
   const {moving} = wanted, number = ++asked, factor = moving ? coarseness : 1, of = state;
   wanted = null;
   drawer.since = performance.now();
+  drawer.picture = number;
   drawer.send_files(of.files);
   const answer = await drawer.ask({task: "draw", words: [of.scene, ...of.words], size: coarse_words(factor),
     keys: {...keys}, eye: eye_names(), exposure: wanted_exposure(), whole: !moving});
@@ -169,7 +180,7 @@ async function pump() {
     else if (moving) show_moving(answer);
     else if (!wanted) {
       show_whole(answer, of);
-      end_late(SHORT_MS);
+      end_late(number, SHORT_MS);
     }
   }
   pump();

@@ -326,6 +326,7 @@ const eye_names = () => ({
 function add_eye_menus() {
   for (const [id, selected] of [["detector", "cie1931"], ["adaptation", "none"], ["display", "srgb"]]) {
     const names = scene[id + "s"].map(({name}) => name);
+    element(id).replaceChildren();
     fill_select(element(id), names, names.indexOf(selected));
   }
 }
@@ -336,13 +337,13 @@ async function save_scene() {
   state.baked || commit(await editable(state), GEOMETRY | SPECTRA);
   const others = Object.keys(state.files).filter(name => name !== state.scene && text_of(state).includes(name));
   if (others.length === 0) return save_as(new Blob([text_of(state)], {type: "text/plain"}), state.scene);
-  const {bytes, error} = await ask_program({task: "make", words: ["pack", state.scene], path: "/page.tar"});
+  const {bytes, error} = await ask_apart({task: "make", words: ["pack", state.scene], path: "/page.tar"});
   error ? show_refusal(error) : save_as(new Blob([bytes], {type: "application/x-tar"}), file_stem(state.scene) + ".tar");
 }
 
 async function save_stack() {
   set_text("progress", "Rendering the stack …");
-  const {bytes, error} = await ask_program({task: "make", path: "/" + file_stem(state.scene) + ".tif",
+  const {bytes, error} = await ask_apart({task: "make", path: "/" + file_stem(state.scene) + ".tif",
     words: ["render", state.scene, "--renderer=raster", "--no-check", ...state.words, "--quiet"]});
   set_text("progress", "");
   error ? show_refusal(error) : save_as(new Blob([bytes], {type: "image/tiff"}), file_stem(state.scene) + ".tif");
@@ -350,12 +351,37 @@ async function save_stack() {
 
 /* Opens files: the first scene or list among them becomes the scene; others become files that a scene can name. */
 async function open_files(list) {
-  const files = {};
+  const files = {}, cube = [...list].find(({name}) => /[.](tiff?|hdr)$/i.test(name));
+  if (cube && await open_stack_file(cube.name, list)) return;
   for (const file of list) files[file.name] = await content_of(file);
   const scene_name = Object.keys(files).find(name => /[.](scene|list)$/i.test(name));
   const next = {...state, files: {...state.files, ...files}};
-  commit(scene_name ? {...next, scene: scene_name, words: [], baked: false} : next, GEOMETRY | SPECTRA);
+  return show_state(scene_name ? {...next, scene: scene_name, words: [], baked: false} : next);
 }
+
+/* Shows another scene, also where the page has shown a stack so far. */
+async function show_state(next) {
+  document.body.classList.remove("stack");
+  document.body.classList.add("live");
+  stack = null;
+  if (live_started) return commit(next, GEOMETRY | SPECTRA);
+  set_state(next, GEOMETRY | SPECTRA);
+  await first_picture(null).catch(error => show_message(error.message));
+}
+
+/* Opens a stack from the disk: the program reads it piece by piece. Returns false if the file is no stack, as a texture. */
+async function open_stack_file(name, list) {
+  set_text("progress", `Reading ${name} …`);
+  const {bytes, error} = await ask_apart({task: "make", words: ["view", name, `--budget=${DROPPED_MB}`], path: "/page.planes"},
+    Object.fromEntries([...list].map(file => [file.name, file])));
+  set_text("progress", "");
+  if (error && (is_stack() || !list_has_scene(list))) show_message(error);
+  if (bytes) open_stack(read_stack(bytes));
+  return Boolean(bytes);
+}
+
+const DROPPED_MB = 1000;
+const list_has_scene = list => [...list].some(({name}) => /[.](scene|list|obj)$/i.test(name));
 
 async function content_of(file) {
   const bytes = new Uint8Array(await file.arrayBuffer());
@@ -363,7 +389,7 @@ async function content_of(file) {
 }
 
 function open_builtin(name) {
-  commit({scene: name, words: [], files: {}, baked: false}, GEOMETRY | SPECTRA);
+  show_state({scene: name, words: [], files: {}, baked: false});
 }
 
 /* ---- links ---- */
@@ -420,15 +446,25 @@ async function read_start() {
   return {scene: start.scene, words: start.options, files, baked: false};
 }
 
+function listen_to_opening() {
+  element("open").addEventListener("click", () => element("opened").click());
+  element("opened").addEventListener("change", ({target}) => open_files(target.files));
+  addEventListener("dragover", event => { event.preventDefault(); document.body.classList.add("dropping"); });
+  addEventListener("dragleave", () => document.body.classList.remove("dropping"));
+  addEventListener("drop", event => {
+    event.preventDefault();
+    document.body.classList.remove("dropping");
+    open_files(event.dataTransfer.files);
+  });
+}
+
 function listen_to_page() {
   element("undo").addEventListener("click", () => go_back(past, future));
   element("redo").addEventListener("click", () => go_back(future, past));
   element("save-scene").addEventListener("click", save_scene);
   element("save-stack").addEventListener("click", save_stack);
   element("copy-link").addEventListener("click", copy_link);
-  element("open").addEventListener("click", () => element("opened").click());
-  element("opened").addEventListener("change", ({target}) => open_files(target.files));
-  element("builtin-scene").addEventListener("change", ({target}) => open_builtin(target.value));
+  element("builtin-scene").addEventListener("change", ({target}) => target.value && open_builtin(target.value));
   element("text").addEventListener("input", type_text);
   element("text-group").addEventListener("toggle", refresh_text);
   element("text-file").addEventListener("change", refresh_text);
@@ -438,13 +474,6 @@ function listen_to_page() {
     if (!command || /^(INPUT|TEXTAREA)$/.test(document.activeElement.tagName)) return;
     event.preventDefault();
     event.shiftKey ? go_back(future, past) : go_back(past, future);
-  });
-  addEventListener("dragover", event => { event.preventDefault(); document.body.classList.add("dropping"); });
-  addEventListener("dragleave", () => document.body.classList.remove("dropping"));
-  addEventListener("drop", event => {
-    event.preventDefault();
-    document.body.classList.remove("dropping");
-    open_files(event.dataTransfer.files);
   });
 }
 
@@ -470,13 +499,29 @@ async function start_live() {
   document.body.classList.add("live");
   compiled = await WebAssembly.compile(await unpack(element("module").textContent, "gzip"));
   start_drawers();
+  if (element("stack")) return start_opened_stack(since);
   const link = await state_of_link();
   set_state(link ? {scene: link.scene, words: link.words, files: link.files, baked: link.baked} : await read_start(), GEOMETRY | SPECTRA);
   await first_picture(link);
+  listen();
+  listen_to_opening();
+  listen_to_stack();
   show_busy();
   set_text("progress", `The first picture took ${(performance.now() - since).toFixed(0)} ms.`);
   document.body.dataset.ready = "true";
 }
+
+/* A page of a stack can open scenes and other stacks, too. */
+async function start_opened_stack(since) {
+  document.body.classList.remove("live");
+  state = {scene: "colorchecker", words: [], files: {}, baked: false};
+  listen_to_opening();
+  await start_stack();
+  set_text("progress", `The first picture took ${(performance.now() - since).toFixed(0)} ms.`);
+  document.body.dataset.ready = "true";
+}
+
+let live_started = false;
 
 /* The first picture comes before all that only menus need. */
 async function first_picture(link) {
@@ -488,16 +533,18 @@ async function first_picture(link) {
   if (answer.error) throw new Error(answer.error);
   set_scene(answer.description);
   add_eye_menus();
+  element("handles").replaceChildren();
   if (link) take_eye(link);
   show_picture(answer.painted);
   await read_catalogue();
   fill_menu("builtin-scene", {"": [["", "choose …"]], "built in": catalogue.scenes.map(name => [name, name])}, state.scene);
   show_whole(answer, state);
   choose_scaling();
+  if (!link && pixel !== null) cursor = {x: shape.width >> 1, y: shape.height >> 1};
   listen_to_object();
   listen_to_camera();
   listen_to_drags();
-  listen();
   listen_to_page();
+  live_started = true;
   pick(cursor.x, cursor.y);
 }

@@ -168,22 +168,29 @@ function incompleteness(white, equal, luminance) {
   return ratio.map(value => 3 * value / total(ratio)).map(m => (1 + root + m) / (1 + root + 1 / m));
 }
 
+/* Returns the responses of a detector to the white; null: there is no white. A stack may record them. */
+const white_responses = (detector, white) => detector.of_white !== undefined
+  ? detector.of_white.length > 0 ? detector.of_white : null : white && apply(detector.weights, white.radiance);
+
+/* Returns the responses to a radiance of 1 at all wavelengths. */
+const equal_responses = detector => detector.equal || detector.weights.map(total);
+
 /* Scales weights so that each response to the white is 1. With a luminance adaptation is incomplete, and
  * responses keep a part of their differences. Returns null if a response is not above 0. */
-function adapted(weights, white, luminance) {
-  const responses = white ? apply(weights, white.radiance) : [0];
-  if (!responses.every(response => response > 0)) return null;
-  const part = luminance > 0 ? incompleteness(responses, weights.map(total), luminance) : [1, 1, 1];
+function adapted(weights, responses, equal, luminance) {
+  if (!responses || !responses.every(response => response > 0)) return null;
+  const part = luminance > 0 ? incompleteness(responses, equal, luminance) : [1, 1, 1];
   return scaled(weights, part.map((value, i) => value / responses[i]));
 }
 
 /* Returns the weights from radiances to linear display channels at exposure 1. Returns null if the eye
  * cannot adapt to the white, or the camera cannot be balanced for it. */
 function channel_weights({detector, adaptation, display, luminance}, white) {
-  if (!detector.observer) return adapted(detector.weights, white, 0);
+  const responses = white_responses(detector, white), equal = equal_responses(detector);
+  if (!detector.observer) return adapted(detector.weights, responses, equal, 0);
   if (!adaptation.cones) return product(display.matrix, detector.weights);
-  const cones = adapted(product(adaptation.cones, detector.weights), white,
-    adaptation.incomplete && white ? luminance || 10 * white.intensity : 0);
+  const cones = adapted(product(adaptation.cones, detector.weights), responses && apply(adaptation.cones, responses),
+    apply(adaptation.cones, equal), adaptation.incomplete && white ? luminance || 10 * white.intensity : 0);
   return cones && product(product(display.matrix, adaptation.from_cones), cones);
 }
 

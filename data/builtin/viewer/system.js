@@ -6,6 +6,8 @@
 const ERRNO = {badf: 8, exist: 20, inval: 28, isdir: 31, noent: 44, notdir: 54, spipe: 70};
 const FILE_TYPE = {character: 2, folder: 3, regular: 4};
 
+const PIECE_BYTES = 4 << 20;
+
 class Exit extends Error {
   constructor(status) { super(`exit ${status}`); this.status = status; }
 }
@@ -21,9 +23,17 @@ class MemoryFile {
   read(into, at) {
     const n = Math.max(0, Math.min(into.length, this.length - at));
     if (n === 0) return 0;
-    into.set(this.blob ? new Uint8Array(new FileReaderSync().readAsArrayBuffer(this.blob.slice(at, at + n)))
-      : this.bytes.subarray(at, at + n));
+    into.set(this.blob ? this.blob_piece(at, n) : this.bytes.subarray(at, at + n));
     return n;
+  }
+  /* Returns bytes of the blob. A read of the disk takes long, so that it reads a large piece. */
+  blob_piece(at, n) {
+    const within = () => this.piece && at >= this.piece_at && at + n <= this.piece_at + this.piece.length;
+    if (!within()) {
+      this.piece_at = at;
+      this.piece = new Uint8Array(new FileReaderSync().readAsArrayBuffer(this.blob.slice(at, at + Math.max(n, PIECE_BYTES))));
+    }
+    return this.piece.subarray(at - this.piece_at, at - this.piece_at + n);
   }
   resize(length) {
     if (length > this.bytes.length) {

@@ -225,6 +225,7 @@ function show_numbers(rows) {
 /* ---- picking ---- */
 
 function show_pixel() {
+  if (is_stack()) return show_stack_pixel();
   if (pixel === null || pixel >= n_pixels) return;
   const curves = curves_at(pixel), surface = shown[pixel];
   set_text("picked", `Pixel ${place_of(pixel).join(", ")}: ${object_name(surface)}`);
@@ -249,6 +250,7 @@ function pick(x, y) {
 
 /* The same by the user: in a live page the object is then the chosen one. */
 function choose(x, y) {
+  if (is_stack()) return pointing() === "pick" && pick_stack(x, y);
   pick(x, y);
   if (is_live()) choose_object(shown[pixel]);
 }
@@ -344,19 +346,20 @@ function redraw_soon() {
 
 /* In a live page the scene itself changes: see live.js. */
 const is_live = () => document.body.classList.contains("live");
+const is_stack = () => document.body.classList.contains("stack");
 
 function listen() {
-  element("controls").addEventListener("input", event => is_live() ? redraw_live(event) : redraw_soon());
-  element("controls").addEventListener("reset", () => setTimeout(() => is_live() ? reset_live() : redraw_soon()));
+  element("controls").addEventListener("input", event => is_live() ? redraw_live(event) : is_stack() || redraw_soon());
+  element("controls").addEventListener("reset", () => setTimeout(() => is_live() ? reset_live() : is_stack() ? redraw_stack() : redraw_soon()));
   element("controls").addEventListener("submit", event => event.preventDefault());
   element("objects").addEventListener("change", pick_object);
   canvas.addEventListener("click", pick_by_pointer);
   canvas.addEventListener("keydown", pick_by_key);
   element("values-shown").addEventListener("toggle", show_pixel);
-  element("keep").addEventListener("click", keep);
+  element("keep").addEventListener("click", () => is_stack() ? keep_spectrum() : keep());
   element("save").addEventListener("click", () => canvas.toBlob(blob => save(blob, ".png")));
   element("save-values").addEventListener("click", () =>
-    save(new Blob([values_csv(curves_at(pixel))], {type: "text/csv"}), ".csv"));
+    save(new Blob([values_csv(is_stack() ? stack_curves() : curves_at(pixel))], {type: "text/csv"}), ".csv"));
   new ResizeObserver(show_pixel).observe(element("chart"));
   addEventListener("resize", choose_scaling);
 }

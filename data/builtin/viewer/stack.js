@@ -1,0 +1,400 @@
+/* SPDX-License-Identifier: MIT */
+/* A page of a stack: its bands, its colours, the spectra of pixels and regions, and maps against a kept spectrum. */
+
+let stack = null; /* {facts, pages: the samples of each band, unit: the radiance of 1, objects} */
+
+/* ---- samples ---- */
+
+function decode_counts(bytes, n) {
+  const out = new Uint16Array(n);
+  for (let i = 0, value = 0; i < n; i++) out[i] = value += bytes[i] + 256 * bytes[n + i];
+  return out;
+}
+
+/* Reads the data of a stack: see stack_page_write in the program. */
+function read_stack(bytes) {
+  const length = Number(new TextDecoder().decode(bytes.subarray(0, 11)));
+  const facts = JSON.parse(new TextDecoder().decode(bytes.subarray(12, 12 + length)));
+  const n = facts.width * facts.height, size = n * (facts.counts ? 2 : 4), first = 12 + length;
+  const page = i => bytes.slice(first + i * size, first + (i + 1) * size);
+  const pages = Array.from({length: facts.bands}, (_, i) => facts.counts ? decode_counts(page(i), n) : new Float32Array(page(i).buffer));
+  const end = first + facts.bands * size;
+  return {facts, pages, unit: facts.unit, objects: facts.has_objects ? new Uint16Array(bytes.slice(end, end + 2 * n).buffer) : new Uint16Array(n)};
+}
+
+const stack_spectrum = pixel => Float64Array.from(stack.pages, page => page[pixel] * stack.unit);
+
+/* ---- regions ---- */
+
+/* Returns whether a pixel's middle lies in a polygon. */
+function in_polygon(points, x, y) {
+  let inside = false;
+  points.forEach(([x1, y1], i) => {
+    const [x2, y2] = points[(i + 1) % points.length];
+    if (y1 > y !== y2 > y && x < x1 + (y - y1) / (y2 - y1) * (x2 - x1)) inside = !inside;
+  });
+  return inside;
+}
+
+/* Returns the pixels of a region: {kind: "rectangle", points: two corners} or {kind: "polygon", points}, in pixels. */
+function pixels_in({kind, points}) {
+  const xs = points.map(([x]) => x), ys = points.map(([, y]) => y), out = [];
+  const left = clamp(Math.floor(Math.min(...xs)), 0, shape.width - 1), right = clamp(Math.floor(Math.max(...xs)), 0, shape.width - 1);
+  const top = clamp(Math.floor(Math.min(...ys)), 0, shape.height - 1), bottom = clamp(Math.floor(Math.max(...ys)), 0, shape.height - 1);
+  for (let y = top; y <= bottom; y++)
+    for (let x = left; x <= right; x++)
+      if (kind === "rectangle" || in_polygon(points, x + 0.5, y + 0.5)) out.push(y * shape.width + x);
+  return out;
+}
+
+/* Returns the mean of pixels in each band, and the standard deviation, as `probe` does. */
+function statistics_of(pixels) {
+  const mean = [], spread = [];
+  for (const page of stack.pages) {
+    const first = page[pixels[0]] * stack.unit;
+    let sum = 0, squares = 0;
+    for (const pixel of pixels) {
+      const difference = page[pixel] * stack.unit - first;
+      sum += difference;
+      squares += difference * difference;
+    }
+    mean.push(first + sum / pixels.length);
+    spread.push(Math.sqrt(Math.max(0, squares / pixels.length - (sum / pixels.length) ** 2)));
+  }
+  return {mean: Float64Array.from(mean), spread: Float64Array.from(spread)};
+}
+
+/* ---- colour differences ---- */
+
+/* Returns CIEDE2000 of two colours (CIE 142-2001; Sharma, Wu and Dalal, Color Research and Application 30, 2005). */
+function ciede2000([l1, a1, b1], [l2, a2, b2]) {
+  const degrees = Math.PI / 180, seventh = x => Math.sqrt(x ** 7 / (x ** 7 + 25 ** 7));
+  const g = 0.5 * (1 - seventh((Math.hypot(a1, b1) + Math.hypot(a2, b2)) / 2));
+  const c1 = Math.hypot(a1 * (1 + g), b1), c2 = Math.hypot(a2 * (1 + g), b2);
+  const hue = (a, b) => a === 0 && b === 0 ? 0 : (Math.atan2(b, a) / degrees + 360) % 360;
+  const h1 = hue(a1 * (1 + g), b1), h2 = hue(a2 * (1 + g), b2), grey = c1 * c2 === 0;
+  let turn = grey ? 0 : h2 - h1;
+  if (turn > 180) turn -= 360;
+  if (turn < -180) turn += 360;
+  const hues = h1 + h2, l = (l1 + l2) / 2, c = (c1 + c2) / 2;
+  const h = grey ? hues : Math.abs(h1 - h2) <= 180 ? hues / 2 : hues < 360 ? (hues + 360) / 2 : (hues - 360) / 2;
+  const t = 1 - 0.17 * Math.cos((h - 30) * degrees) + 0.24 * Math.cos(2 * h * degrees) +
+    0.32 * Math.cos((3 * h + 6) * degrees) - 0.2 * Math.cos((4 * h - 63) * degrees);
+  const dl = (l2 - l1) / (1 + 0.015 * (l - 50) ** 2 / Math.sqrt(20 + (l - 50) ** 2));
+  const dc = (c2 - c1) / (1 + 0.045 * c), dh = 2 * Math.sqrt(c1 * c2) * Math.sin(turn / 2 * degrees) / (1 + 0.015 * c * t);
+  const rotation = -Math.sin(60 * Math.exp(-(((h - 275) / 25) ** 2)) * degrees) * 2 * seventh(c);
+  return Math.sqrt(dl * dl + dc * dc + dh * dh + rotation * dc * dh);
+}
+
+/* ---- pictures ---- */
+
+/* Adds factor x samples of a page to a channel. */
+function add_page(out, page, factor) {
+  for (let i = 0; i < n_pixels; i++) out[i] += page[i] * factor;
+}
+
+function stack_largest() {
+  stack.largest ??= Math.max(...stack.pages.map(page => page.reduce((most, one) => Math.max(most, one), 0))) * stack.unit;
+  return stack.largest || 1;
+}
+
+const shown_bands = () => element("stack-view").value === "band" ? Array(3).fill(Number(element("band").value))
+  : ["red", "green", "blue"].map(name => Number(element("band-" + name).value));
+
+/* Paints one band, or three, so that the largest radiance of the stack is the display's white. */
+function paint_bands(display, exposure) {
+  shown_bands().forEach((band, c) => add_page(linear[c], stack.pages[band], stack.unit / stack_largest() * display.largest[c]));
+  const factor = exposure === null ? automatic_exposure(display) : exposure;
+  return {...develop(display, factor), exposure: factor, balanced: true};
+}
+
+function paint_detector(chosen_eye, exposure) {
+  const channels = channel_weights(chosen_eye, white);
+  for (let c = 0; c < 3 && channels; c++)
+    stack.pages.forEach((page, band) => add_page(linear[c], page, channels[c][band] * stack.unit));
+  const factor = exposure === null ? automatic_exposure(chosen_eye.display) : exposure;
+  return {...develop(chosen_eye.display, factor), exposure: factor, balanced: channels !== null};
+}
+
+/* Colours of maps from 0 to the largest value: dark blue, blue, green, yellow; even steps look alike. */
+const RAMP = [[20, 20, 70], [40, 90, 160], [30, 150, 140], [120, 195, 80], [250, 230, 60]];
+
+function ramp(part) {
+  const at = clamp(part, 0, 1) * (RAMP.length - 1), i = Math.min(Math.floor(at), RAMP.length - 2);
+  return RAMP[i].map((value, c) => value + (at - i) * (RAMP[i + 1][c] - value));
+}
+
+/* Returns the spectral angle of each pixel to a spectrum, in radians. */
+function angle_map({values}) {
+  const along = new Float64Array(n_pixels), squares = new Float64Array(n_pixels), length = Math.hypot(...values);
+  stack.pages.forEach((page, band) => {
+    for (let i = 0; i < n_pixels; i++) {
+      along[i] += page[i] * values[band];
+      squares[i] += page[i] * page[i];
+    }
+  });
+  return along.map((value, i) => squares[i] > 0 && length > 0 ? Math.acos(clamp(value / Math.sqrt(squares[i]) / length, -1, 1)) : Math.PI / 2);
+}
+
+/* Returns CIEDE2000 of each pixel to a spectrum, for the observer and the stack's white; null without a white. */
+function difference_map({values}) {
+  const {weights} = observer(), of_white = white_responses(observer(), white);
+  if (!of_white) return null;
+  const xyz = weights.map(row => {
+    const out = new Float64Array(n_pixels);
+    stack.pages.forEach((page, band) => add_page(out, page, row[band] * stack.unit));
+    return out;
+  });
+  const kept_lab = cielab(apply(weights, values), of_white);
+  return Float64Array.from({length: n_pixels}, (_, i) => ciede2000(kept_lab, cielab(xyz.map(row => row[i]), of_white)));
+}
+
+let map = null; /* the values of the map that is shown */
+
+function paint_map(values) {
+  const data = new Uint8ClampedArray(4 * n_pixels).fill(255), largest = values.reduce((most, one) => Math.max(most, one), 0) || 1;
+  map = {values, largest};
+  for (let i = 0; i < n_pixels; i++) data.set(ramp(values[i] / largest), 4 * i);
+  return {data, outside: 0, exposure: 1, balanced: true};
+}
+
+const MAPS = {angle: angle_map, difference: difference_map};
+
+function paint_stack() {
+  const view = element("stack-view").value, against = kept_spectra[Number(element("against").value)];
+  map = null;
+  make_channels();
+  for (const channel of linear) channel.fill(0);
+  if (MAPS[view]) {
+    const values = against && MAPS[view](against);
+    if (values) return paint_map(values);
+    return {data: new Uint8ClampedArray(4 * n_pixels), outside: 0, exposure: 1, balanced: true,
+      lacks: against ? "This stack records no white, so that it has no colour differences." : "Keep a spectrum first: maps are against it."};
+  }
+  return view === "detector" ? paint_detector(eye, wanted_exposure()) : paint_bands(eye.display, wanted_exposure());
+}
+
+/* ---- the page ---- */
+
+const nm_text = band => stack.facts.components ? `component ${band + 1}` : `${+stack.facts.wavelengths[band].toPrecision(7)} nm`;
+
+function redraw_stack() {
+  eye = eye_of(read_choice());
+  const painted = {...paint_stack(), width: shape.width, height: shape.height};
+  const view = element("stack-view").value;
+  show_picture(painted);
+  exposure = painted.exposure;
+  show_message(painted.lacks || (painted.balanced ? "" : "The eye cannot adapt: the stack records no white for it. The picture stays black."));
+  set_text("map-scale", map ? `0 (dark) to ${map.largest.toPrecision(4)} ${view === "angle" ? "radians" : "CIEDE2000"} (bright)` : "");
+  element("band-row").hidden = view !== "band";
+  element("bands-row").hidden = view !== "bands";
+  element("against-row").hidden = !MAPS[view];
+  set_text("band-nm", nm_text(Number(element("band").value)));
+  show_stack_facts(painted);
+  show_stack_pixel();
+}
+
+function show_stack_facts({outside}) {
+  const names = eye.detector.observer ? ["x", "y", "z"] : ["r", "g", "b"], detecting = element("stack-view").value === "detector";
+  set_text("gamut", `Out of gamut: ${outside} of ${n_pixels} pixels (${percent(outside / n_pixels)}).`);
+  set_text("lost", detecting ? "The detector's sensitivity outside the stack's wavelengths: " +
+    names.map((name, i) => `${name} ${percent(eye.detector.lost[i])}`).join(", ") + "." : "");
+  set_text("white", white ? "White: the light that the stack records." : "The stack records no white.");
+  show_controls();
+  set_text("commands", `spectral develop ${quoted(stack.facts.stack)} --detector ${quoted(eye.detector.name)} --display ${eye.display.name}` +
+    (eye.detector.observer ? ` --adaptation ${eye.adaptation.name}` : "") + ` --exposure ${element("auto").checked ? "auto" : exposure}`);
+}
+
+/* ---- spectra ---- */
+
+const kept_spectra = []; /* {name, values, spread} */
+const KEPT_STYLES = ["kept", "diffuse", "emission", "excitation", "light", "light second"];
+let hovered = null; /* the pixel under the pointer */
+let region = null;  /* {kind, points, statistics, n} */
+
+function stack_curves() {
+  const curves = [];
+  if (region) {
+    const {mean, spread} = region.statistics;
+    curves.push({name: `mean of ${region.n} pixels`, style: "radiance", values: mean},
+      {name: "mean + spread", style: "specular", values: mean.map((value, i) => value + spread[i])},
+      {name: "mean − spread", style: "specular", values: mean.map((value, i) => Math.max(0, value - spread[i]))});
+  } else curves.push({name: `pixel ${place_of(pixel).join(", ")}`, style: "radiance", values: stack_spectrum(pixel)});
+  if (hovered !== null && hovered !== pixel)
+    curves.push({name: "under the pointer", style: "light dashed", values: stack_spectrum(hovered)});
+  kept_spectra.forEach(({name, values}, i) => curves.push({name, style: KEPT_STYLES[i % KEPT_STYLES.length], values}));
+  return curves;
+}
+
+function stack_rows(values) {
+  const of_white = white_responses(observer(), white), xyz = apply(observer().weights, values);
+  const rows = [["XYZ", figures(xyz, 4)], ["x, y", figures(chromaticity(xyz), 5)]];
+  if (of_white) rows.push(["L*a*b*", figures(cielab(xyz, of_white), 3)]);
+  kept_spectra.forEach(({name, values: other}) => {
+    const angle = Math.acos(clamp(dot(values, other) / (Math.hypot(...values) * Math.hypot(...other) || 1), -1, 1));
+    const lab = of_white && [xyz, apply(observer().weights, other)].map(one => cielab(one, of_white));
+    rows.push([`to ${name}: angle, ΔE00`, [...figures([angle], 4), ...(lab ? figures([ciede2000(...lab)], 3) : [])]]);
+  });
+  return rows;
+}
+
+function show_stack_pixel() {
+  if (pixel === null || pixel >= n_pixels) return;
+  const curves = stack_curves(), name = stack.facts.objects[shown[pixel] - 1];
+  set_text("picked", region ? `Region of ${region.n} pixels` : `Pixel ${place_of(pixel).join(", ")}${name ? ": " + name : ""}` +
+    (map ? `: ${map.values[pixel].toPrecision(4)}` : ""));
+  show_numbers(stack_rows(curves[0].values));
+  show_plot(curves);
+  show_legend(curves);
+  show_values(curves);
+}
+
+function keep_spectrum() {
+  const [{name, values}] = stack_curves();
+  kept_spectra.push({name: `${name} (${kept_spectra.length + 1})`, values});
+  refresh_kept();
+}
+
+function refresh_kept() {
+  const list = element("kept-list"), before = Number(element("against").value) || 0;
+  list.replaceChildren(...kept_spectra.map(({name}, i) => {
+    const item = document.createElement("li"), button = document.createElement("button");
+    Object.assign(button, {type: "button", textContent: "Forget"});
+    button.setAttribute("aria-label", `Forget ${name}`);
+    button.addEventListener("click", () => { kept_spectra.splice(i, 1); refresh_kept(); });
+    item.append(name + " ", button);
+    return item;
+  }));
+  element("against").replaceChildren(...kept_spectra.map(({name}, i) => new Option(name, i)));
+  element("against").value = Math.min(before, Math.max(0, kept_spectra.length - 1));
+  redraw_stack();
+}
+
+/* ---- pointing ---- */
+
+let drawn_region = []; /* the corners of the region that is being drawn, in pixels of the stack */
+
+const stack_place = event => {
+  const box = canvas.getBoundingClientRect();
+  return [(event.clientX + 0.5 - box.left) / box.width * shape.width, (event.clientY + 0.5 - box.top) / box.height * shape.height];
+};
+
+const pointing = () => document.querySelector("#pointing :checked").value;
+
+function end_region(kind, points) {
+  const pixels = pixels_in({kind, points});
+  region = pixels.length > 0 ? {kind, points, n: pixels.length, statistics: statistics_of(pixels)} : null;
+  drawn_region = [];
+  show_region();
+  show_stack_pixel();
+}
+
+function show_region() {
+  const svg = element("handles"), points = drawn_region.length > 0 ? drawn_region : region ? region.points : [];
+  const kind = drawn_region.length > 0 ? pointing() : region && region.kind;
+  svg.setAttribute("viewBox", `0 0 ${shape.width} ${shape.height}`);
+  svg.replaceChildren();
+  if (points.length < 2) return;
+  const [[x1, y1], [x2, y2]] = points;
+  const outline = kind === "rectangle" ? `M${x1} ${y1}H${x2}V${y2}H${x1}Z` : "M" + points.map(point => point.join(" ")).join("L") + "Z";
+  draw(svg, "path", {d: outline, class: "region"});
+  draw(svg, "path", {d: outline, class: "region front"});
+}
+
+function press_stack(event) {
+  if (pointing() === "pick") return;
+  if (pointing() === "rectangle") drawn_region = [stack_place(event), stack_place(event)];
+  else drawn_region.push(stack_place(event));
+  canvas.setPointerCapture(event.pointerId);
+  show_region();
+}
+
+function move_stack(event) {
+  const [x, y] = stack_place(event).map(Math.floor);
+  const inside = x >= 0 && y >= 0 && x < shape.width && y < shape.height;
+  if (pointing() === "rectangle" && drawn_region.length > 0) {
+    drawn_region[1] = stack_place(event);
+    show_region();
+  } else if (inside && hovered !== y * shape.width + x) {
+    hovered = y * shape.width + x;
+    show_stack_pixel();
+  }
+}
+
+function release_stack() {
+  if (pointing() === "rectangle" && drawn_region.length > 0) end_region("rectangle", drawn_region);
+}
+
+function pick_stack(x, y) {
+  region = null;
+  show_region();
+  pick(x, y);
+}
+
+/* ---- start ---- */
+
+function stack_menus() {
+  const {bands} = stack.facts, names = Array.from({length: bands}, (_, band) => nm_text(band));
+  element("band").max = bands - 1;
+  element("band").value = bands >> 1;
+  const nearest = nm => stack.facts.components ? 0 : stack.facts.wavelengths.reduce((best, one, i, all) =>
+    Math.abs(one - nm) < Math.abs(all[best] - nm) ? i : best, 0);
+  for (const [name, nm] of [["red", 640], ["green", 550], ["blue", 460]]) {
+    element("band-" + name).replaceChildren();
+    fill_select(element("band-" + name), names, nearest(nm));
+  }
+  for (const [id, selected] of [["detector", "cie1931"], ["adaptation", "none"], ["display", "srgb"]]) {
+    element(id).replaceChildren();
+    fill_select(element(id), scene[id + "s"].map(({name}) => name), Math.max(0, scene[id + "s"].findIndex(({name}) => name === selected)));
+  }
+  element("stack-view").value = scene.detectors.length > 0 ? "detector" : "band";
+}
+
+/* Shows a stack in place of what the page has shown. */
+function open_stack(opened) {
+  const {facts} = stack = opened;
+  set_scene({...facts, scene: facts.stack, wavelengths: facts.components ? Array.from({length: facts.bands}, (_, i) => i + 1) : facts.wavelengths,
+    objects: facts.objects.map(name => ({name, shape: ""}))});
+  set_shape({width: facts.width, height: facts.height, positions: 1});
+  shown = opened.objects;
+  white = facts.white ? {radiance: facts.white, intensity: facts.illumination || 1} : null;
+  kept_spectra.length = 0;
+  region = hovered = null;
+  document.body.classList.add("stack");
+  document.body.classList.remove("live");
+  show_names();
+  set_text("about", `${facts.full_width} × ${facts.full_height} pixels, ${facts.bands} bands` +
+    (facts.components ? " (components)" : ` from ${nm_text(0)} to ${nm_text(facts.bands - 1)}`) +
+    (facts.factor > 1 ? `; shown are means of ${facts.factor} × ${facts.factor} pixels: drop the stack onto the page to see all of it` : ""));
+  cursor = null;
+  fit_frame();
+  stack_menus();
+  pixel = null;
+  refresh_kept();
+  choose_scaling();
+  pick_stack(cursor.x, cursor.y);
+}
+
+function listen_to_stack() {
+  const changes = event => { if (stack && !event.target.closest("#pointing")) redraw_stack(); };
+  element("controls").addEventListener("input", changes);
+  element("stack-group").addEventListener("input", changes);
+  canvas.addEventListener("pointerdown", event => { if (stack) press_stack(event); });
+  canvas.addEventListener("pointermove", event => { if (stack) move_stack(event); });
+  canvas.addEventListener("pointerup", () => { if (stack) release_stack(); });
+  canvas.addEventListener("pointerleave", () => { if (stack) { hovered = null; show_stack_pixel(); } });
+  canvas.addEventListener("dblclick", () => { if (stack && drawn_region.length > 2) end_region("polygon", drawn_region); });
+  element("end-polygon").addEventListener("click", () => { if (drawn_region.length > 2) end_region("polygon", drawn_region); });
+  for (const input of document.querySelectorAll("#pointing input"))
+    input.addEventListener("change", () => {
+      drawn_region = [];
+      show_region();
+      element("end-polygon").hidden = pointing() !== "polygon";
+    });
+}
+
+async function start_stack() {
+  listen_to_stack();
+  listen();
+  open_stack(read_stack(await unpack(element("stack").textContent, "deflate")));
+}

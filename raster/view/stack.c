@@ -1,0 +1,340 @@
+/* SPDX-License-Identifier: MIT */
+/* A stack for a page: its samples, and all that it takes to see them. The samples of a large stack
+ * are means of factor x factor pixels, so that the page keeps to its budget. */
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "data/invocation/invocation.h"
+#include "data/process/process.h"
+#include "data/stack/stack.h"
+#include "data/text/text.h"
+#include "raster/view/view.h"
+
+/* ---- samples ---- */
+
+/* A stack as a page shows it. */
+struct shown_stack {
+    struct cube cube;
+    int factor, width, height;
+    bool counts; /* samples are 16-bit counts; otherwise floats */
+    size_t n_pixels;
+    unsigned char *samples; /* owned: [page][pixel], counts as differences: see put_differences */
+    size_t n_bytes;
+    uint16_t *objects; /* the object of each pixel, from 1; owned; NULL: none is recorded */
+};
+
+/* Text of a page for each byte of samples, before they are compressed (base64). */
+static const double text_per_byte = 4.0 / 3;
+
+static void find_size(struct shown_stack *out, double budget_bytes)
+{
+    const struct image *image = &out->cube.image;
+    const double pixel = image->n_pages * (out->counts ? 2 : 4) * text_per_byte;
+    do {
+        out->factor++;
+        out->width = (image->width + out->factor - 1) / out->factor;
+        out->height = (image->height + out->factor - 1) / out->factor;
+    } while (pixel * out->width * out->height > budget_bytes && out->width * out->height > 1);
+    out->n_pixels = (size_t)out->width * (size_t)out->height;
+    out->n_bytes = out->n_pixels * (size_t)image->n_pages * (out->counts ? 2 : 4);
+}
+
+/* Room for the rows of one row of a page. */
+struct stack_rows {
+    float *rows;  /* as they are read; owned */
+    double *sums; /* owned */
+};
+
+/* Stores the means of `rows` rows at row y of a page. */
+static void store_row(const struct shown_stack *of, struct stack_rows *room, int rows, float *out)
+{
+    const int width = of->cube.image.width;
+    memset(room->sums, 0, (size_t)of->width * sizeof *room->sums);
+    for (int row = 0; row < rows; row++)
+        for (int x = 0; x < width; x++)
+            room->sums[x / of->factor] +=
+                (double)room->rows[(size_t)row * (size_t)width + (size_t)x];
+    for (int x = 0; x < of->width; x++) {
+        const int left = width - x * of->factor, columns = left < of->factor ? left : of->factor;
+        out[x] = (float)(room->sums[x] / ((double)columns * rows));
+    }
+}
+
+static bool read_pages(struct shown_stack *of, struct stack_rows *room, float *out,
+                       struct error *err)
+{
+    struct image *image = &of->cube.image;
+    for (int y = 0; y < of->height; y++) {
+        const int first = y * of->factor, left = image->height - first,
+                  rows = left < of->factor ? left : of->factor;
+        if (is_interrupted())
+            return error_system(err, "interrupted; nothing was written");
+        for (int page = 0; page < image->n_pages; page++) {
+            if (!image_read(image, page, first, rows, room->rows, err))
+                return false;
+            store_row(of, room, rows,
+                      out + (size_t)page * of->n_pixels + (size_t)y * (size_t)of->width);
+        }
+    }
+    return true;
+}
+
+/* Turns floats into counts of scale / LARGEST_SAMPLE, page by page. */
+static bool store_counts(struct shown_stack *of, const float *values, struct error *err)
+{
+    uint16_t *counts = calloc(of->n_pixels, sizeof *counts);
+    if (!counts)
+        return error_memory(err);
+    for (int page = 0; page < of->cube.image.n_pages; page++) {
+        const float *from = values + (size_t)page * of->n_pixels;
+        for (size_t i = 0; i < of->n_pixels; i++)
+            counts[i] = (uint16_t)fmin(
+                LARGEST_SAMPLE,
+                floor((double)from[i] / of->cube.image.scale * LARGEST_SAMPLE + 0.5));
+        put_differences(counts, of->n_pixels, of->samples + (size_t)page * 2 * of->n_pixels);
+    }
+    free(counts);
+    return true;
+}
+
+static bool read_samples(struct shown_stack *of, struct error *err)
+{
+    const struct image *image = &of->cube.image;
+    const size_t n = of->n_pixels * (size_t)image->n_pages;
+    struct stack_rows room = {.rows = NULL};
+    if (!memory_suffices((double)n * 4 + 2.0 * (double)of->n_bytes, (struct place){NULL, 0, 0}, err,
+                         "a page of %d bands of %dx%d pixels", image->n_pages, of->width,
+                         of->height))
+        return false;
+    float *values = calloc(n, sizeof *values);
+    room.rows = calloc((size_t)image->width * (size_t)of->factor, sizeof *room.rows);
+    room.sums = calloc((size_t)of->width, sizeof *room.sums);
+    bool done = (values && room.rows && room.sums) || error_memory(err);
+    done = done && read_pages(of, &room, values, err);
+    if (done && of->counts) {
+        of->samples = malloc(of->n_bytes);
+        done = of->samples ? store_counts(of, values, err) : error_memory(err);
+    } else if (done) {
+        of->samples = (unsigned char *)values;
+        values = NULL;
+    }
+    free(values);
+    free(room.rows);
+    free(room.sums);
+    return done;
+}
+
+/* Reads the object at the middle of each shown pixel. */
+static bool read_objects(struct shown_stack *of, struct error *err)
+{
+    const struct image *image = &of->cube.image;
+    if (of->cube.record.objects.n == 0)
+        return true;
+    int *row = calloc((size_t)image->width, sizeof *row);
+    of->objects = calloc(of->n_pixels, sizeof *of->objects);
+    bool done = (row && of->objects) || error_memory(err);
+    for (int y = 0; done && y < of->height; y++) {
+        const int at = y * of->factor + of->factor / 2;
+        done = cube_objects(&of->cube, 0, at < image->height ? at : image->height - 1, image->width,
+                            row, err);
+        for (int x = 0; done && x < of->width; x++) {
+            const int from = x * of->factor + of->factor / 2,
+                      object = row[from < image->width ? from : image->width - 1];
+            of->objects[(size_t)y * (size_t)of->width + (size_t)x] =
+                (uint16_t)(object > 0 ? object : 0);
+        }
+    }
+    free(row);
+    return done;
+}
+
+static void stack_free(struct shown_stack *stack)
+{
+    free(stack->samples);
+    free(stack->objects);
+    cube_close(&stack->cube);
+}
+
+/* ---- the description ---- */
+
+/* Puts a detector: its weights, and its responses to the white and to a radiance of 1. Leaves out
+ * one that cannot see the stack. */
+static bool put_detector(const struct cube *cube, const char *name, double *row, struct json *json,
+                         struct error *err)
+{
+    static const struct white_request request = {NULL, false};
+    struct detector detector = {.name = NULL};
+    struct error refused = {.status = EXIT_AGREED};
+    double lost[3], equal[3], white[3];
+    bool has_white;
+    if (!detector_read(name, &detector, err))
+        return false;
+    if (cube_weights(cube, &detector, row, &refused) &&
+        cube_equal_response(cube, &detector, row, equal, &refused) &&
+        cube_white_response(cube, &request, row, &has_white, white, &refused)) {
+        cube_lost(cube, &detector, lost);
+        json_open(json, NULL, '{');
+        json_string(json, "name", name);
+        json_truth(json, "observer", detector.observer);
+        json_rows(json, "weights", row, cube->image.n_pages);
+        json_numbers(json, "lost", lost, 3);
+        json_numbers(json, "equal", equal, 3);
+        json_numbers(json, "of_white", white, has_white ? 3 : 0);
+        json_close(json, '}');
+    }
+    detector_free(&detector);
+    return refused.status != EXIT_SYSTEM || (*err = refused, false);
+}
+
+static bool put_detectors(const struct cube *cube, struct json *json, struct error *err)
+{
+    char name[BUILTIN_NAME];
+    double *row = calloc(3 * (size_t)cube->image.n_pages, sizeof *row);
+    bool done = row || error_memory(err);
+    json_open(json, "detectors", '[');
+    for (size_t i = 0; done && i < builtin_file_count; i++)
+        if (table_is_detector(&builtin_files[i]) &&
+            builtin_name(&builtin_files[i], "tables/", ".csv", name))
+            done = put_detector(cube, name, row, json, err);
+    json_close(json, ']');
+    free(row);
+    return done;
+}
+
+/* Puts the white at each page's wavelength; none if the stack records none. */
+static bool put_white(const struct cube *cube, struct json *json, struct error *err)
+{
+    struct error refused;
+    double *white = calloc((size_t)cube->image.n_pages, sizeof *white);
+    if (!white)
+        return error_memory(err);
+    if (!cube->components && cube_white(cube, NULL, white, &refused))
+        json_numbers(json, "white", white, cube->image.n_pages);
+    if (cube->record.illumination.n > 0)
+        json_number(json, "illumination", cube->record.illumination.value[0]);
+    free(white);
+    return true;
+}
+
+static void put_size(const struct shown_stack *stack, struct json *json)
+{
+    const struct image *image = &stack->cube.image;
+    json_count(json, "width", (uint64_t)stack->width);
+    json_count(json, "height", (uint64_t)stack->height);
+    json_count(json, "full_width", (uint64_t)image->width);
+    json_count(json, "full_height", (uint64_t)image->height);
+    json_count(json, "factor", (uint64_t)stack->factor);
+    json_count(json, "bands", (uint64_t)image->n_pages);
+    json_truth(json, "components", stack->cube.components);
+    json_truth(json, "counts", stack->counts);
+    json_number(json, "unit", stack->counts ? image->scale / LARGEST_SAMPLE : 1);
+    json_truth(json, "has_objects", stack->objects != NULL);
+    json_numbers(json, "wavelengths", image->wavelengths_nm, image->n_pages);
+}
+
+/* Returns the description as JSON, allocated. */
+static char *describe(const struct shown_stack *stack, const char *name, struct error *err)
+{
+    const struct texts *objects = &stack->cube.record.objects;
+    struct json json;
+    json_begin(&json);
+    json_open(&json, NULL, '{');
+    json_string(&json, "program", PROGRAM);
+    json_string(&json, "stack", path_name(name));
+    json_string(&json, "scene", stack->cube.record.scene);
+    put_size(stack, &json);
+    json_open(&json, "objects", '[');
+    for (int i = 0; i < objects->n; i++)
+        json_string(&json, NULL, objects->text[i]);
+    json_close(&json, ']');
+    const bool done =
+        put_white(&stack->cube, &json, err) && put_detectors(&stack->cube, &json, err);
+    put_adaptations(&json);
+    put_displays(&json);
+    json_close(&json, '}');
+    char *text = json_end(&json);
+    if (done && text)
+        return text;
+    free(text);
+    if (done)
+        error_memory(err);
+    return NULL;
+}
+
+/* ---- a page, or its data alone ---- */
+
+/* Returns the data: the length of the description in 11 digits and a line's end; the description,
+ * filled up with blanks; the samples; the objects. Allocated. */
+static char *stack_bytes(const struct shown_stack *stack, const char *name, size_t *length,
+                         struct error *err)
+{
+    struct printed bytes = {.text = NULL};
+    char *json = describe(stack, name, err);
+    if (!json)
+        return NULL;
+    const size_t filled = (strlen(json) + 3) / 4 * 4;
+    print(&bytes, "%11zu\n", filled);
+    print_text(&bytes, json);
+    print_bytes(&bytes, "   ", filled - strlen(json));
+    print_bytes(&bytes, stack->samples, stack->n_bytes);
+    if (stack->objects)
+        print_bytes(&bytes, stack->objects, stack->n_pixels * sizeof *stack->objects);
+    free(json);
+    char *text = printed_end(&bytes);
+    *length = bytes.length;
+    if (!text)
+        error_memory(err);
+    return text;
+}
+
+struct stack_page {
+    struct page page; /* the first member */
+    const char *bytes;
+    size_t length;
+};
+
+static bool put_stack(struct page *page, struct error *err)
+{
+    const struct stack_page *of = (struct stack_page *)page;
+    size_t length;
+    char *text = packed_text((const unsigned char *)of->bytes, of->length, &length);
+    if (!text)
+        return error_memory(err);
+    put_base64(&page->text, "stack", text, length);
+    free(text);
+    return put_module(page, err);
+}
+
+static bool write_bytes(struct stack_page *page, const char *path, bool alone, size_t *bytes,
+                        struct outputs *outputs, struct error *err)
+{
+    *bytes = page->length;
+    return alone ? file_write(path, page->bytes, page->length, outputs, err)
+                 : page_write(&page->page, path, bytes, outputs, err);
+}
+
+bool stack_page_write(const char *stack, const char *path, const struct stack_page_options *options,
+                      struct stack_result *out, struct outputs *outputs, struct error *err)
+{
+    struct shown_stack shown = {.factor = 0};
+    struct stack_page page = {.page = {.kind = PAGE_LIVE, .put_data = put_stack}};
+    char *bytes = NULL;
+    *out = (struct stack_result){.bytes = 0};
+    bool done = image_spared(path, stack, err) && cube_open(stack, &shown.cube, err);
+    if (done) {
+        shown.counts = !shown.cube.image.envi && !image_is_float(&shown.cube.image);
+        find_size(&shown, options->budget_bytes);
+        *out = (struct stack_result){.width = shown.cube.image.width,
+                                     .height = shown.cube.image.height,
+                                     .n_bands = shown.cube.image.n_pages,
+                                     .factor = shown.factor};
+    }
+    done = done && read_samples(&shown, err) && read_objects(&shown, err) &&
+           (bytes = stack_bytes(&shown, stack, &page.length, err));
+    page.bytes = bytes;
+    done = done && write_bytes(&page, path, options->alone, &out->bytes, outputs, err);
+    free(bytes);
+    stack_free(&shown);
+    return done;
+}

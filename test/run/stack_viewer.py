@@ -1,0 +1,257 @@
+#!/usr/bin/python3
+# SPDX-License-Identifier: MIT
+"""Tests pages of stacks in headless Chromium and Firefox: pictures equal those of develop, bands, regions and maps those
+that numpy computes from the file, for stacks of this program and for a cube that GDAL wrote. Prints TAP."""
+import os
+import subprocess
+import sys
+import time
+
+import numpy as np
+import tifffile
+from osgeo import gdal
+
+sys.dont_write_bytecode = True
+from browser import Browser, Firefox
+from rendered import SPECTRAL, TMP, check, done
+from tap import bail_out
+
+gdal.UseExceptions()
+PROGRAM = os.path.abspath(SPECTRAL)
+
+
+def run(*words, status=0):
+    result = subprocess.run([PROGRAM, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
+    if result.returncode != status:
+        bail_out(words, result.stderr)
+    return result.stdout + result.stderr
+
+
+def path_of(name):
+    return os.path.join(TMP, name)
+
+
+def rendered(name, scene, *options):
+    run("render", scene, "--renderer", "raster", "--no-check", "--quiet", "-o", path_of(name), *options)
+    return path_of(name)
+
+
+def foreign():
+    """A cube of 200 bands, written by GDAL, and its values as [band, y, x]."""
+    n, height, width = 200, 40, 60
+    y, x = np.mgrid[0:height, 0:width]
+    values = np.stack([np.abs(0.3 + 0.2 * np.sin(x / 9 + k / 20) + 0.2 * np.cos(y / 7 - k / 30)) for k in range(n)]).astype(np.float32)
+    cube = gdal.GetDriverByName("ENVI").Create(path_of("cube.img"), width, height, n, gdal.GDT_Float32, ["INTERLEAVE=BIP"])
+    for band in range(n):
+        cube.GetRasterBand(band + 1).WriteArray(values[band])
+    del cube
+    with open(path_of("cube.hdr"), "a", encoding="ascii") as header:
+        header.write("wavelength units = Nanometers\nwavelength = {" + ", ".join(f"{nm:.3f}" for nm in np.linspace(400, 1000, n)) + "}\n")
+    return path_of("cube.hdr"), values
+
+
+def view(stack, *options):
+    run("view", stack, "-o", path_of("stack.html"), "--quiet", *options)
+    return path_of("stack.html")
+
+
+# ---- the page ----
+
+def choose(browser, menu, value):
+    browser.evaluate(f"""(() => {{
+        const menu = document.getElementById({menu!r});
+        menu.value = [...menu.options].find(option => option.text === {value!r} || option.value === {value!r}).value;
+        menu.dispatchEvent(new Event("input", {{bubbles: true}}));
+    }})()""")
+
+
+def slide(browser, slider, value):
+    browser.evaluate(f"(() => {{ const one = document.getElementById({slider!r}); one.value = {value};"
+                     "one.dispatchEvent(new Event('input', {bubbles: true})); })()")
+
+
+def pixels(browser):
+    width, height, *values = browser.evaluate("""(() => {
+        const copy = new OffscreenCanvas(canvas.width, canvas.height).getContext("2d");
+        copy.drawImage(canvas, 0, 0);
+        return [canvas.width, canvas.height, ...copy.getImageData(0, 0, canvas.width, canvas.height).data];
+    })()""")
+    return np.array(values, np.uint8).reshape(height, width, 4)[:, :, :3]
+
+
+def at(browser, x, y):
+    """The place of a point of the picture in the window."""
+    browser.evaluate("canvas.scrollIntoView({block: 'center'})")
+    left, top, length = browser.evaluate(
+        "(() => { const b = canvas.getBoundingClientRect(); return [b.left, b.top, b.width / shape.width]; })()")
+    return left + x * length, top + y * length
+
+
+def tool(browser, name):
+    browser.evaluate(f"document.querySelector('#pointing [value={name}]').click()")
+
+
+def srgb(linear):
+    linear = np.clip(linear, 0, 1)
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055) * 255
+
+
+def near(seen, expected, most=1):
+    return seen.shape == expected.shape and np.abs(seen.astype(float) - expected).max() <= most
+
+
+# ---- own stacks ----
+
+EYES = ((), ("--adaptation=cat16", "--detector=cie2006-2"), ("--adaptation=fairchild", "--exposure=1.5"),
+        ("--detector=dcs200-camera", "--display=monitor"), ("--exposure=auto", "--display=monitor"))
+
+
+def developed(stack, *options):
+    run("develop", stack, "-o", path_of("developed.tif"), *options)
+    picture = tifffile.imread(path_of("developed.tif"))
+    return np.moveaxis(picture, 0, 2) if picture.shape[0] == 3 else picture
+
+
+def eyes(browser, which, name, stack):
+    browser.open(view(stack))
+    for options in EYES:
+        chosen = dict(option.lstrip("-").split("=") for option in options)
+        for menu, default in (("detector", "cie1931"), ("adaptation", "none"), ("display", "srgb")):
+            choose(browser, menu, chosen.get(menu, default))
+        browser.evaluate(f"(() => {{ element('auto').checked = {str(chosen.get('exposure') == 'auto').lower()};"
+                         f"element('exposure').value = {chosen['exposure'] if chosen.get('exposure', 'auto') != 'auto' else 1};"
+                         "redraw_stack(); })()")
+        seen, expected = pixels(browser), developed(stack, *options)
+        check(near(seen, expected) and np.ptp(seen) > 100, f"{which}, {name}, {' '.join(options) or 'as it is'}: within 1 of develop",
+              np.abs(seen.astype(int) - expected).max())
+
+
+def spectra(browser, which, stack):
+    browser.open(view(stack))
+    with tifffile.TiffFile(stack) as tiff:
+        scale = float(tiff.pages[0].description.split("full_scale: ")[1].split()[0]) if "full_scale" in tiff.pages[0].description else 1
+        n = browser.evaluate("stack.facts.bands")
+        values = np.array([page.asarray() for page in tiff.pages[:n]]) * (scale / 65535)
+    browser.click(*at(browser, 20.5, 10.5))
+    seen = np.array(browser.evaluate("[...stack_curves()[0].values]"))
+    check(np.allclose(seen, values[:, 10, 20], rtol=1e-12, atol=0), f"{which}: a click shows the spectrum of the file",
+          np.abs(seen - values[:, 10, 20]).max())
+    check(browser.evaluate("document.getElementById('picked').textContent").startswith("Pixel 20, 10: "), f"{which}: and its object")
+    browser.evaluate("document.getElementById('keep').click()")
+    browser.click(*at(browser, 40.5, 30.5))
+    browser.evaluate("document.getElementById('keep').click()")
+    check(browser.evaluate("kept_spectra.length") == 2 and len(browser.evaluate("stack_curves().map(({name}) => name)")) >= 3,
+          f"{which}: several spectra are kept side by side")
+    choose(browser, "stack-view", "angle")
+    kept = values[:, 10, 20]
+    length = np.linalg.norm(values, axis=0) * np.linalg.norm(kept)
+    angle = np.arccos(np.clip(np.tensordot(kept, values, (0, 0)) / np.where(length > 0, length, 1), -1, 1))
+    shown = np.array(browser.evaluate("[...map.values]")).reshape(angle.shape)
+    check(np.allclose(shown[length > 0], angle[length > 0], atol=2e-7), f"{which}: the map of spectral angles is numpy's",
+          np.abs(shown - angle)[length > 0].max())
+    choose(browser, "stack-view", "difference")
+    difference = np.array(browser.evaluate("[...map.values]")).reshape(angle.shape)
+    check(difference[10, 20] < 1e-9 and difference.max() > 10, f"{which}: the map of CIEDE2000 is 0 where the spectrum was kept",
+          difference[10, 20])
+    browser.evaluate("document.querySelector('#kept-list button').click()")
+    check(browser.evaluate("kept_spectra.length") == 1, f"{which}: a kept spectrum is forgotten")
+
+
+# G. Sharma, W. Wu, E. N. Dalal, The CIEDE2000 color-difference formula, Color Research and Application 30 (2005), table 1.
+SHARMA = (((50, 2.6772, -79.7751), (50, 0, -82.7485), 2.0425), ((50, -1, 2), (50, 0, 0), 2.3669), ((50, 2.49, -0.001), (50, -2.49, 0.0009), 7.1792),
+          ((50, 2.49, -0.001), (50, -2.49, 0.0011), 7.2195), ((50, 2.5, 0), (73, 25, -18), 27.1492), ((50, 2.5, 0), (50, 3.1736, 0.5854), 1.0),
+          ((60.2574, -34.0099, 36.2677), (60.4626, -34.1751, 39.4387), 1.2644), ((22.7233, 20.0904, -46.694), (23.0331, 14.973, -42.5619), 2.0373),
+          ((2.0776, 0.0795, -1.135), (0.9033, -0.0636, -0.5514), 0.9082))
+
+
+def differences(browser, which):
+    seen = [browser.evaluate(f"ciede2000({list(one)}, {list(other)})") for one, other, _ in SHARMA]
+    check(np.allclose(seen, [expected for *_, expected in SHARMA], atol=5e-5), f"{which}: CIEDE2000 has the published values", seen)
+
+
+# ---- a foreign cube ----
+
+def cube(browser, which, header, values):
+    browser.open(view(header))
+    choose(browser, "stack-view", "band")
+    for band in (0, 57, 199):
+        slide(browser, "band", band)
+        expected = srgb(values[band] / values.max())[:, :, None].repeat(3, 2)
+        check(near(pixels(browser), expected), f"{which}: the slider shows band {band}, {browser.evaluate('element(`band-nm`).textContent')}",
+              np.abs(pixels(browser) - expected).max())
+    choose(browser, "stack-view", "bands")
+    for name, band in (("red", 150), ("green", 80), ("blue", 20)):
+        choose(browser, "band-" + name, str(band))
+    expected = srgb(np.moveaxis(values[[150, 80, 20]], 0, 2) / values.max())
+    check(near(pixels(browser), expected), f"{which}: three bands are shown as red, green and blue")
+    tool(browser, "rectangle")
+    browser.drag([at(browser, 10.5, 5.5), at(browser, 20, 15), at(browser, 30.5, 24.5)])
+    region = values[:, 5:25, 10:31].astype(float).reshape(len(values), -1)
+    statistics = browser.evaluate("[[...region.statistics.mean], [...region.statistics.spread], region.n]")
+    check(statistics[2] == region.shape[1] and np.allclose(statistics[0], region.mean(1), rtol=1e-9) and
+          np.allclose(statistics[1], region.std(1), rtol=1e-6, atol=1e-9), f"{which}: mean and spread of a rectangle are numpy's",
+          statistics[2], region.shape[1])
+    tool(browser, "polygon")
+    corners = [(5, 5), (50, 8), (40, 35), (12, 30)]
+    for corner in corners:
+        browser.click(*at(browser, *corner))
+    placed = np.array(browser.evaluate("drawn_region"))
+    browser.evaluate("document.getElementById('end-polygon').click()")
+    y, x = np.mgrid[0:values.shape[1], 0:values.shape[2]] + 0.5
+    inside = np.zeros(x.shape, bool)
+    for (x1, y1), (x2, y2) in zip(placed, np.roll(placed, -1, 0)):
+        with np.errstate(divide="ignore", invalid="ignore"):
+            inside ^= ((y1 > y) != (y2 > y)) & (x < x1 + (y - y1) / (y2 - y1) * (x2 - x1))
+    mean = browser.evaluate("[...region.statistics.mean]")
+    check(len(placed) == 4 and np.abs(placed - corners).max() < 0.6 and np.allclose(mean, values[:, inside].astype(float).mean(1), rtol=1e-9),
+          f"{which}: the mean of a polygon is numpy's", placed.tolist())
+
+
+def budgets(browser, which, header, values):
+    page = view(header, "--budget", "1")
+    browser.open(page)
+    factor, width = browser.evaluate("[stack.facts.factor, stack.facts.width]")
+    said = run("view", header, "-o", page, "--budget", "1")
+    check(factor > 1 and f"means of {factor} x {factor} pixels" in said and "drop" in browser.evaluate("element('about').textContent"),
+          f"{which}: a large stack is reduced, and lines say so", factor, said)
+    blocks = values[:, :values.shape[1] // factor * factor, :values.shape[2] // factor * factor].astype(float)
+    blocks = blocks.reshape(len(values), -1, factor, blocks.shape[2] // factor, factor).mean((2, 4))
+    seen = np.array(browser.evaluate("[...stack.pages[77]]")).reshape(-1, width)[:blocks.shape[1], :blocks.shape[2]]
+    check(np.allclose(seen, blocks[77], rtol=1e-6), f"{which}: its pixels are means")
+    browser.drop(header, path_of("cube.img"))
+    browser.wait("stack.facts.factor === 1")
+    seen = np.array(browser.evaluate("[...stack.pages[77]]"), np.float32).reshape(values[77].shape)
+    check((seen == values[77]).all(), f"{which}: the whole stack is read where it is dropped onto the page")
+
+
+def refusals():
+    stack = path_of("own.tif")
+    check("--size" in run("view", stack, "--size", "10x10", status=2), "--size is refused for a stack")
+    check("develop" in run("view", stack, "-o", path_of("x.png"), status=2), "a picture of a stack is develop's")
+    check("--budget" in run("view", stack, "--budget", "nothing", status=2), "a budget is a number")
+    check(not os.path.exists(path_of("x.png")), "and nothing is written")
+
+
+def main():
+    own = rendered("own.tif", "fluorescence", "--size", "60x40")
+    deep = rendered("deep.tif", "metamers", "--size", "60x40", "--depth", "32f")
+    gauss = rendered("gauss.tif", "colorchecker", "--size", "60x40", "--sampling", "gauss:8")
+    header, values = foreign()
+    for which, kind in (("Chromium", Browser), ("Firefox", Firefox)):
+        browser = kind(path_of(which))
+        browser.size(1400, 1000)
+        for name, stack in (("counts", own), ("floats", deep), ("gauss:8", gauss))[:3 if kind is Browser else 1]:
+            eyes(browser, which, name, stack)
+        spectra(browser, which, own)
+        differences(browser, which)
+        cube(browser, which, header, values)
+        budgets(browser, which, header, values)
+        if kind is Browser:
+            check(not browser.complaints and all(one.startswith(("file:", "blob:", "data:")) for one in browser.requests),
+                  "Chromium: no page fetches or complains", *browser.complaints)
+        browser.close()
+    refusals()
+    done()
+
+
+main()
