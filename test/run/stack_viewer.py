@@ -224,6 +224,35 @@ def budgets(browser, which, header, values):
     check((seen == values[77]).all(), f"{which}: the whole stack is read where it is dropped onto the page")
 
 
+def two(browser, which, one, other):
+    """Two stacks side by side, with one cursor, and their difference."""
+    browser.open(view(one))
+    browser.evaluate("element('opens-beside').checked = true")
+    browser.drop(other)
+    browser.wait("beside !== null")
+    values = []
+    for stack in (one, other):
+        with tifffile.TiffFile(stack) as tiff:
+            scale = float(tiff.pages[0].description.split("full_scale: ")[1].split()[0])
+            values.append(np.array([page.asarray() for page in tiff.pages[:browser.evaluate("stack.facts.bands")]]) * (scale / 65535))
+    browser.click(*at(browser, 20.5, 10.5))
+    curves = browser.evaluate("stack_curves().map(({values}) => [...values])")
+    check(np.allclose(curves[0], values[0][:, 10, 20], rtol=1e-12) and np.allclose(curves[-1], values[1][:, 10, 20], rtol=1e-12) and
+          browser.evaluate("element('cross-2').style.left === element('cross').style.left"), f"{which}: two stacks have one cursor",
+          browser.evaluate("[element('picked').textContent, stack_curves().map(({name}) => name)]"))
+    choose(browser, "stack-view", "beside-radiance")
+    seen = np.array(browser.evaluate("[...map.values]")).reshape(values[0].shape[1:])
+    check(np.allclose(seen, np.abs(values[0] - values[1]).max(0), rtol=1e-9, atol=1e-12), f"{which}: their difference is numpy's")
+    choose(browser, "stack-view", "beside-colour")
+    said = subprocess.run([PROGRAM, "compare", one, other], stdout=subprocess.PIPE, text=True, check=False).stdout
+    line = next(line for line in said.splitlines() if line.startswith("CIEDE2000"))
+    expected = [float(line.split()[1]), float(line.split("percentile), ")[1].split()[0])]
+    seen = browser.evaluate("[map.values.reduce((sum, one) => sum + one, 0) / map.values.length, map.largest]")
+    check(np.allclose(seen, expected, rtol=1e-4), f"{which}: mean and largest CIEDE2000 are those of compare", seen, expected)
+    browser.evaluate("document.getElementById('close-beside').click()")
+    check(browser.evaluate("beside === null && element('frame-2').hidden"), f"{which}: the second stack is closed")
+
+
 def refusals():
     stack = path_of("own.tif")
     check("--size" in run("view", stack, "--size", "10x10", status=2), "--size is refused for a stack")
@@ -236,6 +265,7 @@ def main():
     own = rendered("own.tif", "fluorescence", "--size", "60x40")
     deep = rendered("deep.tif", "metamers", "--size", "60x40", "--depth", "32f")
     gauss = rendered("gauss.tif", "colorchecker", "--size", "60x40", "--sampling", "gauss:8")
+    other = rendered("other.tif", "fluorescence", "--size", "60x40", "--light", "1=a*0.9")
     header, values = foreign()
     for which, kind in (("Chromium", Browser), ("Firefox", Firefox)):
         browser = kind(path_of(which))
@@ -246,6 +276,7 @@ def main():
         differences(browser, which)
         cube(browser, which, header, values)
         budgets(browser, which, header, values)
+        two(browser, which, own, other)
         if kind is Browser:
             check(not browser.complaints and all(one.startswith(("file:", "blob:", "data:")) for one in browser.requests),
                   "Chromium: no page fetches or complains", *browser.complaints)

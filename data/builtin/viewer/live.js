@@ -376,7 +376,7 @@ async function open_stack_file(name, list) {
     Object.fromEntries([...list].map(file => [file.name, file])));
   set_text("progress", "");
   if (error && (is_stack() || !list_has_scene(list))) show_message(error);
-  if (bytes) open_stack(read_stack(bytes));
+  if (bytes) (stack && element("opens-beside").checked ? open_beside : open_stack)(read_stack(bytes));
   return Boolean(bytes);
 }
 

@@ -138,15 +138,10 @@ function angle_map({values}) {
 
 /* Returns CIEDE2000 of each pixel to a spectrum, for the observer and the stack's white; null without a white. */
 function difference_map({values}) {
-  const {weights} = observer(), of_white = white_responses(observer(), white);
+  const of_white = white_responses(observer(), white);
   if (!of_white) return null;
-  const xyz = weights.map(row => {
-    const out = new Float64Array(n_pixels);
-    stack.pages.forEach((page, band) => add_page(out, page, row[band] * stack.unit));
-    return out;
-  });
-  const kept_lab = cielab(apply(weights, values), of_white);
-  return Float64Array.from({length: n_pixels}, (_, i) => ciede2000(kept_lab, cielab(xyz.map(row => row[i]), of_white)));
+  const kept_lab = cielab(apply(observer().weights, values), of_white);
+  return Float64Array.from(lab_of_pixels(stack, of_white), lab => ciede2000(kept_lab, lab));
 }
 
 let map = null; /* the values of the map that is shown */
@@ -158,13 +153,98 @@ function paint_map(values) {
   return {data, outside: 0, exposure: 1, balanced: true};
 }
 
+/* ---- two stacks ---- */
+
+let beside = null; /* a second stack of the same size */
+
+const white_of_stack = ({facts}) => facts.white ? {radiance: facts.white, intensity: facts.illumination || 1} : null;
+const description_of = ({facts}) => ({...facts, scene: facts.stack, objects: facts.objects.map(name => ({name, shape: ""})),
+  wavelengths: facts.components ? Array.from({length: facts.bands}, (_, i) => i + 1) : facts.wavelengths});
+
+/* Does something as if the other stack were the page's. */
+function as_stack(other, act) {
+  const own = stack, picked_eye = eye;
+  const take = (one, seen) => { stack = one; set_scene(description_of(one)); white = white_of_stack(one); eye = seen; };
+  const same = (list, {name}) => scene[list].find(one => one.name === name);
+  take(other, eye);
+  const detector = same("detectors", picked_eye.detector);
+  eye = {...picked_eye, detector};
+  try {
+    return detector ? act() : null;
+  } finally {
+    take(own, picked_eye);
+  }
+}
+
+/* Returns the largest difference of radiance in all bands, of each pixel. */
+function radiance_differences() {
+  const out = new Float64Array(n_pixels);
+  stack.pages.forEach((page, band) => {
+    for (let i = 0; i < n_pixels; i++)
+      out[i] = Math.max(out[i], Math.abs(page[i] * stack.unit - beside.pages[band][i] * beside.unit));
+  });
+  return out;
+}
+
+/* Returns L*, a*, b* of all pixels of a stack, as the first stack is seen. */
+function lab_of_pixels(of, of_white) {
+  const xyz = observer().weights.map(row => {
+    const out = new Float64Array(n_pixels);
+    of.pages.forEach((page, band) => add_page(out, page, row[band] * of.unit));
+    return out;
+  });
+  return Array.from({length: n_pixels}, (_, i) => cielab(xyz.map(row => row[i]), of_white));
+}
+
+/* Returns CIEDE2000 between the stacks, both under the white of the first one, as `compare` does; null without one. */
+function colour_differences() {
+  const of_white = white_responses(observer(), white);
+  if (!of_white) return null;
+  const own = lab_of_pixels(stack, of_white), other = lab_of_pixels(beside, of_white);
+  return Float64Array.from(own, (lab, i) => ciede2000(lab, other[i]));
+}
+
+function open_beside(opened) {
+  const {facts} = opened;
+  if (facts.width !== shape.width || facts.height !== shape.height || facts.bands !== stack.facts.bands)
+    return show_message(`${facts.stack} has ${facts.width} × ${facts.height} pixels and ${facts.bands} bands; expected ` +
+      `${shape.width} × ${shape.height} and ${stack.facts.bands}, as ${stack.facts.stack} has.`);
+  beside = opened;
+  show_beside();
+}
+
+function show_beside() {
+  element("frame-2").hidden = element("close-beside").hidden = !beside;
+  for (const option of document.querySelectorAll(".of-two")) option.disabled = !beside;
+  element("opens-beside").checked = false;
+  document.body.classList.toggle("beside", Boolean(beside));
+  if (!beside && element("stack-view").value.startsWith("beside")) element("stack-view").value = "detector";
+  redraw_stack();
+}
+
+function paint_beside() {
+  if (!beside) return;
+  const view = element("stack-view"), kept_view = view.value, second = element("picture-2");
+  if (kept_view.startsWith("beside")) view.value = "detector";
+  const painted = as_stack(beside, paint_stack);
+  view.value = kept_view;
+  Object.assign(second, {width: shape.width, height: shape.height});
+  if (painted) second.getContext("2d").putImageData(new ImageData(painted.data, shape.width, shape.height), 0, 0);
+}
+
 const MAPS = {angle: angle_map, difference: difference_map};
+const MAPS_OF_TWO = {"beside-radiance": radiance_differences, "beside-colour": colour_differences};
 
 function paint_stack() {
   const view = element("stack-view").value, against = kept_spectra[Number(element("against").value)];
   map = null;
   make_channels();
   for (const channel of linear) channel.fill(0);
+  if (MAPS_OF_TWO[view]) {
+    const values = MAPS_OF_TWO[view]();
+    return values ? paint_map(values) : {data: new Uint8ClampedArray(4 * n_pixels), outside: 0, exposure: 1, balanced: true,
+      lacks: "A stack records no white, so that there are no colour differences."};
+  }
   if (MAPS[view]) {
     const values = against && MAPS[view](against);
     if (values) return paint_map(values);
@@ -180,12 +260,13 @@ const nm_text = band => stack.facts.components ? `component ${band + 1}` : `${+s
 
 function redraw_stack() {
   eye = eye_of(read_choice());
+  paint_beside();
   const painted = {...paint_stack(), width: shape.width, height: shape.height};
   const view = element("stack-view").value;
   show_picture(painted);
   exposure = painted.exposure;
   show_message(painted.lacks || (painted.balanced ? "" : "The eye cannot adapt: the stack records no white for it. The picture stays black."));
-  set_text("map-scale", map ? `0 (dark) to ${map.largest.toPrecision(4)} ${view === "angle" ? "radians" : "CIEDE2000"} (bright)` : "");
+  set_text("map-scale", map ? `0 (dark) to ${map.largest.toPrecision(4)} ${{angle: "radians", "beside-radiance": "of radiance"}[view] || "CIEDE2000"} (bright)` : "");
   element("band-row").hidden = view !== "band";
   element("bands-row").hidden = view !== "bands";
   element("against-row").hidden = !MAPS[view];
@@ -222,6 +303,8 @@ function stack_curves() {
   } else curves.push({name: `pixel ${place_of(pixel).join(", ")}`, style: "radiance", values: stack_spectrum(pixel)});
   if (hovered !== null && hovered !== pixel)
     curves.push({name: "under the pointer", style: "light dashed", values: stack_spectrum(hovered)});
+  if (beside) curves.push({name: `${beside.facts.stack}, pixel ${place_of(pixel).join(", ")}`, style: "fluorescence",
+    values: Float64Array.from(beside.pages, page => page[pixel] * beside.unit)});
   kept_spectra.forEach(({name, values}, i) => curves.push({name, style: KEPT_STYLES[i % KEPT_STYLES.length], values}));
   return curves;
 }
@@ -353,11 +436,11 @@ function stack_menus() {
 /* Shows a stack in place of what the page has shown. */
 function open_stack(opened) {
   const {facts} = stack = opened;
-  set_scene({...facts, scene: facts.stack, wavelengths: facts.components ? Array.from({length: facts.bands}, (_, i) => i + 1) : facts.wavelengths,
-    objects: facts.objects.map(name => ({name, shape: ""}))});
+  set_scene(description_of(stack));
+  beside = null;
   set_shape({width: facts.width, height: facts.height, positions: 1});
   shown = opened.objects;
-  white = facts.white ? {radiance: facts.white, intensity: facts.illumination || 1} : null;
+  white = white_of_stack(stack);
   kept_spectra.length = 0;
   region = hovered = null;
   document.body.classList.add("stack");
@@ -370,6 +453,7 @@ function open_stack(opened) {
   fit_frame();
   stack_menus();
   pixel = null;
+  show_beside();
   refresh_kept();
   choose_scaling();
   pick_stack(cursor.x, cursor.y);
@@ -384,6 +468,7 @@ function listen_to_stack() {
   canvas.addEventListener("pointerup", () => { if (stack) release_stack(); });
   canvas.addEventListener("pointerleave", () => { if (stack) { hovered = null; show_stack_pixel(); } });
   canvas.addEventListener("dblclick", () => { if (stack && drawn_region.length > 2) end_region("polygon", drawn_region); });
+  element("close-beside").addEventListener("click", () => { beside = null; show_beside(); });
   element("end-polygon").addEventListener("click", () => { if (drawn_region.length > 2) end_region("polygon", drawn_region); });
   for (const input of document.querySelectorAll("#pointing input"))
     input.addEventListener("change", () => {

@@ -237,8 +237,10 @@ function show_pixel() {
 
 function move_cursor(x, y) {
   cursor = {x: clamp(x, 0, shape.width - 1), y: clamp(y, 0, shape.height - 1)};
-  element("cross").style.left = `${(cursor.x + 0.5) / shape.width * 100}%`;
-  element("cross").style.top = `${(cursor.y + 0.5) / shape.height * 100}%`;
+  for (const cross of [element("cross"), element("cross-2")].filter(one => one)) {
+    cross.style.left = `${(cursor.x + 0.5) / shape.width * 100}%`;
+    cross.style.top = `${(cursor.y + 0.5) / shape.height * 100}%`;
+  }
 }
 
 function pick(x, y) {
