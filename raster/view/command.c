@@ -187,10 +187,14 @@ bool command_view(struct options *options, struct error *err)
                                 [PLANES] = PLANES_KIND,
                                 [JSON] = DESCRIPTION_KIND};
     int ending;
-    if (!options_name_output(options, options_scene(options), ".html", err) ||
+    const char *subject = options->gallery ? "gallery" : options_scene(options);
+    if (!options_name_output(options, subject, ".html", err) ||
         !output_ending(options->output, endings, &ending, err))
         return false;
     const char *operand = options->operand;
+    if (options->gallery && (operand || options->still))
+        return error_usage(err, "--gallery is a live page of all built-in scenes; it takes no %s",
+                           operand ? "SCENE" : "--still");
     enum image_kind kind = IMAGE_NONE;
     if (operand && !output_is_standard(operand) && !image_kind(operand, &kind, err))
         return false;

@@ -132,6 +132,7 @@ static bool put_files(struct live_page *live, struct error *err)
     json_open(&json, NULL, '{');
     json_string(&json, "program", PROGRAM);
     json_string(&json, "scene", page_name(path_name(live->scene->path)));
+    json_truth(&json, "gallery", live->options->gallery);
     json_open(&json, "options", '[');
     for (int i = 0; i < live->options->n_recorded; i++)
         json_string(&json, NULL, live->options->recorded[i]);

@@ -50,7 +50,8 @@ MAPS = {"check-map": ("pasture", 480, 320, 0), "check-map-band": ("pasture", 480
 
 # name: command that writes the page; its kind; width and height of the window (of a plot: its own); where to click
 SEEN = {
-    "viewer": (("view", "fluorescence", "--size", "600x400", "-o"), "html", (1100, 1250), (390, 160)),
+    "viewer": (("view", "room", "--size", "900x600", "-o"), "html", (1400, 900), (610, 430)),
+    "viewer-gallery": (("view", "--gallery", "--size", "600x400", "-o"), "html", (1400, 900), (600, 330)),
     "probe": (("probe", "fluorescence", "700", "300", "--svg", "-o"), "svg", None, None),
     "cost": (("cost", "colorchecker", "--svg"), "svg", None, None),
     "cost-fluorescent": (("cost", "colorchecker", "--light", "1=fluorescent", "--svg"), "svg", None, None),
@@ -102,6 +103,7 @@ def see(folder, name, command, ending, size, click):
         browser.wait(f"location.href.endsWith('{ending}') && document.readyState === 'complete'")
         if click:
             browser.wait("document.body.dataset.ready === 'true'")
+            browser.wait("document.getElementById('gallery').hidden || document.body.dataset.gallery === 'true'")
             browser.click(*click)
             browser.evaluate("new Promise(requestAnimationFrame)")
         shot = browser.send("Page.captureScreenshot", format="png")["data"]

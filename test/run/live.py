@@ -372,6 +372,42 @@ def opening(browser, which):
     check(browser.evaluate("state.scene") == "spheres" and message(browser) == "", f"{which}: a built-in scene is chosen", message(browser))
 
 
+# ---- the gallery and the plot ----
+
+def gallery(browser, which):
+    run("view", "--gallery", "--size", "60x40", "-o", path_of("gallery.html"), "--quiet")
+    browser.open(path_of("gallery.html"))
+    browser.wait("document.body.dataset.gallery === 'true'")
+    drawn = browser.evaluate("""[...document.querySelectorAll("#gallery canvas")].map(one =>
+        new Set(one.getContext("2d").getImageData(0, 0, one.width, one.height).data).size)""")
+    check(len(drawn) == len(SCENES) and min(drawn) > 30, f"{which}: the gallery shows all built-in scenes", drawn)
+    click(browser, "gallery-room")
+    settle(browser)
+    check(browser.evaluate("state.scene") == "room" and browser.evaluate("canvas.width") == 60 and message(browser) == "",
+          f"{which}: a click in the gallery opens a scene")
+
+
+def plot(browser, which):
+    browser.open(view("fluorescence", "--size", "60x40"))
+    curves = browser.evaluate("curves_at(pixel).map(({name}) => name)")
+    names = {"radiance", "reflectance", "light 1 (d65)", "cie1931 x", "cie1931 y", "cie1931 z"}
+    check(names <= set(curves), f"{which}: the plot has radiance, reflectance, light and the detector's functions", curves)
+    drawn = lambda: browser.evaluate("document.querySelectorAll('#chart .sees-g').length")
+    before = drawn()
+    browser.evaluate("[...document.querySelectorAll('#curves label')].find(({textContent}) => textContent === 'cie1931 y').firstChild.click()")
+    check((before, drawn()) == (0, 1), f"{which}: the detector's functions are drawn when they are switched on")
+    if hasattr(browser, "pointer"):
+        browser.evaluate("document.getElementById('chart').scrollIntoView({block: 'center'})")
+        left, top, width, height = browser.evaluate(
+            "(() => { const b = document.querySelector('#chart svg').getBoundingClientRect(); return [b.left, b.top, b.width, b.height]; })()")
+        browser.pointer("mouseMoved", left + width / 2, top + height / 2, 0)
+        said = browser.evaluate("element('at-cursor').textContent")
+        nm = float(said.split(" nm")[0])
+        value = browser.evaluate(f"curves_at(pixel)[0].values[scene.wavelengths.indexOf({nm})]")
+        check(abs(float(said.split("radiance ")[1].split(",")[0]) - value) <= 1e-3 * abs(value) and abs(nm - 530) < 60,
+              f"{which}: values at the pointer are those of the curves", said, value)
+
+
 # ---- the text ----
 
 # A word of the text, a wrong one in its place, and a part of the message.
@@ -488,7 +524,7 @@ BROWSERS = {"Chromium": Browser, "Firefox": Firefox}
 def main():
     for which, kind in BROWSERS.items():
         browser = kind(path_of(which))
-        for part in (controls, opening, mistakes, hostile, stacks):
+        for part in (gallery, plot, controls, opening, mistakes, hostile, stacks):
             part(browser, which)
         if which == "Chromium":
             foreign = [one for one in browser.requests if not one.startswith(("file:", "blob:", "data:"))]

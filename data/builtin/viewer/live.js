@@ -388,8 +388,10 @@ async function content_of(file) {
   return bytes.includes(0) ? bytes : new TextDecoder().decode(bytes);
 }
 
+let start_words = []; /* the options that the page was made with; they hold for other built-in scenes, too */
+
 function open_builtin(name) {
-  show_state({scene: name, words: [], files: {}, baked: false});
+  show_state({scene: name, words: start_words, files: {}, baked: false});
 }
 
 /* ---- links ---- */
@@ -433,6 +435,29 @@ function take_eye({eye, exposure}) {
   if (exposure !== null) element("exposure").value = exposure;
 }
 
+/* ---- the gallery ---- */
+
+const THUMBNAIL = {width: 240, height: 160};
+
+/* Shows a small picture of each built-in scene, as the eye sees it that the page begins with. */
+async function show_gallery() {
+  const drawer = new Drawer(compiled);
+  element("gallery").hidden = false;
+  for (const name of catalogue.scenes) {
+    const button = document.createElement("button"), small = document.createElement("canvas");
+    Object.assign(button, {type: "button", id: `gallery-${name}`});
+    Object.assign(small, THUMBNAIL);
+    button.append(small, name);
+    button.addEventListener("click", () => open_builtin(name));
+    element("gallery").append(button);
+    const {painted} = await drawer.ask({task: "draw", words: [name], size: [`--size=${THUMBNAIL.width}x${THUMBNAIL.height}`, "--samples=2"],
+      keys: {geometry: name, spectra: name}, eye: eye_names(), exposure: 1, whole: false});
+    if (painted) small.getContext("2d").putImageData(new ImageData(painted.data, painted.width, painted.height), 0, 0);
+  }
+  drawer.end();
+  document.body.dataset.gallery = "true";
+}
+
 /* ---- the start ---- */
 
 async function read_start() {
@@ -443,7 +468,8 @@ async function read_start() {
     files[name] = bytes.includes(0) ? bytes.slice() : new TextDecoder().decode(bytes);
     if (also) files[also] = files[name];
   }
-  return {scene: start.scene, words: start.options, files, baked: false};
+  start_words = start.options;
+  return {scene: start.scene, words: start.options, files, baked: false, gallery: start.gallery};
 }
 
 function listen_to_opening() {
@@ -509,6 +535,7 @@ async function start_live() {
   show_busy();
   set_text("progress", `The first picture took ${(performance.now() - since).toFixed(0)} ms.`);
   document.body.dataset.ready = "true";
+  if (state.gallery) await show_gallery();
 }
 
 /* A page of a stack can open scenes and other stacks, too. */

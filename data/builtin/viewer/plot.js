@@ -52,14 +52,14 @@ function draw_visible(svg, frame) {
 function draw_axes(svg, frame) {
   for (const nm of ticks(frame.first, frame.last, frame.right > 500 ? 12 : 6)) {
     draw(svg, "path", {class: "grid", d: `M${frame.x(nm)} ${frame.top}V${frame.bottom}`});
-    draw(svg, "text", {x: frame.x(nm), y: frame.bottom + 21, "text-anchor": "middle"}, nm);
+    draw(svg, "text", {x: frame.x(nm), y: frame.bottom + 21, "text-anchor": "middle"}, short_number.format(nm));
   }
   for (const value of ticks(0, frame.end, 5)) {
     draw(svg, "path", {class: "grid", d: `M${frame.left} ${frame.y(value)}H${frame.right}`});
-    draw(svg, "text", {x: frame.left - 6, y: frame.y(value) + 4, "text-anchor": "end"}, value);
+    draw(svg, "text", {x: frame.left - 6, y: frame.y(value) + 4, "text-anchor": "end"}, short_number.format(value));
   }
   for (const value of frame.relative_end ? ticks(0, frame.relative_end, 5) : [])
-    draw(svg, "text", {x: frame.right + 6, y: frame.y_relative(value) + 4}, value);
+    draw(svg, "text", {x: frame.right + 6, y: frame.y_relative(value) + 4}, short_number.format(value));
   draw(svg, "rect", {class: "axis", x: frame.left, y: frame.top, width: frame.across, height: frame.down});
   draw(svg, "text", {x: frame.left + frame.across / 2, y: frame.bottom + 38, "text-anchor": "middle"},
     "wavelength (nm)");
@@ -92,26 +92,41 @@ function curve_path({values, relative}, frame) {
 }
 
 function show_plot(curves) {
-  const shown = curves.filter(({name}) => !hidden.has(name)), frame = plot_frame(shown);
+  const shown = curves.filter(curve => !is_hidden(curve)), frame = plot_frame(shown);
   const svg = draw(document.createDocumentFragment(), "svg", {viewBox: `0 0 ${frame.width} ${frame.height}`,
     role: "img", "aria-label": `Plot over wavelength of ${shown.map(({name}) => name).join(", ")}`});
   draw_visible(svg, frame);
   draw_axes(svg, frame);
   for (const curve of shown.slice().reverse())
     draw(svg, "path", {class: `curve ${curve.style}`, d: curve_path(curve, frame)});
+  svg.addEventListener("pointermove", event => show_values_at(event, svg, shown, frame));
+  svg.addEventListener("pointerleave", () => { set_text("at-cursor", ""); svg.querySelector(".cursor")?.remove(); });
   element("chart").replaceChildren(svg);
 }
+
+/* Shows the values of all curves at the wavelength nearest to the pointer. */
+function show_values_at(event, svg, shown, frame) {
+  const box = svg.getBoundingClientRect(), x = (event.clientX - box.left) / box.width * frame.width;
+  const nm = scene.wavelengths, at = nm.reduce((best, one, i) => Math.abs(frame.x(one) - x) < Math.abs(frame.x(nm[best]) - x) ? i : best, 0);
+  svg.querySelector(".cursor")?.remove();
+  draw(svg, "path", {class: "cursor", d: `M${frame.x(nm[at])} ${frame.top}V${frame.bottom}`});
+  set_text("at-cursor", `${short_number.format(nm[at])} nm: ` +
+    shown.map(({name, values}) => `${name} ${with_digits(4).format(values[at])}`).join(", "));
+}
+
+/* Returns whether a curve is switched off. Those that begin so are in the set when they are switched on. */
+const is_hidden = ({name, off}) => hidden.has(name) !== Boolean(off);
 
 function show_legend(curves) {
   const key = curves.map(({name, style}) => name + style).join();
   if (element("curves").dataset.shown === key) return; /* so that a checkbox keeps its focus */
   element("curves").dataset.shown = key;
-  element("curves").replaceChildren(...curves.map(({name, style}) => {
+  element("curves").replaceChildren(...curves.map(({name, style, off}) => {
     const [item, label, box] = ["li", "label", "input"].map(tag => document.createElement(tag));
     box.type = "checkbox";
-    box.checked = !hidden.has(name);
+    box.checked = !is_hidden({name, off});
     box.addEventListener("change", () => {
-      box.checked ? hidden.delete(name) : hidden.add(name);
+      box.checked !== Boolean(off) ? hidden.delete(name) : hidden.add(name);
       show_pixel();
     });
     label.className = "check";
@@ -133,7 +148,7 @@ function show_values(curves) {
   const table = document.createElement("table");
   table.createTHead().append(table_row(values_head(curves), () => "col"));
   table.createTBody().append(...scene.wavelengths.map((nm, i) =>
-    table_row([nm, ...curves.map(({values}) => values[i].toPrecision(6))])));
+    table_row([short_number.format(nm), ...curves.map(({values}) => with_digits(6).format(values[i]))])));
   element("values").replaceChildren(table);
 }
 

@@ -306,7 +306,7 @@ function stack_curves() {
   if (beside) curves.push({name: `${beside.facts.stack}, pixel ${place_of(pixel).join(", ")}`, style: "fluorescence",
     values: Float64Array.from(beside.pages, page => page[pixel] * beside.unit)});
   kept_spectra.forEach(({name, values}, i) => curves.push({name, style: KEPT_STYLES[i % KEPT_STYLES.length], values}));
-  return curves;
+  return eye.detector ? curves.concat(detector_curves()) : curves;
 }
 
 function stack_rows(values) {

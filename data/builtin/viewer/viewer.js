@@ -69,9 +69,14 @@ function set_text(id, text) {
   if (element(id).textContent !== text) element(id).textContent = text;
 }
 
-const percent = part => (100 * part).toFixed(part > 0 && part < 0.01 ? 2 : 1) + "\u00a0%";
-const figures = (values, digits) => Array.from(values, value =>
-  value.toFixed(digits).replace(/^-(?=[0.]*$)/, "").replace("-", "−"));
+/* Numbers are written as the reader's language writes them. */
+const with_decimals = digits => new Intl.NumberFormat(undefined,
+  {minimumFractionDigits: digits, maximumFractionDigits: digits, useGrouping: false, signDisplay: "negative"});
+const with_digits = digits => new Intl.NumberFormat(undefined,
+  {minimumSignificantDigits: digits, maximumSignificantDigits: digits, useGrouping: false});
+const short_number = new Intl.NumberFormat(undefined, {maximumSignificantDigits: 12, useGrouping: false});
+const percent = part => with_decimals(part > 0 && part < 0.01 ? 2 : 1).format(100 * part) + "\u00a0%";
+const figures = (values, digits) => Array.from(values, value => with_decimals(digits).format(value).replace("-", "−"));
 
 function show_message(text) {
   set_text("message", text);
@@ -163,6 +168,13 @@ function light_curves() {
     values: radiance_of({illuminant}).map(value => intensity * value)}));
 }
 
+/* Returns the detector's functions, so that the largest value is 1. They are not drawn until they are switched on. */
+function detector_curves() {
+  const {name, weights, observer} = eye.detector, largest = Math.max(...weights.flat());
+  return weights.map((row, i) => ({name: `${name} ${(observer ? "xyz" : "rgb")[i]}`, style: `sees-${"rgb"[i]}`, relative: true,
+    off: true, values: row.map(value => value / largest)}));
+}
+
 /* Returns the curves of a pixel with their classes. Relative curves use the axis on the right. */
 function curves_at(pixel) {
   const curves = [{name: "radiance", style: "radiance", values: radiance_at(pixel, sources, terms_of)}];
@@ -177,7 +189,7 @@ function curves_at(pixel) {
   if (material.glow) curves.push({name: "own light", style: "glow", values: material.glow});
   for (const [style, name] of named)
     if (material[style]) curves.push({name, style, values: material[style], relative: true});
-  return curves;
+  return curves.concat(detector_curves());
 }
 
 /* Returns L*a*b* of a pixel relative to the white of its own light; null without a white. */
