@@ -6,7 +6,7 @@ test_packages='gcc clang lld wasi-libc libclang-rt-dev-wasm32 wabt perl liblcms2
   imagej default-jdk-headless glmark2-data psychtoolbox-3-common colord-data mandoc bsdextrautils busybox-static pngcheck zsh fish
   octave gdal-bin python3-h5py python3-hdf4 python3-xarray python3-netcdf4 python3-spectral openexr imagemagick libgdk-pixbuf2.0-bin
   chromium firefox-esr llvm file valgrind binutils parallel make munge slurmctld slurmd slurm-client musl-tools gcc-aarch64-linux-gnu libc6-dev-arm64-cross qemu-user'
-at_once=2                                               # tests that run at the same time
+at_once=3                                               # tests that run at the same time
 longest='portable cost live verdict verify contexts scenes random_scenes hard static viewer stack_viewer' # these begin first, so that no processor waits at the end
 # Mutants are the program with a fault in one file: bounds on colours that are a thousand times too wide; infinite bounds
 # of the first object; open meshes taken for solids, so that their backs are not drawn; no mesh taken for a solid.

@@ -17,7 +17,7 @@ static bool refuse_picture(const char *scene, struct error *err)
     if (strcmp(format, "TIFF") == 0)
         return error_usage(err,
                            "%s is a TIFF file, not a scene; a stack is for develop, probe, "
-                           "compare and info",
+                           "compare, view and info",
                            scene);
     return format[0] == '\0' || strcmp(format, "text") == 0 ||
            error_usage(err, "%s is a %s file, not a scene", scene, format);

@@ -140,12 +140,44 @@ static bool refuse_for_stack(const struct options *options, int kind, struct err
     if (options->n_recorded > 0)
         return error_usage(err, "%s is for scenes; the stack %s is rendered already",
                            options->recorded[0], stack);
+    if (options->still)
+        return error_usage(err, "--still is for scenes; %s is a stack", stack);
     if (kind == PICTURE_KIND || kind == DESCRIPTION_KIND)
         return error_usage(err,
                            "%s: view writes pages of stacks; expected .html (develop writes "
                            "pictures)",
                            options->output);
     return true;
+}
+
+static void print_stack(const struct options *options, const struct stack_result *result,
+                        double budget_mb, struct printed *to)
+{
+    print(to, "stack             %d x %d pixels, %d bands\n", result->width, result->height,
+          result->n_bands);
+    if (result->factor > 1)
+        print(to,
+              "reduced           means of %d x %d pixels, to keep to %g MB (--budget); drop the "
+              "stack onto the page to see all of it\n",
+              result->factor, result->factor, budget_mb);
+    print(to, "page              %s, %.2f MB\n", options->output, (double)result->bytes / 1e6);
+}
+
+static bool write_stack_json(struct options *options, const struct stack_result *result,
+                             struct error *err)
+{
+    struct json json;
+    json_begin(&json);
+    json_open(&json, NULL, '{');
+    json_string(&json, "stack", options->operand);
+    json_count(&json, "width", (uint64_t)result->width);
+    json_count(&json, "height", (uint64_t)result->height);
+    json_count(&json, "bands", (uint64_t)result->n_bands);
+    json_count(&json, "factor", (uint64_t)result->factor);
+    json_count(&json, "bytes", result->bytes);
+    json_string(&json, "output", options->output);
+    json_close(&json, '}');
+    return json_write(&json, options->json, &options->outputs, err);
 }
 
 /* Writes the page of a stack, or its data alone. */
@@ -158,19 +190,13 @@ static bool view_stack(struct options *options, bool alone, struct error *err)
     if (options->budget && !option_number("--budget", options->budget, 1, 1e6, &budget_mb, err))
         return false;
     const struct stack_page_options page = {1e6 * budget_mb, alone};
-    const bool done =
-        stack_page_write(options->operand, options->output, &page, &result, &options->outputs, err);
-    if (done && !options->quiet && !alone) {
-        print(&table, "stack             %d x %d pixels, %d bands\n", result.width, result.height,
-              result.n_bands);
-        if (result.factor > 1)
-            print(&table,
-                  "reduced           means of %d x %d pixels, to keep to %g MB (--budget); drop "
-                  "the stack onto the page to see all of it\n",
-                  result.factor, result.factor, budget_mb);
-        print(&table, "page              %s, %.2f MB\n", options->output,
-              (double)result.bytes / 1e6);
-    }
+    const bool done = image_spared(options->json, options->operand, err) &&
+                      output_can_open(options->json, err) &&
+                      stack_page_write(options->operand, options->output, &page, &result,
+                                       &options->outputs, err) &&
+                      (!options->json || write_stack_json(options, &result, err));
+    if (done && !options->quiet && !alone)
+        print_stack(options, &result, budget_mb, &table);
     return printed_show(&table, options_table(options, options->output), err) && done;
 }
 
@@ -201,6 +227,9 @@ bool command_view(struct options *options, struct error *err)
     if (kind != IMAGE_NONE)
         return refuse_for_stack(options, kinds[ending], err) &&
                view_stack(options, kinds[ending] == PLANES_KIND, err);
+    if (options->budget)
+        return error_usage(err, "--budget is for pages of stacks; %s is a scene",
+                           options_scene(options));
     char *marked = operand ? pack_marked_name(operand) : NULL;
     if (operand && !marked)
         return error_memory(err);

@@ -49,24 +49,26 @@ static bool put_planes(struct still_page *still, struct error *err)
     char *shape = scale ? planes_json(still->plan, still->planes, scale) : NULL;
     size_t length;
     char *text = shape ? planes_text(still->planes, scale, &length) : NULL;
-    if (text) {
+    const bool done = text != NULL;
+    if (done) {
         put_json(to, "shape", shape);
         put_base64(to, "planes", text, length);
     }
     free(shape);
     free(scale);
     free(text);
-    return text || error_memory(err);
+    return done || error_memory(err);
 }
 
 static bool put_still(struct page *page, struct error *err)
 {
     struct still_page *still = (struct still_page *)page;
     char *json = description_make(still->plan, still->result, err);
-    if (json)
-        put_json(&page->text, "scene", json);
+    if (!json)
+        return false;
+    put_json(&page->text, "scene", json);
     free(json);
-    return json && put_planes(still, err);
+    return put_planes(still, err);
 }
 
 bool viewer_write(const struct plan *plan, const char *path, struct viewer_result *out,

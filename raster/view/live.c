@@ -143,14 +143,15 @@ static bool put_files(struct live_page *live, struct error *err)
     char *text = facts && all && listed
                      ? packed_text((const unsigned char *)all, bytes.length, &length)
                      : NULL;
-    if (text) {
+    const bool done = text != NULL;
+    if (done) {
         put_json(&page->text, "start", facts);
         put_base64(&page->text, "files", text, length);
     }
     free(text);
     free(all);
     free(facts);
-    return text || (listed && error_memory(err));
+    return done || (listed && error_memory(err));
 }
 
 static bool put_live(struct page *page, struct error *err)

@@ -78,7 +78,7 @@ class Browser:
 
     def evaluate(self, expression):
         """Returns the value of a JavaScript expression; waits if it is a promise."""
-        answer = self.send("Runtime.evaluate", expression=expression, awaitPromise=True,
+        answer = self.send("Runtime.evaluate", expression=expression, awaitPromise=True, allowUnsafeEvalBlockedByCSP=False,
                            returnByValue=True)
         if "exceptionDetails" in answer:
             raise RuntimeError(f"{expression[:200]}: {answer['exceptionDetails']}")

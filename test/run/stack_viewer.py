@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: MIT
 """Tests pages of stacks in headless Chromium and Firefox: pictures equal those of develop, bands, regions and maps those
 that numpy computes from the file, for stacks of this program and for a cube that GDAL wrote. Prints TAP."""
+import json
 import os
 import subprocess
 import sys
@@ -191,6 +192,11 @@ def cube(browser, which, header, values):
     check(statistics[2] == region.shape[1] and np.allclose(statistics[0], region.mean(1), rtol=1e-9) and
           np.allclose(statistics[1], region.std(1), rtol=1e-6, atol=1e-9), f"{which}: mean and spread of a rectangle are numpy's",
           statistics[2], region.shape[1])
+    for field, value in zip("xywh", (3, 4, 5, 6)):
+        browser.evaluate(f"(() => {{ const one = element('region-{field}'); one.value = {value}; one.dispatchEvent(new Event('change')); }})()")
+    mean = browser.evaluate("[...region.statistics.mean]")
+    check(np.allclose(mean, values[:, 4:10, 3:8].astype(float).reshape(len(values), -1).mean(1), rtol=1e-9),
+          f"{which}: a rectangle in numbers")
     tool(browser, "polygon")
     corners = [(5, 5), (50, 8), (40, 35), (12, 30)]
     for corner in corners:
@@ -237,7 +243,7 @@ def two(browser, which, one, other):
             values.append(np.array([page.asarray() for page in tiff.pages[:browser.evaluate("stack.facts.bands")]]) * (scale / 65535))
     browser.click(*at(browser, 20.5, 10.5))
     curves = browser.evaluate("stack_curves().map(({values}) => [...values])")
-    check(np.allclose(curves[0], values[0][:, 10, 20], rtol=1e-12) and np.allclose(curves[-1], values[1][:, 10, 20], rtol=1e-12) and
+    check(np.allclose(curves[0], values[0][:, 10, 20], rtol=1e-12) and np.allclose(curves[1], values[1][:, 10, 20], rtol=1e-12) and
           browser.evaluate("element('cross-2').style.left === element('cross').style.left"), f"{which}: two stacks have one cursor",
           browser.evaluate("[element('picked').textContent, stack_curves().map(({name}) => name)]"))
     choose(browser, "stack-view", "beside-radiance")
@@ -258,6 +264,11 @@ def refusals():
     check("--size" in run("view", stack, "--size", "10x10", status=2), "--size is refused for a stack")
     check("develop" in run("view", stack, "-o", path_of("x.png"), status=2), "a picture of a stack is develop's")
     check("--budget" in run("view", stack, "--budget", "nothing", status=2), "a budget is a number")
+    check("is a scene" in run("view", "spheres", "--budget", "9", status=2), "a budget is refused for a scene")
+    check("is a stack" in run("view", stack, "--still", status=2), "--still is refused for a stack")
+    facts = json.loads(run("view", stack, "-o", path_of("x.html"), "--quiet", "--json", "-"))
+    check(facts["width"] == 60 and facts["bands"] == 93 and facts["factor"] == 1 and
+          facts["bytes"] == os.path.getsize(path_of("x.html")), "--json has the figures of a page of a stack", facts)
     check(not os.path.exists(path_of("x.png")), "and nothing is written")
 
 

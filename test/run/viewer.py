@@ -728,7 +728,8 @@ def main():
     browser.size(1280, 900)
     for kind[:] in ([], ["--still"]):
         for scene in COMBINATIONS:
-            menus(scene)
+            if kind or scene in ("fluorescence", "room") or os.environ.get("FULL"):
+                menus(scene)
     stills()
     all_offered()
     spectra("colorchecker", "colorchecker", [(10, 10), (25, 20), (60, 40)])

@@ -352,7 +352,9 @@ async function save_stack() {
 /* Opens files: the first scene or list among them becomes the scene; others become files that a scene can name. */
 async function open_files(list) {
   const files = {}, cube = [...list].find(({name}) => /[.](tiff?|hdr)$/i.test(name));
-  if (cube && await open_stack_file(cube.name, list)) return;
+  if (cube && (await open_stack_file(cube.name, list) || is_stack())) return;
+  const large = [...list].find(({size}) => size > LARGEST_FILE);
+  if (large) return show_message(`${large.name} is too large for this page.`);
   for (const file of list) files[file.name] = await content_of(file);
   const scene_name = Object.keys(files).find(name => /[.](scene|list)$/i.test(name));
   const next = {...state, files: {...state.files, ...files}};
@@ -380,7 +382,7 @@ async function open_stack_file(name, list) {
   return Boolean(bytes);
 }
 
-const DROPPED_MB = 1000;
+const DROPPED_MB = 1000, LARGEST_FILE = 256e6;
 const list_has_scene = list => [...list].some(({name}) => /[.](scene|list|obj)$/i.test(name));
 
 async function content_of(file) {

@@ -368,8 +368,23 @@ function end_region(kind, points) {
   const pixels = pixels_in({kind, points});
   region = pixels.length > 0 ? {kind, points, n: pixels.length, statistics: statistics_of(pixels)} : null;
   drawn_region = [];
+  if (region && kind === "rectangle") show_rectangle(points);
   show_region();
   show_stack_pixel();
+}
+
+/* The fields of a rectangle: left, top, width and height in pixels. */
+const RECTANGLE = ["region-x", "region-y", "region-w", "region-h"];
+
+function show_rectangle(points) {
+  const [left, right] = points.map(([x]) => clamp(Math.floor(x), 0, shape.width - 1)).sort((a, b) => a - b);
+  const [top, bottom] = points.map(([, y]) => clamp(Math.floor(y), 0, shape.height - 1)).sort((a, b) => a - b);
+  [left, top, right - left + 1, bottom - top + 1].forEach((value, i) => { element(RECTANGLE[i]).value = value; });
+}
+
+function take_rectangle() {
+  const [x, y, width, height] = RECTANGLE.map(id => element(id).valueAsNumber);
+  if (x >= 0 && y >= 0 && width >= 1 && height >= 1) end_region("rectangle", [[x, y], [x + width - 0.5, y + height - 0.5]]);
 }
 
 function show_region() {
@@ -468,6 +483,7 @@ function listen_to_stack() {
   canvas.addEventListener("pointerup", () => { if (stack) release_stack(); });
   canvas.addEventListener("pointerleave", () => { if (stack) { hovered = null; show_stack_pixel(); } });
   canvas.addEventListener("dblclick", () => { if (stack && drawn_region.length > 2) end_region("polygon", drawn_region); });
+  for (const id of RECTANGLE) element(id).addEventListener("change", take_rectangle);
   element("close-beside").addEventListener("click", () => { beside = null; show_beside(); });
   element("end-polygon").addEventListener("click", () => { if (drawn_region.length > 2) end_region("polygon", drawn_region); });
   for (const input of document.querySelectorAll("#pointing input"))
