@@ -37,18 +37,18 @@ def rendered(name, scene, *options):
     return path_of(name)
 
 
-def foreign():
-    """A cube of 200 bands, written by GDAL, and its values as [band, y, x]."""
-    n, height, width = 200, 40, 60
+def foreign(name="cube", first=400, last=1000, n=200):
+    """A cube, written by GDAL, and its values as [band, y, x]."""
+    height, width = 40, 60
     y, x = np.mgrid[0:height, 0:width]
     values = np.stack([np.abs(0.3 + 0.2 * np.sin(x / 9 + k / 20) + 0.2 * np.cos(y / 7 - k / 30)) for k in range(n)]).astype(np.float32)
-    cube = gdal.GetDriverByName("ENVI").Create(path_of("cube.img"), width, height, n, gdal.GDT_Float32, ["INTERLEAVE=BIP"])
+    cube = gdal.GetDriverByName("ENVI").Create(path_of(name + ".img"), width, height, n, gdal.GDT_Float32, ["INTERLEAVE=BIP"])
     for band in range(n):
         cube.GetRasterBand(band + 1).WriteArray(values[band])
     del cube
-    with open(path_of("cube.hdr"), "a", encoding="ascii") as header:
-        header.write("wavelength units = Nanometers\nwavelength = {" + ", ".join(f"{nm:.3f}" for nm in np.linspace(400, 1000, n)) + "}\n")
-    return path_of("cube.hdr"), values
+    with open(path_of(name + ".hdr"), "a", encoding="ascii") as header:
+        header.write("wavelength units = Nanometers\nwavelength = {" + ", ".join(f"{nm:.3f}" for nm in np.linspace(first, last, n)) + "}\n")
+    return path_of(name + ".hdr"), values
 
 
 def view(stack, *options):
@@ -213,6 +213,18 @@ def cube(browser, which, header, values):
           f"{which}: the mean of a polygon is numpy's", placed.tolist())
 
 
+def unseen(browser, which):
+    """A cube in the infrared, which no built-in detector sees."""
+    header, values = foreign("infrared", 1000, 2500, 20)
+    browser.open(view(header))
+    choose(browser, "stack-view", "band")
+    slide(browser, "band", 3)
+    expected = srgb(values[3] / values.max())[:, :, None].repeat(3, 2)
+    check(near(pixels(browser), expected), f"{which}: bands that nobody sees are shown", browser.evaluate("element('message').textContent"))
+    browser.click(*at(browser, 20.5, 10.5))
+    check(np.allclose(browser.evaluate("[...stack_curves()[0].values]"), values[:, 10, 20]), f"{which}: and their spectra")
+
+
 def budgets(browser, which, header, values):
     page = view(header, "--budget", "1")
     browser.open(page)
@@ -286,6 +298,7 @@ def main():
         spectra(browser, which, own)
         differences(browser, which)
         cube(browser, which, header, values)
+        unseen(browser, which)
         budgets(browser, which, header, values)
         two(browser, which, own, other)
         if kind is Browser:

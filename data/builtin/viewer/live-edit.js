@@ -151,9 +151,13 @@ function new_name(text, name) {
 /* Gives the chosen object a material of the scene, or the one of a file. */
 function choose_material(name, file) {
   const group = {recorded: false};
-  edit_object(GEOMETRY | SPECTRA, parts => set_part(parts, "material", [name], ["materials"]), group);
-  if (file) edit(GEOMETRY | SPECTRA, text => material_names(text).includes(name) ? text
-    : with_first_statement(text, `material ${as_word(name)} ${as_word(file)}`), null, group);
+  let own = name;
+  if (file) edit(GEOMETRY | SPECTRA, text => {
+    const defined = materials_in(text).find(({words}) => words[2].text === file);
+    own = defined ? defined.words[1].text : new_name(text, name);
+    return defined ? text : with_first_statement(text, `material ${as_word(own)} ${as_word(file)}`);
+  }, null, group);
+  edit_object(GEOMETRY | SPECTRA, parts => set_part(parts, "material", [own], ["materials"]), group);
 }
 
 /* Returns the place of an object, also where it has been moved since the scene was described. */

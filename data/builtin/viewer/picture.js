@@ -13,7 +13,7 @@ const place_of = pixel => [pixel % shape.width, Math.floor(pixel / shape.width)]
 function set_scene(description) {
   scene = description;
   n_bands = scene.wavelengths.length;
-  standard_observer = scene.detectors.find(({name}) => name === "cie1931");
+  standard_observer = scene.detectors.find(({name}) => name === "cie1931") || scene.detectors.find(({observer}) => observer);
 }
 
 function set_shape(new_shape) {

@@ -42,6 +42,7 @@ function visible_stops() {
 }
 
 function draw_visible(svg, frame) {
+  if (!standard_observer) return; /* none sees these wavelengths */
   const gradient = draw(draw(svg, "defs", {}), "linearGradient", {id: "visible"});
   const offset = nm => (nm - frame.first) / (frame.last - frame.first);
   visible_stops().forEach((colour, i) =>
@@ -107,7 +108,8 @@ function show_plot(curves) {
 /* Shows the values of all curves at the wavelength nearest to the pointer. */
 function show_values_at(event, svg, shown, frame) {
   const box = svg.getBoundingClientRect(), x = (event.clientX - box.left) / box.width * frame.width;
-  const nm = scene.wavelengths, at = nm.reduce((best, one, i) => Math.abs(frame.x(one) - x) < Math.abs(frame.x(nm[best]) - x) ? i : best, 0);
+  const nm = scene.wavelengths, apart = i => Math.abs(frame.x(nm[i]) - x);
+  const at = nm.reduce((best, _, i) => apart(i) < apart(best) ? i : best, 0);
   svg.querySelector(".cursor")?.remove();
   draw(svg, "path", {class: "cursor", d: `M${frame.x(nm[at])} ${frame.top}V${frame.bottom}`});
   set_text("at-cursor", `${short_number.format(nm[at])} nm: ` +

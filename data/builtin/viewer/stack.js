@@ -16,10 +16,10 @@ function read_stack(bytes) {
   const length = Number(new TextDecoder().decode(bytes.subarray(0, 11)));
   const facts = JSON.parse(new TextDecoder().decode(bytes.subarray(12, 12 + length)));
   const n = facts.width * facts.height, size = n * (facts.counts ? 2 : 4), first = 12 + length;
-  const page = i => bytes.slice(first + i * size, first + (i + 1) * size);
-  const pages = Array.from({length: facts.bands}, (_, i) => facts.counts ? decode_counts(page(i), n) : new Float32Array(page(i).buffer));
-  const end = first + facts.bands * size;
-  return {facts, pages, unit: facts.unit, objects: facts.has_objects ? new Uint16Array(bytes.slice(end, end + 2 * n).buffer) : new Uint16Array(n)};
+  const page = i => bytes.slice(first + i * size, first + (i + 1) * size), end = first + facts.bands * size;
+  const decode = one => facts.counts ? decode_counts(one, n) : new Float32Array(one.buffer);
+  const objects = facts.has_objects ? new Uint16Array(bytes.slice(end, end + 2 * n).buffer) : new Uint16Array(n);
+  return {facts, pages: Array.from({length: facts.bands}, (_, i) => decode(page(i))), unit: facts.unit, objects};
 }
 
 const stack_spectrum = pixel => Float64Array.from(stack.pages, page => page[pixel] * stack.unit);
@@ -109,7 +109,7 @@ function paint_bands(display, exposure) {
 }
 
 function paint_detector(chosen_eye, exposure) {
-  const channels = channel_weights(chosen_eye, white);
+  const channels = chosen_eye.detector ? channel_weights(chosen_eye, white) : null;
   for (let c = 0; c < 3 && channels; c++)
     stack.pages.forEach((page, band) => add_page(linear[c], page, channels[c][band] * stack.unit));
   const factor = exposure === null ? automatic_exposure(chosen_eye.display) : exposure;
@@ -133,12 +133,13 @@ function angle_map({values}) {
       squares[i] += page[i] * page[i];
     }
   });
-  return along.map((value, i) => squares[i] > 0 && length > 0 ? Math.acos(clamp(value / Math.sqrt(squares[i]) / length, -1, 1)) : Math.PI / 2);
+  return along.map((value, i) => squares[i] > 0 && length > 0
+    ? Math.acos(clamp(value / Math.sqrt(squares[i]) / length, -1, 1)) : Math.PI / 2);
 }
 
 /* Returns CIEDE2000 of each pixel to a spectrum, for the observer and the stack's white; null without a white. */
 function difference_map({values}) {
-  const of_white = white_responses(observer(), white);
+  const of_white = observer() && white_responses(observer(), white);
   if (!of_white) return null;
   const kept_lab = cielab(apply(observer().weights, values), of_white);
   return Float64Array.from(lab_of_pixels(stack, of_white), lab => ciede2000(kept_lab, lab));
@@ -165,12 +166,11 @@ const description_of = ({facts}) => ({...facts, scene: facts.stack, objects: fac
 function as_stack(other, act) {
   const own = stack, picked_eye = eye;
   const take = (one, seen) => { stack = one; set_scene(description_of(one)); white = white_of_stack(one); eye = seen; };
-  const same = (list, {name}) => scene[list].find(one => one.name === name);
   take(other, eye);
-  const detector = same("detectors", picked_eye.detector);
+  const detector = picked_eye.detector && scene.detectors.find(({name}) => name === picked_eye.detector.name);
   eye = {...picked_eye, detector};
   try {
-    return detector ? act() : null;
+    return act();
   } finally {
     take(own, picked_eye);
   }
@@ -198,7 +198,7 @@ function lab_of_pixels(of, of_white) {
 
 /* Returns CIEDE2000 between the stacks, both under the white of the first one, as `compare` does; null without one. */
 function colour_differences() {
-  const of_white = white_responses(observer(), white);
+  const of_white = observer() && white_responses(observer(), white);
   if (!of_white) return null;
   const own = lab_of_pixels(stack, of_white), other = lab_of_pixels(beside, of_white);
   return Float64Array.from(own, (lab, i) => ciede2000(lab, other[i]));
@@ -233,7 +233,10 @@ function paint_beside() {
 }
 
 const MAPS = {angle: angle_map, difference: difference_map};
+const MAP_UNITS = {angle: "radians", difference: "CIEDE2000", "beside-radiance": "of radiance", "beside-colour": "CIEDE2000"};
 const MAPS_OF_TWO = {"beside-radiance": radiance_differences, "beside-colour": colour_differences};
+
+const no_picture = lacks => ({data: new Uint8ClampedArray(4 * n_pixels), outside: 0, exposure: 1, balanced: true, lacks});
 
 function paint_stack() {
   const view = element("stack-view").value, against = kept_spectra[Number(element("against").value)];
@@ -242,14 +245,13 @@ function paint_stack() {
   for (const channel of linear) channel.fill(0);
   if (MAPS_OF_TWO[view]) {
     const values = MAPS_OF_TWO[view]();
-    return values ? paint_map(values) : {data: new Uint8ClampedArray(4 * n_pixels), outside: 0, exposure: 1, balanced: true,
-      lacks: "A stack records no white, so that there are no colour differences."};
+    return values ? paint_map(values) : no_picture("A stack records no white, so that there are no colour differences.");
   }
   if (MAPS[view]) {
     const values = against && MAPS[view](against);
     if (values) return paint_map(values);
-    return {data: new Uint8ClampedArray(4 * n_pixels), outside: 0, exposure: 1, balanced: true,
-      lacks: against ? "This stack records no white, so that it has no colour differences." : "Keep a spectrum first: maps are against it."};
+    return no_picture(against ? "This stack records no white, so that it has no colour differences."
+      : "Keep a spectrum first: maps are against it.");
   }
   return view === "detector" ? paint_detector(eye, wanted_exposure()) : paint_bands(eye.display, wanted_exposure());
 }
@@ -265,8 +267,8 @@ function redraw_stack() {
   const view = element("stack-view").value;
   show_picture(painted);
   exposure = painted.exposure;
-  show_message(painted.lacks || (painted.balanced ? "" : "The eye cannot adapt: the stack records no white for it. The picture stays black."));
-  set_text("map-scale", map ? `0 (dark) to ${map.largest.toPrecision(4)} ${{angle: "radians", "beside-radiance": "of radiance"}[view] || "CIEDE2000"} (bright)` : "");
+  show_message(painted.lacks || (painted.balanced ? "" : "The detector has no white to adapt to here. The picture stays black."));
+  set_text("map-scale", map ? `0 (dark) to ${with_digits(4).format(map.largest)} ${MAP_UNITS[view]} (bright)` : "");
   element("band-row").hidden = view !== "band";
   element("bands-row").hidden = view !== "bands";
   element("against-row").hidden = !MAPS[view];
@@ -276,14 +278,16 @@ function redraw_stack() {
 }
 
 function show_stack_facts({outside}) {
+  if (!eye.detector) return set_text("lost", "No built-in detector sees these wavelengths.");
   const names = eye.detector.observer ? ["x", "y", "z"] : ["r", "g", "b"], detecting = element("stack-view").value === "detector";
   set_text("gamut", `Out of gamut: ${outside} of ${n_pixels} pixels (${percent(outside / n_pixels)}).`);
   set_text("lost", detecting ? "The detector's sensitivity outside the stack's wavelengths: " +
     names.map((name, i) => `${name} ${percent(eye.detector.lost[i])}`).join(", ") + "." : "");
   set_text("white", white ? "White: the light that the stack records." : "The stack records no white.");
   show_controls();
-  set_text("commands", `spectral develop ${quoted(stack.facts.stack)} --detector ${quoted(eye.detector.name)} --display ${eye.display.name}` +
-    (eye.detector.observer ? ` --adaptation ${eye.adaptation.name}` : "") + ` --exposure ${element("auto").checked ? "auto" : exposure}`);
+  const words = ["spectral develop", quoted(stack.facts.stack), "--detector", quoted(eye.detector.name), "--display", eye.display.name,
+    ...(eye.detector.observer ? ["--adaptation", eye.adaptation.name] : []), "--exposure", element("auto").checked ? "auto" : exposure];
+  set_text("commands", words.join(" "));
 }
 
 /* ---- spectra ---- */
@@ -310,6 +314,7 @@ function stack_curves() {
 }
 
 function stack_rows(values) {
+  if (!observer()) return [];
   const of_white = white_responses(observer(), white), xyz = apply(observer().weights, values);
   const rows = [["XYZ", figures(xyz, 4)], ["x, y", figures(chromaticity(xyz), 5)]];
   if (of_white) rows.push(["L*a*b*", figures(cielab(xyz, of_white), 3)]);
@@ -325,7 +330,7 @@ function show_stack_pixel() {
   if (pixel === null || pixel >= n_pixels) return;
   const curves = stack_curves(), name = stack.facts.objects[shown[pixel] - 1];
   set_text("picked", region ? `Region of ${region.n} pixels` : `Pixel ${place_of(pixel).join(", ")}${name ? ": " + name : ""}` +
-    (map ? `: ${map.values[pixel].toPrecision(4)}` : ""));
+    (map ? `: ${with_digits(4).format(map.values[pixel])}` : ""));
   show_numbers(stack_rows(curves[0].values));
   show_plot(curves);
   show_legend(curves);
@@ -445,6 +450,7 @@ function stack_menus() {
     element(id).replaceChildren();
     fill_select(element(id), scene[id + "s"].map(({name}) => name), Math.max(0, scene[id + "s"].findIndex(({name}) => name === selected)));
   }
+  element("stack-view").options[0].disabled = scene.detectors.length === 0;
   element("stack-view").value = scene.detectors.length > 0 ? "detector" : "band";
 }
 
@@ -463,7 +469,8 @@ function open_stack(opened) {
   show_names();
   set_text("about", `${facts.full_width} × ${facts.full_height} pixels, ${facts.bands} bands` +
     (facts.components ? " (components)" : ` from ${nm_text(0)} to ${nm_text(facts.bands - 1)}`) +
-    (facts.factor > 1 ? `; shown are means of ${facts.factor} × ${facts.factor} pixels: drop the stack onto the page to see all of it` : ""));
+    (facts.factor > 1 ? `; shown are means of ${facts.factor} × ${facts.factor} pixels: drop the stack onto the page to see all`
+      : ""));
   cursor = null;
   fit_frame();
   stack_menus();

@@ -57,8 +57,6 @@ function with_statement(text, name, words) {
   return text.slice(0, at) + `${name} ${words}\n` + text.slice(at);
 }
 
-const number_words = words => words.map(({text}) => Number(text));
-
 /* ---- the camera ---- */
 
 /* Writes a camera; keeps `near` and `far` only where the statement has them. */
@@ -98,8 +96,8 @@ function object_parts(statement) {
 }
 
 function parts_text(parts) {
-  return "object " + parts.map(({name, values}) =>
-    (name === "shape" ? values : [name, ...values]).map((value, i) => name === "shape" || i > 0 ? as_word(value) : value).join(" ")).join(" ");
+  const words = ({name, values}) => (name === "shape" ? [] : [name]).concat(values.map(as_word));
+  return ["object", ...parts.flatMap(words)].join(" ");
 }
 
 /* Changes the parts of the object whose statement begins in a line. */

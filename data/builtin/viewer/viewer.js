@@ -148,7 +148,7 @@ let kept = null;  /* {name, radiance, white}: a pixel for comparison, and the wh
 const hidden = new Set(); /* names of curves that are not drawn */
 
 /* XYZ needs an observer: a camera has no tristimulus values. */
-const observer = () => eye.detector.observer ? eye.detector : standard_observer;
+const observer = () => eye.detector && eye.detector.observer ? eye.detector : standard_observer;
 
 const object_name = surface => surface === 0 ? "background"
   : `${surface}. ${scene.objects[surface - 1].name} (${scene.objects[surface - 1].shape})`;
@@ -364,7 +364,7 @@ const is_stack = () => document.body.classList.contains("stack");
 
 function listen() {
   element("controls").addEventListener("input", event => is_live() ? redraw_live(event) : is_stack() || redraw_soon());
-  element("controls").addEventListener("reset", () => setTimeout(() => is_live() ? reset_live() : is_stack() ? redraw_stack() : redraw_soon()));
+  element("controls").addEventListener("reset", () => setTimeout(is_live() ? reset_live : is_stack() ? redraw_stack : redraw_soon));
   element("controls").addEventListener("submit", event => event.preventDefault());
   element("objects").addEventListener("change", pick_object);
   canvas.addEventListener("click", pick_by_pointer);
