@@ -219,7 +219,7 @@ static const struct option known_options[] = {
      TEXT(output)},
     {"--still", "the page draws one geometry, and cannot be edited", FOR_VIEW, FLAG(still)},
     {"--gallery", "a page of all built-in scenes", FOR_VIEW, FLAG(gallery)},
-    {"--budget MB", "the largest page of a stack (default: 40)", FOR_VIEW, TEXT(budget)},
+    {"--budget MB", "samples in the page of a stack, at most (default: 40)", FOR_VIEW, TEXT(budget)},
     {.heading = "cost:"},
     {"--observer, --detector NAME", "measures colour differences for it (default: cie1931)",
      FOR_COST, TEXT(detector)},

@@ -100,10 +100,10 @@ char *pack_marked_name(const char *scene)
 bool packing_make(const struct scene *scene, struct packing *out, struct error *err)
 {
     const char *path = scene->files[0].path;
-    *out = (struct packing){.above = strdup(path)};
+    *out = (struct packing){.above = strdup(path_is_builtin(path) ? "" : path)};
     bool done = out->above || error_memory(err);
-    if (done)
-        out->above[path_name(path) - path] = '\0';
+    if (done) /* a built-in scene has no folder: its options name files from the working folder */
+        out->above[path_name(out->above) - out->above] = '\0';
     done = done && inputs_list(scene, NULL, &out->inputs, err);
     for (int i = 0; done && i < scene->n_texts; i++)
         done = add(out, scene->files[i].path, err);

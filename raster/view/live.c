@@ -111,10 +111,8 @@ static bool add_files(const struct live_page *live, struct json *json, struct pr
 {
     const struct scene *scene = live->scene;
     struct packing packing = {.files = NULL};
-    bool done = true;
     json_open(json, "files", '[');
-    if (!path_is_builtin(scene->files[0].path))
-        done = packing_make(scene, &packing, err);
+    bool done = packing_make(scene, &packing, err);
     for (int i = 0; done && i < packing.n_files; i++)
         done = add_file(live, &packing.files[i], json, bytes, err);
     json_close(json, ']');

@@ -46,7 +46,7 @@ struct stack_result {
     int width, height, n_bands, factor; /* of the stack; the page shows means of factor x factor */
 };
 struct stack_page_options {
-    double budget_bytes; /* of a page, without the program that it holds */
+    double budget_bytes; /* of samples, as text of the page, before they are compressed */
     bool alone;          /* write the data alone, for a page that has opened the stack */
 };
 /* Writes a page of a stack, or of any cube that cube_open reads. Samples of TIFF files of whole

@@ -330,6 +330,15 @@ def opening(browser, which):
     write("tri.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     scene = write("my.scene", "wavelengths 400 700 50\ncamera ortho 3\nsize 90 60\nambient lamp.csv 0.5\n"
                               "light d65 1 position 1 2 3\nmaterial red red.txt\nobject sphere 1 material red\n")
+    browser.open(view("patches", "--size", "60x40", "--light", f"1={path_of('lamp.csv')}*0.5"))
+    run("render", "patches", "--renderer", "raster", "--no-check", "--quiet", "-o", path_of("native.tif"), "--size", "60x40",
+        "--light", f"1={path_of('lamp.csv')}*0.5")
+    check(message(browser) == "" and digest(download(browser, "save-stack", "patches.tif")) == digest(path_of("native.tif")),
+          f"{which}: a built-in scene under a light from a file", message(browser))
+    changes(browser, f"{which}, that scene", lambda: fill(browser, "size-width", "66"), lambda _, after: "size 66 40" in after and
+            f"light {path_of('lamp.csv')} 0.5 " in after)
+    fill(browser, "lights-1-intensity", "0.25")
+    check(browser.evaluate("scene.lights[0].intensity") == 0.25, f"{which}: a light of an option can be changed")
     page = view("colorchecker", "--size", "60x40")
     browser.open(page)
     drop(browser, scene, path_of("lamp.csv"), path_of("red.txt"))

@@ -29,8 +29,21 @@ async function with_includes(text, files) {
   return text;
 }
 
-/* Changes of the text for the options that have a statement; the others stay options. */
+const without_factor = value => value.replace(/[*][^*]*$/, "");
+
+/* Changes of the text for the options that have a statement; the others stay options, and so do those whose statement is
+ * in another file. The description has the intensities that the program has read. */
 const BAKED = {
+  "--light": (text, value) => {
+    const n = parseInt(value, 10) - 1, found = statements_of(text).filter(({words}) => words[0].text === "light")[n];
+    return found ? with_light(text, found.line, {intensity: scene.lights[n].intensity,
+      spectrum: without_factor(value.slice(value.indexOf("=") + 1))}) : null;
+  },
+  "--ambient": (text, value) => {
+    const all = statements_of(text).filter(({words}) => words[0].text === "ambient");
+    const rest = all.reverse().reduce((left, one) => replaced(left, one, ""), text);
+    return with_first_statement(rest, `ambient ${as_word(without_factor(value))} ${as_number(scene.ambients[0].intensity)}`);
+  },
   "--size": (text, value) => with_statement(text, "size", value.replace(/x/i, " ")),
   "--wavelengths": (text, value) => with_statement(text, "wavelengths", wavelength_words(value)),
   "--shading": (text, value) => with_statement(text, "shading", value),
@@ -42,8 +55,9 @@ function bake(text, words) {
   const left = [];
   for (const word of words) {
     const [name, value] = [word.slice(0, word.indexOf("=")), word.slice(word.indexOf("=") + 1)];
-    if (BAKED[name]) text = BAKED[name](text, value);
-    else left.push(word);
+    const next = BAKED[name] ? BAKED[name](text, value) : null;
+    if (next === null) left.push(word);
+    else text = next;
   }
   return {text, words: left};
 }
