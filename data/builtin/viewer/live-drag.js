@@ -40,7 +40,7 @@ function project(camera, place) {
 
 function set_camera(next) {
   camera = next;
-  edit(GEOMETRY, text => with_camera(text, next));
+  edit(GEOMETRY, text => with_camera(text, next), () => place_of_statement("camera"));
   show_handles();
 }
 

@@ -44,10 +44,21 @@ const BAKED = {
     const rest = all.reverse().reduce((left, one) => replaced(left, one, ""), text);
     return with_first_statement(rest, `ambient ${as_word(without_factor(value))} ${as_number(scene.ambients[0].intensity)}`);
   },
-  "--size": (text, value) => with_statement(text, "size", value.replace(/x/i, " ")),
-  "--wavelengths": (text, value) => with_statement(text, "wavelengths", wavelength_words(value)),
-  "--shading": (text, value) => with_statement(text, "shading", value),
+  "--size": (text, value) => with_own_statement(text, "size", value.replace(/x/i, " ")),
+  "--wavelengths": (text, value) => with_own_statement(text, "wavelengths", wavelength_words(value)),
+  "--shading": (text, value) => with_own_statement(text, "shading", value),
 };
+
+/* Puts a statement that a scene has once; null where an included file may have it. */
+const with_own_statement = (text, name, words) => statement_named(text, name) || !statement_named(text, "include")
+  ? with_statement(text, name, words) : null;
+
+/* Returns the place of a statement that a scene has once: the file that has it, or else the scene's own. */
+function place_of_statement(name) {
+  const has = file => typeof state.files[file] === "string" && statement_named(state.files[file], name);
+  const included = statements_of(text_of(state)).filter(({words}) => words[0].text === "include").map(({words}) => words[1].text);
+  return {file: [state.scene, ...included].find(has) || state.scene};
+}
 
 const wavelength_words = value => value.includes(":") ? value.replaceAll(":", " ") : "list " + value.replaceAll(",", " ");
 
@@ -98,17 +109,23 @@ function lines_are_known(of, error) {
  * place, if it is given, returns the {file, line} of a statement by the current description. Undo takes back all
  * edits of a group together. */
 function edit(concerns, change, place = null, group = gesture || {recorded: false}) {
-  pending_edits++;
-  show_busy();
-  edits = edits.then(async () => {
+  return queue_edit(async () => {
     if (!state.baked) commit(await editable(state), GEOMETRY | SPECTRA, group);
     if (place) await lines_known();
-    const at = place ? place() : {}, file = at.file in state.files ? at.file : state.scene;
+    const at = place ? place() : {file: state.scene}, file = at.file;
+    if (!(file in state.files)) throw new Error(`${file} is built in. Copy it into the scene to change it here.`);
     const result = change(state.files[file], at);
     const {text, files} = typeof result === "string" ? {text: result, files: {}} : result;
     if (text !== state.files[file])
       commit({...state, files: {...state.files, ...files, [file]: text}}, concerns, group);
-  }).catch(error => show_refusal(error.message)).finally(() => {
+  });
+}
+
+/* Does an edit after all earlier ones. */
+function queue_edit(act) {
+  pending_edits++;
+  show_busy();
+  edits = edits.then(act).catch(error => show_refusal(error.message)).finally(() => {
     pending_edits--;
     show_busy();
   });
@@ -130,6 +147,7 @@ function material_word(path) {
  * statement of its own. */
 function edit_object(concerns, change, group) {
   const number = chosen;
+  if (!chosen_object()) return edits;
   return edit(concerns, (text, object) => {
     const found = statement_at(text, object.line);
     if (found.words[0].text === "object") return with_object(text, object.line, change);

@@ -19,7 +19,6 @@ function count_frame({width}) {
   const now = performance.now();
   frames.push(now);
   while (frames.length > 1 && now - frames[0] > 1000) frames.shift();
-  document.body.dataset.frames = frames.length;
   set_text("progress", `${frames.length} pictures a second, ${width === shape.width ? "in full" : `${width} pixels wide`}`);
 }
 
@@ -37,7 +36,6 @@ function show_whole(answer, of) {
   refresh(of);
   set_text("progress", `Drawn in ${answer.ms.toFixed(0)} ms.`);
   show_text_error("");
-  document.body.dataset.shown = asked;
 }
 
 /* A scene that cannot be drawn: the last good picture stays. */
@@ -50,7 +48,6 @@ function refuse(error, of) {
 function show_refusal(error) {
   show_message(error);
   set_text("progress", "");
-  document.body.dataset.refused = asked;
 }
 
 /* ---- the names in menus ---- */
@@ -243,9 +240,9 @@ function listen_to_camera() {
   });
   for (const id of ["size-width", "size-height"])
     element(id).addEventListener("change", () => edit(GEOMETRY | SPECTRA, text => with_statement(text, "size",
-      `${element("size-width").value} ${element("size-height").value}`)));
+      `${element("size-width").value} ${element("size-height").value}`), () => place_of_statement("size")));
   element("wavelengths").addEventListener("change", ({target}) => edit(GEOMETRY | SPECTRA, text =>
-    with_statement(text, "wavelengths", wavelength_words(target.value))));
+    with_statement(text, "wavelengths", wavelength_words(target.value)), () => place_of_statement("wavelengths")));
   element("zoom-in").addEventListener("click", () => zoom_view(KEY_ZOOM));
   element("zoom-out").addEventListener("click", () => zoom_view(1 / KEY_ZOOM));
   for (const [name, key] of [["Left", "a"], ["Right", "d"], ["Up", "w"], ["Down", "s"]]) {
@@ -268,15 +265,25 @@ async function refresh_text() {
   if (element("text").value !== text) element("text").value = text;
 }
 
-let typing = 0;
+let typing = 0; /* the timer that waits for a pause; 0: all that was typed is taken */
 function type_text() {
   clearTimeout(typing);
-  typing = setTimeout(async () => {
-    const base = await editable(state), name = is_text(state) ? element("text-file").value : base.scene;
-    if (base.files[name] !== element("text").value)
-      commit({...base, files: {...base.files, [name]: element("text").value}}, GEOMETRY | SPECTRA);
-  }, 300);
+  typing = setTimeout(take_text, 300);
 }
+
+/* Takes the text that was typed. */
+function take_text() {
+  clearTimeout(typing);
+  typing = 0;
+  const typed = element("text").value, shown_file = element("text-file").value;
+  return queue_edit(async () => {
+    const base = await editable(state), name = is_text(state) ? shown_file : base.scene;
+    if (base.files[name] !== typed) commit({...base, files: {...base.files, [name]: typed}}, GEOMETRY | SPECTRA);
+  });
+}
+
+/* Waits until the state has all that was typed and changed so far. */
+const all_edits = () => typing ? take_text() : edits;
 
 /* Shows the message under the text, with a button that leads to its line. */
 function show_text_error(message) {
@@ -323,17 +330,10 @@ const eye_names = () => ({
   luminance: amount("luminance"),
 });
 
-function add_eye_menus() {
-  for (const [id, selected] of [["detector", "cie1931"], ["adaptation", "none"], ["display", "srgb"]]) {
-    const names = scene[id + "s"].map(({name}) => name);
-    element(id).replaceChildren();
-    fill_select(element(id), names, names.indexOf(selected));
-  }
-}
-
 /* ---- saving and opening ---- */
 
 async function save_scene() {
+  await all_edits();
   state.baked || commit(await editable(state), GEOMETRY | SPECTRA);
   const others = Object.keys(state.files).filter(name => name !== state.scene && text_of(state).includes(name));
   if (others.length === 0) return save_as(new Blob([text_of(state)], {type: "text/plain"}), state.scene);
@@ -342,6 +342,7 @@ async function save_scene() {
 }
 
 async function save_stack() {
+  await all_edits();
   set_text("progress", "Rendering the stack …");
   const {bytes, error} = await ask_apart({task: "make", path: "/" + file_stem(state.scene) + ".tif",
     words: ["render", state.scene, "--renderer=raster", "--no-check", ...state.words, "--quiet"]});
@@ -412,6 +413,7 @@ async function link_of_state() {
 }
 
 async function copy_link() {
+  await all_edits();
   const link = await link_of_state();
   history.replaceState(null, "", link);
   await navigator.clipboard?.writeText(link).catch(() => {});
@@ -556,12 +558,11 @@ let live_started = false;
 async function first_picture(link) {
   const drawer = drawers[0];
   drawer.send_files(state.files);
-  const ask = () => drawer.ask({task: "draw", words: [state.scene, ...state.words], size: [], keys: {...keys},
+  const answer = await drawer.ask({task: "draw", words: [state.scene, ...state.words], size: [], keys: {...keys},
     eye: link ? link.eye : eye_names(), exposure: link ? link.exposure : wanted_exposure(), whole: true});
-  const answer = await ask();
   if (answer.error) throw new Error(answer.error);
   set_scene(answer.description);
-  add_eye_menus();
+  fill_eye_menus();
   element("handles").replaceChildren();
   if (link) take_eye(link);
   show_picture(answer.painted);

@@ -31,6 +31,13 @@ async function unpack(text, format) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 }
 
+/* Reads the head of the program's data: the length of a JSON text in 11 digits, a line's end, and the text. `first` is the
+ * place of the samples behind it. */
+function read_head(bytes) {
+  const text = (start, end) => new TextDecoder().decode(bytes.subarray(start, end)), first = 12 + Number(text(0, 11));
+  return {facts: JSON.parse(text(12, first)), first};
+}
+
 /* Returns the indices of a pixel's positions. */
 function positions_of(pixel) {
   const [x, y] = place_of(pixel), first = (y * side * shape.width + x) * side;

@@ -13,9 +13,7 @@ function decode_counts(bytes, n) {
 
 /* Reads the data of a stack: see stack_page_write in the program. */
 function read_stack(bytes) {
-  const length = Number(new TextDecoder().decode(bytes.subarray(0, 11)));
-  const facts = JSON.parse(new TextDecoder().decode(bytes.subarray(12, 12 + length)));
-  const n = facts.width * facts.height, size = n * (facts.counts ? 2 : 4), first = 12 + length;
+  const {facts, first} = read_head(bytes), n = facts.width * facts.height, size = n * (facts.counts ? 2 : 4);
   const page = i => bytes.slice(first + i * size, first + (i + 1) * size), end = first + facts.bands * size;
   const decode = one => facts.counts ? decode_counts(one, n) : new Float32Array(one.buffer);
   const objects = facts.has_objects ? new Uint16Array(bytes.slice(end, end + 2 * n).buffer) : new Uint16Array(n);
@@ -446,10 +444,7 @@ function stack_menus() {
     element("band-" + name).replaceChildren();
     fill_select(element("band-" + name), names, nearest(nm));
   }
-  for (const [id, selected] of [["detector", "cie1931"], ["adaptation", "none"], ["display", "srgb"]]) {
-    element(id).replaceChildren();
-    fill_select(element(id), scene[id + "s"].map(({name}) => name), Math.max(0, scene[id + "s"].findIndex(({name}) => name === selected)));
-  }
+  fill_eye_menus();
   element("stack-view").options[0].disabled = scene.detectors.length === 0;
   element("stack-view").value = scene.detectors.length > 0 ? "detector" : "band";
 }

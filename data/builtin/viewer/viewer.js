@@ -37,9 +37,15 @@ const number_of = (kind, i) => kind === "lights" || scene[kind].length > 1 ? ` $
 function add_controls() {
   for (const [kind, name] of [["ambients", "Ambient"], ["lights", "Light"]])
     source_ids(kind).forEach((id, i) => add_source(name + number_of(kind, i), id, scene[kind][i]));
+  fill_eye_menus();
+}
+
+/* Fills the menus of the eye with what the description has. */
+function fill_eye_menus() {
   for (const [id, selected] of [["detector", "cie1931"], ["adaptation", "none"], ["display", "srgb"]]) {
     const names = scene[id + "s"].map(({name}) => name);
-    fill_select(element(id), names, names.indexOf(selected));
+    element(id).replaceChildren();
+    fill_select(element(id), names, Math.max(0, names.indexOf(selected)));
   }
 }
 

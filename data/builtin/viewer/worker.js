@@ -22,12 +22,11 @@ function make(words, path) {
 }
 
 function take_planes(bytes) {
-  const length = Number(new TextDecoder().decode(bytes.subarray(0, 11))), at = bytes.byteOffset + 12;
-  const shape = JSON.parse(new TextDecoder().decode(bytes.subarray(12, 12 + length)));
+  const {facts: shape, first} = read_head(bytes), at = bytes.byteOffset + first;
   const n = shape.width * shape.height * shape.positions ** 2;
   const n_values = shape.weight_scales.length + shape.texture_scales.length;
-  const values = Array.from({length: n_values}, (_, i) => new Float32Array(bytes.buffer, at + length + 4 * n * i, n));
-  set_planes(shape, {surfaces: new Uint16Array(bytes.buffer, at + length + 4 * n * n_values, n), values});
+  const values = Array.from({length: n_values}, (_, i) => new Float32Array(bytes.buffer, at + 4 * n * i, n));
+  set_planes(shape, {surfaces: new Uint16Array(bytes.buffer, at + 4 * n * n_values, n), values});
 }
 
 /* Describes the scene, unless the description is of these spectra, and, where the page wants all of it, of this geometry.
