@@ -239,10 +239,14 @@ function listen_to_camera() {
     if (target.valueAsNumber > 0) set_camera({...camera, extent: target.valueAsNumber});
   });
   for (const id of ["size-width", "size-height"])
-    element(id).addEventListener("change", () => edit(GEOMETRY | SPECTRA, text => with_statement(text, "size",
-      `${element("size-width").value} ${element("size-height").value}`), () => place_of_statement("size")));
-  element("wavelengths").addEventListener("change", ({target}) => edit(GEOMETRY | SPECTRA, text =>
-    with_statement(text, "wavelengths", wavelength_words(target.value)), () => place_of_statement("wavelengths")));
+    element(id).addEventListener("change", () => {
+      const size = `${element("size-width").value} ${element("size-height").value}`;
+      edit(GEOMETRY | SPECTRA, text => with_statement(text, "size", size), () => place_of_statement("size"));
+    });
+  element("wavelengths").addEventListener("change", ({target}) => {
+    const words = wavelength_words(target.value);
+    edit(GEOMETRY | SPECTRA, text => with_statement(text, "wavelengths", words), () => place_of_statement("wavelengths"));
+  });
   element("zoom-in").addEventListener("click", () => zoom_view(KEY_ZOOM));
   element("zoom-out").addEventListener("click", () => zoom_view(1 / KEY_ZOOM));
   for (const [name, key] of [["Left", "a"], ["Right", "d"], ["Up", "w"], ["Down", "s"]]) {
