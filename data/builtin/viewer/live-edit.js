@@ -110,7 +110,10 @@ function lines_are_known(of, error) {
  * edits of a group together. */
 function edit(concerns, change, place = null, group = gesture || {recorded: false}) {
   return queue_edit(async () => {
-    if (!state.baked) commit(await editable(state), GEOMETRY | SPECTRA, group);
+    if (!state.baked) {
+      commit(await editable(state), GEOMETRY | SPECTRA, group);
+      described_state = null; /* names of files and places have changed */
+    }
     if (place) await lines_known();
     const at = place ? place() : {file: state.scene}, file = at.file;
     if (!(file in state.files)) throw new Error(`${file} is built in. Copy it into the scene to change it here.`);
