@@ -99,10 +99,11 @@ function begin_gesture() {
   gesture = {recorded: false, moving: true};
 }
 
-/* Ends a gesture when its last edit is made, and asks for the whole picture. */
+/* Ends a gesture, and asks for the whole picture: now, as an edit may wait for it, and when the last edit is made. */
 function end_gesture() {
   const of = gesture;
   gesture = null;
+  want(false);
   edits.then(() => { if (of) of.moving = false; want(false); });
 }
 

@@ -153,6 +153,10 @@ function end_late(newest, patience_ms) {
   });
 }
 
+/* Returns whether the newest picture that was asked for is a whole one: a coarser one comes without its description. */
+const whole_is_coming = () => wanted ? !wanted.moving
+  : drawers.some(one => one.since !== null && one.picture === asked && one.whole);
+
 /* Readers of the screen, and tests, see whether the picture is the one that was asked for. */
 let pending_edits = 0;
 function show_busy() {
@@ -169,6 +173,7 @@ async function pump() {
   wanted = null;
   drawer.since = performance.now();
   drawer.picture = number;
+  drawer.whole = !moving;
   drawer.send_files(of.files);
   const answer = await drawer.ask({task: "draw", words: [of.scene, ...of.words], size: coarse_words(factor),
     keys: {...keys}, eye: eye_names(), exposure: wanted_exposure(), whole: !moving});

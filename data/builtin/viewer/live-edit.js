@@ -95,7 +95,7 @@ const n_lines = state => Object.values(state.files).map(text =>
 /* Waits until the description has the places of statements in the present text. */
 async function lines_known() {
   if (described_state && state.baked && n_lines(described_state) === n_lines(state)) return;
-  if (!wanted && drawers.every(one => one.since === null)) want(false);
+  if (!whole_is_coming()) want(false);
   await new Promise((then, fail) => waiting_for_lines.push({then, fail}));
 }
 
